@@ -1,0 +1,20 @@
+"""The exceptions of stereorecal."""
+
+
+class InputError(ValueError):
+    """The caller's data or options cannot be used; the message is one sentence that says what to do.
+
+    The command line turns it into exit code 2.
+    """
+
+
+class UnsupportedModelError(InputError):
+    """A camera model that no pinhole rectification can represent (fisheye, omnidirectional, ...)."""
+
+
+class StrategyError(RuntimeError):
+    """A strategy crashed; the message names its distribution and version."""
+
+
+class BudgetExhausted(Exception):
+    """Raised by an objective whose budget is spent. A strategy lets it pass."""

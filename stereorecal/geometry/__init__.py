@@ -1,0 +1,29 @@
+"""Cameras, rigs, rotations, rectification, warps: pure functions and frozen pytrees."""
+
+from stereorecal.geometry._camera import Camera as Camera
+from stereorecal.geometry._distortion import distort as distort, undistort as undistort
+from stereorecal.geometry._images import (
+    Pair as Pair,
+    Scene as Scene,
+    check_pairs as check_pairs,
+    make_pair as make_pair,
+)
+from stereorecal.geometry._rectification import (
+    View as View,
+    rectifying_rotations as rectifying_rotations,
+    view as view,
+)
+from stereorecal.geometry._rig import AXES as AXES, StereoRig as StereoRig
+from stereorecal.geometry._so3 import (
+    angle_between as angle_between,
+    euler_from_rotation as euler_from_rotation,
+    rotation_from_euler as rotation_from_euler,
+    rotation_from_vector as rotation_from_vector,
+    vector_from_rotation as vector_from_rotation,
+)
+from stereorecal.geometry._warp import (
+    bilinear_warp as bilinear_warp,
+    mapped_area as mapped_area,
+    pixel_map as pixel_map,
+    rectifying_maps as rectifying_maps,
+)

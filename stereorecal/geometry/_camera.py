@@ -1,0 +1,79 @@
+"""One camera: image size, pinhole matrix, distortion."""
+
+from dataclasses import dataclass, field
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal._arrays import AnyArray, Mat3, is_host
+from stereorecal._errors import InputError, UnsupportedModelError
+from stereorecal._pytree import register_pytree
+from stereorecal.geometry._distortion import COEFFICIENT_COUNTS, distort, field_radius, undistort
+
+
+@register_pytree
+@dataclass(frozen=True, eq=False)
+class Camera:
+    """A pinhole camera with OpenCV distortion. Frame: x right, y down, z forward; pixel centres at integers.
+
+    Attributes:
+        size: (width, height) in pixels.
+        matrix: (3, 3) float64, OpenCV's camera matrix, in pixels.
+        distortion: (n,) float64, n in 0, 4, 5, 8, 12, 14, in OpenCV's order.
+        lens_radius: largest undistorted radius the lens model is good for; derived from the distortion by default.
+
+    Raises:
+        InputError: if the matrix is singular, negative, skewed or not finite, or the size is not positive.
+        UnsupportedModelError: if the number of coefficients is none of OpenCV's.
+    """
+
+    size: tuple[int, int] = field(metadata={"static": True})
+    matrix: Mat3
+    distortion: Float[AnyArray, "n"] = field(default_factory=lambda: np.zeros(0))
+    lens_radius: float | Float[AnyArray, ""] = float("nan")
+
+    def __post_init__(self) -> None:
+        if not is_host(self.matrix, self.distortion):
+            return
+        matrix, distortion = np.array(self.matrix, float), np.array(self.distortion, float).reshape(-1)
+        if len(self.size) != 2 or min(self.size) < 1:
+            raise InputError(f"the image size {self.size} is not (width, height) in pixels; correct it.")
+        if not (np.isfinite(matrix).all() and np.isfinite(distortion).all()):
+            raise InputError("the intrinsics contain NaN or infinite numbers; correct the calibration.")
+        if min(matrix[0, 0], matrix[1, 1]) <= 0 or not np.array_equal(matrix[2], [0.0, 0.0, 1.0]):
+            raise InputError(
+                "the camera matrix is singular or negative; it must be [[fx 0 cx] [0 fy cy] [0 0 1]] with positive "
+                "focal lengths: correct the calibration."
+            )
+        if matrix[0, 1] != 0 or matrix[1, 0] != 0:
+            raise InputError("the camera matrix has skew, which is not supported; recalibrate without skew.")
+        if distortion.size not in COEFFICIENT_COUNTS:
+            raise UnsupportedModelError(
+                f"a distortion of {distortion.size} coefficients is not supported; give OpenCV's 0, 4, 5, 8, 12 or 14."
+            )
+        object.__setattr__(self, "size", (int(self.size[0]), int(self.size[1])))
+        object.__setattr__(self, "matrix", matrix)
+        object.__setattr__(self, "distortion", distortion)
+        if np.isnan(self.lens_radius):
+            object.__setattr__(self, "lens_radius", np.float64(field_radius(distortion)))
+
+    def resized(self, size: tuple[int, int]) -> "Camera":
+        """The camera of the same image resampled to `size` (area convention: pixel corners stay corners)."""
+        scale = np.array([size[0] / self.size[0], size[1] / self.size[1], 1.0])
+        matrix = self.matrix * scale[:, None]
+        centre = (np.asarray(self.matrix)[:2, 2] + 0.5) * scale[:2] - 0.5
+        matrix[:2, 2] = centre
+        return Camera(size, matrix, self.distortion, self.lens_radius)
+
+    def project(self, points: Float[AnyArray, "*n 3"]) -> Float[AnyArray, "*n 2"]:
+        """Points in the camera frame (any unit, z > 0) to pixels."""
+        distorted = distort(points[..., :2] / points[..., 2:], self.distortion)
+        focal = self.matrix[(0, 1), (0, 1)]
+        return distorted * focal + self.matrix[:2, 2]
+
+    def rays(self, pixels: Float[AnyArray, "*n 2"]) -> Float[AnyArray, "*n 3"]:
+        """Pixels to rays (x/z, y/z, 1) in the camera frame, float32."""
+        focal = self.matrix[(0, 1), (0, 1)]
+        normalised = undistort((pixels - self.matrix[:2, 2]) / focal, self.distortion)
+        return jnp.concatenate([normalised, jnp.ones_like(normalised[..., :1])], axis=-1)

@@ -1,0 +1,89 @@
+"""OpenCV's lens distortion: none, 4, 5, 8, 12 or 14 coefficients (k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4 tx ty)."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal._arrays import AnyArray, namespace
+
+COEFFICIENT_COUNTS = (0, 4, 5, 8, 12, 14)
+
+
+def distort(points: Float[AnyArray, "*n 2"], coefficients: Float[AnyArray, "c"]) -> Float[AnyArray, "*n 2"]:
+    """Distort normalised image points (x/z, y/z), as OpenCV's `projectPoints` does."""
+    count = coefficients.shape[0]
+    if count == 0:
+        return points
+    xp = namespace(points, coefficients)
+    k1, k2, p1, p2 = coefficients[:4]
+    x, y = points[..., 0], points[..., 1]
+    r2 = x * x + y * y
+    k3 = coefficients[4] if count >= 5 else 0.0
+    radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))
+    if count >= 8:
+        k4, k5, k6 = coefficients[5:8]
+        radial = radial / (1.0 + r2 * (k4 + r2 * (k5 + r2 * k6)))
+    xd = x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x)
+    yd = y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y
+    if count >= 12:
+        s1, s2, s3, s4 = coefficients[8:12]
+        xd = xd + r2 * (s1 + r2 * s2)
+        yd = yd + r2 * (s3 + r2 * s4)
+    if count == 14:
+        (m00, m01, m02), (m10, m11, m12), (m20, m21, m22) = _tilt_matrix(coefficients[12], coefficients[13])
+        w = m20 * xd + m21 * yd + m22
+        xd, yd = (m00 * xd + m01 * yd + m02) / w, (m10 * xd + m11 * yd + m12) / w
+    return xp.stack([xd, yd], axis=-1)
+
+
+def _tilt_matrix(tau_x, tau_y):
+    """The projective map of a tilted sensor (OpenCV documentation, "Camera calibration", eq. for tau)."""
+    xp = namespace(tau_x, tau_y)
+    cx, sx, cy, sy = xp.cos(tau_x), xp.sin(tau_x), xp.cos(tau_y), xp.sin(tau_y)
+    # R = Ry(tau_y) Rx(tau_x), then a projection back onto the plane z = 1.
+    r00, r01, r02 = cy, sx * sy, -cx * sy
+    r10, r11, r12 = 0.0, cx, sx
+    r20, r21, r22 = sy, -sx * cy, cx * cy
+    return (
+        (r22 * r00 - r02 * r20, r22 * r01 - r02 * r21, r22 * r02 - r02 * r22),
+        (r22 * r10 - r12 * r20, r22 * r11 - r12 * r21, r22 * r12 - r12 * r22),
+        (r20, r21, r22),
+    )
+
+
+def undistort(
+    points: Float[AnyArray, "*n 2"], coefficients: Float[AnyArray, "c"], iterations: int = 12
+) -> Float[jax.Array, "*n 2"]:
+    """Invert `distort` by Newton's method; exact to float32 where the model is monotone."""
+    target = jnp.asarray(points, jnp.float32).reshape(-1, 2)
+    coefficients = jnp.asarray(coefficients, jnp.float32)
+    if coefficients.shape[0] == 0:
+        return target.reshape(points.shape)
+
+    def newton(point: jax.Array, goal: jax.Array) -> jax.Array:
+        def step(_, p):
+            error = distort(p, coefficients) - goal
+            (a, b), (c, d) = jax.jacfwd(lambda q: distort(q, coefficients))(p)
+            determinant = a * d - b * c
+            update = jnp.stack([d * error[0] - b * error[1], a * error[1] - c * error[0]]) / determinant
+            # A bounded step keeps the far corners of wide lenses from jumping over the model's turning point.
+            return p - update / jnp.maximum(1.0, 4.0 * jnp.linalg.norm(update))
+
+        return jax.lax.fori_loop(0, iterations, step, point)
+
+    return jax.vmap(newton)(target, target).reshape(points.shape)
+
+
+def field_radius(coefficients: Float[np.ndarray, "c"], limit: float = 8.0) -> float:
+    """Largest undistorted radius (tan of the angle off axis) up to which the radial model is monotone.
+
+    Beyond it the polynomial folds back into the image, and pixels there would show the wrong rays.
+    """
+    radii = np.linspace(0.0, limit, 4001)
+    points = np.stack([radii, np.zeros_like(radii)], axis=-1)
+    radial_only = np.array(coefficients, float)
+    radial_only[2:4] = 0.0
+    radial_only[8:] = 0.0
+    falling = np.diff(distort(points, radial_only)[:, 0]) <= 0.0
+    return float(radii[np.argmax(falling)]) if falling.any() else limit

@@ -1,0 +1,139 @@
+"""Stereo image pairs and scenes."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import cv2
+import numpy as np
+from jaxtyping import Float, Num
+
+from stereorecal._errors import InputError
+from stereorecal.geometry._rig import StereoRig
+
+# Rec. 601 luma, as OpenCV's.
+_LUMA = {"rgb": (0.299, 0.587, 0.114), "bgr": (0.114, 0.587, 0.299)}
+
+
+@dataclass(frozen=True, eq=False)
+class Pair:
+    """One synchronous pair of grey images, (h, w) float32 in 0..255.
+
+    Attributes:
+        left, right: the images; use `make_pair` for colour or more than 8 bit.
+        name: what people call the pair.
+        origin: None, or (function, arguments) that make the pair again: a pair that came from files is pickled as
+            its paths, not as pixels.
+    """
+
+    left: Float[np.ndarray, "h w"]
+    right: Float[np.ndarray, "h w"]
+    name: str = "pair"
+    origin: tuple[Callable[..., "Pair"], tuple[Any, ...]] | None = field(default=None, repr=False)
+
+    def __post_init__(self) -> None:
+        if self.left.shape != self.right.shape:
+            raise InputError(
+                f"{self.name}: the left image is {_size_text(self.left)} and the right one {_size_text(self.right)}; "
+                "both must have the same size."
+            )
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """(width, height) in pixels."""
+        return self.left.shape[1], self.left.shape[0]
+
+    def resized(self, size: tuple[int, int]) -> "Pair":
+        """The pair resampled to `size` (width, height) by area averaging."""
+        if size == self.size:
+            return self
+        shrink = [cv2.resize(image, size, interpolation=cv2.INTER_AREA) for image in (self.left, self.right)]
+        return Pair(shrink[0], shrink[1], self.name)
+
+    def __reduce__(self):
+        if self.origin is not None:
+            return self.origin
+        return Pair, (self.left, self.right, self.name)
+
+
+def make_pair(
+    left: Num[np.ndarray, "..."],
+    right: Num[np.ndarray, "..."],
+    *,
+    channels: str = "rgb",
+    name: str = "pair",
+    origin: tuple[Callable[..., Pair], tuple[Any, ...]] | None = None,
+) -> Pair:
+    """A Pair from grey (h, w) or colour (h, w, 3 or 4) images of 8 to 16 bit or floating point.
+
+    8-bit values stay as they are. Anything wider is scaled once for both images, so that their common maximum is 255.
+
+    Args:
+        channels: "rgb" or "bgr", the order of the first three channels of colour images.
+
+    Raises:
+        InputError: if sizes differ, values are NaN or infinite, or an image is constant.
+    """
+    if channels not in _LUMA:
+        raise InputError(f"unknown channel order {channels!r}; use 'rgb' or 'bgr'.")
+    eight_bit = left.dtype == np.uint8 and right.dtype == np.uint8
+    grey_left, grey_right = (_grey(image, channels, f"{name}, {side}") for image, side in ((left, "left"), (right, "right")))
+    if not eight_bit:
+        largest = max(grey_left.max(), grey_right.max())
+        grey_left, grey_right = grey_left * (255.0 / largest), grey_right * (255.0 / largest)
+    pair = Pair(grey_left.astype(np.float32), grey_right.astype(np.float32), name, origin)
+    return pair
+
+
+def _grey(image: np.ndarray, channels: str, name: str) -> np.ndarray:
+    if image.ndim == 3 and image.shape[2] == 1:
+        image = image[..., 0]
+    if not (image.ndim == 2 or (image.ndim == 3 and image.shape[2] in (3, 4))) or min(image.shape[:2]) < 2:
+        raise InputError(f"{name}: an array of shape {image.shape} is no image; give (h, w) or (h, w, 3).")
+    if image.dtype.kind == "f" and not np.isfinite(image).all():
+        raise InputError(f"{name}: the image contains NaN or infinite values; mask or replace them.")
+    if image.ndim == 3:
+        image = image[..., :3].astype(np.float32) @ np.array(_LUMA[channels], np.float32)
+    if image.min() == image.max():
+        kind = "all black" if image.max() == 0 else "constant"
+        raise InputError(f"{name}: the image is {kind}; there is nothing to match: check the camera or the file.")
+    return image.astype(np.float32)
+
+
+def _size_text(image: np.ndarray) -> str:
+    return f"{image.shape[1]}x{image.shape[0]}"
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """A rig (None without calibration) and the pairs it took.
+
+    Attributes:
+        reference: what `rig` is worth as a reference: "truth" (synthetic) or "stored" (a calibration from a file).
+        info: other facts about the scene, carried along untouched.
+    """
+
+    name: str
+    rig: StereoRig | None
+    pairs: tuple[Pair, ...]
+    reference: str = "stored"
+    info: Mapping[str, Any] = field(default_factory=dict, repr=False)
+
+
+def check_pairs(rig: StereoRig, pairs: tuple[Pair, ...] | list[Pair]) -> tuple[Pair, ...]:
+    """The pairs as a tuple, if there is at least one and all have the size that the calibration says.
+
+    Raises:
+        InputError: otherwise.
+    """
+    pairs = tuple(pairs)
+    if not pairs:
+        raise InputError("no image pair was given; give at least one.")
+    for pair in pairs:
+        if not rig.left.size == rig.right.size == pair.size:
+            raise InputError(
+                f"{pair.name}: the images are {pair.size[0]}x{pair.size[1]}, but the calibration is for "
+                f"{rig.left.size[0]}x{rig.left.size[1]} (left) and {rig.right.size[0]}x{rig.right.size[1]} (right); "
+                "use images and calibration of the same size."
+            )
+    return pairs

@@ -1,0 +1,93 @@
+"""The stereo rig: two cameras and the six extrinsic parameters between them."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from stereorecal._arrays import Extrinsics, Mat3, Vec3, is_host, namespace
+from stereorecal._errors import InputError
+from stereorecal._pytree import register_pytree
+from stereorecal.geometry._camera import Camera
+from stereorecal.geometry._so3 import euler_from_rotation, rotation_from_euler
+
+AXES = ("pitch", "yaw", "roll", "x", "y", "z")
+
+
+@register_pytree
+@dataclass(frozen=True, eq=False)
+class StereoRig:
+    """Two cameras and `x_right = R x_left + T` (paper, eq. 1).
+
+    Attributes:
+        left, right: the cameras.
+        extrinsics: (6,) float64: pitch, yaw, roll [rad], x, y, z [m];
+            `R = Rz(roll) Ry(yaw) Rx(pitch)`, `T = (x, y, z)`. Kept exactly as given.
+
+    Raises:
+        InputError: if the extrinsics are not finite, the baseline is zero, the cameras are swapped
+            (x > 0) or stand one above or behind the other.
+    """
+
+    left: Camera
+    right: Camera
+    extrinsics: Extrinsics
+
+    def __post_init__(self) -> None:
+        if not is_host(self.extrinsics):
+            return
+        extrinsics = np.array(self.extrinsics, float)
+        if extrinsics.shape != (6,) or not np.isfinite(extrinsics).all():
+            raise InputError("the extrinsics must be six finite numbers (pitch, yaw, roll, x, y, z); correct them.")
+        x, y, z = extrinsics[3:]
+        if not np.any(extrinsics[3:]):
+            raise InputError("the baseline is zero: the translation T from left to right must not vanish; correct it.")
+        if x >= 0 and abs(x) >= max(abs(y), abs(z)):
+            raise InputError(
+                "left and right are swapped: T[0] must be negative (x_right = R x_left + T); exchange the cameras."
+            )
+        if abs(x) <= max(abs(y), abs(z)):
+            raise InputError(
+                "the cameras stand above or behind each other; only side-by-side rigs (|T[0]| largest) are supported."
+            )
+        object.__setattr__(self, "extrinsics", extrinsics)
+
+    @staticmethod
+    def from_rotation(left: Camera, right: Camera, rotation: Mat3, translation: Vec3) -> "StereoRig":
+        """A rig from R (3, 3) and T (3,) [m] with `x_right = R x_left + T`.
+
+        Raises:
+            InputError: if R is not a rotation (orthonormal to 1e-3, determinant +1).
+        """
+        rotation = np.array(rotation, float).reshape(3, 3)
+        if not np.isfinite(rotation).all():
+            raise InputError("the rotation R contains NaN or infinite numbers; correct the calibration.")
+        if np.abs(rotation @ rotation.T - np.eye(3)).max() > 1e-3 or np.linalg.det(rotation) < 0:
+            raise InputError("R is not a rotation (orthonormal, determinant +1); correct the calibration.")
+        # Files carry R with few digits: take the nearest rotation.
+        u, _, vt = np.linalg.svd(rotation)
+        angles = euler_from_rotation(u @ vt)
+        return StereoRig(left, right, np.concatenate([angles, np.array(translation, float).reshape(3)]))
+
+    @property
+    def rotation(self) -> Mat3:
+        """R, (3, 3)."""
+        return rotation_from_euler(self.extrinsics[:3])
+
+    @property
+    def translation(self) -> Vec3:
+        """T, (3,) [m]."""
+        return self.extrinsics[3:]
+
+    @property
+    def baseline(self):
+        """|T| [m]."""
+        xp = namespace(self.extrinsics)
+        return xp.sqrt(xp.sum(self.extrinsics[3:] ** 2))
+
+    def with_extrinsics(self, extrinsics: Extrinsics) -> "StereoRig":
+        """The same cameras with other extrinsics (6,), float64 kept exactly."""
+        return replace(self, extrinsics=extrinsics)
+
+    def resized(self, size: tuple[int, int]) -> "StereoRig":
+        """The rig whose images are resampled to `size` (width, height)."""
+        return replace(self, left=self.left.resized(size), right=self.right.resized(size))

@@ -1,0 +1,79 @@
+"""Pixel maps, the bilinear warp and the area of a view that an image covers."""
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Bool, Float
+
+from stereorecal._arrays import AnyArray, Mat3
+from stereorecal.geometry._camera import Camera
+from stereorecal.geometry._distortion import distort
+from stereorecal.geometry._rectification import View, rectifying_rotations
+
+PixelMap = Float[AnyArray, "h w 2"]
+
+
+def pixel_map(camera: Camera, rotation: Mat3, matrix: Mat3, size: tuple[int, int]) -> PixelMap:
+    """Where each pixel of a rectified view comes from in the camera's image.
+
+    Same as `cv2.initUndistortRectifyMap(K, D, rotation, matrix, size)`, float32, except that pixels behind the
+    camera or beyond the radius at which the lens model folds back lie at (-1, -1), outside every image.
+
+    Args:
+        rotation: (3, 3) camera frame to rectified frame.
+        matrix: (3, 3) camera matrix of the view.
+        size: (width, height) of the view.
+    """
+    columns = (jnp.arange(size[0], dtype=jnp.float32) - matrix[0, 2]) / matrix[0, 0]
+    rows = (jnp.arange(size[1], dtype=jnp.float32) - matrix[1, 2]) / matrix[1, 1]
+    x, y = columns[None, :], rows[:, None]
+    r = rotation  # rays of the view, turned back by the transpose
+    ray_x = r[0, 0] * x + r[1, 0] * y + r[2, 0]
+    ray_y = r[0, 1] * x + r[1, 1] * y + r[2, 1]
+    ray_z = r[0, 2] * x + r[1, 2] * y + r[2, 2]
+    forward = ray_z > 1e-3
+    inverse_z = 1.0 / jnp.where(forward, ray_z, 1.0)
+    points = jnp.stack([ray_x * inverse_z, ray_y * inverse_z], axis=-1)
+    seen = forward & (jnp.sum(points * points, axis=-1) < camera.lens_radius**2)
+    focal = jnp.stack([camera.matrix[0, 0], camera.matrix[1, 1]])
+    coordinates = distort(points, camera.distortion) * focal + camera.matrix[:2, 2]
+    return jnp.where(seen[..., None], coordinates, -1.0)
+
+
+def rectifying_maps(
+    left: Camera, right: Camera, rotation: Mat3, translation: AnyArray, view: View
+) -> tuple[PixelMap, PixelMap]:
+    """The pixel maps of both cameras for one set of extrinsics in one View."""
+    r1, r2 = rectifying_rotations(rotation, translation)
+    return (
+        pixel_map(left, r1, view.matrix_left, view.size),
+        pixel_map(right, r2, view.matrix_right, view.size),
+    )
+
+
+def bilinear_warp(image: Float[AnyArray, "height width"], coordinates: PixelMap) -> Float[jax.Array, "h w"]:
+    """Sample `image` at pixel coordinates (x, y), as `cv2.remap` with INTER_LINEAR and BORDER_REPLICATE.
+
+    The border is repeated, not blackened: a black border is an edge that a matcher would match. `mapped_area`
+    says which pixels are real.
+    """
+    height, width = image.shape
+    x = jnp.clip(coordinates[..., 0], 0.0, width - 1.0)
+    y = jnp.clip(coordinates[..., 1], 0.0, height - 1.0)
+    x0 = jnp.minimum(x.astype(jnp.int32), width - 2)
+    y0 = jnp.minimum(y.astype(jnp.int32), height - 2)
+    fx, fy = x - x0, y - y0
+    corner = y0 * width + x0
+    flat = jnp.asarray(image).reshape(-1)
+
+    def at(offset: int) -> jax.Array:
+        return flat.at[corner + offset].get(mode="promise_in_bounds")
+
+    top = at(0) + fx * (at(1) - at(0))
+    bottom = at(width) + fx * (at(width + 1) - at(width))
+    return top + fy * (bottom - top)
+
+
+def mapped_area(coordinates: PixelMap, size: tuple[int, int]) -> Bool[AnyArray, "h w"]:
+    """Pixels of a view whose source lies inside an image of `size` (width, height)."""
+    x, y = coordinates[..., 0], coordinates[..., 1]
+    return (x >= 0) & (x <= size[0] - 1) & (y >= 0) & (y <= size[1] - 1)
