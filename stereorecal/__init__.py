@@ -1,0 +1,44 @@
+"""stereorecal: repair the extrinsic calibration of a stereo rig from ordinary images."""
+
+from stereorecal import geometry as geometry, io as io, synthetic as synthetic, testing as testing
+from stereorecal._errors import (
+    InputError as InputError,
+    StrategyError as StrategyError,
+    UnsupportedModelError as UnsupportedModelError,
+)
+from stereorecal.comparison import (
+    Comparison as Comparison,
+    Drift as Drift,
+    compare as compare,
+    compare_scenes as compare_scenes,
+)
+from stereorecal.geometry import (
+    Camera as Camera,
+    Pair as Pair,
+    Scene as Scene,
+    StereoRig as StereoRig,
+    View as View,
+    make_pair as make_pair,
+    view as view,
+)
+from stereorecal.matching import BM as BM, SAD as SAD, SGBM as SGBM, Disparity as Disparity
+from stereorecal.recalibration import (
+    Reason as Reason,
+    Schedule as Schedule,
+    Solution as Solution,
+    recalibrate as recalibrate,
+)
+from stereorecal.scoring import (
+    Score as Score,
+    disparity as disparity,
+    rectify as rectify,
+    score as score,
+)
+from stereorecal.strategies import (
+    Budget as Budget,
+    Reach as Reach,
+    Status as Status,
+    objective as objective,
+    strategies as strategies,
+    strategy as strategy,
+)

@@ -12,6 +12,10 @@ class UnsupportedModelError(InputError):
     """A camera model that no pinhole rectification can represent (fisheye, omnidirectional, ...)."""
 
 
+class NeedNotMet(InputError):
+    """The objective does not offer what a strategy needs; in a comparison, a SKIPPED row."""
+
+
 class StrategyError(RuntimeError):
     """A strategy crashed; the message names its distribution and version."""
 

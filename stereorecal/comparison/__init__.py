@@ -1,0 +1,10 @@
+"""Comparisons: strategies x draws x scenes."""
+
+from stereorecal.comparison._compare import (
+    Drift as Drift,
+    compare as compare,
+    compare_scenes as compare_scenes,
+)
+from stereorecal.comparison._comparison import SCHEMA as SCHEMA, Comparison as Comparison
+from stereorecal.comparison._summary import Summary as Summary, Thresholds as Thresholds, summarise as summarise
+from stereorecal.comparison._trial import Trial as Trial

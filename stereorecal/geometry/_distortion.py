@@ -1,5 +1,7 @@
 """OpenCV's lens distortion: none, 4, 5, 8, 12 or 14 coefficients (k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4 tx ty)."""
 
+from functools import partial
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -56,12 +58,16 @@ def undistort(
     points: Float[AnyArray, "*n 2"], coefficients: Float[AnyArray, "c"], iterations: int = 12
 ) -> Float[jax.Array, "*n 2"]:
     """Invert `distort` by Newton's method; exact to float32 where the model is monotone."""
-    target = jnp.asarray(points, jnp.float32).reshape(-1, 2)
-    coefficients = jnp.asarray(coefficients, jnp.float32)
     if coefficients.shape[0] == 0:
-        return target.reshape(points.shape)
+        return jnp.asarray(points, jnp.float32)
+    return _undistort(jnp.asarray(points, jnp.float32), jnp.asarray(coefficients, jnp.float32), iterations)
 
-    def newton(point: jax.Array, goal: jax.Array) -> jax.Array:
+
+@partial(jax.jit, static_argnums=2)  # or else every call outside a trace compiles the loop again
+def _undistort(
+    points: Float[jax.Array, "*n 2"], coefficients: Float[jax.Array, "c"], iterations: int
+) -> Float[jax.Array, "*n 2"]:
+    def newton(goal: jax.Array) -> jax.Array:
         def step(_, p):
             error = distort(p, coefficients) - goal
             (a, b), (c, d) = jax.jacfwd(lambda q: distort(q, coefficients))(p)
@@ -70,9 +76,9 @@ def undistort(
             # A bounded step keeps the far corners of wide lenses from jumping over the model's turning point.
             return p - update / jnp.maximum(1.0, 4.0 * jnp.linalg.norm(update))
 
-        return jax.lax.fori_loop(0, iterations, step, point)
+        return jax.lax.fori_loop(0, iterations, step, goal)
 
-    return jax.vmap(newton)(target, target).reshape(points.shape)
+    return jax.vmap(newton)(points.reshape(-1, 2)).reshape(points.shape)
 
 
 def field_radius(coefficients: Float[np.ndarray, "c"], limit: float = 8.0) -> float:

@@ -24,10 +24,13 @@ class Pair:
         name: what people call the pair.
         origin: None, or (function, arguments) that make the pair again: a pair that came from files is pickled as
             its paths, not as pixels.
+
+    Raises:
+        InputError: if the images differ in size.
     """
 
     left: Float[np.ndarray, "h w"]
-    right: Float[np.ndarray, "h w"]
+    right: Float[np.ndarray, "h_right w_right"]  # the same, or an InputError says otherwise
     name: str = "pair"
     origin: tuple[Callable[..., "Pair"], tuple[Any, ...]] | None = field(default=None, repr=False)
 
@@ -72,11 +75,15 @@ def make_pair(
         channels: "rgb" or "bgr", the order of the first three channels of colour images.
 
     Raises:
-        InputError: if sizes differ, values are NaN or infinite, or an image is constant.
+        InputError: if sizes or depths differ, values are NaN, infinite or negative, or an image is constant.
     """
     if channels not in _LUMA:
         raise InputError(f"unknown channel order {channels!r}; use 'rgb' or 'bgr'.")
-    eight_bit = left.dtype == np.uint8 and right.dtype == np.uint8
+    eight_bit = left.dtype == np.uint8
+    if eight_bit != (right.dtype == np.uint8):
+        raise InputError(
+            f"{name}: the left image is {left.dtype} and the right one {right.dtype}; give both the same depth."
+        )
     grey_left, grey_right = (_grey(image, channels, f"{name}, {side}") for image, side in ((left, "left"), (right, "right")))
     if not eight_bit:
         largest = max(grey_left.max(), grey_right.max())
@@ -92,6 +99,8 @@ def _grey(image: np.ndarray, channels: str, name: str) -> np.ndarray:
         raise InputError(f"{name}: an array of shape {image.shape} is no image; give (h, w) or (h, w, 3).")
     if image.dtype.kind == "f" and not np.isfinite(image).all():
         raise InputError(f"{name}: the image contains NaN or infinite values; mask or replace them.")
+    if image.min() < 0:
+        raise InputError(f"{name}: the image contains negative values; shift or clip them.")
     if image.ndim == 3:
         image = image[..., :3].astype(np.float32) @ np.array(_LUMA[channels], np.float32)
     if image.min() == image.max():

@@ -90,7 +90,7 @@ def rotation_between(a: Vec3, b: Vec3) -> Mat3:
     return xp.eye(3, dtype=k.dtype) + k + k @ k / (1.0 + xp.sum(a * b))
 
 
-def angle_between(a: Mat3, b: Mat3) -> Float[AnyArray, ""]:
+def angle_between(a: Mat3, b: Mat3) -> float | Float[AnyArray, ""]:
     """Angle [rad] of the rotation that leads from `a` to `b`."""
     xp = namespace(a, b)
     vector = vector_from_rotation(a.T @ b)

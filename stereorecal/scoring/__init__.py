@@ -1,0 +1,11 @@
+"""Scores of a calibration: pure functions of images, cameras, extrinsics and matcher."""
+
+from stereorecal.scoring._count import count as count, counts as counts, disparities as disparities
+from stereorecal.scoring._data import ScoringData as ScoringData, normalised as normalised, prepare as prepare
+from stereorecal.scoring._disparity_range import with_disparity_range as with_disparity_range
+from stereorecal.scoring._score import (
+    Score as Score,
+    disparity as disparity,
+    rectify as rectify,
+    score as score,
+)

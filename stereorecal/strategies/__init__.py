@@ -1,0 +1,21 @@
+"""Strategies: the plug-in contract, objectives, budgets, the registry."""
+
+from stereorecal._errors import BudgetExhausted as BudgetExhausted, StrategyError as StrategyError
+from stereorecal.strategies._budget import Budget as Budget, Trace as Trace
+from stereorecal.strategies._chart import Chart as Chart, Reach as Reach, chart_around as chart_around
+from stereorecal.strategies._contract import (
+    AbstractStrategy as AbstractStrategy,
+    Need as Need,
+    Outcome as Outcome,
+    Status as Status,
+)
+from stereorecal.strategies._objective import Objective as Objective, Problem as Problem, Traced as Traced
+from stereorecal.strategies._registry import (
+    StrategyInfo as StrategyInfo,
+    describe as describe,
+    origin_of as origin_of,
+    strategies as strategies,
+    strategy as strategy,
+)
+from stereorecal.strategies._run import Run as Run, run_strategy as run_strategy
+from stereorecal.strategies._stereo import objective as objective

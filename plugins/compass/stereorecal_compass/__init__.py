@@ -1,0 +1,49 @@
+"""Compass search as a stereorecal strategy. This file is all that a plug-in needs: copy it to write your own."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal.strategies import AbstractStrategy, Budget, Objective, Outcome, Status
+
+
+@dataclass(frozen=True)
+class Compass(AbstractStrategy):
+    """Compass (pattern) search: try a step along ± each axis, go to the best, else halve the step.
+
+    The optimiser of Muhovič & Perš, section 3.3 (after Kolda, Lewis & Torczon, SIAM Review 45(3), 2003). All 2n points
+    of an iteration are one batch. It needs no gradient and no smoothness.
+
+    Attributes:
+        step: first step, in half widths of the search box (0.25 is 0.75 degrees at the default reach).
+        min_step: the search ends when the step falls below it.
+    """
+
+    step: float = 0.25
+    min_step: float = 1.0 / 256.0
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.min_step <= self.step <= 2.0:
+            raise ValueError(f"need 0 < min_step <= step <= 2, got {self.min_step} and {self.step}")
+
+    def run(
+        self, objective: Objective, start: Float[np.ndarray, "n"], budget: Budget, seed: int
+    ) -> Outcome:
+        """See `AbstractStrategy.run`. Deterministic: `seed` is not used."""
+        stencil = np.concatenate([np.eye(objective.dim), -np.eye(objective.dim)])
+        best, best_value, step = start, _comparable(objective.value(start)), self.step
+        while step >= self.min_step:
+            points = np.clip(best + step * stencil, -1.0, 1.0)
+            values = _comparable(objective.batch(points))
+            winner = int(np.argmax(values))
+            if values[winner] > best_value:
+                best, best_value = points[winner], values[winner]
+            else:
+                step /= 2
+        return Outcome(best, Status.CONVERGED)
+
+
+def _comparable(values):
+    """NaN counts as worse than anything."""
+    return np.where(np.isnan(values), -np.inf, values)

@@ -1,0 +1,118 @@
+"""`python -m stereorecal compare`."""
+
+import argparse
+import json
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+from stereorecal._errors import InputError
+from stereorecal.cli import _values
+from stereorecal.comparison import Comparison, Drift, compare_scenes
+from stereorecal.comparison._compare import Progress as ProgressCall
+from stereorecal.geometry import Scene
+from stereorecal.io import load_scene
+from stereorecal.report.tables import summary_table, trials_table
+from stereorecal.strategies import Budget, Reach
+from stereorecal.synthetic import KINDS, render
+
+_MOST_TRIALS_SHOWN = 24
+
+
+def add_to(verbs) -> None:
+    """Add the command to an argparse subparsers object."""
+    parser = verbs.add_parser(
+        "compare",
+        help="decalibrate rigs and let strategies repair them",
+        description="Decalibrate the rig of each scene many times and let every strategy repair it. Without a scene, "
+        "one is rendered.",
+        formatter_class=argparse.ArgumentDefaultsHelpFormatter,
+    )
+    add = parser.add_argument
+    add("--scene", action="append", default=[], metavar="PATH", help="scene folder (repeatable)")
+    add("--synthetic", metavar="KIND", help=f"render a scene: {', '.join(KINDS)}")
+    add("--frames", default="1", metavar="N|all", help="pairs of each scene to use, jointly")
+    add("--matcher", default="sad", metavar="NAME", help="sad, bm or sgbm")
+    add("--strategies", default="compass", metavar="A,B|all", help="names of installed strategies")
+    add("--schedule", default="count", metavar="NAME", help="count: the paper's way, one strategy, one scale")
+    add("--scale", type=float, default=1.0, help="image scale of the count schedule")
+    add("--decalibrate", default="0.5,0.01", metavar="DEG,FRACTION", help="largest drift of each axis")
+    add("--reach", metavar="DEG,FRACTION", help="half width of the search box (default: 3,0.03 or 1.2 x the drift)")
+    add("--draws", type=int, default=2, help="decalibrations of each scene")
+    add("--seed", type=int, default=0, help="same seed, same result")
+    add("--budget", type=float, metavar="UNITS", help="of each trial; one unit: one matcher run on a full-size frame")
+    add("--executor", default="serial", metavar="SPEC", help="serial, threads:N or processes:N")
+    add("--json", metavar="FILE|-", help="write everything as JSON")
+    add("--quiet", action="store_true", help="no progress and no table")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Compare, print, save; returns the exit code."""
+    _values.known(options.schedule, ["count"], "schedule")
+    matcher = _values.matcher(options.matcher)
+    names = _values.strategy_names(options.strategies)
+    drift = Drift(*_values.degrees_and_fraction(options.decalibrate, "--decalibrate"))
+    reach = Reach(*_values.degrees_and_fraction(options.reach, "--reach")) if options.reach else None
+    if options.seed < 0:
+        raise InputError(f"--seed is {options.seed}; give a number that is not negative.")
+    scenes = _scenes(options)
+    with _progress(options.quiet) as progress, _values.executor(options.executor) as executor:
+        comparison = compare_scenes(
+            scenes,
+            strategies=names,
+            matcher=matcher,
+            drift=drift,
+            reach=reach,
+            scale=options.scale,
+            draws=options.draws,
+            budget=Budget(options.budget),
+            seed=options.seed,
+            executor=executor,
+            progress=progress,
+        )
+    _show(comparison, options)
+    if comparison.interrupted:
+        print("stereorecal: interrupted; the trials above were finished.", file=sys.stderr)
+        return 130
+    return 3 if all(trial.status == "FAILED" for trial in comparison.trials) else 0
+
+
+def _scenes(options: argparse.Namespace) -> list[Scene]:
+    limit = _values.frame_limit(options.frames)
+    scenes = [load_scene(Path(path), limit=limit) for path in options.scene]
+    if options.synthetic or not scenes:
+        kind = _values.known(options.synthetic or "harbour", list(KINDS), "kind of scene")
+        scenes.append(render(kind, options.seed, frames=limit or 1))
+    return scenes
+
+
+def _show(comparison: Comparison, options: argparse.Namespace) -> None:
+    if options.json == "-":
+        json.dump(comparison.as_dict(), sys.stdout, indent=1, allow_nan=False)
+        print()
+        return
+    if options.json:
+        comparison.to_json(options.json)
+    if options.quiet:
+        return
+    console, data = Console(width=None if sys.stdout.isatty() else 160), comparison.as_dict()
+    if len(comparison.trials) <= _MOST_TRIALS_SHOWN:
+        console.print(trials_table(data))
+    console.print(summary_table(data))
+
+
+@contextmanager
+def _progress(quiet: bool) -> Iterator[ProgressCall | None]:
+    """A progress bar with the time that remains, on stderr, if that is a terminal."""
+    if quiet or not sys.stderr.isatty():
+        yield None
+        return
+    columns = (TextColumn("repairing"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("", total=None)
+        yield lambda finished, total: bar.update(task, completed=finished, total=total)

@@ -1,0 +1,53 @@
+"""Parsing, and the border at which exceptions become sentences and exit codes."""
+
+import argparse
+import signal
+import sys
+import threading
+from collections.abc import Sequence
+from typing import NoReturn
+
+from stereorecal._errors import InputError, StrategyError
+from stereorecal.cli import _compare, _strategies
+
+BAD_INPUT, FAILURE, INTERRUPTED = 2, 3, 130
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        self.exit(BAD_INPUT, f"{self.prog}: {message}; see {self.prog} --help\n")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command; returns the exit code. Bad input is one sentence on stderr, never a traceback."""
+    parser = _Parser(
+        prog="python -m stereorecal",
+        description="Repair the extrinsic calibration of a stereo rig from ordinary images.",
+    )
+    verbs = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
+    for command in (_compare, _strategies):
+        command.add_to(verbs)
+    options = parser.parse_args(arguments)
+    _interrupt_on_sigterm()
+    try:
+        return options.run(options)
+    except InputError as error:
+        return _say(error, BAD_INPUT)
+    except StrategyError as error:
+        return _say(error, FAILURE)
+    except KeyboardInterrupt:
+        return _say("interrupted", INTERRUPTED)
+    except BrokenPipeError:
+        sys.stderr.close()
+        return FAILURE
+
+
+def _say(message: object, code: int) -> int:
+    print(f"stereorecal: {message}", file=sys.stderr)
+    return code
+
+
+def _interrupt_on_sigterm() -> None:
+    """SIGTERM is treated as Ctrl-C: what is finished is printed and saved."""
+    if threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGTERM, signal.default_int_handler)

@@ -1,0 +1,45 @@
+"""`python -m stereorecal strategies`."""
+
+import argparse
+import sys
+
+from rich import box
+from rich.console import Console
+from rich.table import Table
+
+from stereorecal._errors import InputError, StrategyError
+from stereorecal.strategies import describe, strategies, strategy
+from stereorecal.testing import check_strategy
+
+
+def add_to(verbs) -> None:
+    """Add the command to an argparse subparsers object."""
+    parser = verbs.add_parser("strategies", help="list the installed strategies, or check one")
+    actions = parser.add_subparsers(metavar="ACTION")
+    check = actions.add_parser("check", help="run the conformance kit on a strategy")
+    check.add_argument("name")
+    check.set_defaults(run=_check)
+    parser.set_defaults(run=_list)
+
+
+def _list(options: argparse.Namespace) -> int:
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for heading in ("name", "distribution", "version", "needs", "what it does"):
+        table.add_column(heading, overflow="fold")
+    broken = False
+    for name in strategies():
+        try:
+            info = describe(name)
+            table.add_row(info.name, info.distribution, info.version, info.needs, info.summary)
+        except (InputError, StrategyError) as error:
+            broken = True
+            table.add_row(name, "-", "-", "-", str(error))
+    Console(width=None if sys.stdout.isatty() else 160).print(table)
+    return 3 if broken else 0
+
+
+def _check(options: argparse.Namespace) -> int:
+    report = check_strategy(strategy(options.name))
+    for result in report:
+        print(f"{'pass' if result.passed else 'FAIL'}  {result.name}{'' if result.passed else ': ' + result.message}")
+    return 0 if all(result.passed for result in report) else 1

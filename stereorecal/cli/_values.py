@@ -1,0 +1,83 @@
+"""Values of options, parsed with sentences that say what is wrong."""
+
+import difflib
+from collections.abc import Iterator
+from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
+from contextlib import contextmanager
+from multiprocessing import get_context
+from signal import SIG_IGN, SIGINT, signal
+
+from stereorecal._errors import InputError
+from stereorecal.matching import BM, SAD, SGBM, AbstractMatcher
+from stereorecal.strategies import strategies
+
+MATCHERS: dict[str, type[AbstractMatcher]] = {"sad": SAD, "bm": BM, "sgbm": SGBM}
+
+
+def matcher(name: str) -> AbstractMatcher:
+    """A matcher with its default options."""
+    return MATCHERS[known(name, list(MATCHERS), "matcher")]()
+
+
+def known(name: str, names: list[str], what: str) -> str:
+    """`name` if it is one of `names`.
+
+    Raises:
+        InputError: otherwise; names the nearest.
+    """
+    if name in names:
+        return name
+    close = difflib.get_close_matches(name, names, 1)
+    hint = f"did you mean {close[0]}?" if close else f"choose one of: {', '.join(names)}."
+    raise InputError(f"unknown {what} {name!r}; {hint}")
+
+
+def strategy_names(text: str) -> list[str]:
+    """"a,b" or "all"."""
+    names = list(strategies()) if text == "all" else [n for n in (n.strip() for n in text.split(",")) if n]
+    if not names:
+        raise InputError("no strategy is installed; run: pip install 'stereorecal[default]'")
+    return list(dict.fromkeys(names))
+
+
+def degrees_and_fraction(text: str, option: str) -> tuple[float, float]:
+    """"DEG,FRACTION"."""
+    try:
+        degrees, fraction = (float(part) for part in text.split(","))
+    except ValueError:
+        raise InputError(
+            f"{option} is {text!r}; give degrees and a fraction of the baseline, such as 0.5,0.01."
+        ) from None
+    return degrees, fraction
+
+
+def frame_limit(text: str) -> int | None:
+    """A positive number, or "all" for None."""
+    if text == "all":
+        return None
+    if not text.isdigit() or int(text) < 1:
+        raise InputError(f"--frames is {text!r}; give a positive number or all.")
+    return int(text)
+
+
+@contextmanager
+def executor(text: str) -> Iterator[Executor | None]:
+    """ "serial", "threads:N" or "processes:N"."""
+    kind, _, number = text.partition(":")
+    known(kind, ["serial", "threads", "processes"], "executor")
+    if kind == "serial":
+        yield None
+        return
+    if not number.isdigit() or int(number) < 1:
+        raise InputError(f"--executor is {text!r}; give the number of workers, such as {kind}:2.")
+    if kind == "threads":
+        pool: Executor = ThreadPoolExecutor(int(number))
+    else:
+        # Forking after JAX has started threads is unsafe. Workers leave Ctrl-C to the parent.
+        pool = ProcessPoolExecutor(
+            int(number), mp_context=get_context("spawn"), initializer=signal, initargs=(SIGINT, SIG_IGN)
+        )
+    try:
+        yield pool
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)

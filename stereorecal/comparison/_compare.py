@@ -1,0 +1,211 @@
+"""`compare`: strategies x draws x scenes, judged alike."""
+
+import platform
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor, as_completed
+from dataclasses import asdict, dataclass
+from importlib.metadata import version
+from typing import Any
+
+import jax
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal._errors import InputError, StrategyError
+from stereorecal.comparison._comparison import Comparison
+from stereorecal.comparison._trial import Task, Trial, failed, run_trial
+from stereorecal.geometry import Pair, Scene, StereoRig, check_pairs, view
+from stereorecal.matching import SAD, AbstractMatcher
+from stereorecal.scoring import with_disparity_range
+from stereorecal.strategies import AbstractStrategy, Budget, Objective, Outcome, Reach, origin_of, strategy
+from stereorecal.synthetic import decalibrate
+
+Progress = Callable[[int, int], None]
+
+
+@dataclass(frozen=True)
+class Drift:
+    """How far the rigs are decalibrated: uniform on each axis, within these limits.
+
+    Attributes:
+        degrees: on pitch, yaw and roll.
+        baseline_fraction: on y and z.
+    """
+
+    degrees: float = 0.5
+    baseline_fraction: float = 0.01
+
+    def __post_init__(self) -> None:
+        # At most what the default reach of 1.2 x the drift can still cover.
+        if not (0 <= self.degrees <= 16 and 0 <= self.baseline_fraction <= 0.4):
+            raise InputError(
+                f"a drift of {self.degrees} degrees and {self.baseline_fraction} of the baseline makes no sense; "
+                "give up to 16 degrees and up to 0.4."
+            )
+
+
+def compare(
+    rig: StereoRig,
+    pairs: Sequence[Pair],
+    *,
+    strategies: Sequence[str] | Mapping[str, AbstractStrategy] = ("compass",),
+    name: str = "scene",
+    **options: Any,
+) -> Comparison:
+    """Compare strategies on one scene whose `rig` is the reference. Options: see `compare_scenes`."""
+    return compare_scenes([Scene(name, rig, check_pairs(rig, list(pairs)))], strategies=strategies, **options)
+
+
+def compare_scenes(
+    scenes: Sequence[Scene],
+    *,
+    strategies: Sequence[str] | Mapping[str, AbstractStrategy] = ("compass",),
+    matcher: AbstractMatcher | None = None,
+    drift: Drift | None = None,
+    reach: Reach | None = None,
+    scale: float = 1.0,
+    draws: int = 20,
+    budget: Budget | None = None,
+    seed: int = 0,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+) -> Comparison:
+    """Decalibrate each scene's rig `draws` times and let every strategy repair each of them.
+
+    All strategies see the same draws, the same matcher with the same disparity range, and the same budget. Ctrl-C
+    ends the comparison; what is finished is returned with `interrupted` set.
+
+    Args:
+        scenes: each with a rig, which is the reference.
+        strategies: names from the registry, or a mapping from names to strategies with options of their own.
+        matcher: default `SAD()`; without `num_disparities` each scene's range is measured once.
+        drift: default 0.5 degrees and 1 % of the baseline.
+        reach: default the larger of 3 degrees, 3 % and 1.2 x the drift.
+        scale: image scale of the count schedule.
+        budget: of each trial, in units; default none.
+        executor: any `concurrent.futures.Executor`; default one trial after the other in this process.
+        progress: called with (finished, total) after each trial.
+
+    Raises:
+        InputError: if a scene has no rig, images do not fit, a name is unknown, or there is nothing to do.
+    """
+    if draws < 1 or not scenes or not strategies:
+        raise InputError("there is nothing to compare; give at least one scene, one strategy and one draw.")
+    matcher, drift, budget = matcher or SAD(), drift or Drift(), budget or Budget()
+    if reach is None:
+        reach = Reach(max(3.0, 1.2 * drift.degrees), max(0.03, 1.2 * drift.baseline_fraction))
+    chosen = strategies if isinstance(strategies, Mapping) else {n: _load(n) for n in strategies}
+    planned = [_plan(scene, matcher, reach) for scene in scenes]
+    tasks = [
+        Task(
+            scene=scene,
+            start=decalibrate(_rig_of(scene), _draw_key(seed, draw), drift.degrees, drift.baseline_fraction),
+            draw=draw,
+            strategy_name=name,
+            strategy=plugin,
+            matcher_name=type(matcher).__name__.lower(),
+            matcher=scene_matcher,
+            scale=scale,
+            reach=reach,
+            budget=budget,
+            seed=seed + draw,
+        )
+        for scene, scene_matcher in planned
+        for draw in range(draws)
+        for name, plugin in chosen.items()
+    ]
+    trials: dict[int, Trial] = {}
+    interrupted = False
+    try:
+        for index, trial in _run_all(tasks, executor):
+            trials[index] = trial
+            if progress is not None:
+                progress(len(trials), len(tasks))
+    except KeyboardInterrupt:
+        interrupted = True
+    settings = {
+        "strategies": list(chosen),
+        "matcher": {"name": type(matcher).__name__.lower(), **asdict(matcher)},
+        "schedule": "count",
+        "scale": scale,
+        "decalibrate": asdict(drift),
+        "reach": asdict(reach),
+        "draws": draws,
+        "seed": seed,
+        "budget": asdict(budget),
+    }
+    described = tuple(_describe(scene, scene_matcher) for scene, scene_matcher in planned)
+    finished = tuple(trials[index] for index in sorted(trials))
+    return Comparison(settings, _versions(chosen), described, finished, interrupted=interrupted)
+
+
+@dataclass(frozen=True)
+class _Unloadable(AbstractStrategy):
+    """Stands for a strategy that is installed but broken, so that its rows are FAILED and the others live."""
+
+    message: str = ""
+
+    def run(
+        self, objective: Objective, start: Float[np.ndarray, "n"], budget: Budget, seed: int
+    ) -> Outcome:
+        raise StrategyError(self.message)
+
+
+def _load(name: str) -> AbstractStrategy:
+    try:
+        return strategy(name)
+    except StrategyError as error:
+        return _Unloadable(str(error))
+
+
+def _rig_of(scene: Scene) -> StereoRig:
+    if scene.rig is None:
+        raise InputError(f"{scene.name}: the scene has no calibration; a comparison needs one as reference.")
+    return scene.rig
+
+
+def _plan(scene: Scene, matcher: AbstractMatcher, reach: Reach) -> tuple[Scene, AbstractMatcher]:
+    rig = _rig_of(scene)
+    pairs = check_pairs(rig, scene.pairs)
+    return scene, with_disparity_range(matcher, rig, pairs, view(rig), np.radians(reach.degrees))
+
+
+def _draw_key(seed: int, draw: int) -> jax.Array:
+    return jax.random.fold_in(jax.random.key(seed), draw)
+
+
+def _run_all(tasks: Sequence[Task], executor: Executor | None) -> Iterator[tuple[int, Trial]]:
+    if executor is None:
+        yield from ((index, run_trial(task)) for index, task in enumerate(tasks))
+        return
+    futures = {executor.submit(run_trial, task): index for index, task in enumerate(tasks)}
+    try:
+        for future in as_completed(futures):
+            index = futures[future]
+            error = future.exception()
+            yield index, failed(tasks[index], error) if error else future.result()
+    finally:
+        for future in futures:
+            future.cancel()
+
+
+def _describe(scene: Scene, matcher: AbstractMatcher) -> dict[str, Any]:
+    rig = _rig_of(scene)
+    return {
+        "name": scene.name,
+        "image_size": list(rig.left.size),
+        "frames": len(scene.pairs),
+        "reference": scene.reference,
+        "baseline_m": float(rig.baseline),
+        "min_disparity": matcher.min_disparity,
+        "num_disparities": matcher.num_disparities,
+    }
+
+
+def _versions(chosen: Mapping[str, AbstractStrategy]) -> dict[str, str]:
+    packages = ("stereorecal", "jax", "numpy", "opencv-python-headless")
+    return {
+        "python": platform.python_version(),
+        **{package: version(package) for package in packages},
+        **{f"strategy {name}": origin_of(plugin) for name, plugin in chosen.items()},
+    }

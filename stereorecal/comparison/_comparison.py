@@ -1,0 +1,67 @@
+"""The result of a comparison and its JSON form (`stereorecal.compare/1`)."""
+
+import json
+import math
+import os
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from stereorecal.comparison._summary import Summary, Thresholds, summarise
+from stereorecal.comparison._trial import Trial
+from stereorecal.io import write_text
+
+SCHEMA = "stereorecal.compare/1"
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A table of trials.
+
+    Attributes:
+        settings: what was asked, thresholds of success included.
+        versions: of Python, stereorecal, its dependencies and each strategy's distribution.
+        scenes: name, size, frames, reference and disparity range of each scene.
+        trials: the finished ones, in the order in which they were asked for.
+        interrupted: True if some trials are missing.
+    """
+
+    settings: dict[str, Any]
+    versions: dict[str, str]
+    scenes: tuple[dict[str, Any], ...]
+    trials: tuple[Trial, ...]
+    thresholds: Thresholds = Thresholds()
+    interrupted: bool = False
+
+    @property
+    def summary(self) -> tuple[Summary, ...]:
+        """Medians and success rates by scene, strategy and matcher."""
+        return summarise(self.trials, self.thresholds)
+
+    def as_dict(self) -> dict[str, Any]:
+        """The content of the JSON file; a missing or non-finite number is None."""
+        return _jsonable(
+            {
+                "schema": SCHEMA,
+                "versions": self.versions,
+                "settings": {**self.settings, "thresholds": asdict(self.thresholds)},
+                "interrupted": self.interrupted,
+                "scenes": list(self.scenes),
+                "trials": [asdict(trial) for trial in self.trials],
+                "summary": [asdict(summary) for summary in self.summary],
+            }
+        )
+
+    def to_json(self, path: str | os.PathLike[str]) -> None:
+        """Write the JSON file, whole or not at all."""
+        write_text(Path(path), json.dumps(self.as_dict(), indent=1, allow_nan=False) + "\n")
+
+
+def _jsonable(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {str(key): _jsonable(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_jsonable(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

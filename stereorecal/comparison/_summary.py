@@ -1,0 +1,104 @@
+"""What a group of trials says: success rate and medians."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stereorecal.comparison._trial import Trial
+
+
+@dataclass(frozen=True)
+class Thresholds:
+    """When a trial counts as a success, and above which ratio it is flagged.
+
+    Attributes:
+        ratio: least score, relative to the reference.
+        pitch_roll_deg, yaw_deg: largest errors.
+        flagged_ratio: a wrong calibration can out-score the right one; above this ratio, look.
+    """
+
+    ratio: float = 0.98
+    pitch_roll_deg: float = 0.05
+    yaw_deg: float = 0.2
+    flagged_ratio: float = 1.05
+
+
+@dataclass(frozen=True)
+class Summary:
+    """The trials of one strategy with one matcher on one scene; medians over the finished ones."""
+
+    scene: str
+    strategy: str
+    matcher: str
+    schedule: str
+    draws: int
+    failed: int
+    skipped: int
+    flagged: int
+    success_rate: float | None
+    score_initial_median: float | None
+    score_final_median: float | None
+    score_reference_median: float | None
+    ratio_median: float | None
+    rotation_error_deg_median: dict[str, float] | None
+    translation_error_percent_median: dict[str, float] | None
+    evaluations_median: float | None
+    cost_median: float | None
+    seconds_median: float | None
+
+
+def succeeded(trial: Trial, thresholds: Thresholds) -> bool:
+    """True if the score came back and the geometry did."""
+    if trial.ratio is None or trial.rotation_error_deg is None:
+        return False
+    error = trial.rotation_error_deg
+    return (
+        trial.ratio >= thresholds.ratio
+        and max(error["pitch"], error["roll"]) <= thresholds.pitch_roll_deg
+        and error["yaw"] <= thresholds.yaw_deg
+    )
+
+
+def summarise(trials: Sequence[Trial], thresholds: Thresholds) -> tuple[Summary, ...]:
+    """One Summary for each scene, matcher and strategy, in order of first appearance."""
+    groups: dict[tuple[str, str, str, str], list[Trial]] = {}
+    for trial in trials:
+        groups.setdefault((trial.scene, trial.strategy, trial.matcher, trial.schedule), []).append(trial)
+    return tuple(_summary(*key, group, thresholds) for key, group in groups.items())
+
+
+def _summary(
+    scene: str, strategy: str, matcher: str, schedule: str, trials: list[Trial], thresholds: Thresholds
+) -> Summary:
+    finished = [t for t in trials if t.score_final is not None]
+    ratios = [t.ratio for t in finished if t.ratio is not None]
+    wanted = [t for t in trials if t.status != "SKIPPED"]
+    return Summary(
+        scene,
+        strategy,
+        matcher,
+        schedule,
+        draws=len(trials),
+        failed=sum(t.status == "FAILED" for t in trials),
+        skipped=len(trials) - len(wanted),
+        flagged=sum(r > thresholds.flagged_ratio for r in ratios),
+        success_rate=float(np.mean([succeeded(t, thresholds) for t in wanted])) if wanted else None,
+        score_initial_median=_median([t.score_initial for t in finished]),
+        score_final_median=_median([t.score_final for t in finished]),
+        score_reference_median=_median([t.score_reference for t in finished]),
+        ratio_median=_median(ratios),
+        rotation_error_deg_median=_median_of_each([t.rotation_error_deg for t in finished]),
+        translation_error_percent_median=_median_of_each([t.translation_error_percent for t in finished]),
+        evaluations_median=_median([t.evaluations for t in finished]),
+        cost_median=_median([t.cost for t in finished]),
+        seconds_median=_median([t.seconds for t in finished]),
+    )
+
+
+def _median(values: Sequence) -> float | None:
+    return float(np.median(values)) if values else None
+
+
+def _median_of_each(rows: Sequence) -> dict[str, float] | None:
+    return {key: float(np.median([row[key] for row in rows])) for key in rows[0]} if rows else None

@@ -1,0 +1,141 @@
+"""One trial: one strategy repairs one decalibration of one scene."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from stereorecal._errors import NeedNotMet
+from stereorecal.geometry import AXES, Scene, StereoRig
+from stereorecal.matching import AbstractMatcher
+from stereorecal.recalibration import Schedule, Solution, recalibrate
+from stereorecal.scoring import score
+from stereorecal.strategies import AbstractStrategy, Budget, Reach, Status
+
+SCORE_AT = (100, 300, 1000)  # units
+
+
+@dataclass(frozen=True)
+class Task:
+    """All that a worker needs for one trial; pickles small when the scene's pairs came from files.
+
+    Attributes:
+        scene: its rig is the reference.
+        start: the decalibrated rig.
+        matcher: with its disparity range.
+    """
+
+    scene: Scene
+    start: StereoRig
+    draw: int
+    strategy_name: str
+    strategy: AbstractStrategy
+    matcher_name: str
+    matcher: AbstractMatcher
+    scale: float
+    reach: Reach
+    budget: Budget
+    seed: int
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One row of a comparison; numbers that a skipped or failed trial does not have are None.
+
+    Attributes:
+        score_initial, score_final, score_reference: the paper's N_i, N_o and N_GT: counts at full scale, all in the
+            view of the start.
+        ratio: the paper's r = N_o / N_GT.
+        rotation_error_deg: |pitch|, |yaw|, |roll| error against the scene's reference rig.
+        translation_error_percent: |y|, |z| error in percent of the baseline.
+        evaluations, cost: how often the score was asked, and what that cost in units.
+        score_at: best value of the stage's own score after 100, 300 and 1000 units.
+    """
+
+    scene: str
+    strategy: str
+    matcher: str
+    schedule: str
+    draw: int
+    status: str
+    message: str
+    accepted: bool
+    reason: str | None
+    reference: str
+    score_initial: int | None = None
+    score_final: int | None = None
+    score_reference: int | None = None
+    ratio: float | None = None
+    rotation_error_deg: dict[str, float] | None = None
+    translation_error_percent: dict[str, float] | None = None
+    evaluations: int | None = None
+    cost: float | None = None
+    seconds: float | None = None
+    score_at: dict[str, float | None] | None = None
+
+
+def run_trial(task: Task) -> Trial:
+    """Run one trial. Whatever goes wrong becomes a SKIPPED or FAILED row, never an exception."""
+    try:
+        return _finished(task, _repair(task))
+    except NeedNotMet as error:
+        return _unfinished(task, Status.SKIPPED, str(error))
+    except Exception as error:
+        return failed(task, error)
+
+
+def failed(task: Task, error: BaseException) -> Trial:
+    """The FAILED row of a task whose worker raised."""
+    return _unfinished(task, Status.FAILED, str(error) or repr(error))
+
+
+def _repair(task: Task) -> Solution:
+    return recalibrate(
+        task.start,
+        task.scene.pairs,
+        matcher=task.matcher,
+        schedule=Schedule.count(task.strategy, task.scale),
+        reach=task.reach,
+        budget=task.budget,
+        seed=task.seed,
+    )
+
+
+def _finished(task: Task, solution: Solution) -> Trial:
+    reference = task.scene.rig
+    assert reference is not None
+    target = score(reference, task.scene.pairs, matcher=task.matcher, view=solution.view).count
+    final = (solution.score_after if solution.accepted else solution.score_before).count
+    error = np.abs(np.asarray(solution.rig.extrinsics) - np.asarray(reference.extrinsics))
+    degrees, percent = np.degrees(error[:3]), 100.0 * error[3:] / float(reference.baseline)
+    return Trial(
+        **_key(task),
+        status=solution.status.name,
+        message=solution.message,
+        accepted=solution.accepted,
+        reason=solution.reason.name.lower(),
+        score_initial=solution.score_before.count,
+        score_final=final,
+        score_reference=target,
+        ratio=final / target if target else None,
+        rotation_error_deg=dict(zip(AXES[:3], degrees.tolist(), strict=True)),
+        translation_error_percent={"y": float(percent[1]), "z": float(percent[2])},
+        evaluations=solution.evaluations,
+        cost=solution.cost,
+        seconds=solution.seconds,
+        score_at={str(cost): solution.trace.best_within(cost) for cost in SCORE_AT},
+    )
+
+
+def _unfinished(task: Task, status: Status, message: str) -> Trial:
+    return Trial(**_key(task), status=status.name, message=message, accepted=False, reason=None)
+
+
+def _key(task: Task) -> dict:
+    return {
+        "scene": task.scene.name,
+        "strategy": task.strategy_name,
+        "matcher": task.matcher_name,
+        "schedule": "count",
+        "draw": task.draw,
+        "reference": task.scene.reference,
+    }

@@ -1,0 +1,97 @@
+"""Image files: finding them and decoding them strictly."""
+
+import re
+import zlib
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import cv2
+import numpy as np
+from jaxtyping import Num
+
+from stereorecal._errors import InputError
+
+_SUFFIXES = (".png", ".jpg", ".jpeg", ".jp2", ".tif", ".tiff", ".bmp", ".pgm", ".ppm", ".pnm", ".webp")
+
+
+def images_in(folder: Path) -> list[Path]:
+    """The image files directly in `folder`, in natural order; none if there is no such folder."""
+    if not folder.is_dir():
+        return []
+    return natural_order(
+        path
+        for path in folder.iterdir()
+        if path.suffix.lower() in _SUFFIXES and path.is_file() and not path.name.startswith(".")
+    )
+
+
+def natural_order(paths: Iterable[Path]) -> list[Path]:
+    """Sorted so that 9 comes before 10."""
+
+    def key(path: Path) -> tuple[list[str | int], str]:
+        parts = re.split(r"([0-9]+)", str(path))
+        return [int(part) if index % 2 else part for index, part in enumerate(parts)], str(path)
+
+    return sorted(paths, key=key)
+
+
+def read_image(path: str) -> Num[np.ndarray, "..."]:
+    """The pixels of an image file as stored, (h, w) or (h, w, c) in BGR order; EXIF orientation is ignored.
+
+    Raises:
+        InputError: if the file is missing, empty, truncated or no image that OpenCV can read.
+    """
+    try:
+        data = Path(path).read_bytes()
+    except FileNotFoundError:
+        raise InputError(f"{path}: there is no such file; check the path.") from None
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}); check the file.") from error
+    if not data:
+        raise InputError(f"{path}: the file is empty; copy or record it again.")
+    if not _ends_properly(data):
+        raise InputError(f"{path}: the image is truncated or damaged; copy or record it again.")
+    with _quiet_opencv():
+        try:
+            image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
+        except cv2.error:
+            image = None
+    if image is None:
+        raise InputError(
+            f"{path}: not an image that OpenCV can read, or a damaged one; give a PNG, JPEG or TIFF."
+        )
+    return image
+
+
+def _ends_properly(data: bytes) -> bool:
+    """Whether a PNG or JPEG is whole; a decoder may fill what is missing with grey."""
+    if data.startswith(b"\x89PNG\r\n\x1a\n"):
+        return _png_is_whole(data)
+    if data.startswith(b"\xff\xd8"):
+        # The end-of-image marker comes after the last start of scan (a thumbnail has markers of its own).
+        return data.rfind(b"\xff\xd9") > data.rfind(b"\xff\xda")
+    return True
+
+
+def _png_is_whole(data: bytes) -> bool:
+    start = 8
+    while start + 12 <= len(data):
+        end = start + 8 + int.from_bytes(data[start : start + 4], "big")
+        if zlib.crc32(data[start + 4 : end]) != int.from_bytes(data[end : end + 4], "big"):
+            return False
+        if data[start + 4 : start + 8] == b"IEND":
+            return True
+        start = end + 4
+    return False
+
+
+@contextmanager
+def _quiet_opencv() -> Iterator[None]:
+    logging = cv2.utils.logging
+    level = logging.getLogLevel()
+    logging.setLogLevel(logging.LOG_LEVEL_SILENT)
+    try:
+        yield
+    finally:
+        logging.setLogLevel(level)

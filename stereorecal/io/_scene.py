@@ -1,0 +1,137 @@
+"""Scene folders: images and calib.json."""
+
+import json
+import re
+from itertools import chain
+from pathlib import Path
+
+import cv2
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal._errors import InputError
+from stereorecal.geometry import Pair, Scene, check_pairs
+from stereorecal.io._about import about
+from stereorecal.io._atomic import make_folder, write_bytes
+from stereorecal.io._calibration import calibration_of, image_size, read_calibration, rig_from
+from stereorecal.io._image_file import images_in, natural_order
+from stereorecal.io._pairs import AnyPath, first, load_pair, match_files
+
+_CALIBRATION_FILE = "calib.json"
+
+
+def load_scene(folder: AnyPath, limit: int | None = None) -> Scene:
+    """The scene in a folder: calib.json and `left.*`, `right.*`, or folders `left`, `right` with equal names.
+
+    calib.json holds `image_size` [w, h], `K_left`, `D_left`, `K_right`, `D_right` (OpenCV's order),
+    `distortion_model`, `R` and `T` [m] with `x_right = R x_left + T`. Where K is null the scene has no rig.
+    Keys that say nothing about the rig are in `Scene.info` as they stand. The name is "<parent>/<folder>".
+
+    Args:
+        limit: read the first `limit` pairs only.
+
+    Raises:
+        InputError: naming the file, if something is missing, unreadable, damaged or contradicts itself.
+        UnsupportedModelError: if the distortion model is not OpenCV's.
+    """
+    folder = Path(folder)
+    if not folder.is_dir():
+        raise InputError(f"{folder}: there is no such folder; check the path.")
+    content = read_calibration(folder / _CALIBRATION_FILE)
+    with about(folder / _CALIBRATION_FILE):
+        size, rig = image_size(content), rig_from(content)
+    matched = match_files(*(_side_files(folder, side) for side in ("left", "right")), by_order=False)
+    pairs = tuple(load_pair(*paths) for paths in first(matched, limit))
+    with about(folder):
+        if rig is not None:
+            check_pairs(rig, pairs)
+        elif any(pair.size != size for pair in pairs):
+            raise InputError(f"an image is not {size[0]}x{size[1]} as calib.json says; correct one of them.")
+    known = {*calibration_of(None, size), "reference"}
+    return Scene(
+        "/".join(folder.resolve().parts[-2:]).lstrip("/"),
+        rig,
+        pairs,
+        reference="truth" if content.get("reference") == "truth" else "stored",
+        info={key: value for key, value in content.items() if key not in known},
+    )
+
+
+def save_scene(scene: Scene, folder: AnyPath, overwrite: bool = False) -> None:
+    """Write a scene as a folder that `load_scene` reads back: calib.json and 8-bit grey PNG (values rounded).
+
+    One pair becomes left.png and right.png; several become left/NAME.png and right/NAME.png, numbered unless
+    their names keep them in order. Files that `scene.info` mentions are not copied. Each file is written
+    whole or not at all, calib.json last.
+
+    Args:
+        overwrite: whether files of the same names may be replaced.
+
+    Raises:
+        InputError: if the scene cannot be written as such, files exist already, or images are there that
+            `load_scene` would take for part of the scene. Nothing is written then.
+    """
+    folder = Path(folder)
+    if not scene.pairs:
+        raise InputError(f"the scene {scene.name!r} has no image pair; give at least one.")
+    if scene.rig is not None:
+        check_pairs(scene.rig, scene.pairs)
+    content = {**scene.info, **calibration_of(scene.rig, scene.pairs[0].size), "reference": scene.reference}
+    try:
+        text = json.dumps(content, indent=1, allow_nan=False)
+    except (TypeError, ValueError) as error:
+        raise InputError(
+            f"the scene's info cannot be written as JSON ({error}); use plain finite values."
+        ) from error
+    images: dict[Path, Float[np.ndarray, "h w"]] = {}
+    for name, pair in zip(_file_names(scene.pairs), scene.pairs, strict=True):
+        images[folder / f"left{name}.png"], images[folder / f"right{name}.png"] = pair.left, pair.right
+    _check_free(folder, {*images, folder / _CALIBRATION_FILE}, overwrite)
+    for path, image in images.items():
+        make_folder(path.parent)
+        write_bytes(path, cv2.imencode(".png", np.clip(np.rint(image), 0, 255).astype(np.uint8))[1].tobytes())
+    write_bytes(folder / _CALIBRATION_FILE, text.encode())
+
+
+def _side_files(folder: Path, side: str) -> list[Path]:
+    """The images of one side: the file `side.*` or those in the folder `side`.
+
+    Raises:
+        InputError: if there is none, or more than one reading.
+    """
+    single, several = _images_of(folder, side)
+    if not (single or several):
+        raise InputError(f"{folder}: there is no image {side}.* and no folder {side} with images; add them.")
+    if len(single) > 1 or (single and several):
+        other = single[1] if len(single) > 1 else several[0]
+        raise InputError(
+            f"{folder}: both {single[0].name} and {other.relative_to(folder)} are there; remove one."
+        )
+    return single or several
+
+
+def _images_of(folder: Path, side: str) -> tuple[list[Path], list[Path]]:
+    return [path for path in images_in(folder) if path.stem == side], images_in(folder / side)
+
+
+def _file_names(pairs: tuple[Pair, ...]) -> list[str]:
+    """What follows "left" and "right" in the file names of each pair, without suffix."""
+    if len(pairs) == 1:
+        return [""]
+    names = [Path(Path(pair.name).stem) for pair in pairs]
+    usable = all(re.fullmatch(r"\w[\w +-]*", str(name)) for name in names)
+    if not usable or len(set(names)) < len(names) or natural_order(names) != names:
+        names = [Path(f"{index:06d}") for index in range(len(pairs))]
+    return [f"/{name}" for name in names]
+
+
+def _check_free(folder: Path, targets: set[Path], overwrite: bool) -> None:
+    existing = natural_order(path for path in targets if path.exists())
+    if existing and not overwrite:
+        raise InputError(
+            f"{existing[0]}: the file exists already; choose another folder or allow overwriting."
+        )
+    for side in ("left", "right"):
+        for path in chain(*_images_of(folder, side)):
+            if path not in targets:
+                raise InputError(f"{path}: this image would mix with the scene; choose another folder.")

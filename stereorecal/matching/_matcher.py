@@ -1,0 +1,98 @@
+"""The matcher interface: two rectified images in, a Disparity out."""
+
+import abc
+import math
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+from jaxtyping import Bool, Float
+
+from stereorecal._arrays import AnyArray
+from stereorecal._errors import InputError
+from stereorecal._pytree import register_pytree
+
+
+@register_pytree
+@dataclass(frozen=True, eq=False)
+class Disparity:
+    """What a matcher found, for each pixel of the left image.
+
+    Attributes:
+        values: (h, w) float32, x_left - x_right in pixels; meaningful only where valid.
+        valid: (h, w) bool, the pixels that passed all of the matcher's checks.
+    """
+
+    values: Float[AnyArray, "h w"]
+    valid: Bool[AnyArray, "h w"]
+
+
+@dataclass(frozen=True)
+class AbstractMatcher(abc.ABC):
+    """A stereo matcher. Its fields are its options, with OpenCV's names and meanings.
+
+    Attributes:
+        min_disparity: smallest disparity searched, in full-size pixels; may be negative.
+        num_disparities: how many are searched, in full-size pixels; None: measured from the images by
+            `stereorecal.objective` and everything above it.
+        block_size: width of the square window in pixels (odd); does not scale with the image.
+        uniqueness_ratio: percent by which the best cost must beat every other that is not its neighbour; 0: off.
+        texture_threshold: least sum over the window of the absolute x-Sobel response, clipped at `pre_filter_cap`.
+        disp12_max_diff: largest difference in pixels of the left-right check; negative: off.
+        pre_filter_cap: clip of the x-Sobel response that is matched in place of grey levels.
+
+    Class attributes:
+        traceable: True if `match` is a pure JAX function that can be traced, batched and compiled.
+    """
+
+    min_disparity: int = 0
+    num_disparities: int | None = None
+    block_size: int = 11
+    uniqueness_ratio: int = 15
+    texture_threshold: int = 10
+    disp12_max_diff: int = 1
+    pre_filter_cap: int = 31
+
+    traceable: ClassVar[bool] = False
+
+    def __post_init__(self) -> None:
+        if self.block_size < 3 or self.block_size % 2 == 0:
+            raise InputError(f"block_size is {self.block_size}; it must be odd and at least 3.")
+        if self.num_disparities is not None and self.num_disparities < 1:
+            raise InputError(f"num_disparities is {self.num_disparities}; it must be positive.")
+        if not 0 <= self.uniqueness_ratio <= 100:
+            raise InputError(f"uniqueness_ratio is {self.uniqueness_ratio}; it must be within 0..100 percent.")
+        if self.texture_threshold < 0:
+            raise InputError(f"texture_threshold is {self.texture_threshold}; it must not be negative.")
+        if not 0 <= self.pre_filter_cap <= 63:
+            raise InputError(f"pre_filter_cap is {self.pre_filter_cap}; it must be within 0..63.")
+
+    @abc.abstractmethod
+    def match(self, left: Float[AnyArray, "h w"], right: Float[AnyArray, "h w"]) -> Disparity:
+        """Match two rectified images, (h, w) float32 in 0..255; they are rounded to whole grey levels first.
+
+        Raises:
+            InputError: if `num_disparities` is None, or the disparity range is wider than the image.
+        """
+
+    def disparity_range(self, width: int) -> tuple[int, int]:
+        """(min_disparity, num_disparities) for an image of `width` pixels.
+
+        Raises:
+            InputError: if the number is not known, or the range is wider than the image.
+        """
+        if self.num_disparities is None:
+            raise InputError("num_disparities is not set; give it, or let stereorecal.objective measure it.")
+        if max(abs(self.min_disparity), abs(self.min_disparity + self.num_disparities)) >= width:
+            raise InputError(
+                f"the disparity range [{self.min_disparity}, {self.min_disparity + self.num_disparities}) is wider "
+                f"than the image ({width} pixels); give a smaller num_disparities."
+            )
+        return self.min_disparity, self.num_disparities
+
+    def scaled(self, scale: float) -> "AbstractMatcher":
+        """The matcher for images at `scale` times the size: the disparity range scales, the window does not."""
+        if self.num_disparities is None:
+            return self
+        lowest = math.floor(self.min_disparity * scale)
+        highest = math.ceil((self.min_disparity + self.num_disparities) * scale)
+        return replace(self, min_disparity=lowest, num_disparities=max(1, highest - lowest))

@@ -1,0 +1,48 @@
+"""What the matchers share before they match: rounding, the x-Sobel prefilter, box sums and the texture check."""
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Bool, Float, Int
+
+from stereorecal._arrays import AnyArray
+
+# Texture is measured on the prefiltered image; without a prefilter, on one with OpenCV's default cap.
+DEFAULT_CAP = 31
+
+
+def quantise(image: Float[AnyArray, "h w"]) -> Int[jax.Array, "h w"]:
+    """Round to whole grey levels 0..255, half to even, int16. The one rounding between the warp and the matcher."""
+    return jnp.clip(jnp.round(jnp.asarray(image)), 0, 255).astype(jnp.int16)
+
+
+def x_sobel(image: Int[jax.Array, "h w"], cap: int) -> Int[jax.Array, "h w"]:
+    """The x-Sobel response clipped to ±cap, as `cv2.StereoBM` prefilters; rows repeat at the border, the first and
+    last column are 0."""
+    rows = jnp.pad(image, ((1, 1), (0, 0)), mode="edge")
+    smooth = rows[:-2] + 2 * rows[1:-1] + rows[2:]
+    gradient = jnp.pad(smooth[:, 2:] - smooth[:, :-2], ((0, 0), (1, 1)))
+    return jnp.clip(gradient, -cap, cap)
+
+
+def box_sum(image: Int[jax.Array, "h w"], block_size: int) -> Int[jax.Array, "h w"]:
+    """Sums over the square window around each pixel, int32; outside the image counts 0."""
+    radius = block_size // 2
+    total = image.astype(jnp.int32)
+    for axis in (0, 1):
+        pad = [(radius, radius) if a == axis else (0, 0) for a in (0, 1)]
+        padded, length = jnp.pad(total, pad), total.shape[axis]
+        total = sum(
+            jax.lax.slice_in_dim(padded, i, i + length, axis=axis) for i in range(block_size)
+        )
+    return jnp.asarray(total)
+
+
+def textured(
+    image: Float[AnyArray, "h w"], block_size: int, texture_threshold: int, pre_filter_cap: int
+) -> Bool[jax.Array, "h w"]:
+    """Pixels whose window has an absolute x-Sobel response of at least `texture_threshold` in total.
+
+    One definition for every matcher (it is `cv2.StereoBM`'s), so that their counts mean the same.
+    """
+    response = jnp.abs(x_sobel(quantise(image), pre_filter_cap or DEFAULT_CAP))
+    return box_sum(response, block_size) >= texture_threshold

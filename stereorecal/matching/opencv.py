@@ -1,0 +1,73 @@
+"""OpenCV's block matcher and semi-global matcher behind the Matcher interface. They run on the host, untraced."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from jaxtyping import Float, UInt8
+
+from stereorecal._arrays import AnyArray
+from stereorecal.matching._matcher import AbstractMatcher, Disparity
+from stereorecal.matching._texture import textured
+
+
+@dataclass(frozen=True)
+class BM(AbstractMatcher):
+    """`cv2.StereoBM`. Options: see `AbstractMatcher`; `num_disparities` is rounded up to a multiple of 16."""
+
+    def match(self, left: Float[AnyArray, "h w"], right: Float[AnyArray, "h w"]) -> Disparity:
+        """See `AbstractMatcher.match`."""
+        lowest, count = _rounded_range(self, left.shape[1])
+        matcher = cv2.StereoBM.create(count, max(5, self.block_size))
+        matcher.setMinDisparity(lowest)
+        matcher.setUniquenessRatio(self.uniqueness_ratio)
+        matcher.setDisp12MaxDiff(self.disp12_max_diff)
+        matcher.setPreFilterCap(max(1, self.pre_filter_cap))
+        matcher.setTextureThreshold(0)
+        return _run(matcher, self, left, right)
+
+
+@dataclass(frozen=True)
+class SGBM(AbstractMatcher):
+    """`cv2.StereoSGBM` with OpenCV's suggested smoothness penalties. Options: see `AbstractMatcher`.
+
+    `num_disparities` is rounded up to a multiple of 16.
+    """
+
+    block_size: int = 5
+    uniqueness_ratio: int = 10
+
+    def match(self, left: Float[AnyArray, "h w"], right: Float[AnyArray, "h w"]) -> Disparity:
+        """See `AbstractMatcher.match`."""
+        lowest, count = _rounded_range(self, left.shape[1])
+        area = self.block_size**2
+        matcher = cv2.StereoSGBM.create(
+            minDisparity=lowest,
+            numDisparities=count,
+            blockSize=self.block_size,
+            P1=8 * area,
+            P2=32 * area,
+            disp12MaxDiff=self.disp12_max_diff,
+            preFilterCap=self.pre_filter_cap,
+            uniquenessRatio=self.uniqueness_ratio,
+        )
+        return _run(matcher, self, left, right)
+
+
+def _rounded_range(options: AbstractMatcher, width: int) -> tuple[int, int]:
+    lowest, count = options.disparity_range(width)
+    return lowest, -(-count // 16) * 16
+
+
+def _run(matcher: cv2.StereoMatcher, options: AbstractMatcher, left: AnyArray, right: AnyArray) -> Disparity:
+    fixed_point = matcher.compute(_grey_levels(left), _grey_levels(right))
+    # OpenCV gives 16 times the disparity, and (min_disparity - 1) * 16 where it found none.
+    valid = fixed_point >= options.min_disparity * 16
+    valid &= np.asarray(
+        textured(left, options.block_size, options.texture_threshold, options.pre_filter_cap)
+    )
+    return Disparity(fixed_point.astype(np.float32) / 16.0, valid)
+
+
+def _grey_levels(image: Float[AnyArray, "h w"]) -> UInt8[np.ndarray, "h w"]:
+    return np.clip(np.rint(np.asarray(image)), 0, 255).astype(np.uint8)

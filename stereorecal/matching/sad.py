@@ -1,0 +1,161 @@
+"""Block matching by sums of absolute differences, in JAX.
+
+The image is streamed row by row: the state is one column sum for each (disparity, column), so memory is
+O(width x disparities) and a row's costs stay in cache. `reference.py` is the plain twin that defines the result.
+"""
+
+from dataclasses import dataclass
+from functools import partial
+from typing import ClassVar, NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Float, Int
+
+from stereorecal._arrays import AnyArray
+from stereorecal.matching._matcher import AbstractMatcher, Disparity
+from stereorecal.matching._texture import quantise, textured, x_sobel
+
+_NEVER = 2**31 - 1  # packed cost of a candidate outside the right image
+
+
+@dataclass(frozen=True)
+class SAD(AbstractMatcher):
+    """Sums of absolute differences over a square window; winner takes all, with OpenCV BM's checks.
+
+    Options: see `AbstractMatcher`. `pre_filter_cap=0` matches grey levels without the x-Sobel prefilter. Ties go to
+    the smallest disparity; the sub-pixel part is the vertex of the parabola through the three costs at the winner.
+    """
+
+    traceable: ClassVar[bool] = True
+
+    def match(self, left: Float[AnyArray, "h w"], right: Float[AnyArray, "h w"]) -> Disparity:
+        """See `AbstractMatcher.match`. Pure; can be traced, batched and compiled."""
+        self.disparity_range(left.shape[1])
+        return _match(jnp.asarray(left), jnp.asarray(right), self)
+
+
+@partial(jax.jit, static_argnames="options")
+def _match(left: Float[jax.Array, "h w"], right: Float[jax.Array, "h w"], options: SAD) -> Disparity:
+    images = quantise(left), quantise(right)
+    if options.pre_filter_cap:
+        images = tuple(x_sobel(image, options.pre_filter_cap) for image in images)
+    best = _winners(images[0], images[1], options, costs=True)
+    disparity = options.min_disparity + best.index
+    valid = textured(left, options.block_size, options.texture_threshold, options.pre_filter_cap)
+    valid &= best.cost < _NEVER
+    if options.uniqueness_ratio:
+        valid &= best.rivals == 0
+    if options.disp12_max_diff >= 0:
+        # The same search from the right image, mirrored so that it looks the same way.
+        mirrored = _winners(images[1][:, ::-1], images[0][:, ::-1], options, costs=False)
+        from_right = options.min_disparity + mirrored.index[:, ::-1]
+        width = left.shape[1]
+        partner = jnp.clip(jnp.arange(width) - disparity, 0, width - 1)
+        difference = jnp.abs(jnp.take_along_axis(from_right, partner, axis=1) - disparity)
+        valid &= difference <= options.disp12_max_diff
+    return Disparity(disparity.astype(jnp.float32) + _parabola(best), valid)
+
+
+class _Winners(NamedTuple):
+    index: Int[jax.Array, "h w"]  # of the winner, counted from min_disparity
+    cost: Int[jax.Array, "h w"]
+    rivals: Int[jax.Array, "h w"]  # how many others, neighbours apart, come as near as uniqueness_ratio forbids
+    below: Int[jax.Array, "h w"]  # costs at index - 1 and index + 1
+    above: Int[jax.Array, "h w"]
+
+
+def _parabola(best: _Winners) -> Float[jax.Array, "h w"]:
+    """Vertex of the parabola through the winner and its neighbours, 0 where a neighbour does not exist."""
+    complete = jnp.maximum(best.below, best.above) < _NEVER
+    below, cost, above = (jnp.where(complete, c, 0).astype(jnp.float32) for c in (best.below, best.cost, best.above))
+    curvature = below - 2.0 * cost + above
+    return jnp.where(curvature > 0, 0.5 * (below - above) / jnp.where(curvature > 0, curvature, 1.0), 0.0)
+
+
+def _winners(
+    left: Int[jax.Array, "h w"], right: Int[jax.Array, "h w"], options: SAD, *, costs: bool
+) -> _Winners:
+    """Best candidates of every pixel of `left`; with `costs=False` only their indices are meaningful."""
+    height, width = left.shape
+    lowest, count = options.disparity_range(width)
+    radius = options.block_size // 2
+    left_rows = jnp.pad(left, ((radius, radius), (0, 0)))
+    # Outside the right image its border repeats; outside its rows both images are 0 and cost nothing.
+    before, after = max(lowest + count - 1, 0), max(-lowest, 0)
+    right_rows = jnp.pad(jnp.pad(right, ((0, 0), (before, after)), mode="edge"), ((radius, radius), (0, 0)))
+
+    index = jnp.arange(count, dtype=jnp.int32)
+    column = jnp.arange(width, dtype=jnp.int32)
+    target = column - (lowest + index)[:, None]
+    inside = (target >= 0) & (target < width)
+    index_bits = max(1, (count - 1).bit_length())
+    sum_type = _sum_type(options)
+
+    def absolute_differences(left_row, right_row):
+        shifted = jax.vmap(lambda i: jax.lax.dynamic_slice(right_row, (before - lowest - i,), (width,)))(index)
+        return jnp.abs(left_row - shifted).astype(sum_type)
+
+    def add_row(column_sums, rows):
+        return column_sums + absolute_differences(*rows), None
+
+    def step(column_sums, rows):
+        entering, leaving = rows
+        column_sums = column_sums + absolute_differences(*entering) - absolute_differences(*leaving)
+        padded = jnp.pad(column_sums, ((0, 0), (radius, radius)))
+        cost = padded[:, :width]
+        for offset in range(1, options.block_size):
+            cost = cost + padded[:, offset : offset + width]
+        # One int32 holds cost and index: a single minimum finds both, and ties go to the smaller index.
+        packed = jnp.where(inside, (cost.astype(jnp.int32) << index_bits) | index[:, None], _NEVER)
+        packed = jax.lax.optimization_barrier(packed)  # computed once, not once for each of its readers
+        best = jax.lax.optimization_barrier(_minimum(packed))
+        winner = jnp.where(best < _NEVER, best & ((1 << index_bits) - 1), 0)
+        if not costs:
+            return column_sums, (winner,)
+
+        def cost_at(i):
+            neighbour = packed[jnp.clip(i, 0, count - 1), column]
+            exists = (i >= 0) & (i < count) & (neighbour < _NEVER)
+            return jnp.where(exists, neighbour >> index_bits, _NEVER)
+
+        best_cost, below, above = best >> index_bits, cost_at(winner - 1), cost_at(winner + 1)
+        limit = best_cost + best_cost * options.uniqueness_ratio // 100
+        near = sum((c <= limit).astype(jnp.int32) for c in (best_cost, below, above))
+        rivals = _total(jnp.where(packed < (limit + 1) << index_bits, 1, 0)) - near
+        best_cost = jnp.where(best < _NEVER, best_cost, _NEVER)
+        return column_sums, (winner, best_cost, rivals, below, above)
+
+    def rows(start, stop):
+        return left_rows[start:stop], right_rows[start:stop]
+
+    start = jnp.zeros((count, width), sum_type)
+    start, _ = jax.lax.scan(add_row, start, rows(0, 2 * radius))
+    last = height + 2 * radius
+    leaving = tuple(jnp.pad(r, ((1, 0), (0, 0)))[:height] for r in (left_rows, right_rows))
+    _, found = jax.lax.scan(step, start, (rows(2 * radius, last), leaving))
+    return _Winners(*found) if costs else _Winners(found[0], *[found[0]] * 4)
+
+
+def _minimum(rows: Int[jax.Array, "d w"]) -> Int[jax.Array, "w"]:
+    """Minimum over the rows by halving: XLA's CPU compiler vectorises this, unlike a reduction over the first axis
+    (half the time of the whole search, measured)."""
+    while (n := rows.shape[0]) > 1:
+        half = (n + 1) // 2
+        rows = jnp.minimum(rows[:half], rows[n - half :])
+    return rows[0]
+
+
+def _total(rows: Int[jax.Array, "d w"]) -> Int[jax.Array, "w"]:
+    """Sum over the rows by halving."""
+    while (n := rows.shape[0]) > 1:
+        half = n // 2
+        pairs = rows[:half] + rows[half : 2 * half]
+        rows = jnp.concatenate([pairs, rows[2 * half :]]) if n % 2 else pairs
+    return rows[0]
+
+
+def _sum_type(options: SAD) -> jnp.dtype:
+    """The narrowest integer that holds a window's sum (int16 overflows from window 13 on without a prefilter)."""
+    largest = 2 * options.pre_filter_cap if options.pre_filter_cap else 255
+    return jnp.dtype(jnp.int16 if largest * options.block_size**2 < 2**15 else jnp.int32)

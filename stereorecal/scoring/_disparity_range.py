@@ -1,0 +1,108 @@
+"""How wide the disparity search must be, measured from the images at a coarse scale."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+
+import cv2
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from stereorecal._errors import InputError
+from stereorecal.geometry import Pair, StereoRig, View
+from stereorecal.matching import SAD, AbstractMatcher, Disparity
+from stereorecal.scoring._data import Rectified, ScoringData, normalised, prepare, rectify_frames
+from stereorecal.scoring._validity import match_frame
+
+_COARSE_WIDTH = 128  # pixels: a few degrees of drift are a few rows here, which a window forgives
+_MARGIN = 1.25  # the nearest surface may be small, or seen closer in another frame
+_DEFAULT_REACH = np.radians(3.0)
+_FRAMES = 4
+_SPECKLE = 30  # pixels of the coarse image
+
+
+def with_disparity_range(
+    matcher: AbstractMatcher,
+    rig: StereoRig,
+    pairs: Sequence[Pair],
+    view: View,
+    reach: float = _DEFAULT_REACH,
+) -> AbstractMatcher:
+    """The matcher with its number of disparities: its own, or measured when it is None.
+
+    Measured: the 99.5 % quantile of a coarse match (the best over a grid of pitch and roll, since the rig may be
+    decalibrated), plus 25 %, plus `focal * tan(reach)` for the yaw that may be missing; a multiple of 16.
+
+    Args:
+        reach: largest rotation error expected, radians.
+
+    Raises:
+        InputError: if the images look swapped (near things lie on the wrong side, beyond what the reach explains).
+    """
+    scale = _COARSE_WIDTH / view.size[0]
+    data = prepare(rig, list(pairs)[:_FRAMES], view, min(1.0, scale))
+    width = data.view.size[0]
+    coarse = SAD(num_disparities=width // 2, block_size=7)
+    straight, swapped = _survey(data, _grid(rig, data.view, reach), coarse)
+    found, found_swapped = _surfaces(straight), _surfaces(swapped)
+    margin = float(data.view.focal) * np.tan(reach)
+    _refuse_swapped(found, found_swapped, margin, straight.values.size)
+    if matcher.num_disparities is not None:
+        return matcher
+    nearest = np.quantile(found, 0.995) if found.size > 50 else width / 4
+    widest = (_MARGIN * nearest + margin) / min(1.0, scale) - matcher.min_disparity
+    limit = view.size[0] - 1 - abs(matcher.min_disparity)
+    return replace(matcher, num_disparities=int(min(16 * np.ceil(widest / 16), limit // 16 * 16)))
+
+
+def _grid(rig: StereoRig, view: View, reach: float) -> Float[np.ndarray, "n 6"]:
+    """Extrinsics around the rig's, near enough that one of them lets a coarse matcher see."""
+    pitch_step = 1.5 / float(view.focal)  # a row and a half
+    steps = max(1, int(np.ceil(reach / pitch_step)))
+    offsets = [
+        (pitch, 0.0, roll, 0.0, 0.0, 0.0)
+        for pitch in np.linspace(-reach, reach, 2 * steps + 1)
+        for roll in (-0.7 * reach, 0.0, 0.7 * reach)
+    ]
+    return normalised(rig.extrinsics) + np.array(offsets)
+
+
+@partial(jax.jit, static_argnames="matcher")
+def _survey(data: ScoringData, candidates: Float[Array, "n 6"] | np.ndarray, matcher: SAD):
+    """Disparities (k, h, w) of the candidate with most matches, as the images are and with the sides swapped."""
+
+    def both(frame: Rectified):
+        swapped = Rectified(frame.right, frame.left, frame.right_area, frame.left_area)
+        return match_frame(matcher, frame), match_frame(matcher, swapped)
+
+    def look(extrinsics):
+        return rectify_frames(data, extrinsics, both)
+
+    straight, swapped = jax.lax.map(look, jnp.asarray(candidates, jnp.float32))
+
+    def best(found: Disparity) -> Disparity:
+        winner = jnp.argmax(jnp.sum(found.valid, axis=(1, 2, 3)))
+        return jax.tree.map(lambda leaf: leaf[winner], found)
+
+    return best(straight), best(swapped)
+
+
+def _surfaces(found: Disparity) -> Float[np.ndarray, "n"]:
+    """The disparities that form patches, not the lone pixels of false matches."""
+    patches = []
+    for values, valid in zip(np.asarray(found.values), np.asarray(found.valid), strict=True):
+        fixed_point = np.where(valid, 16 * values, -16).astype(np.int16)
+        cv2.filterSpeckles(fixed_point, -16, maxSpeckleSize=_SPECKLE, maxDiff=16)
+        patches.append(values[fixed_point >= 0])
+    return np.concatenate(patches)
+
+
+def _refuse_swapped(values: np.ndarray, swapped_values: np.ndarray, margin: float, pixels: int) -> None:
+    # Disparities within the margin may be infinity seen through a yaw error; beyond it they tell the sides apart.
+    here, there = (int(np.sum(v > margin + 1.0)) for v in (values, swapped_values))
+    if there > 4 * here and there > 0.1 * pixels:
+        raise InputError(
+            "the left and right images look swapped (near things lie on the wrong side); exchange left and right."
+        )

@@ -1,0 +1,20 @@
+"""The one rule for which pixels have a valid disparity, whatever the matcher."""
+
+from stereorecal._arrays import namespace
+from stereorecal.matching import AbstractMatcher, Disparity
+from stereorecal.scoring._data import Rectified
+
+
+def match_frame(matcher: AbstractMatcher, frame: Rectified) -> Disparity:
+    """Match one rectified frame and keep what lies inside the mapped area of both images.
+
+    Valid: found by the matcher's own rules (unique, textured, left-right consistent), `d >= min_disparity`, and the
+    pixel and its partner both show something real. Traceable if the matcher is.
+    """
+    disparity = matcher.match(frame.left, frame.right)
+    xp = namespace(disparity.values)
+    width = disparity.values.shape[1]
+    partner = xp.arange(width) - xp.round(disparity.values).astype(xp.int32)
+    inside = (partner >= 0) & (partner < width)
+    partner_area = xp.take_along_axis(xp.asarray(frame.right_area), xp.clip(partner, 0, width - 1), axis=1)
+    return Disparity(disparity.values, disparity.valid & inside & frame.left_area & partner_area)

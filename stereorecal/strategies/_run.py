@@ -1,0 +1,84 @@
+"""Running a strategy, and judging what it brings back."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal._errors import BudgetExhausted, NeedNotMet, StrategyError
+from stereorecal.strategies._budget import Budget, Trace
+from stereorecal.strategies._contract import AbstractStrategy, Outcome, Status
+from stereorecal.strategies._objective import Objective, require
+from stereorecal.strategies._registry import origin_of
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """A judged run.
+
+    Attributes:
+        best: (n,) the best of the strategy's nomination, the best point recorded, and the start.
+        value: the score there.
+        start_value: the score at the start.
+        status, message: how the run ended.
+        trace: every evaluation that the strategy made.
+    """
+
+    best: Float[np.ndarray, "n"]
+    value: float
+    start_value: float
+    status: Status
+    message: str
+    trace: Trace
+
+
+def run_strategy(
+    strategy: AbstractStrategy,
+    objective: Objective,
+    start: Float[np.ndarray, "n"],
+    budget: Budget | None = None,
+    seed: int = 0,
+) -> Run:
+    """Run `strategy` on a freshly metered `objective` and judge its nomination by the objective's own values.
+
+    The judge's evaluations (start and nomination, where the strategy did not evaluate them) are not charged.
+
+    Raises:
+        NeedNotMet: if the objective does not offer what the strategy needs.
+        StrategyError: if the strategy crashes; names its distribution and version.
+    """
+    name = type(strategy).__name__
+    require(objective, strategy.needs, name)
+    if objective.dim < strategy.min_dim:
+        raise NeedNotMet(f"strategy {name} needs at least {strategy.min_dim} free parameters, not {objective.dim}.")
+    budget = Budget() if budget is None else budget
+    metered = objective.with_budget(budget)
+    start = np.array(start, float)
+    try:
+        outcome = strategy.run(metered, start.copy(), budget, seed)
+    except BudgetExhausted:
+        outcome = Outcome(start, Status.BUDGET)
+    except StrategyError:
+        raise
+    except Exception as error:
+        raise StrategyError(f"strategy {name} ({origin_of(strategy)}) crashed: {error!r}") from error
+    return _judge(objective, metered.trace, start, outcome, name)
+
+
+def _judge(objective: Objective, trace: Trace, start: np.ndarray, outcome: Outcome, name: str) -> Run:
+    nominated = np.array(outcome.best, float)
+    if nominated.shape != start.shape or not np.isfinite(nominated).all() or np.abs(nominated).max() > 1 + 1e-9:
+        raise StrategyError(f"strategy {name} nominated a point outside the unit box: {outcome.best!r}")
+    # Points whose values are only charged are unknown; the last one is the best of that kind.
+    charged = trace.points[np.isnan(trace.values)][-1:]
+    known = {p.tobytes(): v for p, v in zip(trace.points, trace.values, strict=True) if np.isfinite(v)}
+    candidates = [start, *charged, nominated]
+    if known:
+        candidates.append(trace.points[np.nanargmax(trace.values)])
+    values = [
+        known[p.tobytes()] if p.tobytes() in known else float(objective.problem.values(p[None])[0]) for p in candidates
+    ]
+    winner = int(np.argmax(np.where(np.isfinite(values), values, -np.inf)))  # the start wins ties
+    seen = [*known.values(), *values]
+    status = Status.NO_SIGNAL if len(seen) > 2 and np.nanmin(seen) == np.nanmax(seen) else outcome.status
+    return Run(candidates[winner], values[winner], values[0], status, outcome.message or status.value, trace)

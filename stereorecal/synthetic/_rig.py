@@ -1,0 +1,25 @@
+"""The rig that the scenes are taken with unless the caller brings another."""
+
+import numpy as np
+
+from stereorecal.geometry import Camera, StereoRig
+
+
+def default_rig() -> StereoRig:
+    """A 640x480 rig with a baseline of about 356 mm, radial distortion, and extrinsics that are not ideal.
+
+    The cameras differ a little from each other and stand a few tenths of a degree and a few millimetres away
+    from the ideal rig, so that a strategy wins nothing by shrinking towards it.
+    """
+    left = Camera(
+        (640, 480),
+        np.array([[601.3, 0.0, 322.4], [0.0, 600.7, 236.8], [0.0, 0.0, 1.0]]),
+        np.array([-0.251, 0.092, 0.0004, -0.0003, -0.012]),
+    )
+    right = Camera(
+        (640, 480),
+        np.array([[598.6, 0.0, 316.1], [0.0, 598.9, 243.5], [0.0, 0.0, 1.0]]),
+        np.array([-0.246, 0.085, -0.0002, 0.0005, -0.009]),
+    )
+    angles = np.radians([0.31, -0.44, 0.27])
+    return StereoRig(left, right, np.concatenate([angles, [-0.356, 0.0041, -0.0036]]))

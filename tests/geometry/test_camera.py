@@ -1,0 +1,177 @@
+"""Cameras: projection and its inverse, resizing, what is refused."""
+
+import pickle
+
+import cv2
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from stereorecal._errors import InputError, UnsupportedModelError
+from stereorecal.geometry import Camera, distort, undistort
+
+SIZE = (96, 64)
+MATRIX = np.array([[80.0, 0, 46.2], [0, 82.0, 33.1], [0, 0, 1]])
+# Realistic values for each number of coefficients OpenCV knows (k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4 tx ty).
+_ALL = [0.9, -0.3, 8e-4, -6e-4, 0.02, 1.25, -0.1, 0.01, 2e-3, -4e-4, -3e-3, 5e-4, 0.02, -0.03]
+LENSES = {
+    0: [],
+    4: [-0.28, 0.07, 2e-4, 1.8e-5],
+    5: [-0.08, 0.1, 1.1e-3, -1e-3, -0.02],
+    8: _ALL[:8],
+    12: _ALL[:12],
+    14: _ALL,
+}
+
+
+def camera(count: int, size: tuple[int, int] = SIZE) -> Camera:
+    return Camera(size, MATRIX, np.array(LENSES[count]))
+
+
+def pixels_of(size: tuple[int, int]) -> np.ndarray:
+    """All pixel centres, (h, w, 2)."""
+    return np.stack(np.meshgrid(*map(np.arange, size)), axis=-1).astype(float)
+
+
+@pytest.mark.parametrize("count", LENSES)
+def test_projection_is_that_of_opencv(count: int):
+    points = np.random.default_rng(count).uniform([-1, -0.8, 1.5], [1, 0.8, 4], (200, 3))
+    expected = cv2.projectPoints(points, np.zeros(3), np.zeros(3), MATRIX, np.array(LENSES[count]))[0][:, 0]
+    np.testing.assert_allclose(camera(count).project(points), expected, atol=1e-9)
+    traced = jax.jit(Camera.project)(camera(count), jnp.asarray(points, jnp.float32))
+    np.testing.assert_allclose(traced, expected, atol=1e-3)
+
+
+@pytest.mark.parametrize("count", LENSES)
+def test_rays_invert_the_projection_over_the_whole_image(count: int):
+    pixels, lens = pixels_of(SIZE), camera(count)
+    rays = lens.rays(pixels)
+    assert rays.shape == (*SIZE[::-1], 3)
+    np.testing.assert_array_equal(rays[..., 2], 1.0)
+    np.testing.assert_allclose(lens.project(np.asarray(rays, float)), pixels, atol=1e-3)
+    if count == 14:
+        np.testing.assert_allclose(jax.jit(Camera.rays)(lens, pixels), rays, atol=2e-6)
+
+
+@pytest.mark.parametrize("count", LENSES)
+def test_undistort_inverts_distort(count: int):
+    points = np.random.default_rng(count).uniform(-0.55, 0.55, (*SIZE[::-1], 2))
+    coefficients = np.array(LENSES[count])
+    distorted = distort(points, coefficients)
+    assert np.abs(distorted - points).max() > (1e-3 if count else -1)
+    np.testing.assert_allclose(undistort(distorted, coefficients), points, atol=2e-6)
+
+
+@pytest.mark.parametrize("count", [5, 14])
+@pytest.mark.parametrize("jacobian", [jax.jacfwd, jax.jacrev])
+def test_jacobian_of_the_distortion(count: int, jacobian):
+    coefficients, step = np.array(LENSES[count]), 1e-6
+    for point in (np.zeros(2), np.array([0.3, -0.4])):
+        actual = jax.jit(jacobian(lambda p: distort(p, coefficients)))(jnp.asarray(point, jnp.float32))
+        ahead, behind = (
+            np.stack([distort(point + s * e, coefficients) for e in np.eye(2)], axis=-1)
+            for s in (step, -step)
+        )
+        np.testing.assert_allclose(actual, (ahead - behind) / (2 * step), atol=1e-5)
+
+
+def test_lens_radius_is_where_the_image_folds_back():
+    assert Camera(SIZE, MATRIX).lens_radius >= 8.0
+    # d/dr (r + k1 r^3) = 0 at r = 1 / sqrt(-3 k1)
+    assert Camera(SIZE, MATRIX, np.array([-0.3, 0, 0, 0])).lens_radius == pytest.approx(
+        (0.9) ** -0.5, abs=0.003
+    )
+    assert camera(5).resized((48, 32)).lens_radius == camera(5).lens_radius
+
+
+@pytest.mark.parametrize("size", [(48, 32), (24, 16), (192, 128), (32, 64)])
+def test_resized_keeps_pixel_corners(size: tuple[int, int]):
+    """INTER_AREA averages whole pixels: a ramp tells which place of the old image each new pixel shows."""
+    small = camera(5).resized(size)
+    assert small.size == size
+    if size[0] <= SIZE[0] and size[1] <= SIZE[1]:
+        old_places = cv2.resize(pixels_of(SIZE), size, interpolation=cv2.INTER_AREA)
+    else:
+        old_places = (pixels_of(size) + 0.5) * np.array(SIZE) / np.array(size) - 0.5
+    points = np.random.default_rng(0).uniform([-0.4, -0.3, 1], [0.4, 0.3, 1], (50, 3))
+    new, old = small.project(points), camera(5).project(points)
+    columns = np.interp(new[:, 0], np.arange(size[0]), old_places[0, :, 0])
+    rows = np.interp(new[:, 1], np.arange(size[1]), old_places[:, 0, 1])
+    inside = ((new >= 0) & (new <= np.array(size) - 1)).all(axis=1)
+    assert inside.sum() > 30
+    np.testing.assert_allclose(np.stack([columns, rows], -1)[inside], old[inside], atol=1e-9)
+
+
+def test_resized_there_and_back():
+    again = camera(14).resized((41, 27)).resized(SIZE)
+    np.testing.assert_allclose(again.matrix, MATRIX, atol=1e-12)
+
+
+def bad(**entries: float) -> np.ndarray:
+    matrix = MATRIX.copy()
+    for name, value in entries.items():
+        matrix[int(name[1]), int(name[2])] = value
+    return matrix
+
+
+@pytest.mark.parametrize(
+    ("matrix", "words"),
+    [
+        (bad(m00=np.nan), "NaN"),
+        (bad(m02=np.inf), "NaN or infinite"),
+        (bad(m00=0.0), "singular or negative"),
+        (bad(m11=-80.0), "singular or negative"),
+        (bad(m22=0.0), "singular or negative"),
+        (bad(m20=0.1), "singular or negative"),
+        (bad(m01=0.5), "skew"),
+        (bad(m10=0.5), "skew"),
+    ],
+)
+def test_matrices_that_are_none(matrix: np.ndarray, words: str):
+    with pytest.raises(InputError, match=words):
+        Camera(SIZE, matrix)
+
+
+@pytest.mark.parametrize("size", [(0, 10), (10, -1)])
+def test_sizes_that_are_none(size: tuple[int, int]):
+    with pytest.raises(InputError, match="image size"):
+        Camera(size, MATRIX)
+
+
+@given(st.integers(1, 16).filter(lambda n: n not in LENSES))
+def test_counts_of_coefficients_that_opencv_does_not_know(count: int):
+    with pytest.raises(UnsupportedModelError, match=f"{count} coefficients"):
+        Camera(SIZE, MATRIX, np.zeros(count))
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_coefficients_that_are_not_finite(value: float):
+    with pytest.raises(InputError, match="NaN or infinite"):
+        Camera(SIZE, MATRIX, np.array([0.1, 0.0, value, 0.0]))
+
+
+def test_the_camera_owns_its_numbers():
+    matrix = MATRIX.copy()
+    lens = Camera(SIZE, matrix)
+    matrix[:] = 0.0
+    np.testing.assert_array_equal(lens.matrix, MATRIX)
+    assert lens.matrix.dtype == lens.distortion.dtype == np.float64
+
+
+def test_pytree_and_pickle():
+    lens = camera(14)
+    copies = [jax.tree.map(lambda leaf: leaf, lens), pickle.loads(pickle.dumps(lens))]
+    copies.append(jax.tree.unflatten(jax.tree.structure(lens), jax.tree.leaves(lens)))
+    for copy in copies:
+        assert type(copy) is Camera
+        assert copy.size == SIZE
+        np.testing.assert_array_equal(copy.matrix, lens.matrix)
+        np.testing.assert_array_equal(copy.distortion, lens.distortion)
+        assert copy.lens_radius == lens.lens_radius
+    assert len(jax.tree.leaves(lens)) == 3
+    assert jax.tree.map(lambda leaf: object(), lens).size == SIZE  # placeholders pass
+    names = [jax.tree_util.keystr(path) for path, _ in jax.tree_util.tree_leaves_with_path(lens)]
+    assert names == [".matrix", ".distortion", ".lens_radius"]

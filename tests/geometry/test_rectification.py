@@ -1,0 +1,428 @@
+"""Rectifying rotations, views, pixel maps and warps against OpenCV, brute force and finite differences."""
+
+from dataclasses import astuple
+
+import cv2
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from stereorecal.geometry import (
+    Camera,
+    StereoRig,
+    View,
+    bilinear_warp,
+    mapped_area,
+    pixel_map,
+    rectifying_maps,
+    rectifying_rotations,
+    rotation_from_euler,
+    view,
+)
+
+SIZE = (160, 120)
+MATRIX = np.array([[130.0, 0, 78.2], [0, 131.0, 61.1], [0, 0, 1]])
+OTHER = np.array([[128.0, 0, 81.5], [0, 129.5, 57.3], [0, 0, 1]])
+# Realistic values for each number of coefficients OpenCV knows (k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4 tx ty).
+_ALL = [0.9, -0.3, 8e-4, -6e-4, 0.02, 1.25, -0.1, 0.01, 2e-3, -4e-4, -3e-3, 5e-4, 0.02, -0.03]
+LENSES = {
+    0: [],
+    4: [-0.28, 0.07, 2e-4, 1.8e-5],
+    5: [-0.08, 0.1, 1.1e-3, -1e-3, -0.02],
+    8: _ALL[:8],
+    12: _ALL[:12],
+    14: _ALL,
+}
+IDEAL = np.array([0, 0, 0, -0.12, 0, 0])
+TEN_DEGREES = np.deg2rad(10.0)
+
+warp, maps_between = jax.jit(bilinear_warp), jax.jit(rectifying_maps)
+map_of = jax.jit(pixel_map, static_argnums=3)
+
+angle = st.floats(-TEN_DEGREES, TEN_DEGREES)
+side_step = st.floats(-0.3, 0.3)
+
+
+@st.composite
+def extrinsics(draw: st.DrawFn) -> np.ndarray:
+    """Up to 10 degrees about each axis; a baseline of 1 cm to 2 m, mostly sideways."""
+    baseline = draw(st.floats(0.01, 2.0))
+    y, z = draw(side_step), draw(side_step)
+    return np.array([draw(angle), draw(angle), draw(angle), -baseline, y * baseline, z * baseline])
+
+
+def rig(values: np.ndarray = IDEAL, count: int = 5) -> StereoRig:
+    lens = np.array(LENSES[count])
+    return StereoRig(
+        Camera(SIZE, MATRIX, lens), Camera(SIZE, OTHER, -0.5 * lens if count == 4 else lens), values
+    )
+
+
+# --- rectifying rotations -----------------------------------------------------------------------------------
+
+_traced_rotations = jax.jit(rectifying_rotations)
+
+
+@given(extrinsics())
+def test_rotations_are_those_of_opencv(values: np.ndarray):
+    rotation, translation = rotation_from_euler(values[:3]), values[3:]
+    expected = cv2.stereoRectify(
+        MATRIX, np.zeros(5), OTHER, np.zeros(5), SIZE, rotation, translation.reshape(3, 1), alpha=0
+    )[:2]
+    # OpenCV takes rotations below 1e-5 for none.
+    negligible = 1e-5 if np.linalg.norm(values[:3]) < 2e-5 else 0.0
+    host = rectifying_rotations(rotation, translation)
+    traced = _traced_rotations(*(jnp.asarray(a, jnp.float32) for a in (rotation, translation)))
+    for side in range(2):
+        assert host[side].dtype == np.float64
+        np.testing.assert_allclose(host[side], expected[side], atol=1e-9 + negligible)
+        np.testing.assert_allclose(traced[side], expected[side], atol=1e-6 + negligible)
+
+
+@given(extrinsics(), st.floats(0.01, 100.0))
+def test_the_length_of_the_baseline_does_not_matter(values: np.ndarray, scale: float):
+    rotation = rotation_from_euler(values[:3])
+    for a, b in zip(*(rectifying_rotations(rotation, s * values[3:]) for s in (1.0, scale)), strict=True):
+        np.testing.assert_allclose(a, b, atol=1e-14)
+
+
+@pytest.mark.parametrize("jacobian", [jax.jacfwd, jax.jacrev])
+def test_jacobians_of_the_rotations(jacobian):
+    def rotations(values):
+        return jnp.stack(rectifying_rotations(rotation_from_euler(values[:3]), values[3:]))
+
+    def differences(values: np.ndarray, step: float = 1e-7) -> np.ndarray:
+        ends = [
+            np.stack(
+                [
+                    np.stack(rectifying_rotations(rotation_from_euler(v[:3]), v[3:]))
+                    for v in values + s * np.eye(6)
+                ],
+                axis=-1,
+            )
+            for s in (step, -step)
+        ]
+        return (ends[0] - ends[1]) / (2 * step)
+
+    jitted = jax.jit(jacobian(rotations))
+    for values in (IDEAL, np.array([0.1, -0.15, 0.05, -0.2, 0.03, -0.04])):
+        actual = jitted(jnp.asarray(values, jnp.float32))
+        assert np.isfinite(actual).all()
+        np.testing.assert_allclose(actual, differences(values), atol=2e-5)
+
+
+# --- the view -----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("zero_disparity", [True, False])
+@settings(max_examples=20)
+@given(extrinsics())
+def test_points_lie_in_one_row_at_the_disparity_of_their_depth(zero_disparity: bool, values: np.ndarray):
+    stereo = rig(values)
+    shared = view(stereo, zero_disparity=zero_disparity)
+    first, second = rectifying_rotations(stereo.rotation, stereo.translation)
+    points = np.random.default_rng(0).uniform([-1, -1, 3], [1, 1, 9], (50, 3)) * stereo.baseline
+    left = points @ first.T @ shared.matrix_left.T
+    right = (points @ stereo.rotation.T + stereo.translation) @ second.T @ shared.matrix_right.T
+    left, right = left[:, :2] / left[:, 2:], right[:, :2] / right[:, 2:]
+    np.testing.assert_allclose(left[:, 1], right[:, 1], atol=1e-8)
+    depth = (points @ first.T)[:, 2]
+    at_infinity = shared.centre_left - shared.centre_right
+    np.testing.assert_allclose(
+        left[:, 0] - right[:, 0], shared.focal * stereo.baseline / depth + at_infinity, atol=1e-8
+    )
+    if zero_disparity:
+        assert at_infinity == 0.0
+
+
+@pytest.mark.parametrize("count", [0, 5, 14])
+@pytest.mark.parametrize("zero_disparity", [True, False])
+def test_maps_rectify_real_projections(count: int, zero_disparity: bool):
+    """Full circle: points are projected through the lenses, and the maps lead back to them."""
+    stereo = rig(np.array([0.03, -0.05, 0.02, -0.12, 0.004, -0.006]), count)
+    shared = view(stereo, zero_disparity=zero_disparity)
+    maps = maps_between(stereo.left, stereo.right, stereo.rotation, stereo.translation, shared)
+    rotations = rectifying_rotations(stereo.rotation, stereo.translation)
+    points = np.random.default_rng(count).uniform([-0.6, -0.5, 2], [0.6, 0.5, 4], (60, 3))
+    in_cameras = points, points @ stereo.rotation.T + stereo.translation
+    matrices = shared.matrix_left, shared.matrix_right
+    for camera, coordinates, rotation, local, matrix in zip(
+        (stereo.left, stereo.right), maps, rotations, in_cameras, matrices, strict=True
+    ):
+        rectified = local @ rotation.T @ matrix.T
+        rectified = (rectified[:, :2] / rectified[:, 2:]).astype(np.float32)
+        assert ((rectified > 1) & (rectified < np.array(SIZE) - 2)).all()
+        sampled = cv2.remap(np.asarray(coordinates), rectified[:, None], None, cv2.INTER_LINEAR)[:, 0]
+        # A 2-D map is read between its pixels, hence the bend of the lens within one pixel.
+        np.testing.assert_allclose(sampled, camera.project(local), atol=0.05)
+
+
+@given(extrinsics(), extrinsics())
+@settings(max_examples=20)
+def test_the_zoom_follows_the_lenses_alone(first: np.ndarray, second: np.ndarray):
+    for count in (0, 5, 14):
+        assert view(rig(first, count)).focal == view(rig(second, count)).focal
+
+
+@pytest.mark.parametrize("count", LENSES)
+def test_size_zoom_and_centre(count: int):
+    stereo = rig(np.array([0.03, -0.05, 0.02, -0.12, 0.004, -0.006]), count)
+    mean = (130.0 * 131 * 128 * 129.5) ** 0.25
+    each = view(stereo, zero_disparity=False)
+    shared = view(stereo)
+    assert each.size == shared.size == SIZE
+    assert 0.7 * mean <= shared.focal <= mean * (1 + 1e-12)
+    assert (
+        shared.centre_left == shared.centre_right == pytest.approx((each.centre_left + each.centre_right) / 2)
+    )
+    # Each camera's image centre lies in the middle column of its own view, and on average in the middle row.
+    rows = []
+    rotations = rectifying_rotations(stereo.rotation, stereo.translation)
+    for camera, rotation, matrix in zip(
+        (stereo.left, stereo.right), rotations, (each.matrix_left, each.matrix_right), strict=True
+    ):
+        ray = np.asarray(camera.rays(np.array([79.5, 59.5])), float)
+        x, y, z = matrix @ rotation @ ray
+        assert x / z == pytest.approx(79.5, abs=1e-4)
+        rows.append(y / z)
+    assert np.mean(rows) == pytest.approx(59.5, abs=1e-4)
+
+
+def test_a_wide_lens_keeps_the_middles_of_its_borders():
+    """The view of a barrel lens is zoomed out just so far that the middles of all borders are inside."""
+    lens = Camera(SIZE, MATRIX, np.array([-0.28, 0.07, 0, 0]))
+    shared = view(StereoRig(lens, lens, IDEAL), zero_disparity=False)
+    assert shared.focal < 0.99 * MATRIX[0, 0]
+    middles = np.array([[0, 59.5], [159, 59.5], [79.5, 0], [79.5, 119]])
+    seen = np.asarray(lens.rays(middles)) @ shared.matrix_left.T
+    assert (np.abs(seen[:, :2] - np.array([79.5, 59.5])) <= np.array([80, 60]) * 1.02).all()
+    assert np.abs((seen[:, :2] - np.array([79.5, 59.5])) / np.array([80, 60])).max() > 0.97
+
+
+def test_matrices_of_the_view():
+    shared = View(SIZE, 100.0, 70.0, 75.0, 60.0)
+    np.testing.assert_array_equal(shared.matrix_left, [[100, 0, 70], [0, 100, 60], [0, 0, 1]])
+    np.testing.assert_array_equal(shared.matrix_right, [[100, 0, 75], [0, 100, 60], [0, 0, 1]])
+    small = shared.scaled(0.5)
+    assert small.size == (80, 60)
+    np.testing.assert_allclose(
+        astuple(small)[1:], [50, 34.75, 37.25, 29.75]
+    )  # pixel corners stay corners: (c + 0.5) / 2 - 0.5
+
+
+@pytest.mark.parametrize("scale", [0.5, 0.25])
+def test_scaling_the_view_is_resizing_its_images(scale: float):
+    """A ramp through the full map, averaged, is the ramp through the scaled map."""
+    stereo = rig(np.array([0.03, -0.05, 0.02, -0.12, 0.004, -0.006]), 0)
+    full = view(stereo)
+    half = full.scaled(scale)
+    rotation = rectifying_rotations(stereo.rotation, stereo.translation)[0]
+    large = np.asarray(map_of(stereo.left, rotation, full.matrix_left, full.size))
+    small = np.asarray(map_of(stereo.left, rotation, half.matrix_left, half.size))
+    averaged = cv2.resize(large, half.size, interpolation=cv2.INTER_AREA)
+    np.testing.assert_allclose(averaged, small, atol=0.02)
+    # In the resized camera the same place has the coordinates of the resized image.
+    resized = stereo.left.resized((round(SIZE[0] * scale), round(SIZE[1] * scale)))
+    again = np.asarray(map_of(resized, rotation, half.matrix_left, half.size))
+    np.testing.assert_allclose(again, (small + 0.5) * scale - 0.5, atol=1e-3)
+
+
+def test_view_is_a_pytree():
+    shared = view(rig())
+    copy = jax.tree.map(lambda leaf: leaf, shared)
+    assert type(copy) is View
+    assert astuple(copy) == astuple(shared)
+    assert len(jax.tree.leaves(shared)) == 4
+    matrix = jax.jit(lambda v: v.matrix_right)(shared)
+    np.testing.assert_allclose(matrix, shared.matrix_right, rtol=1e-6)
+
+
+# --- pixel maps and warps -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("count", LENSES)
+@pytest.mark.parametrize("seed", range(3))
+def test_pixel_map_is_that_of_opencv(count: int, seed: int):
+    camera = Camera(SIZE, MATRIX, np.array(LENSES[count]))
+    rng = np.random.default_rng(seed)
+    rotation = cv2.Rodrigues(rng.uniform(-0.15, 0.15, 3))[0]
+    matrix = np.array([[115.0, 0, 70 + 20 * rng.random()], [0, 115.0, 50 + 20 * rng.random()], [0, 0, 1]])
+    size = (171, 113)
+    expected = np.dstack(
+        cv2.initUndistortRectifyMap(MATRIX, camera.distortion, rotation, matrix, size, cv2.CV_32FC1)
+    )
+    traced = map_of(camera, rotation, matrix, size)
+    assert traced.dtype == jnp.float32
+    assert traced.shape == (113, 171, 2)
+    np.testing.assert_allclose(traced, expected, atol=0.01)
+    assert np.abs(expected - pixels_of(size)).max() > 5  # not the identity
+
+
+def pixels_of(size: tuple[int, int]) -> np.ndarray:
+    return np.stack(np.meshgrid(*map(np.arange, size)), axis=-1).astype(np.float32)
+
+
+def test_pixels_that_no_ray_of_the_lens_reaches_are_outside():
+    barrel = Camera(SIZE, MATRIX, np.array([-0.3, 0, 0, 0]))
+    wide = np.array([[20.0, 0, 79.5], [0, 20.0, 59.5], [0, 0, 1]])
+    coordinates = np.asarray(map_of(barrel, np.eye(3), wide, SIZE))
+    radius = np.linalg.norm((pixels_of(SIZE) - [79.5, 59.5]) / 20.0, axis=-1)
+    far, near = radius > barrel.lens_radius + 0.01, radius < barrel.lens_radius - 0.01
+    np.testing.assert_array_equal(coordinates[far], -1.0)
+    assert (coordinates[near] != -1.0).all()
+    expected = np.dstack(
+        cv2.initUndistortRectifyMap(MATRIX, barrel.distortion, np.eye(3), wide, SIZE, cv2.CV_32FC1)
+    )
+    np.testing.assert_allclose(coordinates[near], expected[near], atol=0.01)
+    folded = far & (expected >= 0).all(axis=-1) & (expected <= np.array(SIZE) - 1).all(axis=-1)
+    assert folded.any()  # OpenCV shows false pixels there
+
+
+def test_pixels_behind_the_camera_are_outside():
+    turned = cv2.Rodrigues(np.array([0.0, np.pi / 2, 0.0]))[0]
+    coordinates = np.asarray(map_of(Camera(SIZE, MATRIX), turned, MATRIX, SIZE))
+    assert np.isfinite(coordinates).all()
+    assert not np.asarray(mapped_area(coordinates, SIZE)).all()
+    columns = (np.arange(SIZE[0]) - MATRIX[0, 2]) / MATRIX[0, 0]
+    behind = (turned.T @ np.stack([columns, 0 * columns, 1 + 0 * columns]))[2] < 0
+    np.testing.assert_array_equal(coordinates[61][behind], -1.0)
+
+
+def warped_by_opencv(image: np.ndarray, coordinates: np.ndarray) -> np.ndarray:
+    return cv2.remap(image, coordinates, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+
+
+@pytest.mark.parametrize("count", [0, 5, 14])
+def test_warp_is_that_of_opencv(count: int):
+    stereo = rig(np.array([0.05, -0.08, 0.1, -0.12, 0.01, -0.01]), count)
+    image = np.random.default_rng(count).uniform(0, 255, SIZE[::-1]).astype(np.float32)
+    image = cv2.GaussianBlur(image, (0, 0), 1.0)
+    for coordinates in maps_between(
+        stereo.left, stereo.right, stereo.rotation, stereo.translation, view(stereo)
+    ):
+        assert not np.asarray(mapped_area(coordinates, SIZE)).all()  # the border is part of the test
+        expected = warped_by_opencv(image, np.asarray(coordinates))
+        # OpenCV rounds coordinates to 1/32 pixel.
+        np.testing.assert_allclose(warp(image, coordinates), expected, atol=1.0)
+        exact = reference_warp(image, np.asarray(coordinates, float))
+        np.testing.assert_allclose(warp(image, coordinates), exact, atol=5e-3)
+
+
+def reference_warp(image: np.ndarray, coordinates: np.ndarray) -> np.ndarray:
+    """Bilinear interpolation written as four corners with a padded border, in float64."""
+    height, width = image.shape
+    x, y = (np.clip(coordinates[..., i], 0, n - 1) for i, n in ((0, width), (1, height)))
+    padded = np.pad(image.astype(float), ((0, 1), (0, 1)), mode="edge")
+    x0, y0 = np.floor(x).astype(int), np.floor(y).astype(int)
+    u, v = x - x0, y - y0
+    return (
+        padded[y0, x0] * (1 - u) * (1 - v)
+        + padded[y0, x0 + 1] * u * (1 - v)
+        + padded[y0 + 1, x0] * (1 - u) * v
+        + padded[y0 + 1, x0 + 1] * u * v
+    )
+
+
+def test_warp_by_whole_pixels_and_beyond_the_border():
+    image = np.random.default_rng(0).uniform(0, 255, (5, 7)).astype(np.float32)
+    grid = pixels_of((7, 5))
+    np.testing.assert_allclose(warp(image, grid), image, atol=5e-5)
+    np.testing.assert_allclose(warp(image, grid + np.float32([1, 0]))[:, :-1], image[:, 1:], atol=5e-5)
+    far = np.float32([[[-1e6, -1e6], [1e6, -3.0], [6.0, 4.0], [6.4, 4.4], [-0.4, 1e9]]])
+    corners = [image[0, 0], image[0, 6], image[4, 6], image[4, 6], image[4, 0]]
+    np.testing.assert_allclose(warp(image, far)[0], corners, atol=5e-5)
+
+
+@given(st.lists(st.tuples(st.floats(-3, 12, width=32), st.floats(-3, 9, width=32)), min_size=1, max_size=20))
+@settings(max_examples=50)
+def test_mapped_area_is_what_lies_inside(points: list[tuple[float, float]]):
+    size = (9, 6)
+    points = [*points, (0.0, 0.0), (8.0, 5.0), (-1.0, -1.0), (8.0, 5.0001), (-1e-6, 2.0)]
+    inside = mapped_area(np.array([points], np.float32), size)[0]
+    assert [bool(value) for value in inside] == [0 <= x <= 8 and 0 <= y <= 5 for x, y in np.float32(points)]
+
+
+def test_mapped_area_is_where_no_border_is_repeated():
+    """Brute force: warp an image of ones that is framed in zeros, and look where no zero came in."""
+    stereo = rig(np.array([0.05, -0.08, 0.1, -0.12, 0.01, -0.01]), 5)
+    frame = np.pad(np.ones(SIZE[::-1], np.float32), 400)
+    for coordinates in maps_between(
+        stereo.left, stereo.right, stereo.rotation, stereo.translation, view(stereo)
+    ):
+        ones = reference_warp(frame, np.asarray(coordinates, float) + 400.0)
+        actual = np.asarray(mapped_area(coordinates, SIZE))
+        np.testing.assert_array_equal(actual, ones == 1.0)
+        assert 0.5 < actual.mean() < 1.0
+
+
+# --- gradients through maps and warps -----------------------------------------------------------------------
+
+SCENE = rig(IDEAL, 5)
+VIEW = view(SCENE)
+
+
+def maps_of(values):
+    rotation = rotation_from_euler(values[:3])
+    return jnp.stack(rectifying_maps(SCENE.left, SCENE.right, rotation, values[3:], VIEW))
+
+
+@pytest.mark.parametrize(
+    "values", [IDEAL, [0.02, -0.03, 0.01, -0.12, 0.004, -0.003]], ids=["ideal", "drifted"]
+)
+def test_gradients_of_map_and_warp(values):
+    start, step = jnp.asarray(values, jnp.float32), 2e-3
+    inner = np.s_[:, 25:-25:6, 25:-25:6]  # away from the border, where the warp has a kink
+    jacobian = jax.jit(jax.jacfwd(lambda v: maps_of(v)[inner]))(start)
+    maps = jax.jit(maps_of)
+    ends = [[np.asarray(maps(start + s * e), float)[inner] for e in jnp.eye(6)] for s in (step, -step)]
+    differences = np.stack([(a - b) / (2 * step) for a, b in zip(*ends, strict=True)], axis=-1)
+    assert np.isfinite(jacobian).all()
+    np.testing.assert_allclose(jacobian, differences, atol=0.02 * np.abs(differences).max())
+
+    # The warp by the chain rule: float64 differences of the reference warp along the map's own derivative.
+    image = cv2.GaussianBlur(np.random.default_rng(0).uniform(0, 255, SIZE[::-1]), (0, 0), 3.0).astype(
+        np.float32
+    )
+
+    def loss(left, right):
+        return ((left - right - 5.0) ** 2).sum()
+
+    def brightness(v):
+        left, right = maps_of(v)[inner]
+        return loss(bilinear_warp(image, left), bilinear_warp(image, right))
+
+    coordinates = np.asarray(maps(start)[inner], float)
+    expected = []
+    for change in np.moveaxis(np.asarray(jacobian, float), -1, 0):
+        ahead, behind = (
+            loss(*(reference_warp(image, c) for c in coordinates + s * change)) for s in (1e-8, -1e-8)
+        )
+        expected.append((ahead - behind) / 2e-8)
+    gradient = jax.jit(jax.grad(brightness))(start)
+    assert np.isfinite(gradient).all()
+    np.testing.assert_allclose(gradient, expected, atol=1e-3 * np.abs(expected).max())
+    assert np.abs(expected)[[0, 1, 2, 4, 5]].min() > 1e-3 * np.abs(expected).max()  # each axis matters
+
+
+def test_gradients_are_finite_where_rays_turn_behind_the_camera():
+    def total(values):
+        return jnp.sum(maps_of(values) * 1e-3)
+
+    gradient = jax.jit(jax.grad(total))(jnp.asarray([0.0, 2.9, 0.0, -0.12, 0.0, 0.0], jnp.float32))
+    assert np.isfinite(gradient).all()
+
+
+def test_a_rig_is_an_argument_of_jit():
+    @jax.jit
+    def maps(stereo: StereoRig, shared: View):
+        return rectifying_maps(stereo.left, stereo.right, stereo.rotation, stereo.translation, shared)
+
+    for values in (IDEAL, np.array([0.02, -0.03, 0.01, -0.12, 0.004, -0.003])):
+        stereo = SCENE.with_extrinsics(values)
+        expected = maps_between(stereo.left, stereo.right, stereo.rotation, stereo.translation, VIEW)
+        for a, b in zip(maps(stereo, VIEW), expected, strict=True):
+            np.testing.assert_allclose(a, b, atol=1e-3)
+    assert maps._cache_size() == 1

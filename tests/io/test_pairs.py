@@ -1,0 +1,349 @@
+"""load_pair and load_pairs: image formats, matching of names, bad files."""
+
+import os
+import pickle
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from stereorecal._errors import InputError
+from stereorecal.io import load_pair, load_pairs
+from stereorecal.io._pairs import match_files
+
+SIZE = (24, 16)
+
+
+def texture(seed: int, size: tuple[int, int] = SIZE, dtype: type = np.uint8) -> np.ndarray:
+    rng = np.random.default_rng(seed)
+    return rng.integers(0, np.iinfo(dtype).max, size[::-1], dtype=dtype, endpoint=True)
+
+
+def write(path: Path, image: np.ndarray) -> Path:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    assert cv2.imwrite(str(path), image)
+    return path
+
+
+@pytest.fixture
+def right(tmp_path: Path) -> Path:
+    return write(tmp_path / "right.png", texture(1))
+
+
+@pytest.mark.parametrize("suffix", ["png", "tif", "tiff", "bmp", "pgm", "PNG"])
+def test_grey_values_stay_as_they_are(tmp_path: Path, suffix: str):
+    images = [texture(0), texture(1)]
+    paths = [write(tmp_path / f"{side}.{suffix}", image) for side, image in zip("ab", images, strict=True)]
+    pair = load_pair(*paths)
+    np.testing.assert_array_equal(pair.left, images[0])
+    np.testing.assert_array_equal(pair.right, images[1])
+    assert pair.left.dtype == np.float32
+    assert pair.name == f"a.{suffix}"
+    assert pair.size == SIZE
+
+
+def test_jpeg_within_its_loss(tmp_path: Path):
+    smooth = [cv2.GaussianBlur(texture(i, (64, 48)), (0, 0), 3) for i in range(2)]
+    paths = [tmp_path / f"{i}.jpg" for i in range(2)]
+    for path, image in zip(paths, smooth, strict=True):
+        assert cv2.imwrite(str(path), image, [cv2.IMWRITE_JPEG_QUALITY, 100])
+    assert np.abs(load_pair(*paths).right - smooth[1]).max() <= 2
+
+
+def test_colour_and_alpha_equal_grey(tmp_path: Path, right: Path):
+    grey = texture(0)
+    expected = load_pair(write(tmp_path / "grey.png", grey), right).left
+    opaque = np.full_like(grey, 255)
+    for name, planes in {
+        "colour": [grey] * 3,
+        "alpha": [*[grey] * 3, opaque],
+        "clear": [*[grey] * 3, grey],
+    }.items():
+        loaded = load_pair(write(tmp_path / f"{name}.png", np.dstack(planes)), right).left
+        np.testing.assert_allclose(loaded, expected, atol=1e-4, err_msg=name)
+
+
+@pytest.mark.parametrize("suffix", ["png", "ppm", "bmp"])
+def test_channel_order_is_that_of_opencv(tmp_path: Path, right: Path, suffix: str):
+    colour = np.dstack([texture(seed) for seed in (3, 4, 5)])
+    loaded = load_pair(write(tmp_path / f"colour.{suffix}", colour), right).left
+    assert np.abs(loaded - cv2.cvtColor(colour, cv2.COLOR_BGR2GRAY)).max() <= 0.51
+
+
+@pytest.mark.parametrize("suffix", ["png", "tif", "pgm"])
+def test_sixteen_bit_scales_both_images_alike(tmp_path: Path, suffix: str):
+    left = texture(0, dtype=np.uint16)
+    dim = left // 2
+    pair = load_pair(write(tmp_path / f"a.{suffix}", left), write(tmp_path / f"b.{suffix}", dim))
+    assert pair.left.max() == pytest.approx(255.0)
+    np.testing.assert_allclose(pair.left, left * (255.0 / left.max()), rtol=1e-5)
+    np.testing.assert_allclose(pair.right, dim * (255.0 / left.max()), rtol=1e-5)
+
+
+def test_different_depths_are_refused(tmp_path: Path, right: Path):
+    with pytest.raises(InputError, match=r"deep\.png.*uint16.*uint8"):
+        load_pair(write(tmp_path / "deep.png", texture(0, dtype=np.uint16)), right)
+
+
+def test_file_pairs_pickle_as_their_paths(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    for side in ("left", "right"):
+        write(tmp_path / f"{side}.png", texture(len(side), (320, 240)))
+    monkeypatch.chdir(tmp_path)
+    pair = load_pair("left.png", "right.png")
+    data = pickle.dumps(pair)
+    assert len(data) < 1000
+    monkeypatch.chdir(os.path.sep)  # another working directory, as on a worker
+    again = pickle.loads(data)
+    np.testing.assert_array_equal(again.left, pair.left)
+    np.testing.assert_array_equal(again.right, pair.right)
+    assert again.name == pair.name == "left.png"
+    assert len(pickle.dumps(pair.resized((160, 120)))) > 100_000  # is no file any more
+
+
+def test_resized_file_pair_survives_pickling(tmp_path: Path, right: Path):
+    small = load_pair(write(tmp_path / "left.png", texture(0)), right).resized((12, 8))
+    np.testing.assert_array_equal(pickle.loads(pickle.dumps(small)).left, small.left)
+
+
+# --- which files belong together ----------------------------------------------------------------------------
+
+
+def save(folder: Path, names: list[str], seed: int) -> None:
+    for index, name in enumerate(names):
+        write(folder / name, texture(seed + index))
+
+
+def partners(pairs) -> list[tuple[str, str]]:
+    return [tuple(Path(p).name for p in pair.origin[1]) for pair in pairs]
+
+
+def test_folders_with_equal_names_in_natural_order(tmp_path: Path):
+    names = ["frame10.png", "frame9.png", "frame1.png"]
+    save(tmp_path / "a", names, 0)
+    save(tmp_path / "b", names[::-1], 10)
+    (tmp_path / "a" / "times.txt").write_text("no image")
+    (tmp_path / "a" / ".frame2.png").write_bytes(b"hidden")
+    pairs = load_pairs(tmp_path / "a", tmp_path / "b")
+    assert partners(pairs) == [(n, n) for n in ("frame1.png", "frame9.png", "frame10.png")]
+    np.testing.assert_array_equal(pairs[2].left, texture(0))
+
+
+def test_patterns_files_and_folders_are_one(tmp_path: Path):
+    save(tmp_path / "a", ["1.png", "2.png"], 0)
+    save(tmp_path / "b", ["1.png", "2.png"], 10)
+    expected = [("1.png", "1.png"), ("2.png", "2.png")]
+    assert partners(load_pairs(f"{tmp_path}/a/*.png", tmp_path / "b")) == expected
+    assert partners(load_pairs(f"{tmp_path}/**/a/?.png", f"{tmp_path}/b/[12].png")) == expected
+    assert partners(load_pairs(tmp_path / "a" / "2.png", str(tmp_path / "b" / "2.png"))) == expected[1:]
+
+
+def test_a_file_whose_name_looks_like_a_pattern(tmp_path: Path):
+    save(tmp_path, ["left[1].png", "right[1].png"], 0)
+    assert len(load_pairs(tmp_path / "left[1].png", tmp_path / "right[1].png")) == 1
+
+
+@pytest.mark.parametrize(
+    ("left", "right"),
+    [
+        (["left_10.png", "left_9.png"], ["right_10.png", "right_9.png"]),
+        (["9_L.png", "10_L.png"], ["10_R.png", "9_R.png"]),
+        (["9-l.png", "10-l.png"], ["9-r.png", "10-r.png"]),
+        (["cam0_9.png", "cam0_10.png"], ["cam1_10.png", "cam1_9.png"]),
+        (["Left1.png", "Left0.png"], ["Right1.png", "Right0.png"]),
+        (["im0.png"], ["im1.png"]),
+        (["a.png", "b.png"], ["b.jpg", "a.jpg"]),
+    ],
+)
+def test_markers_of_the_side_are_no_part_of_the_name(left: list[str], right: list[str]):
+    matched = match_files([Path(name) for name in left], [Path(name) for name in right])
+    key = str.maketrans("", "", "".join({*"leftLrightRcam_-.pngjpgb"} - {"a", "b"}))
+    assert [a.name for a, _ in matched] == left
+    if left[0][0] in "ab":
+        assert all(a.stem == b.stem for a, b in matched)
+    elif "cam" in left[0] or left == ["im0.png"]:
+        assert all(a.name[4:] == b.name[4:] for a, b in matched)
+    else:
+        assert all(a.name.translate(key) == b.name.translate(key) for a, b in matched)
+
+
+def test_names_without_anything_in_common_go_by_order():
+    left, right = [Path(f"{i}ns.png") for i in (15, 27, 39)], [Path(f"{i}ns.png") for i in (16, 28, 40)]
+    assert match_files(left, right) == list(zip(left, right, strict=True))
+
+
+def test_names_that_repeat_in_many_folders_go_by_order():
+    left, right = ([Path(f"{scene}/im{side}.png") for scene in "abc"] for side in (0, 1))
+    assert match_files(left, right) == list(zip(left, right, strict=True))
+
+
+@given(st.permutations(range(12)), st.sets(st.integers(0, 11), min_size=1))
+def test_each_file_gets_its_own_partner_or_an_error_names_it(order: list[int], kept: set[int]):
+    left, right = [Path(f"left/{i}.png") for i in sorted(kept)], [Path(f"right/{i}.png") for i in order]
+    if len(kept) == 12:
+        assert all(a.name == b.name for a, b in match_files(left, right))
+    else:
+        with pytest.raises(InputError) as error:
+            match_files(left, right)
+        alone = Path(str(error.value).split(":")[0])
+        assert alone in right
+        assert int(alone.stem) not in kept
+
+
+@pytest.mark.parametrize(
+    ("left", "right", "alone"),
+    [
+        (["1", "2", "3"], ["1", "2"], r"a/3\.png: .* no partner on the right"),
+        (["1", "2"], ["1", "2", "3"], r"b/3\.png: .* no partner on the left"),
+        (["1", "2", "3"], ["1", "2", "4"], r"a/3\.png"),  # equal counts would hide it
+        (["x", "y"], ["u", "v", "w"], r"b/w\.png"),
+    ],
+)
+def test_an_image_without_partner_is_named(tmp_path: Path, left: list[str], right: list[str], alone: str):
+    save(tmp_path / "a", [f"{n}.png" for n in left], 0)
+    save(tmp_path / "b", [f"{n}.png" for n in right], 10)
+    with pytest.raises(InputError, match=alone):
+        load_pairs(tmp_path / "a", f"{tmp_path}/b/*")
+
+
+def test_limit_reads_no_more_files_than_that(tmp_path: Path):
+    save(tmp_path / "a", ["1.png", "2.png"], 0)
+    save(tmp_path / "b", ["1.png", "2.png"], 10)
+    (tmp_path / "a" / "2.png").write_bytes(b"")
+    assert partners(load_pairs(tmp_path / "a", tmp_path / "b", limit=1)) == [("1.png", "1.png")]
+    with pytest.raises(InputError, match="limit of 0"):
+        load_pairs(tmp_path / "a", tmp_path / "b", limit=0)
+
+
+@pytest.mark.parametrize("where", ["nothing/*.png", "nothing", "empty", "missing.png"])
+def test_nothing_matches(tmp_path: Path, right: Path, where: str):
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(InputError, match=rf"{where.replace('*', '[*]')}: no image matches"):
+        load_pairs(f"{tmp_path}/{where}", right)
+
+
+# --- bad files ----------------------------------------------------------------------------------------------
+
+
+def encoded(suffix: str, image: np.ndarray) -> bytes:
+    return cv2.imencode(suffix, image)[1].tobytes()
+
+
+def check_refused(
+    path: Path, right: Path, capfd: pytest.CaptureFixture, words: str = "again|check|give"
+) -> None:
+    """The error is one line that names the file, and OpenCV prints nothing of its own."""
+    capfd.readouterr()
+    with pytest.raises(InputError, match=words) as error:
+        load_pair(path, right)
+    assert path.name in str(error.value)
+    assert "\n" not in str(error.value)
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("suffix", [".png", ".jpg", ".tif", ".bmp", ".pgm", ".webp"])
+@pytest.mark.parametrize("colour", [False, True])
+def test_truncated_images_are_refused_silently(tmp_path: Path, capfd, suffix: str, colour: bool):
+    if colour and suffix == ".pgm":
+        suffix = ".ppm"
+    size = (60, 40)
+    whole = encoded(suffix, np.dstack([texture(seed, size) for seed in range(3 if colour else 1)]))
+    path, right = tmp_path / f"cut{suffix}", write(tmp_path / "right.png", texture(1, size))
+    path.write_bytes(whole)
+    assert load_pair(path, right).size == size
+    for length in {*range(0, len(whole), max(1, len(whole) // 50)), len(whole) - 5}:
+        path.write_bytes(whole[:length])
+        check_refused(path, right, capfd)
+
+
+def test_truncated_jpeg_with_a_whole_thumbnail(tmp_path: Path, right: Path, capfd):
+    thumbnail, whole = encoded(".jpg", texture(0, (16, 8))), encoded(".jpg", texture(1))
+    segment = b"\xff\xe1" + (len(thumbnail) + 8).to_bytes(2, "big") + b"Exif\x00\x00" + thumbnail
+    path = tmp_path / "photo.jpg"
+    path.write_bytes(whole[:2] + segment + whole[2:])
+    assert load_pair(path, right).size == SIZE
+    path.write_bytes(whole[:2] + segment + whole[2:-20])
+    check_refused(path, right, capfd, "truncated")
+
+
+def test_trailing_bytes_do_no_harm(tmp_path: Path, right: Path):
+    for suffix in (".png", ".jpg"):
+        path = tmp_path / f"long{suffix}"
+        path.write_bytes(encoded(suffix, texture(0)) + bytes(100))
+        assert load_pair(path, right).size == SIZE
+
+
+def test_damaged_png(tmp_path: Path, right: Path, capfd):
+    data = bytearray(encoded(".png", texture(0)))
+    data[len(data) // 2] ^= 0xFF
+    path = tmp_path / "damaged.png"
+    path.write_bytes(data)
+    check_refused(path, right, capfd, "damaged")
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [(b"", "empty"), (b"hello " * 50, "not an image"), (b"\x89PNG\r\n\x1a\n", "truncated")],
+)
+def test_files_that_are_no_image(tmp_path: Path, right: Path, capfd, content: bytes, words: str):
+    path = tmp_path / "file.png"
+    path.write_bytes(content)
+    check_refused(path, right, capfd, words)
+
+
+def test_missing_file_and_folder_for_a_file(tmp_path: Path, right: Path, capfd):
+    check_refused(tmp_path / "missing.png", right, capfd, "no such file")
+    check_refused(tmp_path, right, capfd, "cannot be read")
+
+
+def test_the_bad_right_image_is_named(tmp_path: Path, right: Path):
+    with pytest.raises(InputError, match=r"missing\.png"):
+        load_pair(right, tmp_path / "missing.png")
+
+
+@pytest.mark.parametrize(("value", "words"), [(0, "all black"), (255, "constant"), (77, "constant")])
+@pytest.mark.parametrize("channels", [1, 3])
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
+def test_images_without_content(tmp_path: Path, value: int, words: str, channels: int, dtype: type):
+    good = write(tmp_path / "good.png", texture(1, dtype=dtype))
+    blank = write(tmp_path / "blank.png", np.full((16, 24, channels), value, dtype))
+    with pytest.raises(InputError, match=rf"blank\.png.*left.*{words}"):
+        load_pair(blank, good)
+    with pytest.raises(InputError, match=rf"blank\.png, right.*{words}"):
+        load_pair(good, blank)
+
+
+def test_different_sizes(tmp_path: Path, right: Path):
+    with pytest.raises(
+        InputError, match=r"wide\.png.*right\.png: the left image is 25x16 and the right one 24x16"
+    ):
+        load_pair(write(tmp_path / "wide.png", texture(0, (25, 16))), right)
+
+
+def test_one_file_for_both_sides(tmp_path: Path, right: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(InputError, match="both the left and the right"):
+        load_pair("right.png", right)
+
+
+def test_floating_point_images(tmp_path: Path, right: Path):
+    left = texture(0).astype(np.float32) / 255
+    other = write(tmp_path / "other.tif", texture(1).astype(np.float32) / 255)
+    pair = load_pair(write(tmp_path / "float.tif", left), other)
+    np.testing.assert_allclose(
+        pair.left, texture(0) * (255.0 / max(texture(0).max(), texture(1).max())), rtol=1e-4
+    )
+    left[3, 4] = np.nan
+    with pytest.raises(InputError, match="NaN"):
+        load_pair(write(tmp_path / "nan.tif", left), other)
+
+
+def test_the_log_level_of_opencv_is_restored(tmp_path: Path, right: Path):
+    level = cv2.utils.logging.getLogLevel()
+    path = tmp_path / "text.png"
+    path.write_text("no image")
+    with pytest.raises(InputError):
+        load_pair(path, right)
+    assert cv2.utils.logging.getLogLevel() == level

@@ -1,0 +1,471 @@
+"""Scene folders: what is read, what is refused, what is written."""
+
+import dataclasses
+import json
+import os
+import pickle
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from stereorecal._errors import InputError, UnsupportedModelError
+from stereorecal.geometry import Camera, Pair, Scene, StereoRig, rotation_from_vector
+from stereorecal.io import load_scene, save_scene
+
+SIZE = (24, 16)
+
+
+def texture(seed: int, size: tuple[int, int] = SIZE) -> np.ndarray:
+    return np.random.default_rng(seed).integers(0, 255, size[::-1], dtype=np.uint8, endpoint=True)
+
+
+def write(path: Path, image: np.ndarray) -> Path:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    assert cv2.imwrite(str(path), image)
+    return path
+
+
+def calibration() -> dict[str, Any]:
+    """A valid calib.json as written by hand, with keys of its own."""
+    matrix = [[20.0, 0.0, 11.5], [0.0, 20.0, 7.5], [0.0, 0.0, 1.0]]
+    return {
+        "image_size": list(SIZE),
+        "K_left": matrix,
+        "D_left": [0.1, -0.05, 0.001, 0.002, 0.01],
+        "K_right": matrix,
+        "D_right": [0.1, -0.05, 0.001, 0.002],
+        "distortion_model": "plumb_bob",
+        "R": cv2.Rodrigues(np.array([0.01, -0.02, 0.03]))[0].tolist(),
+        "T": [-0.1, 0.001, 0.002],
+        "baseline_m": 0.10002499687578103,
+        "rectified": False,
+        "max_disparity_px": 12,
+        "disparity_gt": None,
+        "notes": {"weather": ["sun", "große Hitze"]},
+    }
+
+
+UNCALIBRATED = dict.fromkeys(("K_left", "D_left", "K_right", "D_right", "R", "T", "distortion_model"))
+Make = Callable[..., Path]
+
+
+@pytest.fixture
+def make(tmp_path: Path) -> Make:
+    """Writes a scene folder; keyword arguments replace keys of its calib.json (`...` removes one)."""
+
+    def make(frames: int = 1, **changes: Any) -> Path:
+        folder = tmp_path / "recordings" / "garden"
+        for index in range(frames):
+            name = "" if frames == 1 else f"/{index}"
+            write(folder / f"left{name}.png", texture(2 * index))
+            write(folder / f"right{name}.png", texture(2 * index + 1))
+        content = {key: value for key, value in (calibration() | changes).items() if value is not ...}
+        (folder / "calib.json").write_text(json.dumps(content), encoding="utf-8")
+        return folder
+
+    return make
+
+
+def refused(folder: Path, words: str, kind: type = InputError, about: str = "calib.json") -> None:
+    with pytest.raises(InputError, match=words) as error:
+        load_scene(folder)
+    message = str(error.value)
+    assert type(error.value) is kind
+    assert about in message
+    assert "\n" not in message
+    assert message.endswith((".", ").")), message
+
+
+# --- reading ------------------------------------------------------------------------------------------------
+
+
+def test_one_pair(make: Make):
+    scene = load_scene(make())
+    assert scene.name == "recordings/garden"
+    assert scene.reference == "stored"
+    assert len(scene.pairs) == 1
+    np.testing.assert_array_equal(scene.pairs[0].right, texture(1))
+    rig, given_values = scene.rig, calibration()
+    assert rig is not None
+    assert rig.left.size == rig.right.size == SIZE
+    for side, camera in (("left", rig.left), ("right", rig.right)):
+        np.testing.assert_array_equal(camera.matrix, given_values[f"K_{side}"])
+        np.testing.assert_array_equal(camera.distortion, given_values[f"D_{side}"])
+    np.testing.assert_allclose(rig.rotation, given_values["R"], atol=1e-15)
+    np.testing.assert_array_equal(rig.translation, given_values["T"])
+    assert dict(scene.info) == {
+        key: given_values[key] for key in ("rectified", "max_disparity_px", "disparity_gt", "notes")
+    }
+
+
+def test_frames_in_natural_order_and_limit(make: Make):
+    folder = make(frames=12)
+    scene = load_scene(str(folder))
+    assert [pair.name for pair in scene.pairs] == [f"{i}.png" for i in range(12)]
+    np.testing.assert_array_equal(scene.pairs[11].right, texture(23))
+    assert [pair.name for pair in load_scene(folder, limit=2).pairs] == ["0.png", "1.png"]
+    with pytest.raises(InputError, match="limit of 0"):
+        load_scene(folder, limit=0)
+
+
+def test_relative_folder_gets_its_full_name(make: Make, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.chdir(make())
+    assert load_scene(".").name == "recordings/garden"
+
+
+def test_pairs_travel_as_paths(make: Make):
+    scene = load_scene(make(frames=4))
+    assert len(pickle.dumps(scene)) < 5000
+    np.testing.assert_array_equal(pickle.loads(pickle.dumps(scene)).pairs[3].left, scene.pairs[3].left)
+
+
+def test_without_calibration(make: Make):
+    assert load_scene(make(**UNCALIBRATED)).rig is None
+    refused(make(**UNCALIBRATED, image_size=[20, 20]), "20x20", about="garden")
+
+
+@pytest.mark.parametrize(
+    "model",
+    ["opencv", "OpenCV (k1 k2 p1 p2 k3 [k4 k5 k6 ...]); zeros = rectified", "plumb_bob", "Plumb_Bob",
+     "rational_polynomial", "radtan", "none", "", None, ..., "opencv5"],
+)  # fmt: skip
+def test_names_of_the_pinhole_model(make: Make, model: Any):
+    assert load_scene(make(distortion_model=model)).rig is not None
+
+
+@pytest.mark.parametrize(
+    "model",
+    ["equidistant", "fisheye", "opencv_fisheye", "OpenCV (fisheye)", "kb4", "ds", "omni", "eucm", "fov", 4],
+)
+def test_other_models_are_unsupported(make: Make, model: Any):
+    refused(make(distortion_model=model), "distortion model .* is not supported", UnsupportedModelError)
+
+
+@pytest.mark.parametrize("distortion", [None, [], [[]]])
+def test_no_distortion(make: Make, distortion: Any):
+    rig = load_scene(make(D_left=distortion)).rig
+    assert rig is not None
+    assert rig.left.distortion.shape == (0,)
+
+
+def test_rows_and_columns_are_vectors(make: Make):
+    row, column = [calibration()["D_left"]], [[value] for value in calibration()["T"]]
+    rig = load_scene(make(D_left=row, T=column, image_size=[24.0, 16.0])).rig
+    assert rig is not None
+    np.testing.assert_array_equal(rig.left.distortion, row[0])
+    np.testing.assert_array_equal(rig.translation, calibration()["T"])
+
+
+def test_byte_order_mark(make: Make):
+    path = make() / "calib.json"
+    path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())
+    assert load_scene(path.parent).rig is not None
+
+
+# --- bad input ----------------------------------------------------------------------------------------------
+
+
+def test_missing_folder_and_files(make: Make, tmp_path: Path):
+    refused(tmp_path / "nowhere", "no such folder", about="nowhere")
+    folder = make()
+    refused(folder / "calib.json", "no such folder")
+    (folder / "left.png").unlink()
+    refused(folder, r"no image left\.\*", about="garden")
+    (folder / "calib.json").unlink()
+    refused(folder, "no such file")
+
+
+@given(st.data())
+@settings(max_examples=30)
+def test_truncated_json(tmp_path_factory: pytest.TempPathFactory, data: st.DataObject):
+    folder = tmp_path_factory.mktemp("scene")
+    text = json.dumps(calibration())
+    cut = data.draw(st.integers(0, len(text) - 1))
+    (folder / "calib.json").write_text(text[:cut])
+    refused(folder, "truncated" if cut else "empty")
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (b"", "empty"),
+        (b" \n", "empty"),
+        (b"\xff\xfe\x00{", "UTF-8"),
+        (b"[1, 2]", "no JSON object"),
+        (b"[" * 100_000, "JSON"),
+    ],
+)
+def test_files_that_are_no_calibration(make: Make, content: bytes, words: str):
+    folder = make()
+    (folder / "calib.json").write_bytes(content)
+    refused(folder, words)
+
+
+@pytest.mark.parametrize("key", ["image_size", "K_left", "K_right", "D_left", "D_right", "R", "T"])
+def test_missing_keys(make: Make, key: str):
+    refused(make(**{key: ...}), f"the key '{key}' is missing")
+
+
+@pytest.mark.parametrize("key", ["K_left", "D_right", "R", "T", "max_disparity_px"])
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), float("-inf")])
+def test_nan_and_infinity(make: Make, key: str, value: float):
+    refused(make(**{key: [value]}), "contains -?(NaN|Infinity)")
+
+
+@pytest.mark.parametrize("number", ["1e999", "-1e999", "null", "1" + "0" * 400])
+def test_numbers_that_are_not_finite(make: Make, number: str):
+    path = make() / "calib.json"
+    path.write_text(json.dumps(calibration() | {"T": [-0.1, "HERE", 0]}).replace('"HERE"', number))
+    refused(path.parent, "T (contains null, NaN or infinite|is not an array of)")
+
+
+@pytest.mark.parametrize("key", ["image_size", "K_left", "D_left", "R", "T"])
+@pytest.mark.parametrize("value", ["text", {"a": 1}, [[1, 2], [3]], [1, "x"], [[1.0] * 7] * 2, 3])
+def test_wrong_shapes(make: Make, key: str, value: Any):
+    kind = UnsupportedModelError if key == "D_left" and value == 3 else InputError
+    refused(make(**{key: value}), f"{key}|coefficients", kind)
+
+
+@pytest.mark.parametrize("size", [[24], [24, 16, 3], [0, 16], [-24, 16], [24.5, 16], None])
+def test_bad_image_sizes(make: Make, size: Any):
+    refused(make(image_size=size), "image_size")
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "words"),
+    [
+        ("K_left", [[0, 0, 11], [0, 20, 7], [0, 0, 1]], "left camera: .*singular or negative"),
+        ("K_right", [[20, 0, 11], [0, -20, 7], [0, 0, 1]], "right camera: .*singular or negative"),
+        ("K_right", [[20, 0, 11], [0, 20, 7], [0, 0, 0]], "right camera: .*singular"),
+        ("K_left", [[20, 1, 11], [0, 20, 7], [0, 0, 1]], "skew"),
+        ("K_left", None, "K_left contains null"),
+        ("K_right", None, "K_right contains null"),
+        ("R", None, "R contains null"),
+        ("R", [[1, 0, 0], [0, 1, 0], [0, 0, -1]], "R is not a rotation"),
+        ("R", [[1, 0, 0], [0, 1, 0], [0, 0.1, 1]], "R is not a rotation"),
+        ("R", [[0.0] * 3] * 3, "R is not a rotation"),
+        ("R", [[2, 0, 0], [0, 2, 0], [0, 0, 2]], "R is not a rotation"),
+        ("T", [0, 0, 0], "baseline is zero"),
+        ("T", [0.1, 0, 0], "swapped"),
+        ("T", [-0.1, 0.2, 0], "above or behind"),
+    ],
+)
+def test_values_that_are_no_calibration(make: Make, key: str, value: Any, words: str):
+    refused(make(**{key: value}), words)
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 6, 7, 9, 13, 15])
+def test_wrong_number_of_coefficients(make: Make, count: int):
+    refused(make(D_right=[0.0] * count), f"right camera: .*{count} coefficients", UnsupportedModelError)
+
+
+def test_bad_images_are_named(make: Make):
+    folder = make(frames=3)
+    path = folder / "right" / "1.png"
+    whole = path.read_bytes()
+    path.write_bytes(whole[:-30])
+    refused(folder, "truncated", about=str(path))
+    assert len(load_scene(folder, limit=1).pairs) == 1
+    write(path, np.zeros(SIZE[::-1], np.uint8))
+    refused(folder, "right: the image is all black", about=str(path))
+    write(path, texture(0, (20, 16)))
+    refused(folder, "24x16 and the right one 20x16", about=str(path))
+    write(folder / "left" / "1.png", texture(1, (20, 16)))
+    refused(folder, "1.png: the images are 20x16, but the calibration is for 24x16", about=str(folder))
+
+
+def test_images_without_partner(make: Make):
+    folder = make(frames=3)
+    (folder / "left" / "1.png").unlink()
+    refused(folder, "no partner on the left", about=str(folder / "right" / "1.png"))
+    (folder / "right" / "2.png").unlink()  # equal counts, different names
+    refused(folder, "no partner on the right", about=str(folder / "left" / "2.png"))
+
+
+def test_folders_with_other_names_are_not_matched_by_order(make: Make):
+    folder = make(frames=2)
+    for index in range(2):
+        (folder / "right" / f"{index}.png").rename(folder / "right" / f"r{index}x.png")
+    refused(folder, "no partner on the right", about="0.png")
+
+
+def test_two_readings_of_one_side(make: Make):
+    folder = make()
+    (folder / "notes.txt").write_text("left.txt and the like do no harm")
+    (folder / "left.txt").write_text("not an image")
+    load_scene(folder)
+    write(folder / "left.jpg", texture(0))
+    refused(folder, r"both left\.jpg and left\.png are there", about="garden")
+    (folder / "left.jpg").unlink()
+    write(folder / "left" / "0.png", texture(0))
+    refused(folder, r"both left\.png and left.0\.png are there", about="garden")
+
+
+# --- writing ------------------------------------------------------------------------------------------------
+
+
+def scene_of(
+    frames: int = 1, rig: StereoRig | None = None, names: list[str] | None = None, **changes: Any
+) -> Scene:
+    names = names or [f"pair {i}" for i in range(frames)]
+    pairs = tuple(
+        Pair(*(texture(2 * i + s).astype(np.float32) for s in (0, 1)), name) for i, name in enumerate(names)
+    )
+    return Scene("demo", rig, pairs, info={"max_disparity_px": 12, "notes": "größer"}, **changes)
+
+
+def rig_of(extrinsics: Any) -> StereoRig:
+    matrix = np.array([[20.1, 0, 11.3], [0, 19.9, 7.7], [0, 0, 1]])
+    return StereoRig(
+        Camera(SIZE, matrix, np.array([0.1, -0.02, 1 / 3, 1e-7])),
+        Camera(SIZE, matrix * 1.0),
+        np.array(extrinsics),
+    )
+
+
+def files_in(folder: Path) -> list[str]:
+    return sorted(str(p.relative_to(folder)) for p in folder.rglob("*") if p.is_file())
+
+
+def assert_same(a: Scene, b: Scene) -> None:
+    assert a.reference == b.reference
+    assert dict(a.info) == dict(b.info)
+    assert len(a.pairs) == len(b.pairs)
+    for p, q in zip(a.pairs, b.pairs, strict=True):
+        np.testing.assert_array_equal(p.left, q.left)
+        np.testing.assert_array_equal(p.right, q.right)
+    assert (a.rig is None) == (b.rig is None)
+    if a.rig is not None and b.rig is not None:
+        np.testing.assert_allclose(a.rig.extrinsics, b.rig.extrinsics, rtol=0, atol=1e-12)
+        for side in ("left", "right"):
+            one, two = getattr(a.rig, side), getattr(b.rig, side)
+            assert one.size == two.size
+            np.testing.assert_array_equal(one.matrix, two.matrix)
+            np.testing.assert_array_equal(one.distortion, two.distortion)
+
+
+@settings(max_examples=25)
+@given(
+    angles=st.tuples(*[st.floats(-0.5, 0.5)] * 3),
+    shift=st.tuples(st.floats(-2.0, -0.01), st.floats(-0.009, 0.009), st.floats(-0.009, 0.009)),
+    reference=st.sampled_from(["stored", "truth"]),
+)
+def test_round_trip(tmp_path_factory: pytest.TempPathFactory, angles, shift, reference: str):
+    scene = scene_of(2, rig_of([*angles, *shift]), reference=reference)
+    folder = tmp_path_factory.mktemp("scenes") / "new" / "folder"
+    save_scene(scene, folder)
+    again = load_scene(folder)
+    assert_same(scene, again)
+    save_scene(again, folder, overwrite=True)
+    assert_same(load_scene(folder), again)
+
+
+@pytest.mark.parametrize("frames", [1, 3])
+def test_round_trip_without_calibration(tmp_path: Path, frames: int):
+    scene = scene_of(frames)
+    save_scene(scene, tmp_path)
+    assert_same(load_scene(tmp_path), scene)
+
+
+def test_what_is_written(tmp_path: Path):
+    save_scene(scene_of(1, rig_of([0, 0, 0, -0.12, 0.0, 0.05])), tmp_path / "one")
+    assert files_in(tmp_path / "one") == ["calib.json", "left.png", "right.png"]
+    content = json.loads((tmp_path / "one" / "calib.json").read_text())
+    assert content["baseline_m"] == pytest.approx(0.13)
+    assert content["max_disparity_px"] == 12
+    assert "extrinsics" not in content
+    assert cv2.imread(str(tmp_path / "one" / "left.png"), cv2.IMREAD_UNCHANGED).dtype == np.uint8
+
+
+@pytest.mark.parametrize(
+    ("names", "files"),
+    [
+        (["2.png", "10.png"], ["2", "10"]),
+        (["10.png", "2.png"], ["000000", "000001"]),
+        (["a", "a"], ["000000", "000001"]),
+        (["", "x"], ["000000", "000001"]),
+        (["../../up", "x"], ["up", "x"]),
+        ([".hidden", "x"], ["000000", "000001"]),
+        (["a\nb", "x"], ["000000", "000001"]),
+    ],
+)
+def test_file_names_keep_the_order(tmp_path: Path, names: list[str], files: list[str]):
+    scene = scene_of(rig=rig_of([0, 0, 0, -0.1, 0, 0]), names=names)
+    save_scene(scene, tmp_path / "s")
+    assert files_in(tmp_path / "s") == sorted(
+        ["calib.json", *(f"{s}/{n}.png" for s in ("left", "right") for n in files)]
+    )
+    assert_same(load_scene(tmp_path / "s"), scene)
+
+
+def test_values_are_rounded_and_clipped(tmp_path: Path):
+    left = np.array([[0.4, 0.6], [255.0, 254.7]], np.float32)
+    save_scene(Scene("s", None, (Pair(left, left[::-1].copy()),)), tmp_path)
+    np.testing.assert_array_equal(load_scene(tmp_path).pairs[0].left, [[0, 1], [255, 255]])
+
+
+def test_nothing_is_overwritten_unless_allowed(tmp_path: Path):
+    (tmp_path / "right.png").write_bytes(b"precious")
+    with pytest.raises(InputError, match=r"right\.png: the file exists already"):
+        save_scene(scene_of(), tmp_path)
+    assert files_in(tmp_path) == ["right.png"]
+    assert (tmp_path / "right.png").read_bytes() == b"precious"
+    save_scene(scene_of(), tmp_path, overwrite=True)
+    assert_same(load_scene(tmp_path), scene_of())
+
+
+@pytest.mark.parametrize("first", [1, 3])
+def test_scenes_are_never_mixed(tmp_path: Path, first: int):
+    save_scene(scene_of(first), tmp_path)
+    before = {name: (tmp_path / name).read_bytes() for name in files_in(tmp_path)}
+    with pytest.raises(InputError, match="would mix with the scene"):
+        save_scene(scene_of(2), tmp_path, overwrite=True)
+    assert {name: (tmp_path / name).read_bytes() for name in files_in(tmp_path)} == before
+
+
+def test_scenes_that_cannot_be_written_leave_nothing(tmp_path: Path):
+    rig = rig_of([0, 0, 0, -0.1, 0, 0])
+    bad = {
+        "no image pair": Scene("s", rig, ()),
+        "calibration is for 48x32": scene_of(1, rig.resized((48, 32))),
+        "JSON": dataclasses.replace(scene_of(), info={"array": np.zeros(3)}),
+        "finite": dataclasses.replace(scene_of(), info={"number": float("nan")}),
+    }
+    for words, scene in bad.items():
+        with pytest.raises(InputError, match=words):
+            save_scene(scene, tmp_path / "s")
+    assert not (tmp_path / "s").exists()
+    (tmp_path / "file").write_text("x")
+    with pytest.raises(InputError, match="cannot become a folder"):
+        save_scene(scene_of(), tmp_path / "file")
+
+
+def test_an_interrupted_save_leaves_whole_files_and_no_scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    replace, calls = os.replace, []
+
+    def interrupt(source, target):
+        calls.append(target)
+        if len(calls) == 3:
+            raise KeyboardInterrupt
+        replace(source, target)
+
+    monkeypatch.setattr(os, "replace", interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        save_scene(scene_of(2), tmp_path)
+    assert len(files_in(tmp_path)) == 2
+    assert all(cv2.imread(str(tmp_path / name)) is not None for name in files_in(tmp_path))
+    refused(tmp_path, "no such file")
+
+
+def test_a_rotation_with_few_digits(make: Make):
+    rotation = rotation_from_vector(np.array([0.1, -0.2, 0.15]))
+    rig = load_scene(make(R=np.round(rotation, 4).tolist())).rig
+    assert rig is not None
+    np.testing.assert_allclose(rig.rotation @ rig.rotation.T, np.eye(3), atol=1e-15)
+    np.testing.assert_allclose(rig.rotation, rotation, atol=1e-4)

@@ -1,0 +1,126 @@
+"""The streaming SAD matcher against its plain NumPy twin, pixel for pixel."""
+
+import cv2
+import numpy as np
+import pytest
+from hypothesis import given, settings, strategies as st
+
+from stereorecal._errors import InputError
+from stereorecal.matching import BM, SAD, SGBM, reference
+
+
+def image_pair(seed: int, height: int, width: int, shift: float, noise: float = 2.0):
+    """A smooth random texture and the same seen `shift` pixels to the left, with noise."""
+    rng = np.random.default_rng(seed)
+    margin = 64
+    texture = rng.normal(size=(height, width + 2 * margin)).astype(np.float32)
+    texture = 128 + 60 * cv2.GaussianBlur(texture, (0, 0), 1.2) / 0.25
+    column = np.arange(width, dtype=np.float32)
+    rows = np.repeat(np.arange(height, dtype=np.float32)[:, None], width, axis=1)
+
+    def seen(offset):
+        x = np.repeat((column + margin + offset)[None], height, axis=0).astype(np.float32)
+        image = cv2.remap(texture, x, rows, cv2.INTER_CUBIC)
+        return np.clip(image + rng.normal(scale=noise, size=image.shape), 0, 255).astype(np.float32)
+
+    return seen(0.0), seen(shift)
+
+
+options = st.builds(
+    SAD,
+    min_disparity=st.sampled_from([-9, -3, 0, 4]),
+    num_disparities=st.sampled_from([1, 2, 16, 21]),
+    block_size=st.sampled_from([3, 7, 11, 15]),
+    uniqueness_ratio=st.sampled_from([0, 10, 15]),
+    texture_threshold=st.sampled_from([0, 10, 1500]),
+    disp12_max_diff=st.sampled_from([-1, 0, 1, 3]),
+    pre_filter_cap=st.sampled_from([0, 15, 31]),
+)
+
+
+@settings(max_examples=60)
+@given(options, st.integers(0, 10**6), st.floats(-6, 12), st.sampled_from([(37, 61), (24, 48)]))
+def test_equals_the_numpy_twin(matcher, seed, shift, shape):
+    left, right = image_pair(seed, *shape, shift)
+    fast, plain = matcher.match(left, right), reference.match(left, right, matcher)
+    np.testing.assert_array_equal(np.asarray(fast.valid), plain.valid)
+    # Winners are compared where a winner exists at all; elsewhere the value means nothing.
+    np.testing.assert_allclose(np.asarray(fast.values), plain.values, atol=1e-4)
+
+
+@pytest.mark.parametrize("matcher", [SAD(pre_filter_cap=0, block_size=21), SAD(block_size=31)])
+def test_wide_windows_do_not_overflow(matcher):
+    matcher = type(matcher)(**{**matcher.__dict__, "num_disparities": 16})
+    rng = np.random.default_rng(0)
+    left = (255.0 * (rng.random((48, 80)) > 0.5)).astype(np.float32)
+    right = (255.0 - np.roll(left, -5, axis=1)).astype(np.float32)  # as different as can be
+    fast, plain = matcher.match(left, right), reference.match(left, right, matcher)
+    np.testing.assert_array_equal(np.asarray(fast.valid), plain.valid)
+    np.testing.assert_allclose(np.asarray(fast.values), plain.values, atol=1e-4)
+
+
+@pytest.mark.parametrize("matcher", [SAD(num_disparities=32), BM(num_disparities=32), SGBM(num_disparities=32)])
+@pytest.mark.parametrize("shift", [4.0, 7.25, 12.5])
+def test_finds_a_known_shift(matcher, shift):
+    left, right = image_pair(3, 120, 200, shift, noise=1.0)
+    disparity = matcher.match(left, right)
+    valid = np.asarray(disparity.valid)[:, 50:-20]
+    found = np.asarray(disparity.values)[:, 50:-20][valid]
+    assert valid.mean() > 0.9
+    assert np.abs(np.median(found) - shift) < 0.15
+    assert np.mean(np.abs(found - shift) < 0.5) > 0.95
+
+
+@pytest.mark.parametrize("cls", [SAD, BM, SGBM])
+def test_negative_disparities_are_found(cls):
+    left, right = image_pair(4, 90, 200, -8.0, noise=1.0)
+    disparity = cls(min_disparity=-16, num_disparities=32).match(left, right)
+    valid = np.asarray(disparity.valid)
+    assert valid[:, 40:-40].mean() > 0.8
+    assert np.median(np.asarray(disparity.values)[valid]) == pytest.approx(-8.0, abs=0.1)
+
+
+@pytest.mark.parametrize("cls", [SAD, BM, SGBM])
+def test_flat_areas_are_not_valid(cls):
+    left, right = image_pair(5, 90, 160, 5.0, noise=0.0)
+    left[:, 60:110] = right[:, 60:110] = 100.0
+    valid = np.asarray(cls(num_disparities=16).match(left, right).valid)
+    assert not valid[:, 72:98].any()
+
+
+def test_rounding_happens_once_and_inside():
+    left, right = image_pair(6, 60, 100, 5.0)
+    matcher = SAD(num_disparities=16)
+    exact, rounded = matcher.match(left, right), matcher.match(np.rint(left), np.rint(right))
+    np.testing.assert_array_equal(np.asarray(exact.values), np.asarray(rounded.values))
+
+
+@pytest.mark.parametrize(
+    ("cls", "options", "words"),
+    [
+        (SAD, {"block_size": 4}, "block_size"),
+        (SAD, {"num_disparities": 0}, "num_disparities"),
+        (BM, {"uniqueness_ratio": 120}, "uniqueness_ratio"),
+        (SGBM, {"texture_threshold": -1}, "texture_threshold"),
+        (SAD, {"pre_filter_cap": 99}, "pre_filter_cap"),
+    ],
+)
+def test_senseless_options_are_refused(cls, options, words):
+    with pytest.raises(InputError, match=words):
+        cls(**options)
+
+
+@pytest.mark.parametrize("cls", [SAD, BM, SGBM])
+def test_range_must_be_known_and_fit(cls):
+    left, right = image_pair(7, 40, 60, 3.0)
+    with pytest.raises(InputError, match="num_disparities"):
+        cls().match(left, right)
+    with pytest.raises(InputError, match="wider than the image"):
+        cls(num_disparities=64).match(left, right)
+
+
+def test_scaling_covers_the_range():
+    small = SAD(min_disparity=-5, num_disparities=70).scaled(0.25)
+    assert small.min_disparity == -2
+    assert small.min_disparity + small.num_disparities >= 65 / 4
+    assert small.block_size == 11
