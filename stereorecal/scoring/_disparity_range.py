@@ -20,7 +20,7 @@ _COARSE_WIDTH = 128  # pixels: a few degrees of drift are a few rows here, which
 _MARGIN = 1.25  # the nearest surface may be small, or seen closer in another frame
 _DEFAULT_REACH = np.radians(3.0)
 _FRAMES = 4
-_SPECKLE = 30  # pixels of the coarse image
+_SPECKLE = 100  # pixels of the coarse image: about a hundredth of it
 
 
 def with_disparity_range(

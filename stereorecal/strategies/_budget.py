@@ -25,8 +25,8 @@ class Budget:
         InputError: if a limit is not a positive number.
     """
 
-    evaluations: float | None = None
-    seconds: float | None = None
+    evaluations: float | int | None = None
+    seconds: float | int | None = None
 
     def __post_init__(self) -> None:
         for name, limit in (("evaluations", self.evaluations), ("seconds", self.seconds)):

@@ -7,8 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from stereorecal._errors import InputError
 from stereorecal.geometry import AXES, Camera, StereoRig, rotation_from_euler

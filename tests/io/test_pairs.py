@@ -7,8 +7,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from stereorecal._errors import InputError
 from stereorecal.io import load_pair, load_pairs
@@ -265,7 +264,7 @@ def test_truncated_jpeg_with_a_whole_thumbnail(tmp_path: Path, right: Path, capf
     path.write_bytes(whole[:2] + segment + whole[2:])
     assert load_pair(path, right).size == SIZE
     path.write_bytes(whole[:2] + segment + whole[2:-20])
-    check_refused(path, right, capfd, "truncated")
+    check_refused(path, right, capfd, "image is truncated")
 
 
 def test_trailing_bytes_do_no_harm(tmp_path: Path, right: Path):
@@ -280,12 +279,12 @@ def test_damaged_png(tmp_path: Path, right: Path, capfd):
     data[len(data) // 2] ^= 0xFF
     path = tmp_path / "damaged.png"
     path.write_bytes(data)
-    check_refused(path, right, capfd, "damaged")
+    check_refused(path, right, capfd, "image is truncated or damaged")
 
 
 @pytest.mark.parametrize(
     ("content", "words"),
-    [(b"", "empty"), (b"hello " * 50, "not an image"), (b"\x89PNG\r\n\x1a\n", "truncated")],
+    [(b"", "file is empty"), (b"hello " * 50, "not an image"), (b"\x89PNG\r\n\x1a\n", "image is truncated")],
 )
 def test_files_that_are_no_image(tmp_path: Path, right: Path, capfd, content: bytes, words: str):
     path = tmp_path / "file.png"

@@ -16,12 +16,12 @@ class Compass(AbstractStrategy):
     of an iteration are one batch. It needs no gradient and no smoothness.
 
     Attributes:
-        step: first step, in half widths of the search box (0.25 is 0.75 degrees at the default reach).
+        step: first step, in half widths of the search box (0.125 is 0.375 degrees at the default reach).
         min_step: the search ends when the step falls below it.
     """
 
-    step: float = 0.25
-    min_step: float = 1.0 / 256.0
+    step: float = 0.125
+    min_step: float = 1.0 / 128.0
 
     def __post_init__(self) -> None:
         if not 0.0 < self.min_step <= self.step <= 2.0:
