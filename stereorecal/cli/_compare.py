@@ -16,11 +16,9 @@ from stereorecal.comparison import Comparison, Drift, compare_scenes
 from stereorecal.comparison._compare import Progress as ProgressCall
 from stereorecal.geometry import Scene
 from stereorecal.io import load_scene
-from stereorecal.report.tables import summary_table, trials_table
+from stereorecal.report.tables import WIDE, comparison_tables
 from stereorecal.strategies import Budget, Reach
 from stereorecal.synthetic import KINDS, render
-
-_MOST_TRIALS_SHOWN = 24
 
 
 def add_to(verbs) -> None:
@@ -41,10 +39,19 @@ def add_to(verbs) -> None:
     add("--schedule", default="count", metavar="NAME", help="count: the paper's way, one strategy, one scale")
     add("--scale", type=float, default=1.0, help="image scale of the count schedule")
     add("--decalibrate", default="0.5,0.01", metavar="DEG,FRACTION", help="largest drift of each axis")
-    add("--reach", metavar="DEG,FRACTION", help="half width of the search box (default: 3,0.03 or 1.2 x the drift)")
+    add(
+        "--reach",
+        metavar="DEG,FRACTION",
+        help="half width of the search box (default: 3,0.03 or 1.2 x the drift)",
+    )
     add("--draws", type=int, default=2, help="decalibrations of each scene")
     add("--seed", type=int, default=0, help="same seed, same result")
-    add("--budget", type=float, metavar="UNITS", help="of each trial; one unit: one matcher run on a full-size frame")
+    add(
+        "--budget",
+        type=float,
+        metavar="UNITS",
+        help="of each trial; one unit: one matcher run on a full-size frame",
+    )
     add("--executor", default="serial", metavar="SPEC", help="serial, threads:N or processes:N")
     add("--json", metavar="FILE|-", help="write everything as JSON")
     add("--quiet", action="store_true", help="no progress and no table")
@@ -60,6 +67,7 @@ def run(options: argparse.Namespace) -> int:
     reach = Reach(*_values.degrees_and_fraction(options.reach, "--reach")) if options.reach else None
     if options.seed < 0:
         raise InputError(f"--seed is {options.seed}; give a number that is not negative.")
+    _values.output_path(options.json, "--json")
     scenes = _scenes(options)
     with _progress(options.quiet) as progress, _values.executor(options.executor) as executor:
         comparison = compare_scenes(
@@ -87,7 +95,9 @@ def _scenes(options: argparse.Namespace) -> list[Scene]:
     scenes = [load_scene(Path(path), limit=limit) for path in options.scene]
     if options.synthetic or not scenes:
         kind = _values.known(options.synthetic or "harbour", list(KINDS), "kind of scene")
-        scenes.append(render(kind, options.seed, frames=limit or 1))
+        if limit is None:
+            raise InputError("--frames all has no meaning for a rendered scene; give a number.")
+        scenes.append(render(kind, options.seed, frames=limit))
     return scenes
 
 
@@ -96,14 +106,11 @@ def _show(comparison: Comparison, options: argparse.Namespace) -> None:
         json.dump(comparison.as_dict(), sys.stdout, indent=1, allow_nan=False)
         print()
         return
+    if not options.quiet:
+        console = Console(width=None if sys.stdout.isatty() else WIDE)
+        console.print(comparison_tables(comparison.as_dict(), console.width))
     if options.json:
         comparison.to_json(options.json)
-    if options.quiet:
-        return
-    console, data = Console(width=None if sys.stdout.isatty() else 160), comparison.as_dict()
-    if len(comparison.trials) <= _MOST_TRIALS_SHOWN:
-        console.print(trials_table(data))
-    console.print(summary_table(data))
 
 
 @contextmanager

@@ -34,7 +34,7 @@ def _list(options: argparse.Namespace) -> int:
         except (InputError, StrategyError) as error:
             broken = True
             table.add_row(name, "-", "-", "-", str(error))
-    Console(width=None if sys.stdout.isatty() else 160).print(table)
+    Console(width=None if sys.stdout.isatty() else 124).print(table)
     return 3 if broken else 0
 
 

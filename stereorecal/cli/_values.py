@@ -1,10 +1,12 @@
 """Values of options, parsed with sentences that say what is wrong."""
 
 import difflib
+import os
 from collections.abc import Iterator
 from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import contextmanager
 from multiprocessing import get_context
+from pathlib import Path
 from signal import SIG_IGN, SIGINT, signal
 
 from stereorecal._errors import InputError
@@ -33,7 +35,7 @@ def known(name: str, names: list[str], what: str) -> str:
 
 
 def strategy_names(text: str) -> list[str]:
-    """"a,b" or "all"."""
+    """ "a,b" or "all"."""
     names = list(strategies()) if text == "all" else [n for n in (n.strip() for n in text.split(",")) if n]
     if not names:
         raise InputError("no strategy is installed; run: pip install 'stereorecal[default]'")
@@ -41,7 +43,7 @@ def strategy_names(text: str) -> list[str]:
 
 
 def degrees_and_fraction(text: str, option: str) -> tuple[float, float]:
-    """"DEG,FRACTION"."""
+    """ "DEG,FRACTION"."""
     try:
         degrees, fraction = (float(part) for part in text.split(","))
     except ValueError:
@@ -49,6 +51,19 @@ def degrees_and_fraction(text: str, option: str) -> tuple[float, float]:
             f"{option} is {text!r}; give degrees and a fraction of the baseline, such as 0.5,0.01."
         ) from None
     return degrees, fraction
+
+
+def output_path(text: str | None, option: str) -> None:
+    """Check, before the work is done, that its result can be written.
+
+    Raises:
+        InputError: if the place is no file in an existing folder.
+    """
+    if text is None or text == "-":
+        return
+    path = Path(text)
+    if path.is_dir() or not path.parent.is_dir() or not os.access(path.parent, os.W_OK):
+        raise InputError(f"{option} {text}: cannot be written there; give a file in an existing folder.")
 
 
 def frame_limit(text: str) -> int | None:

@@ -6,5 +6,9 @@ from stereorecal.comparison._compare import (
     compare_scenes as compare_scenes,
 )
 from stereorecal.comparison._comparison import SCHEMA as SCHEMA, Comparison as Comparison
-from stereorecal.comparison._summary import Summary as Summary, Thresholds as Thresholds, summarise as summarise
+from stereorecal.comparison._summary import (
+    Summary as Summary,
+    Thresholds as Thresholds,
+    summarise as summarise,
+)
 from stereorecal.comparison._trial import Trial as Trial

@@ -145,9 +145,7 @@ class _Unloadable(AbstractStrategy):
 
     message: str = ""
 
-    def run(
-        self, objective: Objective, start: Float[np.ndarray, "n"], budget: Budget, seed: int
-    ) -> Outcome:
+    def run(self, objective: Objective, start: Float[np.ndarray, "n"], budget: Budget, seed: int) -> Outcome:
         raise StrategyError(self.message)
 
 

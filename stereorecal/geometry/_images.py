@@ -84,12 +84,13 @@ def make_pair(
         raise InputError(
             f"{name}: the left image is {left.dtype} and the right one {right.dtype}; give both the same depth."
         )
-    grey_left, grey_right = (_grey(image, channels, f"{name}, {side}") for image, side in ((left, "left"), (right, "right")))
+    grey_left, grey_right = (
+        _grey(image, channels, f"{name}, {side}") for image, side in ((left, "left"), (right, "right"))
+    )
     if not eight_bit:
         largest = max(grey_left.max(), grey_right.max())
         grey_left, grey_right = grey_left * (255.0 / largest), grey_right * (255.0 / largest)
-    pair = Pair(grey_left.astype(np.float32), grey_right.astype(np.float32), name, origin)
-    return pair
+    return Pair(grey_left.astype(np.float32), grey_right.astype(np.float32), name, origin)
 
 
 def _grey(image: np.ndarray, channels: str, name: str) -> np.ndarray:

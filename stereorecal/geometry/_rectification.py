@@ -82,9 +82,7 @@ def view(rig: StereoRig, *, zero_disparity: bool = True) -> View:
     The focal length depends on the intrinsics alone, so no zoom follows the extrinsics.
     """
     width, height = rig.left.size
-    mean_focal = float(
-        np.prod([camera.matrix[i, i] for camera in (rig.left, rig.right) for i in (0, 1)]) ** 0.25
-    )
+    mean_focal = float(np.prod([camera.matrix[i, i] for camera in (rig.left, rig.right) for i in (0, 1)]) ** 0.25)
     edge_focal = min(_edge_focal(camera) for camera in (rig.left, rig.right))
     focal = float(np.clip(edge_focal, 0.7 * mean_focal, mean_focal))
     rotations = rectifying_rotations(rig.rotation, rig.translation)

@@ -23,9 +23,7 @@ def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
         else:
             _replace(path.resolve(), data)
     except OSError as error:
-        raise InputError(
-            f"{path}: cannot be written ({error.strerror}); choose another place or make room."
-        ) from error
+        raise InputError(f"{path}: cannot be written ({error.strerror}); choose another place or make room.") from error
 
 
 def make_folder(path: Path) -> None:

@@ -38,9 +38,7 @@ def read_calibration(path: Path) -> dict[str, Any]:
         with about(path):
             content = json.loads(text, parse_constant=_refuse_constant)
     except (json.JSONDecodeError, RecursionError) as error:
-        raise InputError(
-            f"{path}: not valid JSON, or truncated ({error}); correct or copy it again."
-        ) from error
+        raise InputError(f"{path}: not valid JSON, or truncated ({error}); correct or copy it again.") from error
     if not isinstance(content, dict):
         raise InputError(f"{path}: the content is no JSON object of named values; correct it.")
     return content
@@ -80,9 +78,7 @@ def rig_from(content: Mapping[str, Any]) -> StereoRig | None:
 def calibration_of(rig: StereoRig | None, size: tuple[int, int]) -> dict[str, Any]:
     """The inverse of `rig_from`: what calib.json says of a rig (None: all null) with images of `size`."""
     if rig is None:
-        nothing = dict.fromkeys(
-            ("K_left", "D_left", "K_right", "D_right", "distortion_model", "R", "T", "baseline_m")
-        )
+        nothing = dict.fromkeys(("K_left", "D_left", "K_right", "D_right", "distortion_model", "R", "T", "baseline_m"))
         return {"image_size": list(size), **nothing}
     return {
         "image_size": list(rig.left.size),
@@ -100,9 +96,7 @@ def calibration_of(rig: StereoRig | None, size: tuple[int, int]) -> dict[str, An
 def _check_model(model: Any) -> None:
     name = str(model or "").lower()
     base = re.split(r"[(;,]", name)[0].strip()
-    if not (base in _PINHOLE_MODELS or base.startswith("opencv")) or any(
-        word in name for word in _FISHEYE_WORDS
-    ):
+    if not (base in _PINHOLE_MODELS or base.startswith("opencv")) or any(word in name for word in _FISHEYE_WORDS):
         raise UnsupportedModelError(
             f"the distortion model {model!r} is not supported; "
             "calibrate with OpenCV's pinhole model (plumb_bob or rational_polynomial)."
@@ -126,9 +120,7 @@ def _distortion(content: Mapping[str, Any], key: str) -> Float[np.ndarray, "n"]:
     return coefficients.reshape(-1)
 
 
-def _numbers(
-    content: Mapping[str, Any], key: str, shape: tuple[int, ...] | None = None
-) -> Float[np.ndarray, "..."]:
+def _numbers(content: Mapping[str, Any], key: str, shape: tuple[int, ...] | None = None) -> Float[np.ndarray, "..."]:
     """A finite float64 array of the given shape (rows and columns of one are dropped)."""
     value = _value(content, key)
     try:
@@ -139,9 +131,7 @@ def _numbers(
         raise InputError(f"{key} contains null, NaN or infinite numbers; correct it.")
     if shape is not None and array.squeeze().shape != shape:
         expected = "x".join(map(str, shape))
-        raise InputError(
-            f"{key} must be {expected} numbers, not an array of shape {array.shape}; correct it."
-        )
+        raise InputError(f"{key} must be {expected} numbers, not an array of shape {array.shape}; correct it.")
     return array.squeeze()
 
 

@@ -58,9 +58,7 @@ def read_image(path: str) -> Num[np.ndarray, "..."]:
         except cv2.error:
             image = None
     if image is None:
-        raise InputError(
-            f"{path}: not an image that OpenCV can read, or a damaged one; give a PNG, JPEG or TIFF."
-        )
+        raise InputError(f"{path}: not an image that OpenCV can read, or a damaged one; give a PNG, JPEG or TIFF.")
     return image
 
 

@@ -61,9 +61,7 @@ def first(matched: Sequence[tuple[Path, Path]], limit: int | None) -> Sequence[t
     return matched[:limit]
 
 
-def match_files(
-    left: Sequence[Path], right: Sequence[Path], *, by_order: bool = True
-) -> list[tuple[Path, Path]]:
+def match_files(left: Sequence[Path], right: Sequence[Path], *, by_order: bool = True) -> list[tuple[Path, Path]]:
     """The files of both sides as pairs, in the order of the left ones, matched as `load_pairs` says.
 
     Args:
@@ -73,9 +71,7 @@ def match_files(
         InputError: naming a file without partner.
     """
     for markers in _MARKERS:
-        by_key_left, by_key_right = (
-            _by_key(files, m) for files, m in zip((left, right), markers, strict=True)
-        )
+        by_key_left, by_key_right = (_by_key(files, m) for files, m in zip((left, right), markers, strict=True))
         if not by_key_left.keys() & by_key_right.keys():
             continue
         for key, path in (by_key_left | by_key_right).items():
@@ -95,9 +91,7 @@ def _by_key(files: Sequence[Path], marker: str) -> dict[str, Path]:
 
 
 def _alone(path: Path, side: str) -> InputError:
-    return InputError(
-        f"{path}: this image has no partner on the {side} side; add the partner or leave it out."
-    )
+    return InputError(f"{path}: this image has no partner on the {side} side; add the partner or leave it out.")
 
 
 def _find(where: AnyPath) -> list[Path]:

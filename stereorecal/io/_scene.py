@@ -80,9 +80,7 @@ def save_scene(scene: Scene, folder: AnyPath, overwrite: bool = False) -> None:
     try:
         text = json.dumps(content, indent=1, allow_nan=False)
     except (TypeError, ValueError) as error:
-        raise InputError(
-            f"the scene's info cannot be written as JSON ({error}); use plain finite values."
-        ) from error
+        raise InputError(f"the scene's info cannot be written as JSON ({error}); use plain finite values.") from error
     images: dict[Path, Float[np.ndarray, "h w"]] = {}
     for name, pair in zip(_file_names(scene.pairs), scene.pairs, strict=True):
         images[folder / f"left{name}.png"], images[folder / f"right{name}.png"] = pair.left, pair.right
@@ -104,9 +102,7 @@ def _side_files(folder: Path, side: str) -> list[Path]:
         raise InputError(f"{folder}: there is no image {side}.* and no folder {side} with images; add them.")
     if len(single) > 1 or (single and several):
         other = single[1] if len(single) > 1 else several[0]
-        raise InputError(
-            f"{folder}: both {single[0].name} and {other.relative_to(folder)} are there; remove one."
-        )
+        raise InputError(f"{folder}: both {single[0].name} and {other.relative_to(folder)} are there; remove one.")
     return single or several
 
 
@@ -128,9 +124,7 @@ def _file_names(pairs: tuple[Pair, ...]) -> list[str]:
 def _check_free(folder: Path, targets: set[Path], overwrite: bool) -> None:
     existing = natural_order(path for path in targets if path.exists())
     if existing and not overwrite:
-        raise InputError(
-            f"{existing[0]}: the file exists already; choose another folder or allow overwriting."
-        )
+        raise InputError(f"{existing[0]}: the file exists already; choose another folder or allow overwriting.")
     for side in ("left", "right"):
         for path in chain(*_images_of(folder, side)):
             if path not in targets:

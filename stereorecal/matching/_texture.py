@@ -1,5 +1,7 @@
 """What the matchers share before they match: rounding, the x-Sobel prefilter, box sums and the texture check."""
 
+from functools import partial
+
 import jax
 import jax.numpy as jnp
 from jaxtyping import Bool, Float, Int
@@ -31,12 +33,13 @@ def box_sum(image: Int[jax.Array, "h w"], block_size: int) -> Int[jax.Array, "h 
     for axis in (0, 1):
         pad = [(radius, radius) if a == axis else (0, 0) for a in (0, 1)]
         padded, length = jnp.pad(total, pad), total.shape[axis]
-        total = sum(
-            jax.lax.slice_in_dim(padded, i, i + length, axis=axis) for i in range(block_size)
-        )
-    return jnp.asarray(total)
+        total = jax.lax.slice_in_dim(padded, 0, length, axis=axis)
+        for i in range(1, block_size):
+            total = total + jax.lax.slice_in_dim(padded, i, i + length, axis=axis)
+    return total
 
 
+@partial(jax.jit, static_argnames=("block_size", "texture_threshold", "pre_filter_cap"))
 def textured(
     image: Float[AnyArray, "h w"], block_size: int, texture_threshold: int, pre_filter_cap: int
 ) -> Bool[jax.Array, "h w"]:

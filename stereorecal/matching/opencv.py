@@ -63,9 +63,7 @@ def _run(matcher: cv2.StereoMatcher, options: AbstractMatcher, left: AnyArray, r
     fixed_point = matcher.compute(_grey_levels(left), _grey_levels(right))
     # OpenCV gives 16 times the disparity, and (min_disparity - 1) * 16 where it found none.
     valid = fixed_point >= options.min_disparity * 16
-    valid &= np.asarray(
-        textured(left, options.block_size, options.texture_threshold, options.pre_filter_cap)
-    )
+    valid &= np.asarray(textured(left, options.block_size, options.texture_threshold, options.pre_filter_cap))
     return Disparity(fixed_point.astype(np.float32) / 16.0, valid)
 
 

@@ -11,13 +11,13 @@ _NEVER = 2**31 - 1
 
 def match(left: Float[np.ndarray, "h w"], right: Float[np.ndarray, "h w"], options: SAD) -> Disparity:
     """What `options.match(left, right)` must return: equal winners and validity, sub-pixel part to 1e-4 px."""
-    height, width = left.shape
+    width = left.shape[1]
     lowest, count = options.disparity_range(width)
     images = [np.clip(np.round(image), 0, 255).astype(np.int64) for image in (left, right)]
     gradients = [_x_sobel(image, options.pre_filter_cap or 31) for image in images]
     if options.pre_filter_cap:
         images = gradients
-    volume = _cost_volume(*images, lowest, count, options.block_size)
+    volume = _cost_volume(images[0], images[1], lowest, count, options.block_size)
     winner = volume.argmin(axis=0)
 
     def cost(index: Int[np.ndarray, "h w"]) -> Int[np.ndarray, "h w"]:

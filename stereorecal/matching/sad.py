@@ -41,7 +41,7 @@ def _match(left: Float[jax.Array, "h w"], right: Float[jax.Array, "h w"], option
     if options.pre_filter_cap:
         images = tuple(x_sobel(image, options.pre_filter_cap) for image in images)
     best = _winners(images[0], images[1], options, costs=True)
-    disparity = options.min_disparity + best.index
+    disparity = options.min_disparity + best.winner
     valid = textured(left, options.block_size, options.texture_threshold, options.pre_filter_cap)
     valid &= best.cost < _NEVER
     if options.uniqueness_ratio:
@@ -49,7 +49,7 @@ def _match(left: Float[jax.Array, "h w"], right: Float[jax.Array, "h w"], option
     if options.disp12_max_diff >= 0:
         # The same search from the right image, mirrored so that it looks the same way.
         mirrored = _winners(images[1][:, ::-1], images[0][:, ::-1], options, costs=False)
-        from_right = options.min_disparity + mirrored.index[:, ::-1]
+        from_right = options.min_disparity + mirrored.winner[:, ::-1]
         width = left.shape[1]
         partner = jnp.clip(jnp.arange(width) - disparity, 0, width - 1)
         difference = jnp.abs(jnp.take_along_axis(from_right, partner, axis=1) - disparity)
@@ -58,10 +58,10 @@ def _match(left: Float[jax.Array, "h w"], right: Float[jax.Array, "h w"], option
 
 
 class _Winners(NamedTuple):
-    index: Int[jax.Array, "h w"]  # of the winner, counted from min_disparity
+    winner: Int[jax.Array, "h w"]  # its index, from 0 at min_disparity
     cost: Int[jax.Array, "h w"]
     rivals: Int[jax.Array, "h w"]  # how many others, neighbours apart, come as near as uniqueness_ratio forbids
-    below: Int[jax.Array, "h w"]  # costs at index - 1 and index + 1
+    below: Int[jax.Array, "h w"]  # costs at winner - 1 and winner + 1
     above: Int[jax.Array, "h w"]
 
 
@@ -73,9 +73,7 @@ def _parabola(best: _Winners) -> Float[jax.Array, "h w"]:
     return jnp.where(curvature > 0, 0.5 * (below - above) / jnp.where(curvature > 0, curvature, 1.0), 0.0)
 
 
-def _winners(
-    left: Int[jax.Array, "h w"], right: Int[jax.Array, "h w"], options: SAD, *, costs: bool
-) -> _Winners:
+def _winners(left: Int[jax.Array, "h w"], right: Int[jax.Array, "h w"], options: SAD, *, costs: bool) -> _Winners:
     """Best candidates of every pixel of `left`; with `costs=False` only their indices are meaningful."""
     height, width = left.shape
     lowest, count = options.disparity_range(width)

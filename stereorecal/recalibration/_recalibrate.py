@@ -5,8 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stereorecal.geometry import Pair, StereoRig, View, check_pairs
-from stereorecal.geometry import view as default_view
+from stereorecal.geometry import Pair, StereoRig, View, check_pairs, view as default_view
 from stereorecal.matching import SAD, AbstractMatcher
 from stereorecal.recalibration._schedule import Schedule
 from stereorecal.recalibration._solution import Reason, Solution
@@ -57,15 +56,13 @@ def recalibrate(
     chart = chart_around(rig, reach)
 
     began = time.perf_counter()
-    best = np.zeros(chart.dim)
-    evaluations, cost = 0, 0.0
+    best, runs = np.zeros(chart.dim), []
     for stage in schedule.stages:
         stage_objective = objective(rig, pairs, matcher=matcher, reach=reach, view=view, scale=stage.scale)
-        run = run_strategy(stage.strategy, stage_objective, best, _left(budget, cost, began), seed)
-        best = run.best
-        evaluations += len(run.trace.values)
-        cost += float(run.trace.cost[-1]) if len(run.trace.cost) else 0.0
-    seconds = time.perf_counter() - began
+        left = _left(budget, sum(run.trace.total_cost for run in runs), began)
+        runs.append(run_strategy(stage.strategy, stage_objective, best, left, seed))
+        best = runs[-1].best
+    seconds, last = time.perf_counter() - began, runs[-1]
 
     candidate = rig.with_extrinsics(chart.extrinsics(best))
     before, after = (score(r, pairs, matcher=matcher, view=view) for r in (rig, candidate))
@@ -73,21 +70,21 @@ def recalibrate(
     if accepted:
         reason = Reason.IMPROVED
     else:
-        reason = Reason.TOO_LITTLE_TEXTURE if run.status is Status.NO_SIGNAL else Reason.NOT_IMPROVED
+        reason = Reason.TOO_LITTLE_TEXTURE if last.status is Status.NO_SIGNAL else Reason.NOT_IMPROVED
     return Solution(
         rig=candidate if accepted else rig,
         candidate=candidate,
         initial=rig,
         accepted=accepted,
         reason=reason,
-        status=run.status,
-        message=run.message,
+        status=last.status,
+        message=last.message,
         view=view,
         score_before=before,
         score_after=after,
-        trace=run.trace,
-        evaluations=evaluations,
-        cost=cost,
+        trace=last.trace,
+        evaluations=sum(len(run.trace.values) for run in runs),
+        cost=sum(run.trace.total_cost for run in runs),
         seconds=seconds,
     )
 

@@ -35,6 +35,10 @@ class Schedule:
     name: str
     stages: tuple[Stage, ...]
 
+    def __post_init__(self) -> None:
+        if not self.stages:
+            raise InputError("the schedule has no stage; give at least one.")
+
     @staticmethod
     def count(strategy: AbstractStrategy, scale: float = 1.0) -> "Schedule":
         """The paper's way: one strategy on the count alone, at one image scale."""

@@ -4,80 +4,116 @@ from collections.abc import Mapping
 from typing import Any
 
 from rich import box
+from rich.console import Group
 from rich.table import Table
 
-_AXES = ("pitch", "yaw", "roll")
+WIDE = 120  # columns that scores and errors need side by side
+_ROTATIONS, _TRANSLATIONS = ("pitch", "yaw", "roll"), ("y", "z")
+_COUNTS = ("initial", "final", "reference")
 
 
-def trials_table(data: Mapping[str, Any]) -> Table:
-    """One row a trial: the paper's N_i, N_o, N_GT and r, and the errors of each axis."""
-    table = _table("each trial: pixels matched before (N_i), after (N_o), at the reference (N_GT); r = N_o / N_GT")
-    for heading in ("scene", "strategy", "draw", "N_i", "N_o", "N_GT", "r"):
-        table.add_column(heading, justify="left" if heading in ("scene", "strategy") else "right", no_wrap=True)
-    _add_error_columns(table)
-    table.add_column("status", overflow="fold")
+def comparison_tables(data: Mapping[str, Any], width: int, most_trials: int = 24) -> Group:
+    """The summary, and each trial if there are not too many; scores and errors side by side if `width` allows."""
+    parts = [("scores", "errors")] if width >= WIDE else [("scores",), ("errors",)]
+    tables = []
+    if 1 < len(data["trials"]) <= most_trials:
+        tables += [_trials_table(data, columns) for columns in parts]
+    tables += [_summary_table(data, columns) for columns in parts]
+    return Group(*tables, _legend(data["settings"]["thresholds"]))
+
+
+def _trials_table(data: Mapping[str, Any], parts: tuple[str, ...]) -> Table:
     flagged_ratio = data["settings"]["thresholds"]["flagged_ratio"]
+    names = _short_names(data)
+    table = _table("trials", data)
+    _add_columns(table, parts, ("draw",), ("status",))
     for trial in data["trials"]:
-        unfinished = trial["score_final"] is None
-        table.add_row(
-            trial["scene"],
-            trial["strategy"],
-            str(trial["draw"]),
-            *[_count(trial[f"score_{when}"]) for when in ("initial", "final", "reference")],
-            _ratio(trial["ratio"], flagged_ratio),
-            *_errors(trial["rotation_error_deg"], trial["translation_error_percent"]),
-            f"{trial['status']}: {trial['message']}" if unfinished else trial["status"],
-        )
+        cells = [names[trial["scene"]], trial["strategy"], str(trial["draw"])]
+        if "scores" in parts:
+            cells += [_count(trial[f"score_{when}"]) for when in _COUNTS]
+            cells += [_ratio(trial["ratio"], flagged_ratio)]
+        if "errors" in parts:
+            cells += _errors(trial["rotation_error_deg"], trial["translation_error_percent"])
+        if "scores" in parts:
+            unfinished = trial["score_final"] is None
+            cells.append(f"{trial['status']}: {trial['message']}" if unfinished else trial["status"])
+        table.add_row(*cells)
     return table
 
 
-def summary_table(data: Mapping[str, Any]) -> Table:
-    """One row for each scene, matcher and strategy: medians and success rates."""
-    limits = data["settings"]["thresholds"]
-    table = _table(
-        f"medians; success: r >= {limits['ratio']}, pitch and roll within {limits['pitch_roll_deg']}°, "
-        f"yaw within {limits['yaw_deg']}° of the reference"
-    )
-    for heading in ("scene", "matcher", "strategy"):
-        table.add_column(heading, no_wrap=True)
-    for heading in ("draws", "success", "N_i", "N_o", "N_GT", "r"):
-        table.add_column(heading, justify="right", no_wrap=True)
-    _add_error_columns(table)
-    for heading in ("evals", "units", "s"):
-        table.add_column(heading, justify="right", no_wrap=True)
+def _summary_table(data: Mapping[str, Any], parts: tuple[str, ...]) -> Table:
+    flagged_ratio = data["settings"]["thresholds"]["flagged_ratio"]
+    names = _short_names(data)
+    table = _table("medians", data)
+    _add_columns(table, parts, ("draws", "success"), ("evals", "s"))
     for row in data["summary"]:
-        table.add_row(
-            row["scene"],
-            row["matcher"],
-            row["strategy"],
-            _draws(row),
-            "-" if row["success_rate"] is None else f"{100 * row['success_rate']:.0f} %",
-            *[_count(row[f"score_{when}_median"]) for when in ("initial", "final", "reference")],
-            _ratio(row["ratio_median"], limits["flagged_ratio"]),
-            *_errors(row["rotation_error_deg_median"], row["translation_error_percent_median"]),
-            *[_count(row[f"{what}_median"]) for what in ("evaluations", "cost")],
-            "-" if row["seconds_median"] is None else f"{row['seconds_median']:.1f}",
-        )
+        cells = [names[row["scene"]], row["strategy"], _draws(row), _percent(row["success_rate"])]
+        if "scores" in parts:
+            cells += [_count(row[f"score_{when}_median"]) for when in _COUNTS]
+            cells += [_ratio(row["ratio_median"], flagged_ratio)]
+        if "errors" in parts:
+            cells += _errors(row["rotation_error_deg_median"], row["translation_error_percent_median"])
+        if "scores" in parts:
+            cells += [_count(row["evaluations_median"]), _number(row["seconds_median"], 1)]
+        table.add_row(*cells)
     return table
 
 
-def _table(caption: str) -> Table:
-    return Table(box=box.SIMPLE_HEAD, caption=caption, caption_justify="left", pad_edge=False)
+def _legend(limits: Mapping[str, float]) -> str:
+    return (
+        "N_i, N_o, N_GT: pixels matched before, after, at the reference.\n"
+        f"r = N_o / N_GT; ! above {limits['flagged_ratio']}: a wrong calibration may out-score the right one.\n"
+        f"success: r >= {limits['ratio']}, pitch and roll within {limits['pitch_roll_deg']}°, "
+        f"yaw within {limits['yaw_deg']}° of the reference.\n"
+    )
 
 
-def _add_error_columns(table: Table) -> None:
-    for heading in (*(f"{axis}°" for axis in _AXES), "y %", "z %"):
-        table.add_column(heading, justify="right", no_wrap=True)
+def _short_names(data: Mapping[str, Any]) -> dict[str, str]:
+    """Scene names without their data set, if that leaves them distinct."""
+    names = [scene["name"] for scene in data["scenes"]]
+    short = [name.rpartition("/")[2] for name in names]
+    return dict(zip(names, short if len(set(short)) == len(names) else names, strict=True))
+
+
+def _table(title: str, data: Mapping[str, Any]) -> Table:
+    matcher = data["settings"]["matcher"]["name"]
+    title = f"{title} ({matcher}, schedule {data['settings']['schedule']} at scale {data['settings']['scale']:g})"
+    return Table(box=box.SIMPLE_HEAD, title=title, title_justify="left", padding=(0, 1, 0, 0), pad_edge=False)
+
+
+def _add_columns(table: Table, parts: tuple[str, ...], first: tuple[str, ...], last: tuple[str, ...]) -> None:
+    table.add_column("scene", overflow="fold")
+    table.add_column("strategy", overflow="fold")
+    headings = list(first)
+    if "scores" in parts:
+        headings += ["N_i", "N_o", "N_GT", "r"]
+    if "errors" in parts:
+        headings += [f"{axis}°" for axis in _ROTATIONS] + [f"{axis} %" for axis in _TRANSLATIONS]
+    if "scores" in parts:
+        headings += last
+    for heading in headings:
+        if heading == "status":
+            table.add_column(heading, overflow="fold")
+        else:
+            table.add_column(heading, justify="right", no_wrap=True)
 
 
 def _errors(rotation: Mapping[str, float] | None, translation: Mapping[str, float] | None) -> list[str]:
     if rotation is None or translation is None:
         return ["-"] * 5
-    return [f"{rotation[axis]:.3f}" for axis in _AXES] + [f"{translation[axis]:.2f}" for axis in ("y", "z")]
+    return [_number(rotation[a], 3) for a in _ROTATIONS] + [_number(translation[a], 2) for a in _TRANSLATIONS]
+
+
+def _number(value: float | None, digits: int) -> str:
+    return "-" if value is None else f"{value:.{digits}f}"
 
 
 def _count(value: float | None) -> str:
     return "-" if value is None else f"{value:,.0f}".replace(",", " ")
+
+
+def _percent(share: float | None) -> str:
+    return "-" if share is None else f"{100 * share:.0f} %"
 
 
 def _ratio(value: float | None, flagged_ratio: float) -> str:

@@ -31,9 +31,7 @@ def count(data: ScoringData, extrinsics: Extrinsics, matcher: AbstractMatcher) -
 _compiled_count = jax.jit(count, static_argnames="matcher")
 
 
-def counts(
-    data: ScoringData, candidates: Float[AnyArray, "n 6"], matcher: AbstractMatcher
-) -> Int[np.ndarray, "n"]:
+def counts(data: ScoringData, candidates: Float[AnyArray, "n 6"], matcher: AbstractMatcher) -> Int[np.ndarray, "n"]:
     """The count of each candidate, (n,) int64 on the host, for any matcher.
 
     One program serves every batch size, so a count never depends on how a batch was split.
@@ -53,15 +51,12 @@ def counts(
         return np.array(list(pool.map(one, candidates)), np.int64)
 
 
-def disparities(
-    data: ScoringData, extrinsics: Float[AnyArray, "6"], matcher: AbstractMatcher
-) -> list[Disparity]:
+def disparities(data: ScoringData, extrinsics: Float[AnyArray, "6"], matcher: AbstractMatcher) -> list[Disparity]:
     """The disparity of each frame under one set of extrinsics, NumPy arrays."""
     frames = jax.tree.map(np.asarray, rectified_frames(data, jnp.asarray(extrinsics, jnp.float32)))
     count = data.left.shape[0]
     return [
-        jax.tree.map(np.asarray, _match(matcher, jax.tree.map(lambda leaf, i=i: leaf[i], frames)))
-        for i in range(count)
+        jax.tree.map(np.asarray, _match(matcher, jax.tree.map(lambda leaf, i=i: leaf[i], frames))) for i in range(count)
     ]
 
 

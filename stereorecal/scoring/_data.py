@@ -55,8 +55,8 @@ def prepare(rig: StereoRig, pairs: Sequence[Pair], view: View, scale: float = 1.
     """
     pairs = check_pairs(rig, list(pairs))
     width, height = rig.left.size
-    size = (round(width * scale), round(height * scale))
-    if not 0.0 < scale <= 1.0 or min(size) < 16:
+    size = (round(width * scale), round(height * scale)) if 0.0 < scale <= 1.0 else (0, 0)
+    if min(size) < 16:
         raise InputError(f"scale is {scale}; give one within (0, 1] that leaves at least 16 pixels a side.")
     frames = [pair.resized(size) for pair in pairs]
     resized = rig.resized(size)
@@ -107,6 +107,7 @@ def rectified_frames(data: ScoringData, extrinsics: Float[jax.Array, "6"]) -> Re
     return rectify_frames(data, extrinsics, lambda frame: frame)
 
 
-def normalised(extrinsics: Float[np.ndarray, "6"]) -> Float[np.ndarray, "6"]:
+def normalised(extrinsics: Extrinsics) -> Float[np.ndarray, "6"]:
     """Extrinsics with the translation as a unit vector, float64: a count does not know the unit of the baseline."""
+    extrinsics = np.asarray(extrinsics, float)
     return np.concatenate([extrinsics[:3], extrinsics[3:] / np.linalg.norm(extrinsics[3:])])

@@ -39,8 +39,11 @@ def with_disparity_range(
         reach: largest rotation error expected, radians.
 
     Raises:
-        InputError: if the images look swapped (near things lie on the wrong side, beyond what the reach explains).
+        InputError: if, while measuring, the images look swapped (near things lie on the wrong side, beyond what the
+            reach explains).
     """
+    if matcher.num_disparities is not None:
+        return matcher
     scale = _COARSE_WIDTH / view.size[0]
     data = prepare(rig, list(pairs)[:_FRAMES], view, min(1.0, scale))
     width = data.view.size[0]
@@ -49,8 +52,6 @@ def with_disparity_range(
     found, found_swapped = _surfaces(straight), _surfaces(swapped)
     margin = float(data.view.focal) * np.tan(reach)
     _refuse_swapped(found, found_swapped, margin, straight.values.size)
-    if matcher.num_disparities is not None:
-        return matcher
     nearest = np.quantile(found, 0.995) if found.size > 50 else width / 4
     widest = (_MARGIN * nearest + margin) / min(1.0, scale) - matcher.min_disparity
     limit = view.size[0] - 1 - abs(matcher.min_disparity)

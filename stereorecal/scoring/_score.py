@@ -7,8 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.geometry import Pair, StereoRig, View
-from stereorecal.geometry import view as default_view
+from stereorecal.geometry import Pair, StereoRig, View, view as default_view
 from stereorecal.matching import SAD, AbstractMatcher, Disparity
 from stereorecal.scoring._count import counts, disparities
 from stereorecal.scoring._data import normalised, prepare, rectified_frames

@@ -25,8 +25,8 @@ class Budget:
         InputError: if a limit is not a positive number.
     """
 
-    evaluations: float | int | None = None
-    seconds: float | int | None = None
+    evaluations: float | None = None
+    seconds: float | None = None
 
     def __post_init__(self) -> None:
         for name, limit in (("evaluations", self.evaluations), ("seconds", self.seconds)):
@@ -51,6 +51,11 @@ class Trace:
     cost: Float[np.ndarray, "m"]
     seconds: Float[np.ndarray, "m"]
     evaluations: Int[np.ndarray, "m"]
+
+    @property
+    def total_cost(self) -> float:
+        """Units spent in all."""
+        return float(self.cost[-1]) if len(self.cost) else 0.0
 
     def best_within(self, cost: float) -> float | None:
         """The best value seen by the time that `cost` units were spent, None if there was none."""

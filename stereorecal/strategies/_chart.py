@@ -10,7 +10,13 @@ from stereorecal._errors import InputError
 from stereorecal._pytree import register_pytree
 from stereorecal.geometry import AXES, StereoRig
 
-FREE_AXES = ("pitch", "yaw", "roll", "y", "z")  # x stays: the baseline's length only scales depth (paper, section 3.3)
+FREE_AXES = (
+    "pitch",
+    "yaw",
+    "roll",
+    "y",
+    "z",
+)  # x stays: the baseline's length only scales depth (paper, section 3.3)
 
 
 @dataclass(frozen=True)

@@ -64,9 +64,7 @@ class AbstractStrategy(abc.ABC):
     min_dim: ClassVar[int] = 1
 
     @abc.abstractmethod
-    def run(
-        self, objective: "Objective", start: Float[np.ndarray, "n"], budget: "Budget", seed: int
-    ) -> Outcome:
+    def run(self, objective: "Objective", start: Float[np.ndarray, "n"], budget: "Budget", seed: int) -> Outcome:
         """Maximise `objective` over the unit box [-1, 1]^n, from `start` inside it.
 
         Let `BudgetExhausted` pass: the core keeps the best point seen. Draw random numbers from `seed` alone.

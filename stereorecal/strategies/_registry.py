@@ -57,7 +57,7 @@ def describe(name: str) -> StrategyInfo:
 
 
 def origin_of(instance: AbstractStrategy) -> str:
-    """"distribution version" of a strategy's class, or its module if it is not installed."""
+    """ "distribution version" of a strategy's class, or its module if it is not installed."""
     package = type(instance).__module__.partition(".")[0]
     for distribution in packages_distributions().get(package, []):
         try:

@@ -6,8 +6,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from stereorecal.geometry import Pair, StereoRig, View
-from stereorecal.geometry import view as default_view
+from stereorecal.geometry import Pair, StereoRig, View, view as default_view
 from stereorecal.matching import SAD, AbstractMatcher
 from stereorecal.scoring import count, counts, prepare, with_disparity_range
 from stereorecal.strategies._budget import Budget

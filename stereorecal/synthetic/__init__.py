@@ -3,14 +3,8 @@
 from stereorecal.synthetic._drift import decalibrate as decalibrate
 from stereorecal.synthetic._render import (
     KINDS as KINDS,
-)
-from stereorecal.synthetic._render import (
     GroundTruth as GroundTruth,
-)
-from stereorecal.synthetic._render import (
     ground_truth as ground_truth,
-)
-from stereorecal.synthetic._render import (
     render as render,
 )
 from stereorecal.synthetic._rig import default_rig as default_rig

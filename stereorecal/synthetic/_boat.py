@@ -29,13 +29,9 @@ def boat(studio: Studio, middle: Ground, length: float, turn: float, mast: bool)
         edge = 0.5 * sign * beam * side
         hull = _hull(albedo, freeboard)
         patches.append(studio.wall(stern + 0.9 * edge, waist + edge, 0.0, freeboard, hull, lean=0.06 * edge))
-        patches.append(
-            studio.wall(waist + edge, bow, 0.0, freeboard * 1.18, _bow(albedo, freeboard), lean=0.06 * edge)
-        )
+        patches.append(studio.wall(waist + edge, bow, 0.0, freeboard * 1.18, _bow(albedo, freeboard), lean=0.06 * edge))
     patches.append(
-        studio.wall(
-            stern - 0.45 * beam * side, stern + 0.45 * beam * side, 0.0, freeboard, _hull(albedo, freeboard)
-        )
+        studio.wall(stern - 0.45 * beam * side, stern + 0.45 * beam * side, 0.0, freeboard, _hull(albedo, freeboard))
     )
     deck = plain(0.45, 0.2)
     patches.append(
@@ -70,13 +66,9 @@ def _hull(albedo: float, freeboard: float) -> Opaque:
         image = image * (0.75 + 0.35 * canvas.y / canvas.height)
         canvas.fill(image, 0.0, canvas.width, 0.0, 0.14, 0.06)
         canvas.fill(image, 0.0, canvas.width, 0.14, 0.2, 0.5)
-        canvas.fill(
-            image, 0.0, canvas.width, freeboard - 0.16, freeboard - 0.07, 0.12 if albedo > 0.3 else 0.6
-        )
+        canvas.fill(image, 0.0, canvas.width, freeboard - 0.16, freeboard - 0.07, 0.12 if albedo > 0.3 else 0.6)
         for x in np.arange(0.7, canvas.width - 0.4, float(canvas.rng.uniform(0.9, 1.7))):
-            canvas.fill(
-                image, x, x + 0.2, 0.25 * freeboard, 0.75 * freeboard, float(canvas.rng.uniform(0.1, 0.8))
-            )
+            canvas.fill(image, x, x + 0.2, 0.25 * freeboard, 0.75 * freeboard, float(canvas.rng.uniform(0.1, 0.8)))
         return weathered(canvas, image, 1.1)
 
     return paint

@@ -33,9 +33,7 @@ def _rocks(studio: Studio) -> tuple[list[Patch], list[Stain]]:
         x, width = z * float(rng.uniform(-0.5, 0.5)), float(rng.uniform(2.0, 6.0))
         high = float(rng.uniform(0.6, 2.2))
         a, b = (x - 0.5 * width, z), (x + 0.5 * width, z + float(rng.uniform(-1.0, 1.0)))
-        patches.append(
-            studio.wall(a, b, 0.0, high * 1.15, cliff(0.3 * high, high, 0.28), lean=(0.0, 0.5 * high))
-        )
+        patches.append(studio.wall(a, b, 0.0, high * 1.15, cliff(0.3 * high, high, 0.28), lean=(0.0, 0.5 * high)))
         stains += mirrored(a, b, high, EYE, 0.4)
     return patches, stains
 

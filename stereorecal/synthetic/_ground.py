@@ -36,9 +36,7 @@ class Octaves:
     def at(self, x, z, footprint, shifts=None):
         """Yield (turn, values (h, w, c)) of each octave at ground points x, z [m] with ray footprints [m]."""
         texels = self.tile.shape[0] - 1
-        for index, (length, strength, turn) in enumerate(
-            zip(self.lengths, self.strengths, self.turns, strict=True)
-        ):
+        for index, (length, strength, turn) in enumerate(zip(self.lengths, self.strengths, self.turns, strict=True)):
             fade = np.clip(length / footprint * np.float32(0.6) - np.float32(0.8), 0.0, 1.0)
             if not fade.any():
                 continue

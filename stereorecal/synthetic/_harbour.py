@@ -71,14 +71,10 @@ def _front(studio: Studio) -> tuple[list[Patch], list[Stain]]:
         if draw < 0.35:
             paint = corrugated(float(rng.choice([0.08, 0.18, 0.3, 0.5])))
             for level in range(int(rng.integers(1, 3))):
-                patches += studio.box(
-                    middle, (width, 2.5, 2.4), turn, height + 2.5 * level, paint, plain(0.3)
-                )
+                patches += studio.box(middle, (width, 2.5, 2.4), turn, height + 2.5 * level, paint, plain(0.3))
         elif draw < 0.75:
             tall = float(rng.uniform(3.0, 7.0))
-            base = (
-                masonry(0.24, 0.24, 0.075) if rng.uniform() < 0.5 else boards(float(rng.uniform(0.15, 0.5)))
-            )
+            base = masonry(0.24, 0.24, 0.075) if rng.uniform() < 0.5 else boards(float(rng.uniform(0.15, 0.5)))
             paint = facade(0.4, base=base) if rng.uniform() < 0.8 else base
             a, b = at(x, back - 2.0), at(x + width, back - 2.0)
             patches += house(studio, a, b, 5.0, height, tall, paint, base)
@@ -125,9 +121,7 @@ def _pier(studio: Studio) -> tuple[list[Patch], list[Stain]]:
         spot = a + part * (b - a) + float(rng.uniform(0.3, 0.7)) * out
         wide = float(rng.uniform(0.7, 1.5))
         paint = boards(float(rng.uniform(0.2, 0.45)), 0.14, upright=bool(rng.uniform() < 0.5))
-        patches += studio.box(
-            (spot[0], spot[1]), (wide, 0.9, 0.9), float(rng.uniform(-0.6, 0.6)), height, paint, paint
-        )
+        patches += studio.box((spot[0], spot[1]), (wide, 0.9, 0.9), float(rng.uniform(-0.6, 0.6)), height, paint, paint)
     return patches, [*mirrored(a, b, height, EYE, 0.35), *mirrored(a, a + out, height, EYE, 0.35)]
 
 
@@ -135,15 +129,11 @@ def _moored(studio: Studio) -> tuple[list[Patch], list[Stain]]:
     rng = studio.rng
     patches: list[Patch] = []
     stains: list[Stain] = []
-    slots = rng.permutation([(-0.38, 10.0), (-0.05, 12.5), (0.3, 10.5), (0.12, 14.5)])[
-        : int(rng.integers(2, 4))
-    ]
+    slots = rng.permutation([(-0.38, 10.0), (-0.05, 12.5), (0.3, 10.5), (0.12, 14.5)])[: int(rng.integers(2, 4))]
     for slope, distance in slots:
         z = distance + float(rng.uniform(-0.8, 0.8))
         length = float(rng.uniform(3.8, 6.5))
-        more, dark = boat(
-            studio, (slope * z, z), length, float(rng.uniform(-0.7, 0.7)), bool(rng.uniform() < 0.6)
-        )
+        more, dark = boat(studio, (slope * z, z), length, float(rng.uniform(-0.7, 0.7)), bool(rng.uniform() < 0.6))
         patches, stains = patches + more, stains + dark
     return patches, stains
 

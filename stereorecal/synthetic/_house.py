@@ -40,9 +40,7 @@ def house(
     if rng.uniform() < 0.8:
         spot = a + float(rng.uniform(0.15, 0.85)) * (b - a) + 0.45 * depth * away
         stack = plain(float(rng.uniform(0.12, 0.3)), 0.3)
-        patches += studio.box(
-            (spot[0], spot[1]), (0.7, 0.5 * rise + 0.6, 0.7), 0.0, eaves + 0.5 * rise, stack, stack
-        )
+        patches += studio.box((spot[0], spot[1]), (0.7, 0.5 * rise + 0.6, 0.7), 0.0, eaves + 0.5 * rise, stack, stack)
     return patches
 
 

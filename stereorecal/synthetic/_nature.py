@@ -82,9 +82,7 @@ def crown(albedo: float, density: float = 0.0) -> Paint:
         leaves = canvas.noise(0.5, 0.45, 6, 0.95)
         clumps = canvas.noise(0.35 * canvas.width, octaves=4)
         mask = 0.5 + 2.0 * (0.78 + density - radius) + 0.55 * leaves + 0.45 * clumps
-        mask = mask - 12.0 * np.clip(np.maximum(np.abs(across), np.abs(up)) - 0.84, 0.0, 1.0) * (
-            1.0 + 0.5 * leaves
-        )
+        mask = mask - 12.0 * np.clip(np.maximum(np.abs(across), np.abs(up)) - 0.84, 0.0, 1.0) * (1.0 + 0.5 * leaves)
         lit = 0.75 + 0.35 * up - 0.1 * across
         image = albedo * lit * np.exp(0.4 * leaves + 0.35 * clumps)
         return image.astype(np.float32), np.clip(mask, 0.0, 1.0).astype(np.float32)

@@ -23,9 +23,7 @@ def fractal(
     """
     total, power, amplitude = np.zeros((2, 2), np.float32), 0.0, 1.0
     for index in range(octaves):
-        grid = [
-            min(n, int(np.ceil(n * 2**index / max(c, 1.0))) + 1) for n, c in zip(shape, cell, strict=True)
-        ]
+        grid = [min(n, int(np.ceil(n * 2**index / max(c, 1.0))) + 1) for n, c in zip(shape, cell, strict=True)]
         total = _enlarged(total, grid) + np.float32(amplitude) * rng.standard_normal(grid, dtype=np.float32)
         power, amplitude = power + amplitude**2, amplitude * gain
         if tuple(grid) == tuple(shape):
@@ -50,9 +48,7 @@ def periodic(rng: np.random.Generator, size: int, spectrum) -> Texture:
     return (field / field.std()).astype(np.float32)
 
 
-def wave_slopes(
-    rng: np.random.Generator, size: int, waves: float, heading: float
-) -> Float[np.ndarray, "n n 2"]:
+def wave_slopes(rng: np.random.Generator, size: int, waves: float, heading: float) -> Float[np.ndarray, "n n 2"]:
     """Slopes (d/dx, d/dy) of a periodic sea, `waves` waves wide, that runs along `heading` [rad]."""
 
     def spectrum(kx, ky):

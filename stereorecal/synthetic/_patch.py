@@ -35,9 +35,7 @@ class Light:
 
     def on(self, normal: Point) -> float:
         """Light that falls on a surface with this unit normal."""
-        return self.ambient * (0.7 + 0.3 * float(normal[1])) + self.direct * max(
-            0.0, float(normal @ self.sun)
-        )
+        return self.ambient * (0.7 + 0.3 * float(normal[1])) + self.direct * max(0.0, float(normal @ self.sun))
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,9 +106,7 @@ class Patch:
         return self.origin + sides
 
 
-def painted(
-    rng: np.random.Generator, light: Light, origin, across, up, paint: Paint, eye=(0.0, 2.5, 0.0)
-) -> Patch:
+def painted(rng: np.random.Generator, light: Light, origin, across, up, paint: Paint, eye=(0.0, 2.5, 0.0)) -> Patch:
     """A patch with a paint on it, lit by `light`, as fine as somebody at `eye` can see."""
     origin, across, up, eye = (np.array(v, float) for v in (origin, across, up, eye))
     width, height = float(np.linalg.norm(across)), float(np.linalg.norm(up))

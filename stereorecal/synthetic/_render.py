@@ -13,8 +13,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from stereorecal._errors import InputError
-from stereorecal.geometry import Camera, Pair, Scene, StereoRig, View, rectifying_rotations
-from stereorecal.geometry import view as make_view
+from stereorecal.geometry import Camera, Pair, Scene, StereoRig, View, rectifying_rotations, view as make_view
 from stereorecal.synthetic._coast import coast
 from stereorecal.synthetic._harbour import harbour
 from stereorecal.synthetic._noise import Texture
@@ -205,9 +204,7 @@ _camera_rays = jax.jit(lambda camera, pixels: camera.rays(pixels))
 
 def _rays(camera: Camera) -> Float[np.ndarray, "h w 3"]:
     """Rays (x/z, y/z, 1) of 2 x 2 samples in each pixel, camera frame."""
-    return _rays_of(
-        camera.size, camera.matrix.tobytes(), camera.distortion.tobytes(), float(camera.lens_radius)
-    )
+    return _rays_of(camera.size, camera.matrix.tobytes(), camera.distortion.tobytes(), float(camera.lens_radius))
 
 
 @lru_cache(maxsize=4)
@@ -235,9 +232,7 @@ def _middle(camera: Camera) -> Float[np.ndarray, "2"]:
     return 0.5 * (np.array(camera.size, float) - 1.0)
 
 
-def _inside(
-    camera: Camera, rays: Float[np.ndarray, "h w 3"], z: Float[np.ndarray, "h w"]
-) -> Bool[np.ndarray, "h w"]:
+def _inside(camera: Camera, rays: Float[np.ndarray, "h w 3"], z: Float[np.ndarray, "h w"]) -> Bool[np.ndarray, "h w"]:
     """Which rays (camera frame) fall into the image."""
     within = (z > 0) & (np.sum(rays[..., :2] ** 2, -1) < float(camera.lens_radius) ** 2)
     pixels = camera.project(np.where(within[..., None], rays, [0.0, 0.0, 1.0]))

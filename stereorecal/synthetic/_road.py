@@ -47,11 +47,7 @@ class Road:
         tracks = np.cos((side - np.float32(0.45 * self.half_width)) * np.float32(3.6))
         albedo = np.float32(0.17) * (1.0 + np.float32(0.55) * grain - np.float32(0.08) * tracks)
         joints = _lines(x, 0.6, 0.012, edge) + _lines(z, 0.6, 0.012, footprint * 2.0 + np.float32(0.01))
-        slabs = (
-            np.float32(0.32)
-            * (1.0 + np.float32(0.4) * grain)
-            * (1.0 - np.float32(0.4) * np.minimum(joints, 1))
-        )
+        slabs = np.float32(0.32) * (1.0 + np.float32(0.4) * grain) * (1.0 - np.float32(0.4) * np.minimum(joints, 1))
         albedo += pavement * (slabs - albedo)
         kerb = _band(side, self.half_width, self.half_width + 0.18, edge)
         albedo += kerb * (np.float32(0.42) * (1.0 + np.float32(0.4) * grain) - albedo)
@@ -80,12 +76,8 @@ def _lines(value: Texture, period: float, width: float, edge: Texture) -> Textur
     return fade * line + (1.0 - fade) * np.float32(width / period)
 
 
-def make_road(
-    rng: np.random.Generator, half_width: float, middle: float, light: float, shade: Texture
-) -> Road:
+def make_road(rng: np.random.Generator, half_width: float, middle: float, light: float, shade: Texture) -> Road:
     """A road with grain drawn from `rng`."""
-    tile = periodic(
-        rng, 256, lambda kx, ky: np.exp(-0.5 * (np.log((np.hypot(kx, ky) + 1e-9) / _GRAINS) / 0.5) ** 2)
-    )
+    tile = periodic(rng, 256, lambda kx, ky: np.exp(-0.5 * (np.log((np.hypot(kx, ky) + 1e-9) / _GRAINS) / 0.5) ** 2))
     strengths = (0.16, 0.14, 0.14, 0.14, 0.16, 0.2, 0.24, 0.24)
     return Road(octaves(rng, tile, _GRAINS, 4.0, strengths, 3.1), half_width, middle, light, shade)

@@ -27,9 +27,7 @@ def street(rng: np.random.Generator) -> World:
     for side in (-1.0, 1.0):
         for part in (_houses(studio, side, middle, half), _kerbside(studio, side, middle, half)):
             patches, stains = patches + part[0], stains + part[1]
-    road = make_road(
-        rng, half, middle, studio.light.on(np.array([0.0, 1.0, 0.0])), shade_map(stains, (2.0, 2.0))
-    )
+    road = make_road(rng, half, middle, studio.light.on(np.array([0.0, 1.0, 0.0])), shade_map(stains, (2.0, 2.0)))
     sky = make_sky(rng, float(rng.uniform(0.85, 1.0)), float(rng.uniform(0.4, 0.55)), 0.2)
     return World(tuple(patches), road, sky, 350.0, EYE, attitude(rng), 0.004, 0.4)
 
@@ -95,9 +93,7 @@ def tree(studio: Studio, foot: tuple[float, float], tall: float) -> tuple[list[P
         away, angle = rng.uniform(0.1, 0.26) * tall, rng.uniform(0.0, 2 * np.pi)
         spot = (foot[0] + away * np.cos(angle), foot[1] + away * np.sin(angle))
         width, low = float(rng.uniform(0.32, 0.5)) * tall, float(rng.uniform(0.36, 0.68)) * tall
-        patches.append(
-            studio.card(spot, width, low, low + 0.85 * width, crown(float(rng.uniform(0.08, 0.16))))
-        )
+        patches.append(studio.card(spot, width, low, low + 0.85 * width, crown(float(rng.uniform(0.08, 0.16)))))
     angles = np.linspace(0, 2 * np.pi, 12, endpoint=False)
     shift = studio.light.sun[[0, 2]] * (-0.6 * tall / studio.light.sun[1])
     circle = np.array(foot) + shift + 0.3 * tall * np.stack([np.cos(angles), np.sin(angles)], -1)

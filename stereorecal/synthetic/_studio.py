@@ -27,18 +27,14 @@ class Studio:
         """The parallelogram `origin + a across + b up` (3,) [m] with a paint on it."""
         return painted(self.rng, self.light, origin, across, up, paint, eye=(0.0, self.eye, 0.0))
 
-    def wall(
-        self, a: Ground, b: Ground, low: float, high: float, paint: Paint, lean: Ground = (0.0, 0.0)
-    ) -> Patch:
+    def wall(self, a: Ground, b: Ground, low: float, high: float, paint: Paint, lean: Ground = (0.0, 0.0)) -> Patch:
         """An upright wall over the ground line a-b, from height `low` to `high`; `lean` shifts its top."""
         across = (b[0] - a[0], 0.0, b[1] - a[1])
         return self.patch((a[0], low, a[1]), across, (lean[0], high - low, lean[1]), paint)
 
     def slab(self, a: Ground, b: Ground, depth: Ground, height: float, paint: Paint) -> Patch:
         """A level surface at `height` over the ground line a-b and along `depth` from it."""
-        return self.patch(
-            (a[0], height, a[1]), (b[0] - a[0], 0.0, b[1] - a[1]), (depth[0], 0.0, depth[1]), paint
-        )
+        return self.patch((a[0], height, a[1]), (b[0] - a[0], 0.0, b[1] - a[1]), (depth[0], 0.0, depth[1]), paint)
 
     def box(
         self,

@@ -27,9 +27,7 @@ class Rays:
     spread: float
 
 
-def trace(
-    patches: tuple[Patch, ...], rays: Rays
-) -> tuple[Float[np.ndarray, "h w"], Float[np.ndarray, "h w"]]:
+def trace(patches: tuple[Patch, ...], rays: Rays) -> tuple[Float[np.ndarray, "h w"], Float[np.ndarray, "h w"]]:
     """Depth t (infinite where there is none) and radiance of the first patch that each ray meets, float32."""
     depth = np.full(rays.directions.shape[:2], np.inf, np.float32)
     radiance = np.zeros_like(depth)

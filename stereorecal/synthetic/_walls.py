@@ -24,14 +24,10 @@ def _cells(canvas: Canvas, width: float, height: float, joint: float, rows_shift
     edge_y = np.minimum(canvas.y / height - row, row + 1.0 - canvas.y / height) * height
     gap = np.minimum(edge_x, edge_y)
     soft = max(joint, 0.5 * canvas.texel)
-    return (mixed - np.floor(mixed)).astype(np.float32), np.clip(1.5 - gap / soft, 0.0, 1.0) * min(
-        1.0, joint / soft
-    )
+    return (mixed - np.floor(mixed)).astype(np.float32), np.clip(1.5 - gap / soft, 0.0, 1.0) * min(1.0, joint / soft)
 
 
-def masonry(
-    albedo: float, width: float, height: float, joint: float = 0.012, contrast: float = 0.5
-) -> Opaque:
+def masonry(albedo: float, width: float, height: float, joint: float = 0.012, contrast: float = 0.5) -> Opaque:
     """Bricks or blocks of stone of `width` by `height` metres."""
 
     def paint(canvas: Canvas) -> Texture:
@@ -158,12 +154,8 @@ def _window(canvas: Canvas, image: Texture, x, low, high, half, frame: float, tr
     canvas.fill(image, x - inner, x + inner, high - 0.22, high - 0.06, 0.5 * glass)
     if rng.uniform() < 0.6:
         drape = float(rng.uniform(0.2, 0.5)) * inner
-        canvas.fill(
-            image, x - inner, x - inner + drape, low + 0.06, high - 0.2, float(rng.uniform(0.15, 0.4))
-        )
-        canvas.fill(
-            image, x + inner - drape, x + inner, low + 0.06, high - 0.2, float(rng.uniform(0.15, 0.4))
-        )
+        canvas.fill(image, x - inner, x - inner + drape, low + 0.06, high - 0.2, float(rng.uniform(0.15, 0.4)))
+        canvas.fill(image, x + inner - drape, x + inner, low + 0.06, high - 0.2, float(rng.uniform(0.15, 0.4)))
     else:
         edge = low + float(rng.uniform(0.3, 0.8)) * (high - low)
         canvas.fill(image, x - inner, x + inner, edge, high - 0.2, float(rng.uniform(0.12, 0.45)))

@@ -55,9 +55,7 @@ class Water:
         return mirror * mirrored + (1.0 - mirror) * np.float32(self.body)
 
 
-def make_water(
-    rng: np.random.Generator, roughness: float, longest: float, body: float, shade: Texture
-) -> Water:
+def make_water(rng: np.random.Generator, roughness: float, longest: float, body: float, shade: Texture) -> Water:
     """Waves up to `longest` [m] long, with `roughness` the slope (rms) of an octave."""
     heading = float(rng.uniform(-np.pi, np.pi))
     tile = wave_slopes(rng, 256, _WAVES, heading)

@@ -43,8 +43,6 @@ class World:
         pitch = self.attitude[0] + self.sway * np.sin(1.7 * frame)
         roll = self.attitude[1] + self.sway * np.sin(1.1 * frame)
         (sp, sr), (cp, cr) = np.sin([pitch, roll]), np.cos([pitch, roll])
-        tilt = np.array([[1, 0, 0], [0, cp, -sp], [0, sp, cp]]) @ np.array(
-            [[cr, -sr, 0], [sr, cr, 0], [0, 0, 1]]
-        )
+        tilt = np.array([[1, 0, 0], [0, cp, -sp], [0, sp, cp]]) @ np.array([[cr, -sr, 0], [sr, cr, 0], [0, 0, 1]])
         centre = np.array([0.1 * np.sin(0.5 * frame), self.eye, 3.0 * np.tanh(self.speed * frame / 3.0)])
         return centre, np.diag([1.0, -1.0, 1.0]) @ tilt

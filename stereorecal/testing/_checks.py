@@ -150,9 +150,7 @@ def _assert_climbs(strategy: AbstractStrategy, problem: Problem, share: float) -
     assert climbed >= share, f"in {problem.dim} dimensions it climbs {climbed:.2f} of the way, not {share}"
 
 
-def _outcome(
-    strategy: AbstractStrategy, objective: Objective, start: np.ndarray | None = None
-) -> Outcome:
+def _outcome(strategy: AbstractStrategy, objective: Objective, start: np.ndarray | None = None) -> Outcome:
     assert strategy.needs is Need.HOST, f"the kit has no problems yet for strategies that need {strategy.needs.name}"
     start = np.zeros(objective.dim) if start is None else start
     try:

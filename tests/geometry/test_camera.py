@@ -71,8 +71,7 @@ def test_jacobian_of_the_distortion(count: int, jacobian):
     for point in (np.zeros(2), np.array([0.3, -0.4])):
         actual = jax.jit(jacobian(lambda p: distort(p, coefficients)))(jnp.asarray(point, jnp.float32))
         ahead, behind = (
-            np.stack([distort(point + s * e, coefficients) for e in np.eye(2)], axis=-1)
-            for s in (step, -step)
+            np.stack([distort(point + s * e, coefficients) for e in np.eye(2)], axis=-1) for s in (step, -step)
         )
         np.testing.assert_allclose(actual, (ahead - behind) / (2 * step), atol=1e-5)
 
@@ -80,9 +79,7 @@ def test_jacobian_of_the_distortion(count: int, jacobian):
 def test_lens_radius_is_where_the_image_folds_back():
     assert Camera(SIZE, MATRIX).lens_radius >= 8.0
     # d/dr (r + k1 r^3) = 0 at r = 1 / sqrt(-3 k1)
-    assert Camera(SIZE, MATRIX, np.array([-0.3, 0, 0, 0])).lens_radius == pytest.approx(
-        (0.9) ** -0.5, abs=0.003
-    )
+    assert Camera(SIZE, MATRIX, np.array([-0.3, 0, 0, 0])).lens_radius == pytest.approx((0.9) ** -0.5, abs=0.003)
     assert camera(5).resized((48, 32)).lens_radius == camera(5).lens_radius
 
 

@@ -55,9 +55,7 @@ def extrinsics(draw: st.DrawFn) -> np.ndarray:
 
 def rig(values: np.ndarray = IDEAL, count: int = 5) -> StereoRig:
     lens = np.array(LENSES[count])
-    return StereoRig(
-        Camera(SIZE, MATRIX, lens), Camera(SIZE, OTHER, -0.5 * lens if count == 4 else lens), values
-    )
+    return StereoRig(Camera(SIZE, MATRIX, lens), Camera(SIZE, OTHER, -0.5 * lens if count == 4 else lens), values)
 
 
 # --- rectifying rotations -----------------------------------------------------------------------------------
@@ -96,10 +94,7 @@ def test_jacobians_of_the_rotations(jacobian):
     def differences(values: np.ndarray, step: float = 1e-7) -> np.ndarray:
         ends = [
             np.stack(
-                [
-                    np.stack(rectifying_rotations(rotation_from_euler(v[:3]), v[3:]))
-                    for v in values + s * np.eye(6)
-                ],
+                [np.stack(rectifying_rotations(rotation_from_euler(v[:3]), v[3:])) for v in values + s * np.eye(6)],
                 axis=-1,
             )
             for s in (step, -step)
@@ -174,9 +169,7 @@ def test_size_zoom_and_centre(count: int):
     shared = view(stereo)
     assert each.size == shared.size == SIZE
     assert 0.7 * mean <= shared.focal <= mean * (1 + 1e-12)
-    assert (
-        shared.centre_left == shared.centre_right == pytest.approx((each.centre_left + each.centre_right) / 2)
-    )
+    assert shared.centre_left == shared.centre_right == pytest.approx((each.centre_left + each.centre_right) / 2)
     # Each camera's image centre lies in the middle column of its own view, and on average in the middle row.
     rows = []
     rotations = rectifying_rotations(stereo.rotation, stereo.translation)
@@ -250,9 +243,7 @@ def test_pixel_map_is_that_of_opencv(count: int, seed: int):
     rotation = cv2.Rodrigues(rng.uniform(-0.15, 0.15, 3))[0]
     matrix = np.array([[115.0, 0, 70 + 20 * rng.random()], [0, 115.0, 50 + 20 * rng.random()], [0, 0, 1]])
     size = (171, 113)
-    expected = np.dstack(
-        cv2.initUndistortRectifyMap(MATRIX, camera.distortion, rotation, matrix, size, cv2.CV_32FC1)
-    )
+    expected = np.dstack(cv2.initUndistortRectifyMap(MATRIX, camera.distortion, rotation, matrix, size, cv2.CV_32FC1))
     traced = map_of(camera, rotation, matrix, size)
     assert traced.dtype == jnp.float32
     assert traced.shape == (113, 171, 2)
@@ -272,9 +263,7 @@ def test_pixels_that_no_ray_of_the_lens_reaches_are_outside():
     far, near = radius > barrel.lens_radius + 0.01, radius < barrel.lens_radius - 0.01
     np.testing.assert_array_equal(coordinates[far], -1.0)
     assert (coordinates[near] != -1.0).all()
-    expected = np.dstack(
-        cv2.initUndistortRectifyMap(MATRIX, barrel.distortion, np.eye(3), wide, SIZE, cv2.CV_32FC1)
-    )
+    expected = np.dstack(cv2.initUndistortRectifyMap(MATRIX, barrel.distortion, np.eye(3), wide, SIZE, cv2.CV_32FC1))
     np.testing.assert_allclose(coordinates[near], expected[near], atol=0.01)
     folded = far & (expected >= 0).all(axis=-1) & (expected <= np.array(SIZE) - 1).all(axis=-1)
     assert folded.any()  # OpenCV shows false pixels there
@@ -299,9 +288,7 @@ def test_warp_is_that_of_opencv(count: int):
     stereo = rig(np.array([0.05, -0.08, 0.1, -0.12, 0.01, -0.01]), count)
     image = np.random.default_rng(count).uniform(0, 255, SIZE[::-1]).astype(np.float32)
     image = cv2.GaussianBlur(image, (0, 0), 1.0)
-    for coordinates in maps_between(
-        stereo.left, stereo.right, stereo.rotation, stereo.translation, view(stereo)
-    ):
+    for coordinates in maps_between(stereo.left, stereo.right, stereo.rotation, stereo.translation, view(stereo)):
         assert not np.asarray(mapped_area(coordinates, SIZE)).all()  # the border is part of the test
         expected = warped_by_opencv(image, np.asarray(coordinates))
         # OpenCV rounds coordinates to 1/32 pixel.
@@ -348,9 +335,7 @@ def test_mapped_area_is_where_no_border_is_repeated():
     """Brute force: warp an image of ones that is framed in zeros, and look where no zero came in."""
     stereo = rig(np.array([0.05, -0.08, 0.1, -0.12, 0.01, -0.01]), 5)
     frame = np.pad(np.ones(SIZE[::-1], np.float32), 400)
-    for coordinates in maps_between(
-        stereo.left, stereo.right, stereo.rotation, stereo.translation, view(stereo)
-    ):
+    for coordinates in maps_between(stereo.left, stereo.right, stereo.rotation, stereo.translation, view(stereo)):
         ones = reference_warp(frame, np.asarray(coordinates, float) + 400.0)
         actual = np.asarray(mapped_area(coordinates, SIZE))
         np.testing.assert_array_equal(actual, ones == 1.0)
@@ -395,9 +380,7 @@ def test_gradients_of_map_and_warp():
         coordinates = np.asarray(maps(start), float)
         expected = []
         for change in derivative:
-            ahead, behind = (
-                loss(*(reference_warp(image, c) for c in coordinates + s * change)) for s in (1e-8, -1e-8)
-            )
+            ahead, behind = (loss(*(reference_warp(image, c) for c in coordinates + s * change)) for s in (1e-8, -1e-8))
             expected.append((ahead - behind) / 2e-8)
         largest = np.abs(expected).max()
         np.testing.assert_allclose(gradient(start), expected, atol=1e-3 * largest)

@@ -21,9 +21,7 @@ def rig(extrinsics=IDEAL) -> StereoRig:
     return StereoRig(LENS, LENS, np.asarray(extrinsics))
 
 
-@given(
-    st.tuples(*[st.floats(-0.5, 0.5)] * 3), st.floats(-3.0, -0.05), st.tuples(*[st.floats(-0.04, 0.04)] * 2)
-)
+@given(st.tuples(*[st.floats(-0.5, 0.5)] * 3), st.floats(-3.0, -0.05), st.tuples(*[st.floats(-0.04, 0.04)] * 2))
 def test_float64_is_kept_exactly(angles, x, yz):
     extrinsics = np.array([*angles, x, *yz])
     for copy in (

@@ -50,9 +50,7 @@ def test_exponential_is_that_of_opencv(vector: np.ndarray):
 def test_logarithm_is_that_of_opencv(vector: np.ndarray):
     rotation = rodrigues(vector)
     if np.linalg.norm(vector) > 1e-4:  # OpenCV answers 0 below 1e-5
-        np.testing.assert_allclose(
-            vector_from_rotation(rotation), cv2.Rodrigues(rotation)[0].ravel(), atol=1e-9
-        )
+        np.testing.assert_allclose(vector_from_rotation(rotation), cv2.Rodrigues(rotation)[0].ravel(), atol=1e-9)
     np.testing.assert_allclose(vector_from_rotation(rotation), vector, rtol=1e-9, atol=1e-11)
     traced = JITTED[1](jnp.asarray(rotation, jnp.float32))
     # Near pi the logarithm divides by sin(angle): single precision loses a factor of 1 / sin(3) = 7.
@@ -79,9 +77,7 @@ def test_exponential_is_a_rotation_and_inverts(vector: np.ndarray):
 @given(vectors(1.0), vectors(1.0))
 def test_the_group_is_closed_and_the_angle_is_a_metric(a: np.ndarray, b: np.ndarray):
     first, second = rotation_from_vector(a), rotation_from_vector(b)
-    np.testing.assert_allclose(
-        rotation_from_vector(vector_from_rotation(first @ second)), first @ second, atol=1e-12
-    )
+    np.testing.assert_allclose(rotation_from_vector(vector_from_rotation(first @ second)), first @ second, atol=1e-12)
     angle = angle_between(first, second)
     assert angle == pytest.approx(float(angle_between(second, first)), abs=1e-12)
     assert angle == pytest.approx(np.linalg.norm(cv2.Rodrigues(first.T @ second)[0]), abs=2e-5)
@@ -136,9 +132,7 @@ def test_jacobians(jacobian, function):
 @pytest.mark.parametrize("jacobian", [jax.jacfwd, jax.jacrev])
 def test_jacobian_of_the_exponential_at_zero_is_the_generators(jacobian):
     generators = np.stack([np.cross(axis, np.eye(3)) for axis in np.eye(3)], axis=-1)
-    np.testing.assert_array_equal(
-        jax.jit(jacobian(rotation_from_vector))(jnp.zeros(3)), generators.transpose(1, 0, 2)
-    )
+    np.testing.assert_array_equal(jax.jit(jacobian(rotation_from_vector))(jnp.zeros(3)), generators.transpose(1, 0, 2))
 
 
 def test_second_derivatives_are_finite():

@@ -230,9 +230,7 @@ def encoded(suffix: str, image: np.ndarray) -> bytes:
     return cv2.imencode(suffix, image)[1].tobytes()
 
 
-def check_refused(
-    path: Path, right: Path, capfd: pytest.CaptureFixture, words: str = "again|check|give"
-) -> None:
+def check_refused(path: Path, right: Path, capfd: pytest.CaptureFixture, words: str = "again|check|give") -> None:
     """The error is one line that names the file, and OpenCV prints nothing of its own."""
     capfd.readouterr()
     with pytest.raises(InputError, match=words) as error:
@@ -315,9 +313,7 @@ def test_images_without_content(tmp_path: Path, value: int, words: str, channels
 
 
 def test_different_sizes(tmp_path: Path, right: Path):
-    with pytest.raises(
-        InputError, match=r"wide\.png.*right\.png: the left image is 25x16 and the right one 24x16"
-    ):
+    with pytest.raises(InputError, match=r"wide\.png.*right\.png: the left image is 25x16 and the right one 24x16"):
         load_pair(write(tmp_path / "wide.png", texture(0, (25, 16))), right)
 
 
@@ -331,9 +327,7 @@ def test_floating_point_images(tmp_path: Path, right: Path):
     left = texture(0).astype(np.float32) / 255
     other = write(tmp_path / "other.tif", texture(1).astype(np.float32) / 255)
     pair = load_pair(write(tmp_path / "float.tif", left), other)
-    np.testing.assert_allclose(
-        pair.left, texture(0) * (255.0 / max(texture(0).max(), texture(1).max())), rtol=1e-4
-    )
+    np.testing.assert_allclose(pair.left, texture(0) * (255.0 / max(texture(0).max(), texture(1).max())), rtol=1e-4)
     left[3, 4] = np.nan
     with pytest.raises(InputError, match="NaN"):
         load_pair(write(tmp_path / "nan.tif", left), other)

@@ -309,13 +309,9 @@ def test_two_readings_of_one_side(make: Make):
 # --- writing ------------------------------------------------------------------------------------------------
 
 
-def scene_of(
-    frames: int = 1, rig: StereoRig | None = None, names: list[str] | None = None, **changes: Any
-) -> Scene:
+def scene_of(frames: int = 1, rig: StereoRig | None = None, names: list[str] | None = None, **changes: Any) -> Scene:
     names = names or [f"pair {i}" for i in range(frames)]
-    pairs = tuple(
-        Pair(*(texture(2 * i + s).astype(np.float32) for s in (0, 1)), name) for i, name in enumerate(names)
-    )
+    pairs = tuple(Pair(*(texture(2 * i + s).astype(np.float32) for s in (0, 1)), name) for i, name in enumerate(names))
     return Scene("demo", rig, pairs, info={"max_disparity_px": 12, "notes": "größer"}, **changes)
 
 

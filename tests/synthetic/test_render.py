@@ -35,9 +35,7 @@ def rectified(pair):
     cameras = ((pair.left, RIG.left, r1, VIEW.matrix_left), (pair.right, RIG.right, r2, VIEW.matrix_right))
     images = []
     for image, camera, turn, matrix in cameras:
-        maps = cv2.initUndistortRectifyMap(
-            camera.matrix, camera.distortion, turn, matrix, VIEW.size, cv2.CV_32FC1
-        )
+        maps = cv2.initUndistortRectifyMap(camera.matrix, camera.distortion, turn, matrix, VIEW.size, cv2.CV_32FC1)
         images.append(cv2.remap(image, *maps, cv2.INTER_LINEAR))
     return images
 

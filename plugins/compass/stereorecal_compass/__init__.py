@@ -27,9 +27,7 @@ class Compass(AbstractStrategy):
         if not 0.0 < self.min_step <= self.step <= 2.0:
             raise ValueError(f"need 0 < min_step <= step <= 2, got {self.min_step} and {self.step}")
 
-    def run(
-        self, objective: Objective, start: Float[np.ndarray, "n"], budget: Budget, seed: int
-    ) -> Outcome:
+    def run(self, objective: Objective, start: Float[np.ndarray, "n"], budget: Budget, seed: int) -> Outcome:
         """See `AbstractStrategy.run`. Deterministic: `seed` is not used."""
         stencil = np.concatenate([np.eye(objective.dim), -np.eye(objective.dim)])
         best, best_value, step = start, _comparable(objective.value(start)), self.step

@@ -1,0 +1,55 @@
+"""Makes the pictures of README and docs from synthetic scenes: python docs/images/make.py"""
+
+from pathlib import Path
+
+import jax
+import matplotlib.pyplot as plt
+
+import stereorecal as sr
+from stereorecal.report.figures import Panel, repair_figure, save
+
+HERE = Path(__file__).parent
+
+
+def repair() -> None:
+    """A harbour before and after a repair."""
+    scene = sr.synthetic.render("harbour", 0)
+    bad = sr.synthetic.decalibrate(scene.rig, jax.random.key(0), 1.0, 0.01)
+    solution = sr.recalibrate(bad, scene.pairs)
+    print(solution)
+    panels = []
+    for title, rig in (("before", bad), ("after", solution.rig)):
+        images = sr.rectify(rig, scene.pairs[0], view=solution.view)
+        found = sr.disparity(rig, scene.pairs[0], view=solution.view)
+        panels.append(Panel(title, *images, found.values, found.valid))
+    save(repair_figure(panels), HERE / "repair.png")
+
+
+def conventions() -> None:
+    """The two camera frames in an oblique drawing, each axis with the angle that turns about it."""
+    figure, axes = plt.subplots(figsize=(8.0, 3.4), layout="constrained")
+    axes.set_axis_off()
+    axes.set_aspect("equal")
+    # x to the right, y down, z forward: away from the viewer, drawn up and to the right.
+    directions = {
+        "x (pitch)": ((1.0, 0.0), "#d55e00"),
+        "y (yaw)": ((0.0, -1.0), "#009e73"),
+        "z (roll)": ((0.75, 0.6), "#0072b2"),
+    }
+    for name, origin in (("left camera", (0.0, 0.0)), ("right camera", (3.0, 0.0))):
+        for label, (step, colour) in directions.items():
+            tip = (origin[0] + step[0], origin[1] + step[1])
+            axes.annotate("", tip, origin, arrowprops={"arrowstyle": "-|>", "color": colour, "linewidth": 2.0})
+            axes.text(tip[0] + 0.06, tip[1] + 0.03, label, color=colour, fontsize=11)
+        axes.text(origin[0] - 0.1, origin[1] + 0.1, name, fontsize=11, ha="right")
+    axes.plot([1.0, 3.0], [0.0, 0.0], linestyle="--", color="0.5", zorder=0)
+    axes.text(1.75, -0.2, "baseline B", color="0.3", fontsize=11)
+    axes.text(0.9, -1.0, "x_right = R x_left + T\nideal rig: R = I, T = (-B, 0, 0)", fontsize=11)
+    axes.set_xlim(-1.1, 4.8)
+    axes.set_ylim(-1.2, 0.8)
+    save(figure, HERE / "conventions.png")
+
+
+if __name__ == "__main__":
+    repair()
+    conventions()

@@ -1,0 +1,32 @@
+"""A common gain of both images leaves the count nearly as it is."""
+
+from dataclasses import replace
+
+import pytest
+from hypothesis import given, settings, strategies as st
+
+from stereorecal.matching import SAD
+from stereorecal.scoring import score
+
+SAD_80 = SAD(num_disparities=80)
+
+
+def under_gain(scene, gain):
+    return [replace(p, left=(p.left * gain).astype("f4"), right=(p.right * gain).astype("f4")) for p in scene.pairs]
+
+
+@pytest.mark.parametrize("kind", ["harbour", "coast", "street"])
+def test_common_gain(scene, kind):
+    given_scene = scene(kind, 1, (640, 480))
+    # Room above, so that nothing clips at the largest gain.
+    room = 0.9
+    assert max(p.left.max() for p in under_gain(given_scene, 1.1 * room)) <= 255
+    reference = score(given_scene.rig, under_gain(given_scene, room), matcher=SAD_80).count
+
+    @settings(max_examples=8)
+    @given(gain=st.floats(0.7, 1.1))
+    def check(gain):
+        found = score(given_scene.rig, under_gain(given_scene, room * gain), matcher=SAD_80).count
+        assert found == pytest.approx(reference, rel=0.03)
+
+    check()

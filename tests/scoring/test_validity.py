@@ -1,0 +1,43 @@
+"""The count is the number of valid disparities, and what counts as valid lies inside both images."""
+
+import numpy as np
+import pytest
+
+from stereorecal.geometry import view
+from stereorecal.matching import BM, SAD, SGBM
+from stereorecal.scoring import counts, disparities, disparity, normalised, prepare, score
+
+MATCHERS = [cls(num_disparities=32) for cls in (SAD, BM, SGBM)]
+
+
+@pytest.mark.parametrize("matcher", MATCHERS)
+def test_count_is_the_sum_of_valid(scene, matcher):
+    given_scene = scene("street", 0, frames=2)
+    prepared = prepare(given_scene.rig, given_scene.pairs, view(given_scene.rig))
+    extrinsics = normalised(given_scene.rig.extrinsics)
+    found = disparities(prepared, extrinsics, matcher)
+    assert len(found) == 2
+    assert sum(d.valid.sum() for d in found) == counts(prepared, extrinsics[None], matcher)[0]
+
+
+@pytest.mark.parametrize("matcher", MATCHERS)
+def test_disparity_shows_what_score_counts(scene, matcher):
+    given_scene = scene()
+    found = disparity(given_scene.rig, given_scene.pairs[0], matcher=matcher)
+    assert found.valid.sum() == score(given_scene.rig, given_scene.pairs, matcher=matcher).count
+    assert found.values[found.valid].min() >= 0
+
+
+@pytest.mark.parametrize("matcher", MATCHERS)
+def test_nothing_outside_the_mapped_area_counts(scene, matcher):
+    """A rig turned down by 15 degrees shows nothing in the lowest part of the view of before."""
+    given_scene = scene("street", 1)
+    rig, first_view = given_scene.rig, view(given_scene.rig)
+    turn = np.radians([30.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    found = disparity(
+        rig.with_extrinsics(rig.extrinsics + turn), given_scene.pairs[0], view=first_view, matcher=matcher
+    )
+    covered = disparity(rig, given_scene.pairs[0], view=first_view, matcher=matcher)
+    assert covered.valid[200:].any()
+    outside = ~found.valid.any(axis=1)
+    assert outside[-20:].all() or outside[:20].all()
