@@ -4,6 +4,7 @@ from pathlib import Path
 
 import jax
 import matplotlib.pyplot as plt
+import numpy as np
 
 import stereorecal as sr
 from stereorecal.report.figures import Panel, repair_figure, save
@@ -17,10 +18,12 @@ def repair() -> None:
     bad = sr.synthetic.decalibrate(scene.rig, jax.random.key(0), 1.0, 0.01)
     solution = sr.recalibrate(bad, scene.pairs)
     print(solution)
+    for name, rig in (("before", bad), ("after", solution.rig)):
+        print(name, np.degrees(rig.extrinsics[:3] - scene.rig.extrinsics[:3]).round(3), "degrees from the truth")
     panels = []
     for title, rig in (("before", bad), ("after", solution.rig)):
         images = sr.rectify(rig, scene.pairs[0], view=solution.view)
-        found = sr.disparity(rig, scene.pairs[0], view=solution.view)
+        found = sr.disparity(rig, scene.pairs[0], matcher=solution.matcher, view=solution.view)
         panels.append(Panel(title, *images, found.values, found.valid))
     save(repair_figure(panels), HERE / "repair.png")
 

@@ -12,8 +12,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from stereorecal._errors import InputError
 from stereorecal.cli import _values
-from stereorecal.comparison import Comparison, Drift, compare_scenes
-from stereorecal.comparison._compare import Progress as ProgressCall
+from stereorecal.comparison import Comparison, Drift, Progress as ProgressCall, compare_scenes, load_strategies
 from stereorecal.geometry import Scene
 from stereorecal.io import load_scene
 from stereorecal.report.tables import WIDE, comparison_tables
@@ -28,7 +27,6 @@ def add_to(verbs) -> None:
         help="decalibrate rigs and let strategies repair them",
         description="Decalibrate the rig of each scene many times and let every strategy repair it. Without a scene, "
         "one is rendered.",
-        formatter_class=argparse.ArgumentDefaultsHelpFormatter,
     )
     add = parser.add_argument
     add("--scene", action="append", default=[], metavar="PATH", help="scene folder (repeatable)")
@@ -62,30 +60,33 @@ def run(options: argparse.Namespace) -> int:
     """Compare, print, save; returns the exit code."""
     _values.known(options.schedule, ["count"], "schedule")
     matcher = _values.matcher(options.matcher)
-    names = _values.strategy_names(options.strategies)
+    chosen = load_strategies(_values.strategy_names(options.strategies))
     drift = Drift(*_values.degrees_and_fraction(options.decalibrate, "--decalibrate"))
-    reach = Reach(*_values.degrees_and_fraction(options.reach, "--reach")) if options.reach else None
-    if options.seed < 0:
-        raise InputError(f"--seed is {options.seed}; give a number that is not negative.")
+    reach = Reach(*_values.degrees_and_fraction(options.reach, "--reach")) if options.reach is not None else None
+    budget = Budget(options.budget)
+    if not 0 <= options.seed < 2**32:
+        raise InputError(f"--seed is {options.seed}; give a whole number within 0 and 2^32 - 1.")
     _values.output_path(options.json, "--json")
-    scenes = _scenes(options)
-    with _progress(options.quiet) as progress, _values.executor(options.executor) as executor:
-        comparison = compare_scenes(
-            scenes,
-            strategies=names,
-            matcher=matcher,
-            drift=drift,
-            reach=reach,
-            scale=options.scale,
-            draws=options.draws,
-            budget=Budget(options.budget),
-            seed=options.seed,
-            executor=executor,
-            progress=progress,
-        )
-    _show(comparison, options)
+    with _values.executor(options.executor) as executor:
+        scenes = _scenes(options)
+        with _progress(options.quiet) as progress:
+            comparison = compare_scenes(
+                scenes,
+                strategies=chosen,
+                matcher=matcher,
+                drift=drift,
+                reach=reach,
+                scale=options.scale,
+                draws=options.draws,
+                budget=budget,
+                seed=options.seed,
+                executor=executor,
+                progress=progress,
+            )
+        # Before the workers are waited for: a second Ctrl-C must find everything saved.
+        _show(comparison, options)
     if comparison.interrupted:
-        print("stereorecal: interrupted; the trials above were finished.", file=sys.stderr)
+        print(f"stereorecal: interrupted; {len(comparison.trials)} trials were finished.", file=sys.stderr)
         return 130
     return 3 if all(trial.status == "FAILED" for trial in comparison.trials) else 0
 
@@ -106,11 +107,11 @@ def _show(comparison: Comparison, options: argparse.Namespace) -> None:
         json.dump(comparison.as_dict(), sys.stdout, indent=1, allow_nan=False)
         print()
         return
-    if not options.quiet:
-        console = Console(width=None if sys.stdout.isatty() else WIDE)
-        console.print(comparison_tables(comparison.as_dict(), console.width))
     if options.json:
         comparison.to_json(options.json)
+    if comparison.trials and not options.quiet:
+        console = Console(width=None if sys.stdout.isatty() else WIDE)
+        console.print(comparison_tables(comparison.as_dict(), console.width))
 
 
 @contextmanager

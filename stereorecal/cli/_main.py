@@ -37,9 +37,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _say(error, FAILURE)
     except KeyboardInterrupt:
         return _say("interrupted", INTERRUPTED)
-    except BrokenPipeError:
-        sys.stderr.close()
-        return FAILURE
+    except OSError as error:
+        return _say(f"{error.filename or 'output'}: {error.strerror or error}; check the path.", BAD_INPUT)
+    except Exception as error:
+        return _say(f"internal error, please report it: {error!r}", FAILURE)
 
 
 def _say(message: object, code: int) -> int:

@@ -6,8 +6,10 @@ import sys
 from rich import box
 from rich.console import Console
 from rich.table import Table
+from rich.text import Text
 
 from stereorecal._errors import InputError, StrategyError
+from stereorecal.cli._values import NONE_INSTALLED
 from stereorecal.strategies import describe, strategies, strategy
 from stereorecal.testing import check_strategy
 
@@ -16,6 +18,7 @@ def add_to(verbs) -> None:
     """Add the command to an argparse subparsers object."""
     parser = verbs.add_parser("strategies", help="list the installed strategies, or check one")
     actions = parser.add_subparsers(metavar="ACTION")
+    actions.add_parser("list", help="list the installed strategies (the default)").set_defaults(run=_list)
     check = actions.add_parser("check", help="run the conformance kit on a strategy")
     check.add_argument("name")
     check.set_defaults(run=_check)
@@ -23,6 +26,8 @@ def add_to(verbs) -> None:
 
 
 def _list(options: argparse.Namespace) -> int:
+    if not strategies():
+        raise InputError(NONE_INSTALLED)
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     for heading in ("name", "distribution", "version", "needs", "what it does"):
         table.add_column(heading, overflow="fold")
@@ -30,10 +35,11 @@ def _list(options: argparse.Namespace) -> int:
     for name in strategies():
         try:
             info = describe(name)
-            table.add_row(info.name, info.distribution, info.version, info.needs, info.summary)
+            cells = (info.name, info.distribution, info.version, info.needs, info.summary)
         except (InputError, StrategyError) as error:
             broken = True
-            table.add_row(name, "-", "-", "-", str(error))
+            cells = (name, "-", "-", "-", str(error))
+        table.add_row(*map(Text, cells))
     Console(width=None if sys.stdout.isatty() else 124).print(table)
     return 3 if broken else 0
 

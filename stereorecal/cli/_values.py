@@ -13,6 +13,9 @@ from stereorecal._errors import InputError
 from stereorecal.matching import BM, SAD, SGBM, AbstractMatcher
 from stereorecal.strategies import strategies
 
+NONE_INSTALLED = (
+    "no strategy is installed; run: pip install stereorecal-compass (in a clone: pip install -e plugins/compass)"
+)
 MATCHERS: dict[str, type[AbstractMatcher]] = {"sad": SAD, "bm": BM, "sgbm": SGBM}
 
 
@@ -38,7 +41,7 @@ def strategy_names(text: str) -> list[str]:
     """ "a,b" or "all"."""
     names = list(strategies()) if text == "all" else [n for n in (n.strip() for n in text.split(",")) if n]
     if not names:
-        raise InputError("no strategy is installed; run: pip install 'stereorecal[default]'")
+        raise InputError(NONE_INSTALLED if text == "all" else "--strategies names none; give names or all.")
     return list(dict.fromkeys(names))
 
 
@@ -70,7 +73,7 @@ def frame_limit(text: str) -> int | None:
     """A positive number, or "all" for None."""
     if text == "all":
         return None
-    if not text.isdigit() or int(text) < 1:
+    if not text.isdecimal() or int(text) < 1:
         raise InputError(f"--frames is {text!r}; give a positive number or all.")
     return int(text)
 
@@ -83,7 +86,7 @@ def executor(text: str) -> Iterator[Executor | None]:
     if kind == "serial":
         yield None
         return
-    if not number.isdigit() or int(number) < 1:
+    if not number.isdecimal() or int(number) < 1:
         raise InputError(f"--executor is {text!r}; give the number of workers, such as {kind}:2.")
     if kind == "threads":
         pool: Executor = ThreadPoolExecutor(int(number))

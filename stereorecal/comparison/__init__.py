@@ -2,8 +2,10 @@
 
 from stereorecal.comparison._compare import (
     Drift as Drift,
+    Progress as Progress,
     compare as compare,
     compare_scenes as compare_scenes,
+    load_strategies as load_strategies,
 )
 from stereorecal.comparison._comparison import SCHEMA as SCHEMA, Comparison as Comparison
 from stereorecal.comparison._summary import (

@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass
 from importlib.metadata import version
 from typing import Any
 
+import cv2
 import jax
 import numpy as np
 from jaxtyping import Float
@@ -16,7 +17,7 @@ from stereorecal.comparison._comparison import Comparison
 from stereorecal.comparison._trial import Task, Trial, failed, run_trial
 from stereorecal.geometry import Pair, Scene, StereoRig, check_pairs, view
 from stereorecal.matching import SAD, AbstractMatcher
-from stereorecal.scoring import with_disparity_range
+from stereorecal.scoring import prepare, with_disparity_range
 from stereorecal.strategies import AbstractStrategy, Budget, Objective, Outcome, Reach, origin_of, strategy
 from stereorecal.synthetic import decalibrate
 
@@ -49,11 +50,30 @@ def compare(
     pairs: Sequence[Pair],
     *,
     strategies: Sequence[str] | Mapping[str, AbstractStrategy] = ("compass",),
-    name: str = "scene",
-    **options: Any,
+    matcher: AbstractMatcher | None = None,
+    drift: Drift | None = None,
+    reach: Reach | None = None,
+    scale: float = 1.0,
+    draws: int = 20,
+    budget: Budget | None = None,
+    seed: int = 0,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
 ) -> Comparison:
-    """Compare strategies on one scene whose `rig` is the reference. Options: see `compare_scenes`."""
-    return compare_scenes([Scene(name, rig, check_pairs(rig, list(pairs)))], strategies=strategies, **options)
+    """Compare strategies on one scene whose `rig` is the reference. Arguments and errors: see `compare_scenes`."""
+    return compare_scenes(
+        [Scene("scene", rig, check_pairs(rig, list(pairs)))],
+        strategies=strategies,
+        matcher=matcher,
+        drift=drift,
+        reach=reach,
+        scale=scale,
+        draws=draws,
+        budget=budget,
+        seed=seed,
+        executor=executor,
+        progress=progress,
+    )
 
 
 def compare_scenes(
@@ -91,11 +111,14 @@ def compare_scenes(
     """
     if draws < 1 or not scenes or not strategies:
         raise InputError("there is nothing to compare; give at least one scene, one strategy and one draw.")
+    if len({scene.name for scene in scenes}) < len(scenes):
+        raise InputError("two scenes have the same name; rename a folder, or give each scene once.")
     matcher, drift, budget = matcher or SAD(), drift or Drift(), budget or Budget()
     if reach is None:
         reach = Reach(max(3.0, 1.2 * drift.degrees), max(0.03, 1.2 * drift.baseline_fraction))
-    chosen = strategies if isinstance(strategies, Mapping) else {n: _load(n) for n in strategies}
-    planned = [_plan(scene, matcher, reach) for scene in scenes]
+    chosen = strategies if isinstance(strategies, Mapping) else load_strategies(strategies)
+    versions = _versions(chosen)
+    planned = [_plan(scene, matcher, reach, scale) for scene in scenes]
     tasks = [
         Task(
             scene=scene,
@@ -136,7 +159,7 @@ def compare_scenes(
     }
     described = tuple(_describe(scene, scene_matcher) for scene, scene_matcher in planned)
     finished = tuple(trials[index] for index in sorted(trials))
-    return Comparison(settings, _versions(chosen), described, finished, interrupted=interrupted)
+    return Comparison(settings, versions, described, finished, interrupted=interrupted)
 
 
 @dataclass(frozen=True)
@@ -147,6 +170,15 @@ class _Unloadable(AbstractStrategy):
 
     def run(self, objective: Objective, start: Float[np.ndarray, "n"], budget: Budget, seed: int) -> Outcome:
         raise StrategyError(self.message)
+
+
+def load_strategies(names: Sequence[str]) -> dict[str, AbstractStrategy]:
+    """The strategies of these names with their default options. One that is installed but broken fails when it runs.
+
+    Raises:
+        InputError: if a name is unknown.
+    """
+    return {name: _load(name) for name in names}
 
 
 def _load(name: str) -> AbstractStrategy:
@@ -162,10 +194,14 @@ def _rig_of(scene: Scene) -> StereoRig:
     return scene.rig
 
 
-def _plan(scene: Scene, matcher: AbstractMatcher, reach: Reach) -> tuple[Scene, AbstractMatcher]:
+def _plan(scene: Scene, matcher: AbstractMatcher, reach: Reach, scale: float) -> tuple[Scene, AbstractMatcher]:
+    """The scene and its matcher, refused now rather than trial by trial."""
     rig = _rig_of(scene)
     pairs = check_pairs(rig, scene.pairs)
-    return scene, with_disparity_range(matcher, rig, pairs, view(rig), np.radians(reach.degrees))
+    matcher = with_disparity_range(matcher, rig, pairs, view(rig), np.radians(reach.degrees))
+    data = prepare(rig, pairs[:1], view(rig), scale)
+    matcher.scaled(scale).disparity_range(data.view.size[0])
+    return scene, matcher
 
 
 def _draw_key(seed: int, draw: int) -> jax.Array:
@@ -201,9 +237,11 @@ def _describe(scene: Scene, matcher: AbstractMatcher) -> dict[str, Any]:
 
 
 def _versions(chosen: Mapping[str, AbstractStrategy]) -> dict[str, str]:
-    packages = ("stereorecal", "jax", "numpy", "opencv-python-headless")
     return {
         "python": platform.python_version(),
-        **{package: version(package) for package in packages},
+        "stereorecal": version("stereorecal"),
+        "jax": jax.__version__,
+        "numpy": np.__version__,
+        "opencv": cv2.__version__,
         **{f"strategy {name}": origin_of(plugin) for name, plugin in chosen.items()},
     }

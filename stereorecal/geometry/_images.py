@@ -26,7 +26,7 @@ class Pair:
             its paths, not as pixels.
 
     Raises:
-        InputError: if the images differ in size.
+        InputError: if the images differ in size, contain NaN or infinite values, or are constant.
     """
 
     left: Float[np.ndarray, "h w"]
@@ -40,6 +40,15 @@ class Pair:
                 f"{self.name}: the left image is {_size_text(self.left)} and the right one {_size_text(self.right)}; "
                 "both must have the same size."
             )
+        for side, image in (("left", self.left), ("right", self.right)):
+            darkest, brightest = float(image.min()), float(image.max())  # NaN if there is one
+            if not np.isfinite(brightest - darkest):
+                raise InputError(f"{self.name}, {side}: the image contains NaN or infinite values; replace them.")
+            if darkest == brightest:
+                kind = "all black" if brightest == 0 else "constant"
+                raise InputError(
+                    f"{self.name}, {side}: the image is {kind}; there is nothing to match: check camera and file."
+                )
 
     @property
     def size(self) -> tuple[int, int]:
@@ -88,7 +97,7 @@ def make_pair(
         _grey(image, channels, f"{name}, {side}") for image, side in ((left, "left"), (right, "right"))
     )
     if not eight_bit:
-        largest = max(grey_left.max(), grey_right.max())
+        largest = max(grey_left.max(), grey_right.max(), 1e-30)
         grey_left, grey_right = grey_left * (255.0 / largest), grey_right * (255.0 / largest)
     return Pair(grey_left.astype(np.float32), grey_right.astype(np.float32), name, origin)
 
@@ -104,9 +113,6 @@ def _grey(image: np.ndarray, channels: str, name: str) -> np.ndarray:
         raise InputError(f"{name}: the image contains negative values; shift or clip them.")
     if image.ndim == 3:
         image = image[..., :3].astype(np.float32) @ np.array(_LUMA[channels], np.float32)
-    if image.min() == image.max():
-        kind = "all black" if image.max() == 0 else "constant"
-        raise InputError(f"{name}: the image is {kind}; there is nothing to match: check the camera or the file.")
     return image.astype(np.float32)
 
 

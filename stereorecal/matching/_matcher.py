@@ -7,9 +7,10 @@ from typing import ClassVar
 
 from jaxtyping import Bool, Float
 
-from stereorecal._arrays import AnyArray
+from stereorecal._arrays import AnyArray, namespace
 from stereorecal._errors import InputError
 from stereorecal._pytree import register_pytree
+from stereorecal.matching._texture import textured
 
 
 @register_pytree
@@ -41,7 +42,7 @@ class AbstractMatcher(abc.ABC):
         pre_filter_cap: clip of the x-Sobel response that is matched in place of grey levels.
 
     Class attributes:
-        traceable: True if `match` is a pure JAX function that can be traced, batched and compiled.
+        traceable: True if `search` is a pure JAX function that can be traced, batched and compiled.
     """
 
     min_disparity: int = 0
@@ -66,13 +67,23 @@ class AbstractMatcher(abc.ABC):
         if not 0 <= self.pre_filter_cap <= 63:
             raise InputError(f"pre_filter_cap is {self.pre_filter_cap}; it must be within 0..63.")
 
-    @abc.abstractmethod
     def match(self, left: Float[AnyArray, "h w"], right: Float[AnyArray, "h w"]) -> Disparity:
         """Match two rectified images, (h, w) float32 in 0..255; they are rounded to whole grey levels first.
+
+        What `search` finds is valid if it is also textured and not below `min_disparity`: the same rule for every
+        matcher, so that their counts mean the same.
 
         Raises:
             InputError: if `num_disparities` is None, or the disparity range is wider than the image.
         """
+        found = self.search(left, right)
+        texture = textured(left, self.block_size, self.texture_threshold, self.pre_filter_cap)
+        in_range = found.values > self.min_disparity - 1.0  # sub-pixel parts reach half a pixel below
+        return Disparity(found.values, found.valid & namespace(found.values).asarray(texture) & in_range)
+
+    @abc.abstractmethod
+    def search(self, left: Float[AnyArray, "h w"], right: Float[AnyArray, "h w"]) -> Disparity:
+        """The matcher's own part of `match`: winners, and which of them are unique and left-right consistent."""
 
     def disparity_range(self, width: int) -> tuple[int, int]:
         """(min_disparity, num_disparities) for an image of `width` pixels.

@@ -7,22 +7,30 @@ import numpy as np
 from jaxtyping import Float, UInt8
 
 from stereorecal._arrays import AnyArray
+from stereorecal._errors import InputError
 from stereorecal.matching._matcher import AbstractMatcher, Disparity
-from stereorecal.matching._texture import textured
 
 
 @dataclass(frozen=True)
 class BM(AbstractMatcher):
-    """`cv2.StereoBM`. Options: see `AbstractMatcher`; `num_disparities` is rounded up to a multiple of 16."""
+    """`cv2.StereoBM`. Options: see `AbstractMatcher`; `num_disparities` is rounded up to a multiple of 16.
 
-    def match(self, left: Float[AnyArray, "h w"], right: Float[AnyArray, "h w"]) -> Disparity:
-        """See `AbstractMatcher.match`."""
+    It always matches the x-Sobel response, so `pre_filter_cap` must be positive, and `block_size` at least 5.
+    """
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.block_size < 5 or self.pre_filter_cap < 1:
+            raise InputError("BM needs a block_size of at least 5 and a pre_filter_cap of at least 1; change them.")
+
+    def search(self, left: Float[AnyArray, "h w"], right: Float[AnyArray, "h w"]) -> Disparity:
+        """See `AbstractMatcher.search`."""
         lowest, count = _rounded_range(self, left.shape[1])
-        matcher = cv2.StereoBM.create(count, max(5, self.block_size))
+        matcher = cv2.StereoBM.create(count, self.block_size)
         matcher.setMinDisparity(lowest)
         matcher.setUniquenessRatio(self.uniqueness_ratio)
         matcher.setDisp12MaxDiff(self.disp12_max_diff)
-        matcher.setPreFilterCap(max(1, self.pre_filter_cap))
+        matcher.setPreFilterCap(self.pre_filter_cap)
         matcher.setTextureThreshold(0)
         return _run(matcher, self, left, right)
 
@@ -37,8 +45,8 @@ class SGBM(AbstractMatcher):
     block_size: int = 5
     uniqueness_ratio: int = 10
 
-    def match(self, left: Float[AnyArray, "h w"], right: Float[AnyArray, "h w"]) -> Disparity:
-        """See `AbstractMatcher.match`."""
+    def search(self, left: Float[AnyArray, "h w"], right: Float[AnyArray, "h w"]) -> Disparity:
+        """See `AbstractMatcher.search`."""
         lowest, count = _rounded_range(self, left.shape[1])
         area = self.block_size**2
         matcher = cv2.StereoSGBM.create(
@@ -62,9 +70,8 @@ def _rounded_range(options: AbstractMatcher, width: int) -> tuple[int, int]:
 def _run(matcher: cv2.StereoMatcher, options: AbstractMatcher, left: AnyArray, right: AnyArray) -> Disparity:
     fixed_point = matcher.compute(_grey_levels(left), _grey_levels(right))
     # OpenCV gives 16 times the disparity, and (min_disparity - 1) * 16 where it found none.
-    valid = fixed_point >= options.min_disparity * 16
-    valid &= np.asarray(textured(left, options.block_size, options.texture_threshold, options.pre_filter_cap))
-    return Disparity(fixed_point.astype(np.float32) / 16.0, valid)
+    found = fixed_point > (options.min_disparity - 1) * 16
+    return Disparity(fixed_point.astype(np.float32) / 16.0, found)
 
 
 def _grey_levels(image: Float[AnyArray, "h w"]) -> UInt8[np.ndarray, "h w"]:

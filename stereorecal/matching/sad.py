@@ -13,8 +13,9 @@ import jax.numpy as jnp
 from jaxtyping import Float, Int
 
 from stereorecal._arrays import AnyArray
+from stereorecal._errors import InputError
 from stereorecal.matching._matcher import AbstractMatcher, Disparity
-from stereorecal.matching._texture import quantise, textured, x_sobel
+from stereorecal.matching._texture import quantise, x_sobel
 
 _NEVER = 2**31 - 1  # packed cost of a candidate outside the right image
 
@@ -29,21 +30,27 @@ class SAD(AbstractMatcher):
 
     traceable: ClassVar[bool] = True
 
-    def match(self, left: Float[AnyArray, "h w"], right: Float[AnyArray, "h w"]) -> Disparity:
-        """See `AbstractMatcher.match`. Pure; can be traced, batched and compiled."""
-        self.disparity_range(left.shape[1])
-        return _match(jnp.asarray(left), jnp.asarray(right), self)
+    def search(self, left: Float[AnyArray, "h w"], right: Float[AnyArray, "h w"]) -> Disparity:
+        """See `AbstractMatcher.search`. Pure; can be traced, batched and compiled."""
+        self._require_room(left.shape[1])
+        return _search(jnp.asarray(left), jnp.asarray(right), self)
+
+    def _require_room(self, width: int) -> None:
+        """Refuse windows and ranges whose cost and index do not fit into one int32."""
+        _, count = self.disparity_range(width)
+        largest = 2 * self.pre_filter_cap or 255
+        if 2 * largest * self.block_size**2 * 2 ** max(1, (count - 1).bit_length()) >= _NEVER:
+            raise InputError("block_size and num_disparities are too large together; make one of them smaller.")
 
 
 @partial(jax.jit, static_argnames="options")
-def _match(left: Float[jax.Array, "h w"], right: Float[jax.Array, "h w"], options: SAD) -> Disparity:
+def _search(left: Float[jax.Array, "h w"], right: Float[jax.Array, "h w"], options: SAD) -> Disparity:
     images = quantise(left), quantise(right)
     if options.pre_filter_cap:
         images = tuple(x_sobel(image, options.pre_filter_cap) for image in images)
     best = _winners(images[0], images[1], options, costs=True)
     disparity = options.min_disparity + best.winner
-    valid = textured(left, options.block_size, options.texture_threshold, options.pre_filter_cap)
-    valid &= best.cost < _NEVER
+    valid = best.cost < _NEVER
     if options.uniqueness_ratio:
         valid &= best.rivals == 0
     if options.disp12_max_diff >= 0:

@@ -80,6 +80,7 @@ def recalibrate(
         status=last.status,
         message=last.message,
         view=view,
+        matcher=matcher,
         score_before=before,
         score_after=after,
         trace=last.trace,

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal.geometry import AXES, StereoRig, View
+from stereorecal.matching import AbstractMatcher
 from stereorecal.scoring import Score
 from stereorecal.strategies import Status, Trace
 
@@ -29,7 +30,7 @@ class Solution:
         initial: the calibration that was given.
         accepted, reason: the verdict.
         status, message: how the search ended.
-        view: the View in which everything was scored.
+        view, matcher: with which everything was scored; the matcher carries its measured disparity range.
         score_before, score_after: of `initial` and `candidate`, at full scale in `view`.
         trace: the evaluations of the last stage.
         evaluations: number of evaluations over all stages.
@@ -45,6 +46,7 @@ class Solution:
     status: Status
     message: str
     view: View
+    matcher: AbstractMatcher
     score_before: Score
     score_after: Score
     trace: Trace

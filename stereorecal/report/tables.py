@@ -6,6 +6,7 @@ from typing import Any
 from rich import box
 from rich.console import Group
 from rich.table import Table
+from rich.text import Text
 
 WIDE = 120  # columns that scores and errors need side by side
 _ROTATIONS, _TRANSLATIONS = ("pitch", "yaw", "roll"), ("y", "z")
@@ -19,7 +20,7 @@ def comparison_tables(data: Mapping[str, Any], width: int, most_trials: int = 24
     if 1 < len(data["trials"]) <= most_trials:
         tables += [_trials_table(data, columns) for columns in parts]
     tables += [_summary_table(data, columns) for columns in parts]
-    return Group(*tables, _legend(data["settings"]["thresholds"]))
+    return Group(*tables, Text(_legend(data["settings"]["thresholds"]) + _troubles(data)))
 
 
 def _trials_table(data: Mapping[str, Any], parts: tuple[str, ...]) -> Table:
@@ -35,9 +36,8 @@ def _trials_table(data: Mapping[str, Any], parts: tuple[str, ...]) -> Table:
         if "errors" in parts:
             cells += _errors(trial["rotation_error_deg"], trial["translation_error_percent"])
         if "scores" in parts:
-            unfinished = trial["score_final"] is None
-            cells.append(f"{trial['status']}: {trial['message']}" if unfinished else trial["status"])
-        table.add_row(*cells)
+            cells.append(trial["status"])
+        table.add_row(*map(Text, cells))
     return table
 
 
@@ -47,7 +47,7 @@ def _summary_table(data: Mapping[str, Any], parts: tuple[str, ...]) -> Table:
     table = _table("medians", data)
     _add_columns(table, parts, ("draws", "success"), ("evals", "s"))
     for row in data["summary"]:
-        cells = [names[row["scene"]], row["strategy"], _draws(row), _percent(row["success_rate"])]
+        cells = [names[row["scene"]], row["strategy"], str(row["draws"]), _percent(row["success_rate"])]
         if "scores" in parts:
             cells += [_count(row[f"score_{when}_median"]) for when in _COUNTS]
             cells += [_ratio(row["ratio_median"], flagged_ratio)]
@@ -55,7 +55,7 @@ def _summary_table(data: Mapping[str, Any], parts: tuple[str, ...]) -> Table:
             cells += _errors(row["rotation_error_deg_median"], row["translation_error_percent_median"])
         if "scores" in parts:
             cells += [_count(row["evaluations_median"]), _number(row["seconds_median"], 1)]
-        table.add_row(*cells)
+        table.add_row(*map(Text, cells))
     return table
 
 
@@ -66,6 +66,13 @@ def _legend(limits: Mapping[str, float]) -> str:
         f"success: r >= {limits['ratio']}, pitch and roll within {limits['pitch_roll_deg']}°, "
         f"yaw within {limits['yaw_deg']}° of the reference.\n"
     )
+
+
+def _troubles(data: Mapping[str, Any]) -> str:
+    """Why trials were skipped or failed, each reason once."""
+    unfinished = [trial for trial in data["trials"] if trial["status"] in ("SKIPPED", "FAILED")]
+    reasons = dict.fromkeys(f"{t['strategy']} {t['status']}: {t['message']}\n" for t in unfinished)
+    return "".join(reasons)
 
 
 def _short_names(data: Mapping[str, Any]) -> dict[str, str]:
@@ -92,10 +99,7 @@ def _add_columns(table: Table, parts: tuple[str, ...], first: tuple[str, ...], l
     if "scores" in parts:
         headings += last
     for heading in headings:
-        if heading == "status":
-            table.add_column(heading, overflow="fold")
-        else:
-            table.add_column(heading, justify="right", no_wrap=True)
+        table.add_column(heading, justify="left" if heading == "status" else "right", no_wrap=True)
 
 
 def _errors(rotation: Mapping[str, float] | None, translation: Mapping[str, float] | None) -> list[str]:
@@ -120,8 +124,3 @@ def _ratio(value: float | None, flagged_ratio: float) -> str:
     if value is None:
         return "-"
     return f"{value:.3f}{'!' if value > flagged_ratio else ''}"
-
-
-def _draws(row: Mapping[str, Any]) -> str:
-    notes = [f"{row[what]} {what}" for what in ("failed", "skipped") if row[what]]
-    return f"{row['draws']}" + (f" ({', '.join(notes)})" if notes else "")

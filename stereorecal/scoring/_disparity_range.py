@@ -17,6 +17,7 @@ from stereorecal.scoring._data import Rectified, ScoringData, normalised, prepar
 from stereorecal.scoring._validity import match_frame
 
 _COARSE_WIDTH = 128  # pixels: a few degrees of drift are a few rows here, which a window forgives
+_COARSE_HEIGHT = 24  # pixels, at least, for panoramic images
 _MARGIN = 1.25  # the nearest surface may be small, or seen closer in another frame
 _DEFAULT_REACH = np.radians(3.0)
 _FRAMES = 4
@@ -33,7 +34,8 @@ def with_disparity_range(
     """The matcher with its number of disparities: its own, or measured when it is None.
 
     Measured: the 99.5 % quantile of a coarse match (the best over a grid of pitch and roll, since the rig may be
-    decalibrated), plus 25 %, plus `focal * tan(reach)` for the yaw that may be missing; a multiple of 16.
+    decalibrated; a quarter of the width where nothing matches), plus 25 %, plus `focal * tan(reach)` for the yaw that
+    may be missing; a multiple of 16.
 
     Args:
         reach: largest rotation error expected, radians.
@@ -44,8 +46,8 @@ def with_disparity_range(
     """
     if matcher.num_disparities is not None:
         return matcher
-    scale = _COARSE_WIDTH / view.size[0]
-    data = prepare(rig, list(pairs)[:_FRAMES], view, min(1.0, scale))
+    scale = min(1.0, max(_COARSE_WIDTH / view.size[0], _COARSE_HEIGHT / view.size[1]))
+    data = prepare(rig, list(pairs)[:_FRAMES], view, scale)
     width = data.view.size[0]
     coarse = SAD(num_disparities=width // 2, block_size=7)
     straight, swapped = _survey(data, _grid(rig, data.view, reach), coarse)
@@ -53,9 +55,9 @@ def with_disparity_range(
     margin = float(data.view.focal) * np.tan(reach)
     _refuse_swapped(found, found_swapped, margin, straight.values.size)
     nearest = np.quantile(found, 0.995) if found.size > 50 else width / 4
-    widest = (_MARGIN * nearest + margin) / min(1.0, scale) - matcher.min_disparity
+    widest = (_MARGIN * nearest + margin) / scale - matcher.min_disparity
     limit = view.size[0] - 1 - abs(matcher.min_disparity)
-    return replace(matcher, num_disparities=int(min(16 * np.ceil(widest / 16), limit // 16 * 16)))
+    return replace(matcher, num_disparities=int(min(max(16, 16 * np.ceil(widest / 16)), limit // 16 * 16)))
 
 
 def _grid(rig: StereoRig, view: View, reach: float) -> Float[np.ndarray, "n 6"]:

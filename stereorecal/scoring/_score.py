@@ -51,7 +51,8 @@ def score(
 
     Args:
         matcher: default `SAD()`; without `num_disparities` the range is measured.
-        view: default the view of `rig`. Scores are comparable only within one view.
+        view: default the view of `rig`. Scores are comparable only within one view and one disparity range: to
+            compare calibrations, give both (a `Solution` carries its own).
         scale: image scale, (0, 1].
 
     Raises:
@@ -78,7 +79,7 @@ def rectify(
 def disparity(
     rig: StereoRig, pair: Pair, *, matcher: AbstractMatcher | None = None, view: View | None = None
 ) -> Disparity:
-    """The disparity of one pair, NumPy arrays; `valid` is exactly what `score` counts."""
+    """The disparity of one pair, NumPy arrays; `valid` is what `score` counts with the same view and matcher."""
     view = default_view(rig) if view is None else view
     matcher = with_disparity_range(matcher or SAD(), rig, [pair], view)
     return disparities(prepare(rig, [pair], view), normalised(rig.extrinsics), matcher)[0]

@@ -8,7 +8,7 @@ from jaxtyping import Float, Int
 
 from stereorecal._errors import BudgetExhausted, InputError
 
-# Sums of costs like 0.09 are not exact in binary.
+# Sums of costs like 0.09 are not exact in binary; relative to the sum.
 _ROUNDING = 1e-9
 
 
@@ -59,7 +59,7 @@ class Trace:
 
     def best_within(self, cost: float) -> float | None:
         """The best value seen by the time that `cost` units were spent, None if there was none."""
-        values = self.values[self.cost <= cost + _ROUNDING]
+        values = self.values[self.cost <= cost * (1.0 + _ROUNDING)]
         return float(np.nanmax(values)) if np.isfinite(values).any() else None
 
 
@@ -81,7 +81,7 @@ class Recorder:
         if self.exhausted or self._late():
             fits = 0
         elif self.budget.evaluations is not None:
-            left = self.budget.evaluations - self.spent + _ROUNDING
+            left = self.budget.evaluations * (1.0 + _ROUNDING) - self.spent
             fits = int(min(wanted, max(0.0, left) // cost))
         self.exhausted = self.exhausted or fits < wanted
         return fits

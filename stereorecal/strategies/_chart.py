@@ -64,7 +64,7 @@ class Chart:
 
     def extrinsics(self, z: Float[AnyArray, "*k n"]) -> Float[AnyArray, "*k 6"]:
         """Unit box to extrinsics; float64 for NumPy arrays, traceable for JAX arrays."""
-        spread = np.eye(6)[list(self.free)] * np.asarray(self.half_width)
+        spread = np.eye(6)[list(self.free)] * self.half_width
         return self.centre + namespace(z).asarray(z) @ spread
 
     def coordinates(self, extrinsics: Float[AnyArray, "*k 6"]) -> Float[AnyArray, "*k n"]:

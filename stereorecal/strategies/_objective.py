@@ -114,7 +114,10 @@ class Objective:
 
         Raises:
             BudgetExhausted: if nothing is left after it.
+            ValueError: if the cost is negative or not finite.
         """
+        if not 0 <= cost < np.inf:
+            raise ValueError(f"a cost of {cost} units makes no sense")
         best = self._checked(np.asarray(best, float)[None])
         self._recorder.raise_if_exhausted()
         self._recorder.record(best, np.array([np.nan]), cost)

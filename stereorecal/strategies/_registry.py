@@ -59,6 +59,10 @@ def describe(name: str) -> StrategyInfo:
 def origin_of(instance: AbstractStrategy) -> str:
     """ "distribution version" of a strategy's class, or its module if it is not installed."""
     package = type(instance).__module__.partition(".")[0]
+    # An editable install does not say which packages are its own, but its entry points do.
+    for point in entry_points(group=GROUP):
+        if point.dist and point.module.partition(".")[0] == package:
+            return " ".join(_distribution(point))
     for distribution in packages_distributions().get(package, []):
         try:
             return f"{distribution} {version(distribution)}"
@@ -93,7 +97,8 @@ def _entry_point(name: str) -> EntryPoint:
 
 def _missing(name: str) -> str:
     if name in _KNOWN:
-        return f"strategy {name} is not installed; run: pip install {_KNOWN[name]}"
+        line = f"pip install {_KNOWN[name]} (in a clone: pip install -e plugins/{name})"
+        return f"strategy {name} is not installed; run: {line}"
     installed = strategies()
     close = difflib.get_close_matches(name, installed, 1)
     hint = f"did you mean {close[0]}?" if close else f"installed: {', '.join(installed) or 'none'}."

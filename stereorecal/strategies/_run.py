@@ -62,13 +62,21 @@ def run_strategy(
         raise
     except Exception as error:
         raise StrategyError(f"strategy {name} ({origin_of(strategy)}) crashed: {error!r}") from error
-    return _judge(objective, metered.trace, start, outcome, name)
+    if not isinstance(outcome, Outcome) or not _in_box(outcome.best, start.shape):
+        raise StrategyError(f"strategy {name} ({origin_of(strategy)}) nominated no point of the unit box: {outcome!r}")
+    return _judge(objective, metered.trace, start, outcome)
 
 
-def _judge(objective: Objective, trace: Trace, start: np.ndarray, outcome: Outcome, name: str) -> Run:
+def _in_box(point: object, shape: tuple[int, ...]) -> bool:
+    try:
+        point = np.asarray(point, float)
+    except (TypeError, ValueError):
+        return False
+    return point.shape == shape and bool(np.isfinite(point).all()) and bool(np.abs(point).max() <= 1 + 1e-9)
+
+
+def _judge(objective: Objective, trace: Trace, start: np.ndarray, outcome: Outcome) -> Run:
     nominated = np.array(outcome.best, float)
-    if nominated.shape != start.shape or not np.isfinite(nominated).all() or np.abs(nominated).max() > 1 + 1e-9:
-        raise StrategyError(f"strategy {name} nominated a point outside the unit box: {outcome.best!r}")
     # Points whose values are only charged are unknown; the last one is the best of that kind.
     charged = trace.points[np.isnan(trace.values)][-1:]
     known = {p.tobytes(): v for p, v in zip(trace.points, trace.values, strict=True) if np.isfinite(v)}
@@ -79,6 +87,6 @@ def _judge(objective: Objective, trace: Trace, start: np.ndarray, outcome: Outco
         known[p.tobytes()] if p.tobytes() in known else float(objective.problem.values(p[None])[0]) for p in candidates
     ]
     winner = int(np.argmax(np.where(np.isfinite(values), values, -np.inf)))  # the start wins ties
-    seen = [*known.values(), *values]
-    status = Status.NO_SIGNAL if len(seen) > 2 and np.nanmin(seen) == np.nanmax(seen) else outcome.status
+    seen = known | {p.tobytes(): v for p, v in zip(candidates, values, strict=True) if np.isfinite(v)}
+    status = Status.NO_SIGNAL if len(seen) > 2 and len(set(seen.values())) == 1 else outcome.status
     return Run(candidates[winner], values[winner], values[0], status, outcome.message or status.value, trace)

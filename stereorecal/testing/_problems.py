@@ -1,6 +1,7 @@
 """Analytic problems on the unit box, each with one difficulty that real scores have."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Float
@@ -29,10 +30,10 @@ def staircase(dim: int) -> Problem:
 
 
 def nan_pocket(dim: int) -> Problem:
-    """The bowl with NaN in one corner of the box."""
+    """The bowl with NaN on one side, right beside the start."""
 
     def values(points: Float[np.ndarray, "k n"]) -> Float[np.ndarray, "k"]:
-        return np.where(np.all(points > 0.45, axis=1), np.nan, 1.0 - _depth(points))
+        return np.where(points[:, 0] > 0.1, np.nan, 1.0 - _depth(points))
 
     return Problem(dim, values)
 
@@ -54,3 +55,16 @@ def failing(dim: int, after: int) -> Problem:
         return 1.0 - _depth(points)
 
     return Problem(dim, values)
+
+
+class Counted:
+    """A problem that counts its evaluations, also those that no meter sees."""
+
+    def __init__(self, problem: Problem) -> None:
+        self.evaluations = 0
+
+        def values(points: Float[np.ndarray, "k n"]) -> Float[np.ndarray, "k"]:
+            self.evaluations += len(points)
+            return problem.values(points)
+
+        self.problem = replace(problem, values=values)

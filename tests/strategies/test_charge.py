@@ -32,6 +32,6 @@ def test_the_charge_that_empties_the_budget_raises_and_is_recorded(counter):
 @pytest.mark.parametrize("best", [[0.0, 1.1], [np.nan, 0.0], [0.0]])
 def test_points_outside_the_box_are_refused(counter, best):
     objective = counter.objective(evaluations=4)
-    with pytest.raises(ValueError, match="unit box|shape"):
+    with pytest.raises(ValueError, match=r"unit box|shape"):
         objective.charge(1.0, best=np.array(best))
     assert objective.spent == 0

@@ -70,5 +70,5 @@ def test_other_free_axes():
     "values", [(0, 0.03), (-1, 0.03), (3, 0), (3, -0.1), (21, 0.03), (3, 0.6), (np.nan, 0.1), (3, np.nan)]
 )
 def test_reaches_that_make_no_sense(values):
-    with pytest.raises(InputError, match="a reach of .* makes no sense"):
+    with pytest.raises(InputError, match=r"a reach of .* makes no sense"):
         Reach(*values)

@@ -95,6 +95,12 @@ def test_no_signal():
     assert run.best == [0.0]
 
 
+def test_one_point_tells_nothing_about_the_signal():
+    """A budget of one evaluation, spent on the start."""
+    run = judged(Scripted((0.0,), (0.0,)), budget=Budget(evaluations=1))
+    assert run.status is Status.CONVERGED
+
+
 def test_a_charged_point_can_win():
     @dataclass(frozen=True)
     class Inside(AbstractStrategy):
@@ -109,7 +115,7 @@ def test_a_charged_point_can_win():
 
 @pytest.mark.parametrize("bad", [(1.5,), (float("nan"),), (0.0, 0.0), ()])
 def test_a_nomination_that_is_no_point_is_the_strategys_fault(bad):
-    with pytest.raises(StrategyError, match="Scripted nominated a point outside the unit box"):
+    with pytest.raises(StrategyError, match=r"strategy Scripted \(.*\) nominated no point of the unit box"):
         judged(Scripted((), bad))
 
 

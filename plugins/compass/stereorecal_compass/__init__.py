@@ -16,11 +16,12 @@ class Compass(AbstractStrategy):
     of an iteration are one batch. It needs no gradient and no smoothness.
 
     Attributes:
-        step: first step, in half widths of the search box (0.125 is 0.375 degrees at the default reach).
+        step: first step, in half widths of the search box (1/16 is 0.19 degrees at the default
+            reach, which a matcher at full scale forgives; take a longer one at a coarse scale or for a large drift).
         min_step: the search ends when the step falls below it.
     """
 
-    step: float = 0.125
+    step: float = 1.0 / 16.0
     min_step: float = 1.0 / 128.0
 
     def __post_init__(self) -> None:

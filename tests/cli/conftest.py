@@ -1,0 +1,54 @@
+"""The command line in this process, and a small scene folder to spoil."""
+
+import shutil
+import signal
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from stereorecal.cli import main
+from stereorecal.io import save_scene
+from stereorecal.synthetic import default_rig, render
+
+
+@dataclass(frozen=True)
+class Answer:
+    """How a command ended and what it said."""
+
+    code: int
+    out: str
+    err: str
+
+
+@pytest.fixture
+def command(capsys: pytest.CaptureFixture[str]) -> Callable[..., Answer]:
+    """command(words...): run a command; an exit by argparse counts as a return."""
+    handler = signal.getsignal(signal.SIGTERM)
+
+    def run(*words: object) -> Answer:
+        capsys.readouterr()
+        try:
+            code = main([str(word) for word in words])
+        except SystemExit as end:
+            code = int(end.code or 0)
+        finally:
+            signal.signal(signal.SIGTERM, handler)
+        return Answer(code, *capsys.readouterr())
+
+    return run
+
+
+@pytest.fixture(scope="session")
+def clean_scene(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A scene folder with one pair of 160x120; not to be changed."""
+    folder = tmp_path_factory.mktemp("scenes") / "clean"
+    save_scene(render("harbour", 0, rig=default_rig().resized((160, 120))), folder)
+    return folder
+
+
+@pytest.fixture
+def folder(clean_scene: Path, tmp_path: Path) -> Path:
+    """A copy of it, free to be spoiled."""
+    return Path(shutil.copytree(clean_scene, tmp_path / "scene"))

@@ -1,0 +1,118 @@
+"""`compare` on a small scene: exit codes, what goes to stdout, to stderr and to the file."""
+
+import json
+import sys
+from dataclasses import dataclass
+from importlib.metadata import EntryPoint, EntryPoints
+from pathlib import Path
+
+import pytest
+
+from stereorecal.strategies import AbstractStrategy, _registry
+
+SMALL = ("--draws", 2, "--scale", 0.5, "--budget", 5)
+
+
+@dataclass(frozen=True)
+class Crashing(AbstractStrategy):
+    def run(self, objective, start, budget, seed):
+        raise KeyError("a bug")
+
+
+@pytest.fixture
+def crashing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A strategy "crashing" beside compass."""
+    points = EntryPoints(
+        [
+            EntryPoint("compass", "stereorecal_compass:Compass", _registry.GROUP),
+            EntryPoint("crashing", f"{__name__}:Crashing", _registry.GROUP),
+        ]
+    )
+    monkeypatch.setitem(sys.modules, __name__, sys.modules[Crashing.__module__])
+    monkeypatch.setattr(_registry, "entry_points", lambda **wanted: points.select(**wanted))
+
+
+def test_table_and_json(command, clean_scene: Path, tmp_path: Path):
+    target = tmp_path / "out.json"
+    answer = command("compare", "--scene", clean_scene, *SMALL, "--json", target)
+    assert answer.code == 0
+    assert answer.err == ""
+    assert "compass" in answer.out
+    content = json.loads(target.read_text())
+    assert content["schema"] == "stereorecal.compare/1"
+    assert len(content["trials"]) == 2
+    assert content["scenes"][0]["name"].endswith("/clean")
+
+
+def test_json_on_stdout_and_nothing_else(command, clean_scene: Path):
+    answer = command("compare", "--scene", clean_scene, *SMALL, "--json", "-")
+    assert answer.code == 0
+    assert answer.err == ""
+    assert len(json.loads(answer.out)["trials"]) == 2
+
+
+@pytest.mark.parametrize("to_file", [False, True])
+def test_quiet(command, clean_scene: Path, tmp_path: Path, to_file: bool):
+    target = tmp_path / "out.json"
+    answer = command("compare", "--scene", clean_scene, *SMALL, "--quiet", *(["--json", target] if to_file else []))
+    assert (answer.code, answer.out, answer.err) == (0, "", "")
+    assert target.exists() == to_file
+
+
+def test_an_existing_json_is_replaced(command, clean_scene: Path, tmp_path: Path):
+    target = tmp_path / "out.json"
+    target.write_text("old")
+    assert command("compare", "--scene", clean_scene, *SMALL, "--quiet", "--json", target).code == 0
+    assert json.loads(target.read_text())["settings"]["draws"] == 2
+    assert list(tmp_path.iterdir()) == [target]
+
+
+def test_3_when_every_row_failed(command, clean_scene: Path, crashing):
+    answer = command("compare", "--scene", clean_scene, *SMALL, "--strategies", "crashing", "--json", "-")
+    assert answer.code == 3
+    trials = json.loads(answer.out)["trials"]
+    assert {trial["status"] for trial in trials} == {"FAILED"}
+    assert "Traceback" not in answer.err
+
+
+def test_0_when_only_some_failed(command, clean_scene: Path, crashing):
+    answer = command("compare", "--scene", clean_scene, *SMALL, "--strategies", "crashing,compass")
+    assert answer.code == 0
+    assert "FAILED" in answer.out
+    assert "BUDGET" in answer.out
+
+
+def test_all_strategies(command, clean_scene: Path, crashing):
+    answer = command("compare", "--scene", clean_scene, *SMALL, "--strategies", "all", "--json", "-")
+    assert [t["strategy"] for t in json.loads(answer.out)["trials"]] == ["compass", "crashing"] * 2
+
+
+@pytest.mark.parametrize("matcher", ["bm", "sgbm"])
+def test_matchers(command, clean_scene: Path, matcher: str):
+    answer = command("compare", "--scene", clean_scene, *SMALL, "--matcher", matcher, "--json", "-")
+    content = json.loads(answer.out)
+    assert content["settings"]["matcher"]["name"] == matcher
+    assert all(trial["score_reference"] > 500 for trial in content["trials"])
+
+
+def test_threads(command, clean_scene: Path):
+    plain, threads = (
+        json.loads(command("compare", "--scene", clean_scene, *SMALL, "--executor", kind, "--json", "-").out)
+        for kind in ("serial", "threads:2")
+    )
+    assert [t["score_final"] for t in threads["trials"]] == [t["score_final"] for t in plain["trials"]]
+
+
+@pytest.mark.parametrize("terminal", [False, True])
+def test_progress_only_on_a_terminal(command, clean_scene: Path, monkeypatch: pytest.MonkeyPatch, terminal: bool):
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: terminal)
+    answer = command("compare", "--scene", clean_scene, *SMALL)
+    assert ("repairing" in answer.err) == terminal
+    assert (answer.err == "") == (not terminal)
+    assert "repairing" not in answer.out
+
+
+def test_quiet_has_no_progress_on_a_terminal_either(command, clean_scene: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    assert command("compare", "--scene", clean_scene, *SMALL, "--quiet").err == ""

@@ -1,0 +1,93 @@
+"""Any executor gives the same rows; pairs from files travel as paths."""
+
+import pickle
+from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
+from dataclasses import replace
+from multiprocessing import get_context
+
+import pytest
+
+from stereorecal.comparison import compare_scenes
+from stereorecal.comparison._trial import Task
+from stereorecal.io import load_scene, save_scene
+from stereorecal.matching import SAD
+from stereorecal.strategies import Budget, Reach, strategy
+
+SMALL = {"matcher": SAD(num_disparities=24), "draws": 3, "scale": 0.5, "budget": Budget(evaluations=10)}
+
+
+def rows(table):
+    return [replace(trial, seconds=None) for trial in table.trials]
+
+
+@pytest.fixture(scope="module")
+def serial(scene):
+    return rows(compare_scenes([scene()], **SMALL))
+
+
+def test_threads(scene, serial):
+    with ThreadPoolExecutor(3) as pool:
+        assert rows(compare_scenes([scene()], executor=pool, **SMALL)) == serial
+
+
+def test_processes(scene, serial):
+    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
+        assert rows(compare_scenes([scene()], executor=pool, **SMALL)) == serial
+
+
+class Faulty(ThreadPoolExecutor):
+    """Loses the second task, as a cluster may lose a worker."""
+
+    def submit(self, *arguments, **options):
+        if getattr(self, "submitted", 0) == 1:
+            lost: Future = Future()
+            lost.set_exception(RuntimeError("the worker died"))
+            self.submitted = 2
+            return lost
+        self.submitted = getattr(self, "submitted", 0) + 1
+        return super().submit(*arguments, **options)
+
+
+def test_a_lost_worker_is_a_failed_row(scene, serial):
+    with Faulty(1) as pool:
+        found = rows(compare_scenes([scene()], executor=pool, **SMALL))
+    assert (found[1].status, found[1].message) == ("FAILED", "the worker died")
+    assert [found[0], found[2]] == [serial[0], serial[2]]
+
+
+def test_ctrl_c_cancels_what_waits(scene, serial):
+    def interrupt(finished, total):
+        raise KeyboardInterrupt
+
+    with ThreadPoolExecutor(1) as pool:
+        table = compare_scenes([scene()], executor=pool, progress=interrupt, **SMALL)
+    assert table.interrupted
+    assert len(table.trials) == 1
+    assert rows(table)[0] in serial
+
+
+def task_of(scene):
+    return Task(
+        scene=scene,
+        start=scene.rig,
+        draw=0,
+        strategy_name="compass",
+        strategy=strategy("compass"),
+        matcher_name="sad",
+        matcher=SAD(num_disparities=24),
+        scale=1.0,
+        reach=Reach(),
+        budget=Budget(),
+        seed=0,
+    )
+
+
+def test_pairs_from_files_travel_as_paths(scene, tmp_path):
+    in_memory = scene()
+    save_scene(in_memory, tmp_path / "saved")
+    from_file = load_scene(tmp_path / "saved")
+    small, large = (len(pickle.dumps(task_of(s))) for s in (from_file, in_memory))
+    assert small < 8_000
+    assert large > 2 * 160 * 120
+    again = pickle.loads(pickle.dumps(task_of(from_file)))
+    assert (again.scene.pairs[0].left == from_file.pairs[0].left).all()

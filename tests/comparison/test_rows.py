@@ -1,0 +1,118 @@
+"""Whatever a strategy does becomes a row; no table is lost."""
+
+from dataclasses import dataclass
+from importlib.metadata import EntryPoint, EntryPoints
+
+import pytest
+
+from stereorecal.comparison import compare
+from stereorecal.matching import SAD
+from stereorecal.strategies import AbstractStrategy, Budget, Need, Outcome, Status, _registry, strategy
+
+SMALL = {"matcher": SAD(num_disparities=24), "draws": 2, "scale": 0.5, "budget": Budget(evaluations=5)}
+
+
+@dataclass(frozen=True)
+class Idle(AbstractStrategy):
+    def run(self, objective, start, budget, seed):
+        objective.value(start)
+        return Outcome(start, Status.STALLED, "it has no wish to move")
+
+
+class Needy(Idle):
+    needs = Need.RESIDUALS
+
+
+@dataclass(frozen=True)
+class Interrupted(AbstractStrategy):
+    """Ctrl-C arrives in the second draw."""
+
+    def run(self, objective, start, budget, seed):
+        if seed == 1:
+            raise KeyboardInterrupt
+        return Outcome(start, Status.STALLED)
+
+
+def run(scene, strategies, **changes):
+    given_scene = scene()
+    return compare(given_scene.rig, given_scene.pairs, strategies=strategies, **(SMALL | changes))
+
+
+def test_a_strategy_that_does_not_move_changes_nothing(scene):
+    table = run(scene, {"idle": Idle()})
+    for trial in table.trials:
+        assert (trial.status, trial.message) == ("STALLED", "it has no wish to move")
+        assert (trial.accepted, trial.reason) == (False, "not_improved")
+        assert trial.score_final == trial.score_initial
+        assert 0 < max(trial.rotation_error_deg.values()) <= 0.5 + 1e-9
+    assert table.summary[0].success_rate == 0.0
+
+
+def test_a_need_that_is_not_met_is_skipped_with_the_reason(scene):
+    table = run(scene, {"needy": Needy(), "idle": Idle()})
+    rows = {name: [t for t in table.trials if t.strategy == name] for name in ("needy", "idle")}
+    assert {t.status for t in rows["needy"]} == {"SKIPPED"}
+    assert all("needs least-squares residuals" in t.message for t in rows["needy"])
+    assert {t.status for t in rows["idle"]} == {"STALLED"}
+    summary = {row.strategy: row for row in table.summary}
+    assert (summary["needy"].skipped, summary["needy"].failed, summary["needy"].success_rate) == (2, 0, None)
+
+
+def test_ctrl_c_keeps_what_is_finished(scene):
+    calls = []
+    table = run(scene, {"interrupted": Interrupted()}, draws=3, progress=lambda *numbers: calls.append(numbers))
+    assert table.interrupted
+    assert [t.draw for t in table.trials] == [0]
+    assert table.as_dict()["interrupted"] is True
+    assert calls == [(1, 3)]
+
+
+def test_ctrl_c_before_the_first_trial(scene):
+    table = run(scene, {"interrupted": Interrupted()}, seed=1)
+    assert table.interrupted
+    assert table.trials == ()
+    assert table.summary == ()
+
+
+def test_progress_counts_up(scene):
+    calls = []
+    run(scene, {"idle": Idle()}, draws=3, progress=lambda *numbers: calls.append(numbers))
+    assert calls == [(1, 3), (2, 3), (3, 3)]
+
+
+def test_a_broken_installed_strategy_fails_and_the_others_live(scene, monkeypatch):
+    points = [
+        EntryPoint("compass", "stereorecal_compass:Compass", _registry.GROUP),
+        EntryPoint("shaky", "no_such_module:Thing", _registry.GROUP),
+    ]
+    monkeypatch.setattr(_registry, "entry_points", lambda **wanted: EntryPoints(points).select(**wanted))
+    table = run(scene, ["shaky", "compass"])
+    rows = {name: [t for t in table.trials if t.strategy == name] for name in ("shaky", "compass")}
+    assert {t.status for t in rows["shaky"]} == {"FAILED"}
+    assert all("strategy shaky" in t.message and "cannot be loaded" in t.message for t in rows["shaky"])
+    assert {t.status for t in rows["compass"]} == {"BUDGET"}
+
+
+@pytest.mark.parametrize("names", [["compass", "compass"], ["compass"]])
+def test_a_name_asked_twice_runs_once(scene, names):
+    table = run(scene, names, draws=1)
+    assert len(table.trials) == 1
+    assert table.settings["strategies"] == ["compass"]
+
+
+def test_budget_and_seed_reach_the_strategy(scene):
+    @dataclass(frozen=True)
+    class Curious(Idle):
+        def run(self, objective, start, budget, seed):
+            return Outcome(start, Status.STALLED, f"{budget.evaluations:g} {seed}")
+
+    table = run(scene, {"curious": Curious()}, seed=7)
+    assert [t.message for t in table.trials] == ["5 7", "5 8"]
+
+
+def test_compass_repairs(scene):
+    table = run(scene, {"compass": strategy("compass")}, draws=1, scale=1.0, budget=None)
+    (trial,) = table.trials
+    assert trial.accepted
+    assert trial.score_final > trial.score_initial
+    assert trial.ratio > 0.9

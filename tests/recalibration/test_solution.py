@@ -1,0 +1,170 @@
+"""What a Solution says, and how it is accepted or not."""
+
+import numpy as np
+import pytest
+
+from stereorecal._errors import InputError
+from stereorecal.geometry import Pair, view
+from stereorecal.matching import SAD
+from stereorecal.recalibration import Reason, Schedule, Stage, recalibrate
+from stereorecal.scoring import score
+from stereorecal.strategies import Budget, Reach, Status, strategy
+
+SAD_24 = SAD(num_disparities=24)
+COMPASS = strategy("compass")
+
+
+@pytest.fixture(scope="module")
+def drifted(scene):
+    rig = scene().rig
+    return rig.with_extrinsics(rig.extrinsics + np.array([*np.radians([0.8, 0.3, -0.9]), 0.0, 0.003, -0.003]))
+
+
+@pytest.fixture(scope="module")
+def solution(scene, drifted):
+    return recalibrate(drifted, scene().pairs, matcher=SAD_24)
+
+
+def test_the_count_rises_and_the_rig_is_the_candidate(solution, drifted):
+    assert solution.accepted
+    assert solution.reason is Reason.IMPROVED
+    assert solution.status is Status.CONVERGED
+    assert solution.score_after.count > 1.1 * solution.score_before.count
+    assert solution.rig is solution.candidate
+    assert solution.initial is drifted
+
+
+def test_scores_are_those_of_the_rigs_in_one_view(solution, scene, drifted):
+    pairs = scene().pairs
+    for rig, said in ((drifted, solution.score_before), (solution.rig, solution.score_after)):
+        assert score(rig, pairs, matcher=SAD_24, view=solution.view) == said
+    assert solution.view.focal == view(drifted).focal
+    assert solution.view.centre_row == view(drifted).centre_row
+
+
+def test_x_and_intrinsics_stay(solution, drifted):
+    assert solution.rig.extrinsics[3] == drifted.extrinsics[3]
+    assert solution.change[3] == 0.0
+    assert solution.rig.left is drifted.left
+    assert solution.rig.extrinsics.dtype == np.float64
+
+
+def test_change(solution, drifted):
+    np.testing.assert_array_equal(solution.change, solution.rig.extrinsics - drifted.extrinsics)
+    assert np.abs(solution.change[:3]).max() <= np.radians(3.0) + 1e-12
+
+
+def test_trace_cost_and_evaluations(solution):
+    assert solution.evaluations == len(solution.trace.values)
+    assert solution.cost == pytest.approx(solution.evaluations)
+    assert solution.trace.values.max() == solution.score_after.count
+    assert solution.seconds > 0
+
+
+def test_text(solution):
+    text = str(solution)
+    lines = text.splitlines()
+    assert lines[0] == "accepted: the candidate matches more pixels"
+    assert f"{solution.evaluations} evaluations" in text
+    assert f"before   {solution.score_before}" in lines
+    assert f"after    {solution.score_after}" in lines
+    assert [line.split()[0] for line in lines[-6:]] == ["pitch", "yaw", "roll", "x", "y", "z"]
+    assert lines[-6].split()[-1] == f"{np.degrees(solution.change[0]):+.3f}"
+    assert lines[-2].split()[-1] == f"{1e3 * solution.change[4]:+.3f}"
+
+
+def test_the_old_calibration_stays_when_nothing_is_better(scene, solution):
+    """A search with the last step of the one before finds nothing."""
+    again = recalibrate(
+        solution.rig,
+        scene().pairs,
+        matcher=SAD_24,
+        view=solution.view,
+        schedule=Schedule.count(strategy("compass", step=1 / 128, min_step=1 / 128)),
+    )
+    assert not again.accepted
+    assert again.rig is solution.rig
+    assert again.reason is Reason.NOT_IMPROVED
+    assert again.score_after.count <= again.score_before.count
+    assert str(again).startswith("rejected, the old calibration stays: no candidate matches more pixels")
+
+
+def test_nothing_to_match(scene):
+    given_scene = scene()
+    fog = np.full((120, 160), 128.0, np.float32)
+    fog[0, 0] = 129.0  # not constant, but less than the texture check asks for
+    found = recalibrate(given_scene.rig, [Pair(fog, fog)], matcher=SAD_24)
+    assert not found.accepted
+    assert found.rig is given_scene.rig
+    assert found.status is Status.NO_SIGNAL
+    assert found.reason is Reason.TOO_LITTLE_TEXTURE
+    assert "too little to match" in str(found)
+
+
+def test_open_sea_never_makes_it_worse(scene):
+    given_scene = scene("open-sea", 1)
+    found = recalibrate(given_scene.rig, given_scene.pairs, matcher=SAD_24, budget=Budget(evaluations=60))
+    assert found.accepted == (found.score_after.count > found.score_before.count)
+    assert (found.rig is given_scene.rig) == (not found.accepted)
+
+
+def test_the_same_again(scene, drifted, solution):
+    again = recalibrate(drifted, scene().pairs, matcher=SAD_24, seed=0)
+    np.testing.assert_array_equal(again.trace.points, solution.trace.points)
+    np.testing.assert_array_equal(again.trace.values, solution.trace.values)
+    np.testing.assert_array_equal(again.rig.extrinsics, solution.rig.extrinsics)
+
+
+@pytest.mark.parametrize("limit", [1, 7, 30.5])
+def test_budget(scene, drifted, solution, limit):
+    found = recalibrate(drifted, scene().pairs, matcher=SAD_24, budget=Budget(evaluations=limit))
+    assert found.evaluations == int(limit)
+    assert found.cost <= limit
+    assert found.status is Status.BUDGET
+    np.testing.assert_array_equal(found.trace.points, solution.trace.points[: int(limit)])
+    assert found.score_after.count == found.trace.values.max()
+
+
+def test_stages_share_the_budget(scene, drifted):
+    stages = Schedule("two", (Stage(COMPASS, 0.5), Stage(COMPASS, 1.0)))
+    found = recalibrate(drifted, scene().pairs, matcher=SAD_24, schedule=stages, budget=Budget(evaluations=60))
+    assert found.cost <= 60 + 1e-9
+    coarse = found.evaluations - len(found.trace.values)
+    assert coarse > 40
+    assert found.cost == pytest.approx(0.25 * coarse + len(found.trace.values))
+    assert found.score_after.count > found.score_before.count
+
+
+def test_several_pairs_are_repaired_jointly(scene):
+    given_scene = scene("street", 0, frames=2)
+    rig, pairs = given_scene.rig, given_scene.pairs
+    start = rig.with_extrinsics(rig.extrinsics + np.array([*np.radians([0.8, 0.0, -0.8]), 0.0, 0.0, 0.0]))
+    found = recalibrate(start, pairs, matcher=SAD_24, budget=Budget(evaluations=120))
+    assert found.accepted
+    assert found.score_after.pixels == 2 * 160 * 120
+    single = [score(found.rig, [pair], matcher=SAD_24, view=found.view).count for pair in pairs]
+    assert found.score_after.count == sum(single)
+    assert found.cost == 2 * found.evaluations
+
+
+def test_reach_is_the_limit(scene, drifted):
+    narrow = Reach(degrees=0.1, baseline_fraction=0.001)
+    found = recalibrate(drifted, scene().pairs, matcher=SAD_24, reach=narrow)
+    assert np.abs(found.change[:3]).max() <= np.radians(0.1) + 1e-12
+    assert np.abs(found.change[3:]).max() <= 0.001 * drifted.baseline + 1e-12
+
+
+@pytest.mark.parametrize("scale", [0.0, -1.0, 1.01, float("nan")])
+def test_scales_that_make_no_sense(scale):
+    with pytest.raises(InputError, match=r"the scale .* makes no sense"):
+        Schedule.count(COMPASS, scale)
+
+
+def test_a_schedule_without_stages():
+    with pytest.raises(InputError, match="no stage"):
+        Schedule("empty", ())
+
+
+def test_no_pairs(scene):
+    with pytest.raises(InputError, match="no image pair"):
+        recalibrate(scene().rig, [])

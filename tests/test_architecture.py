@@ -1,0 +1,124 @@
+"""The layers, held by reading the imports; the style, held by the tools."""
+
+import ast
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+CORE = ROOT / "stereorecal"
+PLUGINS = [path for path in (ROOT / "plugins").glob("*/stereorecal_*") if path.is_dir()]
+
+# Each may import the ones after it.
+CHAIN = ("cli", "comparison", "recalibration", "strategies", "scoring", "matching", "geometry")
+MAY_IMPORT = {name: set(CHAIN[index + 1 :]) for index, name in enumerate(CHAIN)} | {
+    "report": set(),
+    "io": {"geometry"},
+    "synthetic": {"geometry"},
+    "testing": {"strategies", "synthetic", "scoring", "matching", "geometry"},
+}
+MAY_IMPORT["comparison"] |= {"report", "io", "synthetic"}
+MAY_IMPORT["cli"] |= {"report", "io", "synthetic", "testing"}
+NOT_IN_CORE = ("nlopt", "optimistix")
+
+
+def imports_in(code: str, package: str) -> Iterator[str]:
+    """Every dotted name that `code`, a module of `package`, imports: modules, and names from modules."""
+    for node in ast.walk(ast.parse(code)):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            above = package.split(".")[: len(package.split(".")) - node.level + 1] if node.level else []
+            module = ".".join([*above, *([node.module] if node.module else [])])
+            yield from (f"{module}.{alias.name}" for alias in node.names)
+
+
+def imports_of(path: Path) -> list[str]:
+    package = ".".join(path.relative_to(path.parents[len(path.parts) - len(ROOT.parts) - 2]).parts[:-1])
+    return list(imports_in(path.read_text(), package))
+
+
+def modules(folder: Path) -> list[Path]:
+    return [path for path in sorted(folder.rglob("*.py")) if "__pycache__" not in path.parts]
+
+
+def layer_of(name: str) -> str | None:
+    """The package of the core that a dotted name leads into; private top-level modules as they are."""
+    parts = name.split(".")
+    return parts[1] if parts[0] == "stereorecal" and len(parts) > 1 else None
+
+
+def test_imports_are_read():
+    """The reader itself, on every form of import."""
+    code = (
+        "import a.b as c\nfrom d import e, f as g\nfrom . import h\nfrom .i import j\nfrom ..k import l\n"
+        "def late():\n    if True:\n        from m.n import o\n"
+    )
+    found = set(imports_in(code, "p.q"))
+    assert found == {"a.b", "d.e", "d.f", "p.q.h", "p.q.i.j", "p.k.l", "m.n.o"}
+    assert "stereorecal.scoring.score" in imports_of(CORE / "recalibration" / "_recalibrate.py")
+
+
+def test_every_package_has_its_place():
+    packages = {path.name for path in CORE.iterdir() if (path / "__init__.py").exists()}
+    assert packages == set(MAY_IMPORT)
+
+
+@pytest.mark.parametrize("package", MAY_IMPORT)
+def test_imports_run_one_way(package: str):
+    private = {path.stem for path in CORE.glob("_[!_]*.py")} if package != "report" else set()
+    allowed = MAY_IMPORT[package] | private | {package}
+    paths = modules(CORE / package)
+    assert paths
+    for path in paths:
+        for name in imports_of(path):
+            layer = layer_of(name)
+            assert name != "stereorecal", f"{path}: imports the whole library"
+            assert layer is None or layer in allowed, f"{path}: {package} must not import {name}"
+
+
+def test_private_modules_at_the_top_know_no_package():
+    paths = list(CORE.glob("_[!_]*.py"))
+    assert paths
+    for path in paths:
+        layers = {layer_of(name) for name in imports_of(path)} - {None}
+        assert not layers & set(MAY_IMPORT), f"{path}: imports {layers}"
+
+
+def test_the_core_imports_no_plugin():
+    for path in modules(CORE):
+        for name in imports_of(path):
+            top = name.partition(".")[0]
+            assert not top.startswith("stereorecal_"), f"{path}: imports the plug-in {name}"
+            assert top not in NOT_IN_CORE, f"{path}: imports {name}"
+
+
+def test_plugins_import_public_names_only():
+    paths = [path for plugin in PLUGINS for path in modules(plugin)]
+    assert paths
+    for path in paths:
+        for name in imports_of(path):
+            if name.partition(".")[0] == "stereorecal":
+                hidden = [part for part in name.split(".") if part.startswith("_")]
+                assert not hidden, f"{path}: {name} is private"
+
+
+def tool(*words: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([sys.executable, "-m", *words], cwd=ROOT, capture_output=True, text=True, check=False)
+
+
+@pytest.mark.parametrize("words", [("check",), ("format", "--check")], ids=" ".join)
+def test_ruff(words: tuple[str, ...]):
+    done = tool("ruff", *words, "--no-cache", ".")
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_pyright():
+    started = tool("pyright", "--version")
+    if started.returncode != 0:
+        pytest.skip(f"pyright's node does not start: {started.stderr.strip().splitlines()[-1:]}")
+    done = tool("pyright", "--pythonpath", sys.executable)
+    assert done.returncode == 0, done.stdout + done.stderr
