@@ -14,7 +14,7 @@ from stereorecal.matching import BM, SAD, SGBM, AbstractMatcher
 from stereorecal.strategies import strategies
 
 NONE_INSTALLED = (
-    "no strategy is installed; run: pip install stereorecal-compass (in a clone: pip install -e plugins/compass)"
+    "no strategy is installed; run: pip install 'stereorecal[default]' (in a clone: pip install -e plugins/compass)"
 )
 MATCHERS: dict[str, type[AbstractMatcher]] = {"sad": SAD, "bm": BM, "sgbm": SGBM}
 

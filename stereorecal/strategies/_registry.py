@@ -11,8 +11,8 @@ from stereorecal._errors import InputError, StrategyError
 from stereorecal.strategies._contract import AbstractStrategy
 
 GROUP = "stereorecal.strategies"
-# Which distribution to install for a name that is missing.
-_KNOWN = {"compass": "stereorecal-compass"}
+# What to install for a name that is missing.
+_KNOWN = {"compass": "'stereorecal[default]'"}
 
 
 @dataclass(frozen=True)

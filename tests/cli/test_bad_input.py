@@ -213,5 +213,5 @@ def test_missing_compass_gives_the_install_line(command, clean_scene: Path, monk
     from stereorecal.strategies import _registry
 
     monkeypatch.setattr(_registry, "entry_points", lambda **_: EntryPoints())
-    refused(command("compare", "--scene", clean_scene), "run: pip install stereorecal-compass")
-    refused(command("compare", "--scene", clean_scene, "--strategies", "all"), "run: pip install stereorecal-compass")
+    refused(command("compare", "--scene", clean_scene), "pip install 'stereorecal[default]'")
+    refused(command("compare", "--scene", clean_scene, "--strategies", "all"), "pip install 'stereorecal[default]'")
