@@ -27,6 +27,14 @@ class Slow(AbstractStrategy):
         return Outcome(start, Status.CONVERGED)
 """
 
+# A shell that runs the suite in the background has its children ignore SIGINT; the program under test must not.
+PROGRAM = """
+import signal, sys
+signal.signal(signal.SIGINT, signal.default_int_handler)
+from stereorecal.cli import main
+sys.exit(main())
+"""
+
 
 @pytest.fixture
 def planted(tmp_path: Path) -> dict[str, str]:
@@ -45,7 +53,7 @@ def test_what_is_finished_is_kept(planted: dict[str, str], clean_scene: Path, tm
     words = ["compare", "--scene", str(clean_scene), "--scale", "0.5", "--draws", "3", "--strategies", "slow"]
     target = tmp_path / "out.json"
     process = subprocess.Popen(
-        [sys.executable, "-m", "stereorecal", *words, "--json", str(target)],
+        [sys.executable, "-c", PROGRAM, *words, "--json", str(target)],
         env=planted,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
@@ -56,7 +64,7 @@ def test_what_is_finished_is_kept(planted: dict[str, str], clean_scene: Path, tm
             assert process.poll() is None, process.communicate()[1]
             time.sleep(0.05)
         process.send_signal(number)
-        out, err = process.communicate(timeout=300)
+        out, err = process.communicate(timeout=120)
     finally:
         process.kill()
         process.wait()
