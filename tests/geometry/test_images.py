@@ -71,7 +71,8 @@ def with_value(value: float) -> np.ndarray:
     ],
 )
 def test_images_that_are_none(bad: np.ndarray, words: str):
-    good = texture(1).astype(bad.dtype)
+    size = bad.shape[1::-1] if bad.ndim in (2, 3) and min(bad.shape[:2]) > 1 else (24, 16)
+    good = texture(1, size).astype(bad.dtype)
     with pytest.raises(InputError, match=f"frame, left: .*{words}"):
         make_pair(bad, good, name="frame")
     with pytest.raises(InputError, match=f"frame, right: .*{words}"):
