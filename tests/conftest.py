@@ -1,10 +1,15 @@
 """What all tests share."""
 
 import os
+from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
+
+from stereorecal.geometry import Scene
+from stereorecal.synthetic import default_rig, render
 
 settings.register_profile("stereorecal", derandomize=True, deadline=None)
 settings.load_profile("stereorecal")
@@ -19,3 +24,14 @@ def data_dir() -> Path:
     if not Path(name).is_dir():
         pytest.skip(f"STEREORECAL_DATA={name} is no folder")
     return Path(name)
+
+
+@pytest.fixture(scope="session")
+def scene() -> Callable[..., Scene]:
+    """scene(kind, seed, size, frames): a rendered scene, made once; 160x120 unless a size is given."""
+
+    @cache
+    def make(kind: str = "harbour", seed: int = 0, size: tuple[int, int] = (160, 120), frames: int = 1) -> Scene:
+        return render(kind, seed, rig=default_rig().resized(size), frames=frames)
+
+    return make

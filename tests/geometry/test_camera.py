@@ -8,22 +8,13 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from lenses import LENSES
 
 from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal.geometry import Camera, distort, undistort
 
 SIZE = (96, 64)
 MATRIX = np.array([[80.0, 0, 46.2], [0, 82.0, 33.1], [0, 0, 1]])
-# Realistic values for each number of coefficients OpenCV knows (k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4 tx ty).
-_ALL = [0.9, -0.3, 8e-4, -6e-4, 0.02, 1.25, -0.1, 0.01, 2e-3, -4e-4, -3e-3, 5e-4, 0.02, -0.03]
-LENSES = {
-    0: [],
-    4: [-0.28, 0.07, 2e-4, 1.8e-5],
-    5: [-0.08, 0.1, 1.1e-3, -1e-3, -0.02],
-    8: _ALL[:8],
-    12: _ALL[:12],
-    14: _ALL,
-}
 
 
 def camera(count: int, size: tuple[int, int] = SIZE) -> Camera:

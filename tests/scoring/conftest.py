@@ -1,22 +1,17 @@
-"""Rendered scenes, each made once."""
+"""Scenes large enough for counts to mean something."""
 
 from collections.abc import Callable
-from functools import cache
 
 import pytest
 
 from stereorecal.geometry import Scene
-from stereorecal.synthetic import default_rig, render
-
-SMALL, FULL = (320, 240), (640, 480)
 
 
 @pytest.fixture(scope="session")
-def scene() -> Callable[..., Scene]:
-    """scene(kind, seed, size): a rendered scene; 320x240 unless a size is given."""
+def scene(scene: Callable[..., Scene]) -> Callable[..., Scene]:
+    """As the scene that all tests share, but 320x240 unless a size is given."""
 
-    @cache
-    def make(kind: str = "harbour", seed: int = 0, size: tuple[int, int] = SMALL, frames: int = 1) -> Scene:
-        return render(kind, seed, rig=default_rig().resized(size), frames=frames)
+    def make(kind: str = "harbour", seed: int = 0, size: tuple[int, int] = (320, 240), frames: int = 1) -> Scene:
+        return scene(kind, seed, size, frames)
 
     return make
