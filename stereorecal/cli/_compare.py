@@ -12,6 +12,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from stereorecal._errors import InputError
 from stereorecal.cli import _values
+from stereorecal.cli._exit_codes import FAILURE, INTERRUPTED
 from stereorecal.comparison import Comparison, Drift, Progress as ProgressCall, compare_scenes, load_strategies
 from stereorecal.geometry import Scene
 from stereorecal.io import load_scene
@@ -87,8 +88,8 @@ def run(options: argparse.Namespace) -> int:
         _show(comparison, options)
     if comparison.interrupted:
         print(f"stereorecal: interrupted; {len(comparison.trials)} trials were finished.", file=sys.stderr)
-        return 130
-    return 3 if all(trial.status == "FAILED" for trial in comparison.trials) else 0
+        return INTERRUPTED
+    return FAILURE if all(trial.status == "FAILED" for trial in comparison.trials) else 0
 
 
 def _scenes(options: argparse.Namespace) -> list[Scene]:

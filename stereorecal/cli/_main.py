@@ -9,8 +9,7 @@ from typing import NoReturn
 
 from stereorecal._errors import InputError, StrategyError
 from stereorecal.cli import _compare, _strategies
-
-BAD_INPUT, FAILURE, INTERRUPTED = 2, 3, 130
+from stereorecal.cli._exit_codes import BAD_INPUT, FAILURE, INTERRUPTED
 
 
 class _Parser(argparse.ArgumentParser):

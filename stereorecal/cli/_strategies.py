@@ -9,6 +9,7 @@ from rich.table import Table
 from rich.text import Text
 
 from stereorecal._errors import InputError, StrategyError
+from stereorecal.cli._exit_codes import FAILURE
 from stereorecal.cli._values import NONE_INSTALLED
 from stereorecal.strategies import describe, strategies, strategy
 from stereorecal.testing import check_strategy
@@ -41,7 +42,7 @@ def _list(options: argparse.Namespace) -> int:
             cells = (name, "-", "-", "-", str(error))
         table.add_row(*map(Text, cells))
     Console(width=None if sys.stdout.isatty() else 124).print(table)
-    return 3 if broken else 0
+    return FAILURE if broken else 0
 
 
 def _check(options: argparse.Namespace) -> int:

@@ -9,7 +9,7 @@ from stereorecal.geometry import Pair, StereoRig, View, check_pairs, view as def
 from stereorecal.matching import SAD, AbstractMatcher
 from stereorecal.recalibration._schedule import Schedule
 from stereorecal.recalibration._solution import Reason, Solution
-from stereorecal.scoring import score, with_disparity_range
+from stereorecal.scoring import Score, counts, normalised, prepare, with_disparity_range
 from stereorecal.strategies import (
     Budget,
     Reach,
@@ -65,7 +65,9 @@ def recalibrate(
     seconds, last = time.perf_counter() - began, runs[-1]
 
     candidate = rig.with_extrinsics(chart.extrinsics(best))
-    before, after = (score(r, pairs, matcher=matcher, view=view) for r in (rig, candidate))
+    data = prepare(rig, pairs, view)
+    judged = counts(data, np.stack([normalised(r.extrinsics) for r in (rig, candidate)]), matcher)
+    before, after = (Score(int(found), data.pixels) for found in judged)
     accepted = after.count > before.count
     if accepted:
         reason = Reason.IMPROVED

@@ -1,0 +1,3 @@
+"""The exit codes of every command."""
+
+BAD_INPUT, FAILURE, INTERRUPTED = 2, 3, 130
