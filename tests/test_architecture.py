@@ -59,7 +59,7 @@ def test_imports_are_read():
     )
     found = set(imports_in(code, "p.q"))
     assert found == {"a.b", "d.e", "d.f", "p.q.h", "p.q.i.j", "p.k.l", "m.n.o"}
-    assert "stereorecal.scoring.score" in imports_of(CORE / "recalibration" / "_recalibrate.py")
+    assert "stereorecal.scoring.score" in imports_of(CORE / "comparison" / "_trial.py")
 
 
 def test_every_package_has_its_place():
