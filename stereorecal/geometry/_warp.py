@@ -6,14 +6,14 @@ from jaxtyping import Bool, Float
 
 from stereorecal._arrays import AnyArray, Mat3
 from stereorecal.geometry._camera import Camera
-from stereorecal.geometry._distortion import distort
+from stereorecal.geometry._distortion import distort_planes
 from stereorecal.geometry._rectification import View, rectifying_rotations
 
-PixelMap = Float[AnyArray, "h w 2"]
+PixelMap = Float[AnyArray, "2 h w"]  # a plane of columns x and one of rows y
 
 
 def pixel_map(camera: Camera, rotation: Mat3, matrix: Mat3, size: tuple[int, int]) -> PixelMap:
-    """Where each pixel of a rectified view comes from in the camera's image.
+    """Where each pixel of a rectified view comes from in the camera's image: (2, h, w), columns x and rows y.
 
     Same as `cv2.initUndistortRectifyMap(K, D, rotation, matrix, size)`, float32, except that pixels behind the
     camera or beyond the radius at which the lens model folds back lie at (-1, -1), outside every image.
@@ -32,11 +32,12 @@ def pixel_map(camera: Camera, rotation: Mat3, matrix: Mat3, size: tuple[int, int
     ray_z = r[0, 2] * x + r[1, 2] * y + r[2, 2]
     forward = ray_z > 1e-3
     inverse_z = 1.0 / jnp.where(forward, ray_z, 1.0)
-    points = jnp.stack([ray_x * inverse_z, ray_y * inverse_z], axis=-1)
-    seen = forward & (jnp.sum(points * points, axis=-1) < camera.lens_radius**2)
-    focal = jnp.stack([camera.matrix[0, 0], camera.matrix[1, 1]])
-    coordinates = distort(points, camera.distortion) * focal + camera.matrix[:2, 2]
-    return jnp.where(seen[..., None], coordinates, -1.0)
+    x, y = ray_x * inverse_z, ray_y * inverse_z
+    seen = forward & (x * x + y * y < camera.lens_radius**2)
+    planes = distort_planes(x, y, camera.distortion)
+    return jnp.stack(
+        [jnp.where(seen, p * camera.matrix[i, i] + camera.matrix[i, 2], -1.0) for i, p in enumerate(planes)]
+    )
 
 
 def rectifying_maps(
@@ -57,8 +58,8 @@ def bilinear_warp(image: Float[AnyArray, "height width"], coordinates: PixelMap)
     says which pixels are real.
     """
     height, width = image.shape
-    x = jnp.clip(coordinates[..., 0], 0.0, width - 1.0)
-    y = jnp.clip(coordinates[..., 1], 0.0, height - 1.0)
+    x = jnp.clip(coordinates[0], 0.0, width - 1.0)
+    y = jnp.clip(coordinates[1], 0.0, height - 1.0)
     x0 = jnp.minimum(x.astype(jnp.int32), width - 2)
     y0 = jnp.minimum(y.astype(jnp.int32), height - 2)
     fx, fy = x - x0, y - y0
@@ -75,5 +76,5 @@ def bilinear_warp(image: Float[AnyArray, "height width"], coordinates: PixelMap)
 
 def mapped_area(coordinates: PixelMap, size: tuple[int, int]) -> Bool[AnyArray, "h w"]:
     """Pixels of a view whose source lies inside an image of `size` (width, height)."""
-    x, y = coordinates[..., 0], coordinates[..., 1]
+    x, y = coordinates[0], coordinates[1]
     return (x >= 0) & (x <= size[0] - 1) & (y >= 0) & (y <= size[1] - 1)

@@ -93,6 +93,7 @@ def rectify_frames(data: ScoringData, extrinsics: Extrinsics, use):
     """
     rotation = rotation_from_euler(extrinsics[:3])
     maps = rectifying_maps(data.left_camera, data.right_camera, rotation, extrinsics[3:], data.view)
+    maps = jax.lax.optimization_barrier(maps)  # computed once, not once for each pixel that a warp reads
     areas = [mapped_area(m, c.size) for m, c in zip(maps, (data.left_camera, data.right_camera), strict=True)]
 
     def frame(images):

@@ -140,7 +140,8 @@ def test_maps_rectify_real_projections(count: int, zero_disparity: bool):
         rectified = local @ rotation.T @ matrix.T
         rectified = (rectified[:, :2] / rectified[:, 2:]).astype(np.float32)
         assert ((rectified > 1) & (rectified < np.array(SIZE) - 2)).all()
-        sampled = cv2.remap(np.asarray(coordinates), rectified[:, None], None, cv2.INTER_LINEAR)[:, 0]
+        planes = np.moveaxis(np.asarray(coordinates), 0, -1)
+        sampled = cv2.remap(planes, rectified[:, None], None, cv2.INTER_LINEAR)[:, 0]
         # A 2-D map is read between its pixels, hence the bend of the lens within one pixel.
         np.testing.assert_allclose(sampled, camera.project(local), atol=0.05)
 
@@ -205,7 +206,7 @@ def test_scaling_the_view_is_resizing_its_images(scale: float):
     rotation = rectifying_rotations(stereo.rotation, stereo.translation)[0]
     large = np.asarray(map_of(stereo.left, rotation, full.matrix_left, full.size))
     small = np.asarray(map_of(stereo.left, rotation, half.matrix_left, half.size))
-    averaged = cv2.resize(large, half.size, interpolation=cv2.INTER_AREA)
+    averaged = np.stack([cv2.resize(plane, half.size, interpolation=cv2.INTER_AREA) for plane in large])
     np.testing.assert_allclose(averaged, small, atol=0.02)
     # In the resized camera the same place has the coordinates of the resized image.
     resized = stereo.left.resized((round(SIZE[0] * scale), round(SIZE[1] * scale)))
@@ -234,29 +235,29 @@ def test_pixel_map_is_that_of_opencv(count: int, seed: int):
     rotation = cv2.Rodrigues(rng.uniform(-0.15, 0.15, 3))[0]
     matrix = np.array([[115.0, 0, 70 + 20 * rng.random()], [0, 115.0, 50 + 20 * rng.random()], [0, 0, 1]])
     size = (171, 113)
-    expected = np.dstack(cv2.initUndistortRectifyMap(MATRIX, camera.distortion, rotation, matrix, size, cv2.CV_32FC1))
+    expected = np.stack(cv2.initUndistortRectifyMap(MATRIX, camera.distortion, rotation, matrix, size, cv2.CV_32FC1))
     traced = map_of(camera, rotation, matrix, size)
     assert traced.dtype == jnp.float32
-    assert traced.shape == (113, 171, 2)
+    assert traced.shape == (2, 113, 171)
     np.testing.assert_allclose(traced, expected, atol=0.01)
     assert np.abs(expected - pixels_of(size)).max() > 5  # not the identity
 
 
 def pixels_of(size: tuple[int, int]) -> np.ndarray:
-    return np.stack(np.meshgrid(*map(np.arange, size)), axis=-1).astype(np.float32)
+    return np.stack(np.meshgrid(*map(np.arange, size))).astype(np.float32)
 
 
 def test_pixels_that_no_ray_of_the_lens_reaches_are_outside():
     barrel = Camera(SIZE, MATRIX, np.array([-0.3, 0, 0, 0]))
     wide = np.array([[20.0, 0, 79.5], [0, 20.0, 59.5], [0, 0, 1]])
     coordinates = np.asarray(map_of(barrel, np.eye(3), wide, SIZE))
-    radius = np.linalg.norm((pixels_of(SIZE) - [79.5, 59.5]) / 20.0, axis=-1)
+    radius = np.linalg.norm((pixels_of(SIZE) - np.array([79.5, 59.5])[:, None, None]) / 20.0, axis=0)
     far, near = radius > barrel.lens_radius + 0.01, radius < barrel.lens_radius - 0.01
-    np.testing.assert_array_equal(coordinates[far], -1.0)
-    assert (coordinates[near] != -1.0).all()
-    expected = np.dstack(cv2.initUndistortRectifyMap(MATRIX, barrel.distortion, np.eye(3), wide, SIZE, cv2.CV_32FC1))
-    np.testing.assert_allclose(coordinates[near], expected[near], atol=0.01)
-    folded = far & (expected >= 0).all(axis=-1) & (expected <= np.array(SIZE) - 1).all(axis=-1)
+    np.testing.assert_array_equal(coordinates[:, far], -1.0)
+    assert (coordinates[:, near] != -1.0).all()
+    expected = np.stack(cv2.initUndistortRectifyMap(MATRIX, barrel.distortion, np.eye(3), wide, SIZE, cv2.CV_32FC1))
+    np.testing.assert_allclose(coordinates[:, near], expected[:, near], atol=0.01)
+    folded = far & np.asarray(mapped_area(expected, SIZE))
     assert folded.any()  # OpenCV shows false pixels there
 
 
@@ -267,11 +268,11 @@ def test_pixels_behind_the_camera_are_outside():
     assert not np.asarray(mapped_area(coordinates, SIZE)).all()
     columns = (np.arange(SIZE[0]) - MATRIX[0, 2]) / MATRIX[0, 0]
     behind = (turned.T @ np.stack([columns, 0 * columns, 1 + 0 * columns]))[2] < 0
-    np.testing.assert_array_equal(coordinates[61][behind], -1.0)
+    np.testing.assert_array_equal(coordinates[:, 61, behind], -1.0)
 
 
 def warped_by_opencv(image: np.ndarray, coordinates: np.ndarray) -> np.ndarray:
-    return cv2.remap(image, coordinates, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    return cv2.remap(image, *coordinates, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
 
 
 @pytest.mark.parametrize("count", [0, 5, 14])
@@ -291,7 +292,7 @@ def test_warp_is_that_of_opencv(count: int):
 def reference_warp(image: np.ndarray, coordinates: np.ndarray) -> np.ndarray:
     """Bilinear interpolation written as four corners with a padded border, in float64."""
     height, width = image.shape
-    x, y = (np.clip(coordinates[..., i], 0, n - 1) for i, n in ((0, width), (1, height)))
+    x, y = (np.clip(coordinates[i], 0, n - 1) for i, n in ((0, width), (1, height)))
     padded = np.pad(image.astype(float), ((0, 1), (0, 1)), mode="edge")
     x0, y0 = np.floor(x).astype(int), np.floor(y).astype(int)
     u, v = x - x0, y - y0
@@ -307,10 +308,10 @@ def test_warp_by_whole_pixels_and_beyond_the_border():
     image = np.random.default_rng(0).uniform(0, 255, (5, 7)).astype(np.float32)
     grid = pixels_of((7, 5))
     np.testing.assert_allclose(warp(image, grid), image, atol=5e-5)
-    np.testing.assert_allclose(warp(image, grid + np.float32([1, 0]))[:, :-1], image[:, 1:], atol=5e-5)
-    far = np.float32([[[-1e6, -1e6], [1e6, -3.0], [6.0, 4.0], [6.4, 4.4], [-0.4, 1e9]]])
+    np.testing.assert_allclose(warp(image, grid + np.float32([1, 0])[:, None, None])[:, :-1], image[:, 1:], atol=5e-5)
+    far = np.float32([[[-1e6, -1e6], [1e6, -3.0], [6.0, 4.0], [6.4, 4.4], [-0.4, 1e9]]]).T
     corners = [image[0, 0], image[0, 6], image[4, 6], image[4, 6], image[4, 0]]
-    np.testing.assert_allclose(warp(image, far)[0], corners, atol=5e-5)
+    np.testing.assert_allclose(warp(image, far)[:, 0], corners, atol=5e-5)
 
 
 @given(st.lists(st.tuples(st.floats(-3, 12, width=32), st.floats(-3, 9, width=32)), min_size=1, max_size=20))
@@ -318,7 +319,7 @@ def test_warp_by_whole_pixels_and_beyond_the_border():
 def test_mapped_area_is_what_lies_inside(points: list[tuple[float, float]]):
     size = (9, 6)
     points = [*points, (0.0, 0.0), (8.0, 5.0), (-1.0, -1.0), (8.0, 5.0001), (-1e-6, 2.0)]
-    inside = mapped_area(np.array([points], np.float32), size)[0]
+    inside = mapped_area(np.array([points], np.float32).T, size)[:, 0]
     assert [bool(value) for value in inside] == [0 <= x <= 8 and 0 <= y <= 5 for x, y in np.float32(points)]
 
 
@@ -344,7 +345,7 @@ def maps_of(values):
     return jnp.stack(rectifying_maps(SCENE.left, SCENE.right, rotation, values[3:], VIEW))
 
 
-INNER = np.s_[:, 25:-25:6, 25:-25:6]  # away from the border, where the warp has a kink
+INNER = np.s_[:, :, 25:-25:6, 25:-25:6]  # away from the border, where the warp has a kink
 
 
 def loss(left, right):
