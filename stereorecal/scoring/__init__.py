@@ -3,6 +3,7 @@
 from stereorecal.scoring._count import count as count, counts as counts, disparities as disparities
 from stereorecal.scoring._data import ScoringData as ScoringData, normalised as normalised, prepare as prepare
 from stereorecal.scoring._disparity_range import with_disparity_range as with_disparity_range
+from stereorecal.scoring._gradient import forward_gradient as forward_gradient
 from stereorecal.scoring._score import (
     Score as Score,
     disparity as disparity,

@@ -9,6 +9,7 @@ from stereorecal.strategies._contract import (
     Outcome as Outcome,
     Status as Status,
 )
+from stereorecal.strategies._images import Images as Images
 from stereorecal.strategies._objective import Objective as Objective, Problem as Problem, Traced as Traced
 from stereorecal.strategies._registry import (
     StrategyInfo as StrategyInfo,

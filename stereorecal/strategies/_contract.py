@@ -19,7 +19,7 @@ class Need(enum.Enum):
     HOST = "values on the host: `objective.value` and `objective.batch` (every objective has them)"
     SMOOTH = "a differentiable score: `objective.traced.soft_count`"
     RESIDUALS = "least-squares residuals: `objective.traced.residuals`"
-    IMAGES = "the images themselves"
+    IMAGES = "the images themselves: `objective.images`"
 
 
 class Status(enum.Enum):

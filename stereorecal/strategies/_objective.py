@@ -10,6 +10,7 @@ from jaxtyping import Float
 from stereorecal._errors import NeedNotMet
 from stereorecal.strategies._budget import Budget, Recorder, Trace
 from stereorecal.strategies._contract import Need
+from stereorecal.strategies._images import Images
 
 TracedFunction = Callable[[jax.Array], jax.Array]
 
@@ -18,9 +19,12 @@ TracedFunction = Callable[[jax.Array], jax.Array]
 class Traced:
     """Pure JAX functions of a point z (n,) of the unit box; None where the objective has no such face.
 
+    A function here may itself be a pytree that carries its data: pass it to a jitted function as an argument
+    (`eqx.filter_jit`, or `jax.jit` where it has no static leaves), and objectives of equal shape share one program.
+
     Attributes:
         count: z -> (), the score that `Objective.value` returns on the host.
-        soft_count: z -> (), its differentiable twin.
+        soft_count: z -> (), its differentiable twin; reverse mode only, and a gradient costs `gradient_cost`.
         residuals: z -> (m,), for least squares; then the score is -½ |residuals|².
     """
 
@@ -38,12 +42,14 @@ class Problem:
         values: (k, n) float64 -> (k,) float64, on the host.
         cost: units that one evaluation costs.
         traced: the traced face.
+        images: what the score is computed from, for strategies that do not ask the score.
     """
 
     dim: int
     values: Callable[[Float[np.ndarray, "k n"]], Float[np.ndarray, "k"]]
     cost: float = 1.0
     traced: Traced = Traced()
+    images: Images | None = None
 
 
 class Objective:
@@ -68,9 +74,20 @@ class Objective:
         return self.problem.cost
 
     @property
+    def gradient_cost(self) -> float:
+        """Units that one value with its gradient (or one Jacobian of the residuals) costs: n + 1 evaluations, one
+        forward derivative for each coordinate."""
+        return (self.dim + 1) * self.cost
+
+    @property
     def traced(self) -> Traced:
         """The pure JAX functions."""
         return self.problem.traced
+
+    @property
+    def images(self) -> Images | None:
+        """The images and the calibration at the start, for strategies that need IMAGES."""
+        return self.problem.images
 
     @property
     def remaining(self) -> float:
@@ -110,7 +127,7 @@ class Objective:
     def charge(self, cost: float, best: Float[np.ndarray, "n"]) -> None:
         """Declare work done through `traced`: its cost in units and the best point so far.
 
-        Call it between steps, and begin no step that costs more than `remaining`.
+        Call it between steps, and `reserve` each step before it begins.
 
         Raises:
             BudgetExhausted: if nothing is left after it.
@@ -125,6 +142,15 @@ class Objective:
             self._recorder.exhausted = True
             self._recorder.raise_if_exhausted()
 
+    def reserve(self, cost: float) -> None:
+        """Ask whether a step of `cost` units still fits, before it begins; it is paid by `charge` afterwards.
+
+        Raises:
+            BudgetExhausted: if it does not fit.
+        """
+        self._recorder.affordable(1, cost)
+        self._recorder.raise_if_exhausted()
+
     def with_budget(self, budget: Budget) -> "Objective":
         """The same problem with a fresh meter."""
         return Objective(self.problem, budget)
@@ -135,7 +161,7 @@ class Objective:
             return "it needs a differentiable score, which this objective does not offer (JAX matchers only)"
         if needs is Need.RESIDUALS and self.traced.residuals is None:
             return "it needs least-squares residuals, which this objective does not offer"
-        if needs is Need.IMAGES:
+        if needs is Need.IMAGES and self.images is None:
             return "it needs the images, which this objective does not offer"
         return None
 

@@ -11,6 +11,7 @@ from stereorecal.matching import SAD, AbstractMatcher
 from stereorecal.scoring import count, counts, prepare, with_disparity_range
 from stereorecal.strategies._budget import Budget
 from stereorecal.strategies._chart import Reach, chart_around, dimensionless
+from stereorecal.strategies._images import Images
 from stereorecal.strategies._objective import Objective, Problem, Traced
 
 
@@ -41,7 +42,8 @@ def objective(
     matcher = with_disparity_range(matcher or SAD(), rig, pairs, view, np.radians(reach.degrees))
     matcher = matcher.scaled(scale)
     data = prepare(rig, pairs, view, scale)
-    chart = dimensionless(chart_around(rig, reach))
+    metric_chart = chart_around(rig, reach)
+    chart = dimensionless(metric_chart)
 
     def values(points: np.ndarray) -> np.ndarray:
         return counts(data, chart.extrinsics(points), matcher).astype(float)
@@ -50,4 +52,5 @@ def objective(
         return count(data, chart.extrinsics(jnp.asarray(z, jnp.float32)), matcher)
 
     traced = Traced(count=traced_count) if matcher.traceable else Traced()
-    return Objective(Problem(chart.dim, values, len(pairs) * scale**2, traced), budget)
+    images = Images(rig, tuple(pairs), metric_chart)
+    return Objective(Problem(chart.dim, values, len(pairs) * scale**2, traced, images), budget)

@@ -1,6 +1,7 @@
 """The conformance kit in its two library forms: a function, and a pytest class to inherit from."""
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 from stereorecal.strategies import AbstractStrategy
 from stereorecal.testing import _checks
@@ -16,8 +17,8 @@ class CheckResult:
 
 
 def check_strategy(strategy: AbstractStrategy) -> tuple[CheckResult, ...]:
-    """Run every conformance check on a strategy, without pytest."""
-    return tuple(_result(check, strategy) for check in _checks.CHECKS)
+    """Run every conformance check that is meant for a strategy of its need, without pytest."""
+    return tuple(_result(check, strategy) for check in _checks.checks_for(strategy))
 
 
 def _result(check, strategy: AbstractStrategy) -> CheckResult:
@@ -30,13 +31,18 @@ def _result(check, strategy: AbstractStrategy) -> CheckResult:
 
 
 class StrategyConformance:
-    """Inherit, give `strategy`, and pytest runs every check::
+    """Inherit, give `strategy`, and pytest runs every check that is meant for a strategy of its need::
 
     class TestMine(StrategyConformance):
         strategy = Mine()
     """
 
-    strategy: AbstractStrategy
+    strategy: ClassVar[AbstractStrategy]
+
+    def __init_subclass__(cls, **options) -> None:
+        super().__init_subclass__(**options)
+        for check in _checks.checks_for(cls.strategy):
+            setattr(cls, f"test_{check.__name__}", _as_test(check))
 
 
 def _as_test(check):
@@ -45,7 +51,3 @@ def _as_test(check):
 
     test.__doc__ = check.__doc__
     return test
-
-
-for _check in _checks.CHECKS:
-    setattr(StrategyConformance, f"test_{_check.__name__}", _as_test(_check))

@@ -1,70 +1,219 @@
-"""Analytic problems on the unit box, each with one difficulty that real scores have."""
+"""Analytic problems on the unit box, each with one difficulty that real scores have.
+
+Every problem has both faces. The traced functions carry their data as pytrees, so one compiled program serves all
+problems of one kind and dimension, and they count how often they run: a strategy cannot hide work inside JAX.
+"""
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import Any
 
+import jax
+import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.strategies import Problem
+from stereorecal._arrays import AnyArray, namespace
+from stereorecal._pytree import register_pytree
+from stereorecal.scoring import forward_gradient
+from stereorecal.strategies import Problem, Traced
 
-Values = Callable[[Float[np.ndarray, "k n"]], Float[np.ndarray, "k"]]
+Score = Callable[[Any], Any]  # (..., n) -> (...), NumPy or traced
+
+
+class Meter:
+    """Counts the evaluations of a problem on both faces, also those that no budget sees."""
+
+    _traced: dict[int, float] = {}  # noqa: RUF012  one place that the callbacks of all compiled programs can reach
+    _created = 0
+
+    def __init__(self) -> None:
+        self.on_host = 0
+        Meter._created += 1
+        self.key = Meter._created
+        Meter._traced[self.key] = 0.0
+
+    @property
+    def total(self) -> float:
+        """Evaluations so far; a gradient counts n + 1."""
+        jax.effects_barrier()
+        return self.on_host + Meter._traced[self.key]
+
+    @staticmethod
+    def tick(key: AnyArray, count: int) -> None:
+        """Called from inside compiled programs."""
+        Meter._traced[int(key)] += count
+
+
+@register_pytree
+@dataclass(frozen=True, eq=False)
+class _Counted:
+    """A traced function that counts each of its runs."""
+
+    key: AnyArray
+    function: Score = field(metadata={"static": True})
+    runs: int = field(metadata={"static": True})
+
+    def __call__(self, z: jax.Array) -> jax.Array:
+        jax.debug.callback(partial(Meter.tick, count=self.runs), self.key)
+        return self.function(z)
+
+
+@register_pytree
+@dataclass(frozen=True, eq=False)
+class _SoftCount:
+    """A traced score that differentiates as the real one: n forward derivatives under a reverse rule."""
+
+    counted: _Counted
+
+    def __call__(self, z: jax.Array) -> jax.Array:
+        return _differentiable(self.counted, z)
+
+
+def _plain(counted: _Counted, z: jax.Array) -> jax.Array:
+    return counted(z)
+
+
+def _with_gradient(counted: _Counted, z: jax.Array) -> jax.Array:
+    return replace(counted, runs=z.shape[0] + 1)(z)
+
+
+_differentiable = forward_gradient(_plain, _with_gradient)
+
+
+def _problem(
+    dim: int,
+    values: Score,
+    soft: Score | None = None,
+    residuals: Score | None = None,
+    meter: Meter | None = None,
+) -> Problem:
+    meter = meter or Meter()
+
+    def metered(points: Float[np.ndarray, "k n"]) -> Float[np.ndarray, "k"]:
+        meter.on_host += len(points)
+        return np.asarray(values(points), float)
+
+    key = jnp.asarray(meter.key, jnp.int32)
+    traced = Traced(
+        soft_count=_SoftCount(_Counted(key, soft, 1)) if soft else None,
+        residuals=_Counted(key, residuals, 1) if residuals else None,
+    )
+    return Problem(dim, metered, traced=traced)
 
 
 def _summit(dim: int) -> Float[np.ndarray, "n"]:
     return np.linspace(-0.4, 0.3, dim) if dim > 1 else np.array([0.3])
 
 
-def _depth(points: Float[np.ndarray, "k n"]) -> Float[np.ndarray, "k"]:
-    return np.sum((points - _summit(points.shape[1])) ** 2, axis=1)
+def _bowl(z: AnyArray) -> AnyArray:
+    return 1.0 - ((z - _summit(z.shape[-1])) ** 2).sum(-1)
 
 
-def bowl(dim: int) -> Problem:
+def bowl(dim: int, meter: Meter | None = None) -> Problem:
     """A smooth bowl upside down; its maximum is 1."""
-    return Problem(dim, lambda points: 1.0 - _depth(points))
+    return _problem(dim, _bowl, _bowl, meter=meter)
 
 
 def staircase(dim: int) -> Problem:
-    """The bowl in steps of 1/64, as a count is: piecewise constant."""
-    return Problem(dim, lambda points: np.floor(64.0 * (1.0 - _depth(points))) / 64.0)
+    """The bowl in steps of 1/64, as a count is: piecewise constant. Its soft twin is the bowl."""
+    return _problem(dim, lambda points: np.floor(64.0 * _bowl(points)) / 64.0, _bowl)
+
+
+def _ridge(z: AnyArray) -> AnyArray:
+    # Along the diagonal nearly flat, across it steep: yaw against the sideways baseline is like this.
+    offset = z - _summit(z.shape[-1])
+    along = offset.mean(-1)
+    across = ((offset - along[..., None]) ** 2).sum(-1)
+    return 1.0 - 0.2 * along**2 - 2.0 * across
+
+
+def tilted_ridge(dim: int) -> Problem:
+    """A ridge along the diagonal, ten times as steep across as along."""
+    return _problem(dim, _ridge, _ridge)
+
+
+def _cliff(z: AnyArray) -> AnyArray:
+    # Beyond x = -0.2 the matcher is blind: a plateau, far below the bowl.
+    xp = namespace(z)
+    return xp.where(z[..., 0] < -0.2, -4.0, 1.0 - ((z - 0.25) ** 2).sum(-1))
+
+
+def cliff(dim: int) -> Problem:
+    """A bowl that breaks off to a plateau not far from the start."""
+    return _problem(dim, _cliff, _cliff)
+
+
+def noisy_bowl(dim: int) -> Problem:
+    """The bowl with a fixed ripple of ±0.01: many false summits, none far from the true one. Its soft twin has none."""
+
+    def values(points: AnyArray) -> AnyArray:
+        return _bowl(points) + 0.01 * np.sin(997.0 * points).mean(-1)
+
+    return _problem(dim, values, _bowl)
+
+
+def _pocket(z: AnyArray) -> AnyArray:
+    xp = namespace(z)
+    return xp.where(z[..., 0] > 0.1, xp.nan, _bowl(z))
 
 
 def nan_pocket(dim: int) -> Problem:
     """The bowl with NaN on one side, right beside the start."""
+    return _problem(dim, _pocket, _pocket)
 
-    def values(points: Float[np.ndarray, "k n"]) -> Float[np.ndarray, "k"]:
-        return np.where(points[:, 0] > 0.1, np.nan, 1.0 - _depth(points))
 
-    return Problem(dim, values)
+def _flat(z: AnyArray) -> AnyArray:
+    return 1.0 + 0.0 * z.sum(-1)
 
 
 def flat(dim: int) -> Problem:
     """The same value everywhere: nothing to find."""
-    return Problem(dim, lambda points: np.ones(len(points)))
+    return _problem(dim, _flat, _flat)
 
 
-def failing(dim: int, after: int) -> Problem:
-    """The bowl until `after` evaluations, then every call raises `ZeroDivisionError`."""
+def failing(dim: int, exception: type[BaseException], after: int) -> Problem:
+    """The bowl until `after` evaluations, then every call on the host raises `exception`."""
     calls = 0
 
-    def values(points: Float[np.ndarray, "k n"]) -> Float[np.ndarray, "k"]:
+    def values(points: AnyArray) -> AnyArray:
         nonlocal calls
         calls += len(points)
         if calls > after:
-            raise ZeroDivisionError("planted by the conformance kit")
-        return 1.0 - _depth(points)
+            raise exception("planted by the conformance kit")
+        return _bowl(points)
 
-    return Problem(dim, values)
+    return _problem(dim, values)
 
 
-class Counted:
-    """A problem that counts its evaluations, also those that no meter sees."""
+def least_squares(residuals: Score, dim: int, meter: Meter | None = None) -> Problem:
+    """Maximise -½ |residuals|²."""
 
-    def __init__(self, problem: Problem) -> None:
-        self.evaluations = 0
+    def values(points: AnyArray) -> AnyArray:
+        return -0.5 * (np.asarray(residuals(points), float) ** 2).sum(-1)
 
-        def values(points: Float[np.ndarray, "k n"]) -> Float[np.ndarray, "k"]:
-            self.evaluations += len(points)
-            return problem.values(points)
+    return _problem(dim, values, residuals=residuals, meter=meter)
 
-        self.problem = replace(problem, values=values)
+
+def linear(z: AnyArray) -> AnyArray:
+    """Residuals of a least-squares bowl; zero at the summit."""
+    return z - _summit(z.shape[-1])
+
+
+def curved(z: AnyArray) -> AnyArray:
+    """Rosenbrock's valley as residuals, bent along each pair of neighbours; zero at z = 0.5."""
+    x = 2.0 * z
+    xp = namespace(z)
+    return xp.concatenate([1.0 - x, 3.0 * (x[..., 1:] - x[..., :-1] ** 2)], axis=-1)
+
+
+def nothing(z: AnyArray) -> AnyArray:
+    """Residuals that do not depend on z."""
+    return 0.0 * z + 1.0
+
+
+def broken(z: AnyArray) -> AnyArray:
+    """Linear residuals, NaN beside the start."""
+    xp = namespace(z)
+    return xp.where(z[..., :1] > 0.1, xp.nan, linear(z))

@@ -137,6 +137,14 @@ class Stone(Climber):
         return (start, values[0]) if values.argmax() == 0 else (points[values.argmax()], values.max())
 
 
+@dataclass(frozen=True)
+class Idle(AbstractStrategy):
+    """Nominates the start."""
+
+    def run(self, objective, start, budget, seed):
+        return Outcome(start, Status.STALLED)
+
+
 def failures(bad: AbstractStrategy) -> set[str]:
     return {result.name for result in check_strategy(bad) if not result.passed}
 
@@ -146,7 +154,13 @@ def test_good_strategies_pass(good):
     assert not failures(good)
 
 
-CLIMBS = {"climbs a smooth bowl", "climbs a staircase"}
+CLIMBS = {
+    "climbs a smooth bowl",
+    "climbs a staircase",
+    "climbs a tilted ridge",
+    "keeps off a cliff",
+    "climbs a noisy bowl",
+}
 
 
 @pytest.mark.parametrize(
@@ -161,6 +175,7 @@ CLIMBS = {"climbs a smooth bowl", "climbs a staircase"}
         (Homebody(), {"travels"}),
         (Blind(), {"survives nan"}),
         (Stone(), CLIMBS),
+        (Idle(), CLIMBS | {"repairs a stereo rig", "ends on a flat score"}),
         (Smuggler(), {"keeps any budget", "ends on a flat score"}),
     ],
     ids=lambda value: type(value).__name__ if isinstance(value, AbstractStrategy) else "",

@@ -1,0 +1,25 @@
+"""One small stereo problem, rendered: a harbour seen by a rig that is half a degree off."""
+
+from functools import lru_cache
+
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal.matching import SAD
+from stereorecal.strategies import Objective, Reach, chart_around, objective
+from stereorecal.synthetic import default_rig, render
+
+_SIZE = (240, 180)
+_REACH = Reach(degrees=1.0, baseline_fraction=0.01)
+_TRUTH = np.array([0.45, -0.3, 0.4, 0.3, -0.2])  # seen from the start, in half widths of the reach
+
+
+@lru_cache(maxsize=1)
+def stereo_objective() -> tuple[Objective, Float[np.ndarray, "n"]]:
+    """The objective around a decalibrated rig, and the point of its box at which the true rig lies."""
+    true = default_rig().resized(_SIZE)
+    scene = render("harbour", 3, rig=true)
+    offset = chart_around(true, _REACH).extrinsics(_TRUTH) - true.extrinsics
+    drifted = true.with_extrinsics(true.extrinsics - offset)
+    truth = np.asarray(chart_around(drifted, _REACH).coordinates(true.extrinsics))
+    return objective(drifted, scene.pairs, matcher=SAD(num_disparities=48, block_size=7), reach=_REACH), truth
