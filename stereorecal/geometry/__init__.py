@@ -22,6 +22,7 @@ from stereorecal.geometry._so3 import (
     vector_from_rotation as vector_from_rotation,
 )
 from stereorecal.geometry._warp import (
+    PixelMap as PixelMap,
     bilinear_warp as bilinear_warp,
     mapped_area as mapped_area,
     pixel_map as pixel_map,

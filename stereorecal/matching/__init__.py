@@ -1,6 +1,10 @@
 """Stereo matchers: SAD in JAX, OpenCV's BM and SGBM, one interface."""
 
-from stereorecal.matching._matcher import AbstractMatcher as AbstractMatcher, Disparity as Disparity
+from stereorecal.matching._matcher import (
+    AbstractMatcher as AbstractMatcher,
+    Disparity as Disparity,
+    SoftDisparity as SoftDisparity,
+)
 from stereorecal.matching._texture import textured as textured
 from stereorecal.matching.opencv import BM as BM, SGBM as SGBM
 from stereorecal.matching.sad import SAD as SAD

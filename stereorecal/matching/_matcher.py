@@ -3,9 +3,10 @@
 import abc
 import math
 from dataclasses import dataclass, replace
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
-from jaxtyping import Bool, Float
+import jax
+from jaxtyping import Bool, Float, Int
 
 from stereorecal._arrays import AnyArray, namespace
 from stereorecal._errors import InputError
@@ -27,6 +28,19 @@ class Disparity:
     valid: Bool[AnyArray, "h w"]
 
 
+class SoftDisparity(NamedTuple):
+    """Candidates for the disparity of each pixel, and how sure they are.
+
+    Attributes:
+        values: (c, h, w) int32, whole disparities.
+        confidence: (c, h, w) float32 in [0, 1], at most 1 over the candidates of a pixel; differentiable with respect
+            to the images.
+    """
+
+    values: Int[jax.Array, "c h w"]
+    confidence: Float[jax.Array, "c h w"]
+
+
 @dataclass(frozen=True)
 class AbstractMatcher(abc.ABC):
     """A stereo matcher. Its fields are its options, with OpenCV's names and meanings.
@@ -43,6 +57,7 @@ class AbstractMatcher(abc.ABC):
 
     Class attributes:
         traceable: True if `search` is a pure JAX function that can be traced, batched and compiled.
+        smooth: True if `soft_match` is offered as well.
     """
 
     min_disparity: int = 0
@@ -54,6 +69,7 @@ class AbstractMatcher(abc.ABC):
     pre_filter_cap: int = 31
 
     traceable: ClassVar[bool] = False
+    smooth: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         if self.block_size < 3 or self.block_size % 2 == 0:
@@ -84,6 +100,13 @@ class AbstractMatcher(abc.ABC):
     @abc.abstractmethod
     def search(self, left: Float[AnyArray, "h w"], right: Float[AnyArray, "h w"]) -> Disparity:
         """The matcher's own part of `match`: winners, and which of them are unique and left-right consistent."""
+
+    def soft_match(
+        self, left: Float[AnyArray, "h w"], right: Float[AnyArray, "h w"], temperature: float | Float[AnyArray, ""]
+    ) -> SoftDisparity:
+        """The differentiable twin of `match`, for matchers that are `smooth`: pure JAX, images not rounded, and a
+        confidence that becomes the validity as `temperature` (> 0, dimensionless) goes to 0."""
+        raise NotImplementedError(f"{type(self).__name__} has no differentiable twin")
 
     def disparity_range(self, width: int) -> tuple[int, int]:
         """(min_disparity, num_disparities) for an image of `width` pixels.

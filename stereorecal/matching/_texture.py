@@ -4,7 +4,7 @@ from functools import partial
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Bool, Float, Int, Num
 
 from stereorecal._arrays import AnyArray
 
@@ -17,7 +17,7 @@ def quantise(image: Float[AnyArray, "h w"]) -> Int[jax.Array, "h w"]:
     return jnp.clip(jnp.round(jnp.asarray(image)), 0, 255).astype(jnp.int16)
 
 
-def x_sobel(image: Int[jax.Array, "h w"], cap: int) -> Int[jax.Array, "h w"]:
+def x_sobel(image: Num[jax.Array, "h w"], cap: int) -> Num[jax.Array, "h w"]:
     """The x-Sobel response clipped to ±cap, as `cv2.StereoBM` prefilters; rows repeat at the border, the first and
     last column are 0."""
     rows = jnp.pad(image, ((1, 1), (0, 0)), mode="edge")
@@ -26,10 +26,10 @@ def x_sobel(image: Int[jax.Array, "h w"], cap: int) -> Int[jax.Array, "h w"]:
     return jnp.clip(gradient, -cap, cap)
 
 
-def box_sum(image: Int[jax.Array, "h w"], block_size: int) -> Int[jax.Array, "h w"]:
-    """Sums over the square window around each pixel, int32; outside the image counts 0."""
+def box_sum(image: Num[jax.Array, "h w"], block_size: int) -> Num[jax.Array, "h w"]:
+    """Sums over the square window around each pixel, int32 or float32; outside the image counts 0."""
     radius = block_size // 2
-    total = image.astype(jnp.int32)
+    total = image if jnp.issubdtype(image.dtype, jnp.floating) else image.astype(jnp.int32)
     for axis in (0, 1):
         pad = [(radius, radius) if a == axis else (0, 0) for a in (0, 1)]
         padded, length = jnp.pad(total, pad), total.shape[axis]

@@ -14,7 +14,9 @@ from jaxtyping import Float, Int
 
 from stereorecal._arrays import AnyArray
 from stereorecal._errors import InputError
-from stereorecal.matching._matcher import AbstractMatcher, Disparity
+from stereorecal.matching._matcher import AbstractMatcher, Disparity, SoftDisparity
+from stereorecal.matching._reduce import minimum, total
+from stereorecal.matching._soft_sad import soft_search
 from stereorecal.matching._texture import quantise, x_sobel
 
 _NEVER = 2**31 - 1  # packed cost of a candidate outside the right image
@@ -29,11 +31,18 @@ class SAD(AbstractMatcher):
     """
 
     traceable: ClassVar[bool] = True
+    smooth: ClassVar[bool] = True
 
     def search(self, left: Float[AnyArray, "h w"], right: Float[AnyArray, "h w"]) -> Disparity:
         """See `AbstractMatcher.search`. Pure; can be traced, batched and compiled."""
         self._require_room(left.shape[1])
         return _search(jnp.asarray(left), jnp.asarray(right), self)
+
+    def soft_match(
+        self, left: Float[AnyArray, "h w"], right: Float[AnyArray, "h w"], temperature: float | Float[AnyArray, ""]
+    ) -> SoftDisparity:
+        """See `AbstractMatcher.soft_match`."""
+        return soft_search(jnp.asarray(left), jnp.asarray(right), self, temperature)
 
     def _require_room(self, width: int) -> None:
         """Refuse windows and ranges whose cost and index do not fit into one int32."""
@@ -114,7 +123,7 @@ def _winners(left: Int[jax.Array, "h w"], right: Int[jax.Array, "h w"], options:
         # One int32 holds cost and index: a single minimum finds both, and ties go to the smaller index.
         packed = jnp.where(inside, (cost.astype(jnp.int32) << index_bits) | index[:, None], _NEVER)
         packed = jax.lax.optimization_barrier(packed)  # computed once, not once for each of its readers
-        best = jax.lax.optimization_barrier(_minimum(packed))
+        best = jax.lax.optimization_barrier(minimum(packed))
         winner = jnp.where(best < _NEVER, best & ((1 << index_bits) - 1), 0)
         if not costs:
             return column_sums, (winner,)
@@ -127,7 +136,7 @@ def _winners(left: Int[jax.Array, "h w"], right: Int[jax.Array, "h w"], options:
         best_cost, below, above = best >> index_bits, cost_at(winner - 1), cost_at(winner + 1)
         limit = best_cost + best_cost * options.uniqueness_ratio // 100
         near = sum((c <= limit).astype(jnp.int32) for c in (best_cost, below, above))
-        rivals = _total(jnp.where(packed < (limit + 1) << index_bits, 1, 0)) - near
+        rivals = total(jnp.where(packed < (limit + 1) << index_bits, 1, 0)) - near
         best_cost = jnp.where(best < _NEVER, best_cost, _NEVER)
         return column_sums, (winner, best_cost, rivals, below, above)
 
@@ -140,24 +149,6 @@ def _winners(left: Int[jax.Array, "h w"], right: Int[jax.Array, "h w"], options:
     leaving = tuple(jnp.pad(r, ((1, 0), (0, 0)))[:height] for r in (left_rows, right_rows))
     _, found = jax.lax.scan(step, start, (rows(2 * radius, last), leaving))
     return _Winners(*found) if costs else _Winners(found[0], *[found[0]] * 4)
-
-
-def _minimum(rows: Int[jax.Array, "d w"]) -> Int[jax.Array, "w"]:
-    """Minimum over the rows by halving: XLA's CPU compiler vectorises this, unlike a reduction over the first axis
-    (half the time of the whole search, measured)."""
-    while (n := rows.shape[0]) > 1:
-        half = (n + 1) // 2
-        rows = jnp.minimum(rows[:half], rows[n - half :])
-    return rows[0]
-
-
-def _total(rows: Int[jax.Array, "d w"]) -> Int[jax.Array, "w"]:
-    """Sum over the rows by halving."""
-    while (n := rows.shape[0]) > 1:
-        half = n // 2
-        pairs = rows[:half] + rows[half : 2 * half]
-        rows = jnp.concatenate([pairs, rows[2 * half :]]) if n % 2 else pairs
-    return rows[0]
 
 
 def _sum_type(options: SAD) -> jnp.dtype:

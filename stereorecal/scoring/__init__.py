@@ -10,3 +10,4 @@ from stereorecal.scoring._score import (
     rectify as rectify,
     score as score,
 )
+from stereorecal.scoring._soft_count import soft_count as soft_count

@@ -77,24 +77,24 @@ class Rectified:
 
     Attributes:
         left, right: (h, w) float32.
-        left_area, right_area: (h, w) bool.
+        left_area, right_area: (h, w) bool, or float32 in [0, 1] where borders are soft.
     """
 
     left: Float[AnyArray, "h w"]
     right: Float[AnyArray, "h w"]
-    left_area: Bool[AnyArray, "h w"]
-    right_area: Bool[AnyArray, "h w"]
+    left_area: Bool[AnyArray, "h w"] | Float[AnyArray, "h w"]
+    right_area: Bool[AnyArray, "h w"] | Float[AnyArray, "h w"]
 
 
-def rectify_frames(data: ScoringData, extrinsics: Extrinsics, use):
+def rectify_frames(data: ScoringData, extrinsics: Extrinsics, use, area=mapped_area):
     """Apply `use(Rectified)` to every frame, rectified by `extrinsics` (translation in any unit); stack the answers.
 
-    The maps are made once and shared by the frames. Pure and traceable.
+    The maps are made once and shared by the frames; `area(map, image size)` says what they cover. Pure and traceable.
     """
     rotation = rotation_from_euler(extrinsics[:3])
     maps = rectifying_maps(data.left_camera, data.right_camera, rotation, extrinsics[3:], data.view)
     maps = jax.lax.optimization_barrier(maps)  # computed once, not once for each pixel that a warp reads
-    areas = [mapped_area(m, c.size) for m, c in zip(maps, (data.left_camera, data.right_camera), strict=True)]
+    areas = [area(m, c.size) for m, c in zip(maps, (data.left_camera, data.right_camera), strict=True)]
 
     def frame(images):
         return use(Rectified(*[bilinear_warp(i, m) for i, m in zip(images, maps, strict=True)], *areas))

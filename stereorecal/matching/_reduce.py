@@ -1,0 +1,23 @@
+"""Reductions over the first axis by halving, which XLA's CPU compiler vectorises, unlike its own reductions there
+(half the time of the whole search, measured)."""
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Int
+
+
+def minimum(rows: Int[jax.Array, "d w"]) -> Int[jax.Array, "w"]:
+    """Minimum over the rows."""
+    while (n := rows.shape[0]) > 1:
+        half = (n + 1) // 2
+        rows = jnp.minimum(rows[:half], rows[n - half :])
+    return rows[0]
+
+
+def total(rows: Int[jax.Array, "d w"]) -> Int[jax.Array, "w"]:
+    """Sum over the rows."""
+    while (n := rows.shape[0]) > 1:
+        half = n // 2
+        pairs = rows[:half] + rows[half : 2 * half]
+        rows = jnp.concatenate([pairs, rows[2 * half :]]) if n % 2 else pairs
+    return rows[0]

@@ -1,0 +1,169 @@
+"""The differentiable twin of the SAD search: the same windows and winners, with margins where the search has checks.
+
+Which candidate wins is piecewise constant; by how much it wins is not. Each margin is continuous where a far rival
+becomes the winner, and near the change from one disparity to the next the two share the pixel; so smooth gates make
+the number of valid pixels smooth.
+"""
+
+import functools
+import operator
+from functools import partial
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Bool, Float, Int
+
+from stereorecal.matching._matcher import AbstractMatcher, SoftDisparity
+from stereorecal.matching._reduce import minimum
+from stereorecal.matching._texture import DEFAULT_CAP, box_sum, x_sobel
+
+_NEVER = 2**31 - 1
+_NOISE = 1.0  # grey levels per pixel of the window: keeps the margin of a perfect match finite
+
+
+class _Candidate(NamedTuple):
+    """A disparity of each pixel, what it costs, and the least cost of those farther than `near` from it."""
+
+    index: Int[jax.Array, "h w"]  # from 0 at min_disparity
+    cost: Float[jax.Array, "h w"]
+    rival: Float[jax.Array, "h w"]
+    rivalled: Bool[jax.Array, "h w"]  # False: there is no rival
+
+
+class _Found(NamedTuple):
+    winner: _Candidate
+    second: _Candidate  # the neighbour on the side of the sub-pixel part
+    share: Float[jax.Array, "h w"]  # of the second, 0 to 1/2 where the two change places
+    exists: Bool[jax.Array, "h w"]
+
+
+@partial(jax.jit, static_argnames="options")
+def soft_search(
+    left: Float[jax.Array, "h w"],
+    right: Float[jax.Array, "h w"],
+    options: AbstractMatcher,
+    temperature: Float[jax.Array, ""] | float,
+) -> SoftDisparity:
+    """Winners of the SAD search on images that are not rounded, and a smooth confidence in place of validity.
+
+    Gates are sigmoids of margin / temperature. The margins of uniqueness and left-right check are in units of the
+    winner's cost, that of texture in units of the threshold. As the temperature goes to 0, the confidence becomes
+    the validity of `SAD` on the same images.
+    """
+    images = (left, right)
+    if options.pre_filter_cap:
+        images = tuple(x_sobel(image, options.pre_filter_cap) for image in images)
+    found = _find(*images, options, 1, temperature)
+    noise = _NOISE * options.block_size**2
+
+    def gate(margin: jax.Array) -> jax.Array:
+        return jax.nn.sigmoid(margin / temperature)
+
+    def unique(candidate: _Candidate) -> jax.Array:
+        excess = candidate.rival - (1.0 + options.uniqueness_ratio / 100.0) * candidate.cost
+        return jnp.where(candidate.rivalled, gate(excess / (candidate.cost + noise)), 1.0)
+
+    gates = []
+    if options.uniqueness_ratio:
+        gates.append(unique)
+    if options.disp12_max_diff >= 0:
+        mirrored = _find(*(image[:, ::-1] for image in images[::-1]), options, options.disp12_max_diff, temperature)
+        from_right = jax.tree.map(lambda field: field[:, ::-1], mirrored)
+        gates.append(lambda candidate: _consistent(candidate, from_right, options, noise, gate))
+
+    texture = jnp.ones_like(left)
+    if options.texture_threshold:
+        response = box_sum(jnp.abs(x_sobel(left, options.pre_filter_cap or DEFAULT_CAP)), options.block_size)
+        texture = gate(response / options.texture_threshold - 1.0)
+
+    def confidence(candidate: _Candidate, share: jax.Array) -> jax.Array:
+        return functools.reduce(operator.mul, (passes(candidate) for passes in gates), share * texture * found.exists)
+
+    return SoftDisparity(
+        options.min_disparity + jnp.stack([found.winner.index, found.second.index]),
+        jnp.stack([confidence(found.winner, 1.0 - found.share), confidence(found.second, found.share)]),
+    )
+
+
+def _consistent(candidate: _Candidate, from_right: _Found, options: AbstractMatcher, noise: float, gate) -> jax.Array:
+    """The left-right check as a margin: by how much the partner prefers this pixel, or another.
+
+    If the partner's winner agrees, the margin is its rival's cost less its own; if not, its winner's cost less this
+    pixel's. Both are 0 where its winner changes.
+    """
+    width = candidate.index.shape[1]
+    partner = jnp.clip(jnp.arange(width) - (options.min_disparity + candidate.index), 0, width - 1)
+
+    def theirs(field: jax.Array) -> jax.Array:
+        return jnp.take_along_axis(field, partner, axis=1)
+
+    first, second = from_right.winner, from_right.second
+    lead = first.rival - first.cost + from_right.share * (second.rival - first.rival)
+    agrees = jnp.abs(theirs(first.index) - candidate.index) <= options.disp12_max_diff
+    margin = jnp.where(agrees, theirs(lead), theirs(first.cost) - candidate.cost)
+    alone = agrees & ~theirs(first.rivalled)
+    return jnp.where(alone, 1.0, gate(margin / (candidate.cost + noise)))
+
+
+def _find(
+    left: Float[jax.Array, "h w"], right: Float[jax.Array, "h w"], options: AbstractMatcher, near: int, temperature
+) -> _Found:
+    """Stream over the rows as `sad._winners` does, in float32; all costs carry their derivatives."""
+    height, width = left.shape
+    lowest, count = options.disparity_range(width)
+    radius = options.block_size // 2
+    left_rows = jnp.pad(left, ((radius, radius), (0, 0)))
+    before, after = max(lowest + count - 1, 0), max(-lowest, 0)
+    right_rows = jnp.pad(jnp.pad(right, ((0, 0), (before, after)), mode="edge"), ((radius, radius), (0, 0)))
+    index = jnp.arange(count, dtype=jnp.int32)[:, None]
+    target = jnp.arange(width) - (lowest + index)
+    inside = (target >= 0) & (target < width)
+    index_bits = max(1, (count - 1).bit_length())
+    low_bits = (1 << index_bits) - 1
+
+    def absolute_differences(left_row, right_row):
+        shifted = jax.vmap(lambda i: jax.lax.dynamic_slice(right_row, (before - lowest - i,), (width,)))(index[:, 0])
+        return jnp.abs(left_row - shifted)
+
+    def add_row(column_sums, rows):
+        return column_sums + absolute_differences(*rows), None
+
+    def step(column_sums, rows):
+        entering, leaving = rows
+        column_sums = column_sums + absolute_differences(*entering) - absolute_differences(*leaving)
+        padded = jnp.pad(column_sums, ((0, 0), (radius, radius)))
+        cost = sum(padded[:, u : u + width] for u in range(options.block_size))
+        # Floats that are not negative sort as their bits do; the lowest bits give way to the index.
+        bits = jax.lax.bitcast_convert_type(jnp.maximum(jax.lax.stop_gradient(cost), 0.0), jnp.int32)
+        packed = jax.lax.optimization_barrier(jnp.where(inside, (bits & ~low_bits) | index, _NEVER))
+        best = jax.lax.optimization_barrier(minimum(packed))
+        exists = best < _NEVER
+        winner = jnp.where(exists, best & low_bits, 0)
+
+        def at(i):
+            return jnp.take_along_axis(cost, i[None], axis=0)[0]
+
+        def candidate(i):
+            rivals = minimum(jnp.where(jnp.abs(index - i) <= near, _NEVER, packed))
+            rivalled = rivals < _NEVER
+            return _Candidate(i, at(i), at(jnp.where(rivalled, rivals & low_bits, 0)), rivalled)
+
+        below, above = at(jnp.maximum(winner - 1, 0)), at(jnp.minimum(winner + 1, count - 1))
+        first = candidate(winner)
+        second = candidate(jnp.clip(jnp.where(above < below, winner + 1, winner - 1), 0, count - 1))
+        # The parabola's vertex lies half a pixel from the winner where its neighbour costs the same.
+        curvature = below + above - 2.0 * first.cost
+        offset = 0.5 * jnp.abs(below - above) / jnp.maximum(curvature, 1e-3)
+        width_of_change = jnp.minimum(temperature, 0.5)
+        share = 0.5 * jnp.clip((offset - 0.5) / width_of_change + 1.0, 0.0, 1.0)
+        return column_sums, _Found(first, second, share, exists)
+
+    def rows(start, stop):
+        return left_rows[start:stop], right_rows[start:stop]
+
+    start = jnp.zeros((count, width), jnp.float32)
+    start, _ = jax.lax.scan(add_row, start, rows(0, 2 * radius))
+    leaving = tuple(jnp.pad(r, ((1, 0), (0, 0)))[:height] for r in (left_rows, right_rows))
+    _, found = jax.lax.scan(step, start, (rows(2 * radius, height + 2 * radius), leaving))
+    return found

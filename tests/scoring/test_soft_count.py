@@ -1,0 +1,116 @@
+"""The soft count: a smooth twin of the count, whose gradient is true and whose summit is the count's."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from stereorecal._errors import InputError, NeedNotMet
+from stereorecal.matching import BM, SAD
+from stereorecal.strategies import AbstractStrategy, Need, Reach, objective, run_strategy
+
+REACH = Reach(1.0, 0.01)
+value = jax.jit(lambda score, z: score(z))
+gradient = jax.jit(lambda score, z: jax.grad(lambda q: score(q))(z))
+
+
+def made(scene, kind="harbour", **options):
+    given = scene(kind)
+    return objective(given.rig, given.pairs, matcher=SAD(num_disparities=48), reach=REACH, **options)
+
+
+def softs(score, points) -> np.ndarray:
+    return np.array([float(value(score, jnp.asarray(point, jnp.float32))) for point in points])
+
+
+@pytest.mark.parametrize("kind", ["harbour", "street"])
+def test_gradient_is_that_of_finite_differences(scene, kind):
+    score = made(scene, kind).traced.soft_count
+    rng, step = np.random.default_rng(0), 5e-3
+    actual, expected = [], []
+    for start in rng.uniform(-0.3, 0.3, (4, 5)):
+        actual.append(gradient(score, jnp.asarray(start, jnp.float32)))
+        ahead, behind = (softs(score, start + s * np.eye(5)) for s in (step, -step))
+        expected.append((ahead - behind) / (2 * step))
+    actual, expected = np.array(actual), np.array(expected)
+    assert np.linalg.norm(actual - expected) < 0.08 * np.linalg.norm(expected)
+    # Axis by axis: where far rivals change places the soft count jumps a little, most of all along yaw.
+    norms = np.linalg.norm(expected, axis=0)
+    assert (np.linalg.norm(actual - expected, axis=0) < 0.5 * norms)[:3].all()
+    assert (norms > 0).all()
+
+
+def test_reverse_rule_is_forward_mode(scene):
+    score = made(scene).traced.soft_count
+    plain = jax.jit(jax.jacfwd(lambda z: _undecorated(score, z)))
+    z = jnp.asarray([0.1, -0.2, 0.05, 0.1, 0.0], jnp.float32)
+    expected = np.asarray(plain(z))
+    np.testing.assert_allclose(gradient(score, z), expected, atol=3e-4 * np.linalg.norm(expected))
+
+
+def _undecorated(score, z):
+    from stereorecal.scoring import soft_count
+
+    return soft_count(score.data, score.chart.extrinsics(z), score.matcher, score.temperature)
+
+
+def test_it_tends_to_the_count_as_the_temperature_falls(scene):
+    hard = made(scene).value(np.zeros(5))
+    distance = [
+        abs(float(made(scene, temperature=t).traced.soft_count(jnp.zeros(5))) - hard) / hard
+        for t in (0.3, 0.1, 0.03, 0.001)
+    ]
+    assert distance == sorted(distance, reverse=True)
+    assert distance[0] > 0.05
+    assert distance[-1] < 0.01  # the images are not rounded
+
+
+@pytest.mark.parametrize("kind", ["harbour", "coast", "street"])
+def test_its_summit_is_the_counts(scene, kind):
+    problem = made(scene, kind)
+    pitch = np.arange(-12, 13)[:, None] * 0.01 * np.eye(5)[0]  # degrees: the reach is one
+    counted, soft = problem.batch(pitch), softs(problem.traced.soft_count, pitch)
+    plateau = pitch[counted >= 0.9995 * counted.max(), 0]  # the count is flat to its own noise here
+    assert np.abs(plateau - pitch[soft.argmax(), 0]).min() <= 0.02 + 1e-9
+    assert np.abs(pitch[soft.argmax(), 0]) <= 0.04
+    for axis in range(1, 5):
+        line = np.linspace(-0.8, 0.8, 17)[:, None] * np.eye(5)[axis]
+        counted, soft = problem.batch(line), softs(problem.traced.soft_count, line)
+        assert counted[soft.argmax()] >= 0.99 * counted.max()  # at this size it is noisy to 0.5 %
+
+
+def test_programs_are_shared_by_objectives_of_equal_shape(scene):
+    traces = 0
+
+    @jax.jit
+    def counted(score, z):
+        nonlocal traces
+        traces += 1
+        return score(z)
+
+    for seed in (0, 1):
+        given = scene("harbour", seed)
+        score = objective(given.rig, given.pairs, matcher=SAD(num_disparities=48), reach=REACH).traced.soft_count
+        counted(score, jnp.zeros(5))
+    assert traces == 1
+
+
+class Smooth(AbstractStrategy):
+    needs = Need.SMOOTH
+
+    def run(self, objective, start, budget, seed):
+        raise AssertionError("must not run")
+
+
+def test_opencv_matchers_have_none(scene):
+    given = scene()
+    opaque = objective(given.rig, given.pairs, matcher=BM(num_disparities=48))
+    assert opaque.traced.soft_count is None
+    with pytest.raises(NeedNotMet, match="differentiable score"):
+        run_strategy(Smooth(), opaque, np.zeros(5))
+
+
+@pytest.mark.parametrize("temperature", [0.0, -1.0, np.nan])
+def test_temperatures_that_make_no_sense(scene, temperature):
+    with pytest.raises(InputError, match="temperature"):
+        made(scene, temperature=temperature)
