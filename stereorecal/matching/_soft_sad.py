@@ -25,7 +25,7 @@ _NOISE = 1.0  # grey levels per pixel of the window: keeps the margin of a perfe
 class _Candidate(NamedTuple):
     """A disparity of each pixel, what it costs, and the least cost of those farther than `near` from it."""
 
-    index: Int[jax.Array, "h w"]  # from 0 at min_disparity
+    offset: Int[jax.Array, "h w"]  # from 0 at min_disparity
     cost: Float[jax.Array, "h w"]
     rival: Float[jax.Array, "h w"]
     rivalled: Bool[jax.Array, "h w"]  # False: there is no rival
@@ -54,7 +54,7 @@ def soft_search(
     images = (left, right)
     if options.pre_filter_cap:
         images = tuple(x_sobel(image, options.pre_filter_cap) for image in images)
-    found = _find(*images, options, 1, temperature)
+    found = _find(images[0], images[1], options, 1, temperature)
     noise = _NOISE * options.block_size**2
 
     def gate(margin: jax.Array) -> jax.Array:
@@ -68,7 +68,7 @@ def soft_search(
     if options.uniqueness_ratio:
         gates.append(unique)
     if options.disp12_max_diff >= 0:
-        mirrored = _find(*(image[:, ::-1] for image in images[::-1]), options, options.disp12_max_diff, temperature)
+        mirrored = _find(images[1][:, ::-1], images[0][:, ::-1], options, options.disp12_max_diff, temperature)
         from_right = jax.tree.map(lambda field: field[:, ::-1], mirrored)
         gates.append(lambda candidate: _consistent(candidate, from_right, options, noise, gate))
 
@@ -81,7 +81,7 @@ def soft_search(
         return functools.reduce(operator.mul, (passes(candidate) for passes in gates), share * texture * found.exists)
 
     return SoftDisparity(
-        options.min_disparity + jnp.stack([found.winner.index, found.second.index]),
+        options.min_disparity + jnp.stack([found.winner.offset, found.second.offset]),
         jnp.stack([confidence(found.winner, 1.0 - found.share), confidence(found.second, found.share)]),
     )
 
@@ -92,15 +92,15 @@ def _consistent(candidate: _Candidate, from_right: _Found, options: AbstractMatc
     If the partner's winner agrees, the margin is its rival's cost less its own; if not, its winner's cost less this
     pixel's. Both are 0 where its winner changes.
     """
-    width = candidate.index.shape[1]
-    partner = jnp.clip(jnp.arange(width) - (options.min_disparity + candidate.index), 0, width - 1)
+    width = candidate.offset.shape[1]
+    partner = jnp.clip(jnp.arange(width) - (options.min_disparity + candidate.offset), 0, width - 1)
 
     def theirs(field: jax.Array) -> jax.Array:
         return jnp.take_along_axis(field, partner, axis=1)
 
     first, second = from_right.winner, from_right.second
     lead = first.rival - first.cost + from_right.share * (second.rival - first.rival)
-    agrees = jnp.abs(theirs(first.index) - candidate.index) <= options.disp12_max_diff
+    agrees = jnp.abs(theirs(first.offset) - candidate.offset) <= options.disp12_max_diff
     margin = jnp.where(agrees, theirs(lead), theirs(first.cost) - candidate.cost)
     alone = agrees & ~theirs(first.rivalled)
     return jnp.where(alone, 1.0, gate(margin / (candidate.cost + noise)))

@@ -61,18 +61,19 @@ def test_confidence_is_a_share(temperature: float):
 
 def test_the_derivative_is_that_of_small_changes_of_the_images():
     """Pixel by pixel, along a smooth random direction, against central differences; kinks are few."""
-    left, right = (jnp.asarray(image) + 0.25 for image in pair(0))
     confidence = jax.jit(lambda a, b: PLAIN.soft_match(a, b, 0.1).confidence.sum(axis=0))
     rng = np.random.default_rng(2)
+    # Off the whole levels, where absolute differences of 0 have their kink.
+    left, right = (jnp.asarray(image + rng.uniform(0, 1, image.shape), jnp.float32) for image in pair(0))
     change = [jnp.asarray(cv2.GaussianBlur(rng.normal(size=SIZE[::-1]), (0, 0), 2.0), jnp.float32) for _ in "lr"]
     actual = np.asarray(jax.jvp(confidence, (left, right), tuple(change))[1])
     step = 0.01
     ahead, behind = (confidence(left + s * change[0], right + s * change[1]) for s in (step, -step))
     expected = np.asarray(ahead - behind) / (2 * step)
     close = np.abs(actual - expected) <= 0.05 * np.abs(expected) + 1e-4
-    assert close.mean() > 0.92
+    assert close.mean() > 0.97
     moving = np.abs(expected) > 1e-2
-    assert moving.mean() > 0.05
+    assert moving.mean() > 0.02
     assert close[moving].mean() > 0.8
 
 
