@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stereorecal.comparison._trial import Trial
+from stereorecal.comparison._trial import SCORE_AT, Trial
 
 
 @dataclass(frozen=True)
@@ -46,6 +46,7 @@ class Summary:
     evaluations_median: float | None
     cost_median: float | None
     seconds_median: float | None
+    score_at_median: dict[str, float | None]
 
 
 def succeeded(trial: Trial, thresholds: Thresholds) -> bool:
@@ -93,7 +94,12 @@ def _summary(
         evaluations_median=_median([t.evaluations for t in finished]),
         cost_median=_median([t.cost for t in finished]),
         seconds_median=_median([t.seconds for t in finished]),
+        score_at_median={str(cost): _median_at(finished, str(cost)) for cost in SCORE_AT},
     )
+
+
+def _median_at(trials: Sequence[Trial], cost: str) -> float | None:
+    return _median([t.score_at[cost] for t in trials if t.score_at and t.score_at[cost] is not None])
 
 
 def _median(values: Sequence) -> float | None:

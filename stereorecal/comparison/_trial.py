@@ -9,7 +9,7 @@ from stereorecal.geometry import AXES, Scene, StereoRig
 from stereorecal.matching import AbstractMatcher
 from stereorecal.recalibration import Schedule, Solution, recalibrate
 from stereorecal.scoring import score
-from stereorecal.strategies import AbstractStrategy, Budget, Reach, Status
+from stereorecal.strategies import AbstractStrategy, Budget, Reach, Status, objective
 
 SCORE_AT = (100, 300, 1000)  # units
 
@@ -122,8 +122,21 @@ def _finished(task: Task, solution: Solution) -> Trial:
         evaluations=solution.evaluations,
         cost=solution.cost,
         seconds=solution.seconds,
-        score_at={str(cost): solution.trace.best_within(cost) for cost in SCORE_AT},
+        score_at=_scores_at(task, solution),
     )
+
+
+def _scores_at(task: Task, solution: Solution) -> dict[str, float | None]:
+    """What a strategy had reached at each mark; points that it declared without a value are evaluated now."""
+    trace = solution.trace
+    charged = {cost: point for cost in SCORE_AT if (point := trace.charged_within(cost)) is not None}
+    found = {cost: [trace.best_within(cost)] for cost in SCORE_AT}
+    if charged:
+        view, options = solution.view, {"matcher": task.matcher, "reach": task.reach, "scale": task.scale}
+        judge = objective(task.start, task.scene.pairs, view=view, **options)
+        for cost, point in charged.items():
+            found[cost].append(judge.value(point))
+    return {str(cost): max((v for v in values if v is not None), default=None) for cost, values in found.items()}
 
 
 def _unfinished(task: Task, status: Status, message: str) -> Trial:

@@ -20,6 +20,8 @@ def comparison_tables(data: Mapping[str, Any], width: int, most_trials: int = 24
     if 1 < len(data["trials"]) <= most_trials:
         tables += [_trials_table(data, columns) for columns in parts]
     tables += [_summary_table(data, columns) for columns in parts]
+    if len(data["settings"]["strategies"]) > 1:
+        tables.append(_leaders_table(data))
     return Group(*tables, Text(_legend(data["settings"]["thresholds"]) + _troubles(data)))
 
 
@@ -56,6 +58,22 @@ def _summary_table(data: Mapping[str, Any], parts: tuple[str, ...]) -> Table:
         if "scores" in parts:
             cells += [_count(row["evaluations_median"]), _number(row["seconds_median"], 1)]
         table.add_row(*map(Text, cells))
+    return table
+
+
+def _leaders_table(data: Mapping[str, Any]) -> Table:
+    """Who leads after so many units: the three best medians of the score that the strategies maximised."""
+    names = _short_names(data)
+    table = _table("best score (median) after so many units", data)
+    for heading in ("scene", "units", "first", "second", "third"):
+        table.add_column(heading, justify="right" if heading == "units" else "left", overflow="fold")
+    for scene, name in names.items():
+        rows = [row for row in data["summary"] if row["scene"] == scene]
+        for units in rows[0]["score_at_median"] if rows else ():
+            reached = [(row["score_at_median"][units], row["strategy"]) for row in rows]
+            ranked = sorted((r for r in reached if r[0] is not None), key=lambda r: (-r[0], r[1]))[:3]
+            cells = [f"{strategy} {_count(value)}" for value, strategy in ranked]
+            table.add_row(*map(Text, (name, units, *cells, *[""] * (3 - len(cells)))))
     return table
 
 

@@ -62,6 +62,11 @@ class Trace:
         values = self.values[self.cost <= cost * (1.0 + _ROUNDING)]
         return float(np.nanmax(values)) if np.isfinite(values).any() else None
 
+    def charged_within(self, cost: float) -> Float[np.ndarray, "n"] | None:
+        """The last best point that was declared without a value by the time that `cost` units were spent, if any."""
+        points = self.points[(self.cost <= cost * (1.0 + _ROUNDING)) & np.isnan(self.values)]
+        return points[-1] if len(points) else None
+
 
 @dataclass
 class Recorder:

@@ -19,6 +19,16 @@ class Idle(AbstractStrategy):
         return Outcome(start, Status.STALLED, "it has no wish to move")
 
 
+@dataclass(frozen=True)
+class Inside(AbstractStrategy):
+    """Works inside JAX: declares two points and what they cost, and asks for no value."""
+
+    def run(self, objective, start, budget, seed):
+        objective.charge(150.0, start)
+        objective.charge(200.0, start + 0.5)
+        return Outcome(start, Status.CONVERGED)
+
+
 class Needy(Idle):
     needs = Need.RESIDUALS
 
@@ -56,6 +66,17 @@ def test_a_need_that_is_not_met_is_skipped_with_the_reason(scene):
     assert {t.status for t in rows["idle"]} == {"STALLED"}
     summary = {row.strategy: row for row in table.summary}
     assert (summary["needy"].skipped, summary["needy"].failed, summary["needy"].success_rate) == (2, 0, None)
+
+
+def test_points_declared_without_a_value_are_valued_for_the_marks(scene):
+    given, task = scene(), SMALL | {"draws": 1, "budget": Budget(evaluations=2000)}
+    table = compare(given.rig, given.pairs, strategies={"inside": Inside(), "idle": Idle()}, **task)
+    inside, idle = table.trials
+    assert inside.score_at["100"] is None
+    assert inside.score_at["300"] == idle.score_at["100"]  # both the start
+    assert inside.score_at["1000"] != inside.score_at["300"]
+    medians = {row.strategy: row.score_at_median for row in table.summary}
+    assert medians["inside"] == inside.score_at
 
 
 def test_ctrl_c_keeps_what_is_finished(scene):
