@@ -9,7 +9,7 @@ from stereorecal.geometry import AXES, Scene, StereoRig
 from stereorecal.matching import AbstractMatcher
 from stereorecal.recalibration import Schedule, Solution, recalibrate
 from stereorecal.scoring import score
-from stereorecal.strategies import AbstractStrategy, Budget, Reach, Status, objective
+from stereorecal.strategies import AbstractStrategy, Budget, Reach, Status, chart_around, objective
 
 SCORE_AT = (100, 300, 1000)  # units
 
@@ -127,14 +127,20 @@ def _finished(task: Task, solution: Solution) -> Trial:
 
 
 def _scores_at(task: Task, solution: Solution) -> dict[str, float | None]:
-    """What a strategy had reached at each mark; points that it declared without a value are evaluated now."""
+    """What a strategy had reached at each mark. Points that it declared without a value are evaluated now; one that
+    spent nothing had its candidate from the beginning."""
     trace = solution.trace
-    charged = {cost: point for cost in SCORE_AT if (point := trace.charged_within(cost)) is not None}
     found = {cost: [trace.best_within(cost)] for cost in SCORE_AT}
-    if charged:
+    if len(trace.values):
+        unvalued = {cost: trace.charged_within(cost) for cost in SCORE_AT}
+    else:
+        chart = chart_around(task.start, task.reach)
+        unvalued = dict.fromkeys(SCORE_AT, np.asarray(chart.coordinates(solution.candidate.extrinsics)))
+    wanted = {cost: point for cost, point in unvalued.items() if point is not None}
+    if wanted:
         view, options = solution.view, {"matcher": task.matcher, "reach": task.reach, "scale": task.scale}
         judge = objective(task.start, task.scene.pairs, view=view, **options)
-        for cost, point in charged.items():
+        for cost, point in wanted.items():
             found[cost].append(judge.value(point))
     return {str(cost): max((v for v in values if v is not None), default=None) for cost, values in found.items()}
 

@@ -85,7 +85,7 @@ class Recorder:
         fits = wanted
         if self.exhausted or self._late():
             fits = 0
-        elif self.budget.evaluations is not None:
+        elif self.budget.evaluations is not None and cost > 0:
             left = self.budget.evaluations * (1.0 + _ROUNDING) - self.spent
             fits = int(min(wanted, max(0.0, left) // cost))
         self.exhausted = self.exhausted or fits < wanted

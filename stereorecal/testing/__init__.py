@@ -1,7 +1,9 @@
-"""Conformance kits for authors of plug-ins."""
+"""Conformance kits for authors of plug-ins: strategies and matchers."""
 
 from stereorecal.testing._kit import (
-    CheckResult as CheckResult,
+    MatcherConformance as MatcherConformance,
     StrategyConformance as StrategyConformance,
+    check_matcher as check_matcher,
     check_strategy as check_strategy,
 )
+from stereorecal.testing._report import CheckResult as CheckResult

@@ -1,33 +1,25 @@
-"""The conformance kit in its two library forms: a function, and a pytest class to inherit from."""
+"""The conformance kits in their two library forms: a function, and a pytest class to inherit from."""
 
-from dataclasses import dataclass
 from typing import ClassVar
 
+from stereorecal.matching import AbstractMatcher
 from stereorecal.strategies import AbstractStrategy
-from stereorecal.testing import _checks
-
-
-@dataclass(frozen=True)
-class CheckResult:
-    """One check: its name, whether it passed, and if not, why."""
-
-    name: str
-    passed: bool
-    message: str = ""
+from stereorecal.testing._checks import checks_for
+from stereorecal.testing._matcher_checks import matcher_checks_for
+from stereorecal.testing._report import CheckResult, add_tests, run_checks
 
 
 def check_strategy(strategy: AbstractStrategy) -> tuple[CheckResult, ...]:
     """Run every conformance check that is meant for a strategy of its need, without pytest."""
-    return tuple(_result(check, strategy) for check in _checks.checks_for(strategy))
+    return run_checks(checks_for(strategy), strategy)
 
 
-def _result(check, strategy: AbstractStrategy) -> CheckResult:
-    name = check.__name__.replace("_", " ")
-    try:
-        check(strategy)
-    except Exception as error:  # whatever a bad strategy raises is its failure, not the kit's
-        return CheckResult(name, False, str(error) or repr(error))
-    return CheckResult(name, True)
+def check_matcher(matcher: AbstractMatcher) -> tuple[CheckResult, ...]:
+    """Run every conformance check that is meant for a matcher of its kind, without pytest.
+
+    The range is the kit's own: `min_disparity` and `num_disparities` are replaced.
+    """
+    return run_checks(matcher_checks_for(matcher), matcher)
 
 
 class StrategyConformance:
@@ -41,13 +33,18 @@ class StrategyConformance:
 
     def __init_subclass__(cls, **options) -> None:
         super().__init_subclass__(**options)
-        for check in _checks.checks_for(cls.strategy):
-            setattr(cls, f"test_{check.__name__}", _as_test(check))
+        add_tests(cls, checks_for(cls.strategy), cls.strategy)
 
 
-def _as_test(check):
-    def test(self) -> None:
-        check(self.strategy)
+class MatcherConformance:
+    """Inherit, give `matcher`, and pytest runs every check that is meant for a matcher of its kind::
 
-    test.__doc__ = check.__doc__
-    return test
+    class TestMine(MatcherConformance):
+        matcher = Mine()
+    """
+
+    matcher: ClassVar[AbstractMatcher]
+
+    def __init_subclass__(cls, **options) -> None:
+        super().__init_subclass__(**options)
+        add_tests(cls, matcher_checks_for(cls.matcher), cls.matcher)

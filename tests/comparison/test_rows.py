@@ -79,6 +79,21 @@ def test_points_declared_without_a_value_are_valued_for_the_marks(scene):
     assert medians["inside"] == inside.score_at
 
 
+@dataclass(frozen=True)
+class Free(AbstractStrategy):
+    """Asks nothing, and nominates a point."""
+
+    def run(self, objective, start, budget, seed):
+        return Outcome(start + 0.25, Status.CONVERGED)
+
+
+def test_a_candidate_that_cost_nothing_was_there_from_the_beginning(scene):
+    trial = run(scene, {"free": Free()}, draws=1).trials[0]
+    assert trial.cost == 0
+    assert len(set(trial.score_at.values())) == 1
+    assert trial.score_at["100"] > 0
+
+
 def test_ctrl_c_keeps_what_is_finished(scene):
     calls = []
     table = run(scene, {"interrupted": Interrupted()}, draws=3, progress=lambda *numbers: calls.append(numbers))

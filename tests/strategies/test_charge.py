@@ -35,3 +35,20 @@ def test_points_outside_the_box_are_refused(counter, best):
     with pytest.raises(ValueError, match=r"unit box|shape"):
         objective.charge(1.0, best=np.array(best))
     assert objective.spent == 0
+
+
+def test_a_step_that_does_not_fit_is_refused_before_it_begins(counter):
+    objective = counter.objective(evaluations=4)
+    objective.reserve(0.0)
+    objective.reserve(4.0)
+    assert objective.spent == 0
+    objective.charge(1.5, best=np.zeros(2))
+    with pytest.raises(BudgetExhausted):
+        objective.reserve(3.0)
+    with pytest.raises(BudgetExhausted):
+        objective.value(np.zeros(2))
+    assert counter.evaluated == 0
+
+
+def test_a_gradient_costs_one_evaluation_more_than_there_are_coordinates(counter):
+    assert counter.objective(cost=0.25).gradient_cost == 0.75

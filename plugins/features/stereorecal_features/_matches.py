@@ -1,0 +1,92 @@
+"""Matches between the left and the right images, as rays of the two cameras."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from jaxtyping import Bool, Float
+
+from stereorecal.geometry import Camera, Pair, StereoRig
+
+Pixels = Float[np.ndarray, "m 2"]
+PixelsOfFrame = Float[np.ndarray, "_ 2"]  # each frame has its own number of matches
+
+# OpenCV's default of five iterations is not enough for wide lenses.
+_UNDISTORTION = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 100, 1e-6)
+# A pixel whose ray leads back to another pixel lies where the lens model cannot be inverted.
+_ROUND_TRIP_PX = 0.05
+_SLOPE_STEP = 1e-5
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """Where one camera sees the matched points.
+
+    Attributes:
+        rays: (m, 3) rays (x/z, y/z, 1), camera frame.
+        per_px: (m, 2, 2) derivatives of (x/z, y/z) by the pixel (column, row), lens distortion included.
+    """
+
+    rays: Float[np.ndarray, "m 3"]
+    per_px: Float[np.ndarray, "m 2 2"]
+
+    def __len__(self) -> int:
+        return len(self.rays)
+
+    def __getitem__(self, chosen: Bool[np.ndarray, "m"]) -> "Seen":
+        return Seen(self.rays[chosen], self.per_px[chosen])
+
+
+def matched_pixels(pair: Pair, features: int, contrast: float, ratio: float) -> tuple[Pixels, Pixels]:
+    """Pixels (column, row), left and right, of SIFT features that are each other's nearest in descriptor space.
+
+    Args:
+        features: at most so many in each image, those of the highest contrast.
+        contrast: OpenCV's `contrastThreshold`.
+        ratio: the nearest must be nearer than this fraction of the distance to the second nearest (Lowe's test).
+    """
+    # Without precise upscaling every feature is off by a fraction of a pixel.
+    sift = cv2.SIFT.create(nfeatures=features, contrastThreshold=contrast, enable_precise_upscale=True)
+    (left, left_words), (right, right_words) = (_described(sift, image) for image in (pair.left, pair.right))
+    if min(len(left), len(right)) < 2:  # no second nearest
+        return left[:0], right[:0]
+    # Words are whole numbers up to 255, so these sums are exact in float32, in any order.
+    apart = np.square(left_words).sum(1)[:, None] + np.square(right_words).sum(1) - 2.0 * left_words @ right_words.T
+    everyone, nearest = np.arange(len(left)), apart.argmin(1)
+    mutual = apart.argmin(0)[nearest] == everyone
+    first = apart[everyone, nearest]
+    apart[everyone, nearest] = np.inf
+    chosen = mutual & (first < ratio**2 * apart.min(1))
+    return left[chosen], right[nearest[chosen]]
+
+
+def seen_by_both(rig: StereoRig, pixels: Sequence[tuple[PixelsOfFrame, PixelsOfFrame]]) -> tuple[Seen, Seen]:
+    """Matched pixels of all frames together, as the left and the right camera see them."""
+    left, right = (np.concatenate(side) for side in zip(*pixels, strict=True))
+    (left_rays, left_good), (right_rays, right_good) = _rays(rig.left, left), _rays(rig.right, right)
+    good = left_good & right_good
+    return _seen(rig.left, left_rays[good]), _seen(rig.right, right_rays[good])
+
+
+def _described(sift: cv2.SIFT, image: Float[np.ndarray, "h w"]) -> tuple[Pixels, Float[np.ndarray, "m 128"]]:
+    points, words = sift.detectAndCompute(np.clip(np.rint(image), 0, 255).astype(np.uint8), None)
+    pixels = np.array([point.pt for point in points], float).reshape(-1, 2)
+    return pixels, np.zeros((0, 128), np.float32) if words is None else words
+
+
+def _rays(camera: Camera, pixels: Pixels) -> tuple[Float[np.ndarray, "m 3"], Bool[np.ndarray, "m"]]:
+    """Rays through pixels, and which of them can be trusted."""
+    if not len(pixels):  # OpenCV refuses an empty list
+        return np.zeros((0, 3)), np.zeros(0, bool)
+    matrix, coefficients = np.asarray(camera.matrix), np.asarray(camera.distortion)
+    ideal = cv2.undistortPoints(pixels[:, None], matrix, coefficients, criteria=_UNDISTORTION)[:, 0]
+    rays = np.concatenate([ideal, np.ones_like(ideal[:, :1])], axis=1)
+    returns = np.abs(camera.project(rays) - pixels).max(1) < _ROUND_TRIP_PX
+    return rays, returns & (np.linalg.norm(ideal, axis=1) < camera.lens_radius)
+
+
+def _seen(camera: Camera, rays: Float[np.ndarray, "m 3"]) -> Seen:
+    steps = _SLOPE_STEP * np.eye(3)[:2]
+    slopes = [(camera.project(rays + step) - camera.project(rays - step)) / (2.0 * _SLOPE_STEP) for step in steps]
+    return Seen(rays, np.linalg.inv(np.stack(slopes, axis=-1)))

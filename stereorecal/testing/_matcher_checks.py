@@ -1,0 +1,175 @@
+"""The conformance checks of matchers: what a score takes for granted.
+
+They run on texture that is smooth enough to interpolate and rich enough to match, shifted by known amounts.
+"""
+
+import pickle
+from collections.abc import Callable
+from dataclasses import replace
+
+import cv2
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal._errors import InputError
+from stereorecal.matching import AbstractMatcher, Disparity
+
+_SIZE = (160, 96)
+_BORDER = 24  # columns and rows that a window or the range may not reach
+_COUNT = 32
+Image = Float[np.ndarray, "h w"]
+Check = Callable[[AbstractMatcher], None]
+
+
+def says_what_it_found_in_one_form(matcher: AbstractMatcher) -> None:
+    """Values (h, w) float32 and validity (h, w) bool, and its inputs are left as they were."""
+    left, right = _pair(5)
+    before = left.copy(), right.copy()
+    found = matcher_at(matcher).match(left, right)
+    shape = (_SIZE[1], _SIZE[0])
+    assert found.values.shape == found.valid.shape == shape, f"it returns {found.values.shape} for images of {shape}"
+    assert found.values.dtype == np.float32, f"values are {found.values.dtype}, not float32"
+    assert found.valid.dtype == bool, f"validity is {found.valid.dtype}, not bool"
+    assert np.array_equal(left, before[0]), "it changes the left image"
+    assert np.array_equal(right, before[1]), "it changes the right image"
+
+
+def finds_known_shifts(matcher: AbstractMatcher) -> None:
+    """Shifted texture has the disparity of the shift, x_left - x_right, at most pixels; 0 and half pixels as well."""
+    for shift in (0, 7, 12.5):
+        _assert_finds(matcher_at(matcher), shift)
+
+
+def searches_its_range(matcher: AbstractMatcher) -> None:
+    """It searches from `min_disparity`, negative ones too, and nothing outside its range is valid."""
+    for lowest, shift in ((-8, -4), (4, 9)):
+        ranged = matcher_at(matcher, lowest, 24)
+        _assert_finds(ranged, shift)
+        values = _values(ranged.match(*_pair(shift)))
+        assert values.min() > lowest - 1, f"it finds {values.min()} below min_disparity {lowest}"
+        assert values.max() < lowest + 24, f"it finds {values.max()}, beyond its range"
+
+
+def invents_nothing(matcher: AbstractMatcher) -> None:
+    """Of two images that have nothing to do with each other far from all match, and of flat ones nothing."""
+    left, right = _texture(0), _texture(1)
+    share = float(np.mean(matcher_at(matcher).match(left, right).valid))
+    assert share < 0.7, f"{100 * share:.0f} % of unrelated images match"
+    flat = np.full_like(left, 128.0)
+    assert not np.any(matcher_at(matcher).match(flat, flat).valid), "flat images match"
+
+
+def loses_matches_when_rows_do_not_align(matcher: AbstractMatcher) -> None:
+    """Six rows of misalignment cost it a quarter of its matches: what every score here rests on."""
+    left, right = _pair(6)
+    aligned = np.sum(matcher_at(matcher).match(left, right).valid)
+    shifted = np.sum(matcher_at(matcher).match(left, np.roll(right, 6, axis=0)).valid)
+    assert shifted < 0.75 * aligned, f"misaligned by 6 rows it still finds {shifted / aligned:.2f} of its matches"
+
+
+def is_deterministic(matcher: AbstractMatcher) -> None:
+    """The same images give the same result."""
+    first, second = (matcher_at(matcher).match(*_pair(5)) for _ in range(2))
+    same = np.array_equal(first.values, second.values) and np.array_equal(first.valid, second.valid)
+    assert same, "two runs differ"
+
+
+def asks_for_its_range(matcher: AbstractMatcher) -> None:
+    """Without `num_disparities`, or with more than the image is wide, it refuses with an InputError."""
+    for count in (None, _SIZE[0] + 32):
+        try:
+            replace(matcher, min_disparity=0, num_disparities=count).match(*_pair(5))
+        except InputError:
+            continue
+        raise AssertionError(f"it accepts num_disparities={count} for an image {_SIZE[0]} pixels wide")
+
+
+def travels(matcher: AbstractMatcher) -> None:
+    """It pickles, its copy is equal, and it can be hashed: programs are compiled once for each matcher."""
+    assert pickle.loads(pickle.dumps(matcher)) == matcher, "a pickled copy is not equal"
+    assert hash(matcher) == hash(pickle.loads(pickle.dumps(matcher))), "a copy has another hash"
+
+
+def can_be_traced(matcher: AbstractMatcher) -> None:
+    """Compiled and batched it finds what it finds eagerly."""
+    traced, (left, right) = matcher_at(matcher), _pair(5)
+    expected = traced.match(left, right)
+    compiled = jax.jit(traced.match)(left, right)
+    both = jax.vmap(traced.match)(jnp.stack([left, left]), jnp.stack([right, right]))
+    batched = jax.tree.map(lambda leaf: leaf[1], both)
+    for name, found in (("compiled", compiled), ("batched", batched)):
+        differs = np.mean(np.asarray(found.valid) != np.asarray(expected.valid))
+        assert differs < 1e-3, f"{name}, {100 * differs:.1f} % of the pixels differ"
+
+
+def is_smooth(matcher: AbstractMatcher) -> None:
+    """Its differentiable twin has confidences in [0, 1], a finite gradient, and tends to its validity."""
+    smooth, (left, right) = matcher_at(matcher), _pair(5.5)
+    confidence = np.asarray(smooth.soft_match(left, right, 1e-4).confidence).sum(axis=0)
+    assert confidence.min() >= 0.0, "a confidence is negative"
+    assert confidence.max() <= 1.0 + 1e-4, "a confidence exceeds 1"
+    valid = np.asarray(smooth.match(left, right).valid)
+    differs = float(np.mean(np.abs(confidence - valid)))
+    assert differs < 0.05, f"without temperature it differs from `match` at {100 * differs:.1f} % of the pixels"
+    gradient = jax.grad(lambda image: smooth.soft_match(left, image, 0.1).confidence.sum())(jnp.asarray(right))
+    assert np.isfinite(gradient).all(), "its gradient is not finite"
+    assert np.any(np.asarray(gradient) != 0), "its gradient is 0"
+
+
+_ALL: tuple[Check, ...] = (
+    says_what_it_found_in_one_form,
+    finds_known_shifts,
+    searches_its_range,
+    invents_nothing,
+    loses_matches_when_rows_do_not_align,
+    is_deterministic,
+    asks_for_its_range,
+    travels,
+)
+
+
+def matcher_checks_for(matcher: AbstractMatcher) -> tuple[Check, ...]:
+    """The checks that are meant for a matcher of its kind."""
+    return (*_ALL, *((can_be_traced,) if matcher.traceable else ()), *((is_smooth,) if matcher.smooth else ()))
+
+
+def matcher_at(matcher: AbstractMatcher, lowest: int = 0, count: int = _COUNT) -> AbstractMatcher:
+    """The matcher with the kit's own range."""
+    return replace(matcher, min_disparity=lowest, num_disparities=count)
+
+
+def _texture(seed: int, width: int = _SIZE[0]) -> Image:
+    noise = np.random.default_rng(seed).normal(size=(_SIZE[1], width))
+    smooth = cv2.GaussianBlur(noise, (0, 0), 1.5)
+    return np.clip(128.0 + 40.0 * smooth / smooth.std(), 0, 255).astype(np.float32)
+
+
+def _pair(shift: float) -> tuple[Image, Image]:
+    """Left and right of a wall at disparity `shift`: what the left image shows at x, the right one shows at x - shift.
+
+    Both images move by half of it, so that neither is sharper than the other.
+    """
+    wide, margin = _texture(7, _SIZE[0] + 128), 64
+    columns = np.arange(_SIZE[0], dtype=np.float32)[None].repeat(_SIZE[1], axis=0)
+    rows = np.arange(_SIZE[1], dtype=np.float32)[:, None].repeat(_SIZE[0], axis=1)
+    left, right = (
+        cv2.remap(wide, columns + np.float32(margin + half), rows, cv2.INTER_CUBIC) for half in (-shift / 2, shift / 2)
+    )
+    return np.clip(left, 0, 255), np.clip(right, 0, 255)
+
+
+def _values(found: Disparity) -> Float[np.ndarray, "n"]:
+    values = np.asarray(found.values)[np.asarray(found.valid)]
+    assert values.size, "it finds nothing at all"
+    return values
+
+
+def _assert_finds(matcher: AbstractMatcher, shift: float) -> None:
+    found = matcher.match(*_pair(shift))
+    inner = np.s_[_BORDER:-_BORDER, _BORDER + _COUNT : -_BORDER]
+    valid, values = np.asarray(found.valid)[inner], np.asarray(found.values)[inner]
+    assert valid.mean() > 0.7, f"at a shift of {shift} it finds {100 * valid.mean():.0f} % of the pixels, not 70 %"
+    error = float(np.median(np.abs(values[valid] - shift)))
+    assert error < 0.3, f"at a shift of {shift} it is off by {error:.2f} pixels"
