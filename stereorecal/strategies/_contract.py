@@ -57,11 +57,12 @@ class AbstractStrategy(abc.ABC):
 
     Class attributes:
         needs: what the objective must offer. The core checks it before anything runs.
-        min_dim: least number of free parameters it works with.
+        min_dim, max_dim: least and greatest number of free parameters it works with; None: no limit.
     """
 
     needs: ClassVar[Need] = Need.HOST
     min_dim: ClassVar[int] = 1
+    max_dim: ClassVar[int | None] = None
 
     @abc.abstractmethod
     def run(self, objective: "Objective", start: Float[np.ndarray, "n"], budget: "Budget", seed: int) -> Outcome:

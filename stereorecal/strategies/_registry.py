@@ -11,8 +11,15 @@ from stereorecal._errors import InputError, StrategyError
 from stereorecal.strategies._contract import AbstractStrategy
 
 GROUP = "stereorecal.strategies"
-# What to install for a name that is missing.
-_KNOWN = {"compass": "'stereorecal[default]'"}
+# Names, or how they begin, of strategies that may be missing: what to install, and its folder in a clone.
+_KNOWN = {
+    "compass": ("'stereorecal[default]'", "compass"),
+    "gradient-descent": ("'stereorecal[default]'", "compass"),
+    "secant": ("'stereorecal[default]'", "compass"),
+    "optimistix-": ("'stereorecal[default]'", "optimistix"),
+    "nlopt-": ("stereorecal-nlopt", "nlopt"),
+    "features": ("stereorecal-features", "features"),
+}
 
 
 @dataclass(frozen=True)
@@ -96,10 +103,12 @@ def _entry_point(name: str) -> EntryPoint:
 
 
 def _missing(name: str) -> str:
-    if name in _KNOWN:
-        line = f"pip install {_KNOWN[name]} (in a clone: pip install -e plugins/{name})"
-        return f"strategy {name} is not installed; run: {line}"
     installed = strategies()
+    for known, (what, folder) in _KNOWN.items():
+        family = known.endswith("-") and name.startswith(known)
+        if name == known or (family and not any(other.startswith(known) for other in installed)):
+            line = f"pip install {what} (in a clone: pip install -e plugins/{folder})"
+            return f"strategy {name} is not installed; run: {line}"
     close = difflib.get_close_matches(name, installed, 1)
     hint = f"did you mean {close[0]}?" if close else f"installed: {', '.join(installed) or 'none'}."
     return f"unknown strategy {name!r}; {hint}"

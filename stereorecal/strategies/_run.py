@@ -51,6 +51,8 @@ def run_strategy(
     require(objective, strategy.needs, name)
     if objective.dim < strategy.min_dim:
         raise NeedNotMet(f"strategy {name} needs at least {strategy.min_dim} free parameters, not {objective.dim}.")
+    if strategy.max_dim is not None and objective.dim > strategy.max_dim:
+        raise NeedNotMet(f"strategy {name} takes at most {strategy.max_dim} free parameters, not {objective.dim}.")
     budget = Budget() if budget is None else budget
     metered = objective.with_budget(budget)
     start = np.array(start, float)

@@ -22,7 +22,7 @@ from stereorecal.testing import _problems
 from stereorecal.testing._stereo import stereo_objective
 
 Check = Callable[[AbstractStrategy], None]
-_PLENTY = Budget(evaluations=4000)
+_PLENTY = Budget(evaluations=2000)
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ _ANALYTIC = (*_SCORES, Need.RESIDUALS)
 
 @_check_for(*_ANALYTIC)
 def climbs_a_smooth_bowl(strategy: AbstractStrategy) -> None:
-    """In 1 and 6 dimensions it climbs most of a smooth bowl."""
+    """In the fewest and the most dimensions that it takes, 1 to 6, it climbs most of a smooth bowl."""
     for dim in _dimensions(strategy):
         _assert_climbs(strategy, _bowl(strategy, dim), 0.9)
 
@@ -188,7 +188,7 @@ def repairs_a_stereo_rig(strategy: AbstractStrategy) -> None:
     """It wins back part of the score of a small rendered rig that is half a degree off, the same way twice."""
     objective, truth = stereo_objective()
     start = np.zeros(objective.dim)
-    runs = [run_strategy(strategy, objective, start, Budget(evaluations=300), seed=1) for _ in range(2)]
+    runs = [run_strategy(strategy, objective, start, Budget(evaluations=100), seed=1) for _ in range(2)]
     run, target = runs[0], float(objective.problem.values(truth[None])[0])
     gained = (run.value - run.start_value) / (target - run.start_value)
     assert gained >= 0.2, f"it wins back {gained:.2f} of the lost score, not 0.2"
@@ -224,11 +224,11 @@ class _Watched(Objective):
 
 
 def _dimensions(strategy: AbstractStrategy) -> tuple[int, ...]:
-    return tuple(dim for dim in (1, 6) if dim >= strategy.min_dim)
+    return strategy.min_dim, 6 if strategy.max_dim is None else min(6, strategy.max_dim)
 
 
 def _at_least(strategy: AbstractStrategy, dim: int) -> int:
-    return max(dim, strategy.min_dim)
+    return max(strategy.min_dim, dim if strategy.max_dim is None else min(dim, strategy.max_dim))
 
 
 def _bowl(strategy: AbstractStrategy, dim: int, meter: _problems.Meter | None = None) -> Problem:

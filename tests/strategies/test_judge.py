@@ -174,6 +174,14 @@ def test_needs_are_checked_before_anything_runs(need, words):
         judged(Needy())
 
 
+def test_greatest_number_of_parameters():
+    class Narrow(Crashing):
+        max_dim = 1
+
+    with pytest.raises(NeedNotMet, match="Narrow takes at most 1 free parameters, not 2"):
+        run_strategy(Narrow(), Objective(Problem(2, lambda points: points.sum(axis=1))), np.zeros(2))
+
+
 def test_least_number_of_parameters():
     class Wide(Crashing):
         min_dim = 2

@@ -63,10 +63,20 @@ def test_nothing_installed(installed):
         strategy("xyz")
 
 
-def test_missing_compass_gives_the_install_line(installed):
+@pytest.mark.parametrize(
+    ("name", "what", "folder"),
+    [
+        ("compass", r"'stereorecal\[default\]'", "compass"),
+        ("secant", r"'stereorecal\[default\]'", "compass"),
+        ("optimistix-bfgs", r"'stereorecal\[default\]'", "optimistix"),
+        ("nlopt-bobyqa", "stereorecal-nlopt", "nlopt"),
+        ("features", "stereorecal-features", "features"),
+    ],
+)
+def test_a_missing_one_of_ours_gives_the_install_line(installed, name: str, what: str, folder: str):
     installed()
-    with pytest.raises(InputError, match=r"strategy compass is not installed; .*'stereorecal\[default\]'"):
-        strategy("compass")
+    with pytest.raises(InputError, match=f"strategy {name} is not installed; run: pip install {what} .*/{folder}"):
+        strategy(name)
 
 
 def test_doubled_name_says_both_distributions(installed):

@@ -1,0 +1,91 @@
+"""Local methods without derivatives."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import nlopt
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal.strategies import AbstractStrategy, Budget, Objective, Outcome
+from stereorecal_nlopt._search import Memory, check_steps, over_the_box, search, values_of
+
+
+@dataclass(frozen=True)
+class AbstractLocal(AbstractStrategy):
+    """A local method of NLopt that asks for values only.
+
+    Attributes:
+        step: first step, in half widths of the search box.
+        xtol: the search ends when its steps are shorter.
+        ftol: it ends when the score changes by a smaller share of itself; 0 for never, as counts are flat in places.
+    """
+
+    step: float = 1.0 / 8.0
+    xtol: float = 1.0 / 128.0
+    ftol: float = 0.0
+    algorithm: ClassVar[int]
+
+    def __post_init__(self) -> None:
+        check_steps(self.step, self.xtol, self.ftol)
+
+    def run(self, objective: Objective, start: Float[np.ndarray, "n"], budget: Budget, seed: int) -> Outcome:
+        """See `AbstractStrategy.run`."""
+        opt = over_the_box(self.algorithm, objective.dim)
+        opt.set_initial_step(self.step)
+        opt.set_xtol_abs(self.xtol)
+        opt.set_ftol_rel(self.ftol)
+        memory = Memory(start)
+        return search(opt, values_of(objective, memory), memory, seed)
+
+
+@dataclass(frozen=True)
+class Bobyqa(AbstractLocal):
+    """BOBYQA: a trust region with a quadratic model through 2n + 1 points (Powell 2009)."""
+
+    algorithm = nlopt.LN_BOBYQA
+
+
+@dataclass(frozen=True)
+class Cobyla(AbstractLocal):
+    """COBYLA: a trust region with a linear model through n + 1 points (Powell 1994)."""
+
+    algorithm = nlopt.LN_COBYLA
+
+
+@dataclass(frozen=True)
+class NewuoaBound(AbstractLocal):
+    """NEWUOA with bounds: the quadratic models before BOBYQA's (Powell 2004, bounds by Johnson)."""
+
+    algorithm = nlopt.LN_NEWUOA_BOUND
+    min_dim = 2
+
+
+@dataclass(frozen=True)
+class NelderMead(AbstractLocal):
+    """Nelder-Mead: a simplex that crawls uphill (Nelder & Mead 1965, bounds after Box 1965)."""
+
+    algorithm = nlopt.LN_NELDERMEAD
+
+
+@dataclass(frozen=True)
+class Sbplx(AbstractLocal):
+    """Subplex: Nelder-Mead on a sequence of subspaces (Rowan 1990, Johnson's own version)."""
+
+    algorithm = nlopt.LN_SBPLX
+
+
+@dataclass(frozen=True)
+class Praxis(AbstractLocal):
+    """PRAXIS: line searches along principal axes that it learns, with random steps (Brent 1972).
+
+    Attributes:
+        step: first step; PRAXIS makes it at least 100 xtol.
+        xtol: the search ends when its steps are shorter. PRAXIS also takes it for the least step that tells two values
+            apart: with a small one it is lost on the plateaus of a count.
+        ftol: it ends when the score changes by a smaller share of itself; 0 for never.
+    """
+
+    xtol: float = 1.0 / 16.0
+    algorithm = nlopt.LN_PRAXIS
+    min_dim = 2

@@ -1,0 +1,96 @@
+"""What all solvers that follow a derivative share: the loop on the host."""
+
+import abc
+from dataclasses import dataclass
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from stereorecal.strategies import AbstractStrategy, Budget, Objective, Outcome, Status, Traced
+from stereorecal_optimistix._best import Best
+from stereorecal_optimistix._chart import Chart, chart_at
+from stereorecal_optimistix._options import check_options
+from stereorecal_optimistix._step import Solver, Tangent, advance, begin
+
+
+class View(eqx.Module):
+    """What a look at one point shows.
+
+    Attributes:
+        z: the point, in the box.
+        score: the score there, to be maximised.
+        value: what the solver makes small: minus the score, or the residuals.
+        slope: the derivative of `value` with respect to the solver's v.
+    """
+
+    z: Float[Array, "n"]
+    score: Float[Array, ""]
+    value: Float[Array, "*m"]
+    slope: Float[Array, "*m n"]
+
+
+@dataclass(frozen=True)
+class AbstractClimb(AbstractStrategy):
+    """A solver that looks once a step, at a value and its derivative.
+
+    Attributes:
+        rtol, atol: the search ends when a step changes both v and the value by less than atol + rtol times their size.
+        steps: the most steps that it takes, rejected ones included.
+    """
+
+    rtol: float = 1e-3
+    atol: float = 1e-3
+    steps: int = 100
+
+    def __post_init__(self) -> None:
+        check_options(self)
+
+    @abc.abstractmethod
+    def solver(self) -> Solver:
+        """The solver of optimistix."""
+
+    @abc.abstractmethod
+    def look(self, traced: Traced, chart: Chart, v: Float[Array, "n"]) -> View:
+        """One look, in one compiled call."""
+
+    def chart(self, start: Float[np.ndarray, "n"]) -> Chart:
+        """The chart it walks on."""
+        return chart_at(start)
+
+    def scale(self, first: View) -> Float[Array, ""]:
+        """What the solver's function is divided by, so that options are free of the score's unit."""
+        return jnp.linalg.norm(first.slope)
+
+    def run(self, objective: Objective, start: Float[np.ndarray, "n"], budget: Budget, seed: int) -> Outcome:
+        """See `AbstractStrategy.run`. Deterministic: `seed` is not used."""
+        solver, chart, best = self.solver(), self.chart(start), Best(start)
+        cost = objective.gradient_cost
+
+        def look(v: jax.Array) -> View:
+            objective.reserve(cost)
+            view = self.look(objective.traced, chart, v)
+            best.see(np.asarray(view.z, float), float(view.score))
+            objective.charge(cost, best=best.z)
+            return view
+
+        v = jnp.zeros(objective.dim)  # of JAX's default type, as optimistix's own numbers are
+        view = look(v)
+        scale = self.scale(view)
+        if not 0.0 < float(scale) < np.inf:
+            slope = "vanishes" if scale == 0.0 else "is not finite"
+            return Outcome(best.z, Status.STALLED, f"the derivative {slope} at the start")
+        tangent = Tangent(v, view.value, view.slope, scale)
+        progress = begin(solver, tangent, v)
+        for _ in range(self.steps):
+            progress = advance(solver, tangent, progress)
+            if outcome := progress.outcome(best.z):
+                return outcome
+            v = progress.next
+            if not bool(jnp.isfinite(v).all()):
+                return Outcome(best.z, Status.STALLED, "the score or its derivative is not finite at the last point")
+            view = look(v)
+            tangent = Tangent(v, view.value, view.slope, scale)
+        return Outcome(best.z, Status.STALLED, f"{self.steps} steps were not enough")

@@ -1,0 +1,101 @@
+"""Least-squares solvers, on the residuals."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import ClassVar
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import optimistix as optx
+from jaxtyping import Array, Float
+
+from stereorecal.strategies import Need, Traced
+from stereorecal_optimistix._chart import Chart
+from stereorecal_optimistix._climb import AbstractClimb, View
+from stereorecal_optimistix._step import Solver
+
+
+@eqx.filter_jit
+def look_at_residuals(residuals: Callable[[jax.Array], jax.Array], chart: Chart, v: jax.Array) -> View:
+    """The residuals and their Jacobian, forward: there are many more rows than parameters."""
+
+    def along(direction: jax.Array) -> tuple[jax.Array, jax.Array]:
+        return jax.jvp(lambda v: residuals(chart(v)), (v,), (direction,))
+
+    value, jacobian = jax.vmap(along, out_axes=(None, -1))(jnp.eye(v.size, dtype=v.dtype))
+    return View(chart(v), -0.5 * (value**2).sum(), value, jacobian)
+
+
+@dataclass(frozen=True)
+class AbstractLeastSquares(AbstractClimb):
+    """A least-squares solver: it needs residuals.
+
+    They are divided by the root mean square of the Jacobian's columns at the start, so that moving by the half width of
+    the box changes them by about one, and tolerances mean the same for both.
+
+    Attributes:
+        rtol, atol: the search ends when a step moves by less than atol + rtol times the way from the start, in half
+            widths of the box, and changes no residual by more than that, in the unit above.
+        steps: the most Jacobians that it takes after the first.
+    """
+
+    steps: int = 50
+
+    needs: ClassVar[Need] = Need.RESIDUALS
+
+    def look(self, traced: Traced, chart: Chart, v: Float[Array, "n"]) -> View:
+        """At the residuals."""
+        assert traced.residuals is not None  # the core has checked it
+        return look_at_residuals(traced.residuals, chart, v)
+
+    def scale(self, first: View) -> Float[Array, ""]:
+        """The root mean square of the lengths of the Jacobian's columns."""
+        return jnp.sqrt((first.slope**2).sum(0).mean())
+
+
+@dataclass(frozen=True)
+class LevenbergMarquardt(AbstractLeastSquares):
+    """Levenberg-Marquardt on the residuals: Gauss-Newton, damped as much as it takes to go down.
+
+    Attributes:
+        rtol, atol, steps: see `AbstractLeastSquares`.
+        damping: at the start, relative to the mean diagonal of JᵀJ. Every good step divides it by 3.5 and every bad one
+            multiplies it by 4; give 1 or more where the start is poor.
+    """
+
+    damping: float = 0.01
+
+    def scale(self, first: View) -> Float[Array, ""]:
+        """As above; optimistix starts with a damping of 1, so the unit of the residuals is what sets it."""
+        return super().scale(first) * self.damping**0.5
+
+    def solver(self) -> Solver:
+        """`optimistix.LevenbergMarquardt`."""
+        return optx.LevenbergMarquardt(self.rtol, self.atol)
+
+
+@dataclass(frozen=True)
+class GaussNewton(AbstractLeastSquares):
+    """Gauss-Newton on the residuals: always the full step, with nothing to hold it back.
+
+    Attributes:
+        rtol, atol, steps: see `AbstractLeastSquares`.
+    """
+
+    def solver(self) -> Solver:
+        """`optimistix.GaussNewton`."""
+        return optx.GaussNewton(self.rtol, self.atol)
+
+
+@dataclass(frozen=True)
+class Dogleg(AbstractLeastSquares):
+    """Powell's dogleg on the residuals: Gauss-Newton within a trust region, else down the gradient first.
+
+    Attributes:
+        rtol, atol, steps: see `AbstractLeastSquares`.
+    """
+
+    def solver(self) -> Solver:
+        """`optimistix.Dogleg`."""
+        return optx.Dogleg(self.rtol, self.atol)

@@ -1,0 +1,144 @@
+"""The simplex of Nelder and Mead, on the count itself."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+import optimistix as optx
+from jaxtyping import Array, Float
+
+from stereorecal.strategies import AbstractStrategy, Budget, Objective, Outcome, Status
+from stereorecal_optimistix._best import Best
+from stereorecal_optimistix._chart import chart_at
+from stereorecal_optimistix._options import check_options
+from stereorecal_optimistix._step import Progress, advance, begin
+
+# Two compiled expressions for one point may differ in their last bits; relative.
+_SAME = 1e-6
+# Stands for NaN: worse than any score, and still a number that float32 can tell from the next one.
+_NO_VALUE = -1e30
+
+
+class Answers(eqx.Module):
+    """What is known of a function, as a function: its value at a few points, NaN everywhere else."""
+
+    points: Float[Array, "k n"]
+    values: Float[Array, "k"]
+
+    def __call__(self, v: Float[Array, "n"], args: None) -> tuple[Float[Array, ""], None]:
+        """The function as optimistix calls it."""
+        distance = jnp.abs(self.points - v).max(-1)
+        nearest = jnp.argmin(distance)
+        known = distance[nearest] <= _SAME * jnp.maximum(1.0, jnp.abs(v).max())
+        return jnp.where(known, self.values[nearest], jnp.nan), None
+
+
+def answers(points: Float[np.ndarray, "k n"], values: Float[np.ndarray, "k"]) -> Answers:
+    """Answers of one shape, room for all that one step can ask: old corners, two trials, new corners."""
+    room = 2 * points.shape[1] + 4 - len(points)
+    return Answers(
+        jnp.asarray(np.pad(points, ((0, room), (0, 0)), constant_values=np.inf), float),
+        jnp.asarray(np.pad(values, (0, room), constant_values=np.nan), float),
+    )
+
+
+def settled_step(
+    solver: optx.NelderMead,
+    before: Progress,
+    ask: Callable[[Float[np.ndarray, "k n"]], Float[np.ndarray, "k"]],
+) -> Progress:
+    """One step, repeated until all values that it wants to know are known."""
+    known = len(before.v) + 1 if not before.state.first_pass else 0
+    points, values = np.asarray(before.state.simplex)[:known], np.asarray(before.state.f_simplex)[:known]
+    while True:
+        after = advance(solver, answers(points, values), before)
+        unknown = np.isnan(after.state.f_simplex)
+        if not unknown.any():
+            return after
+        asked = np.asarray(after.state.simplex)[unknown]
+        points, values = np.concatenate([points, asked]), distinct(np.concatenate([values, ask(asked)]))
+
+
+def distinct(values: Float[np.ndarray, "k"]) -> Float[np.ndarray, "k"]:
+    """The same values in float32, each that was there before a little larger.
+
+    Optimistix keeps a reflection that ties with the worst corner, so on a plateau, where counts tie often, it would
+    flip to and fro for ever. A corner that comes later and is no better has to count as worse.
+    """
+    taken: list[np.float32] = []
+    for value in values:
+        single = np.float32(value)
+        while single in taken:
+            single += max(np.spacing(abs(single)), np.finfo(np.float32).tiny)  # XLA takes what is below tiny for 0
+        taken.append(single)
+    return np.array(taken)
+
+
+class Simplex(optx.NelderMead):
+    """`optimistix.NelderMead`, with two faults of optimistix 0.1.0 mended.
+
+    Its first simplex is flat in three dimensions and more: all but two corners coincide, and no step ever leaves their
+    plane. And it looks up the best and the worst corner in the simplex from before the step, so a new corner is taken
+    to lie where the one lay that it replaced, and the simplex shrinks towards a point that is not its best.
+    """
+
+    def init(self, fn: Any, y: Array, *rest: Any, **named: Any) -> Any:
+        """See `optimistix.NelderMead.init`; the first corner is y, the others are one away along each axis."""
+        state = super().init(fn, y, *rest, **named)
+        edges = jnp.eye(y.size + 1, y.size, k=-1, dtype=y.dtype)
+        return eqx.tree_at(lambda s: s.simplex, state, y + edges)
+
+    def step(self, *arguments: Any, **named: Any) -> Any:
+        """See `optimistix.NelderMead.step`."""
+        y, state, aux = super().step(*arguments, **named)
+        corners = state.simplex[state.best[2]], state.simplex[state.worst[2]]
+        return y, eqx.tree_at(lambda s: (s.best[1], s.worst[1]), state, corners), aux
+
+
+@dataclass(frozen=True)
+class NelderMead(AbstractStrategy):
+    """Nelder-Mead on the count: a simplex that flips, stretches and shrinks, without any gradient.
+
+    Optimistix traces the function that it minimises, and a count may live on the host. So a step is a pure function of
+    the answers so far, NaN where there is none: it is repeated until it asks nothing more, and costs what it asked.
+
+    Attributes:
+        rtol, atol: the search ends when the corners of the simplex differ by less than atol + rtol times their size,
+            both in v (in first steps, from the start) and in the score.
+        steps: the most steps that it takes, of one or two evaluations each (n more where the simplex shrinks).
+        step: length of the simplex's first edges, in half widths of the search box.
+    """
+
+    rtol: float = 1e-2
+    atol: float = 1e-2
+    steps: int = 300
+    step: float = 1.0 / 8.0
+
+    def __post_init__(self) -> None:
+        check_options(self)
+
+    def run(self, objective: Objective, start: Float[np.ndarray, "n"], budget: Budget, seed: int) -> Outcome:
+        """See `AbstractStrategy.run`. Deterministic: `seed` is not used."""
+        chart = chart_at(start, self.step)
+        solver = Simplex(self.rtol, self.atol)
+        best = Best(start)
+
+        def ask(points: Float[np.ndarray, "k n"]) -> Float[np.ndarray, "k"]:
+            z = chart.on_host(points)
+            scores = objective.batch(z)
+            scores = np.where(np.isfinite(scores), scores, _NO_VALUE)
+            best.see(z[scores.argmax()], scores.max())
+            return -scores
+
+        v = jnp.zeros(objective.dim)  # of JAX's default type, as optimistix's own numbers are
+        progress = begin(solver, answers(np.zeros((0, objective.dim)), np.zeros(0)), v)
+        for _ in range(self.steps):
+            progress = settled_step(solver, progress, ask)
+            if outcome := progress.outcome(best.z):
+                return outcome
+            if best.score == _NO_VALUE:
+                return Outcome(start, Status.STALLED, "the score has no value at the start, nor a step away from it")
+        return Outcome(best.z, Status.STALLED, f"{self.steps} steps were not enough")

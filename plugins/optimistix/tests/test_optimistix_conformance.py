@@ -1,0 +1,34 @@
+"""Every strategy of the distribution conforms, and is found by its name."""
+
+import inspect
+from importlib.metadata import distribution
+
+import pytest
+import stereorecal_optimistix
+
+from stereorecal.strategies import AbstractStrategy, describe, strategy
+from stereorecal.testing import StrategyConformance
+
+POINTS = [p for p in distribution("stereorecal-optimistix").entry_points if p.group == "stereorecal.strategies"]
+
+for point in POINTS:
+    cls = point.load()
+    name = f"Test{cls.__name__}"
+    globals()[name] = type(name, (StrategyConformance,), {"strategy": cls()})
+
+
+def test_every_public_class_is_registered():
+    public = {value for value in vars(stereorecal_optimistix).values() if inspect.isclass(value)}
+    assert public == {point.load() for point in POINTS}
+    assert len(public) == 9
+
+
+@pytest.mark.parametrize("name", [point.name for point in POINTS])
+def test_each_is_found_and_described_by_its_name(name):
+    made, info = strategy(name), describe(name)
+    assert isinstance(made, AbstractStrategy)
+    assert name.replace("-", "").removeprefix("optimistix") == type(made).__name__.lower()
+    assert info.distribution == "stereorecal-optimistix"
+    assert info.needs == made.needs.name.lower()
+    assert info.summary.endswith(".")
+    assert len(info.summary) <= 120

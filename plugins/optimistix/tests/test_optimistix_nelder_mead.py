@@ -1,0 +1,69 @@
+"""Nelder-Mead on the host: what it asks, and what optimistix's own gets wrong."""
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from hypothesis import given, settings, strategies as st
+from stereorecal_optimistix import NelderMead
+from stereorecal_optimistix._chart import chart_at
+from stereorecal_optimistix._nelder_mead import Simplex, answers, distinct, settled_step
+from stereorecal_optimistix._step import begin
+
+from stereorecal.strategies import Objective, Problem, Status, run_strategy
+
+
+def test_it_asks_nothing_twice_in_a_row(problem):
+    """Optimistix's step evaluates a reflection that it keeps two times."""
+    points = run_strategy(NelderMead(), Objective(problem()), np.full(3, -0.5)).trace.points
+    assert (points[1:] != points[:-1]).any(axis=1).all()
+
+
+@pytest.mark.parametrize("dim", [2, 3, 5])
+def test_the_simplex_does_not_collapse(dim, problem):
+    """As optimistix's own does, from three dimensions on."""
+    summit = np.linspace(-0.4, 0.3, dim)
+    run = run_strategy(NelderMead(), Objective(problem(summit)), np.zeros(dim))
+    np.testing.assert_allclose(run.best, summit, atol=0.02)
+
+
+def test_it_knows_its_best_and_its_worst_corner(problem):
+    """Optimistix's own loses them whenever a corner moves."""
+    bowl, chart, solver = problem(), chart_at(np.full(3, -0.5), 0.1), Simplex(1e-2, 1e-2)
+
+    def ask(v):
+        return -bowl.values(chart.on_host(np.asarray(v)))
+
+    progress = begin(solver, answers(np.zeros((0, 3)), np.zeros(0)), jnp.zeros(3))
+    for _ in range(12):
+        progress = settled_step(solver, progress, ask)
+        state = progress.state
+        np.testing.assert_allclose(ask(state.simplex), state.f_simplex, rtol=1e-5)
+        for (value, corner, _), extreme in ((state.best, np.min), (state.worst, np.max)):
+            assert value == extreme(state.f_simplex)
+            np.testing.assert_allclose(ask(corner[None]), value, rtol=1e-5)
+
+
+def test_a_plateau_ends_it():
+    """A count of four steps: every simplex ties sooner or later."""
+    terraces = Problem(4, lambda points: np.floor(4.0 * (1.0 - (points**2).sum(-1))))
+    run = run_strategy(NelderMead(), Objective(terraces), np.full(4, 0.6))
+    assert run.status is Status.CONVERGED
+    assert len(run.trace.values) < 200
+
+
+@pytest.mark.parametrize("level", [0.0, 1.0, 1e5])
+def test_a_flat_score_ends_it_soon(level):
+    run = run_strategy(NelderMead(), Objective(Problem(4, lambda points: np.full(len(points), level))), np.zeros(4))
+    assert run.status is Status.NO_SIGNAL
+    assert len(run.trace.values) < 100
+
+
+@settings(deadline=None)
+@given(values=st.lists(st.sampled_from([0.0, 1.0, -1e5, 1e30]), min_size=1, max_size=12).map(np.array))
+def test_ties_are_broken_in_favour_of_the_older(values):
+    broken = distinct(values)
+    assert np.abs(broken).min() == 0.0 or np.abs(broken).min() >= np.finfo(np.float32).tiny
+    assert len(set(broken)) == len(values)
+    np.testing.assert_allclose(broken, values, rtol=1e-5, atol=1e-5)
+    for i, j in np.argwhere(np.equal.outer(values, values)):
+        assert (broken[i] < broken[j]) == (i < j)
