@@ -9,13 +9,16 @@ from rich.table import Table
 from rich.text import Text
 
 WIDE = 120  # columns that scores and errors need side by side
+_SHORT = 12  # columns of a strategy's name in that
 _ROTATIONS, _TRANSLATIONS = ("pitch", "yaw", "roll"), ("y", "z")
 _COUNTS = ("initial", "final", "reference")
 
 
 def comparison_tables(data: Mapping[str, Any], width: int, most_trials: int = 24) -> Group:
     """The summary, and each trial if there are not too many; scores and errors side by side if `width` allows."""
-    parts = [("scores", "errors")] if width >= WIDE else [("scores",), ("errors",)]
+    longest = max(map(len, data["settings"]["strategies"]), default=0)
+    side_by_side = width >= WIDE + max(0, longest - _SHORT)
+    parts = [("scores", "errors")] if side_by_side else [("scores",), ("errors",)]
     tables = []
     if 1 < len(data["trials"]) <= most_trials:
         tables += [_trials_table(data, columns) for columns in parts]

@@ -74,15 +74,13 @@ def test_damping_shortens_the_first_step(problem):
     assert lengths[0] > 1.1 * lengths[1] > 11 * lengths[2]
 
 
-@pytest.mark.parametrize("cls", [BFGS, LevenbergMarquardt, NelderMead])
-def test_tighter_tolerances_take_more_steps(problem, cls):
-    def looks(tolerance: float) -> int:
-        strategy = cls(rtol=tolerance, atol=tolerance, steps=500)
-        run = run_strategy(strategy, Objective(problem()), np.full(3, -0.8))
-        assert run.status is Status.CONVERGED
-        return len(run.trace.values)
-
-    assert looks(0.5) < looks(1e-2)
+@pytest.mark.parametrize("cls", [BFGS, NelderMead])
+def test_looser_tolerances_take_fewer_steps(problem, cls):
+    tight, loose = (
+        run_strategy(strategy, Objective(problem()), np.full(3, -0.8)) for strategy in (cls(), cls(rtol=0.5, atol=0.5))
+    )
+    assert tight.status is loose.status is Status.CONVERGED
+    assert len(loose.trace.values) < len(tight.trace.values)
 
 
 def test_a_need_that_is_not_met_is_the_cores_business(strategy_class):

@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import optimistix as optx
 import pytest
-from stereorecal_optimistix import BFGS, Adam, LevenbergMarquardt, NelderMead
+from stereorecal_optimistix import BFGS, Adam, NelderMead
 
 from stereorecal.strategies import Budget, Need, Objective, Status, run_strategy
 
@@ -59,14 +59,14 @@ def test_the_listener_hears_a_compilation(compilations):
 
 
 def test_all_minimisers_share_one_compiled_objective(problem, traces):
-    bowl = problem((0.1, 0.2, 0.3, 0.4))
-    run_strategy(BFGS(), Objective(bowl), np.zeros(4), Budget(evaluations=20))
+    bowl = problem()
+    run_strategy(BFGS(), Objective(bowl), np.zeros(3), Budget(evaluations=20))
     traces.clear()
-    run_strategy(Adam(step=0.1), Objective(bowl), np.zeros(4), Budget(evaluations=20))
+    run_strategy(Adam(step=0.1), Objective(bowl), np.zeros(3), Budget(evaluations=20))
     assert not traces
 
 
-@pytest.mark.parametrize("cls", [BFGS, Adam, LevenbergMarquardt, NelderMead])
+@pytest.mark.parametrize("cls", [BFGS, NelderMead])
 def test_a_host_that_has_switched_jax_to_64_bits_is_served(cls, problem):
     with jax.enable_x64(True):
         run = run_strategy(cls(), Objective(problem()), np.zeros(3))
