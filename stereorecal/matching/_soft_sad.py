@@ -16,9 +16,9 @@ from jaxtyping import Bool, Float, Int
 
 from stereorecal.matching._matcher import AbstractMatcher, SoftDisparity
 from stereorecal.matching._reduce import minimum
-from stereorecal.matching._texture import DEFAULT_CAP, box_sum, x_sobel
+from stereorecal.matching._stream import NEVER, inside_right, stream_costs
+from stereorecal.matching._texture import texture_response, x_sobel
 
-_NEVER = 2**31 - 1
 _NOISE = 1.0  # grey levels per pixel of the window: keeps the margin of a perfect match finite
 
 
@@ -74,7 +74,7 @@ def soft_search(
 
     texture = jnp.ones_like(left)
     if options.texture_threshold:
-        response = box_sum(jnp.abs(x_sobel(left, options.pre_filter_cap or DEFAULT_CAP)), options.block_size)
+        response = texture_response(left, options.block_size, options.pre_filter_cap)
         texture = gate(response / options.texture_threshold - 1.0)
 
     def confidence(candidate: _Candidate, share: jax.Array) -> jax.Array:
@@ -109,44 +109,27 @@ def _consistent(candidate: _Candidate, from_right: _Found, options: AbstractMatc
 def _find(
     left: Float[jax.Array, "h w"], right: Float[jax.Array, "h w"], options: AbstractMatcher, near: int, temperature
 ) -> _Found:
-    """Stream over the rows as `sad._winners` does, in float32; all costs carry their derivatives."""
-    height, width = left.shape
-    lowest, count = options.disparity_range(width)
-    radius = options.block_size // 2
-    left_rows = jnp.pad(left, ((radius, radius), (0, 0)))
-    before, after = max(lowest + count - 1, 0), max(-lowest, 0)
-    right_rows = jnp.pad(jnp.pad(right, ((0, 0), (before, after)), mode="edge"), ((radius, radius), (0, 0)))
+    """Best candidates of every pixel of `left`, in float32; all costs carry their derivatives."""
+    width = left.shape[1]
+    count = options.disparity_range(width)[1]
     index = jnp.arange(count, dtype=jnp.int32)[:, None]
-    target = jnp.arange(width) - (lowest + index)
-    inside = (target >= 0) & (target < width)
-    index_bits = max(1, (count - 1).bit_length())
-    low_bits = (1 << index_bits) - 1
+    inside = inside_right(options, width)
+    low_bits = (1 << max(1, (count - 1).bit_length())) - 1
 
-    def absolute_differences(left_row, right_row):
-        shifted = jax.vmap(lambda i: jax.lax.dynamic_slice(right_row, (before - lowest - i,), (width,)))(index[:, 0])
-        return jnp.abs(left_row - shifted)
-
-    def add_row(column_sums, rows):
-        return column_sums + absolute_differences(*rows), None
-
-    def step(column_sums, rows):
-        entering, leaving = rows
-        column_sums = column_sums + absolute_differences(*entering) - absolute_differences(*leaving)
-        padded = jnp.pad(column_sums, ((0, 0), (radius, radius)))
-        cost = sum(padded[:, u : u + width] for u in range(options.block_size))
+    def best_of_row(cost):
         # Floats that are not negative sort as their bits do; the lowest bits give way to the index.
         bits = jax.lax.bitcast_convert_type(jnp.maximum(jax.lax.stop_gradient(cost), 0.0), jnp.int32)
-        packed = jax.lax.optimization_barrier(jnp.where(inside, (bits & ~low_bits) | index, _NEVER))
+        packed = jax.lax.optimization_barrier(jnp.where(inside, (bits & ~low_bits) | index, NEVER))
         best = jax.lax.optimization_barrier(minimum(packed))
-        exists = best < _NEVER
+        exists = best < NEVER
         winner = jnp.where(exists, best & low_bits, 0)
 
         def at(i):
             return jnp.take_along_axis(cost, i[None], axis=0)[0]
 
         def candidate(i):
-            rivals = minimum(jnp.where(jnp.abs(index - i) <= near, _NEVER, packed))
-            rivalled = rivals < _NEVER
+            rivals = minimum(jnp.where(jnp.abs(index - i) <= near, NEVER, packed))
+            rivalled = rivals < NEVER
             return _Candidate(i, at(i), at(jnp.where(rivalled, rivals & low_bits, 0)), rivalled)
 
         below, above = at(jnp.maximum(winner - 1, 0)), at(jnp.minimum(winner + 1, count - 1))
@@ -157,13 +140,6 @@ def _find(
         offset = 0.5 * jnp.abs(below - above) / jnp.maximum(curvature, 1e-3)
         width_of_change = jnp.minimum(temperature, 0.5)
         share = 0.5 * jnp.clip((offset - 0.5) / width_of_change + 1.0, 0.0, 1.0)
-        return column_sums, _Found(first, second, share, exists)
+        return _Found(first, second, share, exists)
 
-    def rows(start, stop):
-        return left_rows[start:stop], right_rows[start:stop]
-
-    start = jnp.zeros((count, width), jnp.float32)
-    start, _ = jax.lax.scan(add_row, start, rows(0, 2 * radius))
-    leaving = tuple(jnp.pad(r, ((1, 0), (0, 0)))[:height] for r in (left_rows, right_rows))
-    _, found = jax.lax.scan(step, start, (rows(2 * radius, height + 2 * radius), leaving))
-    return found
+    return stream_costs(left, right, options, jnp.float32, best_of_row)

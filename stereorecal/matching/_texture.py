@@ -39,6 +39,11 @@ def box_sum(image: Num[jax.Array, "h w"], block_size: int) -> Num[jax.Array, "h 
     return total
 
 
+def texture_response(image: Num[jax.Array, "h w"], block_size: int, pre_filter_cap: int) -> Num[jax.Array, "h w"]:
+    """The absolute x-Sobel response, summed over the window."""
+    return box_sum(jnp.abs(x_sobel(image, pre_filter_cap or DEFAULT_CAP)), block_size)
+
+
 @partial(jax.jit, static_argnames=("block_size", "texture_threshold", "pre_filter_cap"))
 def textured(
     image: Float[AnyArray, "h w"], block_size: int, texture_threshold: int, pre_filter_cap: int
@@ -47,5 +52,4 @@ def textured(
 
     One definition for every matcher (it is `cv2.StereoBM`'s), so that their counts mean the same.
     """
-    response = jnp.abs(x_sobel(quantise(image), pre_filter_cap or DEFAULT_CAP))
-    return box_sum(response, block_size) >= texture_threshold
+    return texture_response(quantise(image), block_size, pre_filter_cap) >= texture_threshold

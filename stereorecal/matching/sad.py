@@ -17,9 +17,8 @@ from stereorecal._errors import InputError
 from stereorecal.matching._matcher import AbstractMatcher, Disparity, SoftDisparity
 from stereorecal.matching._reduce import minimum, total
 from stereorecal.matching._soft_sad import soft_search
+from stereorecal.matching._stream import NEVER, inside_right, stream_costs
 from stereorecal.matching._texture import quantise, x_sobel
-
-_NEVER = 2**31 - 1  # packed cost of a candidate outside the right image
 
 
 @dataclass(frozen=True)
@@ -48,7 +47,7 @@ class SAD(AbstractMatcher):
         """Refuse windows and ranges whose cost and index do not fit into one int32."""
         _, count = self.disparity_range(width)
         largest = 2 * self.pre_filter_cap or 255
-        if 2 * largest * self.block_size**2 * 2 ** max(1, (count - 1).bit_length()) >= _NEVER:
+        if 2 * largest * self.block_size**2 * 2 ** max(1, (count - 1).bit_length()) >= NEVER:
             raise InputError("block_size and num_disparities are too large together; make one of them smaller.")
 
 
@@ -59,7 +58,7 @@ def _search(left: Float[jax.Array, "h w"], right: Float[jax.Array, "h w"], optio
         images = tuple(x_sobel(image, options.pre_filter_cap) for image in images)
     best = _winners(images[0], images[1], options, costs=True)
     disparity = options.min_disparity + best.winner
-    valid = best.cost < _NEVER
+    valid = best.cost < NEVER
     if options.uniqueness_ratio:
         valid &= best.rivals == 0
     if options.disp12_max_diff >= 0:
@@ -83,7 +82,7 @@ class _Winners(NamedTuple):
 
 def _parabola(best: _Winners) -> Float[jax.Array, "h w"]:
     """Vertex of the parabola through the winner and its neighbours, 0 where a neighbour does not exist."""
-    complete = jnp.maximum(best.below, best.above) < _NEVER
+    complete = jnp.maximum(best.below, best.above) < NEVER
     below, cost, above = (jnp.where(complete, c, 0).astype(jnp.float32) for c in (best.below, best.cost, best.above))
     curvature = below - 2.0 * cost + above
     return jnp.where(curvature > 0, 0.5 * (below - above) / jnp.where(curvature > 0, curvature, 1.0), 0.0)
@@ -91,63 +90,35 @@ def _parabola(best: _Winners) -> Float[jax.Array, "h w"]:
 
 def _winners(left: Int[jax.Array, "h w"], right: Int[jax.Array, "h w"], options: SAD, *, costs: bool) -> _Winners:
     """Best candidates of every pixel of `left`; with `costs=False` only their indices are meaningful."""
-    height, width = left.shape
-    lowest, count = options.disparity_range(width)
-    radius = options.block_size // 2
-    left_rows = jnp.pad(left, ((radius, radius), (0, 0)))
-    # Outside the right image its border repeats; outside its rows both images are 0 and cost nothing.
-    before, after = max(lowest + count - 1, 0), max(-lowest, 0)
-    right_rows = jnp.pad(jnp.pad(right, ((0, 0), (before, after)), mode="edge"), ((radius, radius), (0, 0)))
-
+    width = left.shape[1]
+    count = options.disparity_range(width)[1]
     index = jnp.arange(count, dtype=jnp.int32)
     column = jnp.arange(width, dtype=jnp.int32)
-    target = column - (lowest + index)[:, None]
-    inside = (target >= 0) & (target < width)
+    inside = inside_right(options, width)
     index_bits = max(1, (count - 1).bit_length())
-    sum_type = _sum_type(options)
 
-    def absolute_differences(left_row, right_row):
-        shifted = jax.vmap(lambda i: jax.lax.dynamic_slice(right_row, (before - lowest - i,), (width,)))(index)
-        return jnp.abs(left_row - shifted).astype(sum_type)
-
-    def add_row(column_sums, rows):
-        return column_sums + absolute_differences(*rows), None
-
-    def step(column_sums, rows):
-        entering, leaving = rows
-        column_sums = column_sums + absolute_differences(*entering) - absolute_differences(*leaving)
-        padded = jnp.pad(column_sums, ((0, 0), (radius, radius)))
-        cost = padded[:, :width]
-        for offset in range(1, options.block_size):
-            cost = cost + padded[:, offset : offset + width]
+    def best_of_row(cost):
         # One int32 holds cost and index: a single minimum finds both, and ties go to the smaller index.
-        packed = jnp.where(inside, (cost.astype(jnp.int32) << index_bits) | index[:, None], _NEVER)
+        packed = jnp.where(inside, (cost.astype(jnp.int32) << index_bits) | index[:, None], NEVER)
         packed = jax.lax.optimization_barrier(packed)  # computed once, not once for each of its readers
         best = jax.lax.optimization_barrier(minimum(packed))
-        winner = jnp.where(best < _NEVER, best & ((1 << index_bits) - 1), 0)
+        winner = jnp.where(best < NEVER, best & ((1 << index_bits) - 1), 0)
         if not costs:
-            return column_sums, (winner,)
+            return (winner,)
 
         def cost_at(i):
             neighbour = packed[jnp.clip(i, 0, count - 1), column]
-            exists = (i >= 0) & (i < count) & (neighbour < _NEVER)
-            return jnp.where(exists, neighbour >> index_bits, _NEVER)
+            exists = (i >= 0) & (i < count) & (neighbour < NEVER)
+            return jnp.where(exists, neighbour >> index_bits, NEVER)
 
         best_cost, below, above = best >> index_bits, cost_at(winner - 1), cost_at(winner + 1)
         limit = best_cost + best_cost * options.uniqueness_ratio // 100
         near = sum((c <= limit).astype(jnp.int32) for c in (best_cost, below, above))
         rivals = total(jnp.where(packed < (limit + 1) << index_bits, 1, 0)) - near
-        best_cost = jnp.where(best < _NEVER, best_cost, _NEVER)
-        return column_sums, (winner, best_cost, rivals, below, above)
+        best_cost = jnp.where(best < NEVER, best_cost, NEVER)
+        return winner, best_cost, rivals, below, above
 
-    def rows(start, stop):
-        return left_rows[start:stop], right_rows[start:stop]
-
-    start = jnp.zeros((count, width), sum_type)
-    start, _ = jax.lax.scan(add_row, start, rows(0, 2 * radius))
-    last = height + 2 * radius
-    leaving = tuple(jnp.pad(r, ((1, 0), (0, 0)))[:height] for r in (left_rows, right_rows))
-    _, found = jax.lax.scan(step, start, (rows(2 * radius, last), leaving))
+    found = stream_costs(left, right, options, _sum_type(options), best_of_row)
     return _Winners(*found) if costs else _Winners(found[0], *[found[0]] * 4)
 
 
