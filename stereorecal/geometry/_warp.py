@@ -74,6 +74,37 @@ def bilinear_warp(image: Float[AnyArray, "height width"], coordinates: PixelMap)
     return top + fy * (bottom - top)
 
 
+def cubic_warp(image: Float[AnyArray, "height width"], coordinates: PixelMap) -> Float[jax.Array, "h w"]:
+    """Sample `image` at pixel coordinates (x, y) by cubic convolution (Keys 1981, a = -1/2); the border is repeated.
+
+    For work well below a pixel: a bilinear sample shifts fine texture by up to 0.05 pixels, depending on where
+    between the pixels it lies; this one is exact for quadratics.
+    """
+    height, width = image.shape
+    x = jnp.clip(coordinates[0], 0.0, width - 1.0)
+    y = jnp.clip(coordinates[1], 0.0, height - 1.0)
+    x0 = jnp.minimum(x.astype(jnp.int32), width - 2)
+    y0 = jnp.minimum(y.astype(jnp.int32), height - 2)
+    columns, rows = _cubic_weights(x - x0), _cubic_weights(y - y0)
+    flat = jnp.pad(jnp.asarray(image), ((1, 2), (1, 2)), mode="edge").reshape(-1)
+    corner = y0 * (width + 3) + x0
+
+    def along_row(j: int) -> jax.Array:
+        offset = corner + j * (width + 3)
+        return sum(
+            (c * flat.at[offset + i].get(mode="promise_in_bounds") for i, c in enumerate(columns)), start=jnp.zeros(())
+        )
+
+    return sum((r * along_row(j) for j, r in enumerate(rows)), start=jnp.zeros(()))
+
+
+def _cubic_weights(t: Float[jax.Array, "h w"]) -> tuple[jax.Array, ...]:
+    """Weights of the four neighbours at -1, 0, 1, 2 for a point at t in [0, 1]."""
+    before, after = -0.5 * t * (1.0 - t) ** 2, -0.5 * t * t * (1.0 - t)
+    here = 1.0 + t * t * (1.5 * t - 2.5)
+    return before, here, 1.0 - before - here - after, after
+
+
 def mapped_area(coordinates: PixelMap, size: tuple[int, int]) -> Bool[AnyArray, "h w"]:
     """Pixels of a view whose source lies inside an image of `size` (width, height)."""
     x, y = coordinates[0], coordinates[1]

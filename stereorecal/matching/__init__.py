@@ -5,6 +5,6 @@ from stereorecal.matching._matcher import (
     Disparity as Disparity,
     SoftDisparity as SoftDisparity,
 )
-from stereorecal.matching._texture import textured as textured
+from stereorecal.matching._texture import box_sum as box_sum, textured as textured
 from stereorecal.matching.opencv import BM as BM, SGBM as SGBM
 from stereorecal.matching.sad import SAD as SAD

@@ -1,5 +1,7 @@
-"""Recalibration: schedules, the repair itself, its verdict."""
+"""Recalibration: schedules, the repair itself, uncertainty, the verdict."""
 
+from stereorecal.recalibration._acceptance import Reason as Reason, RowErrors as RowErrors
 from stereorecal.recalibration._recalibrate import recalibrate as recalibrate
-from stereorecal.recalibration._schedule import Schedule as Schedule, Stage as Stage
-from stereorecal.recalibration._solution import Reason as Reason, Solution as Solution
+from stereorecal.recalibration._schedule import Schedule as Schedule, ScoreKind as ScoreKind, Stage as Stage
+from stereorecal.recalibration._solution import Solution as Solution
+from stereorecal.recalibration._uncertainty import Uncertainty as Uncertainty

@@ -7,18 +7,16 @@ import numpy as np
 
 from stereorecal.geometry import Pair, StereoRig, View, check_pairs, view as default_view
 from stereorecal.matching import SAD, AbstractMatcher
-from stereorecal.recalibration._schedule import Schedule
-from stereorecal.recalibration._solution import Reason, Solution
+from stereorecal.recalibration._acceptance import Reason, row_errors, verdict, verdict_on_count
+from stereorecal.recalibration._evidence import evidence
+from stereorecal.recalibration._schedule import Schedule, ScoreKind
+from stereorecal.recalibration._solution import Solution
+from stereorecal.recalibration._stage_run import FEWEST, Case, StageRun, remaining, run_stage
+from stereorecal.recalibration._uncertainty import uncertainty
 from stereorecal.scoring import Score, counts, normalised, prepare, with_disparity_range
-from stereorecal.strategies import (
-    Budget,
-    Reach,
-    Status,
-    chart_around,
-    objective,
-    run_strategy,
-    strategy,
-)
+from stereorecal.strategies import Budget, Reach, Status
+
+_YAW_LEFT = np.radians(0.25)  # what an epipolar stage leaves, at most
 
 
 def recalibrate(
@@ -36,65 +34,87 @@ def recalibrate(
 
     Args:
         rig: the calibration to start from.
-        pairs: one or several frames; their counts add up.
-        matcher: default `SAD()`; without `num_disparities` the range is measured.
-        schedule: default `Schedule.count(strategy("compass"))`.
+        pairs: one or several frames, used jointly.
+        matcher: default `SAD()`; without `num_disparities` the range is measured, and again as the rig comes right.
+        schedule: default `Schedule.default()`: coarse to fine, the count and then epipolar residuals.
         reach: how far the rig may have drifted; default 3 degrees and 3 % of the baseline.
         budget: limits for the whole schedule; default none.
         view: default the view of `rig`.
         seed: for strategies that draw random numbers.
 
     Raises:
-        InputError: if images and calibration do not fit, or the default strategy is not installed.
+        InputError: if images and calibration do not fit, or a strategy of the default schedule is not installed.
         StrategyError: if a strategy crashes.
     """
+    began = time.perf_counter()
     pairs = check_pairs(rig, list(pairs))
-    schedule = schedule or Schedule.count(strategy("compass"))
+    schedule = schedule or Schedule.default()
     reach, budget = reach or Reach(), budget or Budget()
     view = default_view(rig) if view is None else view
-    matcher = with_disparity_range(matcher or SAD(), rig, pairs, view, np.radians(reach.degrees))
-    chart = chart_around(rig, reach)
+    asked = matcher or SAD()
+    case = Case(rig, pairs, with_disparity_range(asked, rig, pairs, view, np.radians(reach.degrees)), view, reach)
+    case, stages = _run_schedule(case, schedule, asked, budget, seed)
+    return _judged(case, stages, began)
 
-    began = time.perf_counter()
-    best, runs = np.zeros(chart.dim), []
+
+def _run_schedule(
+    case: Case, schedule: Schedule, asked: AbstractMatcher, budget: Budget, seed: int
+) -> tuple[Case, tuple[StageRun, ...]]:
+    """All stages; the case comes back with the widest disparity range that was measured."""
+    began, best, stages, widest = time.perf_counter(), np.zeros(case.chart.dim), [], case
     for stage in schedule.stages:
-        stage_objective = objective(rig, pairs, matcher=matcher, reach=reach, view=view, scale=stage.scale)
-        left = _left(budget, sum(run.trace.total_cost for run in runs), began)
-        runs.append(run_strategy(stage.strategy, stage_objective, best, left, seed))
-        best = runs[-1].best
-    seconds, last = time.perf_counter() - began, runs[-1]
+        left = remaining(budget, sum(done.cost for done in stages), began) or Budget(_TRACE_OF_A_BUDGET)
+        stages.append(run_stage(case, stage, best, left, seed))
+        best = stages[-1].best
+        if len(schedule.stages) > 1:
+            yaw_left = _YAW_LEFT if stage.score is ScoreKind.EPIPOLAR else np.radians(case.reach.degrees)
+            measured = with_disparity_range(asked, case.rig_at(best), case.pairs, case.view, yaw_left, aligned=True)
+            case = case.with_matcher(measured)
+            widest = max(widest, case, key=lambda c: c.matcher.num_disparities or 0)
+    return widest, tuple(stages)
 
-    candidate = rig.with_extrinsics(chart.extrinsics(best))
-    data = prepare(rig, pairs, view)
-    judged = counts(data, np.stack([normalised(r.extrinsics) for r in (rig, candidate)]), matcher)
-    before, after = (Score(int(found), data.pixels) for found in judged)
-    accepted = after.count > before.count
-    if accepted:
-        reason = Reason.IMPROVED
+
+_TRACE_OF_A_BUDGET = 1e-12  # so that a stage's judge can speak even when nothing may be spent
+
+
+def _judged(case: Case, stages: tuple[StageRun, ...], began: float) -> Solution:
+    last = stages[-1]
+    candidate = case.rig_at(last.best)
+    before, after = _scores(case, candidate)
+    found = last.found
+    run = last.runs[-1] if last.runs else stages[0].runs[-1]
+    rows = known = None
+    if last.stage.score is ScoreKind.COUNT:
+        reason = verdict_on_count(before, after, signal=run.status is not Status.NO_SIGNAL)
+    elif found is None or found.found < FEWEST:
+        reason = Reason.TOO_LITTLE_TEXTURE
     else:
-        reason = Reason.TOO_LITTLE_TEXTURE if last.status is Status.NO_SIGNAL else Reason.NOT_IMPROVED
+        facts = evidence(case, found, last.best)
+        rows, known = row_errors(facts), uncertainty(facts.covariance(), case.chart)
+        reason = verdict(before, after, rows, last.best, known.observed, len(np.unique(facts.tile)))
+    accepted = reason in (Reason.IMPROVED, Reason.MORE_MATCHES)
     return Solution(
-        rig=candidate if accepted else rig,
+        rig=candidate if accepted else case.rig,
         candidate=candidate,
-        initial=rig,
+        initial=case.rig,
         accepted=accepted,
         reason=reason,
-        status=last.status,
-        message=last.message,
-        view=view,
-        matcher=matcher,
+        status=run.status,
+        message=run.message,
+        view=case.view,
+        matcher=case.matcher,
         score_before=before,
         score_after=after,
-        trace=last.trace,
-        evaluations=sum(len(run.trace.values) for run in runs),
-        cost=sum(run.trace.total_cost for run in runs),
-        seconds=seconds,
+        row_errors=rows,
+        uncertainty=known,
+        stages=stages,
+        seconds=time.perf_counter() - began,
     )
 
 
-def _left(budget: Budget, cost: float, began: float) -> Budget:
-    """What a later stage may still spend; at least a trace of it, so that its judge can speak."""
-    tiny = 1e-12
-    units = None if budget.evaluations is None else max(tiny, budget.evaluations - cost)
-    seconds = None if budget.seconds is None else max(tiny, budget.seconds - (time.perf_counter() - began))
-    return Budget(units, seconds)
+def _scores(case: Case, candidate: StereoRig) -> tuple[Score, Score]:
+    """Counts at full scale, before and after; full scale is bounded as the stages are."""
+    data = prepare(case.rig, case.pairs, case.view)
+    judged = counts(data, np.stack([normalised(r.extrinsics) for r in (case.rig, candidate)]), case.matcher)
+    before, after = (Score(int(found), data.pixels) for found in judged)
+    return before, after

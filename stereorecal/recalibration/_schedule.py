@@ -1,26 +1,52 @@
 """The schedule: which strategy maximises what, at which image scale, in which order."""
 
-from dataclasses import dataclass
+import enum
+from dataclasses import dataclass, replace
 
 from stereorecal._errors import InputError
-from stereorecal.strategies import AbstractStrategy
+from stereorecal.strategies import AbstractStrategy, Need, strategy as named_strategy
+
+
+class ScoreKind(enum.Enum):
+    """What a stage maximises."""
+
+    COUNT = "the number of pixels with a valid disparity (the paper's score)"
+    EPIPOLAR = "minus half the squared epipolar residuals of dense correspondences"
 
 
 @dataclass(frozen=True)
 class Stage:
-    """One stage: a strategy maximises the count at one image scale.
+    """One stage: a strategy maximises one score at one image scale.
 
     Attributes:
         strategy: the optimiser.
         scale: image scale, (0, 1].
+        score: what is maximised.
+        rounds: of an epipolar stage: how often the images are matched again, at most.
+        pixels: least and most pixels of a frame: the scale bends to stay between them (but not above 1); None: it
+            stays as it is.
     """
 
     strategy: AbstractStrategy
     scale: float = 1.0
+    score: ScoreKind = ScoreKind.COUNT
+    rounds: int = 1
+    pixels: tuple[int, int] | None = None
 
     def __post_init__(self) -> None:
         if not 0.0 < self.scale <= 1.0:
             raise InputError(f"the scale {self.scale} makes no sense; give one within (0, 1].")
+        if self.rounds < 1:
+            raise InputError(f"{self.rounds} rounds make no sense; give at least 1.")
+        if self.pixels is not None and not 0 < self.pixels[0] <= self.pixels[1]:
+            raise InputError(f"pixels within {self.pixels} make no sense; give the least and the most, or None.")
+
+    def scale_for(self, size: tuple[int, int]) -> float:
+        """The scale at which images of `size` (width, height) are looked at."""
+        if self.pixels is None:
+            return self.scale
+        lowest, highest = ((pixels / (size[0] * size[1])) ** 0.5 for pixels in self.pixels)
+        return min(1.0, max(lowest, min(self.scale, highest)))
 
 
 @dataclass(frozen=True)
@@ -43,3 +69,26 @@ class Schedule:
     def count(strategy: AbstractStrategy, scale: float = 1.0) -> "Schedule":
         """The paper's way: one strategy on the count alone, at one image scale."""
         return Schedule("count", (Stage(strategy, scale),))
+
+    @staticmethod
+    def default() -> "Schedule":
+        """Coarse to fine: compass on the count at quarter scale, Levenberg-Marquardt on epipolar residuals at half and
+        full scale. The pixels of a stage are bounded, so that large images cost no more than 800x600 ones.
+
+        Raises:
+            InputError: if one of the two strategies is not installed; it says the install line.
+        """
+        climb = named_strategy("compass")
+        solve = named_strategy("optimistix-levenberg-marquardt", rtol=1e-5, atol=1e-5)
+        stages = (
+            Stage(climb, 0.25, ScoreKind.COUNT, pixels=(16_000, 30_000)),
+            Stage(solve, 0.5, ScoreKind.EPIPOLAR, rounds=4, pixels=(60_000, 120_000)),
+            Stage(solve, 1.0, ScoreKind.EPIPOLAR, rounds=3, pixels=(60_000, 480_000)),
+        )
+        return Schedule("default", stages)
+
+    def using(self, strategy: AbstractStrategy) -> "Schedule":
+        """The same schedule with `strategy` in every stage of its kind: one that needs residuals in the epipolar
+        stages, any other in those on the count."""
+        kind = ScoreKind.EPIPOLAR if strategy.needs is Need.RESIDUALS else ScoreKind.COUNT
+        return replace(self, stages=tuple(replace(s, strategy=strategy) if s.score is kind else s for s in self.stages))

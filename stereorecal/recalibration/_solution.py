@@ -1,6 +1,6 @@
 """The answer of `recalibrate`."""
 
-import enum
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,16 +8,12 @@ from jaxtyping import Float
 
 from stereorecal.geometry import AXES, StereoRig, View
 from stereorecal.matching import AbstractMatcher
+from stereorecal.recalibration._acceptance import Reason, RowErrors
+from stereorecal.recalibration._effects import depth_errors
+from stereorecal.recalibration._stage_run import StageRun
+from stereorecal.recalibration._uncertainty import Uncertainty
 from stereorecal.scoring import Score
-from stereorecal.strategies import Status, Trace
-
-
-class Reason(enum.Enum):
-    """Why a candidate was accepted or not; the value is the message."""
-
-    IMPROVED = "the candidate matches more pixels"
-    NOT_IMPROVED = "no candidate matches more pixels than the calibration that was given"
-    TOO_LITTLE_TEXTURE = "the score is the same everywhere; the images show too little to match"
+from stereorecal.strategies import FREE_AXES, Status, Trace
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,13 +25,13 @@ class Solution:
         candidate: the best calibration found, accepted or not.
         initial: the calibration that was given.
         accepted, reason: the verdict.
-        status, message: how the search ended.
+        status, message: how the search of the last stage ended.
         view, matcher: with which everything was scored; the matcher carries its measured disparity range.
         score_before, score_after: of `initial` and `candidate`, at full scale in `view`.
-        trace: the evaluations of the last stage.
-        evaluations: number of evaluations over all stages.
-        cost: units spent over all stages (one unit: one matcher run on one full-size frame).
-        seconds: wall time of the search.
+        row_errors: epipolar errors before and after; None if the schedule has no epipolar stage, or it found nothing.
+        uncertainty: of the candidate; None in the same cases.
+        stages: what each stage did.
+        seconds: wall time.
     """
 
     rig: StereoRig
@@ -49,25 +45,68 @@ class Solution:
     matcher: AbstractMatcher
     score_before: Score
     score_after: Score
-    trace: Trace
-    evaluations: int
-    cost: float
+    row_errors: RowErrors | None
+    uncertainty: Uncertainty | None
+    stages: tuple[StageRun, ...]
     seconds: float
+
+    @property
+    def trace(self) -> Trace:
+        """The evaluations of the last run of the last stage."""
+        return self.stages[-1].runs[-1].trace
+
+    @property
+    def evaluations(self) -> int:
+        """Number of evaluations over all stages."""
+        return sum(stage.evaluations for stage in self.stages)
+
+    @property
+    def cost(self) -> float:
+        """Units spent over all stages (one unit: one matcher run on one full-size frame)."""
+        return sum(stage.cost for stage in self.stages)
+
+    @property
+    def covariance(self) -> Float[np.ndarray, "5 5"] | None:
+        """Of pitch, yaw, roll [degrees], y, z [percent of the baseline]; None without an epipolar stage."""
+        return None if self.uncertainty is None else self.uncertainty.covariance
 
     @property
     def change(self) -> Float[np.ndarray, "6"]:
         """Candidate minus given extrinsics: pitch, yaw, roll [rad], x, y, z [m]."""
         return np.asarray(self.candidate.extrinsics) - np.asarray(self.initial.extrinsics)
 
+    @property
+    def depth_error_percent(self) -> Mapping[int, float]:
+        """By how many percent the given calibration is wrong in depth, if the candidate is right, at 5, 10, 30 and
+        100 baselines."""
+        return depth_errors(self.initial, self.candidate)
+
     def __str__(self) -> str:
-        verdict = "accepted" if self.accepted else "rejected, the old calibration stays"
+        verdict = "accepted" if self.accepted else "the old calibration stays"
         lines = [
             f"{verdict}: {self.reason.value}",
             f"search   {self.message} ({self.evaluations} evaluations, {self.seconds:.1f} s)",
-            f"before   {self.score_before}",
-            f"after    {self.score_after}",
+            f"before   {self.score_before}" + self._rows("before"),
+            f"after    {self.score_after}" + self._rows("after"),
+            *(self._axis(index, name) for index, name in enumerate(AXES)),
         ]
-        for axis, before, change in zip(AXES, self.initial.extrinsics, self.change, strict=True):
-            factor, unit = (180 / np.pi, "deg") if axis in AXES[:3] else (1e3, "mm")
-            lines.append(f"{axis:<8} {factor * before:+10.3f} {unit:<3}  changed by {factor * change:+8.3f}")
+        if self.uncertainty is not None and self.uncertainty.unobserved:
+            lines.append(f"not determined by these images: {', '.join(self.uncertainty.unobserved)}")
+        if self.accepted:
+            wrong = ", ".join(f"{error:+.1f} % at {distance} B" for distance, error in self.depth_error_percent.items())
+            lines.append(f"depth was wrong by {wrong}")
         return "\n".join(lines)
+
+    def _rows(self, when: str) -> str:
+        return "" if self.row_errors is None else f", rows {getattr(self.row_errors, when):.2f} px apart"
+
+    def _axis(self, index: int, name: str) -> str:
+        before, change = self.initial.extrinsics[index], self.change[index]
+        factor, unit = (180 / np.pi, "deg") if index < 3 else (1e3, "mm")
+        line = f"{name:<8} {factor * before:+10.3f} {unit:<3}  changed by {factor * change:+8.3f}"
+        if self.uncertainty is None or name not in FREE_AXES:
+            return line
+        half_width = self.uncertainty.interval[FREE_AXES.index(name)]
+        if index >= 3:
+            half_width *= 10.0 * float(self.initial.baseline)  # percent of the baseline to mm
+        return f"{line} ± {half_width:.3f}"

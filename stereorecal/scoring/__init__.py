@@ -1,8 +1,19 @@
 """Scores of a calibration: pure functions of images, cameras, extrinsics and matcher."""
 
+from stereorecal.scoring._correspondences import (
+    TILES as TILES,
+    Correspondences as Correspondences,
+    correspondences as correspondences,
+)
 from stereorecal.scoring._count import count as count, counts as counts, disparities as disparities
 from stereorecal.scoring._data import ScoringData as ScoringData, normalised as normalised, prepare as prepare
 from stereorecal.scoring._disparity_range import with_disparity_range as with_disparity_range
+from stereorecal.scoring._epipolar import (
+    Loss as Loss,
+    median_row_error as median_row_error,
+    precisions as precisions,
+    row_differences as row_differences,
+)
 from stereorecal.scoring._gradient import forward_gradient as forward_gradient
 from stereorecal.scoring._score import (
     Score as Score,

@@ -86,20 +86,23 @@ class Rectified:
     right_area: Bool[AnyArray, "h w"] | Float[AnyArray, "h w"]
 
 
-def rectify_frames(data: ScoringData, extrinsics: Extrinsics, use, area=mapped_area):
-    """Apply `use(Rectified)` to every frame, rectified by `extrinsics` (translation in any unit); stack the answers.
+def rectify_frames(data: ScoringData, extrinsics: Extrinsics, use, area=mapped_area, warp=bilinear_warp, more=()):
+    """Apply `use(Rectified, *more)` to every frame, rectified by `extrinsics` (translation in any unit); stack the
+    answers.
 
-    The maps are made once and shared by the frames; `area(map, image size)` says what they cover. Pure and traceable.
+    The maps are made once and shared by the frames; `area(map, image size)` says what they cover. `more` are arrays
+    with a leading frame axis. Pure and traceable.
     """
     rotation = rotation_from_euler(extrinsics[:3])
     maps = rectifying_maps(data.left_camera, data.right_camera, rotation, extrinsics[3:], data.view)
     maps = jax.lax.optimization_barrier(maps)  # computed once, not once for each pixel that a warp reads
     areas = [area(m, c.size) for m, c in zip(maps, (data.left_camera, data.right_camera), strict=True)]
 
-    def frame(images):
-        return use(Rectified(*[bilinear_warp(i, m) for i, m in zip(images, maps, strict=True)], *areas))
+    def frame(inputs):
+        *images, others = inputs
+        return use(Rectified(*[warp(i, m) for i, m in zip(images, maps, strict=True)], *areas), *others)
 
-    return jax.lax.map(frame, (data.left, data.right))
+    return jax.lax.map(frame, (data.left, data.right, more))
 
 
 @jax.jit

@@ -18,6 +18,7 @@ from stereorecal.scoring._validity import match_frame
 
 _COARSE_WIDTH = 128  # pixels: a few degrees of drift are a few rows here, which a window forgives
 _COARSE_HEIGHT = 24  # pixels, at least, for panoramic images
+_RANGES = (16, 32, 48, 64, 96, 128, 192, 256, 384, 512)  # few, since each is a program of its own to compile
 _MARGIN = 1.25  # the nearest surface may be small, or seen closer in another frame
 _DEFAULT_REACH = np.radians(3.0)
 _FRAMES = 4
@@ -30,15 +31,18 @@ def with_disparity_range(
     pairs: Sequence[Pair],
     view: View,
     reach: float = _DEFAULT_REACH,
+    *,
+    aligned: bool = False,
 ) -> AbstractMatcher:
     """The matcher with its number of disparities: its own, or measured when it is None.
 
     Measured: the 99.5 % quantile of a coarse match (the best over a grid of pitch and roll, since the rig may be
     decalibrated; a quarter of the width where nothing matches), plus 25 %, plus `focal * tan(reach)` for the yaw that
-    may be missing; a multiple of 16.
+    may be missing; then the next of a few round numbers.
 
     Args:
         reach: largest rotation error expected, radians.
+        aligned: the rows are known to be aligned, only the yaw is not: nothing needs to be searched.
 
     Raises:
         InputError: if, while measuring, the images look swapped (near things lie on the wrong side, beyond what the
@@ -50,14 +54,16 @@ def with_disparity_range(
     data = prepare(rig, list(pairs)[:_FRAMES], view, scale)
     width = data.view.size[0]
     coarse = SAD(num_disparities=width // 2, block_size=7)
-    straight, swapped = _survey(data, _grid(rig, data.view, reach), coarse)
+    candidates = normalised(rig.extrinsics)[None] if aligned else _grid(rig, data.view, reach)
+    straight, swapped = _survey(data, candidates, coarse)
     found, found_swapped = _surfaces(straight), _surfaces(swapped)
     margin = float(data.view.focal) * np.tan(reach)
     _refuse_swapped(found, found_swapped, margin, straight.values.size)
     nearest = np.quantile(found, 0.995) if found.size > 50 else width / 4
-    widest = (_MARGIN * nearest + margin) / scale - matcher.min_disparity
+    widest = (_MARGIN * nearest + margin) / scale
     limit = view.size[0] - 1 - abs(matcher.min_disparity)
-    return replace(matcher, num_disparities=int(min(max(16, 16 * np.ceil(widest / 16)), limit // 16 * 16)))
+    wanted = next((n for n in _RANGES if n >= widest), widest) - matcher.min_disparity
+    return replace(matcher, num_disparities=int(min(wanted, limit // 16 * 16)))
 
 
 def _grid(rig: StereoRig, view: View, reach: float) -> Float[np.ndarray, "n 6"]:

@@ -1,4 +1,4 @@
-"""What a Solution says, and how it is accepted or not."""
+"""What a Solution says when the count is all there is, and how it is accepted or not."""
 
 import numpy as np
 import pytest
@@ -12,6 +12,7 @@ from stereorecal.strategies import Budget, Reach, Status, strategy
 
 SAD_24 = SAD(num_disparities=24)
 COMPASS = strategy("compass")
+COUNT = Schedule.count(COMPASS)
 
 
 @pytest.fixture(scope="module")
@@ -22,12 +23,12 @@ def drifted(scene):
 
 @pytest.fixture(scope="module")
 def solution(scene, drifted):
-    return recalibrate(drifted, scene().pairs, matcher=SAD_24)
+    return recalibrate(drifted, scene().pairs, matcher=SAD_24, schedule=COUNT)
 
 
 def test_the_count_rises_and_the_rig_is_the_candidate(solution, drifted):
     assert solution.accepted
-    assert solution.reason is Reason.IMPROVED
+    assert solution.reason is Reason.MORE_MATCHES
     assert solution.status is Status.CONVERGED
     assert solution.score_after.count > 1.1 * solution.score_before.count
     assert solution.rig is solution.candidate
@@ -68,9 +69,9 @@ def test_text(solution):
     assert f"{solution.evaluations} evaluations" in text
     assert f"before   {solution.score_before}" in lines
     assert f"after    {solution.score_after}" in lines
-    assert [line.split()[0] for line in lines[-6:]] == ["pitch", "yaw", "roll", "x", "y", "z"]
-    assert lines[-6].split()[-1] == f"{np.degrees(solution.change[0]):+.3f}"
-    assert lines[-2].split()[-1] == f"{1e3 * solution.change[4]:+.3f}"
+    assert [line.split()[0] for line in lines[-7:]] == ["pitch", "yaw", "roll", "x", "y", "z", "depth"]
+    assert lines[-7].split()[-1] == f"{np.degrees(solution.change[0]):+.3f}"
+    assert lines[-3].split()[-1] == f"{1e3 * solution.change[4]:+.3f}"
 
 
 def test_the_old_calibration_stays_when_nothing_is_better(scene, solution):
@@ -86,14 +87,14 @@ def test_the_old_calibration_stays_when_nothing_is_better(scene, solution):
     assert again.rig is solution.rig
     assert again.reason is Reason.NOT_IMPROVED
     assert again.score_after.count <= again.score_before.count
-    assert str(again).startswith("rejected, the old calibration stays: no candidate matches more pixels")
+    assert str(again).startswith("the old calibration stays: no candidate matches more pixels")
 
 
 def test_nothing_to_match(scene):
     given_scene = scene()
     fog = np.full((120, 160), 128.0, np.float32)
     fog[0, 0] = 129.0  # not constant, but less than the texture check asks for
-    found = recalibrate(given_scene.rig, [Pair(fog, fog)], matcher=SAD_24)
+    found = recalibrate(given_scene.rig, [Pair(fog, fog)], matcher=SAD_24, schedule=COUNT)
     assert not found.accepted
     assert found.rig is given_scene.rig
     assert found.status is Status.NO_SIGNAL
@@ -103,13 +104,15 @@ def test_nothing_to_match(scene):
 
 def test_open_sea_never_makes_it_worse(scene):
     given_scene = scene("open-sea", 1)
-    found = recalibrate(given_scene.rig, given_scene.pairs, matcher=SAD_24, budget=Budget(evaluations=60))
+    found = recalibrate(
+        given_scene.rig, given_scene.pairs, matcher=SAD_24, schedule=COUNT, budget=Budget(evaluations=60)
+    )
     assert found.accepted == (found.score_after.count > found.score_before.count)
     assert (found.rig is given_scene.rig) == (not found.accepted)
 
 
 def test_the_same_again(scene, drifted, solution):
-    again = recalibrate(drifted, scene().pairs, matcher=SAD_24, seed=0)
+    again = recalibrate(drifted, scene().pairs, matcher=SAD_24, schedule=COUNT, seed=0)
     np.testing.assert_array_equal(again.trace.points, solution.trace.points)
     np.testing.assert_array_equal(again.trace.values, solution.trace.values)
     np.testing.assert_array_equal(again.rig.extrinsics, solution.rig.extrinsics)
@@ -117,7 +120,7 @@ def test_the_same_again(scene, drifted, solution):
 
 @pytest.mark.parametrize("limit", [1, 7, 30.5])
 def test_budget(scene, drifted, solution, limit):
-    found = recalibrate(drifted, scene().pairs, matcher=SAD_24, budget=Budget(evaluations=limit))
+    found = recalibrate(drifted, scene().pairs, matcher=SAD_24, schedule=COUNT, budget=Budget(evaluations=limit))
     assert found.evaluations == int(limit)
     assert found.cost <= limit
     assert found.status is Status.BUDGET
@@ -139,7 +142,7 @@ def test_several_pairs_are_repaired_jointly(scene):
     given_scene = scene("street", 0, frames=2)
     rig, pairs = given_scene.rig, given_scene.pairs
     start = rig.with_extrinsics(rig.extrinsics + np.array([*np.radians([0.8, 0.0, -0.8]), 0.0, 0.0, 0.0]))
-    found = recalibrate(start, pairs, matcher=SAD_24, budget=Budget(evaluations=120))
+    found = recalibrate(start, pairs, matcher=SAD_24, schedule=COUNT, budget=Budget(evaluations=120))
     assert found.accepted
     assert found.score_after.pixels == 2 * 160 * 120
     single = [score(found.rig, [pair], matcher=SAD_24, view=found.view).count for pair in pairs]
@@ -149,7 +152,7 @@ def test_several_pairs_are_repaired_jointly(scene):
 
 def test_reach_is_the_limit(scene, drifted):
     narrow = Reach(degrees=0.1, baseline_fraction=0.001)
-    found = recalibrate(drifted, scene().pairs, matcher=SAD_24, reach=narrow)
+    found = recalibrate(drifted, scene().pairs, matcher=SAD_24, schedule=COUNT, reach=narrow)
     assert np.abs(found.change[:3]).max() <= np.radians(0.1) + 1e-12
     assert np.abs(found.change[3:]).max() <= 0.001 * drifted.baseline + 1e-12
 

@@ -1,0 +1,98 @@
+"""The verdict: is the candidate better on data that it has not seen?"""
+
+import enum
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from stereorecal.recalibration._evidence import Evidence
+from stereorecal.scoring import Score
+
+_COUNT_LOSS = 0.01  # of the count; the count is flat to half of that around the optimum
+_COUNT_GAIN = 0.01
+_ROW_LOSS = 0.02  # pixels
+_ROW_GAIN = 0.01  # pixels
+_SIGNIFICANT = 3.0  # standard errors, over the tiles
+_FEWEST_TILES = 6
+_EDGE = 0.98  # of the reach
+
+
+class Reason(enum.Enum):
+    """Why a candidate was accepted or not; the value is the message."""
+
+    IMPROVED = "the candidate is better, on data that it has not seen too"
+    MORE_MATCHES = "the candidate matches more pixels"
+    ALREADY_GOOD = "the calibration that was given is already good; nothing to gain beyond noise"
+    NOT_IMPROVED = "no candidate matches more pixels than the calibration that was given"
+    FEWER_MATCHES = "the candidate matches fewer pixels than the calibration that was given"
+    WORSE_ON_HELD_OUT = "the candidate is no better on the parts of the images that it has not seen"
+    TOO_LITTLE_TEXTURE = "the images show too little to match"
+    REACH_EDGE = "the search ended at the edge of the reach; the drift may be larger: give a larger reach"
+
+    @property
+    def healthy(self) -> bool:
+        """True if the calibration to use is good: repaired, or good from the start."""
+        return self in (Reason.IMPROVED, Reason.MORE_MATCHES, Reason.ALREADY_GOOD)
+
+
+@dataclass(frozen=True, eq=False)
+class RowErrors:
+    """Median |row difference| of the correspondences, pixels at full size.
+
+    Attributes:
+        before: under the calibration that was given.
+        after: under the candidate, each part of the images judged by a solution that has not seen it.
+        significance: of the gain, in standard errors over the tiles.
+    """
+
+    before: float
+    after: float
+    significance: float
+
+
+def row_errors(found: Evidence) -> RowErrors:
+    """The paired comparison of tiles that no solution has seen."""
+    before, after = found.held_out()
+    gain = before - after
+    error = float(np.std(gain, ddof=1)) / np.sqrt(len(gain)) if len(gain) > 1 else np.inf
+    return RowErrors(float(np.mean(before)), float(np.mean(after)), float(np.mean(gain)) / max(error, 1e-9))
+
+
+def verdict_on_count(before: Score, after: Score, *, signal: bool) -> Reason:
+    """Where the count is all there is: more is better."""
+    if not signal:
+        return Reason.TOO_LITTLE_TEXTURE
+    return Reason.MORE_MATCHES if after.count > before.count else Reason.NOT_IMPROVED
+
+
+def verdict(
+    before: Score,
+    after: Score,
+    rows: RowErrors,
+    z: Float[np.ndarray, "n"],
+    observed: Bool[np.ndarray, "n"],
+    tiles: int,
+) -> Reason:
+    """The verdict on a candidate with correspondences.
+
+    Accepted: a significant gain in count or in row error on held-out parts, and no loss beyond 1 % of the count and
+    0.02 pixels (architecture, section 6).
+
+    Args:
+        z: the candidate in the unit box.
+        observed: which of its coordinates the data determine.
+        tiles: how many tiles hold correspondences.
+    """
+    if tiles < _FEWEST_TILES:
+        return Reason.TOO_LITTLE_TEXTURE
+    if after.count < (1.0 - _COUNT_LOSS) * before.count:
+        return Reason.FEWER_MATCHES
+    gain = rows.before - rows.after
+    if gain < -_ROW_LOSS:
+        return Reason.WORSE_ON_HELD_OUT
+    if np.any(observed & (np.abs(z) > _EDGE)):
+        return Reason.REACH_EDGE
+    better_rows = gain > _ROW_GAIN and rows.significance > _SIGNIFICANT
+    better_count = after.count > (1.0 + _COUNT_GAIN) * before.count and gain > -_ROW_GAIN
+    return Reason.IMPROVED if better_rows or better_count else Reason.ALREADY_GOOD

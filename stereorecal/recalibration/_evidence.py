@@ -1,0 +1,103 @@
+"""What the last correspondences say about the solution: its covariance, and how it does on data it has not seen.
+
+Everything rests on one linearisation at the solution, cut into groups: the frames, or the tiles of an only frame.
+Groups are the units of resampling: within a group, errors go together (windows overlap, a surface is smooth or a
+texture repeats), so the formal least-squares covariance is too small.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from stereorecal.recalibration._stage_run import PRIOR, WIDER, Case, differences_at
+from stereorecal.scoring import TILES, Correspondences, Loss, precisions
+
+_STEP = 1e-4  # of the reach, for numerical derivatives of row differences in float64
+_FOLDS = 4
+TILES_OF_A_FRAME = TILES[0] * TILES[1]
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """The least-squares problem at the solution, linear in z, the point of the unit box.
+
+    Attributes:
+        z: (n,) the solution.
+        jacobian: (m, n) of the row differences, pixels at full size.
+        residual: (m,) row differences at the solution, pixels at full size.
+        start_residual: (m,) the same under the calibration that was given.
+        weight: (m,) of the squared row differences.
+        tile: (m,) which tile of which frame.
+        frames: how many.
+    """
+
+    z: Float[np.ndarray, "n"]
+    jacobian: Float[np.ndarray, "m n"]
+    residual: Float[np.ndarray, "m"]
+    start_residual: Float[np.ndarray, "m"]
+    weight: Float[np.ndarray, "m"]
+    tile: Int[np.ndarray, "m"]
+    frames: int
+
+    @property
+    def _prior(self) -> Float[np.ndarray, "n n"]:
+        return np.eye(len(self.z)) / (PRIOR / WIDER) ** 2
+
+    def _curvature(self, rows) -> Float[np.ndarray, "n n"]:
+        jacobian = self.jacobian[rows]
+        return jacobian.T @ (self.weight[rows, None] * jacobian)
+
+    def _pull(self, rows) -> Float[np.ndarray, "n"]:
+        return self.jacobian[rows].T @ (self.weight[rows] * self.residual[rows])
+
+    def covariance(self) -> Float[np.ndarray, "n n"]:
+        """Of the solution, in units of the box: the sandwich estimate with tiles as clusters, and the prior."""
+        inverse = np.linalg.inv(self._curvature(slice(None)) + self._prior)
+        tiles = np.unique(self.tile)
+        pulls = np.stack([self._pull(self.tile == t) for t in tiles])
+        pulls -= pulls.mean(0)  # the prior balances their sum
+        meat = pulls.T @ pulls * len(tiles) / max(1, len(tiles) - 1) + self._prior
+        return inverse @ meat @ inverse
+
+    def _fold(self) -> Int[np.ndarray, "m"]:
+        """Frames are dealt out to the folds; of an only frame, the tiles, so that no fold is without a region."""
+        if self.frames > 1:
+            return self.tile // TILES_OF_A_FRAME % _FOLDS
+        row, column = np.divmod(self.tile, TILES[0])
+        return (column + 2 * row) % _FOLDS
+
+    def held_out(self) -> tuple[Float[np.ndarray, "t"], Float[np.ndarray, "t"]]:
+        """Median |row difference| in each tile, pixels: under the calibration that was given, and under solutions that
+        did not see the tile (nor, of several frames, the frame that it lies in)."""
+        fold = self._fold()
+        unseen = np.empty_like(self.residual)
+        for part in np.unique(fold):
+            seen = fold != part
+            curvature = self._curvature(seen) + self._prior
+            shift = -np.linalg.solve(curvature, self._pull(seen) + self._prior @ self.z)
+            unseen[~seen] = self.residual[~seen] + self.jacobian[~seen] @ shift
+        tiles = [self.tile == t for t in np.unique(self.tile)]
+        before, after = (np.array([np.median(np.abs(r[t])) for t in tiles]) for r in (self.start_residual, unseen))
+        return before, after
+
+
+def evidence(case: Case, found: Correspondences, z: Float[np.ndarray, "n"]) -> Evidence:
+    """The evidence of correspondences at a solution z."""
+    chart, here = case.chart, np.asarray(found.weight) > 0
+    at = differences_at(found, chart, z)
+    weights = precisions(found, at, Loss.WELSCH)
+    scale = float(found.scale)
+    columns = [
+        (differences_at(found, chart, z + step) - differences_at(found, chart, z - step))[here] / (2.0 * _STEP)
+        for step in _STEP * np.eye(len(z))
+    ]
+    return Evidence(
+        z=z,
+        jacobian=np.stack(columns, axis=-1) / scale,
+        residual=at[here] / scale,
+        start_residual=differences_at(found, chart, np.zeros_like(z))[here] / scale,
+        weight=weights[here] * scale**2,
+        tile=np.asarray(found.tile)[here],
+        frames=len(found.weight),
+    )

@@ -1,0 +1,123 @@
+"""Dense correspondences of the matcher's own making: which rays of the two cameras meet, and how well that is known.
+
+A grid of cells is laid over each frame, and the best pixel of a cell speaks for it: the number of correspondences is
+fixed by the shape of the images, and neighbours whose windows overlap do not vote twice.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Float, Int
+
+from stereorecal._arrays import AnyArray, Extrinsics
+from stereorecal._pytree import register_pytree
+from stereorecal.geometry import cubic_warp, rectifying_rotations, rotation_from_euler
+from stereorecal.matching import AbstractMatcher, Disparity
+from stereorecal.scoring._count import disparities
+from stereorecal.scoring._data import Rectified, ScoringData, rectify_frames
+from stereorecal.scoring._subpixel import WINDOW, refine
+
+_CELLS = 4800  # in a frame: enough to cover it with windows twice over
+TILES = (8, 6)  # columns and rows of tiles in a frame, the units of resampling
+_FLOOR = 0.01  # pixels: no window is better than that, whatever its noise
+
+
+@register_pytree
+@dataclass(frozen=True, eq=False)
+class Correspondences:
+    """Pairs of rays, k frames of m cells each.
+
+    Attributes:
+        left, right: (k, m, 3) float32, rays in the frames of the left and the right camera: independent of the
+            extrinsics under which they were found.
+        weight: (k, m) float32, inverse variance of the row offset, 1 in the mean of those found; 0: nothing found.
+        tile: (k, m) int32, which tile of which frame a cell lies in.
+        focal: of the view, in pixels of the scale at which they were found.
+        scale: pixels there per pixel at full size.
+        independent: how many of them carry independent information, as a share: windows overlap.
+    """
+
+    left: Float[AnyArray, "k m 3"]
+    right: Float[AnyArray, "k m 3"]
+    weight: Float[AnyArray, "k m"]
+    tile: Int[AnyArray, "k m"]
+    focal: Float[AnyArray, ""]
+    scale: Float[AnyArray, ""]
+    independent: Float[AnyArray, ""]
+
+    @property
+    def found(self) -> int:
+        """How many correspondences there are."""
+        return int((np.asarray(self.weight) > 0).sum())
+
+
+def correspondences(
+    data: ScoringData, extrinsics: Extrinsics, matcher: AbstractMatcher, scale: float
+) -> Correspondences:
+    """The correspondences of all frames, rectified by `extrinsics` and matched by `matcher`; NumPy arrays.
+
+    Args:
+        extrinsics: (6,): pitch, yaw, roll [rad] and the translation in any unit.
+        matcher: with its disparity range at the scale of `data`.
+        scale: of `data`.
+    """
+    found = disparities(data, extrinsics, matcher)
+    stacked = Disparity(np.stack([d.values for d in found]), np.stack([d.valid for d in found]))
+    refined = _refined(data, jnp.asarray(extrinsics, jnp.float32), stacked, jnp.float32(scale))
+    return jax.tree.map(np.asarray, refined)
+
+
+@jax.jit
+def _refined(data: ScoringData, extrinsics: Extrinsics, found: Disparity, scale: Any) -> Correspondences:
+    view = data.view
+    width, height = view.size
+    side = max(1, round(math.sqrt(width * height / _CELLS)))
+    columns, rows = np.meshgrid(np.arange(width, dtype=np.float32), np.arange(height, dtype=np.float32))
+    to_left, to_right = rectifying_rotations(rotation_from_euler(extrinsics[:3]), extrinsics[3:])
+
+    def rays(x, y, centre, rotation):
+        ray = jnp.stack([(x - centre) / view.focal, (y - view.centre_row) / view.focal, jnp.ones_like(x)], axis=-1)
+        return ray @ rotation  # turned back by the transpose
+
+    def frame(rectified: Rectified, disparity: Disparity):
+        offsets = refine(rectified, disparity)
+        variance = jnp.where(offsets.good, offsets.variance + _FLOOR**2, jnp.inf)
+        fields = jnp.stack([variance, columns, rows, offsets.disparity, offsets.row])
+        variance, x, y, d, v = _best_of_cells(fields, side)
+        left = rays(x, y, view.centre_left, to_left)
+        right = rays(x - d, y + v, view.centre_right, to_right)
+        return left, right, 1.0 / variance
+
+    left, right, weight = rectify_frames(data, extrinsics, frame, warp=cubic_warp, more=(found,))
+    mean = jnp.sum(weight) / jnp.maximum(jnp.sum(weight > 0), 1)
+    return Correspondences(
+        left,
+        right,
+        weight / jnp.where(mean > 0, mean, 1.0),
+        jnp.asarray(_tiles(data.left.shape[0], width // side, height // side)),
+        jnp.asarray(view.focal, jnp.float32),
+        scale,
+        jnp.float32(min(1.0, side**2 / WINDOW**2)),
+    )
+
+
+def _best_of_cells(fields: Float[jax.Array, "c h w"], side: int) -> Float[jax.Array, "c m"]:
+    """The values at the pixel of each cell whose first field is least."""
+    count, height, width = fields.shape
+    rows, columns = height // side, width // side
+    cells = fields[:, : rows * side, : columns * side].reshape(count, rows, side, columns, side)
+    cells = cells.transpose(0, 1, 3, 2, 4).reshape(count, rows * columns, side * side)
+    best = jnp.argmin(cells[0], axis=-1)
+    return jnp.take_along_axis(cells, best[None, :, None], axis=-1)[..., 0]
+
+
+def _tiles(frames: int, columns: int, rows: int) -> Int[np.ndarray, "k m"]:
+    """The tile of every cell, numbered over all frames."""
+    across = np.arange(columns) * TILES[0] // columns
+    down = np.arange(rows) * TILES[1] // rows
+    tile = (down[:, None] * TILES[0] + across[None, :]).reshape(-1)
+    return (np.arange(frames)[:, None] * TILES[0] * TILES[1] + tile).astype(np.int32)

@@ -1,0 +1,61 @@
+"""Epipolar residuals: how far the two rays of a correspondence lie apart across the rows, under given extrinsics."""
+
+import enum
+
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal._arrays import AnyArray, Extrinsics, namespace
+from stereorecal.geometry import rectifying_rotations, rotation_from_euler
+from stereorecal.scoring._correspondences import Correspondences
+
+_SMALLEST_SPREAD = 0.05  # pixels; matching is never better than that
+_WELSCH = 0.25  # pixels: beyond about twice that a correspondence has no vote
+_WIDEST_WELSCH = 2.5  # robust standard deviations
+
+
+class Loss(enum.Enum):
+    """How the vote of a correspondence falls with its residual r, in units of a scale s."""
+
+    SOFT_L1 = "1 / sqrt(1 + (r / s)²): from afar, where all residuals are large"
+    WELSCH = "exp(-(r / s)² / 2): at the end; what is wrong has no vote at all"
+
+
+def row_differences(found: Correspondences, extrinsics: Extrinsics) -> Float[AnyArray, "k m"]:
+    """Row in the rectified left image less the row in the rectified right one, in pixels. Pure and differentiable.
+
+    Args:
+        extrinsics: (6,): pitch, yaw, roll [rad] and the translation in any unit.
+    """
+    xp = namespace(found.left, extrinsics)
+    first, second = rectifying_rotations(rotation_from_euler(extrinsics[:3]), extrinsics[3:])
+
+    def rows(rays, rotation):
+        return (rays @ rotation[1]) / (rays @ rotation[2])
+
+    return xp.asarray(found.focal) * (rows(found.left, first) - rows(found.right, second))
+
+
+def robust_spread(found: Correspondences, differences: Float[np.ndarray, "k m"]) -> float:
+    """Robust standard deviation of the row differences about zero, in pixels (1.4826 times the median)."""
+    here = np.asarray(found.weight) > 0
+    median = float(np.median(np.abs(differences[here]))) if here.any() else 0.0
+    return max(_SMALLEST_SPREAD, 1.4826 * median)
+
+
+def precisions(found: Correspondences, differences: Float[np.ndarray, "k m"], loss: Loss) -> Float[np.ndarray, "k m"]:
+    """Weight of each squared row difference, 1 / pixels²: noise of its window, robust vote, spread of all, overlap."""
+    spread = robust_spread(found, differences)
+    if loss is Loss.SOFT_L1:
+        vote = 1.0 / np.sqrt(1.0 + (differences / spread) ** 2)
+    else:
+        scale = max(_WELSCH, _WIDEST_WELSCH * spread)
+        vote = np.exp(-0.5 * (differences / scale) ** 2)
+    return np.asarray(found.weight) * vote * float(found.independent) / spread**2
+
+
+def median_row_error(found: Correspondences, extrinsics: Extrinsics) -> float:
+    """Median |row difference| in pixels at full size; NaN if nothing was found."""
+    here = np.asarray(found.weight) > 0
+    differences = row_differences(found, extrinsics)
+    return float(np.median(np.abs(differences[here])) / float(found.scale)) if here.any() else float("nan")

@@ -1,0 +1,97 @@
+"""Sub-pixel refinement of a matched frame: where each pixel's partner lies, in the row and across the rows.
+
+The fields of disparity and row offset are refined together (Lucas & Kanade 1981): the right image is warped by both
+fields as they are, so that a window follows slanted surfaces, and what still differs within the window of a pixel moves
+that pixel. Pixels without a valid disparity take no part in any window.
+"""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Bool, Float
+
+from stereorecal.geometry import cubic_warp
+from stereorecal.matching import Disparity, box_sum
+from stereorecal.scoring._data import Rectified
+
+WINDOW = 11  # pixels
+_ITERATIONS = 4
+_CONTRAST_WINDOW = 15  # pixels; grey levels are taken relative to the mean and the contrast in it
+_CONTRAST_FLOOR = 25.0  # grey levels squared: below that, differences are noise
+_SETTLED = 0.05  # pixels that the last iteration may still move
+_AWAY = 1.0  # pixels from the matcher's disparity
+_COVER = 0.5  # share of the window that must be valid
+_FARTHEST_ROW = 2.0  # pixels across the rows; beyond it a window has met something else
+_WIDEST = 0.17  # pixels, standard deviation of the row offset by the noise of the window alone
+
+
+class Offsets(NamedTuple):
+    """For each pixel of the left image.
+
+    Attributes:
+        disparity, row: where the partner lies: (x - disparity, y + row), pixels.
+        variance: of `row`, in pixels squared, with the disparity unknown as well: the noise of the window over
+            [G^-1]_yy of its structure tensor G.
+        good: False where something went wrong.
+    """
+
+    disparity: Float[jax.Array, "h w"]
+    row: Float[jax.Array, "h w"]
+    variance: Float[jax.Array, "h w"]
+    good: Bool[jax.Array, "h w"]
+
+
+def refine(frame: Rectified, disparity: Disparity) -> Offsets:
+    """Refine a disparity from (d, 0) to (d, row offset) of sub-pixel accuracy. Pure and traceable."""
+    left, right = _contrast(jnp.asarray(frame.left)), _contrast(jnp.asarray(frame.right))
+    mask = jnp.asarray(disparity.valid, jnp.float32)
+    columns = jnp.arange(left.shape[1], dtype=jnp.float32)[None, :]
+    rows = jnp.arange(left.shape[0], dtype=jnp.float32)[:, None]
+    gradient_x, gradient_y = (mask * g for g in _gradient(left))
+    pixels = box_sum(mask, WINDOW)
+    damping = 1e-3 * pixels + 1e-6
+    xx, xy, yy = (
+        box_sum(a * b, WINDOW)
+        for a, b in ((gradient_x, gradient_x), (gradient_x, gradient_y), (gradient_y, gradient_y))
+    )
+    determinant = (xx + damping) * (yy + damping) - xy * xy
+
+    def difference(d, v):
+        return mask * (left - cubic_warp(right, jnp.stack([columns - d, rows + v])))
+
+    def step(_, fields):
+        d, v, _ = fields
+        error = difference(d, v)
+        x, y = box_sum(gradient_x * error, WINDOW), box_sum(gradient_y * error, WINDOW)
+        # The least-squares solution of error + gradient_x δd - gradient_y δv = 0 over the window.
+        delta_d = jnp.clip((xy * y - (yy + damping) * x) / determinant, -1.0, 1.0)
+        delta_v = jnp.clip(((xx + damping) * y - xy * x) / determinant, -1.0, 1.0)
+        return d + mask * delta_d, v + mask * delta_v, jnp.maximum(jnp.abs(delta_d), jnp.abs(delta_v))
+
+    start = jnp.where(disparity.valid, disparity.values, 0.0)
+    zero = jnp.zeros_like(start)
+    d, v, moved = jax.lax.fori_loop(0, _ITERATIONS, step, (start, zero, zero))
+    noise = box_sum(difference(d, v) ** 2, WINDOW) / jnp.maximum(pixels, 1.0)
+    variance = noise / jnp.maximum(yy - xy * xy / (xx + 1e-6), 1e-6)
+    good = (
+        disparity.valid
+        & (moved < _SETTLED)
+        & (jnp.abs(d - start) < _AWAY)
+        & (jnp.abs(v) < _FARTHEST_ROW)
+        & (pixels > _COVER * WINDOW**2)
+        & (variance < _WIDEST**2)
+    )
+    return Offsets(d, v, variance, good)
+
+
+def _contrast(image: Float[jax.Array, "h w"]) -> Float[jax.Array, "h w"]:
+    """Grey levels less their local mean, over the local contrast: exposure and vignetting leave it as it is."""
+    pixels = box_sum(jnp.ones_like(image), _CONTRAST_WINDOW)
+    centred = image - box_sum(image, _CONTRAST_WINDOW) / pixels
+    return centred / jnp.sqrt(box_sum(centred**2, _CONTRAST_WINDOW) / pixels + _CONTRAST_FLOOR)
+
+
+def _gradient(image: Float[jax.Array, "h w"]) -> tuple[Float[jax.Array, "h w"], Float[jax.Array, "h w"]]:
+    padded = jnp.pad(image, 1, mode="edge")
+    return 0.5 * (padded[1:-1, 2:] - padded[1:-1, :-2]), 0.5 * (padded[2:, 1:-1] - padded[:-2, 1:-1])
