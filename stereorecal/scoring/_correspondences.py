@@ -1,7 +1,7 @@
 """Dense correspondences of the matcher's own making: which rays of the two cameras meet, and how well that is known.
 
-A grid of cells is laid over each frame, and the best pixel of a cell speaks for it: the number of correspondences is
-fixed by the shape of the images, and neighbours whose windows overlap do not vote twice.
+A grid of cells is laid over each frame, and the mean of a cell's pixels speaks for it: the number of correspondences is
+fixed by the shape of the images, and neighbours whose windows overlap do not vote many times.
 """
 
 import math
@@ -85,12 +85,12 @@ def _refined(data: ScoringData, extrinsics: Extrinsics, found: Disparity, scale:
 
     def frame(rectified: Rectified, disparity: Disparity):
         offsets = refine(rectified, disparity)
-        variance = jnp.where(offsets.good, offsets.variance + _FLOOR**2, jnp.inf)
-        fields = jnp.stack([variance, columns, rows, offsets.disparity, offsets.row])
-        variance, x, y, d, v = _best_of_cells(fields, side)
+        weight = jnp.where(offsets.good, 1.0 / (offsets.variance + _FLOOR**2), 0.0)
+        fields = jnp.stack([columns, rows, offsets.disparity, offsets.row])
+        (x, y, d, v), weight = _means_of_cells(fields, weight, side)
         left = rays(x, y, view.centre_left, to_left)
         right = rays(x - d, y + v, view.centre_right, to_right)
-        return left, right, 1.0 / variance
+        return left, right, weight
 
     left, right, weight = rectify_frames(data, extrinsics, frame, warp=cubic_warp, more=(found,))
     mean = jnp.sum(weight) / jnp.maximum(jnp.sum(weight > 0), 1)
@@ -105,14 +105,18 @@ def _refined(data: ScoringData, extrinsics: Extrinsics, found: Disparity, scale:
     )
 
 
-def _best_of_cells(fields: Float[jax.Array, "c h w"], side: int) -> Float[jax.Array, "c m"]:
-    """The values at the pixel of each cell whose first field is least."""
+def _means_of_cells(fields: Float[jax.Array, "c h w"], weight: Float[jax.Array, "h w"], side: int):
+    """The weighted means of the fields in each cell, (c, m), and the mean weight of its pixels that have one, (m,)."""
     count, height, width = fields.shape
     rows, columns = height // side, width // side
-    cells = fields[:, : rows * side, : columns * side].reshape(count, rows, side, columns, side)
-    cells = cells.transpose(0, 1, 3, 2, 4).reshape(count, rows * columns, side * side)
-    best = jnp.argmin(cells[0], axis=-1)
-    return jnp.take_along_axis(cells, best[None, :, None], axis=-1)[..., 0]
+
+    def totals(values):
+        cut = values[..., : rows * side, : columns * side]
+        return jnp.sum(cut.reshape(*values.shape[:-2], rows, side, columns, side), axis=(-3, -1))
+
+    total, pixels = totals(weight), totals((weight > 0).astype(jnp.float32))
+    means = totals(fields * weight) / jnp.where(total > 0, total, 1.0)
+    return means.reshape(count, -1), (total / jnp.maximum(pixels, 1.0)).reshape(-1)
 
 
 def _tiles(frames: int, columns: int, rows: int) -> Int[np.ndarray, "k m"]:
