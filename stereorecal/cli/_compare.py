@@ -13,7 +13,14 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from stereorecal._errors import InputError
 from stereorecal.cli import _values
 from stereorecal.cli._exit_codes import FAILURE, INTERRUPTED
-from stereorecal.comparison import Comparison, Drift, Progress as ProgressCall, compare_scenes, load_strategies
+from stereorecal.comparison import (
+    SCHEDULES,
+    Comparison,
+    Drift,
+    Progress as ProgressCall,
+    compare_scenes,
+    load_strategies,
+)
 from stereorecal.geometry import Scene
 from stereorecal.io import load_scene
 from stereorecal.report.tables import WIDE, comparison_tables
@@ -35,7 +42,12 @@ def add_to(verbs) -> None:
     add("--frames", default="1", metavar="N|all", help="pairs of each scene to use, jointly")
     add("--matcher", default="sad", metavar="NAME", help="sad, bm or sgbm")
     add("--strategies", default="compass", metavar="A,B|all", help="names of installed strategies")
-    add("--schedule", default="count", metavar="NAME", help="count: the paper's way, one strategy, one scale")
+    add(
+        "--schedule",
+        default="count",
+        metavar="NAME",
+        help="count (the paper's way: one scale) or default (coarse to fine)",
+    )
     add("--scale", type=float, default=1.0, help="image scale of the count schedule")
     add("--decalibrate", default="0.5,0.01", metavar="DEG,FRACTION", help="largest drift of each axis")
     add(
@@ -59,7 +71,7 @@ def add_to(verbs) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Compare, print, save; returns the exit code."""
-    _values.known(options.schedule, ["count"], "schedule")
+    _values.known(options.schedule, list(SCHEDULES), "schedule")
     matcher = _values.matcher(options.matcher)
     chosen = load_strategies(_values.strategy_names(options.strategies))
     drift = Drift(*_values.degrees_and_fraction(options.decalibrate, "--decalibrate"))
@@ -77,6 +89,7 @@ def run(options: argparse.Namespace) -> int:
                 matcher=matcher,
                 drift=drift,
                 reach=reach,
+                schedule=options.schedule,
                 scale=options.scale,
                 draws=options.draws,
                 budget=budget,

@@ -1,6 +1,7 @@
 """Comparisons: strategies x draws x scenes."""
 
 from stereorecal.comparison._compare import (
+    SCHEDULES as SCHEDULES,
     Drift as Drift,
     Progress as Progress,
     compare as compare,

@@ -17,11 +17,13 @@ from stereorecal.comparison._comparison import Comparison
 from stereorecal.comparison._trial import Task, Trial, failed, run_trial
 from stereorecal.geometry import Pair, Scene, StereoRig, check_pairs, view
 from stereorecal.matching import SAD, AbstractMatcher
+from stereorecal.recalibration import Schedule, recalibrate
 from stereorecal.scoring import prepare, with_disparity_range
 from stereorecal.strategies import AbstractStrategy, Budget, Objective, Outcome, Reach, origin_of, strategy
 from stereorecal.synthetic import decalibrate
 
 Progress = Callable[[int, int], None]
+SCHEDULES = ("count", "default")
 
 
 @dataclass(frozen=True)
@@ -53,6 +55,7 @@ def compare(
     matcher: AbstractMatcher | None = None,
     drift: Drift | None = None,
     reach: Reach | None = None,
+    schedule: str = "count",
     scale: float = 1.0,
     draws: int = 20,
     budget: Budget | None = None,
@@ -67,6 +70,7 @@ def compare(
         matcher=matcher,
         drift=drift,
         reach=reach,
+        schedule=schedule,
         scale=scale,
         draws=draws,
         budget=budget,
@@ -83,6 +87,7 @@ def compare_scenes(
     matcher: AbstractMatcher | None = None,
     drift: Drift | None = None,
     reach: Reach | None = None,
+    schedule: str = "count",
     scale: float = 1.0,
     draws: int = 20,
     budget: Budget | None = None,
@@ -92,15 +97,19 @@ def compare_scenes(
 ) -> Comparison:
     """Decalibrate each scene's rig `draws` times and let every strategy repair each of them.
 
-    All strategies see the same draws, the same matcher with the same disparity range, and the same budget. Ctrl-C
-    ends the comparison; what is finished is returned with `interrupted` set.
+    All strategies see the same draws, the same matcher with the same disparity range, and the same budget. Errors are
+    against the truth where it is known, else against the consensus of the scene's frames (where the default schedule
+    ends, started from the stored calibration), else against the stored calibration. Ctrl-C ends the comparison; what is
+    finished is returned with `interrupted` set.
 
     Args:
-        scenes: each with a rig, which is the reference.
+        scenes: each with a rig, from which the drift is drawn and with which N_GT is counted.
         strategies: names from the registry, or a mapping from names to strategies with options of their own.
         matcher: default `SAD()`; without `num_disparities` each scene's range is measured once.
         drift: default 0.5 degrees and 1 % of the baseline.
         reach: default the larger of 3 degrees, 3 % and 1.2 x the drift.
+        schedule: "count": the strategy maximises the count at one scale; "default": coarse to fine, with the strategy
+            in the stages of its kind.
         scale: image scale of the count schedule.
         budget: of each trial, in units; default none.
         executor: any `concurrent.futures.Executor`; default one trial after the other in this process.
@@ -113,6 +122,8 @@ def compare_scenes(
         raise InputError("there is nothing to compare; give at least one scene, one strategy and one draw.")
     if len({scene.name for scene in scenes}) < len(scenes):
         raise InputError("two scenes have the same name; rename a folder, or give each scene once.")
+    if schedule not in SCHEDULES:
+        raise InputError(f"unknown schedule {schedule!r}; choose one of: {', '.join(SCHEDULES)}")
     matcher, drift, budget = matcher or SAD(), drift or Drift(), budget or Budget()
     if reach is None:
         reach = Reach(max(3.0, 1.2 * drift.degrees), max(0.03, 1.2 * drift.baseline_fraction))
@@ -122,18 +133,18 @@ def compare_scenes(
     tasks = [
         Task(
             scene=scene,
+            reference=reference,
             start=decalibrate(_rig_of(scene), _draw_key(seed, draw), drift.degrees, drift.baseline_fraction),
             draw=draw,
             strategy_name=name,
-            strategy=plugin,
             matcher_name=type(matcher).__name__.lower(),
             matcher=scene_matcher,
-            scale=scale,
+            schedule=Schedule.count(plugin, scale) if schedule == "count" else Schedule.default().using(plugin),
             reach=reach,
             budget=budget,
             seed=seed + draw,
         )
-        for scene, scene_matcher in planned
+        for scene, scene_matcher, reference in planned
         for draw in range(draws)
         for name, plugin in chosen.items()
     ]
@@ -149,7 +160,7 @@ def compare_scenes(
     settings = {
         "strategies": list(chosen),
         "matcher": {"name": type(matcher).__name__.lower(), **asdict(matcher)},
-        "schedule": "count",
+        "schedule": schedule,
         "scale": scale,
         "decalibrate": asdict(drift),
         "reach": asdict(reach),
@@ -157,7 +168,7 @@ def compare_scenes(
         "seed": seed,
         "budget": asdict(budget),
     }
-    described = tuple(_describe(scene, scene_matcher) for scene, scene_matcher in planned)
+    described = tuple(_describe(*plan) for plan in planned)
     finished = tuple(trials[index] for index in sorted(trials))
     return Comparison(settings, versions, described, finished, interrupted=interrupted)
 
@@ -194,14 +205,28 @@ def _rig_of(scene: Scene) -> StereoRig:
     return scene.rig
 
 
-def _plan(scene: Scene, matcher: AbstractMatcher, reach: Reach, scale: float) -> tuple[Scene, AbstractMatcher]:
-    """The scene and its matcher, refused now rather than trial by trial."""
+_Plan = tuple[Scene, AbstractMatcher, tuple[StereoRig, str]]
+
+
+def _plan(scene: Scene, matcher: AbstractMatcher, reach: Reach, scale: float) -> _Plan:
+    """The scene, its matcher and its reference; what does not fit is refused now rather than trial by trial."""
     rig = _rig_of(scene)
     pairs = check_pairs(rig, scene.pairs)
     matcher = with_disparity_range(matcher, rig, pairs, view(rig), np.radians(reach.degrees))
     data = prepare(rig, pairs[:1], view(rig), scale)
     matcher.scaled(scale).disparity_range(data.view.size[0])
-    return scene, matcher
+    return scene, matcher, _reference(scene, rig, matcher)
+
+
+def _reference(scene: Scene, rig: StereoRig, matcher: AbstractMatcher) -> tuple[StereoRig, str]:
+    """The rig that errors are measured against, and what it is worth."""
+    if scene.reference != "stored":
+        return rig, scene.reference
+    try:
+        solution = recalibrate(rig, scene.pairs, matcher=matcher)
+    except (InputError, StrategyError):  # a strategy of the default schedule is not installed, or broken
+        return rig, scene.reference
+    return (solution.candidate, "consensus") if solution.reason.healthy else (rig, scene.reference)
 
 
 def _draw_key(seed: int, draw: int) -> jax.Array:
@@ -223,13 +248,13 @@ def _run_all(tasks: Sequence[Task], executor: Executor | None) -> Iterator[tuple
             future.cancel()
 
 
-def _describe(scene: Scene, matcher: AbstractMatcher) -> dict[str, Any]:
+def _describe(scene: Scene, matcher: AbstractMatcher, reference: tuple[StereoRig, str]) -> dict[str, Any]:
     rig = _rig_of(scene)
     return {
         "name": scene.name,
         "image_size": list(rig.left.size),
         "frames": len(scene.pairs),
-        "reference": scene.reference,
+        "reference": reference[1],
         "baseline_m": float(rig.baseline),
         "min_disparity": matcher.min_disparity,
         "num_disparities": matcher.num_disparities,

@@ -9,7 +9,7 @@ from stereorecal.geometry import AXES, Scene, StereoRig
 from stereorecal.matching import AbstractMatcher
 from stereorecal.recalibration import Schedule, Solution, recalibrate
 from stereorecal.scoring import score
-from stereorecal.strategies import AbstractStrategy, Budget, Reach, Status, chart_around, objective
+from stereorecal.strategies import Budget, Reach, Status, chart_around, objective
 
 SCORE_AT = (100, 300, 1000)  # units
 
@@ -19,19 +19,21 @@ class Task:
     """All that a worker needs for one trial; pickles small when the scene's pairs came from files.
 
     Attributes:
-        scene: its rig is the reference.
+        scene: its rig is what N_GT is counted with.
+        reference: the rig that errors are measured against, and what it is worth: "truth", "consensus" or "stored".
         start: the decalibrated rig.
         matcher: with its disparity range.
+        schedule: with the strategy in it.
     """
 
     scene: Scene
+    reference: tuple[StereoRig, str]
     start: StereoRig
     draw: int
     strategy_name: str
-    strategy: AbstractStrategy
     matcher_name: str
     matcher: AbstractMatcher
-    scale: float
+    schedule: Schedule
     reach: Reach
     budget: Budget
     seed: int
@@ -45,10 +47,11 @@ class Trial:
         score_initial, score_final, score_reference: the paper's N_i, N_o and N_GT: counts at full scale, all in the
             view of the start.
         ratio: the paper's r = N_o / N_GT.
-        rotation_error_deg: |pitch|, |yaw|, |roll| error against the scene's reference rig.
+        rotation_error_deg: |pitch|, |yaw|, |roll| error against the reference rig.
         translation_error_percent: |y|, |z| error in percent of the baseline.
         evaluations, cost: how often the score was asked, and what that cost in units.
-        score_at: best value of the stage's own score after 100, 300 and 1000 units.
+        score_at: best value of the stage's own score after 100, 300 and 1000 units; None where a schedule has several
+            stages, whose scores do not compare.
     """
 
     scene: str
@@ -93,7 +96,7 @@ def _repair(task: Task) -> Solution:
         task.start,
         task.scene.pairs,
         matcher=task.matcher,
-        schedule=Schedule.count(task.strategy, task.scale),
+        schedule=task.schedule,
         reach=task.reach,
         budget=task.budget,
         seed=task.seed,
@@ -101,9 +104,9 @@ def _repair(task: Task) -> Solution:
 
 
 def _finished(task: Task, solution: Solution) -> Trial:
-    reference = task.scene.rig
-    assert reference is not None
-    target = score(reference, task.scene.pairs, matcher=task.matcher, view=solution.view).count
+    calibrated, (reference, _) = task.scene.rig, task.reference
+    assert calibrated is not None
+    target = score(calibrated, task.scene.pairs, matcher=task.matcher, view=solution.view).count
     final = (solution.score_after if solution.accepted else solution.score_before).count
     error = np.abs(np.asarray(solution.rig.extrinsics) - np.asarray(reference.extrinsics))
     degrees, percent = np.degrees(error[:3]), 100.0 * error[3:] / float(reference.baseline)
@@ -122,7 +125,7 @@ def _finished(task: Task, solution: Solution) -> Trial:
         evaluations=solution.evaluations,
         cost=solution.cost,
         seconds=solution.seconds,
-        score_at=_scores_at(task, solution),
+        score_at=_scores_at(task, solution) if len(task.schedule.stages) == 1 else None,
     )
 
 
@@ -138,7 +141,10 @@ def _scores_at(task: Task, solution: Solution) -> dict[str, float | None]:
         unvalued = dict.fromkeys(SCORE_AT, np.asarray(chart.coordinates(solution.candidate.extrinsics)))
     wanted = {cost: point for cost, point in unvalued.items() if point is not None}
     if wanted:
-        view, options = solution.view, {"matcher": task.matcher, "reach": task.reach, "scale": task.scale}
+        view, options = (
+            solution.view,
+            {"matcher": task.matcher, "reach": task.reach, "scale": task.schedule.stages[0].scale},
+        )
         judge = objective(task.start, task.scene.pairs, view=view, **options)
         for cost, point in wanted.items():
             found[cost].append(judge.value(point))
@@ -154,7 +160,7 @@ def _key(task: Task) -> dict:
         "scene": task.scene.name,
         "strategy": task.strategy_name,
         "matcher": task.matcher_name,
-        "schedule": "count",
+        "schedule": task.schedule.name,
         "draw": task.draw,
-        "reference": task.scene.reference,
+        "reference": task.reference[1],
     }

@@ -11,9 +11,9 @@ from stereorecal.recalibration._acceptance import Reason, row_errors, verdict, v
 from stereorecal.recalibration._evidence import evidence
 from stereorecal.recalibration._schedule import Schedule, ScoreKind
 from stereorecal.recalibration._solution import Solution
-from stereorecal.recalibration._stage_run import FEWEST, Case, StageRun, remaining, run_stage
+from stereorecal.recalibration._stage_run import FEWEST, Case, StageRun, better_start, remaining, run_stage
 from stereorecal.recalibration._uncertainty import uncertainty
-from stereorecal.scoring import Score, counts, normalised, prepare, with_disparity_range
+from stereorecal.scoring import Score, counts, normalised, prepare, survey, with_disparity_range
 from stereorecal.strategies import Budget, Reach, Status
 
 _YAW_LEFT = np.radians(0.25)  # what an epipolar stage leaves, at most
@@ -51,25 +51,32 @@ def recalibrate(
     schedule = schedule or Schedule.default()
     reach, budget = reach or Reach(), budget or Budget()
     view = default_view(rig) if view is None else view
-    asked = matcher or SAD()
-    case = Case(rig, pairs, with_disparity_range(asked, rig, pairs, view, np.radians(reach.degrees)), view, reach)
-    case, stages = _run_schedule(case, schedule, asked, budget, seed)
+    asked, radians = matcher or SAD(), np.radians(reach.degrees)
+    start = np.zeros(6)
+    if schedule.survey:
+        seen = survey(rig, pairs, view, radians)
+        ranged, start = seen.with_range(asked, radians), seen.offset
+    else:
+        ranged = with_disparity_range(asked, rig, pairs, view, radians)
+    case = Case(rig, pairs, ranged, view, reach)
+    case, stages = _run_schedule(case, schedule, asked, start, budget, seed)
     return _judged(case, stages, began)
 
 
 def _run_schedule(
-    case: Case, schedule: Schedule, asked: AbstractMatcher, budget: Budget, seed: int
+    case: Case, schedule: Schedule, asked: AbstractMatcher, start: np.ndarray, budget: Budget, seed: int
 ) -> tuple[Case, tuple[StageRun, ...]]:
     """All stages; the case comes back with the widest disparity range that was measured."""
-    began, best, stages, widest = time.perf_counter(), np.zeros(case.chart.dim), [], case
+    began, stages, widest = time.perf_counter(), [], case
+    best = better_start(case, schedule.stages[0], np.asarray(case.chart.coordinates(case.rig.extrinsics + start)))
     for stage in schedule.stages:
         left = remaining(budget, sum(done.cost for done in stages), began) or Budget(_TRACE_OF_A_BUDGET)
         stages.append(run_stage(case, stage, best, left, seed))
         best = stages[-1].best
         if len(schedule.stages) > 1:
             yaw_left = _YAW_LEFT if stage.score is ScoreKind.EPIPOLAR else np.radians(case.reach.degrees)
-            measured = with_disparity_range(asked, case.rig_at(best), case.pairs, case.view, yaw_left, aligned=True)
-            case = case.with_matcher(measured)
+            seen = survey(case.rig_at(best), case.pairs, case.view, yaw_left, aligned=True)
+            case = case.with_matcher(seen.with_range(asked, yaw_left))
             widest = max(widest, case, key=lambda c: c.matcher.num_disparities or 0)
     return widest, tuple(stages)
 

@@ -56,10 +56,13 @@ class Schedule:
     Attributes:
         name: what tables call it.
         stages: at least one.
+        survey: whether the first stage may start where a coarse survey of pitch and roll finds more matches than at the
+            calibration that was given.
     """
 
     name: str
     stages: tuple[Stage, ...]
+    survey: bool = False
 
     def __post_init__(self) -> None:
         if not self.stages:
@@ -72,8 +75,8 @@ class Schedule:
 
     @staticmethod
     def default() -> "Schedule":
-        """Coarse to fine: compass on the count at quarter scale, Levenberg-Marquardt on epipolar residuals at half and
-        full scale. The pixels of a stage are bounded, so that large images cost no more than 800x600 ones.
+        """Coarse to fine: a survey, compass on the count at quarter scale, Levenberg-Marquardt on epipolar residuals at
+        half and full scale. The pixels of a stage are bounded, so that large images cost no more than 800x600 ones.
 
         Raises:
             InputError: if one of the two strategies is not installed; it says the install line.
@@ -85,7 +88,7 @@ class Schedule:
             Stage(solve, 0.5, ScoreKind.EPIPOLAR, rounds=4, pixels=(60_000, 120_000)),
             Stage(solve, 1.0, ScoreKind.EPIPOLAR, rounds=3, pixels=(60_000, 480_000)),
         )
-        return Schedule("default", stages)
+        return Schedule("default", stages, survey=True)
 
     def using(self, strategy: AbstractStrategy) -> "Schedule":
         """The same schedule with `strategy` in every stage of its kind: one that needs residuals in the epipolar

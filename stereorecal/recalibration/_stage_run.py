@@ -22,6 +22,7 @@ from stereorecal.scoring import (
 from stereorecal.strategies import (
     Budget,
     Chart,
+    Objective,
     Reach,
     Run,
     chart_around,
@@ -109,10 +110,23 @@ def run_stage(case: Case, stage: Stage, start: Float[np.ndarray, "n"], budget: B
     return (_count_stage if stage.score is ScoreKind.COUNT else _epipolar_stage)(case, stage, start, budget, seed)
 
 
+def better_start(case: Case, stage: Stage, other: Float[np.ndarray, "n"]) -> Float[np.ndarray, "n"]:
+    """The centre of the box, or `other` where the count at the scale of `stage` is higher."""
+    centre = np.zeros_like(other)
+    if not other.any():
+        return centre
+    asked = _count_objective(case, stage.scale_for(case.rig.left.size))
+    here, there = asked.problem.values(np.clip(WIDER * np.stack([centre, other]), -1.0, 1.0))
+    return other if there > here else centre
+
+
+def _count_objective(case: Case, scale: float) -> Objective:
+    return objective(case.rig, case.pairs, matcher=case.matcher, reach=case.reach, view=case.view, scale=scale)
+
+
 def _count_stage(case: Case, stage: Stage, start: np.ndarray, budget: Budget, seed: int) -> StageRun:
     scale = stage.scale_for(case.rig.left.size)
-    asked = objective(case.rig, case.pairs, matcher=case.matcher, reach=case.reach, view=case.view, scale=scale)
-    run = run_strategy(stage.strategy, asked, np.clip(WIDER * start, -1.0, 1.0), budget, seed)
+    run = run_strategy(stage.strategy, _count_objective(case, scale), np.clip(WIDER * start, -1.0, 1.0), budget, seed)
     return StageRun(stage, scale, run.best / WIDER, (run,))
 
 

@@ -105,7 +105,9 @@ def _short_names(data: Mapping[str, Any]) -> dict[str, str]:
 
 def _table(title: str, data: Mapping[str, Any]) -> Table:
     matcher = data["settings"]["matcher"]["name"]
-    title = f"{title} ({matcher}, schedule {data['settings']['schedule']} at scale {data['settings']['scale']:g})"
+    schedule, scale = data["settings"]["schedule"], data["settings"]["scale"]
+    at_scale = f" at scale {scale:g}" if schedule == "count" else ""
+    title = f"{title} ({matcher}, schedule {schedule}{at_scale})"
     return Table(box=box.SIMPLE_HEAD, title=title, title_justify="left", padding=(0, 1, 0, 0), pad_edge=False)
 
 

@@ -7,7 +7,6 @@ from stereorecal.scoring._correspondences import (
 )
 from stereorecal.scoring._count import count as count, counts as counts, disparities as disparities
 from stereorecal.scoring._data import ScoringData as ScoringData, normalised as normalised, prepare as prepare
-from stereorecal.scoring._disparity_range import with_disparity_range as with_disparity_range
 from stereorecal.scoring._epipolar import (
     Loss as Loss,
     median_row_error as median_row_error,
@@ -22,3 +21,8 @@ from stereorecal.scoring._score import (
     score as score,
 )
 from stereorecal.scoring._soft_count import soft_count as soft_count
+from stereorecal.scoring._survey import (
+    Survey as Survey,
+    survey as survey,
+    with_disparity_range as with_disparity_range,
+)

@@ -11,7 +11,7 @@ from stereorecal.geometry import Pair, StereoRig, View, view as default_view
 from stereorecal.matching import SAD, AbstractMatcher, Disparity
 from stereorecal.scoring._count import counts, disparities
 from stereorecal.scoring._data import normalised, prepare, rectified_frames
-from stereorecal.scoring._disparity_range import with_disparity_range
+from stereorecal.scoring._survey import with_disparity_range
 
 
 @dataclass(frozen=True)

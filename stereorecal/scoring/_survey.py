@@ -1,0 +1,153 @@
+"""A survey of the images at a coarse scale: roughly how the rig stands, and how wide the disparity search must be."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+
+import cv2
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from stereorecal._errors import InputError
+from stereorecal.geometry import Pair, StereoRig, View
+from stereorecal.matching import SAD, AbstractMatcher, Disparity
+from stereorecal.scoring._data import Rectified, ScoringData, normalised, prepare, rectify_frames
+from stereorecal.scoring._validity import match_frame
+
+_COARSE_WIDTH = 128  # pixels: a few degrees of drift are a few rows here, which a window forgives
+_COARSE_HEIGHT = 24  # pixels, at least, for panoramic images
+_RANGES = (16, 32, 48, 64, 96, 128, 192, 256, 384, 512)  # few, since each is a program of its own to compile
+_MARGIN = 1.25  # the nearest surface may be small, or seen closer in another frame
+_DEFAULT_REACH = np.radians(3.0)
+_FRAMES = 4
+_FEWEST = 50  # pixels of surfaces; fewer say nothing about the range
+_SPECKLE = 100  # pixels of the coarse image: about a hundredth of it
+
+
+@dataclass(frozen=True, eq=False)
+class Survey:
+    """What a coarse match of the images shows.
+
+    Attributes:
+        offset: (6,) what to add to the extrinsics of the rig so that most pixels match: a step of a grid over pitch and
+            roll [rad], the rest is 0.
+        disparities: of the surfaces found, in pixels of the coarse scale.
+        view: at that scale.
+        scale: pixels there per pixel at full size.
+    """
+
+    offset: Float[np.ndarray, "6"]
+    disparities: Float[np.ndarray, "n"]
+    view: View
+    scale: float
+
+    def with_range(self, matcher: AbstractMatcher, yaw: float) -> AbstractMatcher:
+        """The matcher with its number of disparities: its own, or measured when it is None.
+
+        Measured: the 99.5 % quantile of the coarse match (a quarter of the width where nothing matches), plus 25 %,
+        plus `focal * tan(yaw)` for the yaw [rad] that may be missing; then the next of a few round numbers.
+        """
+        if matcher.num_disparities is not None:
+            return matcher
+        enough = self.disparities.size > _FEWEST
+        nearest = np.quantile(self.disparities, 0.995) if enough else self.view.size[0] / 4
+        widest = (_MARGIN * nearest + float(self.view.focal) * np.tan(yaw)) / self.scale
+        width = round(self.view.size[0] / self.scale)
+        limit = width - 1 - abs(matcher.min_disparity)
+        wanted = next((n for n in _RANGES if n >= widest), widest) - matcher.min_disparity
+        return replace(matcher, num_disparities=int(min(wanted, limit // 16 * 16)))
+
+
+def survey(
+    rig: StereoRig, pairs: Sequence[Pair], view: View, reach: float = _DEFAULT_REACH, *, aligned: bool = False
+) -> Survey:
+    """Match the images at a coarse scale over a grid of pitch and roll, since the rig may be decalibrated.
+
+    Args:
+        reach: largest rotation error expected, radians.
+        aligned: the rows are known to be aligned, only the yaw is not: the rig is taken as it is.
+
+    Raises:
+        InputError: if the images look swapped (near things lie on the wrong side, beyond what the reach explains).
+    """
+    scale = min(1.0, max(_COARSE_WIDTH / view.size[0], _COARSE_HEIGHT / view.size[1]))
+    data = prepare(rig, list(pairs)[:_FRAMES], view, scale)
+    coarse = SAD(num_disparities=data.view.size[0] // 2, block_size=7)
+    offsets = np.zeros((1, 6)) if aligned else _grid(data.view, reach)
+    winner, straight, swapped = _match_all(data, normalised(rig.extrinsics) + offsets, coarse)
+    found, found_swapped = _surfaces(straight), _surfaces(swapped)
+    _refuse_swapped(found, found_swapped, float(data.view.focal) * np.tan(reach), straight.values.size)
+    return Survey(offsets[int(winner)], found, data.view, scale)
+
+
+def with_disparity_range(
+    matcher: AbstractMatcher,
+    rig: StereoRig,
+    pairs: Sequence[Pair],
+    view: View,
+    reach: float = _DEFAULT_REACH,
+) -> AbstractMatcher:
+    """The matcher with its number of disparities: its own, or measured by a `survey`, with a margin for a yaw error of
+    `reach` [rad].
+
+    Raises:
+        InputError: if, while measuring, the images look swapped.
+    """
+    if matcher.num_disparities is not None:
+        return matcher
+    return survey(rig, pairs, view, reach).with_range(matcher, reach)
+
+
+def _grid(view: View, reach: float) -> Float[np.ndarray, "n 6"]:
+    """Offsets of the extrinsics, close enough together that one of them lets a coarse matcher see."""
+    pitch_step = 1.5 / float(view.focal)  # a row and a half
+    steps = max(1, int(np.ceil(reach / pitch_step)))
+    return np.array(
+        [
+            (pitch, 0.0, roll, 0.0, 0.0, 0.0)
+            for pitch in np.linspace(-reach, reach, 2 * steps + 1)
+            for roll in (-0.7 * reach, 0.0, 0.7 * reach)
+        ]
+    )
+
+
+@partial(jax.jit, static_argnames="matcher")
+def _match_all(data: ScoringData, candidates: Float[Array, "n 6"] | np.ndarray, matcher: SAD):
+    """The candidate with most matches and its disparities (k, h, w), as the images are; the best disparities with the
+    sides swapped."""
+
+    def both(frame: Rectified):
+        swapped = Rectified(frame.right, frame.left, frame.right_area, frame.left_area)
+        return match_frame(matcher, frame), match_frame(matcher, swapped)
+
+    def look(extrinsics):
+        return rectify_frames(data, extrinsics, both)
+
+    straight, swapped = jax.lax.map(look, jnp.asarray(candidates, jnp.float32))
+
+    def best(found: Disparity):
+        winner = jnp.argmax(jnp.sum(found.valid, axis=(1, 2, 3)))
+        return winner, jax.tree.map(lambda leaf: leaf[winner], found)
+
+    return *best(straight), best(swapped)[1]
+
+
+def _surfaces(found: Disparity) -> Float[np.ndarray, "n"]:
+    """The disparities that form patches, not the lone pixels of false matches."""
+    patches = []
+    for values, valid in zip(np.asarray(found.values), np.asarray(found.valid), strict=True):
+        fixed_point = np.where(valid, 16 * values, -16).astype(np.int16)
+        cv2.filterSpeckles(fixed_point, -16, maxSpeckleSize=_SPECKLE, maxDiff=16)
+        patches.append(values[fixed_point >= 0])
+    return np.concatenate(patches)
+
+
+def _refuse_swapped(values: np.ndarray, swapped_values: np.ndarray, margin: float, pixels: int) -> None:
+    # Disparities within the margin may be infinity seen through a yaw error; beyond it they tell the sides apart.
+    here, there = (int(np.sum(v > margin + 1.0)) for v in (values, swapped_values))
+    if there > 4 * here and there > 0.1 * pixels:
+        raise InputError(
+            "the left and right images look swapped (near things lie on the wrong side); exchange left and right."
+        )
