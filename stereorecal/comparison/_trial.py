@@ -133,6 +133,7 @@ def _scores_at(task: Task, solution: Solution) -> dict[str, float | None]:
     """What a strategy had reached at each mark. Points that it declared without a value are evaluated now; one that
     spent nothing had its candidate from the beginning."""
     trace = solution.trace
+    assert trace is not None  # a stage on the count always runs its strategy
     found = {cost: [trace.best_within(cost)] for cost in SCORE_AT}
     if len(trace.values):
         unvalued = {cost: trace.charged_within(cost) for cost in SCORE_AT}

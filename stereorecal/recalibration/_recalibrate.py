@@ -85,20 +85,20 @@ _TRACE_OF_A_BUDGET = 1e-12  # so that a stage's judge can speak even when nothin
 
 
 def _judged(case: Case, stages: tuple[StageRun, ...], began: float) -> Solution:
-    last = stages[-1]
-    candidate = case.rig_at(last.best)
+    best, runs = stages[-1].best, [run for stage in stages for run in stage.runs]
+    found = next((stage.found for stage in reversed(stages) if stage.found is not None), None)
+    candidate = case.rig_at(best)
     before, after = _scores(case, candidate)
-    found = last.found
-    run = last.runs[-1] if last.runs else stages[0].runs[-1]
+    status, message = (runs[-1].status, runs[-1].message) if runs else (Status.NO_SIGNAL, Status.NO_SIGNAL.value)
     rows = known = None
-    if last.stage.score is ScoreKind.COUNT:
-        reason = verdict_on_count(before, after, signal=run.status is not Status.NO_SIGNAL)
-    elif found is None or found.found < FEWEST:
+    if found is None:
+        reason = verdict_on_count(before, after, signal=status is not Status.NO_SIGNAL)
+    elif found.found < FEWEST:
         reason = Reason.TOO_LITTLE_TEXTURE
     else:
-        facts = evidence(case, found, last.best)
+        facts = evidence(case, found, best)
         rows, known = row_errors(facts), uncertainty(facts.covariance(), case.chart)
-        reason = verdict(before, after, rows, last.best, known.observed, len(np.unique(facts.tile)))
+        reason = verdict(before, after, rows, best, known.observed, len(np.unique(facts.tile)))
     accepted = reason in (Reason.IMPROVED, Reason.MORE_MATCHES)
     return Solution(
         rig=candidate if accepted else case.rig,
@@ -106,8 +106,8 @@ def _judged(case: Case, stages: tuple[StageRun, ...], began: float) -> Solution:
         initial=case.rig,
         accepted=accepted,
         reason=reason,
-        status=run.status,
-        message=run.message,
+        status=status,
+        message=message,
         view=case.view,
         matcher=case.matcher,
         score_before=before,

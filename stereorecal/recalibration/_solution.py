@@ -51,9 +51,10 @@ class Solution:
     seconds: float
 
     @property
-    def trace(self) -> Trace:
-        """The evaluations of the last run of the last stage."""
-        return self.stages[-1].runs[-1].trace
+    def trace(self) -> Trace | None:
+        """The evaluations of the last run of a strategy; None if there was nothing to run one on."""
+        runs = [run for stage in self.stages for run in stage.runs]
+        return runs[-1].trace if runs else None
 
     @property
     def evaluations(self) -> int:

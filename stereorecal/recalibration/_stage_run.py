@@ -79,7 +79,7 @@ class StageRun:
         best: (n,) where it ended, in the unit box.
         runs: of the strategy; several in an epipolar stage, where each round weighs the correspondences anew.
         matching_cost: units that went into finding correspondences.
-        found: the last correspondences; None in a stage on the count.
+        found: the last correspondences; None in a stage on the count, and where the budget allowed none.
     """
 
     stage: Stage
@@ -135,11 +135,13 @@ def _epipolar_stage(case: Case, stage: Stage, start: np.ndarray, budget: Budget,
     scale = stage.scale_for(case.rig.left.size)
     data, matcher, chart = prepare(case.rig, case.pairs, case.view, scale), case.matcher.scaled(scale), case.chart
     began, best, runs, cost, found = time.perf_counter(), start, [], 0.0, None
+    matching = len(case.pairs) * scale**2
     for _ in range(stage.rounds):
-        if remaining(budget, cost + sum(run.trace.total_cost for run in runs), began) is None:
+        left = remaining(budget, cost + sum(run.trace.total_cost for run in runs), began)
+        if left is None or (left.evaluations is not None and left.evaluations < matching):
             break
         found = correspondences(data, normalised(chart.extrinsics(best)), matcher, scale)
-        cost += len(case.pairs) * scale**2
+        cost += matching
         if found.found < FEWEST:
             break
         before = differences = differences_at(found, chart, best)

@@ -65,8 +65,7 @@ def correspondences(
         matcher: with its disparity range at the scale of `data`.
         scale: of `data`.
     """
-    found = disparities(data, extrinsics, matcher)
-    stacked = Disparity(np.stack([d.values for d in found]), np.stack([d.valid for d in found]))
+    stacked = jax.tree.map(lambda *frames: np.stack(frames), *disparities(data, extrinsics, matcher))
     refined = _refined(data, jnp.asarray(extrinsics, jnp.float32), stacked, jnp.float32(scale))
     return jax.tree.map(np.asarray, refined)
 

@@ -100,7 +100,8 @@ def rectify_frames(data: ScoringData, extrinsics: Extrinsics, use, area=mapped_a
 
     def frame(inputs):
         *images, others = inputs
-        return use(Rectified(*[warp(i, m) for i, m in zip(images, maps, strict=True)], *areas), *others)
+        warped = [warp(i, m) for i, m in zip(images, maps, strict=True)]
+        return use(Rectified(*jax.lax.optimization_barrier(warped), *areas), *others)
 
     return jax.lax.map(frame, (data.left, data.right, more))
 

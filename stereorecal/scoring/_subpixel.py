@@ -5,10 +5,12 @@ fields as they are, so that a window follows slanted surfaces, and what still di
 that pixel. Pixels without a valid disparity take no part in any window.
 """
 
+from functools import partial
 from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Bool, Float
 
 from stereorecal.geometry import cubic_warp
@@ -24,6 +26,7 @@ _AWAY = 1.0  # pixels from the matcher's disparity
 _COVER = 0.5  # share of the window that must be valid
 _FARTHEST_ROW = 2.0  # pixels across the rows; beyond it a window has met something else
 _WIDEST = 0.17  # pixels, standard deviation of the row offset by the noise of the window alone
+_QUIETEST = 1e-5  # contrast squared: without it, a flat window that agrees exactly would be sure of its row
 
 
 class Offsets(NamedTuple):
@@ -44,17 +47,14 @@ class Offsets(NamedTuple):
 
 def refine(frame: Rectified, disparity: Disparity) -> Offsets:
     """Refine a disparity from (d, 0) to (d, row offset) of sub-pixel accuracy. Pure and traceable."""
-    left, right = _contrast(jnp.asarray(frame.left)), _contrast(jnp.asarray(frame.right))
+    left, right = jax.lax.optimization_barrier(_contrast(jnp.stack([jnp.asarray(frame.left), jnp.asarray(frame.right)])))
     mask = jnp.asarray(disparity.valid, jnp.float32)
     columns = jnp.arange(left.shape[1], dtype=jnp.float32)[None, :]
     rows = jnp.arange(left.shape[0], dtype=jnp.float32)[:, None]
     gradient_x, gradient_y = (mask * g for g in _gradient(left))
-    pixels = box_sum(mask, WINDOW)
+    products = [mask, gradient_x * gradient_x, gradient_x * gradient_y, gradient_y * gradient_y]
+    pixels, xx, xy, yy = _window_sums(jax.lax.optimization_barrier(jnp.stack(products)))
     damping = 1e-3 * pixels + 1e-6
-    xx, xy, yy = (
-        box_sum(a * b, WINDOW)
-        for a, b in ((gradient_x, gradient_x), (gradient_x, gradient_y), (gradient_y, gradient_y))
-    )
     determinant = (xx + damping) * (yy + damping) - xy * xy
 
     def difference(d, v):
@@ -62,8 +62,8 @@ def refine(frame: Rectified, disparity: Disparity) -> Offsets:
 
     def step(_, fields):
         d, v, _ = fields
-        error = difference(d, v)
-        x, y = box_sum(gradient_x * error, WINDOW), box_sum(gradient_y * error, WINDOW)
+        error = jax.lax.optimization_barrier(difference(d, v))  # or XLA samples anew for every pixel of a window
+        x, y = _window_sums(jnp.stack([gradient_x * error, gradient_y * error]))
         # The least-squares solution of error + gradient_x δd - gradient_y δv = 0 over the window.
         delta_d = jnp.clip((xy * y - (yy + damping) * x) / determinant, -1.0, 1.0)
         delta_v = jnp.clip(((xx + damping) * y - xy * x) / determinant, -1.0, 1.0)
@@ -72,8 +72,8 @@ def refine(frame: Rectified, disparity: Disparity) -> Offsets:
     start = jnp.where(disparity.valid, disparity.values, 0.0)
     zero = jnp.zeros_like(start)
     d, v, moved = jax.lax.fori_loop(0, _ITERATIONS, step, (start, zero, zero))
-    noise = box_sum(difference(d, v) ** 2, WINDOW) / jnp.maximum(pixels, 1.0)
-    variance = noise / jnp.maximum(yy - xy * xy / (xx + 1e-6), 1e-6)
+    noise = box_sum(jax.lax.optimization_barrier(difference(d, v) ** 2), WINDOW) / jnp.maximum(pixels, 1.0)
+    variance = jnp.maximum(noise, _QUIETEST) / jnp.maximum(yy - xy * xy / (xx + 1e-6), 1e-6)
     good = (
         disparity.valid
         & (moved < _SETTLED)
@@ -85,11 +85,16 @@ def refine(frame: Rectified, disparity: Disparity) -> Offsets:
     return Offsets(d, v, variance, good)
 
 
-def _contrast(image: Float[jax.Array, "h w"]) -> Float[jax.Array, "h w"]:
+_window_sums = jax.vmap(partial(box_sum, block_size=WINDOW))  # of several fields in one go: less to compile
+
+
+def _contrast(images: Float[jax.Array, "n h w"]) -> Float[jax.Array, "n h w"]:
     """Grey levels less their local mean, over the local contrast: exposure and vignetting leave it as it is."""
-    pixels = box_sum(jnp.ones_like(image), _CONTRAST_WINDOW)
-    centred = image - box_sum(image, _CONTRAST_WINDOW) / pixels
-    return centred / jnp.sqrt(box_sum(centred**2, _CONTRAST_WINDOW) / pixels + _CONTRAST_FLOOR)
+    sums = jax.vmap(partial(box_sum, block_size=_CONTRAST_WINDOW))
+    across, down = (np.convolve(np.ones(n), np.ones(_CONTRAST_WINDOW), "same") for n in images.shape[:0:-1])
+    pixels = np.outer(down, across).astype(np.float32)
+    centred = jax.lax.optimization_barrier(images - sums(images) / pixels)
+    return centred / jnp.sqrt(sums(centred**2) / pixels + _CONTRAST_FLOOR)
 
 
 def _gradient(image: Float[jax.Array, "h w"]) -> tuple[Float[jax.Array, "h w"], Float[jax.Array, "h w"]]:
