@@ -119,6 +119,8 @@ def sift_rays(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
         points = [
             np.array([k[i].pt for k, i in zip((left, right), (m.queryIdx, m.trainIdx), strict=True)]) for m in matches
         ]
+        if len(points) < 5:
+            continue
         rays = [
             np.asarray(c.rays(np.array([p[s] for p in points])), float) for s, c in enumerate((rig.left, rig.right))
         ]
@@ -126,14 +128,18 @@ def sift_rays(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
         _, inliers = cv2.findEssentialMat(
             rays[0][:, :2], rays[1][:, :2], np.eye(3), method=cv2.USAC_MAGSAC, prob=0.9999, threshold=1.0 / focal
         )
-        keep = inliers.ravel().astype(bool)
-        found.append([r[keep] for r in rays])
+        if inliers is not None:
+            found.append([r[inliers.ravel().astype(bool)] for r in rays])
+    if not found:
+        return np.zeros((0, 3)), np.zeros((0, 3))
     first, second = (np.concatenate([f[side] for f in found]) for side in (0, 1))
     return first, second
 
 
 def median_row_offset(rig: sr.StereoRig, rays: tuple[np.ndarray, np.ndarray]) -> float:
-    """Median |Δrow| of matches under a calibration, in pixels of the left camera."""
+    """Median |Δrow| of matches under a calibration, in pixels of the left camera; NaN without matches."""
+    if not len(rays[0]):
+        return float("nan")
     turns = rectifying_rotations(rig.rotation, rig.translation)
     rows = [(r @ turn[1]) / (r @ turn[2]) for r, turn in zip(rays, turns, strict=True)]
     return float(np.median(np.abs(rows[0] - rows[1])) * rig.left.matrix[1, 1])
@@ -173,7 +179,7 @@ def run(scene: Scene, draws: int, degrees: float, seed: int) -> Iterator[Row]:
             after.tolist(),
             None if known is None else known.interval.tolist(),
             None if known is None else known.observed.tolist(),
-            count / reference,
+            count / reference if reference else float("nan"),
             *sift,
             harmful,
             seconds,
