@@ -28,6 +28,7 @@ class Reason(enum.Enum):
     FEWER_MATCHES = "the candidate matches fewer pixels than the calibration that was given"
     WORSE_ON_HELD_OUT = "the candidate is no better on the parts of the images that it has not seen"
     TOO_LITTLE_TEXTURE = "the images show too little to match"
+    OUT_OF_BUDGET = "the budget ended before the rows of a candidate could be judged; give a larger one"
     REACH_EDGE = "the search ended at the edge of the reach; the drift may be larger: give a larger reach"
 
     @property

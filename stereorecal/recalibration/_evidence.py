@@ -29,7 +29,6 @@ class Evidence:
         start_residual: (m,) the same under the calibration that was given.
         weight: (m,) of the squared row differences.
         tile: (m,) which tile of which frame.
-        frames: how many.
     """
 
     z: Float[np.ndarray, "n"]
@@ -38,7 +37,6 @@ class Evidence:
     start_residual: Float[np.ndarray, "m"]
     weight: Float[np.ndarray, "m"]
     tile: Int[np.ndarray, "m"]
-    frames: int
 
     @property
     def _prior(self) -> Float[np.ndarray, "n n"]:
@@ -61,9 +59,11 @@ class Evidence:
         return inverse @ meat @ inverse
 
     def _fold(self) -> Int[np.ndarray, "m"]:
-        """Frames are dealt out to the folds; of an only frame, the tiles, so that no fold is without a region."""
-        if self.frames > 1:
-            return self.tile // TILES_OF_A_FRAME % _FOLDS
+        """Frames are dealt out to the folds; of an only frame, the tiles, so that no fold is without a region. A frame
+        that shows nothing is none."""
+        frames, frame = np.unique(self.tile // TILES_OF_A_FRAME, return_inverse=True)
+        if len(frames) > 1:
+            return frame % _FOLDS
         row, column = np.divmod(self.tile, TILES[0])
         return (column + 2 * row) % _FOLDS
 
@@ -99,5 +99,4 @@ def evidence(case: Case, found: Correspondences, z: Float[np.ndarray, "n"]) -> E
         start_residual=differences_at(found, chart, np.zeros_like(z))[here] / scale,
         weight=weights[here] * scale**2,
         tile=np.asarray(found.tile)[here],
-        frames=len(found.weight),
     )

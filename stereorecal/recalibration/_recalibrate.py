@@ -90,8 +90,12 @@ def _judged(case: Case, stages: tuple[StageRun, ...], began: float) -> Solution:
     candidate = case.rig_at(best)
     before, after = _scores(case, candidate)
     status, message = (runs[-1].status, runs[-1].message) if runs else (Status.NO_SIGNAL, Status.NO_SIGNAL.value)
+    if cut := any(stage.found is None for stage in stages if stage.stage.score is ScoreKind.EPIPOLAR):
+        status, message = Status.BUDGET, Status.BUDGET.value
     rows = known = None
-    if found is None:
+    if found is None and cut:
+        reason = Reason.OUT_OF_BUDGET  # the count alone would let harm through: it hardly sees a wrong yaw
+    elif found is None:
         reason = verdict_on_count(before, after, signal=status is not Status.NO_SIGNAL)
     elif found.found < FEWEST:
         reason = Reason.TOO_LITTLE_TEXTURE

@@ -82,7 +82,7 @@ class Schedule:
             InputError: if one of the two strategies is not installed; it says the install line.
         """
         climb = named_strategy("compass")
-        solve = named_strategy("optimistix-levenberg-marquardt", rtol=1e-5, atol=1e-5)
+        solve = named_strategy("optimistix-levenberg-marquardt", rtol=1e-4, atol=1e-4)
         stages = (
             Stage(climb, 0.25, ScoreKind.COUNT, pixels=(16_000, 30_000)),
             Stage(solve, 0.5, ScoreKind.EPIPOLAR, rounds=4, pixels=(60_000, 120_000)),

@@ -47,7 +47,8 @@ class Offsets(NamedTuple):
 
 def refine(frame: Rectified, disparity: Disparity) -> Offsets:
     """Refine a disparity from (d, 0) to (d, row offset) of sub-pixel accuracy. Pure and traceable."""
-    left, right = jax.lax.optimization_barrier(_contrast(jnp.stack([jnp.asarray(frame.left), jnp.asarray(frame.right)])))
+    images = jnp.stack([jnp.asarray(frame.left), jnp.asarray(frame.right)])
+    left, right = jax.lax.optimization_barrier(_contrast(images))
     mask = jnp.asarray(disparity.valid, jnp.float32)
     columns = jnp.arange(left.shape[1], dtype=jnp.float32)[None, :]
     rows = jnp.arange(left.shape[0], dtype=jnp.float32)[:, None]

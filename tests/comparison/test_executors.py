@@ -11,6 +11,7 @@ from stereorecal.comparison import compare_scenes
 from stereorecal.comparison._trial import Task
 from stereorecal.io import load_scene, save_scene
 from stereorecal.matching import SAD
+from stereorecal.recalibration import Schedule
 from stereorecal.strategies import Budget, Reach, strategy
 
 SMALL = {"matcher": SAD(num_disparities=24), "draws": 3, "scale": 0.5, "budget": Budget(evaluations=10)}
@@ -69,13 +70,13 @@ def test_ctrl_c_cancels_what_waits(scene, serial):
 def task_of(scene):
     return Task(
         scene=scene,
+        reference=(scene.rig, "truth"),
         start=scene.rig,
         draw=0,
         strategy_name="compass",
-        strategy=strategy("compass"),
         matcher_name="sad",
         matcher=SAD(num_disparities=24),
-        scale=1.0,
+        schedule=Schedule.count(strategy("compass")),
         reach=Reach(),
         budget=Budget(),
         seed=0,

@@ -135,13 +135,13 @@ def test_every_draw_is_another(table):
 
 def test_reach_follows_the_drift(scene):
     given_scene = scene()
-    found = compare(given_scene.rig, given_scene.pairs, drift=Drift(5.0, 0.1), **(SMALL | {"draws": 1}))
+    found = compare_scenes([given_scene], drift=Drift(5.0, 0.1), **(SMALL | {"draws": 1}))
     assert found.settings["reach"] == {"degrees": 6.0, "baseline_fraction": pytest.approx(0.12)}
 
 
 def test_an_explicit_reach(scene):
     given_scene = scene()
-    found = compare(given_scene.rig, given_scene.pairs, reach=Reach(1.0, 0.02), **(SMALL | {"draws": 1}))
+    found = compare_scenes([given_scene], reach=Reach(1.0, 0.02), **(SMALL | {"draws": 1}))
     assert found.settings["reach"] == {"degrees": 1.0, "baseline_fraction": 0.02}
 
 

@@ -5,7 +5,7 @@ from importlib.metadata import EntryPoint, EntryPoints
 
 import pytest
 
-from stereorecal.comparison import compare
+from stereorecal.comparison import compare_scenes
 from stereorecal.matching import SAD
 from stereorecal.strategies import AbstractStrategy, Budget, Need, Outcome, Status, _registry, strategy
 
@@ -45,7 +45,7 @@ class Interrupted(AbstractStrategy):
 
 def run(scene, strategies, **changes):
     given_scene = scene()
-    return compare(given_scene.rig, given_scene.pairs, strategies=strategies, **(SMALL | changes))
+    return compare_scenes([given_scene], strategies=strategies, **(SMALL | changes))
 
 
 def test_a_strategy_that_does_not_move_changes_nothing(scene):
@@ -70,7 +70,7 @@ def test_a_need_that_is_not_met_is_skipped_with_the_reason(scene):
 
 def test_points_declared_without_a_value_are_valued_for_the_marks(scene):
     given, task = scene(), SMALL | {"draws": 1, "budget": Budget(evaluations=2000)}
-    table = compare(given.rig, given.pairs, strategies={"inside": Inside(), "idle": Idle()}, **task)
+    table = compare_scenes([given], strategies={"inside": Inside(), "idle": Idle()}, **task)
     inside, idle = table.trials
     assert inside.score_at["100"] is None
     assert inside.score_at["300"] == idle.score_at["100"]  # both the start

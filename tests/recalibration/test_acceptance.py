@@ -1,0 +1,130 @@
+"""The verdict: one case for each reason, and what must never be accepted."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from hypothesis import given, settings, strategies as st
+
+from stereorecal.recalibration import Reason, RowErrors
+from stereorecal.recalibration._acceptance import row_errors, verdict, verdict_on_count
+from stereorecal.scoring import Score
+
+ALL = np.ones(5, bool)
+NONE = np.zeros(5, bool)
+EDGE = np.array([0.1, -0.99, 0.0, 0.0, 0.0])
+
+
+def score(count: int) -> Score:
+    return Score(count, 100_000)
+
+
+def judged(before=10_000, after=10_000, rows=(0.5, 0.5, 0.0), z=0.1, observed=ALL, tiles=48) -> Reason:
+    z = np.broadcast_to(np.asarray(z, float), 5).copy()
+    return verdict(score(before), score(after), RowErrors(*map(float, rows)), z, observed, tiles)
+
+
+BETTER = (0.5, 0.1, 10.0)
+CASES = {
+    "rows better, count the same": (Reason.IMPROVED, {"rows": BETTER}),
+    "rows better, count a little lower": (Reason.IMPROVED, {"rows": BETTER, "after": 9_901}),
+    "rows the same, count better": (Reason.IMPROVED, {"after": 10_200}),
+    "rows a little worse, count better": (Reason.IMPROVED, {"after": 10_200, "rows": (0.5, 0.505, -1.0)}),
+    "both better from nothing": (Reason.IMPROVED, {"before": 0, "after": 50, "rows": BETTER}),
+    "nothing changed": (Reason.ALREADY_GOOD, {}),
+    "a gain below a hundredth of a pixel": (Reason.ALREADY_GOOD, {"rows": (0.109, 0.100, 50.0)}),
+    "a gain that may be chance": (Reason.ALREADY_GOOD, {"rows": (0.5, 0.3, 2.9)}),
+    "count within its noise": (Reason.ALREADY_GOOD, {"after": 10_099}),
+    "count better, rows not": (Reason.ALREADY_GOOD, {"after": 12_000, "rows": (0.5, 0.515, -5.0)}),
+    "count lost": (Reason.FEWER_MATCHES, {"rows": BETTER, "after": 9_899}),
+    "count lost altogether": (Reason.FEWER_MATCHES, {"rows": BETTER, "after": 0}),
+    "rows worse": (Reason.WORSE_ON_HELD_OUT, {"after": 20_000, "rows": (0.5, 0.521, -1.0)}),
+    "too few tiles": (Reason.TOO_LITTLE_TEXTURE, {"tiles": 5, "rows": BETTER, "after": 20_000}),
+    "at the edge": (Reason.REACH_EDGE, {"rows": BETTER, "z": EDGE}),
+    "at the other edge": (Reason.REACH_EDGE, {"rows": BETTER, "z": -EDGE}),
+    "at the edge where nothing is seen": (Reason.IMPROVED, {"rows": BETTER, "z": EDGE, "observed": ~(EDGE < -0.5)}),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_verdict(case):
+    expected, facts = CASES[case]
+    assert judged(**facts) is expected
+
+
+def test_every_reason_has_its_case():
+    """Two of them are said where the count is all there is, one where nothing could be judged."""
+    on_count = {
+        verdict_on_count(score(a), score(b), signal=s) for a, b, s in ((5, 6, True), (5, 5, True), (0, 0, False))
+    }
+    assert on_count == {Reason.MORE_MATCHES, Reason.NOT_IMPROVED, Reason.TOO_LITTLE_TEXTURE}
+    assert on_count | {reason for reason, _ in CASES.values()} == set(Reason) - {Reason.OUT_OF_BUDGET}
+    assert {reason for reason in Reason if reason.healthy} == {
+        Reason.IMPROVED,
+        Reason.MORE_MATCHES,
+        Reason.ALREADY_GOOD,
+    }
+
+
+@pytest.mark.parametrize(("before", "after"), [(0, 0), (7, 7), (7, 6)])
+def test_the_count_alone_must_rise(before, after):
+    assert verdict_on_count(score(before), score(after), signal=True) is Reason.NOT_IMPROVED
+    assert verdict_on_count(score(before), score(after), signal=False) is Reason.TOO_LITTLE_TEXTURE
+
+
+counts = st.one_of(st.integers(0, 20_000), st.integers(9_800, 10_300))
+pixels = st.one_of(st.floats(0, 5), st.floats(0.45, 0.55))
+
+
+@settings(max_examples=300)
+@given(
+    before=counts,
+    after=counts,
+    rows=st.tuples(pixels, pixels, st.floats(-50, 50)),
+    z=st.tuples(*[st.floats(-1, 1)] * 5),
+    seen=st.tuples(*[st.booleans()] * 5),
+    tiles=st.integers(0, 96),
+)
+def test_never_accepted(before, after, rows, z, seen, tiles):
+    """Nothing is accepted that loses 1 % of the count or 0.02 pixels, on too few tiles, or where the reach ends; and
+    nothing that gains neither."""
+    reason = judged(before, after, rows, z, np.array(seen), tiles)
+    gain = rows[0] - rows[1]
+    if after < 0.99 * before or gain < -0.02 or tiles < 6:
+        assert not reason.healthy
+    if reason is Reason.IMPROVED:
+        assert (gain > 0.01 and rows[2] > 3) or (after > 1.01 * before and gain > -0.01)
+        assert not (np.array(seen) & (np.abs(z) > 0.98)).any()
+
+
+@dataclass
+class Tiles:
+    """Evidence that says what it is told."""
+
+    before: np.ndarray
+    after: np.ndarray
+
+    def held_out(self):
+        return self.before, self.after
+
+
+# The type checker would want Evidence itself.
+compare = getattr(row_errors, "__wrapped__", row_errors)
+
+
+def test_significance_is_that_of_a_paired_test():
+    rng = np.random.default_rng(0)
+    before = rng.uniform(0, 3, 48)
+    after = before - 0.1 + rng.normal(0, 0.05, 48)
+    found = compare(Tiles(before, after))
+    gain = before - after
+    assert found.before == pytest.approx(before.mean())
+    assert found.after == pytest.approx(after.mean())
+    assert found.significance == pytest.approx(gain.mean() / (gain.std(ddof=1) / np.sqrt(48)))
+    assert found.significance > 3
+    assert compare(Tiles(after, before)).significance == pytest.approx(-found.significance)
+    assert compare(Tiles(before, before)).significance == 0.0
+
+
+def test_one_tile_proves_nothing():
+    assert compare(Tiles(np.array([5.0]), np.array([0.1]))).significance == 0.0

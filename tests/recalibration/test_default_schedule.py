@@ -1,0 +1,197 @@
+"""The default schedule end to end: the geometry comes right, and what is right or invisible is left alone."""
+
+import numpy as np
+import pytest
+
+from stereorecal.geometry import Pair, StereoRig
+from stereorecal.matching import SAD
+from stereorecal.recalibration import Reason, Schedule, Solution, recalibrate
+from stereorecal.strategies import Budget, Status
+from stereorecal.synthetic import default_rig, render
+
+SAD_64 = SAD(num_disparities=64)  # what the drifted harbour measures: compiled once
+RIG = default_rig().resized((320, 240))
+FREE = [0, 1, 2, 4, 5]
+UNITS = np.array([180 / np.pi] * 3 + [100 / RIG.baseline] * 2)  # degrees, percent of the baseline
+DRIFT = (1.5, -1.0, -1.5, 0.5, -0.5)
+
+
+def drifted(drift=DRIFT) -> StereoRig:
+    """The truth, off by so many degrees and percent of the baseline."""
+    return RIG.with_extrinsics(RIG.extrinsics + np.insert(np.array(drift) / UNITS, 3, 0.0))
+
+
+def errors(rig: StereoRig) -> np.ndarray:
+    """Distance from the truth: pitch, yaw, roll [degrees], y, z [percent of the baseline]."""
+    return np.abs(np.asarray(rig.extrinsics) - RIG.extrinsics)[FREE] * UNITS
+
+
+def repair(rig, pairs, **options) -> Solution:
+    return recalibrate(rig, pairs, matcher=SAD_64, **options)
+
+
+def assert_harmless(solution: Solution):
+    """Accepted only if no axis that is said to be observed lies further off than before, by more than its interval."""
+    assert (solution.rig is solution.initial) != solution.accepted
+    if solution.accepted:
+        assert solution.uncertainty is not None
+        known = solution.uncertainty
+        further = errors(solution.rig) - errors(solution.initial)
+        assert (further <= known.interval)[known.observed].all()
+
+
+@pytest.fixture(scope="module")
+def harbour():
+    return render("harbour", 0, rig=RIG).pairs
+
+
+@pytest.fixture(scope="module")
+def repaired(harbour):
+    return repair(drifted(), harbour)
+
+
+def fog() -> Pair:
+    flat = np.full((240, 320), 128.0, np.float32)
+    flat[0, 0] = 129.0
+    return Pair(flat, flat)
+
+
+def test_a_drifted_rig_comes_right(repaired):
+    assert repaired.accepted
+    assert repaired.reason is Reason.IMPROVED
+    assert repaired.status is Status.CONVERGED
+    pitch, yaw, roll, y, z = errors(repaired.rig)
+    assert max(pitch, roll) < 0.01
+    assert yaw < 0.05
+    assert max(y, z) < 0.6
+    assert (errors(repaired.rig) < 3 * repaired.uncertainty.interval).all()
+    assert_harmless(repaired)
+
+
+def test_what_it_says_about_itself(repaired):
+    """Intervals of a size that means something; rows and counts before and after."""
+    known, rows = repaired.uncertainty, repaired.row_errors
+    assert known.observed.all()
+    assert (known.interval[:3] < [0.02, 0.1, 0.02]).all()
+    assert (known.interval > 1e-4).all()
+    np.testing.assert_allclose(repaired.covariance, repaired.covariance.T, rtol=1e-9)
+    assert rows.before > 2
+    assert rows.after < 0.2
+    assert rows.significance > 5
+    assert repaired.score_after.count > 2 * repaired.score_before.count
+    # The far points suffer most: the yaw was a degree off.
+    wrong = repaired.depth_error_percent
+    assert abs(wrong[5]) < abs(wrong[100])
+    assert abs(wrong[10]) > 5
+
+
+def test_x_and_the_given_rig_stay(repaired):
+    np.testing.assert_array_equal(repaired.initial.extrinsics, drifted().extrinsics)
+    assert repaired.rig.extrinsics[3] == RIG.extrinsics[3]
+    assert repaired.rig is repaired.candidate
+
+
+def test_text(repaired):
+    lines = str(repaired).splitlines()
+    assert lines[0] == f"accepted: {Reason.IMPROVED.value}"
+    for when, line in (("before", lines[2]), ("after", lines[3])):
+        assert line.startswith(when)
+        assert line.endswith(f"rows {getattr(repaired.row_errors, when):.2f} px apart")
+    axes = {line.split()[0]: line for line in lines[4:10]}
+    assert list(axes) == ["pitch", "yaw", "roll", "x", "y", "z"]
+    assert "±" not in axes.pop("x")
+    for (name, line), half_width in zip(axes.items(), repaired.uncertainty.interval, strict=True):
+        in_unit = half_width if name in ("pitch", "yaw", "roll") else half_width * 10 * RIG.baseline  # mm
+        assert line.endswith(f"± {in_unit:.3f}")
+    assert lines[-1].startswith("depth was wrong by ")
+    assert [part.rpartition(" at ")[2] for part in lines[-1].split(", ")] == ["5 B", "10 B", "30 B", "100 B"]
+
+
+def test_stages(repaired):
+    assert [stage.stage.scale for stage in repaired.stages] == [0.25, 0.5, 1.0]
+    assert repaired.cost == pytest.approx(sum(stage.cost for stage in repaired.stages))
+    assert repaired.evaluations == sum(len(run.trace.values) for stage in repaired.stages for run in stage.runs)
+    for stage in repaired.stages[1:]:
+        # Each match is paid for; the solver's own work is next to nothing.
+        matches = stage.matching_cost / stage.scale**2
+        assert matches == pytest.approx(round(matches))
+        assert 1 <= matches <= stage.stage.rounds
+        assert stage.cost < stage.matching_cost + 0.5
+
+
+def test_the_same_again(harbour, repaired):
+    again = repair(drifted(), harbour)
+    np.testing.assert_array_equal(again.candidate.extrinsics, repaired.candidate.extrinsics)
+    np.testing.assert_array_equal(again.covariance, repaired.covariance)
+    assert again.score_after == repaired.score_after
+    assert again.cost == repaired.cost
+
+
+def test_what_is_right_is_left_alone(harbour):
+    solution = repair(RIG, harbour)
+    assert solution.reason is Reason.ALREADY_GOOD
+    assert solution.reason.healthy
+    assert not solution.accepted
+    assert solution.rig is solution.initial is RIG
+    assert errors(solution.candidate)[[0, 2]].max() < 0.01
+    assert "the old calibration stays" in str(solution)
+    assert "depth was wrong" not in str(solution)
+
+
+def test_what_was_repaired_is_left_alone(harbour, repaired):
+    assert repair(repaired.rig, harbour).reason is Reason.ALREADY_GOOD
+
+
+@pytest.mark.parametrize("drift", [DRIFT, (0.0, 1.5, 0.0, 0.0, 0.0)])
+@pytest.mark.parametrize("seed", [0, 1])
+def test_the_open_sea_never_does_harm(drift, seed):
+    assert_harmless(repair(drifted(drift), render("open-sea", seed, rig=RIG).pairs))
+
+
+def test_fog():
+    solution = repair(drifted(), [fog()])
+    assert solution.reason is Reason.TOO_LITTLE_TEXTURE
+    assert solution.status is Status.NO_SIGNAL
+    assert solution.rig is solution.initial
+    assert solution.row_errors is solution.uncertainty is solution.covariance is None
+    assert solution.score_after.count == 0
+    assert "±" not in str(solution)
+
+
+@pytest.mark.parametrize("limit", [0.01, 5, 20, 36])
+def test_a_budget_is_kept(harbour, repaired, limit):
+    """Whatever of the schedule fits; without a look at the rows nothing is accepted."""
+    solution = repair(drifted(), harbour, budget=Budget(evaluations=limit))
+    assert solution.cost <= limit * (1 + 1e-9)
+    assert_harmless(solution)
+    if all(stage.found is None for stage in solution.stages):
+        assert solution.reason is Reason.OUT_OF_BUDGET
+        assert solution.status is Status.BUDGET
+        assert not solution.accepted
+    elif repaired.cost > limit:
+        assert len(solution.stages[-1].runs) < len(repaired.stages[-1].runs)
+    assert len(solution.stages) == 3
+
+
+def test_a_cut_budget_does_not_fall_back_on_the_count():
+    """On the street, from the truth: the count gains a little, and yaw is 0.2 degrees off."""
+    street = render("street", 0, rig=RIG).pairs
+    solution = repair(RIG, street, budget=Budget(evaluations=5))
+    assert solution.score_after.count > solution.score_before.count
+    assert solution.reason is Reason.OUT_OF_BUDGET
+    assert solution.rig is RIG
+    assert not solution.reason.healthy
+
+
+def test_frames_are_repaired_jointly_and_fog_among_them_does_not_matter(harbour):
+    """Two frames of the rig, or one and another that shows nothing. From near by, and one stage: less to compile."""
+    schedule = Schedule("rows", Schedule.default().stages[2:])
+    for pairs in ([*harbour, *render("harbour", 1, rig=RIG).pairs], [*harbour, fog()]):
+        solution = repair(drifted((0.2, -0.3, -0.2, 0.0, 0.0)), pairs, schedule=schedule)
+        assert solution.reason is Reason.IMPROVED
+        assert solution.stages[-1].found.weight.shape[0] == 2
+        assert solution.score_after.pixels == 2 * 320 * 240
+        pitch, yaw, roll, *_ = errors(solution.rig)
+        assert max(pitch, roll) < 0.01
+        assert yaw < 0.05
+        assert (errors(solution.rig) < 3 * solution.uncertainty.interval).all()

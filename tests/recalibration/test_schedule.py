@@ -1,0 +1,118 @@
+"""Stages and schedules: what they refuse, at which scale they look, whose strategy they take."""
+
+from importlib.metadata import EntryPoints
+
+import numpy as np
+import pytest
+from hypothesis import given, strategies as st
+
+from stereorecal._errors import InputError
+from stereorecal.recalibration import Schedule, ScoreKind, Stage
+from stereorecal.strategies import AbstractStrategy, Need, strategy
+
+COMPASS = strategy("compass")
+
+
+class Solver(AbstractStrategy):
+    needs = Need.RESIDUALS
+
+    def run(self, objective, start, budget, seed):
+        raise AssertionError("must not run")
+
+
+class Climber(Solver):
+    needs = Need.SMOOTH
+
+
+class Detector(Solver):
+    needs = Need.IMAGES
+
+
+@pytest.mark.parametrize("scale", [0.0, -0.5, 1.001, np.nan, np.inf])
+def test_scales_that_make_no_sense(scale):
+    with pytest.raises(InputError, match=r"the scale .* makes no sense"):
+        Stage(COMPASS, scale)
+
+
+@pytest.mark.parametrize("rounds", [0, -1])
+def test_rounds_that_make_no_sense(rounds):
+    with pytest.raises(InputError, match="rounds make no sense"):
+        Stage(COMPASS, rounds=rounds)
+
+
+@pytest.mark.parametrize("pixels", [(0, 10), (-1, 10), (20, 10)])
+def test_pixels_that_make_no_sense(pixels):
+    with pytest.raises(InputError, match=r"pixels within .* make no sense"):
+        Stage(COMPASS, pixels=pixels)
+
+
+sizes = st.tuples(st.integers(16, 8000), st.integers(16, 8000))
+limits = st.tuples(st.integers(1, 10**7), st.integers(1, 10**7)).map(lambda pair: (min(pair), max(pair)))
+scales = st.floats(0.01, 1.0)
+
+
+@given(scales, limits, sizes)
+def test_the_scale_bends_no_more_than_it_must(scale, pixels, size):
+    stage = Stage(COMPASS, scale, pixels=pixels)
+    found, area = stage.scale_for(size), size[0] * size[1]
+    assert 0 < found <= 1
+    assert found**2 * area <= pixels[1] * (1 + 1e-9)
+    assert found**2 * area >= min(pixels[0], area) * (1 - 1e-9)  # images are never enlarged
+    if pixels[0] <= scale**2 * area <= pixels[1]:
+        assert found == pytest.approx(scale)
+
+
+@given(scales, sizes)
+def test_without_limits_it_stays(scale, size):
+    assert Stage(COMPASS, scale).scale_for(size) == scale
+
+
+@pytest.mark.parametrize(
+    ("size", "expected"),
+    [((640, 480), (0.25, 0.5, 1.0)), ((320, 240), (0.456, 0.884, 1.0)), ((1920, 1080), (0.12, 0.241, 0.481))],
+)
+def test_scales_of_the_default_schedule(size, expected):
+    assert [s.scale_for(size) for s in Schedule.default().stages] == pytest.approx(expected, abs=2e-3)
+
+
+def test_default():
+    schedule = Schedule.default()
+    assert schedule.name == "default"
+    assert [type(s.strategy).__name__ for s in schedule.stages] == [
+        "Compass",
+        "LevenbergMarquardt",
+        "LevenbergMarquardt",
+    ]
+    assert [s.score for s in schedule.stages] == [ScoreKind.COUNT, ScoreKind.EPIPOLAR, ScoreKind.EPIPOLAR]
+    assert [s.scale for s in schedule.stages] == [0.25, 0.5, 1.0]
+    assert schedule == Schedule.default()
+
+
+def test_default_without_its_plugins(monkeypatch):
+    """One sentence that says what to install."""
+    from stereorecal.strategies import _registry
+
+    monkeypatch.setattr(_registry, "entry_points", lambda **wanted: EntryPoints().select(**wanted))
+    with pytest.raises(InputError, match="strategy compass is not installed; run: pip install"):
+        Schedule.default()
+
+
+@pytest.mark.parametrize(
+    ("made", "replaced"),
+    [(Solver(), [1, 2]), (Climber(), [0]), (Detector(), [0]), (strategy("compass", step=0.5), [0])],
+)
+def test_using_a_strategy_where_it_fits(made, replaced):
+    before, after = Schedule.default(), Schedule.default().using(made)
+    for index, (old, new) in enumerate(zip(before.stages, after.stages, strict=True)):
+        assert new.strategy is made if index in replaced else new == old
+        assert (new.scale, new.score, new.rounds, new.pixels) == (old.scale, old.score, old.rounds, old.pixels)
+    assert after.name == before.name
+    assert before == Schedule.default()
+
+
+def test_using_a_solver_on_the_count_alone_changes_nothing():
+    schedule = Schedule.count(COMPASS, 0.5)
+    assert schedule.using(Solver()) == schedule
+    assert schedule.using(Climber()).stages[0].strategy == Climber()
+    assert schedule.name == "count"
+    assert schedule.stages == (Stage(COMPASS, 0.5, ScoreKind.COUNT),)

@@ -1,0 +1,150 @@
+"""Dense correspondences of rendered scenes, whose truth is known."""
+
+import numpy as np
+import pytest
+
+from stereorecal.geometry import Pair, rectifying_rotations, view
+from stereorecal.matching import SAD
+from stereorecal.scoring import TILES, correspondences, median_row_error, normalised, prepare, row_differences
+
+SAD_48 = SAD(num_disparities=48)
+FIELDS = ("left", "right", "weight", "tile")
+
+
+def found_in(rig, pairs, turn=(0.0, 0.0, 0.0), own_view=None):
+    extrinsics = normalised(rig.extrinsics) + np.array([*np.radians(turn), 0.0, 0.0, 0.0])
+    return correspondences(prepare(rig, pairs, own_view or view(rig)), extrinsics, SAD_48, 1.0)
+
+
+@pytest.fixture(scope="module")
+def harbour(scene):
+    return scene("harbour", 0)
+
+
+@pytest.fixture(scope="module")
+def found(harbour):
+    return found_in(harbour.rig, harbour.pairs)
+
+
+@pytest.fixture(scope="module")
+def in_fog(harbour):
+    flat = np.full((240, 320), 128.0, np.float32)
+    flat[0, 0] = 129.0
+    return found_in(harbour.rig, [Pair(flat, flat)])
+
+
+def test_shapes_are_those_of_the_images(found, in_fog):
+    """Cells of 4x4 pixels at 320x240, whatever is found in them."""
+    for one in (found, in_fog):
+        assert [getattr(one, name).shape for name in FIELDS] == [(1, 4800, 3), (1, 4800, 3), (1, 4800), (1, 4800)]
+        assert [getattr(one, name).dtype for name in FIELDS] == [np.float32, np.float32, np.float32, np.int32]
+        assert all(np.isfinite(getattr(one, name)).all() for name in FIELDS)
+    assert float(found.scale) == 1.0
+    assert float(found.independent) == pytest.approx(16 / 121)
+
+
+def test_weights_are_one_in_the_mean_of_those_found(found, in_fog):
+    here = found.weight > 0
+    assert (found.weight >= 0).all()
+    assert found.found == here.sum() > 1500
+    assert found.weight[here].mean() == pytest.approx(1.0, rel=1e-4)
+    assert found.weight[here].std() > 0.1
+    assert in_fog.found == 0
+    np.testing.assert_array_equal(in_fog.weight, 0)
+    assert np.isnan(median_row_error(in_fog, normalised(np.array([0, 0, 0, -1.0, 0, 0]))))
+
+
+def pixels_of(found, rig):
+    """Columns and rows of the left and of the right rays in the view of the truth."""
+    own = view(rig)
+    sides = []
+    for rays, rotation, matrix in zip(
+        (found.left, found.right),
+        rectifying_rotations(rig.rotation, rig.translation),
+        (own.matrix_left, own.matrix_right),
+        strict=True,
+    ):
+        seen = rays.astype(float) @ (matrix @ rotation).T
+        sides.append(seen[..., :2] / seen[..., 2:])
+    return sides
+
+
+def test_at_the_truth_rays_meet_in_one_row(harbour, found):
+    here = found.weight > 0
+    differences = row_differences(found, normalised(harbour.rig.extrinsics))
+    left, right = pixels_of(found, harbour.rig)
+    np.testing.assert_allclose(differences, left[..., 1] - right[..., 1], atol=1e-4)
+    assert abs(np.median(differences[here])) < 0.02
+    assert np.median(np.abs(differences[here])) < 0.2
+    assert np.median(np.abs(differences[here])) == pytest.approx(
+        median_row_error(found, normalised(harbour.rig.extrinsics))
+    )
+    disparity = (left - right)[here][:, 0]
+    assert disparity.min() > -1.5
+    assert disparity.max() < 48
+    assert disparity.std() > 2
+
+
+def test_precise_cells_are_closer(harbour, found):
+    """The weight says something: the better half is better."""
+    here = found.weight > 0
+    differences = np.abs(row_differences(found, normalised(harbour.rig.extrinsics)))
+    better = found.weight > np.median(found.weight[here])
+    assert np.median(differences[better]) < 0.8 * np.median(differences[here & ~better])
+
+
+def test_cells_lie_on_their_grid_and_tiles_count_them_in_rows(harbour, found):
+    """Cell by cell from the top left; 8x6 tiles of 40x40 pixels."""
+    here = found.weight[0] > 0
+    x, y = pixels_of(found, harbour.rig)[0][0].T
+    cell = np.arange(4800)
+    inside = np.s_[here]
+    assert (np.abs(x - (4 * (cell % 80) + 1.5))[inside] < 1.51).all()
+    assert (np.abs(y - (4 * (cell // 80) + 1.5))[inside] < 1.51).all()
+    np.testing.assert_array_equal(found.tile[0], cell // 80 // 10 * 8 + cell % 80 // 10)
+    assert TILES == (8, 6)
+    np.testing.assert_array_equal(np.bincount(found.tile[0]), np.full(48, 100))
+
+
+@pytest.mark.parametrize("turn", [(0.05, 0.0, 0.0), (0.0, 0.3, -0.05), (-0.08, -0.2, 0.03)])
+def test_rays_do_not_depend_on_the_extrinsics_they_were_found_under(harbour, found, turn):
+    """A rig a little off sees other rows, but the rays that it finds lie in one row at the truth all the same."""
+    truth = normalised(harbour.rig.extrinsics)
+    other = found_in(harbour.rig, harbour.pairs, turn)
+    here, there = found.weight > 0, other.weight > 0
+    assert abs(np.median(row_differences(found, truth)[here]) - np.median(row_differences(other, truth)[there])) < 0.01
+    assert median_row_error(other, truth) < 1.3 * median_row_error(found, truth)
+    # Under the extrinsics where they were found, rows do differ: the matcher alone does not hide it.
+    assert median_row_error(other, truth + np.array([*np.radians(turn), 0, 0, 0])) > 1.2 * median_row_error(
+        other, truth
+    )
+    shared = here & there
+    assert shared.sum() > 0.7 * here.sum()
+
+
+def test_frames_keep_their_own_and_half_scale_sees_the_same_rays(harbour, scene):
+    """Two frames at half scale: tiles are numbered on, and the first frame does not hear of the second."""
+    truth, own = normalised(harbour.rig.extrinsics), view(harbour.rig)
+    both, other = (
+        correspondences(
+            prepare(harbour.rig, [*harbour.pairs, *scene("harbour", seed).pairs], own, 0.5),
+            truth,
+            SAD_48.scaled(0.5),
+            0.5,
+        )
+        for seed in (1, 2)
+    )
+    assert both.weight.shape == (2, 4800)
+    np.testing.assert_array_equal(both.tile[1], both.tile[0] + 48)
+    assert float(both.scale) == 0.5
+    assert float(both.focal) == pytest.approx(0.5 * own.focal)
+    for frame in (0, 1):
+        assert (both.weight[frame] > 0).sum() > 500
+        rows = row_differences(both, truth)[frame][both.weight[frame] > 0]
+        assert np.median(np.abs(rows)) < 0.2
+    np.testing.assert_array_equal(both.left[0], other.left[0])
+    np.testing.assert_array_equal(both.right[0], other.right[0])
+    here = both.weight[0] > 0
+    ratio = both.weight[0][here] / other.weight[0][here]
+    np.testing.assert_allclose(ratio, ratio.mean(), rtol=1e-4)
+    assert not np.array_equal(both.right[1], other.right[1])

@@ -1,0 +1,275 @@
+"""Sub-pixel refinement against a plain NumPy twin, and on analytic pairs whose motion is known."""
+
+from dataclasses import replace
+from functools import cache
+
+import jax
+import numpy as np
+import pytest
+from hypothesis import given, settings, strategies as st
+
+from stereorecal.matching import Disparity
+from stereorecal.scoring._data import Rectified
+from stereorecal.scoring._subpixel import WINDOW, refine
+
+SIZE = HEIGHT, WIDTH = 72, 96
+MARGIN = 16  # pixels of the frame that a window or the local contrast meets the border within
+INNER = np.s_[MARGIN:-MARGIN, MARGIN:-MARGIN]
+refined = jax.jit(refine)
+Y, X = np.mgrid[:HEIGHT, :WIDTH].astype(float)
+
+
+@cache
+def waves(seed: int):
+    rng = np.random.default_rng(seed)
+    return (*rng.uniform(-0.12, 0.12, (2, 40)), rng.uniform(0, 2 * np.pi, 40))
+
+
+def texture(x, y, seed=0):
+    """Grey levels about 128: a sum of waves, none of them shorter than six pixels."""
+    fx, fy, phase = waves(seed)
+    return 128.0 + 8.0 * np.sin(2 * np.pi * (fx * x[..., None] + fy * y[..., None]) + phase).sum(-1)
+
+
+def frame(left, right) -> Rectified:
+    everywhere = np.ones(SIZE, bool)
+    return Rectified(left.astype(np.float32), right.astype(np.float32), everywhere, everywhere)
+
+
+def moved(d: float, v: float, seed=0) -> Rectified:
+    """The partner of (x, y) lies at (x - d, y + v)."""
+    return frame(texture(X, Y, seed), texture(X + d, Y - v, seed))
+
+
+def matched(values, valid=True) -> Disparity:
+    return Disparity(
+        np.broadcast_to(np.float32(values), SIZE).copy(), np.broadcast_to(np.asarray(valid, bool), SIZE).copy()
+    )
+
+
+# --- the twin -----------------------------------------------------------------------------------------------
+
+
+def box(image, width):
+    padded, out = np.pad(image, width // 2), np.zeros(image.shape)
+    for i in range(width):
+        for j in range(width):
+            out += padded[i : i + image.shape[0], j : j + image.shape[1]]
+    return out
+
+
+def slow_contrast(image):
+    count = box(np.ones(image.shape), 15)
+    centred = image - box(image, 15) / count
+    return centred / np.sqrt(box(centred**2, 15) / count + 25.0)
+
+
+def slow_sample(image, x, y):
+    """Keys' cubic convolution, a = -1/2, over a repeated border."""
+
+    def weights(t):
+        s = np.abs(np.stack([t + 1, t, t - 1, t - 2]))
+        near, far = 1.5 * s**3 - 2.5 * s**2 + 1, -0.5 * s**3 + 2.5 * s**2 - 4 * s + 2
+        return np.where(s <= 1, near, np.where(s < 2, far, 0.0))
+
+    height, width = image.shape
+    x, y = np.clip(x, 0, width - 1), np.clip(y, 0, height - 1)
+    x0, y0 = np.floor(x).astype(int), np.floor(y).astype(int)
+    total = np.zeros(x.shape)
+    for j, row in enumerate(weights(y - y0)):
+        for i, column in enumerate(weights(x - x0)):
+            total += row * column * image[np.clip(y0 + j - 1, 0, height - 1), np.clip(x0 + i - 1, 0, width - 1)]
+    return total
+
+
+def slow_refine(rectified: Rectified, found: Disparity):
+    """(disparity, row offset, variance, good), float64, a 2x2 system solved for each pixel."""
+    left, right = slow_contrast(rectified.left.astype(float)), slow_contrast(rectified.right.astype(float))
+    mask = found.valid.astype(float)
+    y, x = np.mgrid[: left.shape[0], : left.shape[1]].astype(float)
+    around = np.pad(left, 1, mode="edge")
+    gx, gy = 0.5 * (around[1:-1, 2:] - around[1:-1, :-2]), 0.5 * (around[2:, 1:-1] - around[:-2, 1:-1])
+    pixels = box(mask, 11)
+    tensor = np.stack([box(mask * a * b, 11) for a, b in ((gx, gx), (gx, gy), (gx, gy), (gy, gy))], -1)
+    tensor = tensor.reshape(*left.shape, 2, 2)
+    damped = tensor + (1e-3 * pixels + 1e-6)[..., None, None] * np.eye(2)
+    start = np.where(found.valid, found.values, 0.0).astype(float)
+    d, v = start.copy(), np.zeros_like(start)
+    for _ in range(4):
+        error = mask * (left - slow_sample(right, x - d, y + v))
+        right_side = np.stack([box(mask * gx * error, 11), box(mask * gy * error, 11)], -1)
+        # The warped right image grows by -gx for each pixel of disparity and by gy for each of the row.
+        step = np.clip(np.linalg.solve(damped, right_side[..., None])[..., 0] * [-1.0, 1.0], -1.0, 1.0)
+        d, v, last = d + mask * step[..., 0], v + mask * step[..., 1], np.abs(step).max(-1)
+    noise = box(mask * (left - slow_sample(right, x - d, y + v)) ** 2, 11) / np.maximum(pixels, 1)
+    schur = tensor[..., 1, 1] - tensor[..., 0, 1] ** 2 / (tensor[..., 0, 0] + 1e-6)
+    variance = np.maximum(noise, 1e-5) / np.maximum(schur, 1e-6)
+    good = found.valid & (last < 0.05) & (np.abs(d - start) < 1) & (np.abs(v) < 2) & (pixels > 60.5)
+    return d, v, variance, good & (variance < 0.17**2)
+
+
+def rough(seed: int) -> tuple[Rectified, Disparity]:
+    """A slanted surface, noise, a hole in the validity and a patch whose disparity is wrong."""
+    rng = np.random.default_rng(seed)
+    d, v = 4.0 + 0.03 * X, 0.4 - 0.01 * Y
+    left = texture(X, Y, seed) + rng.normal(0, 2, SIZE)
+    right = texture(X + d, Y - v, seed) + rng.normal(0, 2, SIZE)
+    valid = rng.random(SIZE) < 0.9
+    valid[20:40, 30:45] = False
+    values = np.rint(d)
+    values[50:60, 60:75] += 5
+    return frame(left, right), matched(values, valid)
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_twin(seed):
+    rectified, found = rough(seed)
+    actual = jax.tree.map(np.asarray, refined(rectified, found))
+    d, v, variance, good = slow_refine(rectified, found)
+    assert 0.3 < good.mean() < 0.9
+    assert (actual.good != good).mean() < 2e-3  # thresholds in float32
+    both = good & actual.good
+    np.testing.assert_allclose(actual.disparity[both], d[both], atol=1e-3)
+    np.testing.assert_allclose(actual.row[both], v[both], atol=1e-3)
+    np.testing.assert_allclose(actual.variance[both], variance[both], rtol=1e-2)
+
+
+def test_good_means_every_check():
+    rectified, found = rough(0)
+    actual = jax.tree.map(np.asarray, refined(rectified, found))
+    assert not actual.good[~found.valid].any()
+    assert not actual.good[52:58, 63:72].any()  # five pixels off: nothing to settle on
+    assert np.abs(actual.row[actual.good]).max() < 2.0
+    assert np.abs(actual.disparity - found.values)[actual.good].max() < 1.0
+
+
+# --- motions that are known ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("d", "v"), [(7.3, 0.4), (3.0, -0.8), (12.45, 0.0), (5.7, 0.6), (-2.25, -0.15), (0.0, 0.0)])
+def test_a_known_motion_is_recovered(d, v):
+    offsets = jax.tree.map(lambda leaf: np.asarray(leaf)[INNER], refined(moved(d, v), matched(np.rint(d))))
+    good = offsets.good
+    assert good.mean() > 0.8
+    for found, truth in ((offsets.disparity, d), (offsets.row, v)):
+        assert np.median(found[good]) == pytest.approx(truth, abs=0.01)
+        assert np.median(np.abs(found[good] - truth)) < 0.03
+    assert np.median(np.abs(offsets.row[good] - v)) < 0.02
+    assert np.quantile(np.abs(offsets.row[good] - v), 0.95) < 0.08
+
+
+def test_a_slanted_surface_is_followed():
+    """Two pixels of disparity across the frame: within a window, half of what one motion for all of it would miss."""
+    d = 4.0 + 0.02 * X
+    # x' = 0.98 x - 4, so that what lies at x' in the right image lies at (x' + 4) / 0.98 in the left one.
+    slanted = frame(texture(X, Y), texture((X + 4.0) / 0.98, Y - 0.3))
+    offsets = jax.tree.map(lambda leaf: np.asarray(leaf)[INNER], refined(slanted, matched(np.rint(d))))
+    assert offsets.good.mean() > 0.7
+    assert np.median(np.abs(offsets.disparity - d[INNER])[offsets.good]) < 0.03
+    assert np.median(np.abs(offsets.row - 0.3)[offsets.good]) < 0.02
+
+
+def test_the_variance_follows_repeated_noise():
+    """Where a window says that it knows less, it scatters more, and as much as it says within a factor of three:
+    neighbours follow each other's noise."""
+    rng, truth = np.random.default_rng(0), moved(6.2, 0.3)
+    rows, said = [], []
+    for _ in range(20):
+        noisy = frame(*(image + rng.normal(0, 3, SIZE) for image in (truth.left, truth.right)))
+        offsets = refined(noisy, matched(6))
+        rows.append(np.asarray(offsets.row)[INNER])
+        said.append(np.asarray(offsets.variance)[INNER])
+    scatter, said = np.std(rows, axis=0, ddof=1), np.sqrt(np.mean(said, axis=0))
+    assert 0.7 < np.median(scatter) / np.median(said) < 3.0
+    assert np.corrcoef(scatter.ravel(), said.ravel())[0, 1] > 0.3
+
+
+@settings(max_examples=10)
+@given(gain=st.floats(0.6, 1.5), level=st.floats(-60, 60))
+def test_exposure_of_one_image_does_not_matter(gain, level):
+    plain = moved(6.3, 0.35)
+    exposed = replace(plain, right=np.float32(gain) * plain.right + np.float32(level))
+    before, after = (jax.tree.map(np.asarray, refined(f, matched(6))) for f in (plain, exposed))
+    good = before.good & after.good
+    good[:MARGIN] = good[-MARGIN:] = good[:, :MARGIN] = good[:, -MARGIN:] = False
+    assert good[INNER].mean() > 0.8
+    assert np.quantile(np.abs(before.row - after.row)[good], 0.95) < 0.06
+    assert abs(np.median(after.row[good]) - 0.35) < 0.01
+    assert abs(np.median(after.disparity[good]) - 6.3) < 0.01
+
+
+# --- who takes part -----------------------------------------------------------------------------------------
+
+
+@settings(max_examples=10)
+@given(seed=st.integers(0, 99), wrong=st.sampled_from([np.nan, np.inf, -1e9, 40.0]))
+def test_values_of_invalid_pixels_are_never_read(seed, wrong):
+    rng = np.random.default_rng(seed)
+    valid = rng.random(SIZE) < 0.8
+    clean = matched(6, valid)
+    dirty = Disparity(np.where(valid, clean.values, np.float32(wrong)), valid)
+    for a, b in zip(refined(moved(6.2, 0.2), clean), refined(moved(6.2, 0.2), dirty), strict=True):
+        np.testing.assert_array_equal(a, b)
+
+
+def test_images_far_from_valid_pixels_are_never_read():
+    """A valid block in the middle; beyond its windows and their local contrast, both images are noise."""
+    valid = np.zeros(SIZE, bool)
+    valid[28:44, 40:60] = True
+    plain, reach, rng = moved(6.2, 0.2), 20, np.random.default_rng(0)
+    near_left, near_right = np.zeros(SIZE, bool), np.zeros(SIZE, bool)
+    near_left[28 - reach : 44 + reach, 40 - reach : 60 + reach] = True
+    near_right[28 - reach : 44 + reach, 34 - reach : 54 + reach] = True
+    noise = rng.uniform(0, 255, (2, *SIZE))
+    other = frame(np.where(near_left, plain.left, noise[0]), np.where(near_right, plain.right, noise[1]))
+    assert 1 - near_left.mean() > 0.1
+    before, after = (jax.tree.map(np.asarray, refined(f, matched(6, valid))) for f in (plain, other))
+    np.testing.assert_array_equal(before.good, after.good)
+    assert before.good.sum() > 200
+    for a, b in zip(before[:3], after[:3], strict=True):
+        np.testing.assert_allclose(a[valid], b[valid], rtol=1e-5, atol=1e-5)
+
+
+def test_invalid_neighbours_do_not_pull():
+    """Beyond a depth edge lies another surface with another motion; declared invalid, it moves nobody."""
+    here = X < WIDTH // 2
+    left, right = texture(X, Y), np.where(X < WIDTH // 2 - 6, texture(X + 6.0, Y - 0.3), texture(X + 9.0, Y + 0.9))
+    beside = np.zeros(SIZE, bool)
+    beside[MARGIN:-MARGIN, WIDTH // 2 - 5 : WIDTH // 2 - 2] = True
+    wrong = {}
+    for name, valid in (("masked", here), ("all", np.ones(SIZE, bool))):
+        offsets = refined(frame(left, right), matched(np.where(here, 6, 9), valid))
+        wrong[name] = np.median(np.abs(np.asarray(offsets.row) - 0.3)[beside])
+    assert wrong["masked"] < 0.12
+    assert wrong["all"] > 2 * wrong["masked"]
+
+
+@pytest.mark.parametrize("valid", [False, True])
+@pytest.mark.parametrize("kind", ["texture", "constant", "black", "vertical stripes", "horizontal stripes"])
+def test_nothing_to_hold_on_to_stays_finite_and_is_not_good(kind, valid):
+    images = {
+        "texture": texture(X, Y),
+        "constant": np.full(SIZE, 128.0),
+        "black": np.zeros(SIZE),
+        "vertical stripes": 128 + 90 * np.sin(X),
+        "horizontal stripes": 128 + 90 * np.sin(Y),
+    }
+    offsets = jax.tree.map(np.asarray, refined(frame(images[kind], images[kind]), matched(0, valid)))
+    assert all(np.isfinite(field).all() for field in offsets)
+    if not valid:
+        assert not offsets.good.any()
+        np.testing.assert_array_equal(offsets.disparity, 0)
+        np.testing.assert_array_equal(offsets.row, 0)
+    elif kind in ("constant", "black", "vertical stripes"):  # nothing says where the row is
+        assert not offsets.good[INNER].any()
+
+
+def test_a_lone_pixel_is_not_good():
+    """Less than half of its window is valid."""
+    valid = np.zeros(SIZE, bool)
+    valid[36, 48] = True
+    assert not np.asarray(refined(moved(6.0, 0.0), matched(6, valid)).good).any()
+    half = (X + 0 * Y) >= 48  # 6 of 11 columns of the window of column 48, none but 5 of column 43
+    good = np.asarray(refined(moved(6.0, 0.0), matched(6, half)).good)
+    assert good[MARGIN:-MARGIN, 48].all()
+    assert WINDOW == 11

@@ -1,0 +1,39 @@
+"""The survey brings a rig that is far off near enough for a search."""
+
+import numpy as np
+import pytest
+
+from stereorecal.geometry import view
+from stereorecal.matching import SAD
+from stereorecal.scoring import score, survey
+
+REACH = np.radians(3.0)
+
+
+@pytest.mark.parametrize("signs", [(1, 1), (-1, 1), (-1, -1)])
+@pytest.mark.parametrize("kind", ["harbour", "street"])
+def test_finds_pitch_and_roll(scene, kind, signs):
+    given_scene = scene(kind, 1)
+    rig = given_scene.rig
+    drift = np.radians([2.4 * signs[0], 0.0, 2.0 * signs[1], 0.0, 0.0, 0.0])
+    bad = rig.with_extrinsics(rig.extrinsics + drift)
+    found = survey(bad, given_scene.pairs, view(bad), REACH)
+    assert np.abs(found.offset + drift)[[0, 2]].max() < np.radians(1.0)
+    assert not found.offset[[1, 3, 4, 5]].any()
+    better = bad.with_extrinsics(bad.extrinsics + found.offset)
+    counts = [score(r, given_scene.pairs, matcher=SAD(num_disparities=24), view=view(bad)).count for r in (bad, better)]
+    assert counts[1] > 1.5 * counts[0]
+
+
+def test_a_rig_that_is_right_is_left_alone(scene):
+    given_scene = scene()
+    found = survey(given_scene.rig, given_scene.pairs, view(given_scene.rig), REACH)
+    assert np.abs(found.offset).max() < np.radians(0.8)
+
+
+def test_aligned_takes_the_rig_as_it_is(scene):
+    given_scene = scene()
+    found = survey(given_scene.rig, given_scene.pairs, view(given_scene.rig), REACH, aligned=True)
+    assert not found.offset.any()
+    assert found.with_range(SAD(), 0.0).num_disparities < found.with_range(SAD(), REACH).num_disparities
+    assert found.with_range(SAD(num_disparities=7), REACH).num_disparities == 7
