@@ -24,9 +24,11 @@ from stereorecal.geometry import (
 from stereorecal.matching import BM as BM, SAD as SAD, SGBM as SGBM, Disparity as Disparity
 from stereorecal.recalibration import (
     Reason as Reason,
+    Repair as Repair,
     Schedule as Schedule,
     Solution as Solution,
     recalibrate as recalibrate,
+    recalibrate_many as recalibrate_many,
 )
 from stereorecal.scoring import (
     Score as Score,

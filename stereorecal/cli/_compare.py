@@ -1,23 +1,20 @@
 """`python -m stereorecal compare`."""
 
 import argparse
-import json
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from stereorecal._errors import InputError
 from stereorecal.cli import _values
 from stereorecal.cli._exit_codes import FAILURE, INTERRUPTED
+from stereorecal.cli._json import write_json
+from stereorecal.cli._progress import progress_bar
 from stereorecal.comparison import (
     SCHEDULES,
     Comparison,
     Drift,
-    Progress as ProgressCall,
     compare_scenes,
     load_strategies,
 )
@@ -76,13 +73,11 @@ def run(options: argparse.Namespace) -> int:
     chosen = load_strategies(_values.strategy_names(options.strategies))
     drift = Drift(*_values.degrees_and_fraction(options.decalibrate, "--decalibrate"))
     reach = Reach(*_values.degrees_and_fraction(options.reach, "--reach")) if options.reach is not None else None
-    budget = Budget(options.budget)
-    if not 0 <= options.seed < 2**32:
-        raise InputError(f"--seed is {options.seed}; give a whole number within 0 and 2^32 - 1.")
+    budget, seed = Budget(options.budget), _values.seed(options.seed)
     _values.output_path(options.json, "--json")
     with _values.executor(options.executor) as executor:
         scenes = _scenes(options)
-        with _progress(options.quiet) as progress:
+        with progress_bar(options.quiet) as progress:
             comparison = compare_scenes(
                 scenes,
                 strategies=chosen,
@@ -93,7 +88,7 @@ def run(options: argparse.Namespace) -> int:
                 scale=options.scale,
                 draws=options.draws,
                 budget=budget,
-                seed=options.seed,
+                seed=seed,
                 executor=executor,
                 progress=progress,
             )
@@ -117,24 +112,8 @@ def _scenes(options: argparse.Namespace) -> list[Scene]:
 
 
 def _show(comparison: Comparison, options: argparse.Namespace) -> None:
-    if options.json == "-":
-        json.dump(comparison.as_dict(), sys.stdout, indent=1, allow_nan=False)
-        print()
-        return
-    if options.json:
-        comparison.to_json(options.json)
-    if comparison.trials and not options.quiet:
+    if options.json is not None:
+        write_json(comparison.as_dict(), options.json)
+    if comparison.trials and not options.quiet and options.json != "-":
         console = Console(width=None if sys.stdout.isatty() else WIDE)
         console.print(comparison_tables(comparison.as_dict(), console.width))
-
-
-@contextmanager
-def _progress(quiet: bool) -> Iterator[ProgressCall | None]:
-    """A progress bar with the time that remains, on stderr, if that is a terminal."""
-    if quiet or not sys.stderr.isatty():
-        yield None
-        return
-    columns = (TextColumn("repairing"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("", total=None)
-        yield lambda finished, total: bar.update(task, completed=finished, total=total)

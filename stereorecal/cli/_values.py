@@ -56,6 +56,17 @@ def degrees_and_fraction(text: str, option: str) -> tuple[float, float]:
     return degrees, fraction
 
 
+def seed(number: int) -> int:
+    """A seed that every generator takes.
+
+    Raises:
+        InputError: if it is negative or too large.
+    """
+    if not 0 <= number < 2**32:
+        raise InputError(f"--seed is {number}; give a whole number within 0 and 2^32 - 1.")
+    return number
+
+
 def output_path(text: str | None, option: str) -> None:
     """Check, before the work is done, that its result can be written.
 

@@ -3,6 +3,7 @@
 import json
 import re
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,50 @@ from stereorecal.io._about import about
 # Names of OpenCV's pinhole model: its own, ROS's, Kalibr's.
 _PINHOLE_MODELS = frozenset({"", "none", "opencv", "plumb_bob", "rational_polynomial", "radtan"})
 _FISHEYE_WORDS = ("fisheye", "equi", "omni")
+
+
+@dataclass(frozen=True, eq=False)
+class Calibration:
+    """What a calib.json says.
+
+    Attributes:
+        size: (width, height) of the images in pixels.
+        rig: None if both camera matrices are null.
+        reference: what the rig is worth: "truth" or "stored".
+        info: the keys that say nothing about the rig, as they stand.
+    """
+
+    size: tuple[int, int]
+    rig: StereoRig | None
+    reference: str
+    info: Mapping[str, Any]
+
+
+def load_calibration(path: Path) -> Calibration:
+    """The calibration in a calib.json.
+
+    Raises:
+        InputError: naming the file, if it cannot be read, or a value cannot be a calibration.
+        UnsupportedModelError: if the distortion model is not OpenCV's.
+    """
+    content = read_calibration(path)
+    with about(path):
+        size, rig = image_size(content), rig_from(content)
+    known = {*calibration_of(None, size), "reference"}
+    info = {key: value for key, value in content.items() if key not in known}
+    return Calibration(size, rig, "truth" if content.get("reference") == "truth" else "stored", info)
+
+
+def calibration_text(content: Mapping[str, Any]) -> str:
+    """The text of a calib.json.
+
+    Raises:
+        InputError: if a value is none that JSON has.
+    """
+    try:
+        return json.dumps(content, indent=1, allow_nan=False)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"the scene's info cannot be written as JSON ({error}); use plain finite values.") from error
 
 
 def read_calibration(path: Path) -> dict[str, Any]:

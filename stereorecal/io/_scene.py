@@ -1,7 +1,7 @@
 """Scene folders: images and calib.json."""
 
-import json
 import re
+from collections.abc import Sequence
 from itertools import chain
 from pathlib import Path
 
@@ -13,9 +13,9 @@ from stereorecal._errors import InputError
 from stereorecal.geometry import Pair, Scene, check_pairs
 from stereorecal.io._about import about
 from stereorecal.io._atomic import make_folder, write_bytes
-from stereorecal.io._calibration import calibration_of, image_size, read_calibration, rig_from
+from stereorecal.io._calibration import Calibration, calibration_of, calibration_text, load_calibration
 from stereorecal.io._image_file import images_in, natural_order
-from stereorecal.io._pairs import AnyPath, first, load_pair, match_files
+from stereorecal.io._pairs import AnyPath, first, load_pair, load_pairs, match_files
 
 _CALIBRATION_FILE = "calib.json"
 
@@ -37,24 +37,34 @@ def load_scene(folder: AnyPath, limit: int | None = None) -> Scene:
     folder = Path(folder)
     if not folder.is_dir():
         raise InputError(f"{folder}: there is no such folder; check the path.")
-    content = read_calibration(folder / _CALIBRATION_FILE)
-    with about(folder / _CALIBRATION_FILE):
-        size, rig = image_size(content), rig_from(content)
+    calibration = load_calibration(folder / _CALIBRATION_FILE)
     matched = match_files(*(_side_files(folder, side) for side in ("left", "right")), by_order=False)
-    pairs = tuple(load_pair(*paths) for paths in first(matched, limit))
+    pairs = [load_pair(*paths) for paths in first(matched, limit)]
     with about(folder):
-        if rig is not None:
-            check_pairs(rig, pairs)
-        elif any(pair.size != size for pair in pairs):
-            raise InputError(f"an image is not {size[0]}x{size[1]} as calib.json says; correct one of them.")
-    known = {*calibration_of(None, size), "reference"}
-    return Scene(
-        "/".join(folder.resolve().parts[-2:]).lstrip("/"),
-        rig,
-        pairs,
-        reference="truth" if content.get("reference") == "truth" else "stored",
-        info={key: value for key, value in content.items() if key not in known},
-    )
+        return _scene("/".join(folder.resolve().parts[-2:]).lstrip("/"), calibration, pairs)
+
+
+def gather_scene(left: AnyPath, right: AnyPath, calibration: AnyPath, limit: int | None = None) -> Scene:
+    """The scene of files that lie anywhere: images as `load_pairs` finds them, and a file like a scene folder's
+    calib.json. It is named after `left`.
+
+    Raises:
+        InputError, UnsupportedModelError: as `load_pairs` and `load_scene`.
+    """
+    found = load_calibration(Path(calibration))
+    pairs = load_pairs(left, right, limit)
+    with about(calibration):
+        return _scene(str(left), found, pairs)
+
+
+def _scene(name: str, calibration: Calibration, pairs: Sequence[Pair]) -> Scene:
+    """The scene, if images and calibration fit."""
+    rig, (width, height) = calibration.rig, calibration.size
+    if rig is not None:
+        check_pairs(rig, list(pairs))
+    elif any(pair.size != (width, height) for pair in pairs):
+        raise InputError(f"an image is not {width}x{height} as calib.json says; correct one of them.")
+    return Scene(name, rig, tuple(pairs), calibration.reference, calibration.info)
 
 
 def save_scene(scene: Scene, folder: AnyPath, overwrite: bool = False) -> None:
@@ -76,11 +86,8 @@ def save_scene(scene: Scene, folder: AnyPath, overwrite: bool = False) -> None:
         raise InputError(f"the scene {scene.name!r} has no image pair; give at least one.")
     if scene.rig is not None:
         check_pairs(scene.rig, scene.pairs)
-    content = {**scene.info, **calibration_of(scene.rig, scene.pairs[0].size), "reference": scene.reference}
-    try:
-        text = json.dumps(content, indent=1, allow_nan=False)
-    except (TypeError, ValueError) as error:
-        raise InputError(f"the scene's info cannot be written as JSON ({error}); use plain finite values.") from error
+    facts = calibration_of(scene.rig, scene.pairs[0].size)
+    text = calibration_text({**scene.info, **facts, "reference": scene.reference})
     images: dict[Path, Float[np.ndarray, "h w"]] = {}
     for name, pair in zip(_file_names(scene.pairs), scene.pairs, strict=True):
         images[folder / f"left{name}.png"], images[folder / f"right{name}.png"] = pair.left, pair.right

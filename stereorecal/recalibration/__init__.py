@@ -1,6 +1,14 @@
 """Recalibration: schedules, the repair itself, uncertainty, the verdict."""
 
 from stereorecal.recalibration._acceptance import Reason as Reason, RowErrors as RowErrors
+from stereorecal.recalibration._health import (
+    LEAST_COVERED as LEAST_COVERED,
+    ROWS_APART as ROWS_APART,
+    Condition as Condition,
+    Health as Health,
+    health as health,
+)
+from stereorecal.recalibration._many import Fault as Fault, Repair as Repair, recalibrate_many as recalibrate_many
 from stereorecal.recalibration._recalibrate import recalibrate as recalibrate
 from stereorecal.recalibration._schedule import Schedule as Schedule, ScoreKind as ScoreKind, Stage as Stage
 from stereorecal.recalibration._solution import Solution as Solution

@@ -8,6 +8,8 @@ from rich.console import Group
 from rich.table import Table
 from rich.text import Text
 
+from stereorecal.report._cells import count, number, percent
+
 WIDE = 120  # columns that scores and errors need side by side
 _SHORT = 12  # columns of a strategy's name in that
 _ROTATIONS, _TRANSLATIONS = ("pitch", "yaw", "roll"), ("y", "z")
@@ -36,7 +38,7 @@ def _trials_table(data: Mapping[str, Any], parts: tuple[str, ...]) -> Table:
     for trial in data["trials"]:
         cells = [names[trial["scene"]], trial["strategy"], str(trial["draw"])]
         if "scores" in parts:
-            cells += [_count(trial[f"score_{when}"]) for when in _COUNTS]
+            cells += [count(trial[f"score_{when}"]) for when in _COUNTS]
             cells += [_ratio(trial["ratio"], flagged_ratio)]
         if "errors" in parts:
             cells += _errors(trial["rotation_error_deg"], trial["translation_error_percent"])
@@ -52,14 +54,14 @@ def _summary_table(data: Mapping[str, Any], parts: tuple[str, ...]) -> Table:
     table = _table("medians", data)
     _add_columns(table, parts, ("draws", "success"), ("evals", "s"))
     for row in data["summary"]:
-        cells = [names[row["scene"]], row["strategy"], str(row["draws"]), _percent(row["success_rate"])]
+        cells = [names[row["scene"]], row["strategy"], str(row["draws"]), percent(row["success_rate"])]
         if "scores" in parts:
-            cells += [_count(row[f"score_{when}_median"]) for when in _COUNTS]
+            cells += [count(row[f"score_{when}_median"]) for when in _COUNTS]
             cells += [_ratio(row["ratio_median"], flagged_ratio)]
         if "errors" in parts:
             cells += _errors(row["rotation_error_deg_median"], row["translation_error_percent_median"])
         if "scores" in parts:
-            cells += [_count(row["evaluations_median"]), _number(row["seconds_median"], 1)]
+            cells += [count(row["evaluations_median"]), number(row["seconds_median"], 1)]
         table.add_row(*map(Text, cells))
     return table
 
@@ -75,7 +77,7 @@ def _leaders_table(data: Mapping[str, Any]) -> Table:
         for units in rows[0]["score_at_median"] if rows else ():
             reached = [(row["score_at_median"][units], row["strategy"]) for row in rows]
             ranked = sorted((r for r in reached if r[0] is not None), key=lambda r: (-r[0], r[1]))[:3]
-            cells = [f"{strategy} {_count(value)}" for value, strategy in ranked]
+            cells = [f"{strategy} {count(value)}" for value, strategy in ranked]
             table.add_row(*map(Text, (name, units, *cells, *[""] * (3 - len(cells)))))
     return table
 
@@ -128,19 +130,7 @@ def _add_columns(table: Table, parts: tuple[str, ...], first: tuple[str, ...], l
 def _errors(rotation: Mapping[str, float] | None, translation: Mapping[str, float] | None) -> list[str]:
     if rotation is None or translation is None:
         return ["-"] * 5
-    return [_number(rotation[a], 3) for a in _ROTATIONS] + [_number(translation[a], 2) for a in _TRANSLATIONS]
-
-
-def _number(value: float | None, digits: int) -> str:
-    return "-" if value is None else f"{value:.{digits}f}"
-
-
-def _count(value: float | None) -> str:
-    return "-" if value is None else f"{value:,.0f}".replace(",", " ")
-
-
-def _percent(share: float | None) -> str:
-    return "-" if share is None else f"{100 * share:.0f} %"
+    return [number(rotation[a], 3) for a in _ROTATIONS] + [number(translation[a], 2) for a in _TRANSLATIONS]
 
 
 def _ratio(value: float | None, flagged_ratio: float) -> str:

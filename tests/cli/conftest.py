@@ -3,9 +3,10 @@
 import shutil
 import signal
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from stereorecal.cli import main
@@ -45,6 +46,18 @@ def clean_scene(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A scene folder with one pair of 160x120; not to be changed."""
     folder = tmp_path_factory.mktemp("scenes") / "clean"
     save_scene(render("harbour", 0, rig=default_rig().resized((160, 120))), folder)
+    return folder
+
+
+@pytest.fixture(scope="session")
+def drifted_scene(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same pair with a rig that drifted by almost a degree, and a key of the user's own; not to be changed."""
+    folder = tmp_path_factory.mktemp("scenes") / "drifted"
+    scene = render("harbour", 0, rig=default_rig().resized((160, 120)))
+    assert scene.rig is not None
+    drift = np.array([*np.radians([0.8, 0.3, -0.9]), 0.0, 0.003, -0.003])
+    rig = scene.rig.with_extrinsics(scene.rig.extrinsics + drift)
+    save_scene(replace(scene, rig=rig, reference="stored", info={"boat": "Ladja"}), folder)
     return folder
 
 

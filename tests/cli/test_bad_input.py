@@ -114,53 +114,102 @@ SCENES: dict[str, tuple[Spoil, str]] = {
 }
 
 
+FAST = {
+    "compare": ("--draws=1", "--budget=1"),
+    "recalibrate": ("--schedule=count", "--budget=1"),
+    "score": (),
+}
+each_verb = pytest.mark.parametrize("verb", FAST)
+
+
+def asked(verb: str, *folders: Path) -> list[object]:
+    """The words of a command about scene folders that does little."""
+    places = [word for folder in folders for word in (("--scene", folder) if verb == "compare" else (folder,))]
+    return [verb, *places, *FAST[verb]]
+
+
+@each_verb
 @pytest.mark.parametrize(("spoil", "words"), SCENES.values(), ids=SCENES.keys())
 @pytest.mark.parametrize("existing", [False, True], ids=["", "json exists"])
-def test_scenes(command, folder: Path, tmp_path: Path, spoil: Spoil, words: str, existing: bool):
+def test_scenes(command, folder: Path, tmp_path: Path, verb: str, spoil: Spoil, words: str, existing: bool):
     spoil(folder)
     target = tmp_path / "out.json"
     if existing:
         target.write_text("precious")
     before = sorted(tmp_path.rglob("*"))
-    refused(command("compare", "--scene", folder, "--json", target, "--draws", 1, "--budget", 1), words)
+    output = ("--output", tmp_path / "repaired.json") if verb == "recalibrate" else ()
+    refused(command(*asked(verb, folder), "--json", target, *output), words)
     assert sorted(tmp_path.rglob("*")) == before
     assert not existing or target.read_text() == "precious"
 
 
+@each_verb
 @pytest.mark.skipif(os.geteuid() == 0, reason="root reads everything")
-def test_unreadable(command, folder: Path):
+def test_unreadable(command, folder: Path, verb: str):
     (folder / "left.png").chmod(0)
-    refused(command("compare", "--scene", folder), "left.png: cannot be read")
+    refused(command(*asked(verb, folder)), "left.png: cannot be read")
 
 
-def test_folder_in_place_of_a_file(command, folder: Path):
+@each_verb
+def test_folder_in_place_of_a_file(command, folder: Path, verb: str):
     """Unreadable for everybody, root included."""
     (folder / "calib.json").unlink()
     (folder / "calib.json").mkdir()
-    refused(command("compare", "--scene", folder), "calib.json: cannot be read")
+    refused(command(*asked(verb, folder)), "calib.json: cannot be read")
 
 
-def test_missing_folder(command, tmp_path: Path):
-    refused(command("compare", "--scene", tmp_path / "nowhere"), "nowhere: there is no such folder")
+@each_verb
+def test_missing_folder(command, tmp_path: Path, verb: str):
+    refused(command(*asked(verb, tmp_path / "nowhere")), "nowhere: there is no such folder")
 
 
-def test_one_bad_scene_among_good_ones(command, folder: Path, clean_scene: Path):
+@each_verb
+def test_one_bad_scene_among_good_ones(command, folder: Path, clean_scene: Path, verb: str):
     (folder / "left.png").unlink()
-    refused(command("compare", "--scene", clean_scene, "--scene", folder), "there is no image left.*")
+    refused(command(*asked(verb, clean_scene, folder)), "there is no image left.*")
 
 
-OPTIONS: dict[str, tuple[list[str], str]] = {
-    "strategy": (["--strategies", "compas"], "unknown strategy 'compas'; did you mean compass?"),
-    "one of two strategies": (["--strategies", "compass,nonsense"], "unknown strategy 'nonsense'"),
-    "no strategy": (["--strategies", ","], "strateg"),
+LOOSE: dict[str, tuple[list[str], str]] = {
+    "nothing": ([], "give scene folders, or --left, --right and --calibration together"),
+    "both": (["{0}", "--left={0}/left.png", "--right={0}/right.png", "--calibration={0}/calib.json"], "give scene"),
+    "no right": (["--left={0}/left.png", "--calibration={0}/calib.json"], "give scene folders, or"),
+    "no calibration": (["--left={0}/left.png", "--right={0}/right.png"], "give scene folders, or"),
+    "no image matches": (
+        ["--left={0}/l*.jpg", "--right={0}/right.png", "--calibration={0}/calib.json"],
+        "l*.jpg: no image matches",
+    ),
+    "no such calibration": (
+        ["--left={0}/left.png", "--right={0}/right.png", "--calibration={0}/c.json"],
+        "c.json: there is no such file",
+    ),
+    "an image for a calibration": (
+        ["--left={0}/left.png", "--right={0}/right.png", "--calibration={0}/left.png"],
+        "left.png: not a text file",
+    ),
+    "one image twice": (
+        ["--left={0}/left.png", "--right={0}/left.png", "--calibration={0}/calib.json"],
+        "both the left and the right image",
+    ),
+}
+
+
+@pytest.mark.parametrize(("words", "said"), LOOSE.values(), ids=LOOSE.keys())
+@pytest.mark.parametrize("verb", ["recalibrate", "score"])
+def test_files_that_lie_anywhere(command, clean_scene: Path, verb: str, words: list[str], said: str):
+    refused(command(verb, *(word.format(clean_scene) for word in words)), said)
+
+
+COMMON: dict[str, tuple[list[str], str]] = {
     "matcher": (["--matcher", "sgmb"], "unknown matcher 'sgmb'; did you mean sgbm?"),
-    "kind of scene": (["--synthetic", "harbor"], "unknown kind of scene 'harbor'; did you mean harbour?"),
+    "frames": (["--frames", "0"], "--frames is '0'"),
+    "frames word": (["--frames", "few"], "--frames is 'few'"),
+    "unknown option": (["--colour", "red"], "--colour"),
+}
+SEARCH: dict[str, tuple[list[str], str]] = {
     "schedule": (["--schedule", "coarse"], "unknown schedule 'coarse'; choose one of: count"),
     "executor": (["--executor", "thread:2"], "unknown executor"),
     "workers": (["--executor", "threads:0"], "--executor is 'threads:0'"),
     "no workers": (["--executor", "processes"], "give the number of workers"),
-    "frames": (["--frames", "0"], "--frames is '0'"),
-    "frames word": (["--frames", "few"], "--frames is 'few'"),
     "budget zero": (["--budget", "0"], "the budget of 0.0 evaluations makes no sense"),
     "budget negative": (["--budget", "-5"], "the budget of -5.0 evaluations makes no sense"),
     "budget NaN": (["--budget", "nan"], "the budget of nan evaluations makes no sense"),
@@ -170,35 +219,56 @@ OPTIONS: dict[str, tuple[list[str], str]] = {
     "reach NaN": (["--reach", "nan,0.03"], "a reach of nan degrees"),
     "reach of one number": (["--reach", "3"], "--reach is '3'; give degrees and a fraction"),
     "reach empty": (["--reach", ""], "--reach"),
+    "scale zero": (["--scale", "0"], "scale"),
+    "scale above one": (["--scale", "1.5"], "scale"),
+    "scale NaN": (["--scale", "nan"], "scale"),
+    "scale too small": (["--scale", "0.05"], "at least 16 pixels"),
+    "seed": (["--seed", "-1"], "--seed is -1"),
+    "seed word": (["--seed", "x"], "--seed"),
+}
+COMPARE: dict[str, tuple[list[str], str]] = {
+    "strategy": (["--strategies", "compas"], "unknown strategy 'compas'; did you mean compass?"),
+    "one of two strategies": (["--strategies", "compass,nonsense"], "unknown strategy 'nonsense'"),
+    "no strategy": (["--strategies", ","], "strateg"),
+    "kind of scene": (["--synthetic", "harbor"], "unknown kind of scene 'harbor'; did you mean harbour?"),
     "drift negative": (["--decalibrate", "-1,0.01"], "a drift of -1.0 degrees"),
     "drift huge": (["--decalibrate", "0.5,2"], "a drift of 0.5 degrees and 2.0 of the baseline"),
     "drift word": (["--decalibrate", "a,b"], "--decalibrate is 'a,b'"),
-    "scale zero": (["--scale", "0"], "scale is 0.0"),
-    "scale above one": (["--scale", "1.5"], "scale is 1.5"),
-    "scale NaN": (["--scale", "nan"], "scale is nan"),
-    "scale too small": (["--scale", "0.05"], "at least 16 pixels"),
     "no draws": (["--draws", "0"], "at least one scene, one strategy and one draw"),
     "draws word": (["--draws", "two"], "--draws"),
-    "seed": (["--seed", "-1"], "--seed is -1"),
-    "seed word": (["--seed", "x"], "--seed"),
-    "unknown option": (["--colour", "red"], "--colour"),
+}
+RECALIBRATE: dict[str, tuple[list[str], str]] = {
+    "strategy": (["--strategy", "compas"], "unknown strategy 'compas'; did you mean compass?"),
+    "need not met": (["--strategy", "optimistix-levenberg-marquardt"], "needs"),
+    "scale of another schedule": (["--schedule", "default", "--scale", "0.5"], "--scale belongs to --schedule count"),
+    "output in no folder": (["--output", "/nowhere/at/all/calib.json"], "--output /nowhere/at/all/calib.json: cannot"),
+}
+OPTIONS = {
+    f"{verb}, {name}": (verb, *case)
+    for verb, cases in {
+        "compare": COMMON | SEARCH | COMPARE,
+        "recalibrate": COMMON | SEARCH | RECALIBRATE,
+        "score": COMMON,
+    }.items()
+    for name, case in cases.items()
 }
 
 
-@pytest.mark.parametrize(("words", "said"), OPTIONS.values(), ids=OPTIONS.keys())
-def test_options(command, clean_scene: Path, tmp_path: Path, words: list[str], said: str):
+@pytest.mark.parametrize(("verb", "words", "said"), OPTIONS.values(), ids=OPTIONS.keys())
+def test_options(command, clean_scene: Path, tmp_path: Path, verb: str, words: list[str], said: str):
     target = tmp_path / "out.json"
     target.write_text("precious")
-    scene = [] if "--synthetic" in words else ["--scene", clean_scene]
+    scene = [] if "--synthetic" in words else [clean_scene]
     # An option whose value starts with "-" needs "=".
-    joined = [f"{words[0]}={words[1]}"]
-    refused(command("compare", *scene, "--draws=1", "--budget=1", f"--json={target}", *joined), said)
+    joined = [f"{option}={value}" for option, value in zip(words[::2], words[1::2], strict=True)]
+    refused(command(*asked(verb, *scene), f"--json={target}", *joined), said)
     assert target.read_text() == "precious"
 
 
+@each_verb
 @pytest.mark.parametrize("name", ["nowhere/out.json", ""])
-def test_places_that_cannot_be_written(command, clean_scene: Path, tmp_path: Path, name: str):
-    refused(command("compare", "--scene", clean_scene, "--json", tmp_path / name), "cannot be written there")
+def test_places_that_cannot_be_written(command, clean_scene: Path, tmp_path: Path, verb: str, name: str):
+    refused(command(*asked(verb, clean_scene), "--json", tmp_path / name), "cannot be written there")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -215,3 +285,5 @@ def test_missing_compass_gives_the_install_line(command, clean_scene: Path, monk
     monkeypatch.setattr(_registry, "entry_points", lambda **_: EntryPoints())
     refused(command("compare", "--scene", clean_scene), "pip install 'stereorecal[default]'")
     refused(command("compare", "--scene", clean_scene, "--strategies", "all"), "pip install 'stereorecal[default]'")
+    refused(command("recalibrate", clean_scene), "pip install 'stereorecal[default]'")
+    refused(command("recalibrate", clean_scene, "--schedule", "count"), "pip install 'stereorecal[default]'")

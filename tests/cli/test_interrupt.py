@@ -10,18 +10,21 @@ from pathlib import Path
 
 import pytest
 
-# The first trial ends at once, the second sleeps until the signal comes.
+# The first runs end at once, as many as SLOW_RUNS says; the next sleeps until the signal comes.
 SLOW = """
 import os, time
 from dataclasses import dataclass
 from pathlib import Path
 from stereorecal.strategies import AbstractStrategy, Outcome, Status
 
+runs = []
+
 @dataclass(frozen=True)
 class Slow(AbstractStrategy):
     def run(self, objective, start, budget, seed):
         objective.value(start)
-        if seed == 1:
+        runs.append(seed)
+        if len(runs) > int(os.environ["SLOW_RUNS"]):
             Path(os.environ["SLOW_STARTED"]).touch()
             time.sleep(600)
         return Outcome(start, Status.CONVERGED)
@@ -45,15 +48,13 @@ def planted(tmp_path: Path) -> dict[str, str]:
     (site / "slow_strategy.py").write_text(SLOW)
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: slow\nVersion: 1.0\n")
     (info / "entry_points.txt").write_text("[stereorecal.strategies]\nslow = slow_strategy:Slow\n")
-    return os.environ | {"PYTHONPATH": str(site), "SLOW_STARTED": str(tmp_path / "started")}
+    return os.environ | {"PYTHONPATH": str(site), "SLOW_STARTED": str(tmp_path / "started"), "SLOW_RUNS": "1"}
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_what_is_finished_is_kept(planted: dict[str, str], clean_scene: Path, tmp_path: Path, number: signal.Signals):
-    words = ["compare", "--scene", str(clean_scene), "--scale", "0.5", "--draws", "3", "--strategies", "slow"]
-    target = tmp_path / "out.json"
+def interrupted(planted: dict[str, str], number: signal.Signals, *words: object) -> tuple[str, str]:
+    """stdout and stderr of a command that is sent a signal as soon as it sleeps, and ends with 130."""
     process = subprocess.Popen(
-        [sys.executable, "-c", PROGRAM, *words, "--json", str(target)],
+        [sys.executable, "-c", PROGRAM, *map(str, words)],
         env=planted,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
@@ -71,8 +72,46 @@ def test_what_is_finished_is_kept(planted: dict[str, str], clean_scene: Path, tm
     assert process.returncode == 130
     assert "Traceback" not in err
     assert "interrupted" in err
+    return out, err
+
+
+SIGNALS = pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+
+
+@SIGNALS
+def test_what_is_finished_is_kept(planted: dict[str, str], clean_scene: Path, tmp_path: Path, number: signal.Signals):
+    words = ["compare", "--scene", clean_scene, "--scale", "0.5", "--draws", "3", "--strategies", "slow"]
+    target = tmp_path / "out.json"
+    out, _ = interrupted(planted, number, *words, "--json", target)
     assert "slow" in out
     content = json.loads(target.read_text())
     assert content["interrupted"] is True
     assert [(trial["draw"], trial["status"]) for trial in content["trials"]] == [(0, "CONVERGED")]
     assert content["versions"]["strategy slow"] == "slow 1.0"
+
+
+SLOWLY = ("--schedule", "count", "--scale", "0.5", "--strategy", "slow")
+
+
+@SIGNALS
+def test_recordings_that_are_finished_are_kept(
+    planted: dict[str, str], clean_scene: Path, drifted_scene: Path, tmp_path: Path, number: signal.Signals
+):
+    target = tmp_path / "out.json"
+    out, err = interrupted(planted, number, "recalibrate", drifted_scene, clean_scene, *SLOWLY, "--json", target)
+    assert "not improved" in out
+    assert "failed (interrupted)" in out
+    assert err.count("\n") == 1
+    assert "clean: interrupted before it was finished" in err
+    content = json.loads(target.read_text())
+    assert content["interrupted"] is True
+    assert [repair["fault"] for repair in content["repairs"]] == [None, "interrupted"]
+    assert content["repairs"][0]["score_after"]["count"] > 0
+
+
+def test_nothing_is_written_when_nothing_is_finished(planted: dict[str, str], drifted_scene: Path, tmp_path: Path):
+    before = {**planted, "SLOW_RUNS": "0"}
+    places = ("--json", tmp_path / "out.json", "--output", tmp_path / "repaired.json")
+    out, _ = interrupted(before, signal.SIGINT, "recalibrate", drifted_scene, *SLOWLY, *places)
+    assert out == ""
+    assert not any(path.exists() for path in places[1::2])

@@ -1,0 +1,179 @@
+"""`python -m stereorecal recalibrate`."""
+
+import argparse
+import sys
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from stereorecal._errors import InputError
+from stereorecal._versions import versions
+from stereorecal.cli import _values
+from stereorecal.cli._exit_codes import BAD_INPUT, FAILURE, INTERRUPTED
+from stereorecal.cli._json import write_json
+from stereorecal.cli._progress import progress_bar
+from stereorecal.cli._recordings import add_recordings_to, recordings
+from stereorecal.comparison import SCHEDULES
+from stereorecal.geometry import Scene
+from stereorecal.io import save_rig
+from stereorecal.matching import AbstractMatcher
+from stereorecal.recalibration import Fault, Repair, Schedule, recalibrate_many
+from stereorecal.report.repairs import repairs_table
+from stereorecal.report.tables import WIDE
+from stereorecal.strategies import Budget, Reach, origin_of, strategy
+
+SCHEMA = "stereorecal.recalibrate/1"
+_CODES = {Fault.INTERRUPTED: INTERRUPTED, Fault.INSIDE: FAILURE, Fault.INPUT: BAD_INPUT}  # the first that occurs
+_DESCRIPTION = """\
+Repair the extrinsics of the rig of each recording from its images. The new calibration is used only if it is better on
+parts of the images that the search has not seen. Exit code: 0 repaired, or good already; 1 not (the old calibration
+stays); 2 bad input; 3 failure inside; 130 interrupted. Of several recordings, the worst one decides."""
+
+
+def add_to(verbs) -> None:
+    """Add the command to an argparse subparsers object."""
+    parser = verbs.add_parser("recalibrate", help="repair the calibration of a rig", description=_DESCRIPTION)
+    add_recordings_to(parser)
+    add = parser.add_argument
+    add("--matcher", default="sad", metavar="NAME", help="sad, bm or sgbm")
+    add("--schedule", default="default", metavar="NAME", help="default (coarse to fine) or count (the paper's way)")
+    add("--strategy", metavar="NAME", help="in the stages of the schedule that it can do (count: default compass)")
+    add("--scale", type=float, metavar="SCALE", help="image scale of the count schedule (default: 1)")
+    add("--reach", default="3,0.03", metavar="DEG,FRACTION", help="how far the rig may have drifted (default: 3,0.03)")
+    add(
+        "--budget",
+        type=float,
+        metavar="UNITS",
+        help="of each recording; one unit: one matcher run on a full-size frame",
+    )
+    add("--seed", type=int, default=0, help="same seed, same result")
+    add("--executor", default="serial", metavar="SPEC", help="serial, threads:N or processes:N")
+    add("--output", metavar="FILE", help="write the calibration there, as calib.json, if it was repaired")
+    add("--force", action="store_true", help="--output may replace a file")
+    add("--json", metavar="FILE|-", help="write everything as JSON")
+    add("--quiet", action="store_true", help="no progress and no report")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Repair, save, print; returns the exit code."""
+    matcher, schedule = _values.matcher(options.matcher), _schedule(options)
+    reach = Reach(*_values.degrees_and_fraction(options.reach, "--reach"))
+    budget, seed = Budget(options.budget), _values.seed(options.seed)
+    _check_places(options)
+    with _values.executor(options.executor) as executor:
+        scenes = recordings(options)
+        with progress_bar(options.quiet) as progress:
+            repairs = recalibrate_many(
+                scenes,
+                matcher=matcher,
+                schedule=schedule,
+                reach=reach,
+                budget=budget,
+                seed=seed,
+                executor=executor,
+                progress=progress,
+            )
+        # Before the workers are waited for: a second Ctrl-C must find everything saved.
+        if any(repair.solution for repair in repairs):
+            settings = _settings(options, matcher, schedule, reach, budget)
+            _save(scenes, repairs, settings, options)
+            _show(repairs, options)
+    for repair in repairs:
+        if repair.error is not None:
+            print(f"stereorecal: {repair.name}: {repair.error}", file=sys.stderr)
+    return _exit_code(repairs)
+
+
+def _schedule(options: argparse.Namespace) -> Schedule:
+    _values.known(options.schedule, list(SCHEDULES), "schedule")
+    chosen = None if options.strategy is None else strategy(options.strategy)
+    if options.schedule == "count":
+        return Schedule.count(chosen or strategy("compass"), 1.0 if options.scale is None else options.scale)
+    if options.scale is not None:
+        raise InputError("--scale belongs to --schedule count; leave it out.")
+    return Schedule.default() if chosen is None else Schedule.default().using(chosen)
+
+
+def _check_places(options: argparse.Namespace) -> None:
+    """Refuse, before the work is done, what could not be written."""
+    _values.output_path(options.json, "--json")
+    if options.output is None:
+        return
+    _values.output_path(options.output, "--output")
+    if len(options.scenes) > 1:
+        raise InputError("--output takes the calibration of one recording; give one, or leave --output out.")
+    if Path(options.output).exists() and not options.force:
+        raise InputError(f"--output {options.output}: the file exists already; choose another or add --force.")
+    if options.json is not None and Path(options.json).resolve() == Path(options.output).resolve():
+        raise InputError("--output and --json name the same file; give two.")
+
+
+def _settings(
+    options: argparse.Namespace, matcher: AbstractMatcher, schedule: Schedule, reach: Reach, budget: Budget
+) -> dict[str, Any]:
+    stages = [
+        {
+            "score": stage.score.name.lower(),
+            "scale": stage.scale,
+            "strategy": type(stage.strategy).__name__,
+            "origin": origin_of(stage.strategy),
+            "options": asdict(stage.strategy),
+        }
+        for stage in schedule.stages
+    ]
+    return {
+        "frames": options.frames,
+        "matcher": {"name": options.matcher, **asdict(matcher)},
+        "schedule": schedule.name,
+        "stages": stages,
+        "reach": asdict(reach),
+        "budget": asdict(budget),
+        "seed": options.seed,
+    }
+
+
+def _save(
+    scenes: Sequence[Scene], repairs: Sequence[Repair], settings: dict[str, Any], options: argparse.Namespace
+) -> None:
+    first = repairs[0].solution
+    if options.output is not None and first is not None and first.accepted:
+        save_rig(first.rig, options.output, scenes[0].info, overwrite=options.force)
+    if options.json is None:
+        return
+    content = {
+        "schema": SCHEMA,
+        "versions": versions(),
+        "settings": settings,
+        "interrupted": any(repair.fault is Fault.INTERRUPTED for repair in repairs),
+        "repairs": [
+            {**repair.as_dict(), "frames": len(scene.pairs), "image_size": scene.pairs[0].size}
+            for scene, repair in zip(scenes, repairs, strict=True)
+        ],
+    }
+    write_json(content, options.json)
+
+
+def _show(repairs: Sequence[Repair], options: argparse.Namespace) -> None:
+    if options.quiet or options.json == "-":
+        return
+    if len(repairs) > 1:
+        console = Console(width=None if sys.stdout.isatty() else WIDE)
+        console.print(repairs_table([repair.as_dict() for repair in repairs]))
+        return
+    solution = repairs[0].solution
+    print(solution)
+    if options.output is not None:
+        accepted = solution is not None and solution.accepted
+        print(f"{options.output}: {'written' if accepted else 'not written, since there is nothing better'}")
+
+
+def _exit_code(repairs: Sequence[Repair]) -> int:
+    faults = {repair.fault for repair in repairs}
+    for fault, code in _CODES.items():
+        if fault in faults:
+            return code
+    return 0 if all(repair.solution and repair.solution.reason.healthy for repair in repairs) else 1

@@ -1,0 +1,42 @@
+"""The recordings that a command is about: scene folders, or files that lie anywhere."""
+
+import argparse
+from dataclasses import replace
+from pathlib import Path
+
+from stereorecal._errors import InputError
+from stereorecal.cli import _values
+from stereorecal.geometry import Scene
+from stereorecal.io import gather_scene, load_scene
+
+
+def add_recordings_to(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments that `recordings` reads."""
+    add = parser.add_argument
+    add("scenes", nargs="*", metavar="SCENE", help="scene folder: left.*, right.* (or folders of images), calib.json")
+    add("--left", metavar="FILES", help="instead of a scene: left images; file, folder or 'left/*.png'")
+    add("--right", metavar="FILES", help="their right images")
+    add("--calibration", metavar="FILE", help="their calibration, written as a scene's calib.json")
+    add("--frames", default="all", metavar="N|all", help="pairs of each recording to use, jointly (default: all)")
+
+
+def recordings(options: argparse.Namespace) -> list[Scene]:
+    """The scenes that were asked for, each with a rig.
+
+    Raises:
+        InputError: if none or both kinds were asked for, or one cannot be used.
+    """
+    loose = (options.left, options.right, options.calibration)
+    if bool(options.scenes) == any(loose) or (any(loose) and not all(loose)):
+        raise InputError("give scene folders, or --left, --right and --calibration together.")
+    limit = _values.frame_limit(options.frames)
+    if options.scenes:
+        found = [load_scene(Path(path), limit=limit) for path in options.scenes]
+    else:
+        found = [gather_scene(*loose, limit=limit)]
+    for scene in found:
+        if scene.rig is None:
+            raise InputError(f"{scene.name}: the scene has no calibration; give one to start from.")
+    if len({scene.name for scene in found}) < len(found):
+        return [replace(scene, name=path) for scene, path in zip(found, options.scenes, strict=True)]
+    return found

@@ -1,0 +1,88 @@
+"""`python -m stereorecal score`."""
+
+import argparse
+import sys
+from collections.abc import Sequence
+from dataclasses import asdict
+from typing import Any
+
+from rich.console import Console
+
+from stereorecal._versions import versions
+from stereorecal.cli import _values
+from stereorecal.cli._exit_codes import INTERRUPTED
+from stereorecal.cli._json import write_json
+from stereorecal.cli._recordings import add_recordings_to, recordings
+from stereorecal.geometry import Scene
+from stereorecal.io._about import about
+from stereorecal.matching import AbstractMatcher
+from stereorecal.recalibration import LEAST_COVERED, ROWS_APART, Health, health
+from stereorecal.report.repairs import scores_table
+from stereorecal.report.tables import WIDE
+
+SCHEMA = "stereorecal.score/1"
+_DESCRIPTION = f"""\
+Say how well the images of each recording fit together under its calibration, without changing anything: the pixels that
+match, how far apart the rows are (median), and how much of the image is covered by matches good to a fraction of a
+pixel. A rig is called healthy if those cover at least {100 * LEAST_COVERED:.0f} % of the image and the rows lie within
+{ROWS_APART} pixels. That hardly sees yaw: rows stay aligned where depth is already wrong; recalibrate sees more. Exit
+code: 0 all healthy; 1 not; 2 bad input; 3 failure inside; 130 interrupted."""
+
+
+def add_to(verbs) -> None:
+    """Add the command to an argparse subparsers object."""
+    parser = verbs.add_parser("score", help="say how good a calibration is", description=_DESCRIPTION)
+    add_recordings_to(parser)
+    parser.add_argument("--matcher", default="sad", metavar="NAME", help="sad, bm or sgbm")
+    parser.add_argument("--json", metavar="FILE|-", help="write everything as JSON")
+    parser.add_argument("--quiet", action="store_true", help="no report, only the exit code")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Look, save, print; returns the exit code."""
+    matcher = _values.matcher(options.matcher)
+    _values.output_path(options.json, "--json")
+    scenes = recordings(options)
+    looked: list[Health] = []
+    interrupted = False
+    try:
+        for scene in scenes:
+            looked.append(_look(scene, matcher))
+    except KeyboardInterrupt:
+        interrupted = True
+    if looked:
+        rows = [
+            {"scene": scene.name, "frames": len(scene.pairs), "image_size": scene.pairs[0].size, **found.as_dict()}
+            for scene, found in zip(scenes, looked, strict=False)
+        ]
+        if options.json is not None:
+            write_json({**_about_all(options, matcher), "interrupted": interrupted, "scenes": rows}, options.json)
+        if not options.quiet and options.json != "-":
+            _show(looked, rows)
+    if interrupted:
+        print(f"stereorecal: interrupted; {len(looked)} of {len(scenes)} recordings were finished.", file=sys.stderr)
+        return INTERRUPTED
+    return 0 if all(found.healthy for found in looked) else 1
+
+
+def _show(looked: Sequence[Health], rows: Sequence[dict[str, Any]]) -> None:
+    if len(looked) > 1:
+        Console(width=None if sys.stdout.isatty() else WIDE).print(scores_table(rows))
+    else:
+        print(looked[0])
+
+
+def _look(scene: Scene, matcher: AbstractMatcher) -> Health:
+    assert scene.rig is not None
+    with about(scene.name):
+        return health(scene.rig, scene.pairs, matcher=matcher)
+
+
+def _about_all(options: argparse.Namespace, matcher: AbstractMatcher) -> dict[str, Any]:
+    settings = {
+        "frames": options.frames,
+        "matcher": {"name": options.matcher, **asdict(matcher)},
+        "thresholds": {"row_error_px": ROWS_APART, "covered": LEAST_COVERED},
+    }
+    return {"schema": SCHEMA, "versions": versions(), "settings": settings}

@@ -1,0 +1,78 @@
+"""A solution as plain data: what the JSON of the command line holds and tables show."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from stereorecal._plain import plain
+from stereorecal.geometry import AXES, StereoRig
+from stereorecal.recalibration._solution import Solution
+from stereorecal.recalibration._stage_run import StageRun
+from stereorecal.scoring import Score
+from stereorecal.strategies import FREE_AXES
+
+
+def solution_as_dict(solution: Solution) -> dict[str, Any]:
+    """Lists, text and finite numbers; None where a number is missing or infinite."""
+    rows, known, baseline = solution.row_errors, solution.uncertainty, float(solution.initial.baseline)
+    return plain(
+        {
+            "accepted": solution.accepted,
+            "healthy": solution.reason.healthy,
+            "reason": solution.reason.name.lower(),
+            "verdict": solution.reason.value,
+            "status": solution.status.name,
+            "message": solution.message,
+            "score_before": score_as_dict(solution.score_before),
+            "score_after": score_as_dict(solution.score_after),
+            "row_error_px": rows and {"before": rows.before, "after": rows.after, "significance": rows.significance},
+            "extrinsics": {
+                "before": _extrinsics(solution.initial),
+                "candidate": _extrinsics(solution.candidate),
+                "used": _extrinsics(solution.rig),
+            },
+            "change": _by_axis(AXES, [*np.degrees(solution.change[:3]), *(100 * solution.change[3:] / baseline)]),
+            "interval_95": known and _by_axis(FREE_AXES, known.interval),
+            "observed": known and dict(zip(FREE_AXES, known.observed, strict=True)),
+            "covariance": known and {"axes": FREE_AXES, "units": "deg, percent", "matrix": known.covariance},
+            "depth_error_percent": dict(solution.depth_error_percent),
+            "num_disparities": solution.matcher.num_disparities,
+            "stages": [_stage(stage) for stage in solution.stages],
+            "evaluations": solution.evaluations,
+            "cost": solution.cost,
+            "seconds": solution.seconds,
+        }
+    )
+
+
+def score_as_dict(score: Score) -> dict[str, Any]:
+    """A count, what it is out of, and the share."""
+    return {"count": score.count, "pixels": score.pixels, "fraction": score.fraction}
+
+
+def _extrinsics(rig: StereoRig) -> dict[str, Any]:
+    angles, shift = np.degrees(rig.extrinsics[:3]), rig.extrinsics[3:]
+    return {
+        "rotation_deg": dict(zip(AXES[:3], angles, strict=True)),
+        "translation_m": dict(zip(AXES[3:], shift, strict=True)),
+    }
+
+
+def _by_axis(names: Sequence[str], values: Sequence[float] | np.ndarray) -> dict[str, Any]:
+    """Rotations in degrees and translations in percent of the baseline, by name."""
+    named = dict(zip(names, values, strict=True))
+    return {
+        "rotation_deg": {name: value for name, value in named.items() if name in AXES[:3]},
+        "translation_percent": {name: value for name, value in named.items() if name in AXES[3:]},
+    }
+
+
+def _stage(done: StageRun) -> dict[str, Any]:
+    return {
+        "score": done.stage.score.name.lower(),
+        "strategy": type(done.stage.strategy).__name__,
+        "scale": done.scale,
+        "evaluations": done.evaluations,
+        "cost": done.cost,
+    }

@@ -1,0 +1,99 @@
+"""Is a calibration good as it is? A look at the images through it, without any search."""
+
+import enum
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from stereorecal._plain import plain
+from stereorecal.geometry import Pair, StereoRig, view as default_view
+from stereorecal.matching import SAD, AbstractMatcher
+from stereorecal.recalibration._as_dict import score_as_dict
+from stereorecal.scoring import (
+    Score,
+    correspondences,
+    counts,
+    median_row_error,
+    normalised,
+    prepare,
+    with_disparity_range,
+)
+
+ROWS_APART = 0.3  # pixels; 0.03 degrees of pitch at a focal length of 600 pixels
+LEAST_COVERED = 0.1  # of the image; good rigs cover a half, rigs half a degree out 0 to 6 %: what false matches cover
+
+
+class Condition(enum.Enum):
+    """The verdict on a calibration; the value is the message."""
+
+    HEALTHY = "healthy: the rows are aligned"
+    ROWS_APART = "unhealthy: the rows are out of line; recalibrate"
+    TOO_FEW_MATCHES = (
+        "unhealthy: too little of the images matches; the rig is far out of calibration, or there is too little texture"
+    )
+
+
+@dataclass(frozen=True)
+class Health:
+    """How well the images fit together under a calibration.
+
+    Attributes:
+        score: the count, in the rig's own view.
+        row_error: median |row difference| of the correspondences, pixels; NaN if there are none.
+        covered: share of the image in which correspondences were found that are good to a fraction of a pixel. False
+            matches count as pixels, but hardly here.
+    """
+
+    score: Score
+    row_error: float
+    covered: float
+
+    @property
+    def condition(self) -> Condition:
+        """Healthy if a tenth of the image is covered and the rows lie within 0.3 pixels. Blind to yaw, nearly: rows
+        stay aligned where depth is already wrong."""
+        if self.covered < LEAST_COVERED:
+            return Condition.TOO_FEW_MATCHES
+        return Condition.HEALTHY if self.row_error <= ROWS_APART else Condition.ROWS_APART
+
+    @property
+    def healthy(self) -> bool:
+        """True if the condition is."""
+        return self.condition is Condition.HEALTHY
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain data for JSON and tables; what is missing is None."""
+        return plain(
+            {
+                **score_as_dict(self.score),
+                "row_error_px": self.row_error,
+                "covered": self.covered,
+                "healthy": self.healthy,
+                "condition": self.condition.name.lower(),
+                "verdict": self.condition.value,
+            }
+        )
+
+    def __str__(self) -> str:
+        return (
+            f"matched  {self.score}\n"
+            f"rows     {self.row_error:.2f} px apart (median), seen on {100 * self.covered:.0f} % of the image\n"
+            f"{self.condition.value}"
+        )
+
+
+def health(rig: StereoRig, pairs: Sequence[Pair], *, matcher: AbstractMatcher | None = None) -> Health:
+    """Match the pairs under the rig's calibration, at full scale, and see how far apart the rows are.
+
+    Args:
+        matcher: default `SAD()`; without `num_disparities` the range is measured.
+
+    Raises:
+        InputError: if images and calibration do not fit.
+    """
+    view, extrinsics = default_view(rig), normalised(rig.extrinsics)
+    data = prepare(rig, pairs, view)
+    matcher = with_disparity_range(matcher or SAD(), rig, pairs, view)
+    found = correspondences(data, extrinsics, matcher, 1.0)
+    score = Score(int(counts(data, extrinsics[None], matcher)[0]), data.pixels)
+    return Health(score, median_row_error(found, extrinsics), found.found / found.weight.size)

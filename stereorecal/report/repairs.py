@@ -1,0 +1,61 @@
+"""Tables of recordings for the terminal, from the plain data of the JSON of `recalibrate` and `score`."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from rich import box
+from rich.console import Group
+from rich.table import Table
+from rich.text import Text
+
+from stereorecal.report._cells import number, percent
+
+_AXES = {"rotation_deg": ("pitch", "yaw", "roll"), "translation_percent": ("y", "z")}
+
+_LEGEND = "matched, rows px: before and after; axes: change and 95 % interval, translations in percent of the baseline"
+
+
+def repairs_table(repairs: Sequence[Mapping[str, Any]]) -> Group:
+    """One row for each recording: the verdict, before and after, and the change with its 95 % interval."""
+    axes = [f"{name} {'°' if kind == 'rotation_deg' else '%'}" for kind, names in _AXES.items() for name in names]
+    table = _table(("scene", "verdict"), ("matched", "rows px", *axes, "s"))
+    for repair in repairs:
+        cells = [repair["scene"], *(_found(repair) if repair["error"] is None else [f"failed ({repair['fault']})"])]
+        table.add_row(*map(Text, cells))
+    return Group(table, Text(_LEGEND))
+
+
+def scores_table(scenes: Sequence[Mapping[str, Any]]) -> Table:
+    """One row for each recording: how much of it matches, how far the rows are apart, and the verdict."""
+    table = _table(("scene",), ("matched", "rows px", "covered"), ("verdict",))
+    for scene in scenes:
+        rows, verdict = number(scene["row_error_px"], 2), scene["verdict"]
+        cells = (scene["scene"], percent(scene["fraction"]), rows, percent(scene["covered"]), verdict)
+        table.add_row(*map(Text, cells))
+    return table
+
+
+def _table(words: Sequence[str], numbers: Sequence[str], last: Sequence[str] = ()) -> Table:
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
+    for heading in (*words, *numbers, *last):
+        if heading in numbers:
+            table.add_column(heading, justify="right", no_wrap=True)
+        else:
+            table.add_column(heading, overflow="fold")
+    return table
+
+
+def _found(repair: Mapping[str, Any]) -> list[str]:
+    rows, widths = repair["row_error_px"], repair["interval_95"]
+    changes = [
+        f"{repair['change'][kind][name]:+.3f}" + (f"\n±{widths[kind][name]:.3f}" if widths else "")
+        for kind, names in _AXES.items()
+        for name in names
+    ]
+    return [
+        repair["reason"].replace("_", " "),
+        "\n".join(percent(repair[f"score_{when}"]["fraction"]) for when in ("before", "after")),
+        "-" if rows is None else "\n".join(number(rows[when], 2) for when in ("before", "after")),
+        *changes,
+        number(repair["seconds"], 1),
+    ]

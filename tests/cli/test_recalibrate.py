@@ -1,0 +1,325 @@
+"""`recalibrate` on small scenes: exit codes, what is printed, what is written, and what is not."""
+
+import json
+import shutil
+import sys
+from dataclasses import dataclass, replace
+from importlib.metadata import EntryPoint, EntryPoints
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import stereorecal as sr
+from stereorecal.cli import _recalibrate
+from stereorecal.io import load_rig, load_scene, save_scene
+from stereorecal.strategies import AbstractStrategy, _registry
+
+COUNT = ("--schedule", "count", "--scale", 0.5, "--budget", 40)  # improves the drifted scene
+NOTHING = ("--schedule", "count", "--budget", 1)  # improves none
+
+
+@dataclass(frozen=True)
+class Crashing(AbstractStrategy):
+    def run(self, objective, start, budget, seed):
+        raise KeyError("a bug")
+
+
+@pytest.fixture
+def crashing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A strategy "crashing" and no other."""
+    points = EntryPoints([EntryPoint("crashing", f"{__name__}:Crashing", _registry.GROUP)])
+    monkeypatch.setitem(sys.modules, __name__, sys.modules[Crashing.__module__])
+    monkeypatch.setattr(_registry, "entry_points", lambda **wanted: points.select(**wanted))
+
+
+@pytest.fixture
+def asked(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
+    """What the library is asked to do; nothing is done."""
+    found = {}
+
+    def note(scenes, **options):
+        found.update(options, scenes=scenes)
+        return ()
+
+    monkeypatch.setattr(_recalibrate, "recalibrate_many", note)
+    return found
+
+
+def finite(content) -> bool:
+    """Whether a JSON text holds numbers that JSON has."""
+    return not any(word in content for word in ("NaN", "Infinity"))
+
+
+# --- the default schedule -----------------------------------------------------------------------------------
+
+
+def test_default_schedule(command, clean_scene: Path, drifted_scene: Path, tmp_path: Path):
+    """Alone and together with a good one: the same answer; every number is in the JSON."""
+    target, output = tmp_path / "all.json", tmp_path / "repaired.json"
+    alone = command("recalibrate", drifted_scene, "--json", target, "--output", output)
+    assert (alone.code, alone.err) == (0, "")
+    assert alone.out.startswith("accepted: the candidate is better")
+    assert alone.out.endswith(f"{output}: written\n")
+    text = target.read_text()
+    assert finite(text)
+    content = json.loads(text)
+    assert content["schema"] == "stereorecal.recalibrate/1"
+    assert {"python", "stereorecal", "jax", "numpy", "opencv"} <= content["versions"].keys()
+    settings = content["settings"]
+    assert settings["matcher"]["name"] == "sad"
+    assert [stage["score"] for stage in settings["stages"]] == ["count", "epipolar", "epipolar"]
+    assert settings["stages"][0]["strategy"] == "Compass"
+    assert settings["reach"] == {"degrees": 3.0, "baseline_fraction": 0.03}
+    (repair,) = content["repairs"]
+    scene = load_scene(drifted_scene)
+    solution = sr.recalibrate(scene.rig, scene.pairs)
+    assert (repair["accepted"], repair["healthy"], repair["reason"]) == (True, True, "improved")
+    assert repair["verdict"] == solution.reason.value
+    assert repair["message"] == solution.message
+    for when, said in (("before", solution.score_before), ("after", solution.score_after)):
+        assert repair[f"score_{when}"] == {"count": said.count, "pixels": 160 * 120, "fraction": said.fraction}
+        assert repair["row_error_px"][when] == getattr(solution.row_errors, when)
+    for which, rig in (("before", scene.rig), ("candidate", solution.candidate), ("used", solution.rig)):
+        angles = np.radians(list(repair["extrinsics"][which]["rotation_deg"].values()))
+        np.testing.assert_allclose(angles, rig.extrinsics[:3], rtol=1e-14)
+        assert list(repair["extrinsics"][which]["translation_m"].values()) == rig.extrinsics[3:].tolist()
+    change = repair["change"]
+    np.testing.assert_allclose(list(change["rotation_deg"].values()), np.degrees(solution.change[:3]))
+    np.testing.assert_allclose(
+        list(change["translation_percent"].values()), 100 * solution.change[3:] / float(scene.rig.baseline)
+    )
+    widths = repair["interval_95"]
+    found = [*widths["rotation_deg"].values(), *widths["translation_percent"].values()]
+    np.testing.assert_allclose(found, solution.uncertainty.interval)
+    assert list(repair["observed"]) == repair["covariance"]["axes"] == ["pitch", "yaw", "roll", "y", "z"]
+    assert list(repair["observed"].values()) == solution.uncertainty.observed.tolist()
+    np.testing.assert_allclose(repair["covariance"]["matrix"], solution.covariance)
+    assert list(repair["depth_error_percent"]) == ["5", "10", "30", "100"]
+    assert repair["evaluations"] == solution.evaluations
+    assert repair["cost"] == pytest.approx(solution.cost)
+    assert repair["seconds"] > 0
+    assert sum(stage["evaluations"] for stage in repair["stages"]) == repair["evaluations"]
+    assert repair["image_size"] == [160, 120]
+    assert repair["frames"] == 1
+    # What was written is a calibration to go on with, with the user's own keys.
+    written = json.loads(output.read_text())
+    assert written["boat"] == "Ladja"
+    np.testing.assert_allclose(load_rig(output).extrinsics, solution.rig.extrinsics, rtol=0, atol=1e-12)
+
+    both = command("recalibrate", drifted_scene, clean_scene, "--json", target)
+    assert (both.code, both.err) == (0, "")
+    assert "improved" in both.out
+    assert "already good" in both.out
+    repairs = json.loads(target.read_text())["repairs"]
+    assert [r["accepted"] for r in repairs] == [True, False]
+    assert {**repairs[0], "seconds": 0} == {**repair, "seconds": 0}
+    assert repairs[1]["extrinsics"]["used"] == repairs[1]["extrinsics"]["before"]
+
+
+# --- verdicts and exit codes --------------------------------------------------------------------------------
+
+
+def test_0_repaired(command, drifted_scene: Path):
+    answer = command("recalibrate", drifted_scene, *COUNT)
+    assert (answer.code, answer.err) == (0, "")
+    assert answer.out.startswith("accepted: the candidate matches more pixels")
+
+
+def test_1_not_improved_and_nothing_is_written(command, drifted_scene: Path, tmp_path: Path):
+    target = tmp_path / "repaired.json"
+    answer = command("recalibrate", drifted_scene, *NOTHING, "--output", target)
+    assert (answer.code, answer.err) == (1, "")
+    assert answer.out.startswith("the old calibration stays: no candidate matches more pixels")
+    assert answer.out.endswith(f"{target}: not written, since there is nothing better\n")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_an_old_file_stays_when_nothing_is_better(command, drifted_scene: Path, tmp_path: Path):
+    target = tmp_path / "repaired.json"
+    target.write_text("precious")
+    assert command("recalibrate", drifted_scene, *NOTHING, "--output", target, "--force").code == 1
+    assert target.read_text() == "precious"
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_1_when_one_of_several_is_not_improved(command, drifted_scene: Path, tmp_path: Path, order: int):
+    fog = np.full((120, 160), 128.0, np.float32)
+    fog[0, 0] = 129.0
+    save_scene(replace(load_scene(drifted_scene), pairs=(sr.Pair(fog, fog),)), tmp_path / "fog")
+    answer = command("recalibrate", *(drifted_scene, tmp_path / "fog")[::order], *COUNT)
+    assert (answer.code, answer.err) == (1, "")
+    assert "more matches" in answer.out
+    assert "too little texture" in answer.out
+
+
+def test_3_when_a_strategy_crashes(command, drifted_scene: Path, tmp_path: Path, crashing):
+    places = ("--json", tmp_path / "out.json", "--output", tmp_path / "repaired.json")
+    answer = command("recalibrate", drifted_scene, *COUNT, "--strategy", "crashing", *places)
+    assert (answer.code, answer.out) == (3, "")
+    assert answer.err.count("\n") == 1
+    assert "drifted: strategy Crashing" in answer.err
+    assert "Traceback" not in answer.err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_2_when_one_of_several_turns_out_bad(command, folder: Path, drifted_scene: Path, tmp_path: Path):
+    """Swapped images are seen only while matching; what is finished by then is kept."""
+    left, right = (folder / f"{side}.png" for side in ("left", "right"))
+    swapped = left.read_bytes()
+    left.write_bytes(right.read_bytes())
+    right.write_bytes(swapped)
+    answer = command("recalibrate", folder, drifted_scene, *COUNT, "--json", tmp_path / "out.json")
+    assert answer.code == 2
+    assert answer.err.count("\n") == 1
+    assert "look swapped" in answer.err
+    assert "failed (input)" in answer.out
+    repairs = json.loads((tmp_path / "out.json").read_text())["repairs"]
+    assert [repair["fault"] for repair in repairs] == ["input", None]
+    assert repairs[1]["accepted"]
+
+
+# --- input --------------------------------------------------------------------------------------------------
+
+
+def test_files_that_lie_anywhere(command, drifted_scene: Path, tmp_path: Path):
+    scene, loose = tmp_path / "scene.json", tmp_path / "loose.json"
+    words = [f"--{side}={drifted_scene}/{side}.*" for side in ("left", "right")]
+    assert command("recalibrate", drifted_scene, *COUNT, "--output", scene).code == 0
+    calibration = ("--calibration", drifted_scene / "calib.json")
+    assert command("recalibrate", *words, *calibration, *COUNT, "--output", loose).code == 0
+    assert json.loads(scene.read_text()) == json.loads(loose.read_text())
+
+
+@pytest.mark.parametrize(("words", "frames"), [((), 2), (("--frames", 1), 1)])
+def test_frames(command, drifted_scene: Path, tmp_path: Path, asked, words, frames: int):
+    for side in ("left", "right"):
+        for name in ("0", "1"):
+            (tmp_path / "s" / side).mkdir(parents=True, exist_ok=True)
+            shutil.copy(drifted_scene / f"{side}.png", tmp_path / "s" / side / f"{name}.png")
+    shutil.copy(drifted_scene / "calib.json", tmp_path / "s")
+    command("recalibrate", tmp_path / "s", *NOTHING, *words)
+    (scene,) = asked["scenes"]
+    assert [pair.name for pair in scene.pairs] == ["0.png", "1.png"][:frames]
+
+
+@pytest.mark.parametrize("matcher", ["bm", "sgbm"])
+def test_matchers(command, drifted_scene: Path, matcher: str):
+    answer = command("recalibrate", drifted_scene, *COUNT, "--matcher", matcher, "--json", "-")
+    content = json.loads(answer.out)
+    assert content["settings"]["matcher"]["name"] == matcher
+    assert content["repairs"][0]["score_before"]["count"] > 500
+
+
+def test_strategy_goes_into_the_stages_of_its_kind(command, drifted_scene: Path, asked):
+    command("recalibrate", drifted_scene, "--strategy", "nlopt-bobyqa", "--seed", 7, "--reach", "2,0.01")
+    kinds = [(stage.score.name, type(stage.strategy).__name__) for stage in asked["schedule"].stages]
+    assert kinds[0] == ("COUNT", "Bobyqa")
+    assert {name for kind, name in kinds if kind == "EPIPOLAR"} == {"LevenbergMarquardt"}
+    assert (asked["seed"], asked["reach"]) == (7, sr.Reach(2.0, 0.01))
+    command("recalibrate", drifted_scene, "--schedule", "count", "--scale", 0.25, "--budget", 9)
+    (stage,) = asked["schedule"].stages
+    assert (type(stage.strategy).__name__, stage.scale) == ("Compass", 0.25)
+    assert asked["budget"] == sr.Budget(9)
+
+
+# --- output -------------------------------------------------------------------------------------------------
+
+
+def test_nothing_is_overwritten_without_force(command, drifted_scene: Path, tmp_path: Path, monkeypatch):
+    target = tmp_path / "repaired.json"
+    target.write_text("precious")
+    with monkeypatch.context() as patch:
+        patch.setattr(_recalibrate, "recalibrate_many", lambda *_, **__: pytest.fail("worked before it looked"))
+        answer = command("recalibrate", drifted_scene, *COUNT, "--output", target)
+    assert (answer.code, answer.out) == (2, "")
+    assert "repaired.json: the file exists already; choose another or add --force" in answer.err
+    assert target.read_text() == "precious"
+    assert command("recalibrate", drifted_scene, *COUNT, "--output", target, "--force").code == 0
+    assert load_rig(target).left.size == (160, 120)
+    assert list(tmp_path.iterdir()) == [target]
+
+
+def test_a_file_that_appears_meanwhile_is_not_overwritten(command, drifted_scene: Path, tmp_path: Path, monkeypatch):
+    target, original = tmp_path / "repaired.json", _recalibrate.recalibrate_many
+
+    def meanwhile(*arguments, **options):
+        target.write_text("precious")
+        return original(*arguments, **options)
+
+    monkeypatch.setattr(_recalibrate, "recalibrate_many", meanwhile)
+    answer = command("recalibrate", drifted_scene, *COUNT, "--output", target)
+    assert answer.code == 2
+    assert "the file exists already" in answer.err
+    assert target.read_text() == "precious"
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["{scene}", "--output={tmp}"], "cannot be written there"),
+        (["{scene}", "--output={tmp}/a.json", "--json={tmp}/../{name}/a.json"], "name the same file"),
+        (["{scene}", "{scene}", "--output={tmp}/a.json"], "--output takes the calibration of one recording"),
+    ],
+    ids=["folder", "the file of --json", "several recordings"],
+)
+def test_places_that_make_no_sense(command, drifted_scene: Path, tmp_path: Path, words: list[str], said: str):
+    answer = command(
+        "recalibrate", *(w.format(scene=drifted_scene, tmp=tmp_path, name=tmp_path.name) for w in words), *COUNT
+    )
+    assert (answer.code, answer.out) == (2, "")
+    assert said in answer.err
+    assert answer.err.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_calibration_in_use_may_be_replaced(command, drifted_scene: Path, tmp_path: Path):
+    folder = Path(shutil.copytree(drifted_scene, tmp_path / "scene"))
+    before = load_scene(folder)
+    assert command("recalibrate", folder, *COUNT, "--output", folder / "calib.json", "--force").code == 0
+    after = load_scene(folder)
+    assert after.info == before.info
+    assert np.abs(after.rig.extrinsics - before.rig.extrinsics).max() > np.radians(0.1)
+
+
+def test_json_on_stdout_and_nothing_else(command, drifted_scene: Path):
+    answer = command("recalibrate", drifted_scene, *COUNT, "--json", "-")
+    assert (answer.code, answer.err) == (0, "")
+    (repair,) = json.loads(answer.out)["repairs"]
+    assert repair["row_error_px"] is repair["covariance"] is None
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_quiet(command, drifted_scene: Path, tmp_path: Path, count: int, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    target = tmp_path / "out.json"
+    answer = command("recalibrate", *[drifted_scene] * count, *COUNT, "--quiet", "--json", target)
+    assert (answer.code, answer.out, answer.err) == (0, "", "")
+    assert len(json.loads(target.read_text())["repairs"]) == count
+
+
+@pytest.mark.parametrize("terminal", [False, True])
+def test_progress_only_on_a_terminal(command, drifted_scene: Path, monkeypatch: pytest.MonkeyPatch, terminal: bool):
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: terminal)
+    answer = command("recalibrate", drifted_scene, *COUNT)
+    assert ("repairing" in answer.err) == terminal
+    assert (answer.err == "") == (not terminal)
+    assert "repairing" not in answer.out
+
+
+def test_threads(command, clean_scene: Path, drifted_scene: Path):
+    plain, threads = (
+        json.loads(command("recalibrate", drifted_scene, clean_scene, *COUNT, "--executor", kind, "--json", "-").out)
+        for kind in ("serial", "threads:2")
+    )
+    for one, two in zip(plain["repairs"], threads["repairs"], strict=True):
+        assert {**one, "seconds": 0} == {**two, "seconds": 0}
+
+
+def test_an_endless_budget_is_no_number_for_json(command, drifted_scene: Path):
+    answer = command("recalibrate", drifted_scene, *COUNT, "--budget", "inf", "--json", "-")
+    assert answer.code == 0
+    assert json.loads(answer.out)["settings"]["budget"] == {"evaluations": None, "seconds": None}
+    assert finite(answer.out)

@@ -1,0 +1,123 @@
+"""`score` on small scenes: the verdict, the exit code, and the JSON."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import stereorecal as sr
+from stereorecal.io import load_scene, save_scene
+from stereorecal.recalibration import health
+
+
+def test_healthy(command, clean_scene: Path, tmp_path: Path):
+    target = tmp_path / "out.json"
+    answer = command("score", clean_scene, "--json", target)
+    assert (answer.code, answer.err) == (0, "")
+    scene = load_scene(clean_scene)
+    found = health(scene.rig, scene.pairs)
+    assert answer.out == f"{found}\n"
+    assert str(sr.score(scene.rig, scene.pairs)) in answer.out
+    assert f"{found.row_error:.2f} px apart" in answer.out
+    content = json.loads(target.read_text())
+    assert content["schema"] == "stereorecal.score/1"
+    assert {"python", "stereorecal", "jax", "numpy", "opencv"} <= content["versions"].keys()
+    assert content["settings"]["thresholds"] == {"row_error_px": 0.3, "covered": 0.1}
+    assert content["interrupted"] is False
+    (said,) = content["scenes"]
+    assert (said["healthy"], said["condition"]) == (True, "healthy")
+    assert (said["count"], said["pixels"], said["fraction"]) == (
+        found.score.count,
+        160 * 120,
+        found.score.fraction,
+    )
+    assert (said["row_error_px"], said["covered"]) == (found.row_error, found.covered)
+    assert (said["frames"], said["image_size"]) == (1, [160, 120])
+
+
+def test_unhealthy(command, drifted_scene: Path):
+    answer = command("score", drifted_scene)
+    assert (answer.code, answer.err) == (1, "")
+    assert "unhealthy: " in answer.out
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_one_unhealthy_among_several(command, clean_scene: Path, drifted_scene: Path, order: int):
+    answer = command("score", *(clean_scene, drifted_scene)[::order])
+    assert answer.code == 1
+    lines = answer.out.splitlines()
+    (good,) = [line for line in lines if "/clean" in line]
+    (bad,) = [line for line in lines if "/drifted" in line]
+    assert " healthy: " in good
+    assert "unhealthy: " in bad
+
+
+def test_nothing_to_match_is_null(command, clean_scene: Path, tmp_path: Path):
+    fog = np.full((120, 160), 128.0, np.float32)
+    fog[0, 0] = 129.0
+    save_scene(replace(load_scene(clean_scene), pairs=(sr.Pair(fog, fog),)), tmp_path / "fog")
+    answer = command("score", tmp_path / "fog", "--json", "-")
+    assert (answer.code, answer.err) == (1, "")
+    (said,) = json.loads(answer.out)["scenes"]
+    assert (said["count"], said["row_error_px"], said["condition"]) == (0, None, "too_few_matches")
+    assert "NaN" not in answer.out
+    assert command("score", tmp_path / "fog", tmp_path / "fog").code == 1
+
+
+def test_files_that_lie_anywhere(command, clean_scene: Path):
+    words = [f"--{side}={clean_scene}/{side}.png" for side in ("left", "right")]
+    loose = command("score", *words, "--calibration", clean_scene / "calib.json")
+    assert loose == command("score", clean_scene)
+    assert loose.code == 0
+
+
+@pytest.mark.parametrize("matcher", ["bm", "sgbm"])
+def test_matchers(command, clean_scene: Path, matcher: str):
+    answer = command("score", clean_scene, "--matcher", matcher, "--json", "-")
+    content = json.loads(answer.out)
+    assert content["settings"]["matcher"]["name"] == matcher
+    assert answer.code == 0
+    assert content["scenes"][0]["count"] != sr.score(*_parts(clean_scene)).count
+
+
+def _parts(folder: Path):
+    scene = load_scene(folder)
+    return scene.rig, scene.pairs
+
+
+@pytest.mark.parametrize("name", ["clean_scene", "drifted_scene"])
+def test_quiet_says_it_by_the_exit_code(command, request: pytest.FixtureRequest, name: str):
+    answer = command("score", request.getfixturevalue(name), "--quiet")
+    assert (answer.code, answer.out, answer.err) == (int(name == "drifted_scene"), "", "")
+
+
+def test_nothing_is_changed(command, folder: Path):
+    before = {path: path.read_bytes() for path in folder.iterdir()}
+    command("score", folder)
+    assert {path: path.read_bytes() for path in folder.iterdir()} == before
+
+
+@pytest.mark.parametrize("finished", [0, 1])
+def test_interrupted(command, clean_scene: Path, drifted_scene: Path, tmp_path: Path, monkeypatch, finished: int):
+    from stereorecal.cli import _score
+
+    original, calls = _score.health, []
+
+    def interrupt(*arguments, **options):
+        if len(calls) == finished:
+            raise KeyboardInterrupt
+        calls.append(1)
+        return original(*arguments, **options)
+
+    monkeypatch.setattr(_score, "health", interrupt)
+    target = tmp_path / "out.json"
+    answer = command("score", clean_scene, drifted_scene, "--json", target)
+    assert answer.code == 130
+    assert f"interrupted; {finished} of 2 recordings were finished" in answer.err
+    assert target.exists() == ("healthy" in answer.out) == bool(finished)
+    if finished:
+        content = json.loads(target.read_text())
+        assert content["interrupted"] is True
+        assert [scene["healthy"] for scene in content["scenes"]] == [True]

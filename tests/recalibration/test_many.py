@@ -1,0 +1,243 @@
+"""Many recordings: any executor gives the same answers, and one that fails does not take the others with it."""
+
+import json
+import os
+import pickle
+from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from importlib.metadata import EntryPoints
+from multiprocessing import get_context
+from threading import Event
+
+import numpy as np
+import pytest
+
+import stereorecal as sr
+from stereorecal._errors import InputError
+from stereorecal.io import load_scene, save_scene
+from stereorecal.recalibration import Fault, recalibrate_many
+from stereorecal.strategies import AbstractStrategy, Budget, Reach, _registry, strategy
+
+OPTIONS = {
+    "matcher": sr.SAD(num_disparities=24),
+    "schedule": sr.Schedule.count(strategy("compass"), 0.5),
+    "budget": Budget(evaluations=10),
+    "reach": Reach(2.0, 0.02),
+}
+
+
+@dataclass(frozen=True)
+class Crashing(AbstractStrategy):
+    def run(self, objective, start, budget, seed):
+        raise KeyError("a bug")
+
+
+def drifted(scene, name, roll):
+    rig = scene.rig
+    return replace(
+        scene, name=name, rig=rig.with_extrinsics(rig.extrinsics + np.array([0, 0, np.radians(roll), 0, 0, 0]))
+    )
+
+
+@pytest.fixture(scope="module")
+def scenes(scene, tmp_path_factory):
+    """Three recordings that come from files."""
+    folder = tmp_path_factory.mktemp("recordings") / "harbour"
+    save_scene(scene(), folder)
+    return [drifted(load_scene(folder), name, roll) for name, roll in (("one", 1.0), ("two", -0.7), ("three", 0.4))]
+
+
+@pytest.fixture(scope="module")
+def serial(scenes):
+    return recalibrate_many(scenes, **OPTIONS)
+
+
+def what(repairs):
+    """All that an answer says, but for the time it took."""
+    return [{**repair.as_dict(), "seconds": None} for repair in repairs]
+
+
+def test_answers_are_those_of_recalibrate_in_the_order_given(scenes, serial):
+    assert [repair.name for repair in serial] == ["one", "two", "three"]
+    for scene, repair in zip(scenes, serial, strict=True):
+        alone = sr.recalibrate(scene.rig, scene.pairs, **OPTIONS)
+        np.testing.assert_array_equal(repair.solution.candidate.extrinsics, alone.candidate.extrinsics)
+        assert repair.solution.initial is scene.rig
+        assert repair.solution.score_after == alone.score_after
+        assert (repair.error, repair.fault) == (None, None)
+    assert len({repair.solution.score_before.count for repair in serial}) == 3
+
+
+def test_every_option_arrives(scenes, serial):
+    view = sr.view(scenes[1].rig.resized((80, 60))).scaled(1.0)
+    other = {
+        "matcher": sr.SAD(num_disparities=16),
+        "schedule": sr.Schedule.count(strategy("compass"), 0.4),
+        "budget": Budget(evaluations=3),
+        "reach": Reach(0.5, 0.02),
+    }
+    for name, value in other.items():
+        (found,) = recalibrate_many(scenes[:1], **{**OPTIONS, name: value})
+        assert what([found]) != what(serial[:1]), name
+    (found,) = recalibrate_many(scenes[:1], **OPTIONS, view=view)
+    assert found.solution.view is view
+
+
+class Seeded(AbstractStrategy):
+    def run(self, objective, start, budget, seed):
+        raise KeyError(f"the seed is {seed}")
+
+
+def test_the_seed_arrives(scenes):
+    (found,) = recalibrate_many(scenes[:1], **{**OPTIONS, "schedule": sr.Schedule.count(Seeded())}, seed=41)
+    assert "the seed is 41" in found.error
+
+
+class Measuring(ThreadPoolExecutor):
+    """Says how much each task would weigh on its way to another machine."""
+
+    def submit(self, *arguments, **options):
+        self.sizes = [*getattr(self, "sizes", []), len(pickle.dumps((arguments, options)))]
+        return super().submit(*arguments, **options)
+
+
+def test_threads_and_recordings_from_files_travel_as_paths(scenes, serial):
+    with Measuring(2) as pool:
+        assert what(recalibrate_many(scenes, executor=pool, **OPTIONS)) == what(serial)
+    assert len(pool.sizes) == 3
+    assert max(pool.sizes) < 8_000 < 2 * 160 * 120
+
+
+def test_processes(scenes, serial):
+    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
+        found = recalibrate_many(scenes, executor=pool, **OPTIONS)
+    assert what(found) == what(serial)
+    for here, there in zip(serial, found, strict=True):
+        assert str(there.solution).splitlines()[2:] == str(here.solution).splitlines()[2:]
+        assert (there.solution.rig is there.solution.candidate) == here.solution.accepted
+        np.testing.assert_array_equal(there.solution.trace.points, here.solution.trace.points)
+
+
+def test_recordings_that_cannot_be_repaired_are_errors(scenes, serial, scene):
+    bad = [
+        replace(scenes[0], name="no rig", rig=None),
+        replace(scenes[0], name="no pairs", pairs=()),
+        replace(scenes[0], name="other size", rig=scenes[0].rig.resized((80, 60))),
+    ]
+    found = recalibrate_many([*bad, scenes[1]], **OPTIONS)
+    assert [repair.fault for repair in found] == [Fault.INPUT] * 3 + [None]
+    for repair, words in zip(found, ("no calibration", "no image pair", "160x120, but the calibration"), strict=False):
+        assert repair.solution is None
+        assert words in repair.error
+        assert "\n" not in repair.error
+    assert what(found[3:]) == what(serial[1:2])
+
+
+def test_a_crashing_strategy_is_an_error_that_names_it(scenes):
+    found = recalibrate_many(scenes[:2], **{**OPTIONS, "schedule": sr.Schedule.count(Crashing())})
+    assert [(repair.fault, repair.solution) for repair in found] == [(Fault.INSIDE, None)] * 2
+    assert "strategy Crashing" in found[0].error
+    assert "a bug" in found[0].error
+
+
+class Faulty(ThreadPoolExecutor):
+    """Loses the second task, as a cluster may lose a worker, and cancels the third."""
+
+    def submit(self, *arguments, **options):
+        self.submitted = getattr(self, "submitted", 0) + 1
+        if self.submitted == 1:
+            return super().submit(*arguments, **options)
+        lost: Future = Future()
+        if self.submitted == 2:
+            lost.set_exception(RuntimeError("the worker died"))
+        else:
+            lost.cancel()
+            lost.set_running_or_notify_cancel()
+        return lost
+
+
+def test_lost_workers_are_errors(scenes, serial):
+    with Faulty(1) as pool:
+        found = recalibrate_many(scenes, executor=pool, **OPTIONS)
+    assert what(found[:1]) == what(serial[:1])
+    assert [repair.fault for repair in found[1:]] == [Fault.INSIDE] * 2
+    assert "the worker died" in found[1].error
+    assert "CancelledError" in found[2].error
+
+
+def test_workers_that_die_are_errors(scenes):
+    with ProcessPoolExecutor(1, mp_context=get_context("spawn"), initializer=os._exit, initargs=(1,)) as pool:
+        first = recalibrate_many(scenes[:2], executor=pool, **OPTIONS)
+        second = recalibrate_many(scenes[:1], executor=pool, **OPTIONS)  # submitting fails from now on
+    assert [repair.fault for repair in first + second] == [Fault.INSIDE] * 3
+    assert all("BrokenProcessPool" in repair.error for repair in first + second)
+
+
+def stop_after(number):
+    def progress(finished, total):
+        assert total == 3
+        if finished == number:
+            raise KeyboardInterrupt
+
+    return progress
+
+
+def test_ctrl_c_keeps_what_is_finished(scenes, serial):
+    found = recalibrate_many(scenes, progress=stop_after(2), **OPTIONS)
+    assert what(found[:2]) == what(serial[:2])
+    assert (found[2].name, found[2].solution, found[2].fault) == ("three", None, Fault.INTERRUPTED)
+    assert found[2].error == Fault.INTERRUPTED.value
+
+
+def test_ctrl_c_cancels_what_waits(scenes, monkeypatch):
+    """The second task begins as the first ends; the third must not."""
+    begun, interrupted = [], Event()
+
+    def run(*arguments):
+        begun.append(1)
+        if len(begun) > 1:
+            assert interrupted.wait(60)
+        raise KeyError("a bug")
+
+    monkeypatch.setattr(Crashing, "run", run)
+    options = {**OPTIONS, "schedule": sr.Schedule.count(Crashing())}
+    with ThreadPoolExecutor(1) as pool:
+        found = recalibrate_many(scenes, executor=pool, progress=stop_after(1), **options)
+        interrupted.set()
+    assert [repair.fault for repair in found] == [Fault.INSIDE, Fault.INTERRUPTED, Fault.INTERRUPTED]
+    assert len(begun) <= 2
+
+
+def test_progress(scenes):
+    seen = []
+    recalibrate_many(scenes, progress=lambda *numbers: seen.append(numbers), **OPTIONS)
+    assert seen == [(1, 3), (2, 3), (3, 3)]
+
+
+def test_nothing_to_repair():
+    with pytest.raises(InputError, match="nothing to repair"):
+        recalibrate_many([])
+
+
+def test_a_missing_strategy_is_said_once_and_before_any_work(scenes, monkeypatch):
+    monkeypatch.setattr(_registry, "entry_points", lambda **_: EntryPoints())
+    with pytest.raises(InputError, match="pip install"):
+        sr.recalibrate_many(scenes)
+
+
+def test_plain_data(scenes, serial):
+    data = json.loads(json.dumps(serial[0].as_dict(), allow_nan=False))
+    solution = serial[0].solution
+    assert data["scene"] == "one"
+    assert data["accepted"] is solution.accepted
+    assert data["score_after"]["count"] == solution.score_after.count
+    assert data["row_error_px"] is data["interval_95"] is data["covariance"] is None
+    used = data["extrinsics"]["used"]
+    assert [*used["rotation_deg"]] == ["pitch", "yaw", "roll"]
+    assert list(used["translation_m"].values()) == solution.rig.extrinsics[3:].tolist()
+    np.testing.assert_allclose([*used["rotation_deg"].values()], np.degrees(solution.rig.extrinsics[:3]))
+    roll = data["change"]["rotation_deg"]["roll"]
+    assert roll == pytest.approx(used["rotation_deg"]["roll"] - data["extrinsics"]["before"]["rotation_deg"]["roll"])
+    assert data["change"]["translation_percent"]["x"] == 0.0
+    (failed,) = recalibrate_many([replace(scenes[0], rig=None)], **OPTIONS)
+    assert failed.as_dict() == {"scene": "one", "error": failed.error, "fault": "input"}
