@@ -3,7 +3,6 @@
 from stereorecal.comparison._compare import (
     SCHEDULES as SCHEDULES,
     Drift as Drift,
-    Progress as Progress,
     compare as compare,
     compare_scenes as compare_scenes,
     load_strategies as load_strategies,

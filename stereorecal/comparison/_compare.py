@@ -1,18 +1,17 @@
 """`compare`: strategies x draws x scenes, judged alike."""
 
-import platform
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import Executor, as_completed
+from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor
 from dataclasses import asdict, dataclass
-from importlib.metadata import version
 from typing import Any
 
-import cv2
 import jax
 import numpy as np
 from jaxtyping import Float
 
 from stereorecal._errors import InputError, StrategyError
+from stereorecal._run_all import Progress, run_all
+from stereorecal._versions import versions
 from stereorecal.comparison._comparison import Comparison
 from stereorecal.comparison._trial import Task, Trial, failed, run_trial
 from stereorecal.geometry import Pair, Scene, StereoRig, check_pairs, view
@@ -22,7 +21,6 @@ from stereorecal.scoring import prepare, with_disparity_range
 from stereorecal.strategies import AbstractStrategy, Budget, Objective, Outcome, Reach, origin_of, strategy
 from stereorecal.synthetic import decalibrate
 
-Progress = Callable[[int, int], None]
 SCHEDULES = ("count", "default")
 
 
@@ -128,7 +126,7 @@ def compare_scenes(
     if reach is None:
         reach = Reach(max(3.0, 1.2 * drift.degrees), max(0.03, 1.2 * drift.baseline_fraction))
     chosen = strategies if isinstance(strategies, Mapping) else load_strategies(strategies)
-    versions = _versions(chosen)
+    made_with = versions() | {f"strategy {name}": origin_of(plugin) for name, plugin in chosen.items()}
     planned = [_plan(scene, matcher, reach, scale) for scene in scenes]
     tasks = [
         Task(
@@ -151,8 +149,8 @@ def compare_scenes(
     trials: dict[int, Trial] = {}
     interrupted = False
     try:
-        for index, trial in _run_all(tasks, executor):
-            trials[index] = trial
+        for index, trial in run_all(run_trial, tasks, executor):
+            trials[index] = trial if isinstance(trial, Trial) else failed(tasks[index], trial)
             if progress is not None:
                 progress(len(trials), len(tasks))
     except KeyboardInterrupt:
@@ -170,7 +168,7 @@ def compare_scenes(
     }
     described = tuple(_describe(*plan) for plan in planned)
     finished = tuple(trials[index] for index in sorted(trials))
-    return Comparison(settings, versions, described, finished, interrupted=interrupted)
+    return Comparison(settings, made_with, described, finished, interrupted=interrupted)
 
 
 @dataclass(frozen=True)
@@ -233,21 +231,6 @@ def _draw_key(seed: int, draw: int) -> jax.Array:
     return jax.random.fold_in(jax.random.key(seed), draw)
 
 
-def _run_all(tasks: Sequence[Task], executor: Executor | None) -> Iterator[tuple[int, Trial]]:
-    if executor is None:
-        yield from ((index, run_trial(task)) for index, task in enumerate(tasks))
-        return
-    futures = {executor.submit(run_trial, task): index for index, task in enumerate(tasks)}
-    try:
-        for future in as_completed(futures):
-            index = futures[future]
-            error = future.exception()
-            yield index, failed(tasks[index], error) if error else future.result()
-    finally:
-        for future in futures:
-            future.cancel()
-
-
 def _describe(scene: Scene, matcher: AbstractMatcher, reference: tuple[StereoRig, str]) -> dict[str, Any]:
     rig = _rig_of(scene)
     return {
@@ -258,15 +241,4 @@ def _describe(scene: Scene, matcher: AbstractMatcher, reference: tuple[StereoRig
         "baseline_m": float(rig.baseline),
         "min_disparity": matcher.min_disparity,
         "num_disparities": matcher.num_disparities,
-    }
-
-
-def _versions(chosen: Mapping[str, AbstractStrategy]) -> dict[str, str]:
-    return {
-        "python": platform.python_version(),
-        "stereorecal": version("stereorecal"),
-        "jax": jax.__version__,
-        "numpy": np.__version__,
-        "opencv": cv2.__version__,
-        **{f"strategy {name}": origin_of(plugin) for name, plugin in chosen.items()},
     }

@@ -1,12 +1,12 @@
 """The result of a comparison and its JSON form (`stereorecal.compare/1`)."""
 
 import json
-import math
 import os
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
+from stereorecal._plain import plain
 from stereorecal.comparison._summary import Summary, Thresholds, summarise
 from stereorecal.comparison._trial import Trial
 from stereorecal.io._atomic import write_text
@@ -40,7 +40,7 @@ class Comparison:
 
     def as_dict(self) -> dict[str, Any]:
         """The content of the JSON file; a missing or non-finite number is None."""
-        return _jsonable(
+        return plain(
             {
                 "schema": SCHEMA,
                 "versions": self.versions,
@@ -55,13 +55,3 @@ class Comparison:
     def to_json(self, path: str | os.PathLike[str]) -> None:
         """Write the JSON file, whole or not at all."""
         write_text(Path(path), json.dumps(self.as_dict(), indent=1, allow_nan=False) + "\n")
-
-
-def _jsonable(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {str(key): _jsonable(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_jsonable(item) for item in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
