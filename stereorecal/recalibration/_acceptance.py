@@ -15,7 +15,8 @@ _ROW_LOSS = 0.02  # pixels
 _ROW_GAIN = 0.01  # pixels
 _SIGNIFICANT = 3.0  # standard errors, over the tiles
 _FEWEST_TILES = 6
-_EDGE = 0.98  # of the reach
+_EDGE = 0.98  # of the box of the epipolar stages, which is twice the reach
+ROWS_APART = 0.3  # pixels; 0.03 degrees of pitch at a focal length of 600 pixels: no good calibration leaves that
 
 
 class Reason(enum.Enum):
@@ -29,7 +30,7 @@ class Reason(enum.Enum):
     WORSE_ON_HELD_OUT = "the candidate is no better on the parts of the images that it has not seen"
     TOO_LITTLE_TEXTURE = "the images show too little to match"
     OUT_OF_BUDGET = "the budget ended before the rows of a candidate could be judged; give a larger one"
-    REACH_EDGE = "the search ended at the edge of the reach; the drift may be larger: give a larger reach"
+    REACH_EDGE = "the search ended at twice the reach; the drift may be larger: give a larger reach"
 
     @property
     def healthy(self) -> bool:
@@ -39,7 +40,7 @@ class Reason(enum.Enum):
 
 @dataclass(frozen=True, eq=False)
 class RowErrors:
-    """Median |row difference| of the correspondences, pixels at full size.
+    """|Row difference| of the correspondences, pixels at full size: the mean over the tiles of a tile's median.
 
     Attributes:
         before: under the calibration that was given.
@@ -95,5 +96,7 @@ def verdict(
     if np.any(observed & (np.abs(z) > _EDGE)):
         return Reason.REACH_EDGE
     better_rows = gain > _ROW_GAIN and rows.significance > _SIGNIFICANT
-    better_count = after.count > (1.0 + _COUNT_GAIN) * before.count and gain > -_ROW_GAIN
-    return Reason.IMPROVED if better_rows or better_count else Reason.ALREADY_GOOD
+    better_count = after.count > (1.0 + _COUNT_GAIN) * before.count and gain >= 0.0
+    if better_rows or better_count:
+        return Reason.IMPROVED
+    return Reason.ALREADY_GOOD if rows.before <= ROWS_APART else Reason.WORSE_ON_HELD_OUT

@@ -8,6 +8,7 @@ from typing import Any
 from stereorecal._plain import plain
 from stereorecal.geometry import Pair, StereoRig, view as default_view
 from stereorecal.matching import SAD, AbstractMatcher
+from stereorecal.recalibration._acceptance import ROWS_APART
 from stereorecal.recalibration._as_dict import score_as_dict
 from stereorecal.scoring import (
     Score,
@@ -19,7 +20,6 @@ from stereorecal.scoring import (
     with_disparity_range,
 )
 
-ROWS_APART = 0.3  # pixels; 0.03 degrees of pitch at a focal length of 600 pixels
 LEAST_COVERED = 0.1  # of the image; good rigs cover a half, rigs half a degree out 0 to 6 %: what false matches cover
 
 

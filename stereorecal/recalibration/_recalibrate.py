@@ -16,7 +16,7 @@ from stereorecal.recalibration._uncertainty import uncertainty
 from stereorecal.scoring import Score, counts, normalised, prepare, survey, with_disparity_range
 from stereorecal.strategies import Budget, Reach, Status
 
-_YAW_LEFT = np.radians(0.25)  # what an epipolar stage leaves, at most
+_YAW_LEFT = np.radians(0.25)  # what an epipolar stage leaves, where yaw is observed
 
 
 def recalibrate(
@@ -73,7 +73,7 @@ def _run_schedule(
         left = remaining(budget, sum(done.cost for done in stages), began) or Budget(_TRACE_OF_A_BUDGET)
         stages.append(run_stage(case, stage, best, left, seed))
         best = stages[-1].best
-        if len(schedule.stages) > 1:
+        if len(schedule.stages) > 1 and asked.num_disparities is None:
             yaw_left = _YAW_LEFT if stage.score is ScoreKind.EPIPOLAR else np.radians(case.reach.degrees)
             seen = survey(case.rig_at(best), case.pairs, case.view, yaw_left, aligned=True)
             case = case.with_matcher(seen.with_range(asked, yaw_left))
@@ -90,10 +90,11 @@ def _judged(case: Case, stages: tuple[StageRun, ...], began: float) -> Solution:
     candidate = case.rig_at(best)
     before, after = _scores(case, candidate)
     status, message = (runs[-1].status, runs[-1].message) if runs else (Status.NO_SIGNAL, Status.NO_SIGNAL.value)
-    if cut := any(stage.found is None for stage in stages if stage.stage.score is ScoreKind.EPIPOLAR):
+    cut = any(_cut(stage) for stage in stages)
+    if cut:
         status, message = Status.BUDGET, Status.BUDGET.value
     rows = known = None
-    if found is None and cut:
+    if cut:
         reason = Reason.OUT_OF_BUDGET  # the count alone would let harm through: it hardly sees a wrong yaw
     elif found is None:
         reason = verdict_on_count(before, after, signal=status is not Status.NO_SIGNAL)
@@ -123,8 +124,17 @@ def _judged(case: Case, stages: tuple[StageRun, ...], began: float) -> Solution:
     )
 
 
+def _cut(stage: StageRun) -> bool:
+    """True if the budget ended an epipolar stage before it was solved."""
+    if stage.stage.score is ScoreKind.COUNT:
+        return False
+    if stage.found is None:
+        return True
+    return stage.found.found >= FEWEST and (not stage.runs or stage.runs[-1].status is Status.BUDGET)
+
+
 def _scores(case: Case, candidate: StereoRig) -> tuple[Score, Score]:
-    """Counts at full scale, before and after; full scale is bounded as the stages are."""
+    """Counts at full scale, before and after; the judge's own work, which no budget pays for."""
     data = prepare(case.rig, case.pairs, case.view)
     judged = counts(data, np.stack([normalised(r.extrinsics) for r in (case.rig, candidate)]), case.matcher)
     before, after = (Score(int(found), data.pixels) for found in judged)

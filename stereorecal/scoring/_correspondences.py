@@ -80,7 +80,7 @@ def _refined(data: ScoringData, extrinsics: Extrinsics, found: Disparity, scale:
 
     def rays(x, y, centre, rotation):
         ray = jnp.stack([(x - centre) / view.focal, (y - view.centre_row) / view.focal, jnp.ones_like(x)], axis=-1)
-        return ray @ rotation  # turned back by the transpose
+        return jnp.matmul(ray, rotation, precision=jax.lax.Precision.HIGHEST)  # turned back by the transpose
 
     def frame(rectified: Rectified, disparity: Disparity):
         offsets = refine(rectified, disparity)

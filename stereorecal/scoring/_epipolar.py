@@ -31,7 +31,9 @@ def row_differences(found: Correspondences, extrinsics: Extrinsics) -> Float[Any
     first, second = rectifying_rotations(rotation_from_euler(extrinsics[:3]), extrinsics[3:])
 
     def rows(rays, rotation):
-        return (rays @ rotation[1]) / (rays @ rotation[2])
+        x, y, z = rays[..., 0], rays[..., 1], rays[..., 2]  # written out: a GPU would multiply matrices with ten bits
+        (a, b, c), (d, e, f) = rotation[1], rotation[2]
+        return (a * x + b * y + c * z) / (d * x + e * y + f * z)
 
     return xp.asarray(found.focal) * (rows(found.left, first) - rows(found.right, second))
 

@@ -56,7 +56,7 @@ class Survey:
         widest = (_MARGIN * nearest + float(self.view.focal) * np.tan(yaw)) / self.scale
         width = round(self.view.size[0] / self.scale)
         limit = width - 1 - abs(matcher.min_disparity)
-        wanted = next((n for n in _RANGES if n >= widest), widest) - matcher.min_disparity
+        wanted = max(16, next((n for n in _RANGES if n >= widest), widest) - matcher.min_disparity)
         return replace(matcher, num_disparities=int(min(wanted, limit // 16 * 16)))
 
 
@@ -78,7 +78,8 @@ def survey(
     offsets = np.zeros((1, 6)) if aligned else _grid(data.view, reach)
     winner, straight, swapped = _match_all(data, normalised(rig.extrinsics) + offsets, coarse)
     found, found_swapped = _surfaces(straight), _surfaces(swapped)
-    _refuse_swapped(found, found_swapped, float(data.view.focal) * np.tan(reach), straight.values.size)
+    if not aligned:  # later on, a yaw that the images do not determine must not look like swapped sides
+        _refuse_swapped(found, found_swapped, float(data.view.focal) * np.tan(reach), straight.values.size)
     return Survey(offsets[int(winner)], found, data.view, scale)
 
 

@@ -21,7 +21,8 @@ FREE_AXES = (
 
 @dataclass(frozen=True)
 class Reach:
-    """How far from the start a repair may go: the half widths of the search box.
+    """How far the rig may have drifted: the half widths of the box in which the count is searched. Epipolar stages,
+    which a prior of a third of the reach holds back, may go to twice as far.
 
     Attributes:
         degrees: on pitch, yaw and roll.

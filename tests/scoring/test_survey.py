@@ -37,3 +37,16 @@ def test_aligned_takes_the_rig_as_it_is(scene):
     assert not found.offset.any()
     assert found.with_range(SAD(), 0.0).num_disparities < found.with_range(SAD(), REACH).num_disparities
     assert found.with_range(SAD(num_disparities=7), REACH).num_disparities == 7
+
+
+def test_a_range_is_never_negative(scene):
+    given_scene = scene()
+    found = survey(given_scene.rig, given_scene.pairs, view(given_scene.rig), REACH)
+    assert found.with_range(SAD(min_disparity=90), 0.0).num_disparities == 16
+
+
+def test_a_yaw_that_is_off_does_not_look_like_swapped_sides(scene):
+    """Later in a repair, all disparities may still lie below 0, if the images do not determine the yaw."""
+    far = scene("coast", 0)
+    bad = far.rig.with_extrinsics(far.rig.extrinsics + np.radians([0.0, -1.5, 0.0, 0.0, 0.0, 0.0]))
+    survey(bad, far.pairs, view(far.rig), np.radians(0.25), aligned=True)
