@@ -95,7 +95,7 @@ class Solution:
             lines.append(f"not determined by these images: {', '.join(self.uncertainty.unobserved)}")
         if self.accepted:
             wrong = ", ".join(f"{error:+.1f} % at {distance} B" for distance, error in self.depth_error_percent.items())
-            lines.append(f"depth was wrong by {wrong}")
+            lines.append(f"depth was off: {wrong}")
         return "\n".join(lines)
 
     def _rows(self, when: str) -> str:
@@ -104,7 +104,10 @@ class Solution:
     def _axis(self, index: int, name: str) -> str:
         before, change = self.initial.extrinsics[index], self.change[index]
         factor, unit = (180 / np.pi, "deg") if index < 3 else (1e3, "mm")
-        line = f"{name:<8} {factor * before:+10.3f} {unit:<3}  changed by {factor * change:+8.3f}"
+        after = before + change
+        line = (
+            f"{name:<6} {factor * before:+9.3f} -> {factor * after:+9.3f} {unit:<3} changed by {factor * change:+8.3f}"
+        )
         if self.uncertainty is None or name not in FREE_AXES:
             return line
         half_width = self.uncertainty.interval[FREE_AXES.index(name)]

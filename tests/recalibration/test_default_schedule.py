@@ -103,7 +103,7 @@ def test_text(repaired):
     for (name, line), half_width in zip(axes.items(), repaired.uncertainty.interval, strict=True):
         in_unit = half_width if name in ("pitch", "yaw", "roll") else half_width * 10 * RIG.baseline  # mm
         assert line.endswith(f"± {in_unit:.3f}")
-    assert lines[-1].startswith("depth was wrong by ")
+    assert lines[-1].startswith("depth was off: ")
     assert [part.rpartition(" at ")[2] for part in lines[-1].split(", ")] == ["5 B", "10 B", "30 B", "100 B"]
 
 
@@ -135,7 +135,7 @@ def test_what_is_right_is_left_alone(harbour):
     assert solution.rig is solution.initial is RIG
     assert errors(solution.candidate)[[0, 2]].max() < 0.01
     assert "the old calibration stays" in str(solution)
-    assert "depth was wrong" not in str(solution)
+    assert "depth was off" not in str(solution)
 
 
 def test_what_was_repaired_is_left_alone(harbour, repaired):

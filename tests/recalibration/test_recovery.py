@@ -24,7 +24,7 @@ def drifted(rig, degrees, fraction, drift):
 
 
 # An example takes several seconds, so falsifying ones are not shrunk.
-@settings(max_examples=8, phases=[Phase.explicit, Phase.generate])
+@settings(max_examples=4, phases=[Phase.explicit, Phase.generate])
 @given(seed=st.integers(0, 24), drift=st.tuples(*[component] * 5))
 def test_recovery(scene, seed, drift):
     given_scene = scene("harbour", seed, (640, 480))
@@ -39,7 +39,7 @@ def test_recovery(scene, seed, drift):
 TOLERANCE = np.array([0.01, 0.05, 0.01])
 
 
-@settings(max_examples=8, phases=[Phase.explicit, Phase.generate])
+@settings(max_examples=4, phases=[Phase.explicit, Phase.generate])
 @given(seed=st.integers(0, 24), drift=st.tuples(*[component] * 5))
 def test_recovery_of_the_geometry(scene, seed, drift):
     """From anywhere within ±2.5° and ±2.25 %; an axis that the solution reports as not determined may be as far off as
