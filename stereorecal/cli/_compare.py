@@ -4,10 +4,9 @@ import argparse
 import sys
 from pathlib import Path
 
-from rich.console import Console
-
 from stereorecal._errors import InputError
 from stereorecal.cli import _values
+from stereorecal.cli._console import table_console
 from stereorecal.cli._exit_codes import FAILURE, INTERRUPTED
 from stereorecal.cli._json import write_json
 from stereorecal.cli._progress import progress_bar
@@ -20,7 +19,7 @@ from stereorecal.comparison import (
 )
 from stereorecal.geometry import Scene
 from stereorecal.io import load_scene
-from stereorecal.report.tables import WIDE, comparison_tables
+from stereorecal.report.tables import comparison_tables
 from stereorecal.strategies import Budget, Reach
 from stereorecal.synthetic import KINDS, render
 
@@ -115,5 +114,5 @@ def _show(comparison: Comparison, options: argparse.Namespace) -> None:
     if options.json is not None:
         write_json(comparison.as_dict(), options.json)
     if comparison.trials and not options.quiet and options.json != "-":
-        console = Console(width=None if sys.stdout.isatty() else WIDE)
+        console = table_console()
         console.print(comparison_tables(comparison.as_dict(), console.width))

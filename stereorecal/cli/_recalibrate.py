@@ -7,11 +7,10 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
-
 from stereorecal._errors import InputError
 from stereorecal._versions import versions
 from stereorecal.cli import _values
+from stereorecal.cli._console import table_console
 from stereorecal.cli._exit_codes import BAD_INPUT, FAILURE, INTERRUPTED
 from stereorecal.cli._json import write_json
 from stereorecal.cli._progress import progress_bar
@@ -22,7 +21,6 @@ from stereorecal.io import save_rig
 from stereorecal.matching import AbstractMatcher
 from stereorecal.recalibration import Fault, Repair, Schedule, recalibrate_many
 from stereorecal.report.repairs import repairs_table
-from stereorecal.report.tables import WIDE
 from stereorecal.strategies import Budget, Reach, origin_of, strategy
 
 SCHEMA = "stereorecal.recalibrate/1"
@@ -161,8 +159,7 @@ def _show(repairs: Sequence[Repair], options: argparse.Namespace) -> None:
     if options.quiet or options.json == "-":
         return
     if len(repairs) > 1:
-        console = Console(width=None if sys.stdout.isatty() else WIDE)
-        console.print(repairs_table([repair.as_dict() for repair in repairs]))
+        table_console().print(repairs_table([repair.as_dict() for repair in repairs]))
         return
     solution = repairs[0].solution
     print(solution)

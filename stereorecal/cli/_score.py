@@ -6,19 +6,17 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
-from rich.console import Console
-
 from stereorecal._versions import versions
 from stereorecal.cli import _values
+from stereorecal.cli._console import table_console
 from stereorecal.cli._exit_codes import INTERRUPTED
 from stereorecal.cli._json import write_json
 from stereorecal.cli._recordings import add_recordings_to, recordings
 from stereorecal.geometry import Scene
-from stereorecal.io._about import about
+from stereorecal.io import about
 from stereorecal.matching import AbstractMatcher
 from stereorecal.recalibration import LEAST_COVERED, ROWS_APART, Health, health
 from stereorecal.report.repairs import scores_table
-from stereorecal.report.tables import WIDE
 
 SCHEMA = "stereorecal.score/1"
 _DESCRIPTION = f"""\
@@ -68,7 +66,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _show(looked: Sequence[Health], rows: Sequence[dict[str, Any]]) -> None:
     if len(looked) > 1:
-        Console(width=None if sys.stdout.isatty() else WIDE).print(scores_table(rows))
+        table_console().print(scores_table(rows))
     else:
         print(looked[0])
 

@@ -9,7 +9,7 @@ from typing import Any
 from stereorecal._plain import plain
 from stereorecal.comparison._summary import Summary, Thresholds, summarise
 from stereorecal.comparison._trial import Trial
-from stereorecal.io._atomic import write_text
+from stereorecal.io import write_text
 
 SCHEMA = "stereorecal.compare/1"
 

@@ -57,12 +57,8 @@ def bilinear_warp(image: Float[AnyArray, "height width"], coordinates: PixelMap)
     The border is repeated, not blackened: a black border is an edge that a matcher would match. `mapped_area`
     says which pixels are real.
     """
-    height, width = image.shape
-    x = jnp.clip(coordinates[0], 0.0, width - 1.0)
-    y = jnp.clip(coordinates[1], 0.0, height - 1.0)
-    x0 = jnp.minimum(x.astype(jnp.int32), width - 2)
-    y0 = jnp.minimum(y.astype(jnp.int32), height - 2)
-    fx, fy = x - x0, y - y0
+    width = image.shape[1]
+    x0, y0, fx, fy = _nearest_before(coordinates, image.shape)
     corner = y0 * width + x0
     flat = jnp.asarray(image).reshape(-1)
 
@@ -74,18 +70,25 @@ def bilinear_warp(image: Float[AnyArray, "height width"], coordinates: PixelMap)
     return top + fy * (bottom - top)
 
 
+def _nearest_before(coordinates: PixelMap, shape: tuple[int, ...]) -> tuple[jax.Array, ...]:
+    """The pixel left of and above each point, which is moved into the image first, and the way from it in x and y."""
+    height, width = shape
+    x = jnp.clip(coordinates[0], 0.0, width - 1.0)
+    y = jnp.clip(coordinates[1], 0.0, height - 1.0)
+    x0 = jnp.minimum(x.astype(jnp.int32), width - 2)
+    y0 = jnp.minimum(y.astype(jnp.int32), height - 2)
+    return x0, y0, x - x0, y - y0
+
+
 def cubic_warp(image: Float[AnyArray, "height width"], coordinates: PixelMap) -> Float[jax.Array, "h w"]:
     """Sample `image` at pixel coordinates (x, y) by cubic convolution (Keys 1981, a = -1/2); the border is repeated.
 
     For work well below a pixel: a bilinear sample shifts fine texture by up to 0.05 pixels, depending on where
     between the pixels it lies; this one is exact for quadratics.
     """
-    height, width = image.shape
-    x = jnp.clip(coordinates[0], 0.0, width - 1.0)
-    y = jnp.clip(coordinates[1], 0.0, height - 1.0)
-    x0 = jnp.minimum(x.astype(jnp.int32), width - 2)
-    y0 = jnp.minimum(y.astype(jnp.int32), height - 2)
-    columns, rows = _cubic_weights(x - x0), _cubic_weights(y - y0)
+    width = image.shape[1]
+    x0, y0, fx, fy = _nearest_before(coordinates, image.shape)
+    columns, rows = _cubic_weights(fx), _cubic_weights(fy)
     flat = jnp.pad(jnp.asarray(image), ((1, 2), (1, 2)), mode="edge").reshape(-1)
     corner = y0 * (width + 3) + x0
 

@@ -2,8 +2,10 @@
 
 import shutil
 import signal
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from importlib.metadata import EntryPoint, EntryPoints
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +13,7 @@ import pytest
 
 from stereorecal.cli import main
 from stereorecal.io import save_scene
+from stereorecal.strategies import AbstractStrategy, _registry
 from stereorecal.synthetic import default_rig, render
 
 
@@ -39,6 +42,25 @@ def command(capsys: pytest.CaptureFixture[str]) -> Callable[..., Answer]:
         return Answer(code, *capsys.readouterr())
 
     return run
+
+
+@dataclass(frozen=True)
+class Crashing(AbstractStrategy):
+    def run(self, objective, start, budget, seed):
+        raise KeyError("a bug")
+
+
+@pytest.fixture
+def crashing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A strategy "crashing" beside compass, and no other."""
+    points = EntryPoints(
+        [
+            EntryPoint("compass", "stereorecal_compass:Compass", _registry.GROUP),
+            EntryPoint("crashing", f"{__name__}:Crashing", _registry.GROUP),
+        ]
+    )
+    monkeypatch.setitem(sys.modules, __name__, sys.modules[Crashing.__module__])
+    monkeypatch.setattr(_registry, "entry_points", lambda **wanted: points.select(**wanted))
 
 
 @pytest.fixture(scope="session")

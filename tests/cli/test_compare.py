@@ -2,34 +2,11 @@
 
 import json
 import sys
-from dataclasses import dataclass
-from importlib.metadata import EntryPoint, EntryPoints
 from pathlib import Path
 
 import pytest
 
-from stereorecal.strategies import AbstractStrategy, _registry
-
 SMALL = ("--draws", 2, "--scale", 0.5, "--budget", 5)
-
-
-@dataclass(frozen=True)
-class Crashing(AbstractStrategy):
-    def run(self, objective, start, budget, seed):
-        raise KeyError("a bug")
-
-
-@pytest.fixture
-def crashing(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A strategy "crashing" beside compass."""
-    points = EntryPoints(
-        [
-            EntryPoint("compass", "stereorecal_compass:Compass", _registry.GROUP),
-            EntryPoint("crashing", f"{__name__}:Crashing", _registry.GROUP),
-        ]
-    )
-    monkeypatch.setitem(sys.modules, __name__, sys.modules[Crashing.__module__])
-    monkeypatch.setattr(_registry, "entry_points", lambda **wanted: points.select(**wanted))
 
 
 def test_table_and_json(command, clean_scene: Path, tmp_path: Path):

@@ -3,8 +3,7 @@
 import json
 import shutil
 import sys
-from dataclasses import dataclass, replace
-from importlib.metadata import EntryPoint, EntryPoints
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,24 +13,9 @@ import pytest
 import stereorecal as sr
 from stereorecal.cli import _recalibrate
 from stereorecal.io import load_rig, load_scene, save_scene
-from stereorecal.strategies import AbstractStrategy, _registry
 
 COUNT = ("--schedule", "count", "--scale", 0.5, "--budget", 40)  # improves the drifted scene
 NOTHING = ("--schedule", "count", "--budget", 1)  # improves none
-
-
-@dataclass(frozen=True)
-class Crashing(AbstractStrategy):
-    def run(self, objective, start, budget, seed):
-        raise KeyError("a bug")
-
-
-@pytest.fixture
-def crashing(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A strategy "crashing" and no other."""
-    points = EntryPoints([EntryPoint("crashing", f"{__name__}:Crashing", _registry.GROUP)])
-    monkeypatch.setitem(sys.modules, __name__, sys.modules[Crashing.__module__])
-    monkeypatch.setattr(_registry, "entry_points", lambda **wanted: points.select(**wanted))
 
 
 @pytest.fixture

@@ -6,30 +6,14 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 from stereorecal_compass import Compass
+from watched import Watched
 
-from stereorecal.strategies import Budget, Objective, Problem, Status
+from stereorecal.strategies import Status
 from stereorecal.testing import StrategyConformance
 
 
 class TestCompass(StrategyConformance):
     strategy = Compass()
-
-
-class Watched:
-    """A function over the box; remembers the batches."""
-
-    def __init__(self, function, dim=2):
-        self.batches: list[np.ndarray] = []
-
-        def values(points):
-            self.batches.append(points.copy())
-            return np.array([float(function(p)) for p in points])
-
-        self.objective = Objective(Problem(dim, values))
-
-    def search(self, start=None, **options):
-        start = np.zeros(self.objective.dim) if start is None else np.array(start, float)
-        return Compass(**options).run(self.objective, start, Budget(), 0)
 
 
 @pytest.mark.parametrize(
@@ -52,7 +36,7 @@ def test_it_moves_to_the_best_of_2n_and_halves_without_strict_improvement():
         (0.125, 0.25): 4,
     }
     watched = Watched(lambda p: table.get(tuple(np.round(p, 9)), 0))
-    outcome = watched.search(step=0.25, min_step=0.125)
+    outcome = watched.run(Compass(step=0.25, min_step=0.125))
     # (0, 0) -> (0, 0.25), the best of four; then two ties, which are no improvement: half the step -> (0.125, 0.25);
     # then nothing better: half the step again, below min_step: the end.
     around = np.array([[1, 0], [0, 1], [-1, 0], [0, -1]])
@@ -66,7 +50,7 @@ def test_it_moves_to_the_best_of_2n_and_halves_without_strict_improvement():
 
 def test_the_step_never_grows():
     watched = Watched(lambda p: -np.abs(p - 0.9).sum())
-    watched.search(step=0.5, min_step=1 / 64)
+    watched.run(Compass(step=0.5, min_step=1 / 64))
     steps = [np.abs(batch - batch.mean(axis=0)).max() for batch in watched.batches[1:] if np.abs(batch).max() < 1]
     assert all(later <= earlier + 1e-12 for earlier, later in pairwise(steps))
     assert min(steps) < 1 / 32
@@ -75,7 +59,7 @@ def test_the_step_never_grows():
 @pytest.mark.parametrize("dim", [1, 3, 5])
 def test_every_iteration_is_one_batch(dim):
     watched = Watched(lambda p: -np.sum((p - 0.3) ** 2), dim)
-    watched.search()
+    watched.run(Compass())
     sizes = [len(batch) for batch in watched.batches]
     assert sizes[0] == 1
     assert set(sizes[1:]) == {2 * dim}
@@ -84,18 +68,18 @@ def test_every_iteration_is_one_batch(dim):
 @given(start=st.lists(st.floats(-1, 1), min_size=2, max_size=2), step=st.sampled_from([0.125, 0.5, 2.0]))
 def test_it_is_clipped_at_the_box(start, step):
     watched = Watched(lambda p: p.sum())
-    outcome = watched.search(start, step=step)
+    outcome = watched.run(Compass(step=step), start)
     assert all(np.abs(batch).max() <= 1.0 for batch in watched.batches)
     np.testing.assert_allclose(outcome.best, [1.0, 1.0], atol=1 / 64)
 
 
 def test_nan_is_worse_than_anything():
     watched = Watched(lambda p: np.nan if p[0] > 0.1 else -abs(p[0] - 0.5) - abs(p[1]))
-    outcome = watched.search([-0.5, 0.2])
+    outcome = watched.run(Compass(), [-0.5, 0.2])
     assert outcome.best[0] <= 0.1
     assert outcome.best[0] > 0.05
 
 
 def test_a_start_without_value_is_left():
-    outcome = Watched(lambda p: np.nan if np.all(p == 0) else -np.abs(p).sum()).search()
+    outcome = Watched(lambda p: np.nan if np.all(p == 0) else -np.abs(p).sum()).run(Compass())
     assert np.any(outcome.best != 0)

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 from stereorecal_compass.numerical import AbstractAscent, GradientDescent, Secant
+from watched import Watched
 
-from stereorecal.strategies import Budget, Objective, Problem, Status, strategy
+from stereorecal.strategies import Status, strategy
 from stereorecal.testing import StrategyConformance
 
 BOTH = pytest.mark.parametrize("cls", [GradientDescent, Secant])
@@ -19,23 +20,6 @@ class TestGradientDescent(StrategyConformance):
 
 class TestSecant(StrategyConformance):
     strategy = Secant()
-
-
-class Watched:
-    """A function over the box; remembers the batches."""
-
-    def __init__(self, function, dim=2):
-        self.batches: list[np.ndarray] = []
-
-        def values(points):
-            self.batches.append(points.copy())
-            return np.array([float(function(p)) for p in points])
-
-        self.objective = Objective(Problem(dim, values))
-
-    def climb(self, ascent, start=None):
-        start = np.zeros(self.objective.dim) if start is None else np.array(start, float)
-        return ascent.run(self.objective, start, Budget(), 0)
 
 
 def bowl(*summit, steep=1.0):
@@ -65,7 +49,7 @@ def test_steps_that_make_no_sense(cls, steps):
 def test_one_iteration_by_hand(cls):
     """f = 3x + 4y: all differences at once, then steps 1/4, 1/8, 1/16 along (3, 4)/5; the first is the best."""
     watched = Watched(lambda p: 3 * p[0] + 4 * p[1])
-    watched.climb(cls(difference=0.1, step=0.25, min_step=1 / 16))
+    watched.run(cls(difference=0.1, step=0.25, min_step=1 / 16))
     start, stencil, line, second = watched.batches[:4]
     np.testing.assert_allclose(start, [[0, 0]])
     np.testing.assert_allclose(stencil, 0.1 * np.array([[1, 0], [0, 1], [-1, 0], [0, -1]]), atol=1e-15)
@@ -77,7 +61,7 @@ def test_one_iteration_by_hand(cls):
 @pytest.mark.parametrize("dim", [1, 3, 5])
 def test_an_iteration_is_two_batches(cls, dim):
     watched = Watched(bowl(*np.full(dim, 0.3)), dim)
-    watched.climb(cls())
+    watched.run(cls())
     sizes = [len(batch) for batch in watched.batches[1:]]
     assert sizes[0] == 2 * dim
     assert sizes.count(2 * dim) < 20
@@ -88,13 +72,13 @@ def test_an_iteration_is_two_batches(cls, dim):
 @pytest.mark.parametrize("scale", [2.0**-30, 2.0**30])
 def test_the_scale_of_the_score_does_not_matter(cls, scale):
     plain, scaled = (Watched(lambda p, k=k: k * bowl(0.4, -0.3, steep=np.array([1, 5]))(p)) for k in (1.0, scale))
-    assert np.array_equal(plain.climb(cls()).best, scaled.climb(cls()).best)
+    assert np.array_equal(plain.run(cls()).best, scaled.run(cls()).best)
     assert np.array_equal(np.concatenate(plain.batches), np.concatenate(scaled.batches))
 
 
 @BOTH
 def test_it_reaches_the_summit_of_a_bowl(cls):
-    outcome = Watched(bowl(0.4, -0.3, 0.2), 3).climb(cls())
+    outcome = Watched(bowl(0.4, -0.3, 0.2), 3).run(cls())
     assert outcome.status is Status.CONVERGED
     np.testing.assert_allclose(outcome.best, [0.4, -0.3, 0.2], atol=1 / 128)
 
@@ -102,7 +86,7 @@ def test_it_reaches_the_summit_of_a_bowl(cls):
 def test_the_secant_method_steps_onto_the_summit():
     """In one dimension two differences say where it is: 0 -> 1/8 -> 2/8 (longest steps) -> the summit itself."""
     watched = Watched(bowl(0.3), 1)
-    assert watched.climb(Secant()).best[0] == pytest.approx(0.3, abs=1e-12)
+    assert watched.run(Secant()).best[0] == pytest.approx(0.3, abs=1e-12)
     assert [float(batch.mean()) for batch in watched.batches if len(batch) == 2] == pytest.approx([0, 0.125, 0.25, 0.3])
 
 
@@ -111,7 +95,7 @@ def test_the_secant_method_is_better_on_a_narrow_ridge():
 
     def evaluations_and_value(cls):
         watched = Watched(lambda p: bowl(0, 0, 0, steep=np.array([1, 20, 5]))(turn @ (p - [0.5, 0.3, -0.4])), 3)
-        best = watched.climb(cls(difference=1e-3, min_step=1e-4)).best
+        best = watched.run(cls(difference=1e-3, min_step=1e-4)).best
         return sum(map(len, watched.batches)), watched.objective.value(best)
 
     (few, high), (many, low) = evaluations_and_value(Secant), evaluations_and_value(GradientDescent)
@@ -141,7 +125,7 @@ def test_a_misleading_estimate_is_forgotten():
         def learned(self, inverse, move, fall):
             return np.array([[0.0, -1.0], [1.0, 0.0]])
 
-    outcome = Watched(bowl(0.4, 0.0)).climb(Sideways())
+    outcome = Watched(bowl(0.4, 0.0)).run(Sideways())
     np.testing.assert_allclose(outcome.best, [0.4, 0.0], atol=1 / 64)
 
 
@@ -149,14 +133,14 @@ def test_a_misleading_estimate_is_forgotten():
 def test_at_the_border_differences_are_one_sided(cls):
     """f = -x - y from (1, 0): the way is (-1, -1), although the difference along x has half the length."""
     watched = Watched(lambda p: -p.sum())
-    watched.climb(cls(), [1.0, 0.0])
+    watched.run(cls(), [1.0, 0.0])
     np.testing.assert_allclose(watched.batches[2][0], np.array([1.0, 0.0]) - 0.125 / np.sqrt(2))
 
 
 @BOTH
 def test_along_the_border_steps_are_not_shortened(cls):
     watched = Watched(lambda p: 100 * p[0] + p[1])
-    watched.climb(cls(), [1.0, 0.0])
+    watched.run(cls(), [1.0, 0.0])
     np.testing.assert_allclose(watched.batches[2][0], [1.0, 0.125])
 
 
@@ -165,45 +149,45 @@ def test_along_the_border_steps_are_not_shortened(cls):
 @given(start=st.lists(st.floats(-1, 1), min_size=2, max_size=2), step=st.sampled_from([0.125, 0.5, 2.0]))
 def test_it_is_clipped_at_the_box(cls, start, step):
     watched = Watched(lambda p: p.sum())
-    outcome = watched.climb(cls(step=step), start)
+    outcome = watched.run(cls(step=step), start)
     assert all(np.abs(batch).max() <= 1.0 for batch in watched.batches)
     np.testing.assert_allclose(outcome.best, [1.0, 1.0], atol=1 / 32)
 
 
 @BOTH
 def test_nan_is_worse_than_anything(cls):
-    outcome = Watched(lambda p: np.nan if p[0] > 0.1 else bowl(0.5, 0.0)(p)).climb(cls(), [-0.5, 0.3])
+    outcome = Watched(lambda p: np.nan if p[0] > 0.1 else bowl(0.5, 0.0)(p)).run(cls(), [-0.5, 0.3])
     assert 0.0 <= outcome.best[0] <= 0.1
 
 
 @BOTH
 def test_beside_nan_it_still_climbs(cls):
     """All differences along x end in NaN on one side."""
-    outcome = Watched(lambda p: np.nan if p[0] > 0.1 else bowl(0.09, 0.4)(p)).climb(cls(), [0.09, -0.2])
+    outcome = Watched(lambda p: np.nan if p[0] > 0.1 else bowl(0.09, 0.4)(p)).run(cls(), [0.09, -0.2])
     np.testing.assert_allclose(outcome.best, [0.09, 0.4], atol=1 / 16)
 
 
 @BOTH
 def test_a_start_without_value_is_left(cls):
-    outcome = Watched(lambda p: np.nan if np.all(p == 0) else bowl(0.4, 0.0)(p)).climb(cls())
+    outcome = Watched(lambda p: np.nan if np.all(p == 0) else bowl(0.4, 0.0)(p)).run(cls())
     np.testing.assert_allclose(outcome.best, [0.4, 0.0], atol=1 / 32)
 
 
 @BOTH
 def test_without_any_value_it_stays(cls):
-    outcome = Watched(lambda p: np.nan).climb(cls(), [0.5, 0.5])
+    outcome = Watched(lambda p: np.nan).run(cls(), [0.5, 0.5])
     np.testing.assert_allclose(outcome.best, [0.5, 0.5])
 
 
 @BOTH
 def test_the_best_point_of_a_difference_is_not_lost(cls):
     """A spike that only a difference meets: no step along the line is so short."""
-    outcome = Watched(lambda p: p[0] == 0.03).climb(cls(difference=0.03))
+    outcome = Watched(lambda p: p[0] == 0.03).run(cls(difference=0.03))
     np.testing.assert_allclose(outcome.best, [0.03, 0.0])
 
 
 @BOTH
 def test_nothing_to_see_is_the_end(cls):
     watched = Watched(lambda p: 1.0)
-    assert watched.climb(cls()).status is Status.CONVERGED
+    assert watched.run(cls()).status is Status.CONVERGED
     assert len(watched.batches) == 2

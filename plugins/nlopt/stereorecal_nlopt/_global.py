@@ -1,18 +1,16 @@
 """Global methods: they search the whole box, not only the neighbourhood of the start."""
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 import nlopt
-import numpy as np
-from jaxtyping import Float
 
-from stereorecal.strategies import AbstractStrategy, Budget, Objective, Outcome
-from stereorecal_nlopt._search import Memory, check_steps, over_the_box, search, values_of
+from stereorecal.strategies import Budget
+from stereorecal_nlopt._method import AbstractMethod
+from stereorecal_nlopt._search import check_steps, over_the_box
 
 
 @dataclass(frozen=True)
-class AbstractGlobal(AbstractStrategy):
+class AbstractGlobal(AbstractMethod):
     """A global method of NLopt; most have no stopping rule and use up the budget.
 
     Attributes:
@@ -20,23 +18,15 @@ class AbstractGlobal(AbstractStrategy):
     """
 
     evaluations: int = 2000
-    algorithm: ClassVar[int]
 
     def __post_init__(self) -> None:
         if not self.evaluations > 0:
             raise ValueError(f"need evaluations > 0, got {self.evaluations}")
 
-    def configure(self, opt: nlopt.opt) -> None:
-        """Hand NLopt the options of this method."""
-
-    def run(self, objective: Objective, start: Float[np.ndarray, "n"], budget: Budget, seed: int) -> Outcome:
-        """See `AbstractStrategy.run`."""
-        opt = over_the_box(self.algorithm, objective.dim)
-        self.configure(opt)
+    def configure(self, opt: nlopt.opt, budget: Budget) -> None:
+        """See `AbstractMethod.configure`."""
         if budget == Budget():
             opt.set_maxeval(self.evaluations)
-        memory = Memory(start)
-        return search(opt, values_of(objective, memory), memory, seed)
 
 
 @dataclass(frozen=True)
@@ -84,8 +74,9 @@ class AbstractPopulation(AbstractGlobal):
         if not self.population >= 0:
             raise ValueError(f"need population >= 0, got {self.population}")
 
-    def configure(self, opt: nlopt.opt) -> None:
-        """See `AbstractGlobal.configure`."""
+    def configure(self, opt: nlopt.opt, budget: Budget) -> None:
+        """See `AbstractMethod.configure`."""
+        super().configure(opt, budget)
         opt.set_population(self.population)
 
 
@@ -107,9 +98,9 @@ class Crs2(AbstractPopulation):
         if not 0.0 <= self.xtol < 1.0:
             raise ValueError(f"need 0 <= xtol < 1, got {self.xtol}")
 
-    def configure(self, opt: nlopt.opt) -> None:
-        """See `AbstractGlobal.configure`."""
-        super().configure(opt)
+    def configure(self, opt: nlopt.opt, budget: Budget) -> None:
+        """See `AbstractMethod.configure`."""
+        super().configure(opt, budget)
         opt.set_xtol_abs(self.xtol)
 
 
@@ -152,9 +143,9 @@ class Mlsl(AbstractPopulation):
         super().__post_init__()
         check_steps(self.step, self.xtol)
 
-    def configure(self, opt: nlopt.opt) -> None:
-        """See `AbstractGlobal.configure`."""
-        super().configure(opt)
+    def configure(self, opt: nlopt.opt, budget: Budget) -> None:
+        """See `AbstractMethod.configure`."""
+        super().configure(opt, budget)
         local = over_the_box(nlopt.LN_BOBYQA, opt.get_dimension())
         local.set_initial_step(self.step)
         local.set_xtol_abs(self.xtol)

@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import ClassVar
 
 import jax
 import jax.numpy as jnp
@@ -10,8 +9,9 @@ import nlopt
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.strategies import AbstractStrategy, Budget, Need, Objective, Outcome
-from stereorecal_nlopt._search import Ask, Memory, check_steps, over_the_box, search
+from stereorecal.strategies import Budget, Need, Objective
+from stereorecal_nlopt._method import AbstractMethod
+from stereorecal_nlopt._search import Ask, Memory, check_steps
 
 
 @jax.jit
@@ -50,7 +50,7 @@ def _gradients_of(objective: Objective, memory: Memory, step: float) -> Ask:
 
 
 @dataclass(frozen=True)
-class AbstractGradient(AbstractStrategy):
+class AbstractGradient(AbstractMethod):
     """A local method of NLopt that follows the gradient of the soft count.
 
     The score is scaled so that its first gradient is `step` long: these methods have no option for it, and as long as
@@ -66,18 +66,18 @@ class AbstractGradient(AbstractStrategy):
     step: float = 1.0 / 8.0
     xtol: float = 1.0 / 1024.0
     ftol: float = 1e-5
-    algorithm: ClassVar[int]
 
     def __post_init__(self) -> None:
         check_steps(self.step, self.xtol, self.ftol)
 
-    def run(self, objective: Objective, start: Float[np.ndarray, "n"], budget: Budget, seed: int) -> Outcome:
-        """See `AbstractStrategy.run`. Deterministic: `seed` is not used."""
-        opt = over_the_box(self.algorithm, objective.dim)
+    def configure(self, opt: nlopt.opt, budget: Budget) -> None:
+        """See `AbstractMethod.configure`."""
         opt.set_xtol_abs(self.xtol)
         opt.set_ftol_rel(self.ftol)
-        memory = Memory(start)
-        return search(opt, _gradients_of(objective, memory, self.step), memory, seed)
+
+    def asks(self, objective: Objective, memory: Memory) -> Ask:
+        """Soft counts with their gradients."""
+        return _gradients_of(objective, memory, self.step)
 
 
 @dataclass(frozen=True)

@@ -1,18 +1,16 @@
 """Local methods without derivatives."""
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 import nlopt
-import numpy as np
-from jaxtyping import Float
 
-from stereorecal.strategies import AbstractStrategy, Budget, Objective, Outcome
-from stereorecal_nlopt._search import Memory, check_steps, over_the_box, search, values_of
+from stereorecal.strategies import Budget
+from stereorecal_nlopt._method import AbstractMethod
+from stereorecal_nlopt._search import check_steps
 
 
 @dataclass(frozen=True)
-class AbstractLocal(AbstractStrategy):
+class AbstractLocal(AbstractMethod):
     """A local method of NLopt that asks for values only.
 
     Attributes:
@@ -24,19 +22,15 @@ class AbstractLocal(AbstractStrategy):
     step: float = 1.0 / 8.0
     xtol: float = 1.0 / 128.0
     ftol: float = 0.0
-    algorithm: ClassVar[int]
 
     def __post_init__(self) -> None:
         check_steps(self.step, self.xtol, self.ftol)
 
-    def run(self, objective: Objective, start: Float[np.ndarray, "n"], budget: Budget, seed: int) -> Outcome:
-        """See `AbstractStrategy.run`."""
-        opt = over_the_box(self.algorithm, objective.dim)
+    def configure(self, opt: nlopt.opt, budget: Budget) -> None:
+        """See `AbstractMethod.configure`."""
         opt.set_initial_step(self.step)
         opt.set_xtol_abs(self.xtol)
         opt.set_ftol_rel(self.ftol)
-        memory = Memory(start)
-        return search(opt, values_of(objective, memory), memory, seed)
 
 
 @dataclass(frozen=True)
