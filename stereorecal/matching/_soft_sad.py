@@ -7,6 +7,7 @@ the number of valid pixels smooth.
 
 import functools
 import operator
+from collections.abc import Callable
 from functools import partial
 from typing import NamedTuple
 
@@ -16,7 +17,7 @@ from jaxtyping import Bool, Float, Int
 
 from stereorecal.matching._matcher import AbstractMatcher, SoftDisparity
 from stereorecal.matching._reduce import minimum
-from stereorecal.matching._stream import NEVER, inside_right, stream_costs
+from stereorecal.matching._stream import NEVER, inside_right, offsets, seen_from_right, stream_costs
 from stereorecal.matching._texture import texture_response, x_sobel
 
 _NOISE = 1.0  # grey levels per pixel of the window: keeps the margin of a perfect match finite
@@ -54,7 +55,7 @@ def soft_search(
     images = (left, right)
     if options.pre_filter_cap:
         images = tuple(x_sobel(image, options.pre_filter_cap) for image in images)
-    found = _find(images[0], images[1], options, 1, temperature)
+    found, from_right = _find(images[0], images[1], options, temperature)
     noise = _NOISE * options.block_size**2
 
     def gate(margin: jax.Array) -> jax.Array:
@@ -68,8 +69,6 @@ def soft_search(
     if options.uniqueness_ratio:
         gates.append(unique)
     if options.disp12_max_diff >= 0:
-        mirrored = _find(images[1][:, ::-1], images[0][:, ::-1], options, options.disp12_max_diff, temperature)
-        from_right = jax.tree.map(lambda field: field[:, ::-1], mirrored)
         gates.append(lambda candidate: _consistent(candidate, from_right, options, noise, gate))
 
     texture = jnp.ones_like(left)
@@ -107,39 +106,62 @@ def _consistent(candidate: _Candidate, from_right: _Found, options: AbstractMatc
 
 
 def _find(
-    left: Float[jax.Array, "h w"], right: Float[jax.Array, "h w"], options: AbstractMatcher, near: int, temperature
-) -> _Found:
-    """Best candidates of every pixel of `left`, in float32; all costs carry their derivatives."""
+    left: Float[jax.Array, "h w"], right: Float[jax.Array, "h w"], options: AbstractMatcher, temperature
+) -> tuple[_Found, _Found]:
+    """Best candidates of every pixel of `left`, and of `right`, in float32; all costs carry their derivatives."""
     width = left.shape[1]
-    count = options.disparity_range(width)[1]
-    index = jnp.arange(count, dtype=jnp.int32)[:, None]
+    lowest, count = options.disparity_range(width)
+    column = jnp.arange(width, dtype=jnp.int32)
     inside = inside_right(options, width)
     low_bits = (1 << max(1, (count - 1).bit_length())) - 1
 
     def best_of_row(cost):
         # Floats that are not negative sort as their bits do; the lowest bits give way to the index.
         bits = jax.lax.bitcast_convert_type(jnp.maximum(jax.lax.stop_gradient(cost), 0.0), jnp.int32)
-        packed = jax.lax.optimization_barrier(jnp.where(inside, (bits & ~low_bits) | index, NEVER))
-        best = jax.lax.optimization_barrier(minimum(packed))
-        exists = best < NEVER
-        winner = jnp.where(exists, best & low_bits, 0)
+        packed = jax.lax.optimization_barrier(jnp.where(inside, (bits & ~low_bits) | offsets(count), NEVER))
 
-        def at(i):
-            return jnp.take_along_axis(cost, i[None], axis=0)[0]
+        def from_left(i):
+            return cost[count - 1 - i, column]
 
-        def candidate(i):
-            rivals = minimum(jnp.where(jnp.abs(index - i) <= near, NEVER, packed))
-            rivalled = rivals < NEVER
-            return _Candidate(i, at(i), at(jnp.where(rivalled, rivals & low_bits, 0)), rivalled)
+        def from_right(i):
+            return cost[count - 1 - i, jnp.clip(column + lowest + i, 0, width - 1)]
 
-        below, above = at(jnp.maximum(winner - 1, 0)), at(jnp.minimum(winner + 1, count - 1))
-        first = candidate(winner)
-        second = candidate(jnp.clip(jnp.where(above < below, winner + 1, winner - 1), 0, count - 1))
-        # The parabola's vertex lies half a pixel from the winner where its neighbour costs the same.
-        curvature = below + above - 2.0 * first.cost
-        offset = 0.5 * jnp.abs(below - above) / jnp.maximum(curvature, 1e-3)
-        width_of_change = jnp.minimum(temperature, 0.5)
-        share = 0.5 * jnp.clip((offset - 0.5) / width_of_change + 1.0, 0.0, 1.0)
-        return _Found(first, second, share, exists)
+        found = _best(from_left, packed, low_bits, 1, temperature)
+        if options.disp12_max_diff < 0:
+            return found, found
+        packed = seen_from_right(packed, lowest)
+        return found, _best(from_right, packed, low_bits, options.disp12_max_diff, temperature)
 
     return stream_costs(left, right, options, jnp.float32, best_of_row)
+
+
+def _best(
+    at: Callable[[jax.Array], jax.Array], packed: Int[jax.Array, "d w"], low_bits: int, near: int, temperature
+) -> _Found:
+    """Best candidates of a row.
+
+    Args:
+        at: offsets (w,) -> their costs.
+        packed: the costs as whole numbers that sort alike, with the offset in their `low_bits`.
+        near: a rival is farther than this from a candidate.
+    """
+    count = packed.shape[0]
+    packed = jax.lax.optimization_barrier(packed)
+    best = jax.lax.optimization_barrier(minimum(packed))
+    exists = best < NEVER
+    winner = jnp.where(exists, best & low_bits, 0)
+
+    def candidate(i):
+        rivals = minimum(jnp.where(jnp.abs(offsets(count) - i) <= near, NEVER, packed))
+        rivalled = rivals < NEVER
+        return _Candidate(i, at(i), at(jnp.where(rivalled, rivals & low_bits, 0)), rivalled)
+
+    below, above = at(jnp.maximum(winner - 1, 0)), at(jnp.minimum(winner + 1, count - 1))
+    first = candidate(winner)
+    second = candidate(jnp.clip(jnp.where(above < below, winner + 1, winner - 1), 0, count - 1))
+    # The parabola's vertex lies half a pixel from the winner where its neighbour costs the same.
+    curvature = below + above - 2.0 * first.cost
+    offset = 0.5 * jnp.abs(below - above) / jnp.maximum(curvature, 1e-3)
+    width_of_change = jnp.minimum(temperature, 0.5)
+    share = 0.5 * jnp.clip((offset - 0.5) / width_of_change + 1.0, 0.0, 1.0)
+    return _Found(first, second, share, exists)

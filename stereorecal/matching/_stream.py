@@ -5,18 +5,40 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Bool, Num
+from jaxtyping import Bool, Int, Num
 
 from stereorecal.matching._matcher import AbstractMatcher
 
-NEVER = 2**31 - 1  # packed cost of a candidate outside the right image
+NEVER = 2**31 - 1  # packed cost of a candidate outside the other image
+
+
+def offsets(count: int) -> Int[jax.Array, "d 1"]:
+    """Disparities above min_disparity in the order of the cost rows: from the largest to the smallest, so that
+    `seen_from_right` reads forwards."""
+    return jnp.arange(count - 1, -1, -1, dtype=jnp.int32)[:, None]
 
 
 def inside_right(options: AbstractMatcher, width: int) -> Bool[jax.Array, "d w"]:
     """Which candidates of a row lie inside the right image."""
     lowest, count = options.disparity_range(width)
-    target = jnp.arange(width, dtype=jnp.int32) - (lowest + jnp.arange(count, dtype=jnp.int32))[:, None]
+    target = jnp.arange(width, dtype=jnp.int32) - (lowest + offsets(count))
     return (target >= 0) & (target < width)
+
+
+def seen_from_right(packed: Int[jax.Array, "d w"], lowest: int) -> Int[jax.Array, "d w"]:
+    """The same candidates, sorted by the pixel of the right image that they meet; NEVER where there is none.
+
+    Pixel x of the left image meets x - disparity: a shear, whose rows are slices of the flat array.
+    """
+    count, width = packed.shape
+    first = min(max(lowest, 1 - count), 0)  # all slices lie inside the array; what is missed meets no left pixel
+    row = jnp.arange(count, dtype=jnp.int32)
+    flat = packed.reshape(-1)
+    sheared = jax.vmap(lambda k: jax.lax.dynamic_slice(flat, (k * (width - 1) + count - 1 + first,), (width,)))(row)
+    column = jnp.arange(width, dtype=jnp.int32) + first + offsets(count)
+    sheared = jnp.where((column >= 0) & (column < width), sheared, NEVER)
+    missed = lowest - first
+    return jax.lax.pad(sheared, jnp.int32(NEVER), ((0, 0, 0), (-missed, missed, 0)))
 
 
 def stream_costs(
@@ -26,9 +48,11 @@ def stream_costs(
     sum_type: Any,
     use: Callable[[Num[jax.Array, "d w"]], Any],
 ) -> Any:
-    """`use(cost)` of each row, stacked; cost (d, w) are the sums of absolute differences over the windows.
+    """`use(cost)` of each row, stacked; cost (d, w) are the sums of absolute differences over the windows, in the
+    order of `offsets`.
 
-    Outside the right image its border repeats; outside its rows both images are 0 and cost nothing.
+    Beyond their columns both images repeat their border, so that a cost is the same from either image; beyond their
+    rows both are 0 and cost nothing.
 
     Args:
         sum_type: a dtype that holds the sum of a window.
@@ -36,13 +60,15 @@ def stream_costs(
     height, width = left.shape
     lowest, count = options.disparity_range(width)
     radius = options.block_size // 2
-    left_rows = jnp.pad(left, ((radius, radius), (0, 0)))
-    before, after = max(lowest + count - 1, 0), max(-lowest, 0)
-    right_rows = jnp.pad(jnp.pad(right, ((0, 0), (before, after)), mode="edge"), ((radius, radius), (0, 0)))
-    index = jnp.arange(count, dtype=jnp.int32)
+    before, after = max(radius + lowest + count - 1, 0), max(radius - lowest, 0)
+    left_rows = _with_border(left, radius, (radius, radius))
+    right_rows = _with_border(right, radius, (before, after))
+    # The column sums reach as far as the windows do: padding them in the loop would cost more than the sums.
+    wide = width + 2 * radius
+    first_column = before - radius - lowest - offsets(count)[:, 0]
 
     def absolute_differences(left_row, right_row):
-        shifted = jax.vmap(lambda i: jax.lax.dynamic_slice(right_row, (before - lowest - i,), (width,)))(index)
+        shifted = jax.vmap(lambda first: jax.lax.dynamic_slice(right_row, (first,), (wide,)))(first_column)
         return jnp.abs(left_row - shifted).astype(sum_type)
 
     def add_row(column_sums, rows):
@@ -51,17 +77,30 @@ def stream_costs(
     def step(column_sums, rows):
         entering, leaving = rows
         column_sums = column_sums + absolute_differences(*entering) - absolute_differences(*leaving)
-        padded = jnp.pad(column_sums, ((0, 0), (radius, radius)))
-        cost = padded[:, :width]
-        for offset in range(1, options.block_size):
-            cost = cost + padded[:, offset : offset + width]
-        return column_sums, use(cost)
+        column_sums = jax.lax.optimization_barrier(column_sums)
+        return column_sums, use(_windows(column_sums, options.block_size))
 
     def rows(start, stop):
         return left_rows[start:stop], right_rows[start:stop]
 
-    start = jnp.zeros((count, width), sum_type)
+    start = jnp.zeros((count, wide), sum_type)
     start, _ = jax.lax.scan(add_row, start, rows(0, 2 * radius))
     leaving = tuple(jnp.pad(r, ((1, 0), (0, 0)))[:height] for r in (left_rows, right_rows))
     _, found = jax.lax.scan(step, start, (rows(2 * radius, height + 2 * radius), leaving))
     return found
+
+
+def _with_border(image: Num[jax.Array, "h w"], rows: int, columns: tuple[int, int]) -> Num[jax.Array, "hh ww"]:
+    return jnp.pad(jnp.pad(image, ((0, 0), columns), mode="edge"), ((rows, rows), (0, 0)))
+
+
+def _windows(column_sums: Num[jax.Array, "d ww"], block_size: int) -> Num[jax.Array, "d w"]:
+    """Sums of `block_size` neighbours; of fours first, which saves additions."""
+    width = column_sums.shape[1] - block_size + 1
+    fours = block_size // 4 if block_size >= 8 else 0
+    parts = [column_sums[:, i : i + width] for i in range(4 * fours, block_size)]
+    if fours:
+        length = column_sums.shape[1] - 3
+        four = jax.lax.optimization_barrier(sum(column_sums[:, i : i + length] for i in range(4)))
+        parts += [four[:, 4 * i : 4 * i + width] for i in range(fours)]
+    return sum(parts[1:], start=parts[0])

@@ -45,14 +45,17 @@ def match(left: Float[np.ndarray, "h w"], right: Float[np.ndarray, "h w"], optio
 
 
 def _cost_volume(left, right, lowest: int, count: int, block_size: int) -> Int[np.ndarray, "d h w"]:
+    """Windows that reach beyond a column of either image see its border repeated; beyond its rows they see nothing."""
     height, width = left.shape
-    column = np.arange(width)
+    radius = block_size // 2
+    column = np.arange(-radius, width + radius)
     volume = np.full((count, height, width), _NEVER, np.int64)
     for index in range(count):
         partner = column - (lowest + index)
-        difference = np.abs(left - right[:, np.clip(partner, 0, width - 1)])
+        difference = np.abs(left[:, np.clip(column, 0, width - 1)] - right[:, np.clip(partner, 0, width - 1)])
+        partner = partner[radius : width + radius]
         inside = (partner >= 0) & (partner < width)
-        volume[index][:, inside] = _box_sum(difference, block_size)[:, inside]
+        volume[index][:, inside] = _box_sum(difference, block_size)[:, radius : width + radius][:, inside]
     return volume
 
 

@@ -17,7 +17,7 @@ from stereorecal._errors import InputError
 from stereorecal.matching._matcher import AbstractMatcher, Disparity, SoftDisparity
 from stereorecal.matching._reduce import minimum, total
 from stereorecal.matching._soft_sad import soft_search
-from stereorecal.matching._stream import NEVER, inside_right, stream_costs
+from stereorecal.matching._stream import NEVER, inside_right, offsets, seen_from_right, stream_costs
 from stereorecal.matching._texture import quantise, x_sobel
 
 
@@ -56,18 +56,15 @@ def _search(left: Float[jax.Array, "h w"], right: Float[jax.Array, "h w"], optio
     images = quantise(left), quantise(right)
     if options.pre_filter_cap:
         images = tuple(x_sobel(image, options.pre_filter_cap) for image in images)
-    best = _winners(images[0], images[1], options, costs=True)
+    best = _winners(images[0], images[1], options)
     disparity = options.min_disparity + best.winner
     valid = best.cost < NEVER
     if options.uniqueness_ratio:
         valid &= best.rivals == 0
     if options.disp12_max_diff >= 0:
-        # The same search from the right image, mirrored so that it looks the same way.
-        mirrored = _winners(images[1][:, ::-1], images[0][:, ::-1], options, costs=False)
-        from_right = options.min_disparity + mirrored.winner[:, ::-1]
         width = left.shape[1]
         partner = jnp.clip(jnp.arange(width) - disparity, 0, width - 1)
-        difference = jnp.abs(jnp.take_along_axis(from_right, partner, axis=1) - disparity)
+        difference = jnp.abs(jnp.take_along_axis(best.from_right, partner, axis=1) - best.winner)
         valid &= difference <= options.disp12_max_diff
     return Disparity(disparity.astype(jnp.float32) + _parabola(best), valid)
 
@@ -78,6 +75,7 @@ class _Winners(NamedTuple):
     rivals: Int[jax.Array, "h w"]  # how many others, neighbours apart, come as near as uniqueness_ratio forbids
     below: Int[jax.Array, "h w"]  # costs at winner - 1 and winner + 1
     above: Int[jax.Array, "h w"]
+    from_right: Int[jax.Array, "h w"]  # the winner of each pixel of the right image; 0 where the check is off
 
 
 def _parabola(best: _Winners) -> Float[jax.Array, "h w"]:
@@ -88,26 +86,26 @@ def _parabola(best: _Winners) -> Float[jax.Array, "h w"]:
     return jnp.where(curvature > 0, 0.5 * (below - above) / jnp.where(curvature > 0, curvature, 1.0), 0.0)
 
 
-def _winners(left: Int[jax.Array, "h w"], right: Int[jax.Array, "h w"], options: SAD, *, costs: bool) -> _Winners:
-    """Best candidates of every pixel of `left`; with `costs=False` only their indices are meaningful."""
+def _winners(left: Int[jax.Array, "h w"], right: Int[jax.Array, "h w"], options: SAD) -> _Winners:
+    """Best candidates of every pixel of `left`, and of `right` where the left-right check asks for them."""
     width = left.shape[1]
-    count = options.disparity_range(width)[1]
-    index = jnp.arange(count, dtype=jnp.int32)
+    lowest, count = options.disparity_range(width)
     column = jnp.arange(width, dtype=jnp.int32)
     inside = inside_right(options, width)
     index_bits = max(1, (count - 1).bit_length())
 
+    def index_of(best):
+        return jnp.where(best < NEVER, best & ((1 << index_bits) - 1), 0)
+
     def best_of_row(cost):
         # One int32 holds cost and index: a single minimum finds both, and ties go to the smaller index.
-        packed = jnp.where(inside, (cost.astype(jnp.int32) << index_bits) | index[:, None], NEVER)
+        packed = jnp.where(inside, (cost.astype(jnp.int32) << index_bits) | offsets(count), NEVER)
         packed = jax.lax.optimization_barrier(packed)  # computed once, not once for each of its readers
         best = jax.lax.optimization_barrier(minimum(packed))
-        winner = jnp.where(best < NEVER, best & ((1 << index_bits) - 1), 0)
-        if not costs:
-            return (winner,)
+        winner = index_of(best)
 
         def cost_at(i):
-            neighbour = packed[jnp.clip(i, 0, count - 1), column]
+            neighbour = packed[jnp.clip(count - 1 - i, 0, count - 1), column]
             exists = (i >= 0) & (i < count) & (neighbour < NEVER)
             return jnp.where(exists, neighbour >> index_bits, NEVER)
 
@@ -116,10 +114,11 @@ def _winners(left: Int[jax.Array, "h w"], right: Int[jax.Array, "h w"], options:
         near = sum((c <= limit).astype(jnp.int32) for c in (best_cost, below, above))
         rivals = total(jnp.where(packed < (limit + 1) << index_bits, 1, 0)) - near
         best_cost = jnp.where(best < NEVER, best_cost, NEVER)
-        return winner, best_cost, rivals, below, above
+        checked = options.disp12_max_diff >= 0
+        from_right = index_of(minimum(seen_from_right(packed, lowest))) if checked else jnp.zeros_like(winner)
+        return _Winners(winner, best_cost, rivals, below, above, from_right)
 
-    found = stream_costs(left, right, options, _sum_type(options), best_of_row)
-    return _Winners(*found) if costs else _Winners(found[0], *[found[0]] * 4)
+    return stream_costs(left, right, options, _sum_type(options), best_of_row)
 
 
 def _sum_type(options: SAD) -> jnp.dtype:

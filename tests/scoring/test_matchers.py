@@ -20,7 +20,7 @@ def test_truth_against_off(scene, cls, kind):
 
 
 def test_bm_and_sad_agree(scene):
-    """The same method in two implementations."""
+    """The same method in two implementations; BM leaves out a border of half a window."""
     given_scene = scene("harbour", 2)
     found = [score(given_scene.rig, given_scene.pairs, matcher=cls(num_disparities=32)).count for cls in (SAD, BM)]
-    assert found[0] == pytest.approx(found[1], rel=0.1)
+    assert found[0] == pytest.approx(found[1], rel=0.12)

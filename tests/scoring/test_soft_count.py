@@ -1,5 +1,7 @@
 """The soft count: a smooth twin of the count, whose gradient is true and whose summit is the count's."""
 
+from itertools import pairwise
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -60,9 +62,10 @@ def test_it_tends_to_the_count_as_the_temperature_falls(scene):
         abs(float(made(scene, temperature=t).traced.soft_count(jnp.zeros(5))) - hard) / hard
         for t in (0.3, 0.1, 0.03, 0.001)
     ]
-    assert distance == sorted(distance, reverse=True)
+    unrounded = 0.01  # the soft count sees images that are not rounded, so a distance remains
+    assert all(later <= max(earlier, unrounded) for earlier, later in pairwise(distance))
     assert distance[0] > 0.05
-    assert distance[-1] < 0.01  # the images are not rounded
+    assert distance[-1] < unrounded
 
 
 @pytest.mark.parametrize("kind", ["harbour", "coast", "street"])
