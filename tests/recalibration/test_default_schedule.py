@@ -174,12 +174,12 @@ def test_a_budget_is_kept(harbour, repaired, limit):
 
 
 def test_a_cut_budget_does_not_fall_back_on_the_count():
-    """On the street, from the truth: the count gains a little, and yaw is 0.2 degrees off."""
-    street = render("street", 0, rig=RIG).pairs
-    solution = repair(RIG, street, budget=Budget(evaluations=5))
-    assert solution.score_after.count > solution.score_before.count
+    """The count gains a lot, but it knows too little of yaw to be trusted alone."""
+    rig, street = drifted((0.3, 0.0, 0.0, 0.0, 0.0)), render("street", 0, rig=RIG).pairs
+    solution = repair(rig, street, budget=Budget(evaluations=5))
+    assert solution.score_after.count > 1.02 * solution.score_before.count
     assert solution.reason is Reason.OUT_OF_BUDGET
-    assert solution.rig is RIG
+    assert solution.rig is rig
     assert not solution.reason.healthy
 
 
