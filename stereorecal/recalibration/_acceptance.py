@@ -13,7 +13,7 @@ _COUNT_LOSS = 0.01  # of the count; the count is flat to half of that around the
 _COUNT_GAIN = 0.01
 _ROW_LOSS = 0.02  # pixels
 _ROW_GAIN = 0.01  # pixels
-_SIGNIFICANT = 3.0  # standard errors, over the tiles
+_SIGNIFICANT = 3.0  # standard errors, over the places of tiles
 _FEWEST_TILES = 6
 _EDGE = 0.98  # of the box of the epipolar stages, which is twice the reach
 ROWS_APART = 0.3  # pixels; 0.03 degrees of pitch at a focal length of 600 pixels: no good calibration leaves that
@@ -45,7 +45,7 @@ class RowErrors:
     Attributes:
         before: under the calibration that was given.
         after: under the candidate, each part of the images judged by a solution that has not seen it.
-        significance: of the gain, in standard errors over the tiles.
+        significance: of the gain, in standard errors over the places of tiles in the frames.
     """
 
     before: float
@@ -54,9 +54,9 @@ class RowErrors:
 
 
 def row_errors(found: Evidence) -> RowErrors:
-    """The paired comparison of tiles that no solution has seen."""
+    """The paired comparison of tiles that no solution has seen; frames that repeat each other prove nothing twice."""
     before, after = found.held_out()
-    gain = before - after
+    gain = found.by_place(before - after)
     error = float(np.std(gain, ddof=1)) / np.sqrt(len(gain)) if len(gain) > 1 else np.inf
     return RowErrors(float(np.mean(before)), float(np.mean(after)), float(np.mean(gain)) / max(error, 1e-9))
 

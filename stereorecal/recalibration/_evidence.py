@@ -1,8 +1,8 @@
 """What the last correspondences say about the solution: its covariance, and how it does on data it has not seen.
 
-Everything rests on one linearisation at the solution, cut into groups: the frames, or the tiles of an only frame.
-Groups are the units of resampling: within a group, errors go together (windows overlap, a surface is smooth or a
-texture repeats), so the formal least-squares covariance is too small.
+Everything rests on one linearisation at the solution, cut into tiles. Within a tile errors go together (windows
+overlap, a surface is smooth or a texture repeats), so the formal least-squares covariance is too small; and what a tile
+shows in one frame it may show in the next, so the tiles at one place of all frames are one unit of resampling.
 """
 
 from dataclasses import dataclass
@@ -50,12 +50,12 @@ class Evidence:
         return self.jacobian[rows].T @ (self.weight[rows] * self.residual[rows])
 
     def covariance(self) -> Float[np.ndarray, "n n"]:
-        """Of the solution, in units of the box: the sandwich estimate with tiles as clusters, and the prior."""
+        """Of the solution, in units of the box: the sandwich estimate with places as clusters, and the prior."""
         inverse = np.linalg.inv(self._curvature(slice(None)) + self._prior)
-        tiles = np.unique(self.tile)
-        pulls = np.stack([self._pull(self.tile == t) for t in tiles])
+        place = self.tile % TILES_OF_A_FRAME
+        pulls = np.stack([self._pull(place == p) for p in np.unique(place)])
         pulls -= pulls.mean(0)  # the prior balances their sum
-        meat = pulls.T @ pulls * len(tiles) / max(1, len(tiles) - 1) + self._prior
+        meat = pulls.T @ pulls * len(pulls) / max(1, len(pulls) - 1) + self._prior
         return inverse @ meat @ inverse
 
     def _fold(self) -> Int[np.ndarray, "m"]:
@@ -80,6 +80,11 @@ class Evidence:
         tiles = [self.tile == t for t in np.unique(self.tile)]
         before, after = (np.array([np.median(np.abs(r[t])) for t in tiles]) for r in (self.start_residual, unseen))
         return before, after
+
+    def by_place(self, values: Float[np.ndarray, "t"]) -> Float[np.ndarray, "p"]:
+        """The mean over the frames of what `held_out` says of each tile: at each place that shows something."""
+        places, place = np.unique(np.unique(self.tile) % TILES_OF_A_FRAME, return_inverse=True)
+        return np.bincount(place, values, len(places)) / np.bincount(place, minlength=len(places))
 
 
 def evidence(case: Case, found: Correspondences, z: Float[np.ndarray, "n"]) -> Evidence:

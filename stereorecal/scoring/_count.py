@@ -2,6 +2,7 @@
 
 import os
 from concurrent.futures import ThreadPoolExecutor
+from functools import cache
 
 import jax
 import jax.numpy as jnp
@@ -44,11 +45,14 @@ def counts(data: ScoringData, candidates: Float[AnyArray, "n 6"], matcher: Abstr
         return sum(int(d.valid.sum()) for d in disparities(data, extrinsics, matcher))
 
     # XLA runs one row scan on one core; candidates are what there is to spread.
-    workers = min(len(candidates), os.cpu_count() or 1) if jax.default_backend() == "cpu" else 1
-    if workers <= 1:
-        return np.array([one(c) for c in candidates], np.int64)
-    with ThreadPoolExecutor(workers) as pool:
-        return np.array(list(pool.map(one, candidates)), np.int64)
+    spread = len(candidates) > 1 and jax.default_backend() == "cpu"
+    return np.array(list((_workers().map if spread else map)(one, candidates)), np.int64)
+
+
+@cache
+def _workers() -> ThreadPoolExecutor:
+    """One thread for each core; kept, since a search asks for many small batches."""
+    return ThreadPoolExecutor(os.cpu_count() or 1)
 
 
 def disparities(data: ScoringData, extrinsics: Float[AnyArray, "6"], matcher: AbstractMatcher) -> list[Disparity]:

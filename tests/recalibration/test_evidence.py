@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
+from stereorecal.recalibration._acceptance import row_errors
 from stereorecal.recalibration._evidence import Evidence
 
 PRIOR = np.eye(5) * 36.0  # 1 / (a sixth of the box)²: a drift of a third of the reach, in a box of two
@@ -95,6 +96,30 @@ def test_errors_in_common_count_as_what_they_are():
         formal = np.linalg.inv(found.jacobian.T @ (found.weight[:, None] * found.jacobian) + PRIOR)
         ratio = np.sqrt(np.diag(found.covariance()) / np.diag(formal)).mean()
         assert low < ratio < high
+
+
+def repeated(found: Evidence, times: int) -> Evidence:
+    """The same frame several times."""
+    fields = {
+        name: np.concatenate([getattr(found, name)] * times)
+        for name in ("jacobian", "residual", "start_residual", "weight")
+    }
+    return replace(found, **fields, tile=np.concatenate([found.tile + i * TILES for i in range(times)]))
+
+
+@pytest.mark.parametrize("times", [2, 8])
+def test_a_frame_that_repeats_is_no_news(times):
+    found, _ = problem(common=0.5)
+    several = repeated(found, times)
+    np.testing.assert_allclose(np.diag(several.covariance()), np.diag(found.covariance()), rtol=0.1)
+    once, more = row_errors(found), row_errors(several)
+    assert more.before == pytest.approx(once.before)
+    assert more.significance == pytest.approx(once.significance, rel=0.2)
+
+
+def test_frames_of_their_own_are_news():
+    one, nine = (problem(common=0.5, frames=frames)[0].covariance() for frames in (1, 9))
+    assert 2.0 < np.sqrt(np.diag(one) / np.diag(nine)).mean() < 4.5
 
 
 # --- held out -----------------------------------------------------------------------------------------------

@@ -237,8 +237,9 @@ def test_plain_data(scenes, serial):
     assert list(used["translation_m"].values()) == solution.rig.extrinsics[3:].tolist()
     np.testing.assert_allclose([*used["rotation_deg"].values()], np.degrees(solution.rig.extrinsics[:3]))
     roll = data["change"]["rotation_deg"]["roll"]
-    difference = used["rotation_deg"]["roll"] - data["extrinsics"]["before"]["rotation_deg"]["roll"]
-    assert roll == pytest.approx(difference, abs=1e-6)
+    before, candidate = (data["extrinsics"][which]["rotation_deg"]["roll"] for which in ("before", "candidate"))
+    assert roll == pytest.approx(candidate - before, abs=1e-6)
+    assert roll != 0.0
     assert data["change"]["translation_percent"]["x"] == 0.0
     (failed,) = recalibrate_many([replace(scenes[0], rig=None)], **OPTIONS)
     assert failed.as_dict() == {"scene": "one", "error": failed.error, "fault": "input"}
