@@ -5,11 +5,15 @@ from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
+import jax
 import pytest
 from hypothesis import settings
 
 from stereorecal.geometry import Scene
 from stereorecal.synthetic import default_rig, render
+
+os.environ["JAX_ENABLE_COMPILATION_CACHE"] = "false"  # of commands that tests start: nothing of the user's is touched
+jax.config.update("jax_enable_compilation_cache", False)
 
 settings.register_profile("stereorecal", derandomize=True, deadline=None)
 settings.load_profile("stereorecal")

@@ -9,6 +9,7 @@ from typing import NoReturn
 
 from stereorecal._errors import InputError, StrategyError
 from stereorecal.cli import _compare, _recalibrate, _score, _strategies
+from stereorecal.cli._compiled import keep_compiled_programs
 from stereorecal.cli._exit_codes import BAD_INPUT, FAILURE, INTERRUPTED
 
 
@@ -28,6 +29,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         command.add_to(verbs)
     options = parser.parse_args(arguments)
     _interrupt_on_sigterm()
+    keep_compiled_programs()
     try:
         return options.run(options)
     except InputError as error:

@@ -1,0 +1,24 @@
+"""Compiled programs are kept in the user's cache folder: a first repair takes most of its time to compile."""
+
+import os
+
+import jax
+from platformdirs import user_cache_path
+
+_LEAST_SECONDS = 0.1  # of compiling; what is faster is not worth a file
+
+
+def keep_compiled_programs() -> None:
+    """Use JAX's persistent compilation cache, unless the user has set one up, has switched it off, or cannot write
+    to the folder."""
+    settings = jax.config.values
+    if not settings["jax_enable_compilation_cache"] or settings["jax_compilation_cache_dir"] is not None:
+        return
+    folder = user_cache_path("stereorecal") / "programs"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return
+    if os.access(folder, os.W_OK):
+        jax.config.update("jax_compilation_cache_dir", str(folder))
+        jax.config.update("jax_persistent_cache_min_compile_time_secs", _LEAST_SECONDS)
