@@ -14,10 +14,10 @@ def keep_compiled_programs() -> None:
     settings = jax.config.values
     if not settings["jax_enable_compilation_cache"] or settings["jax_compilation_cache_dir"] is not None:
         return
-    folder = user_cache_path("stereorecal") / "programs"
     try:
+        folder = user_cache_path("stereorecal") / "programs"
         folder.mkdir(parents=True, exist_ok=True)
-    except OSError:
+    except (OSError, RuntimeError):  # a user without a home
         return
     if os.access(folder, os.W_OK):
         jax.config.update("jax_compilation_cache_dir", str(folder))

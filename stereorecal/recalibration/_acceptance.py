@@ -14,7 +14,7 @@ _COUNT_GAIN = 0.01
 _ROW_LOSS = 0.02  # pixels
 _ROW_GAIN = 0.01  # pixels
 _SIGNIFICANT = 3.0  # standard errors, over the places of tiles
-_FEWEST_TILES = 6
+_FEWEST_PLACES = 6
 _EDGE = 0.98  # of the box of the epipolar stages, which is twice the reach
 ROWS_APART = 0.3  # pixels; 0.03 degrees of pitch at a focal length of 600 pixels: no good calibration leaves that
 
@@ -74,7 +74,7 @@ def verdict(
     rows: RowErrors,
     z: Float[np.ndarray, "n"],
     observed: Bool[np.ndarray, "n"],
-    tiles: int,
+    places: int,
 ) -> Reason:
     """The verdict on a candidate with correspondences.
 
@@ -84,9 +84,9 @@ def verdict(
     Args:
         z: the candidate in the unit box.
         observed: which of its coordinates the data determine.
-        tiles: how many tiles hold correspondences.
+        places: how many places of the frames hold correspondences.
     """
-    if tiles < _FEWEST_TILES:
+    if places < _FEWEST_PLACES:
         return Reason.TOO_LITTLE_TEXTURE
     if after.count < (1.0 - _COUNT_LOSS) * before.count:
         return Reason.FEWER_MATCHES

@@ -2,13 +2,15 @@
 
 Everything rests on one linearisation at the solution, cut into tiles. Within a tile errors go together (windows
 overlap, a surface is smooth or a texture repeats), so the formal least-squares covariance is too small; and what a tile
-shows in one frame it may show in the next, so the tiles at one place of all frames are one unit of resampling.
+shows in one frame it may show in the next (a rig at rest, its own bow), so the tiles at one place of all frames are one
+unit of resampling, and are held out together.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float, Int
+from scipy.stats import norm, t as student_t
 
 from stereorecal.recalibration._stage_run import PRIOR, WIDER, Case, differences_at
 from stereorecal.scoring import TILES, Correspondences, Loss, precisions
@@ -55,21 +57,24 @@ class Evidence:
         place = self.tile % TILES_OF_A_FRAME
         pulls = np.stack([self._pull(place == p) for p in np.unique(place)])
         pulls -= pulls.mean(0)  # the prior balances their sum
-        meat = pulls.T @ pulls * len(pulls) / max(1, len(pulls) - 1) + self._prior
+        others = max(1, len(pulls) - 1)
+        few = (student_t.ppf(0.975, others) / norm.ppf(0.975)) ** 2  # so that ±1.96 σ means 95 % of few places too
+        meat = few * pulls.T @ pulls * len(pulls) / others + self._prior
         return inverse @ meat @ inverse
 
+    @property
+    def places(self) -> int:
+        """How many places of the frames show something."""
+        return len(np.unique(self.tile % TILES_OF_A_FRAME))
+
     def _fold(self) -> Int[np.ndarray, "m"]:
-        """Frames are dealt out to the folds; of an only frame, the tiles, so that no fold is without a region. A frame
-        that shows nothing is none."""
-        frames, frame = np.unique(self.tile // TILES_OF_A_FRAME, return_inverse=True)
-        if len(frames) > 1:
-            return frame % _FOLDS
-        row, column = np.divmod(self.tile, TILES[0])
+        """Places are dealt out to the folds so that no fold is without a region."""
+        row, column = np.divmod(self.tile % TILES_OF_A_FRAME, TILES[0])
         return (column + 2 * row) % _FOLDS
 
     def held_out(self) -> tuple[Float[np.ndarray, "t"], Float[np.ndarray, "t"]]:
         """Median |row difference| in each tile, pixels: under the calibration that was given, and under solutions that
-        did not see the tile (nor, of several frames, the frame that it lies in)."""
+        did not see the tile, nor any at its place in another frame."""
         fold = self._fold()
         unseen = np.empty_like(self.residual)
         for part in np.unique(fold):
