@@ -1,14 +1,13 @@
 """`python -m stereorecal strategies`."""
 
 import argparse
-import sys
 
 from rich import box
-from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
 from stereorecal._errors import InputError, StrategyError
+from stereorecal.cli._console import table_console
 from stereorecal.cli._exit_codes import FAILURE
 from stereorecal.cli._values import NONE_INSTALLED
 from stereorecal.strategies import describe, strategies, strategy
@@ -41,7 +40,7 @@ def _list(options: argparse.Namespace) -> int:
             broken = True
             cells = (name, "-", "-", "-", str(error))
         table.add_row(*map(Text, cells))
-    Console(width=None if sys.stdout.isatty() else 124).print(table)
+    table_console(124).print(table)
     return FAILURE if broken else 0
 
 

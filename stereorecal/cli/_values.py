@@ -10,6 +10,7 @@ from pathlib import Path
 from signal import SIG_IGN, SIGINT, signal
 
 from stereorecal._errors import InputError
+from stereorecal.cli._compiled import keep_compiled_programs
 from stereorecal.matching import BM, SAD, SGBM, AbstractMatcher
 from stereorecal.strategies import strategies
 
@@ -89,6 +90,12 @@ def frame_limit(text: str) -> int | None:
     return int(text)
 
 
+def _begin_work() -> None:
+    """In a worker process: Ctrl-C is left to the parent."""
+    signal(SIGINT, SIG_IGN)
+    keep_compiled_programs()
+
+
 @contextmanager
 def executor(text: str) -> Iterator[Executor | None]:
     """ "serial", "threads:N" or "processes:N"."""
@@ -102,10 +109,8 @@ def executor(text: str) -> Iterator[Executor | None]:
     if kind == "threads":
         pool: Executor = ThreadPoolExecutor(int(number))
     else:
-        # Forking after JAX has started threads is unsafe. Workers leave Ctrl-C to the parent.
-        pool = ProcessPoolExecutor(
-            int(number), mp_context=get_context("spawn"), initializer=signal, initargs=(SIGINT, SIG_IGN)
-        )
+        # Forking after JAX has started threads is unsafe.
+        pool = ProcessPoolExecutor(int(number), mp_context=get_context("spawn"), initializer=_begin_work)
     try:
         yield pool
     finally:

@@ -1,7 +1,7 @@
 """Analytic problems on the unit box, each with one difficulty that real scores have.
 
 Every problem has both faces. The traced functions carry their data as pytrees, so one compiled program serves all
-problems of one kind and dimension, and they count how often they run: a strategy cannot hide work inside JAX.
+problems of one kind and dimension, and they count how often and where they run: a strategy cannot hide inside JAX.
 """
 
 from collections.abc import Callable
@@ -23,27 +23,35 @@ Score = Callable[[Any], Any]  # (..., n) -> (...), NumPy or traced
 
 
 class Meter:
-    """Counts the evaluations of a problem on both faces, also those that no budget sees."""
+    """Watches a problem on both faces: what no budget sees, and what traced functions do not refuse."""
 
-    _traced: dict[int, float] = {}  # noqa: RUF012  one place that the callbacks of all compiled programs can reach
+    _traced: dict[int, float] = {}  # noqa: RUF012  places that the callbacks of all compiled programs can reach
+    _farthest: dict[int, float] = {}  # noqa: RUF012
     _created = 0
 
     def __init__(self) -> None:
         self.on_host = 0
         Meter._created += 1
         self.key = Meter._created
-        Meter._traced[self.key] = 0.0
+        Meter._traced[self.key] = Meter._farthest[self.key] = 0.0
 
     @property
     def total(self) -> float:
-        """Evaluations so far; a gradient counts n + 1."""
+        """Evaluations so far; a gradient or a Jacobian counts n + 1."""
         jax.effects_barrier()
         return self.on_host + Meter._traced[self.key]
 
+    @property
+    def farthest(self) -> float:
+        """The largest coordinate, without its sign, at which a traced function was evaluated."""
+        jax.effects_barrier()
+        return Meter._farthest[self.key]
+
     @staticmethod
-    def tick(key: AnyArray, count: int) -> None:
+    def tick(key: AnyArray, coordinate: AnyArray, count: int) -> None:
         """Called from inside compiled programs."""
         Meter._traced[int(key)] += count
+        Meter._farthest[int(key)] = max(Meter._farthest[int(key)], float(coordinate))
 
 
 @register_pytree
@@ -56,8 +64,12 @@ class _Counted:
     runs: int = field(metadata={"static": True})
 
     def __call__(self, z: jax.Array) -> jax.Array:
-        jax.debug.callback(partial(Meter.tick, count=self.runs), self.key)
+        self.tick(z, self.runs)
         return self.function(z)
+
+    def tick(self, z: jax.Array, runs: int) -> None:
+        """Count so many runs at z."""
+        jax.debug.callback(partial(Meter.tick, count=runs), self.key, jnp.abs(z).max())
 
 
 @register_pytree
@@ -82,6 +94,29 @@ def _with_gradient(counted: _Counted, z: jax.Array) -> jax.Array:
 _differentiable = forward_gradient(_plain, _with_gradient)
 
 
+@register_pytree
+@dataclass(frozen=True, eq=False)
+class _Residuals:
+    """Traced residuals. Any derivative of them counts as a Jacobian."""
+
+    counted: _Counted
+
+    def __call__(self, z: jax.Array) -> jax.Array:
+        return _with_jacobian(self.counted, z)
+
+
+@jax.custom_jvp
+def _with_jacobian(counted: _Counted, z: jax.Array) -> jax.Array:
+    return counted(z)
+
+
+@_with_jacobian.defjvp
+def _jacobian(primals: tuple, tangents: tuple) -> tuple[jax.Array, jax.Array]:
+    (counted, z), (_, direction) = primals, tangents
+    counted.tick(z, z.shape[0] + 1)  # once, however many directions there are: z has no batch axis
+    return jax.jvp(counted.function, (z,), (direction,))
+
+
 def _problem(
     dim: int,
     values: Score,
@@ -98,7 +133,7 @@ def _problem(
     key = jnp.asarray(meter.key, jnp.int32)
     traced = Traced(
         soft_count=_SoftCount(_Counted(key, soft, 1)) if soft else None,
-        residuals=_Counted(key, residuals, 1) if residuals else None,
+        residuals=_Residuals(_Counted(key, residuals, 1)) if residuals else None,
     )
     return Problem(dim, metered, traced=traced)
 
@@ -171,20 +206,6 @@ def _flat(z: AnyArray) -> AnyArray:
 def flat(dim: int) -> Problem:
     """The same value everywhere: nothing to find."""
     return _problem(dim, _flat, _flat)
-
-
-def failing(dim: int, exception: type[BaseException], after: int) -> Problem:
-    """The bowl until `after` evaluations, then every call on the host raises `exception`."""
-    calls = 0
-
-    def values(points: AnyArray) -> AnyArray:
-        nonlocal calls
-        calls += len(points)
-        if calls > after:
-            raise exception("planted by the conformance kit")
-        return _bowl(points)
-
-    return _problem(dim, values)
 
 
 def least_squares(residuals: Score, dim: int, meter: Meter | None = None) -> Problem:

@@ -40,14 +40,17 @@ def main() -> None:
             row |= {"error": error.tolist(), "interval": known.interval.tolist(), "observed": known.observed.tolist()}
         rows.append(row)
         print(scene.name, solution.reason.name, np.round(error, 4).tolist(), flush=True)
+        if options.json:
+            options.json.write_text(json.dumps(rows))
     show(rows)
-    if options.json:
-        options.json.write_text(json.dumps(rows))
 
 
 def show(rows: list[dict]) -> None:
     """One line for each axis, over the scenes where it is observed."""
     known = [row for row in rows if "error" in row]
+    if not known:
+        print("no scene has intervals")
+        return
     error, interval, observed = (np.array([row[name] for row in known]) for name in ("error", "interval", "observed"))
     shown = Table(title=f"{len(known)} of {len(rows)} scenes, {sum(r['accepted'] for r in rows)} accepted", box=None)
     for head in ("axis", "observed", "covered", "median error", "median half width", "ratio"):

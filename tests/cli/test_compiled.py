@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from stereorecal.cli import _compiled
+
 WHERE = """
 import jax
 from stereorecal.cli._compiled import keep_compiled_programs
@@ -25,7 +27,12 @@ def where(**environment: object) -> str:
     return answer.stdout.strip()
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="the name of the user's cache folder is another one here")
+linux_only = pytest.mark.skipif(
+    sys.platform != "linux", reason="the name of the user's cache folder is another one here"
+)
+
+
+@linux_only
 def test_in_the_users_cache(tmp_path: Path):
     assert where(XDG_CACHE_HOME=tmp_path) == str(tmp_path / "stereorecal" / "programs")
     assert (tmp_path / "stereorecal" / "programs").is_dir()
@@ -36,6 +43,24 @@ def test_the_users_own_choice_stands(tmp_path: Path):
     assert where(XDG_CACHE_HOME=tmp_path, JAX_COMPILATION_CACHE_DIR=own) == str(own)
     assert where(XDG_CACHE_HOME=tmp_path, JAX_ENABLE_COMPILATION_CACHE="false") == "None"
     assert list(tmp_path.iterdir()) == []
+
+
+@linux_only
+def test_every_command_does_so(tmp_path: Path):
+    command = [sys.executable, "-m", "stereorecal", "strategies"]
+    plain = {k: v for k, v in os.environ.items() if not k.startswith("JAX_")}
+    subprocess.run(command, env=plain | {"XDG_CACHE_HOME": str(tmp_path)}, capture_output=True, check=True)
+    assert [folder.name for folder in tmp_path.iterdir()] == ["stereorecal"]
+
+
+def test_a_user_without_a_home(monkeypatch: pytest.MonkeyPatch):
+    def lost(*_):
+        raise RuntimeError("Could not determine home directory.")
+
+    monkeypatch.setattr(_compiled, "user_cache_path", lost)
+    monkeypatch.setattr(_compiled.jax.config, "update", lost)
+    monkeypatch.setitem(_compiled.jax.config.values, "jax_enable_compilation_cache", True)
+    _compiled.keep_compiled_programs()
 
 
 def test_nowhere_to_write_to(tmp_path: Path):

@@ -42,7 +42,9 @@ def rugged(points):
 )
 def test_best_seen_is_returned(dim, limit, cost, batch, seed):
     start = np.full(dim, 0.1)
-    for killed in (RandomSearch(batch), strategy("compass", min_step=1e-9)):
+    forever = {"min_step": 1e-9}
+    names = ("compass", "gradient-descent", "secant")
+    for killed in (RandomSearch(batch), *(strategy(name, **forever) for name in names)):
         run = run_strategy(killed, Objective(Problem(dim, rugged, cost)), start, Budget(evaluations=limit), seed)
         assert run.trace.total_cost <= limit + 1e-9
         assert run.value == max(run.trace.values.max(initial=-np.inf), rugged(start[None])[0])

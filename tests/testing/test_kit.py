@@ -2,11 +2,14 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import ClassVar
 
+import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from stereorecal.strategies import AbstractStrategy, BudgetExhausted, Outcome, Status, strategy
+from stereorecal.strategies import AbstractStrategy, BudgetExhausted, Need, Outcome, Status, strategy
 from stereorecal.testing import check_strategy
 
 
@@ -145,11 +148,97 @@ class Idle(AbstractStrategy):
         return Outcome(start, Status.STALLED)
 
 
+@jax.jit
+def look(score, z):
+    return jax.value_and_grad(lambda q: score(q))(z)
+
+
+@dataclass(frozen=True)
+class Ascent(AbstractStrategy):
+    """Normalised gradient ascent on the soft count that can be bent."""
+
+    needs: ClassVar[Need] = Need.SMOOTH
+
+    def run(self, objective, start, budget, seed):
+        best, (value, slope), step = start, self.ask(objective, start, start), 0.25
+        while step > 1e-3:
+            point = np.clip(best + step * slope / max(np.linalg.norm(slope), 1e-9), -1, 1)
+            there, its_slope = self.ask(objective, point, best)
+            if there > value:
+                best, value, slope = point, there, its_slope
+            else:
+                step /= 2
+        return Outcome(best, Status.CONVERGED)
+
+    def ask(self, objective, point, best):
+        objective.reserve(objective.gradient_cost)
+        value, slope = look(objective.traced.soft_count, jnp.asarray(point, jnp.float32))
+        self.pay(objective, best)
+        return (float(value), np.asarray(slope, float)) if np.isfinite(value) else (-np.inf, np.zeros(len(point)))
+
+    def pay(self, objective, best):
+        objective.charge(objective.gradient_cost, best)
+
+
+@dataclass(frozen=True)
+class Miser(Ascent):
+    """Declares a gradient as one evaluation."""
+
+    def pay(self, objective, best):
+        objective.charge(objective.cost, best)
+
+
+@dataclass(frozen=True)
+class Stray(Ascent):
+    """Looks beyond the box, where nothing refuses it."""
+
+    def ask(self, objective, point, best):
+        return super().ask(objective, 1.5 * point, best)
+
+
+@dataclass(frozen=True)
+class Deaf(Ascent):
+    """Does not hear when something goes wrong."""
+
+    def pay(self, objective, best):
+        try:
+            super().pay(objective, best)
+        except BudgetExhausted:
+            raise
+        except BaseException:
+            pass
+
+
+@jax.jit
+def jacobian_of(residuals, z):
+    return residuals(z), jax.jacfwd(lambda q: residuals(q))(z)
+
+
+@dataclass(frozen=True)
+class Newton(AbstractStrategy):
+    """Gauss-Newton that pays for a value and a Jacobian what `price` says; in three dimensions they cost 1 + 4."""
+
+    price: float = 5.0
+
+    needs: ClassVar[Need] = Need.RESIDUALS
+
+    def run(self, objective, start, budget, seed):
+        best = start
+        for _ in range(30):
+            objective.reserve(self.price)
+            found = jacobian_of(objective.traced.residuals, jnp.asarray(best, jnp.float32))
+            objective.charge(self.price, best)
+            residuals, jacobian = (np.asarray(f, float) for f in found)
+            step = np.linalg.lstsq(jacobian, -residuals, rcond=None)[0]
+            best = np.clip(best + step, -1, 1)
+        return Outcome(best, Status.CONVERGED)
+
+
 def failures(bad: AbstractStrategy) -> set[str]:
     return {result.name for result in check_strategy(bad) if not result.passed}
 
 
-@pytest.mark.parametrize("good", [strategy("compass"), Climber()])
+@pytest.mark.parametrize("good", [strategy("compass"), Climber(), Ascent()])
 def test_good_strategies_pass(good):
     assert not failures(good)
 
@@ -177,11 +266,22 @@ CLIMBS = {
         (Stone(), CLIMBS),
         (Idle(), CLIMBS | {"repairs a stereo rig", "ends on a flat score"}),
         (Smuggler(), {"keeps any budget", "ends on a flat score"}),
+        (Miser(), {"keeps any budget"}),
+        (Deaf(), {"lets exceptions pass"}),
     ],
     ids=lambda value: type(value).__name__ if isinstance(value, AbstractStrategy) else "",
 )
 def test_bad_strategies_fail_by_the_right_check(bad, expected):
     assert failures(bad) == expected
+
+
+def test_a_traced_look_beyond_the_box_is_seen():
+    assert "stays in the box" in failures(Stray())
+
+
+def test_a_jacobian_for_the_price_of_a_value_is_seen():
+    assert "keeps any budget" in failures(Newton(price=2.0))
+    assert "keeps any budget" not in failures(Newton())
 
 
 def test_a_result_says_what_is_wrong():

@@ -28,7 +28,7 @@ class Features(AbstractStrategy):
     between frames.
 
     Attributes:
-        features: at most so many features in each image; matching them takes about 4 features² bytes.
+        features: at most so many features in each image; matching them takes about 8 features² bytes.
         contrast: least contrast of a feature (OpenCV's `contrastThreshold`); lower it where texture is weak.
         ratio: Lowe's ratio test, in (0, 1]; 1 turns it off.
         threshold: a match agrees with a pose up to this epipolar error, in pixels.

@@ -61,7 +61,8 @@ class LevenbergMarquardt(AbstractLeastSquares):
     Attributes:
         rtol, atol, steps: see `AbstractLeastSquares`.
         damping: at the start, relative to the mean diagonal of JᵀJ. Every good step divides it by 3.5 and every bad one
-            multiplies it by 4; give 1 or more where the start is poor.
+            multiplies it by 4; give 1 or more where the start is poor. The unit of the residuals, which `rtol` and
+            `atol` refer to, is that of `AbstractLeastSquares` times the root of it.
     """
 
     damping: float = 0.01

@@ -24,6 +24,7 @@ def test_a_run_that_is_cut_is_the_beginning_of_the_whole_one(strategy_class, pro
     fits = int((whole.cost <= limit).sum())
     np.testing.assert_array_equal(cut.trace.points, whole.points[:fits])
     assert cut.value >= cut.start_value
+    assert cut.value >= problem().values(cut.trace.points).max(initial=-np.inf) - 1e-6
     if fits < len(whole.cost):
         assert cut.status is Status.BUDGET
 
