@@ -24,6 +24,7 @@ from stereorecal.geometry._so3 import (
 from stereorecal.geometry._warp import (
     PixelMap as PixelMap,
     bilinear_warp as bilinear_warp,
+    cubic_sampler as cubic_sampler,
     cubic_warp as cubic_warp,
     mapped_area as mapped_area,
     pixel_map as pixel_map,

@@ -1,5 +1,7 @@
 """Pixel maps, the bilinear warp and the area of a view that an image covers."""
 
+from collections.abc import Callable
+
 import jax
 import jax.numpy as jnp
 from jaxtyping import Bool, Float
@@ -86,19 +88,27 @@ def cubic_warp(image: Float[AnyArray, "height width"], coordinates: PixelMap) ->
     For work well below a pixel: a bilinear sample shifts fine texture by up to 0.05 pixels, depending on where
     between the pixels it lies; this one is exact for quadratics.
     """
-    width = image.shape[1]
-    x0, y0, fx, fy = _nearest_before(coordinates, image.shape)
-    columns, rows = _cubic_weights(fx), _cubic_weights(fy)
+    return cubic_sampler(image)(coordinates)
+
+
+def cubic_sampler(image: Float[AnyArray, "height width"]) -> Callable[[PixelMap], Float[jax.Array, "h w"]]:
+    """`cubic_warp` of one image, to be used in a loop: what depends on the image alone is done before it."""
+    shape, width = image.shape, image.shape[1] + 3
     flat = jnp.pad(jnp.asarray(image), ((1, 2), (1, 2)), mode="edge").reshape(-1)
-    corner = y0 * (width + 3) + x0
 
-    def along_row(j: int) -> jax.Array:
-        offset = corner + j * (width + 3)
-        return sum(
-            (c * flat.at[offset + i].get(mode="promise_in_bounds") for i, c in enumerate(columns)), start=jnp.zeros(())
-        )
+    def sample(coordinates: PixelMap) -> Float[jax.Array, "h w"]:
+        x0, y0, fx, fy = _nearest_before(coordinates, shape)
+        columns, rows = _cubic_weights(fx), _cubic_weights(fy)
+        corner = y0 * width + x0
 
-    return sum((r * along_row(j) for j, r in enumerate(rows)), start=jnp.zeros(()))
+        def along_row(j: int) -> jax.Array:
+            offset = corner + j * width
+            taps = (c * flat.at[offset + i].get(mode="promise_in_bounds") for i, c in enumerate(columns))
+            return sum(taps, start=jnp.zeros(()))
+
+        return sum((r * along_row(j) for j, r in enumerate(rows)), start=jnp.zeros(()))
+
+    return sample
 
 
 def _cubic_weights(t: Float[jax.Array, "h w"]) -> tuple[jax.Array, ...]:

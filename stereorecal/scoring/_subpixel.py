@@ -13,7 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float
 
-from stereorecal.geometry import cubic_warp
+from stereorecal.geometry import cubic_sampler
 from stereorecal.matching import Disparity, box_sum
 from stereorecal.scoring._data import Rectified
 
@@ -26,6 +26,7 @@ _AWAY = 1.0  # pixels from the matcher's disparity
 _COVER = 0.5  # share of the window that must be valid
 _FARTHEST_ROW = 2.0  # pixels across the rows; beyond it a window has met something else
 _WIDEST = 0.17  # pixels, standard deviation of the row offset by the noise of the window alone
+_ROWS_AT_ONCE = 60
 _QUIETEST = 1e-5  # contrast squared: without it, a flat window that agrees exactly would be sure of its row
 
 
@@ -50,20 +51,25 @@ def refine(frame: Rectified, disparity: Disparity) -> Offsets:
     images = jnp.stack([jnp.asarray(frame.left), jnp.asarray(frame.right)])
     left, right = jax.lax.optimization_barrier(_contrast(images))
     mask = jnp.asarray(disparity.valid, jnp.float32)
-    columns = jnp.arange(left.shape[1], dtype=jnp.float32)[None, :]
-    rows = jnp.arange(left.shape[0], dtype=jnp.float32)[:, None]
+    columns, rows = (jnp.arange(n, dtype=jnp.float32) for n in left.shape[::-1])
     gradient_x, gradient_y = (mask * g for g in _gradient(left))
     products = [mask, gradient_x * gradient_x, gradient_x * gradient_y, gradient_y * gradient_y]
     pixels, xx, xy, yy = _window_sums(jax.lax.optimization_barrier(jnp.stack(products)))
+    sample = cubic_sampler(right)
     damping = 1e-3 * pixels + 1e-6
     determinant = (xx + damping) * (yy + damping) - xy * xy
 
+    def difference_of_row(fields):
+        row, left_row, mask_row, d, v = fields
+        return mask_row * (left_row - sample(jnp.stack([columns - d, row + v])[:, None])[0])
+
     def difference(d, v):
-        return mask * (left - cubic_warp(right, jnp.stack([columns - d, rows + v])))
+        # A loop, or XLA's CPU compiler would sample anew for every pixel of a window: a barrier does not keep it off.
+        return jax.lax.map(difference_of_row, (rows, left, mask, d, v), batch_size=_ROWS_AT_ONCE)
 
     def step(_, fields):
         d, v, _ = fields
-        error = jax.lax.optimization_barrier(difference(d, v))  # or XLA samples anew for every pixel of a window
+        error = difference(d, v)
         x, y = _window_sums(jnp.stack([gradient_x * error, gradient_y * error]))
         # The least-squares solution of error + gradient_x δd - gradient_y δv = 0 over the window.
         delta_d = jnp.clip((xy * y - (yy + damping) * x) / determinant, -1.0, 1.0)
@@ -73,7 +79,7 @@ def refine(frame: Rectified, disparity: Disparity) -> Offsets:
     start = jnp.where(disparity.valid, disparity.values, 0.0)
     zero = jnp.zeros_like(start)
     d, v, moved = jax.lax.fori_loop(0, _ITERATIONS, step, (start, zero, zero))
-    noise = box_sum(jax.lax.optimization_barrier(difference(d, v) ** 2), WINDOW) / jnp.maximum(pixels, 1.0)
+    noise = box_sum(difference(d, v) ** 2, WINDOW) / jnp.maximum(pixels, 1.0)
     variance = jnp.maximum(noise, _QUIETEST) / jnp.maximum(yy - xy * xy / (xx + 1e-6), 1e-6)
     good = (
         disparity.valid
