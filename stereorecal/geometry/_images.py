@@ -137,7 +137,8 @@ class Scene:
 
 
 def check_pairs(rig: StereoRig, pairs: tuple[Pair, ...] | list[Pair]) -> tuple[Pair, ...]:
-    """The pairs as a tuple, if there is at least one and all have the size that the calibration says.
+    """The pairs as a tuple, if there is at least one, all have the size that the calibration says, and none is one
+    image twice.
 
     Raises:
         InputError: otherwise.
@@ -152,4 +153,6 @@ def check_pairs(rig: StereoRig, pairs: tuple[Pair, ...] | list[Pair]) -> tuple[P
                 f"{rig.left.size[0]}x{rig.left.size[1]} (left) and {rig.right.size[0]}x{rig.right.size[1]} (right); "
                 "use images and calibration of the same size."
             )
+        if np.array_equal(pair.left, pair.right) and np.ptp(pair.left) > 0:
+            raise InputError(f"{pair.name}: left and right are the same image; give one from each camera.")
     return pairs

@@ -16,6 +16,7 @@ _ROW_GAIN = 0.01  # pixels
 _SIGNIFICANT = 3.0  # standard errors, over the places of tiles
 _FEWEST_PLACES = 6
 _EDGE = 0.98  # of the box of the epipolar stages, which is twice the reach
+LEAST_COVERED = 0.1  # of the image; good rigs cover a half, rigs half a degree out 0 to 6 %: what false matches cover
 ROWS_APART = 0.3  # pixels; 0.03 degrees of pitch at a focal length of 600 pixels: no good calibration leaves that
 
 
@@ -28,7 +29,7 @@ class Reason(enum.Enum):
     NOT_IMPROVED = "no candidate matches more pixels than the calibration that was given"
     FEWER_MATCHES = "the candidate matches fewer pixels than the calibration that was given"
     WORSE_ON_HELD_OUT = "the candidate is no better on the parts of the images that it has not seen"
-    TOO_LITTLE_TEXTURE = "the images show too little to match"
+    TOO_LITTLE_TEXTURE = "too little of the images matches: too little texture, or a drift beyond the reach"
     OUT_OF_BUDGET = "the budget ended before the rows of a candidate could be judged; give a larger one"
     REACH_EDGE = "the search ended at twice the reach; the drift may be larger: give a larger reach"
 
@@ -75,6 +76,7 @@ def verdict(
     z: Float[np.ndarray, "n"],
     observed: Bool[np.ndarray, "n"],
     places: int,
+    covered: float,
 ) -> Reason:
     """The verdict on a candidate with correspondences.
 
@@ -85,8 +87,9 @@ def verdict(
         z: the candidate in the unit box.
         observed: which of its coordinates the data determine.
         places: how many places of the frames hold correspondences.
+        covered: by correspondences, share of the frame that shows most.
     """
-    if places < _FEWEST_PLACES:
+    if places < _FEWEST_PLACES or covered < LEAST_COVERED:
         return Reason.TOO_LITTLE_TEXTURE
     if after.count < (1.0 - _COUNT_LOSS) * before.count:
         return Reason.FEWER_MATCHES

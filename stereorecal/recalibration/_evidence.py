@@ -13,7 +13,7 @@ from jaxtyping import Float, Int
 from scipy.stats import norm, t as student_t
 
 from stereorecal.recalibration._stage_run import PRIOR, WIDER, Case, differences_at
-from stereorecal.scoring import TILES, Correspondences, Loss, precisions
+from stereorecal.scoring import TILES, Correspondences, Loss, curvatures, precisions
 
 _STEP = 1e-4  # of the reach, for numerical derivatives of row differences in float64
 _FOLDS = 4
@@ -30,6 +30,7 @@ class Evidence:
         residual: (m,) row differences at the solution, pixels at full size.
         start_residual: (m,) the same under the calibration that was given.
         weight: (m,) of the squared row differences.
+        curvature: (m,) second derivatives of their losses.
         tile: (m,) which tile of which frame.
     """
 
@@ -38,29 +39,37 @@ class Evidence:
     residual: Float[np.ndarray, "m"]
     start_residual: Float[np.ndarray, "m"]
     weight: Float[np.ndarray, "m"]
+    curvature: Float[np.ndarray, "m"]
     tile: Int[np.ndarray, "m"]
 
     @property
     def _prior(self) -> Float[np.ndarray, "n n"]:
         return np.eye(len(self.z)) / (PRIOR / WIDER) ** 2
 
-    def _curvature(self, rows) -> Float[np.ndarray, "n n"]:
+    def _normal(self, rows, weight: Float[np.ndarray, "m"]) -> Float[np.ndarray, "n n"]:
         jacobian = self.jacobian[rows]
-        return jacobian.T @ (self.weight[rows, None] * jacobian)
+        return jacobian.T @ (weight[rows, None] * jacobian) + self._prior
 
     def _pull(self, rows) -> Float[np.ndarray, "n"]:
-        return self.jacobian[rows].T @ (self.weight[rows] * self.residual[rows])
+        return self.jacobian[rows].T @ (self.weight[rows] * self.residual[rows]) + self._prior @ self.z
 
     def covariance(self) -> Float[np.ndarray, "n n"]:
-        """Of the solution, in units of the box: the sandwich estimate with places as clusters, and the prior."""
-        inverse = np.linalg.inv(self._curvature(slice(None)) + self._prior)
+        """Of the solution, in units of the box: the jackknife over places, and the prior.
+
+        Each place is left out in turn; how the solution moves then, to first order, is what the data can say of its
+        scatter (Efron & Stein 1981; for clusters in least squares: Bell & McCaffrey 2002). What they cannot say, the
+        prior does.
+        """
         place = self.tile % TILES_OF_A_FRAME
-        pulls = np.stack([self._pull(place == p) for p in np.unique(place)])
-        pulls -= pulls.mean(0)  # the prior balances their sum
-        others = max(1, len(pulls) - 1)
+        seen = [place != p for p in np.unique(place)]
+        if len(seen) < 2:
+            return np.linalg.inv(self._prior)
+        moves = np.stack([np.linalg.solve(self._normal(s, self.curvature), self._pull(s)) for s in seen])
+        moves -= moves.mean(0)
+        inverse = np.linalg.inv(self._normal(slice(None), self.curvature))
+        others = len(seen) - 1
         few = (student_t.ppf(0.975, others) / norm.ppf(0.975)) ** 2  # so that ±1.96 σ means 95 % of few places too
-        meat = few * pulls.T @ pulls * len(pulls) / others + self._prior
-        return inverse @ meat @ inverse
+        return few * moves.T @ moves * others / len(seen) + inverse @ self._prior @ inverse
 
     @property
     def places(self) -> int:
@@ -79,8 +88,7 @@ class Evidence:
         unseen = np.empty_like(self.residual)
         for part in np.unique(fold):
             seen = fold != part
-            curvature = self._curvature(seen) + self._prior
-            shift = -np.linalg.solve(curvature, self._pull(seen) + self._prior @ self.z)
+            shift = -np.linalg.solve(self._normal(seen, self.weight), self._pull(seen))
             unseen[~seen] = self.residual[~seen] + self.jacobian[~seen] @ shift
         tiles = [self.tile == t for t in np.unique(self.tile)]
         before, after = (np.array([np.median(np.abs(r[t])) for t in tiles]) for r in (self.start_residual, unseen))
@@ -108,5 +116,6 @@ def evidence(case: Case, found: Correspondences, z: Float[np.ndarray, "n"]) -> E
         residual=at[here] / scale,
         start_residual=differences_at(found, chart, np.zeros_like(z))[here] / scale,
         weight=weights[here] * scale**2,
+        curvature=curvatures(found, at)[here] * scale**2,
         tile=np.asarray(found.tile)[here],
     )

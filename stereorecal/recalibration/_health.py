@@ -5,10 +5,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from stereorecal._plain import plain
 from stereorecal.geometry import Pair, StereoRig, view as default_view
 from stereorecal.matching import SAD, AbstractMatcher
-from stereorecal.recalibration._acceptance import ROWS_APART
+from stereorecal.recalibration._acceptance import LEAST_COVERED, ROWS_APART
 from stereorecal.recalibration._as_dict import score_as_dict
 from stereorecal.scoring import (
     Score,
@@ -19,8 +21,6 @@ from stereorecal.scoring import (
     prepare,
     with_disparity_range,
 )
-
-LEAST_COVERED = 0.1  # of the image; good rigs cover a half, rigs half a degree out 0 to 6 %: what false matches cover
 
 
 class Condition(enum.Enum):
@@ -39,9 +39,10 @@ class Health:
 
     Attributes:
         score: the count, in the rig's own view.
-        row_error: median |row difference| of the correspondences, pixels; NaN if there are none.
-        covered: share of the image in which correspondences were found that are good to a fraction of a pixel. False
-            matches count as pixels, but hardly here.
+        row_error: median |row difference| of the correspondences, pixels; NaN if they cover less than a tenth, since
+            false matches lie on the rows that they were searched on.
+        covered: share of the image in which correspondences were found that are good to a fraction of a pixel, of the
+            frame that shows most. False matches count as pixels, but hardly here.
     """
 
     score: Score
@@ -75,9 +76,10 @@ class Health:
         )
 
     def __str__(self) -> str:
+        apart = "not known" if np.isnan(self.row_error) else f"{self.row_error:.2f} px apart (median)"
         return (
             f"matched  {self.score}\n"
-            f"rows     {self.row_error:.2f} px apart (median), seen on {100 * self.covered:.0f} % of the image\n"
+            f"rows     {apart}, seen on {100 * self.covered:.0f} % of the image\n"
             f"{self.condition.value}"
         )
 
@@ -96,4 +98,5 @@ def health(rig: StereoRig, pairs: Sequence[Pair], *, matcher: AbstractMatcher | 
     matcher = with_disparity_range(matcher or SAD(), rig, pairs, view)
     found = correspondences(data, extrinsics, matcher, 1.0)
     score = Score(int(counts(data, extrinsics[None], matcher)[0]), data.pixels)
-    return Health(score, median_row_error(found, extrinsics), found.found / found.weight.size)
+    known = found.covered >= LEAST_COVERED
+    return Health(score, median_row_error(found, extrinsics) if known else float("nan"), found.covered)

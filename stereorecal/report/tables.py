@@ -25,9 +25,10 @@ def comparison_tables(data: Mapping[str, Any], width: int, most_trials: int = 24
     if 1 < len(data["trials"]) <= most_trials:
         tables += [_trials_table(data, columns) for columns in parts]
     tables += [_summary_table(data, columns) for columns in parts]
-    if len(data["settings"]["strategies"]) > 1:
-        tables.append(_leaders_table(data))
-    return Group(*tables, Text(_legend(data["settings"]["thresholds"]) + _troubles(data)))
+    leaders = _leaders_table(data)
+    if len(data["settings"]["strategies"]) > 1 and leaders.row_count:
+        tables.append(leaders)
+    return Group(*tables, Text(_legend(data) + _troubles(data)))
 
 
 def _trials_table(data: Mapping[str, Any], parts: tuple[str, ...]) -> Table:
@@ -67,7 +68,8 @@ def _summary_table(data: Mapping[str, Any], parts: tuple[str, ...]) -> Table:
 
 
 def _leaders_table(data: Mapping[str, Any]) -> Table:
-    """Who leads after so many units: the three best medians of the score that the strategies maximised."""
+    """Who leads after so many units of those that the budget allows: the three best medians of the score that the
+    strategies maximised. No row where there is no such score."""
     names = _short_names(data)
     table = _table("best score (median) after so many units", data)
     for heading in ("scene", "units", "first", "second", "third"):
@@ -75,19 +77,33 @@ def _leaders_table(data: Mapping[str, Any]) -> Table:
     for scene, name in names.items():
         rows = [row for row in data["summary"] if row["scene"] == scene]
         for units in rows[0]["score_at_median"] if rows else ():
+            if float(units) > (data["settings"]["budget"]["evaluations"] or float("inf")):
+                continue
             reached = [(row["score_at_median"][units], row["strategy"]) for row in rows]
             ranked = sorted((r for r in reached if r[0] is not None), key=lambda r: (-r[0], r[1]))[:3]
+            if not ranked:
+                continue
             cells = [f"{strategy} {count(value)}" for value, strategy in ranked]
             table.add_row(*map(Text, (name, units, *cells, *[""] * (3 - len(cells)))))
     return table
 
 
-def _legend(limits: Mapping[str, float]) -> str:
+_REFERENCES = {
+    "truth": "the true rig",
+    "stored": "the stored calibration",
+    "consensus": "where the default schedule ends from the stored calibration: this is repeatability, not accuracy",
+}
+
+
+def _legend(data: Mapping[str, Any]) -> str:
+    limits = data["settings"]["thresholds"]
+    references = dict.fromkeys(str(scene["reference"]) for scene in data["scenes"])
     return (
-        "N_i, N_o, N_GT: pixels matched before, after, at the reference.\n"
+        "N_i, N_o, N_GT: pixels matched before, after, at the calibration that the scene comes with.\n"
         f"r = N_o / N_GT; ! above {limits['flagged_ratio']}: a wrong calibration may out-score the right one.\n"
+        f"errors: from {'; '.join(_REFERENCES.get(r, r) for r in references)}.\n"
         f"success: r >= {limits['ratio']}, pitch and roll within {limits['pitch_roll_deg']}°, "
-        f"yaw within {limits['yaw_deg']}° of the reference.\n"
+        f"yaw within {limits['yaw_deg']}°.\n"
     )
 
 

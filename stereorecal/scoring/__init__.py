@@ -9,6 +9,7 @@ from stereorecal.scoring._count import count as count, counts as counts, dispari
 from stereorecal.scoring._data import ScoringData as ScoringData, normalised as normalised, prepare as prepare
 from stereorecal.scoring._epipolar import (
     Loss as Loss,
+    curvatures as curvatures,
     median_row_error as median_row_error,
     precisions as precisions,
     row_differences as row_differences,

@@ -54,6 +54,12 @@ class Correspondences:
         """How many correspondences there are."""
         return int((np.asarray(self.weight) > 0).sum())
 
+    @property
+    def covered(self) -> float:
+        """The share of a frame in which they were found, of the frame that shows most: fog in another takes nothing
+        away."""
+        return float((np.asarray(self.weight) > 0).mean(axis=1).max())
+
 
 def correspondences(
     data: ScoringData, extrinsics: Extrinsics, matcher: AbstractMatcher, scale: float

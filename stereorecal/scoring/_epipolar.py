@@ -51,9 +51,19 @@ def precisions(found: Correspondences, differences: Float[np.ndarray, "k m"], lo
     if loss is Loss.SOFT_L1:
         vote = 1.0 / np.sqrt(1.0 + (differences / spread) ** 2)
     else:
-        scale = max(_WELSCH, _WIDEST_WELSCH * spread)
-        vote = np.exp(-0.5 * (differences / scale) ** 2)
+        vote = np.exp(-0.5 * (differences / _welsch_scale(spread)) ** 2)
     return np.asarray(found.weight) * vote * float(found.independent) / spread**2
+
+
+def curvatures(found: Correspondences, differences: Float[np.ndarray, "k m"]) -> Float[np.ndarray, "k m"]:
+    """Second derivative of each one's Welsch loss, 1 / pixels²: less than its precision, since a correspondence that
+    moves away loses its vote; 0 beyond the scale, where it would be negative."""
+    moved = differences / _welsch_scale(robust_spread(found, differences))
+    return precisions(found, differences, Loss.WELSCH) * np.maximum(1.0 - moved**2, 0.0)
+
+
+def _welsch_scale(spread: float) -> float:
+    return max(_WELSCH, _WIDEST_WELSCH * spread)
 
 
 def median_row_error(found: Correspondences, extrinsics: Extrinsics) -> float:

@@ -57,7 +57,7 @@ def test_one_unhealthy_among_several(command, clean_scene: Path, drifted_scene: 
 def test_nothing_to_match_is_null(command, clean_scene: Path, tmp_path: Path):
     fog = np.full((120, 160), 128.0, np.float32)
     fog[0, 0] = 129.0
-    save_scene(replace(load_scene(clean_scene), pairs=(sr.Pair(fog, fog),)), tmp_path / "fog")
+    save_scene(replace(load_scene(clean_scene), pairs=(sr.Pair(fog, fog[::-1].copy()),)), tmp_path / "fog")
     answer = command("score", tmp_path / "fog", "--json", "-")
     assert (answer.code, answer.err) == (1, "")
     (said,) = json.loads(answer.out)["scenes"]

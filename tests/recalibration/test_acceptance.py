@@ -19,9 +19,9 @@ def score(count: int) -> Score:
     return Score(count, 100_000)
 
 
-def judged(before=10_000, after=10_000, rows=(0.2, 0.2, 0.0), z=0.1, observed=ALL, places=48) -> Reason:
+def judged(before=10_000, after=10_000, rows=(0.2, 0.2, 0.0), z=0.1, observed=ALL, places=48, covered=0.5) -> Reason:
     z = np.broadcast_to(np.asarray(z, float), 5).copy()
-    return verdict(score(before), score(after), RowErrors(*map(float, rows)), z, observed, places)
+    return verdict(score(before), score(after), RowErrors(*map(float, rows)), z, observed, places, covered)
 
 
 BETTER = (0.5, 0.1, 10.0)
@@ -40,6 +40,7 @@ CASES = {
     "count lost": (Reason.FEWER_MATCHES, {"rows": BETTER, "after": 9_899}),
     "count lost altogether": (Reason.FEWER_MATCHES, {"rows": BETTER, "after": 0}),
     "rows worse": (Reason.WORSE_ON_HELD_OUT, {"after": 20_000, "rows": (0.5, 0.521, -1.0)}),
+    "too little covered": (Reason.TOO_LITTLE_TEXTURE, {"covered": 0.09, "rows": BETTER, "after": 20_000}),
     "too few places": (Reason.TOO_LITTLE_TEXTURE, {"places": 5, "rows": BETTER, "after": 20_000}),
     "at the edge": (Reason.REACH_EDGE, {"rows": BETTER, "z": EDGE}),
     "at the other edge": (Reason.REACH_EDGE, {"rows": BETTER, "z": -EDGE}),
@@ -85,13 +86,14 @@ pixels = st.one_of(st.floats(0, 5), st.floats(0.45, 0.55))
     z=st.tuples(*[st.floats(-1, 1)] * 5),
     seen=st.tuples(*[st.booleans()] * 5),
     places=st.integers(0, 48),
+    covered=st.floats(0, 1),
 )
-def test_never_accepted(before, after, rows, z, seen, places):
-    """Nothing is accepted that loses 1 % of the count or 0.02 pixels, in too few places, or where the reach ends; and
-    nothing that gains neither."""
-    reason = judged(before, after, rows, z, np.array(seen), places)
+def test_never_accepted(before, after, rows, z, seen, places, covered):
+    """Nothing is accepted that loses 1 % of the count or 0.02 pixels, in too few places or too little of the image, or
+    where the reach ends; and nothing that gains neither."""
+    reason = judged(before, after, rows, z, np.array(seen), places, covered)
     gain = rows[0] - rows[1]
-    if after < 0.99 * before or gain < -0.02 or places < 6:
+    if after < 0.99 * before or gain < -0.02 or places < 6 or covered < 0.1:
         assert not reason.healthy
     if reason is Reason.IMPROVED:
         assert (gain > 0.01 and rows[2] > 3) or (after > 1.01 * before and gain > -0.01)

@@ -33,7 +33,7 @@ def problem(seed=0, frames=1, per_tile=12, common=0.0, noise=0.2, truth=None) ->
     target = errors - jacobian @ z
     weight = rng.uniform(0.5, 1.5, len(tile)) / (noise**2 + common**2)
     best = solve(jacobian, target, weight)
-    return Evidence(best, jacobian, target + jacobian @ best, target, weight, tile), target
+    return Evidence(best, jacobian, target + jacobian @ best, target, weight, weight, tile), target
 
 
 # --- covariance ---------------------------------------------------------------------------------------------
@@ -48,10 +48,10 @@ def test_symmetric_and_positive_definite(seed, common, per_tile):
     assert np.diag(covariance).max() < 1 / 36
 
 
-@pytest.mark.parametrize("nothing", ["weight", "jacobian"])
+@pytest.mark.parametrize("nothing", [("weight", "curvature"), ("jacobian",)])
 def test_without_information_it_is_the_prior(nothing):
     found = problem()[0]
-    blind = replace(found, **{nothing: np.zeros_like(getattr(found, nothing))})
+    blind = replace(found, **{name: np.zeros_like(getattr(found, name)) for name in nothing})
     np.testing.assert_allclose(blind.covariance(), np.linalg.inv(PRIOR), atol=1e-12)
 
 
@@ -102,7 +102,7 @@ def repeated(found: Evidence, times: int) -> Evidence:
     """The same frame several times."""
     fields = {
         name: np.concatenate([getattr(found, name)] * times)
-        for name in ("jacobian", "residual", "start_residual", "weight")
+        for name in ("jacobian", "residual", "start_residual", "weight", "curvature")
     }
     return replace(found, **fields, tile=np.concatenate([found.tile + i * TILES for i in range(times)]))
 
@@ -133,13 +133,18 @@ def test_few_places_are_less_sure(places):
 def cut(found: Evidence, places: int) -> Evidence:
     """Its first places alone."""
     here = found.tile < places
-    names = ("jacobian", "residual", "start_residual", "weight", "tile")
+    names = ("jacobian", "residual", "start_residual", "weight", "curvature", "tile")
     return replace(found, **{name: getattr(found, name)[here] for name in names})
 
 
 def test_frames_of_their_own_are_news():
     one, nine = (problem(common=0.5, frames=frames)[0].covariance() for frames in (1, 9))
     assert 2.0 < np.sqrt(np.diag(one) / np.diag(nine)).mean() < 4.5
+
+
+def test_one_place_says_nothing():
+    found = cut(problem()[0], 1)
+    np.testing.assert_allclose(found.covariance(), np.linalg.inv(PRIOR))
 
 
 # --- held out -----------------------------------------------------------------------------------------------
@@ -205,7 +210,10 @@ def test_frames_that_show_nothing_are_no_frames(frames, seen):
     """One frame of texture among frames of fog is judged as an only frame is."""
     found, _ = problem(frames=frames, per_tile=6)
     here = np.isin(found.tile // TILES, seen)
-    cut = {name: getattr(found, name)[here] for name in ("jacobian", "residual", "start_residual", "weight", "tile")}
+    cut = {
+        name: getattr(found, name)[here]
+        for name in ("jacobian", "residual", "start_residual", "weight", "curvature", "tile")
+    }
     best = solve(cut["jacobian"], cut["start_residual"], cut["weight"])
     cut |= {"z": best, "residual": cut["start_residual"] + cut["jacobian"] @ best}
     before, after = replace(found, **cut).held_out()

@@ -57,7 +57,8 @@ def test_the_score_is_that_of_score(scene, under):
 def test_nothing_to_match(scene):
     fog = np.full((240, 320), 128.0, np.float32)
     fog[0, 0] = 129.0
-    found = health(scene("harbour", 0, (320, 240)).rig, [Pair(fog, fog)], matcher=SAD_48)
+    other = fog[::-1].copy()
+    found = health(scene("harbour", 0, (320, 240)).rig, [Pair(fog, other)], matcher=SAD_48)
     assert found.condition is Condition.TOO_FEW_MATCHES
     data = json.loads(json.dumps(found.as_dict(), allow_nan=False))
     assert data["row_error_px"] is None

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from stereorecal.geometry import rotation_from_euler
-from stereorecal.scoring import Correspondences, Loss, median_row_error, precisions, row_differences
+from stereorecal.scoring import Correspondences, Loss, curvatures, median_row_error, precisions, row_differences
 
 FOCAL = 500.0
 angle = st.floats(-0.15, 0.15)
@@ -134,7 +134,7 @@ def weighed(differences, loss, weight=None, **changes):
         weight = np.ones(differences.shape)
     found = correspondences_of(np.ones((*differences.shape, 3)), np.array([0, 0, 0, -1.0, 0, 0]), **changes)
     found = Correspondences(**{**vars(found), "weight": np.asarray(weight, np.float32).reshape(differences.shape)})
-    return precisions(found, differences, loss)[0]
+    return precisions(found, differences, loss)[0] if loss else curvatures(found, differences)[0]
 
 
 residuals = st.lists(st.floats(-20, 20), min_size=3, max_size=30).map(np.array)
@@ -192,6 +192,16 @@ def test_nobody_is_trusted_beyond_a_twentieth_of_a_pixel(loss):
     perfect = weighed(np.zeros(10), loss)
     assert perfect == pytest.approx(0.25 / 0.05**2)
     np.testing.assert_array_equal(weighed(np.zeros(10), loss, np.zeros(10)), 0)
+
+
+def test_the_curvature_is_the_slope_of_the_pull():
+    """Finite differences of weight times residual, the spread being that of the many others; never negative."""
+    others, step = np.tile([0.4, -0.4], 50_000), 1e-3
+    for value in (0.0, 0.3, -0.9, 1.4):
+        pull = [weighed(np.append(others, v), Loss.WELSCH)[-1] * v for v in (value - step, value + step)]
+        curvature = weighed(np.append(others, value), None)[-1]
+        assert curvature == pytest.approx((pull[1] - pull[0]) / (2 * step), rel=1e-3)
+    assert weighed(np.append(others, 5.0), None)[-1] == 0.0
 
 
 def test_median_at_full_size():
