@@ -11,6 +11,7 @@ from stereorecal.scoring import Score
 
 _COUNT_LOSS = 0.01  # of the count; the count is flat to half of that around the optimum
 _COUNT_GAIN = 0.01
+_COUNT_SCATTER = 1.1  # of the counts of equally good calibrations, times the root of the pixels (rendered scenes)
 _ROW_LOSS = 0.02  # pixels
 _ROW_GAIN = 0.01  # pixels
 _SIGNIFICANT = 3.0  # standard errors, over the places of tiles
@@ -81,7 +82,8 @@ def verdict(
     """The verdict on a candidate with correspondences.
 
     Accepted: a significant gain in count or in row error on held-out parts, and no loss beyond 1 % of the count and
-    0.02 pixels (architecture, section 6).
+    0.02 pixels (architecture, section 6). Where the old calibration matches, its rows lie together and no candidate is
+    better, it is good already, whatever became of the candidate's count.
 
     Args:
         z: the candidate in the unit box.
@@ -91,15 +93,17 @@ def verdict(
     """
     if places < _FEWEST_PLACES or covered < LEAST_COVERED:
         return Reason.TOO_LITTLE_TEXTURE
-    if after.count < (1.0 - _COUNT_LOSS) * before.count:
-        return Reason.FEWER_MATCHES
     gain = rows.before - rows.after
+    better_rows = gain > _ROW_GAIN and rows.significance > _SIGNIFICANT
+    scatter = _COUNT_SCATTER / np.sqrt(after.pixels)
+    better_count = after.count > (1.0 + max(_COUNT_GAIN, _SIGNIFICANT * scatter)) * before.count and gain >= 0.0
+    good = rows.before <= ROWS_APART and not better_rows
+    if after.count < (1.0 - _COUNT_LOSS) * before.count:
+        return Reason.ALREADY_GOOD if good else Reason.FEWER_MATCHES
     if gain < -_ROW_LOSS:
-        return Reason.WORSE_ON_HELD_OUT
+        return Reason.ALREADY_GOOD if good else Reason.WORSE_ON_HELD_OUT
     if np.any(observed & (np.abs(z) > _EDGE)):
         return Reason.REACH_EDGE
-    better_rows = gain > _ROW_GAIN and rows.significance > _SIGNIFICANT
-    better_count = after.count > (1.0 + _COUNT_GAIN) * before.count and gain >= 0.0
     if better_rows or better_count:
         return Reason.IMPROVED
-    return Reason.ALREADY_GOOD if rows.before <= ROWS_APART else Reason.WORSE_ON_HELD_OUT
+    return Reason.ALREADY_GOOD if good else Reason.WORSE_ON_HELD_OUT

@@ -53,7 +53,7 @@ def repaired(harbour):
 def fog() -> Pair:
     flat = np.full((240, 320), 128.0, np.float32)
     flat[0, 0] = 129.0
-    return Pair(flat, flat)
+    return Pair(flat, flat[::-1].copy())
 
 
 def test_a_drifted_rig_comes_right(repaired):

@@ -94,7 +94,7 @@ def test_nothing_to_match(scene):
     given_scene = scene()
     fog = np.full((120, 160), 128.0, np.float32)
     fog[0, 0] = 129.0  # not constant, but less than the texture check asks for
-    found = recalibrate(given_scene.rig, [Pair(fog, fog)], matcher=SAD_24, schedule=COUNT)
+    found = recalibrate(given_scene.rig, [Pair(fog, fog[::-1].copy())], matcher=SAD_24, schedule=COUNT)
     assert not found.accepted
     assert found.rig is given_scene.rig
     assert found.status is Status.NO_SIGNAL

@@ -30,7 +30,7 @@ def found(harbour):
 def in_fog(harbour):
     flat = np.full((240, 320), 128.0, np.float32)
     flat[0, 0] = 129.0
-    return found_in(harbour.rig, [Pair(flat, flat)])
+    return found_in(harbour.rig, [Pair(flat, flat[::-1].copy())])
 
 
 def test_shapes_are_those_of_the_images(found, in_fog):
