@@ -17,6 +17,7 @@ from stereorecal.scoring import TILES, Correspondences, Loss, curvatures, precis
 
 _STEP = 1e-4  # of the reach, for numerical derivatives of row differences in float64
 _FOLDS = 4
+_SHARED = 0.005  # pixels, standard deviation of a row offset that all rows share: no resampling can see it
 TILES_OF_A_FRAME = TILES[0] * TILES[1]
 
 
@@ -58,7 +59,7 @@ class Evidence:
 
         Each place is left out in turn; how the solution moves then, to first order, is what the data can say of its
         scatter (Efron & Stein 1981; for clusters in least squares: Bell & McCaffrey 2002). What they cannot say, the
-        prior does.
+        prior does; and an offset that all rows share (of the interpolation, or of two shutters) is added.
         """
         place = self.tile % TILES_OF_A_FRAME
         seen = [place != p for p in np.unique(place)]
@@ -69,7 +70,8 @@ class Evidence:
         inverse = np.linalg.inv(self._normal(slice(None), self.curvature))
         others = len(seen) - 1
         few = (student_t.ppf(0.975, others) / norm.ppf(0.975)) ** 2  # so that ±1.96 σ means 95 % of few places too
-        return few * moves.T @ moves * others / len(seen) + inverse @ self._prior @ inverse
+        shared = _SHARED * inverse @ (self.jacobian.T @ self.weight)
+        return few * moves.T @ moves * others / len(seen) + inverse @ self._prior @ inverse + np.outer(shared, shared)
 
     @property
     def places(self) -> int:

@@ -12,7 +12,7 @@ import json
 import os
 import time
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import cv2
@@ -27,6 +27,7 @@ from stereorecal.scoring import score
 from stereorecal.strategies import Reach
 
 RENDERED = ("harbour", "coast", "street", "open-sea")
+MOVING = RENDERED[:3]  # those that enter with ten frames too
 REAL = {
     "boofcv_bumblebee2/garden01": 1,
     "boofcv_bumblebee2/stones01": 1,
@@ -74,6 +75,8 @@ def scenes(only: list[str]) -> Iterator[Scene]:
     for kind in RENDERED:
         if wanted(f"{kind}-0"):
             yield sr.synthetic.render(kind, 0)
+        if kind in MOVING and wanted(f"{kind}-0 ten frames"):
+            yield replace(sr.synthetic.render(kind, 0, frames=10), name=f"{kind}-0 ten frames")
     folder = os.environ.get("STEREORECAL_DATA")
     for name, frames in REAL.items() if folder else ():
         if wanted(name):

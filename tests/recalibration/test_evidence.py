@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
+from stereorecal.recalibration import _evidence
 from stereorecal.recalibration._acceptance import row_errors
 from stereorecal.recalibration._evidence import Evidence
 
@@ -140,6 +141,15 @@ def cut(found: Evidence, places: int) -> Evidence:
 def test_frames_of_their_own_are_news():
     one, nine = (problem(common=0.5, frames=frames)[0].covariance() for frames in (1, 9))
     assert 2.0 < np.sqrt(np.diag(one) / np.diag(nine)).mean() < 4.5
+
+
+def test_an_offset_that_all_rows_share_is_allowed_for(monkeypatch):
+    """No resampling sees it: 0.005 pixels, as far as they move the solution."""
+    found, target = problem(common=0.5)
+    moved = solve(found.jacobian, target + 0.005, found.weight) - solve(found.jacobian, target, found.weight)
+    covariance = found.covariance()
+    monkeypatch.setattr(_evidence, "_SHARED", 0.0)
+    np.testing.assert_allclose(covariance - found.covariance(), np.outer(moved, moved), rtol=1e-6, atol=1e-15)
 
 
 def test_one_place_says_nothing():

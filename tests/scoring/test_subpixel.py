@@ -10,7 +10,7 @@ from hypothesis import given, settings, strategies as st
 
 from stereorecal.matching import Disparity
 from stereorecal.scoring._data import Rectified
-from stereorecal.scoring._subpixel import WINDOW, refine
+from stereorecal.scoring._subpixel import WINDOW, _near_a_jump, refine
 
 SIZE = HEIGHT, WIDTH = 72, 96
 MARGIN = 16  # pixels of the frame that a window or the local contrast meets the border within
@@ -105,7 +105,24 @@ def slow_refine(rectified: Rectified, found: Disparity):
     schur = tensor[..., 1, 1] - tensor[..., 0, 1] ** 2 / (tensor[..., 0, 0] + 1e-6)
     variance = np.maximum(noise, 1e-5) / np.maximum(schur, 1e-6)
     good = found.valid & (last < 0.05) & (np.abs(d - start) < 1) & (np.abs(v) < 2) & (pixels > 60.5)
-    return d, v, variance, good & (variance < 0.17**2)
+    near = spread(slow_spread(found, 5) > 1.0, 15)
+    return d, v, variance + 0.01 * near, good & (variance < 0.17**2)
+
+
+def slow_spread(found: Disparity, width):
+    """Largest less smallest valid disparity around each pixel; 0 where there is none."""
+    out, (height, breadth), half = np.zeros(found.values.shape), found.values.shape, width // 2
+    for y in range(height):
+        for x in range(breadth):
+            window = np.s_[max(0, y - half) : y + half + 1, max(0, x - half) : x + half + 1]
+            seen = found.values[window][found.valid[window]]
+            out[y, x] = np.ptp(seen) if seen.size else 0.0
+    return out
+
+
+def spread(mask, width):
+    """Grown by half a window to all sides."""
+    return box(mask.astype(float), width) > 0
 
 
 def rough(seed: int) -> tuple[Rectified, Disparity]:
@@ -132,6 +149,19 @@ def test_twin(seed):
     np.testing.assert_allclose(actual.disparity[both], d[both], atol=1e-3)
     np.testing.assert_allclose(actual.row[both], v[both], atol=1e-3)
     np.testing.assert_allclose(actual.variance[both], variance[both], rtol=1e-2)
+
+
+def test_a_jump_is_seen_by_windows_and_a_slant_is_none():
+    """A step of two pixels on a slant of a fifth of a pixel: within nine columns; eight across a gap of two columns."""
+    near, across = np.zeros(SIZE, bool), np.zeros(SIZE, bool)
+    near[:, 45 - 9 : 45 + 9] = True
+    across[:, 45 - 8 : 45 + 8] = True
+    slant = 0.2 * X
+    gap = (X < 44) | (X > 45)
+    np.testing.assert_array_equal(_near_a_jump(matched(slant + 2.0 * (X > 44))), near)
+    np.testing.assert_array_equal(_near_a_jump(matched(slant + 2.0 * (X > 44), gap)), across)
+    assert not _near_a_jump(matched(slant)).any()
+    assert not _near_a_jump(matched(1000.0 * X, False)).any()
 
 
 def test_good_means_every_check():
