@@ -2,11 +2,10 @@
 
 from dataclasses import dataclass, field
 
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal._arrays import AnyArray, Mat3, is_host
+from stereorecal._arrays import AnyArray, Mat3, is_host, namespace
 from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal._pytree import register_pytree
 from stereorecal.geometry._distortion import COEFFICIENT_COUNTS, distort, field_radius, undistort
@@ -76,4 +75,6 @@ class Camera:
         """Pixels to rays (x/z, y/z, 1) in the camera frame, float32."""
         focal = self.matrix[(0, 1), (0, 1)]
         normalised = undistort((pixels - self.matrix[:2, 2]) / focal, self.distortion)
-        return jnp.concatenate([normalised, jnp.ones_like(normalised[..., :1])], axis=-1)
+        xp = namespace(pixels, self.matrix)
+        normalised = xp.asarray(normalised)
+        return xp.concatenate([normalised, xp.ones_like(normalised[..., :1])], axis=-1)

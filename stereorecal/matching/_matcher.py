@@ -71,6 +71,12 @@ class AbstractMatcher(abc.ABC):
     traceable: ClassVar[bool] = False
     smooth: ClassVar[bool] = False
 
+    @property
+    def halo(self) -> int | None:
+        """How many rows above and below a row decide what is found in it; None (the default): all of them. With a halo,
+        an image may be matched in blocks of rows, on several cores."""
+        return None
+
     def __post_init__(self) -> None:
         if self.block_size < 3 or self.block_size % 2 == 0:
             raise InputError(f"block_size is {self.block_size}; it must be odd and at least 3.")

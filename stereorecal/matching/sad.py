@@ -32,6 +32,11 @@ class SAD(AbstractMatcher):
     traceable: ClassVar[bool] = True
     smooth: ClassVar[bool] = True
 
+    @property
+    def halo(self) -> int:
+        """Half a window, and the row that the prefilter looks at beyond it."""
+        return self.block_size // 2 + 1
+
     def search(self, left: Float[AnyArray, "h w"], right: Float[AnyArray, "h w"]) -> Disparity:
         """See `AbstractMatcher.search`. Pure; can be traced, batched and compiled."""
         self._require_room(left.shape[1])

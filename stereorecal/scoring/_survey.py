@@ -6,13 +6,14 @@ from functools import partial
 
 import cv2
 import jax
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Float
 
+from stereorecal._arrays import AnyArray
 from stereorecal._errors import InputError
 from stereorecal.geometry import Pair, StereoRig, View
 from stereorecal.matching import SAD, AbstractMatcher, Disparity
+from stereorecal.scoring._cores import on_all_cores
 from stereorecal.scoring._data import Rectified, ScoringData, normalised, prepare, rectify_frames
 from stereorecal.scoring._validity import match_frame
 
@@ -76,11 +77,14 @@ def survey(
     data = prepare(rig, list(pairs)[:_FRAMES], view, scale)
     coarse = SAD(num_disparities=data.view.size[0] // 2, block_size=7)
     offsets = np.zeros((1, 6)) if aligned else _grid(data.view, reach)
-    winner, straight, swapped = _match_all(data, normalised(rig.extrinsics) + offsets, coarse)
+    candidates = np.asarray(normalised(rig.extrinsics) + offsets, np.float32)
+    looks = on_all_cores(lambda c: jax.tree.map(np.asarray, _look(data, c, coarse)), list(candidates))
+    winner, straight = _best([look[0] for look in looks])
+    _, swapped = _best([look[1] for look in looks])
     found, found_swapped = _surfaces(straight), _surfaces(swapped)
     if not aligned:  # later on, a yaw that the images do not determine must not look like swapped sides
         _refuse_swapped(found, found_swapped, float(data.view.focal) * np.tan(reach), straight.values.size)
-    return Survey(offsets[int(winner)], found, data.view, scale)
+    return Survey(offsets[winner], found, data.view, scale)
 
 
 def with_disparity_range(
@@ -115,24 +119,20 @@ def _grid(view: View, reach: float) -> Float[np.ndarray, "n 6"]:
 
 
 @partial(jax.jit, static_argnames="matcher")
-def _match_all(data: ScoringData, candidates: Float[Array, "n 6"] | np.ndarray, matcher: SAD):
-    """The candidate with most matches and its disparities (k, h, w), as the images are; the best disparities with the
-    sides swapped."""
+def _look(data: ScoringData, extrinsics: Float[AnyArray, "6"], matcher: SAD) -> tuple[Disparity, Disparity]:
+    """The disparities (k, h, w) under one set of extrinsics, as the images are and with the sides swapped."""
 
     def both(frame: Rectified):
         swapped = Rectified(frame.right, frame.left, frame.right_area, frame.left_area)
         return match_frame(matcher, frame), match_frame(matcher, swapped)
 
-    def look(extrinsics):
-        return rectify_frames(data, extrinsics, both)
+    return rectify_frames(data, extrinsics, both)
 
-    straight, swapped = jax.lax.map(look, jnp.asarray(candidates, jnp.float32))
 
-    def best(found: Disparity):
-        winner = jnp.argmax(jnp.sum(found.valid, axis=(1, 2, 3)))
-        return winner, jax.tree.map(lambda leaf: leaf[winner], found)
-
-    return *best(straight), best(swapped)[1]
+def _best(found: list[Disparity]) -> tuple[int, Disparity]:
+    """The index and the disparities of the candidate with most matches."""
+    winner = int(np.argmax([np.sum(disparity.valid) for disparity in found]))
+    return winner, found[winner]
 
 
 def _surfaces(found: Disparity) -> Float[np.ndarray, "n"]:

@@ -48,7 +48,7 @@ def epipolar_objective(
         prior: standard deviation of the drift, in half widths of the box.
     """
     chart = jax.tree.map(lambda leaf: jnp.asarray(leaf, jnp.float32), dimensionless(metric_chart))
-    root = jnp.sqrt(jnp.asarray(precision, jnp.float32))
+    root = jnp.asarray(np.sqrt(precision), jnp.float32)
     residuals = EpipolarResiduals(jax.tree.map(jnp.asarray, found), root, chart, jnp.float32(prior))
 
     def values(points: np.ndarray) -> np.ndarray:

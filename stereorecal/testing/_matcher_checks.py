@@ -104,6 +104,20 @@ def can_be_traced(matcher: AbstractMatcher) -> None:
         assert differs < 1e-3, f"{name}, {100 * differs:.1f} % of the pixels differ"
 
 
+def looks_no_farther_than_its_halo(matcher: AbstractMatcher) -> None:
+    """Shown some rows and its halo around them, it finds in them what it finds in the whole image."""
+    ranged, (left, right), halo = matcher_at(matcher), _pair(5), matcher.halo
+    assert halo is not None
+    whole = ranged.match(left, right)
+    first, last = 40, 56
+    assert 0 <= halo <= first, f"a halo of {halo} rows"
+    seen, kept = np.s_[first - halo : last + halo], np.s_[halo : halo + last - first]
+    part = ranged.match(left[seen], right[seen])
+    for name in ("values", "valid"):
+        here, there = np.asarray(getattr(part, name))[kept], np.asarray(getattr(whole, name))[first:last]
+        assert np.array_equal(here, there), f"{name} depend on rows more than {halo} away"
+
+
 def is_smooth(matcher: AbstractMatcher) -> None:
     """Its differentiable twin has confidences in [0, 1], a finite gradient, and tends to its validity."""
     smooth, (left, right) = matcher_at(matcher), _pair(5.5)
@@ -132,7 +146,12 @@ _ALL: tuple[Check, ...] = (
 
 def matcher_checks_for(matcher: AbstractMatcher) -> tuple[Check, ...]:
     """The checks that are meant for a matcher of its kind."""
-    return (*_ALL, *((can_be_traced,) if matcher.traceable else ()), *((is_smooth,) if matcher.smooth else ()))
+    claims = (
+        (can_be_traced, matcher.traceable),
+        (is_smooth, matcher.smooth),
+        (looks_no_farther_than_its_halo, matcher.halo is not None),
+    )
+    return (*_ALL, *(check for check, claimed in claims if claimed))
 
 
 def matcher_at(matcher: AbstractMatcher, lowest: int = 0, count: int = _COUNT) -> AbstractMatcher:

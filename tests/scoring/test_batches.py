@@ -1,12 +1,15 @@
 """A count belongs to its candidate: it does not know which others were asked with it, or in which order."""
 
+from unittest import mock
+
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
 from stereorecal.geometry import view
 from stereorecal.matching import BM, SAD
-from stereorecal.scoring import counts, normalised, prepare
+from stereorecal.scoring import _match_frames, counts, normalised, prepare
+from stereorecal.scoring._count import disparities
 
 SAD_32 = SAD(num_disparities=32)
 angles = st.floats(-0.05, 0.05)
@@ -44,3 +47,40 @@ def test_no_candidates_no_counts(scene, matcher):
     given_scene = scene()
     prepared = prepare(given_scene.rig, given_scene.pairs, view(given_scene.rig))
     assert counts(prepared, np.zeros((0, 6)), matcher).shape == (0,)
+
+
+# --- blocks of rows -----------------------------------------------------------------------------------------
+
+
+@settings(max_examples=40)
+@given(height=st.integers(16, 2000), cores=st.integers(1, 64), block_size=st.sampled_from([3, 11, 31]))
+def test_blocks_cover_every_row_once_with_their_halo(height, cores, block_size):
+    matcher = SAD(block_size=block_size)
+    with mock.patch.object(_match_frames, "cores", return_value=cores):
+        blocks = _match_frames.blocks(height, matcher)
+    rows = [np.arange(height)[block.seen] for block in blocks]
+    assert len({len(seen) for seen in rows}) == 1  # one program for all
+    kept = [seen[block.kept] for seen, block in zip(rows, blocks, strict=True)]
+    np.testing.assert_array_equal(np.concatenate(kept), np.arange(height))
+    for seen, own in zip(rows, kept, strict=True):
+        assert seen[0] <= max(0, own[0] - matcher.halo)
+        assert seen[-1] >= min(height - 1, own[-1] + matcher.halo)
+
+
+def test_a_matcher_that_looks_everywhere_sees_the_frame_whole():
+    with mock.patch.object(_match_frames, "cores", return_value=8):
+        assert len(_match_frames.blocks(2000, BM())) == 1
+
+
+@pytest.mark.parametrize("cores", [2, 3])
+def test_blocks_change_nothing(scene, cores):
+    given_scene = scene("harbour", 0, (320, 480))
+    prepared = prepare(given_scene.rig, given_scene.pairs, view(given_scene.rig))
+    extrinsics = normalised(given_scene.rig.extrinsics)
+    found = []
+    for number in (1, cores):
+        with mock.patch.object(_match_frames, "cores", return_value=number):
+            assert len(_match_frames.blocks(480, SAD_32)) == number
+            found += disparities(prepared, extrinsics, SAD_32)
+    for name in ("values", "valid"):
+        np.testing.assert_array_equal(getattr(found[0], name), getattr(found[1], name))

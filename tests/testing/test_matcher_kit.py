@@ -33,7 +33,14 @@ def bent(match, **attributes):
     def search(self, left, right):
         return match(self, SAD.search(self, left, right), left)
 
-    members = {"search": search, "traceable": False, "smooth": False, "__module__": __name__, **attributes}
+    members = {
+        "search": search,
+        "traceable": False,
+        "smooth": False,
+        "halo": None,
+        "__module__": __name__,
+        **attributes,
+    }
     return dataclass(frozen=True)(type("Bent", (SAD,), members))()
 
 
@@ -74,9 +81,10 @@ dice = Dice()
         (bent(beyond), {"searches its range"}),
         (bent(lambda self, found, left: dice(found)), {"is deterministic"}),
         (bent(lambda self, found, left: found), set()),
+        (bent(lambda self, found, left: found, halo=5), {"looks no farther than its halo"}),
         (bent(lambda self, found, left: found, smooth=True, soft_match=lambda *_: None), {"is smooth"}),
     ],
-    ids=["sign", "credulous", "width", "range", "dice", "local class", "smooth"],
+    ids=["sign", "credulous", "width", "range", "dice", "local class", "halo", "smooth"],
 )
 def test_bad_matchers_fail_by_the_right_check(matcher, expected):
     failed = {result.name: result.message for result in check_matcher(matcher) if not result.passed}

@@ -60,9 +60,9 @@ class AbstractClimb(AbstractStrategy):
         """The chart it walks on."""
         return chart_at(start)
 
-    def scale(self, first: View) -> Float[Array, ""]:
+    def scale(self, first: View) -> float:
         """What the solver's function is divided by, so that options are free of the score's unit."""
-        return jnp.linalg.norm(first.slope)
+        return float(np.linalg.norm(np.asarray(first.slope, float)))
 
     def run(self, objective: Objective, start: Float[np.ndarray, "n"], budget: Budget, seed: int) -> Outcome:
         """See `AbstractStrategy.run`. Deterministic: `seed` is not used."""
@@ -76,21 +76,21 @@ class AbstractClimb(AbstractStrategy):
             objective.charge(cost, best=best.z)
             return view
 
-        v = jnp.zeros(objective.dim)  # of JAX's default type, as optimistix's own numbers are
+        v = jnp.asarray(np.zeros(objective.dim))  # of JAX's default type, as optimistix's own numbers are
         view = look(v)
         scale = self.scale(view)
-        if not 0.0 < float(scale) < np.inf:
+        if not 0.0 < scale < np.inf:
             slope = "vanishes" if scale == 0.0 else "is not finite"
             return Outcome(best.z, Status.STALLED, f"the derivative {slope} at the start")
-        tangent = Tangent(v, view.value, view.slope, scale)
+        tangent = Tangent(v, view.value, view.slope, jnp.asarray(scale))
         progress = begin(solver, tangent, v)
         for _ in range(self.steps):
             progress = advance(solver, tangent, progress)
             if outcome := progress.outcome(best.z):
                 return outcome
             v = progress.next
-            if not bool(jnp.isfinite(v).all()):
+            if not np.isfinite(np.asarray(v)).all():
                 return Outcome(best.z, Status.STALLED, "the score or its derivative is not finite at the last point")
             view = look(v)
-            tangent = Tangent(v, view.value, view.slope, scale)
+            tangent = Tangent(v, view.value, view.slope, tangent.scale)
         return Outcome(best.z, Status.STALLED, f"{self.steps} steps were not enough")

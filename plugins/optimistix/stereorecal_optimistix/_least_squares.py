@@ -7,6 +7,7 @@ from typing import ClassVar
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 import optimistix as optx
 from jaxtyping import Array, Float
 
@@ -49,9 +50,9 @@ class AbstractLeastSquares(AbstractClimb):
         assert traced.residuals is not None  # the core has checked it
         return look_at_residuals(traced.residuals, chart, v)
 
-    def scale(self, first: View) -> Float[Array, ""]:
+    def scale(self, first: View) -> float:
         """The root mean square of the lengths of the Jacobian's columns."""
-        return jnp.sqrt((first.slope**2).sum(0).mean())
+        return float(np.sqrt((np.asarray(first.slope, float) ** 2).sum(0).mean()))
 
 
 @dataclass(frozen=True)
@@ -67,7 +68,7 @@ class LevenbergMarquardt(AbstractLeastSquares):
 
     damping: float = 0.01
 
-    def scale(self, first: View) -> Float[Array, ""]:
+    def scale(self, first: View) -> float:
         """As above; optimistix starts with a damping of 1, so the unit of the residuals is what sets it."""
         return super().scale(first) * self.damping**0.5
 

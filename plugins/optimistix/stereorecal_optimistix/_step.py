@@ -41,6 +41,7 @@ class Progress(eqx.Module):
     v: Float[Array, "n"]
     state: Any
     done: Array
+    failed: Array
     result: optx.RESULTS
 
     @property
@@ -51,7 +52,7 @@ class Progress(eqx.Module):
 
     def outcome(self, best: Any) -> Outcome | None:
         """How the solver ended, None if it goes on."""
-        if self.result != optx.RESULTS.successful:
+        if bool(self.failed):
             return Outcome(best, Status.STALLED, f"optimistix: {optx.RESULTS[self.result].partition('. ')[0]}")
         if bool(self.done):
             return Outcome(best, Status.CONVERGED)
@@ -63,8 +64,7 @@ def begin(solver: Solver, answer: Any, v: Float[Array, "n"]) -> Progress:
     """The solver at v, before its first step; uses only the shape of the answer."""
     shape, nothing = eqx.filter_eval_shape(answer, v, None)
     state = solver.init(answer, v, None, {}, shape, nothing, _NO_TAGS)
-    done, result = solver.terminate(answer, v, None, {}, state, _NO_TAGS)
-    return Progress(v, state, done, result)
+    return _progress(solver, answer, v, state)
 
 
 @eqx.filter_jit
@@ -72,5 +72,9 @@ def advance(solver: Solver, answer: Any, progress: Progress) -> Progress:
     """One step, taken on the answer to what the step before it wanted to know."""
     with jax.default_matmul_precision("highest"):  # a GPU would multiply the Jacobian with ten bits
         v, state, _ = solver.step(answer, progress.v, None, {}, progress.state, _NO_TAGS)
-        done, result = solver.terminate(answer, v, None, {}, state, _NO_TAGS)
-    return Progress(v, state, done, result)
+        return _progress(solver, answer, v, state)
+
+
+def _progress(solver: Solver, answer: Any, v: Float[Array, "n"], state: Any) -> Progress:
+    done, result = solver.terminate(answer, v, None, {}, state, _NO_TAGS)
+    return Progress(v, state, done, result != optx.RESULTS.successful, result)

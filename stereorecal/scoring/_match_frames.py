@@ -1,0 +1,61 @@
+"""Matching rectified frames on the host: in blocks of rows, on all cores."""
+
+from typing import NamedTuple
+
+import jax
+import numpy as np
+
+from stereorecal.matching import AbstractMatcher, Disparity
+from stereorecal.scoring._cores import cores, on_all_cores
+from stereorecal.scoring._data import Rectified
+from stereorecal.scoring._validity import match_frame
+
+_DEAREST_HALO = 0.1  # of the rows of a block
+
+
+class Block(NamedTuple):
+    """Some rows of a frame: those that a matcher is shown, and which of them are kept."""
+
+    seen: slice
+    kept: slice
+
+
+def match_frames(matcher: AbstractMatcher, frames: Rectified) -> list[Disparity]:
+    """The disparity of each frame, NumPy arrays.
+
+    Args:
+        frames: NumPy arrays with a leading frame axis.
+    """
+    count, height = frames.left.shape[:2]
+    parts = blocks(height, matcher)
+
+    def match(piece: tuple[int, Block]) -> Disparity:
+        number, block = piece
+        found = _match(matcher, jax.tree.map(lambda leaf: leaf[number][block.seen], frames))
+        return jax.tree.map(lambda leaf: np.asarray(leaf)[block.kept], found)
+
+    found = on_all_cores(match, [(number, block) for number in range(count) for block in parts])
+    firsts = range(0, len(found), len(parts))
+    return [jax.tree.map(lambda *rows: np.concatenate(rows), *found[i : i + len(parts)]) for i in firsts]
+
+
+def blocks(height: int, matcher: AbstractMatcher) -> list[Block]:
+    """A frame in as many blocks as there are cores, all of one shape, with the matcher's halo on both sides; in fewer
+    where the halos would cost more than a tenth, in one if the matcher has none."""
+    halo = matcher.halo or 0
+    number = 1 if matcher.halo is None else max(1, min(cores(), int(_DEAREST_HALO * height) // (2 * halo)))
+    rows = -(-height // number)
+    shown = min(height, rows + 2 * halo)
+
+    def block(i: int) -> Block:
+        first = min(max(0, i * rows - halo), height - shown)
+        return Block(slice(first, first + shown), slice(i * rows - first, min(height, (i + 1) * rows) - first))
+
+    return [block(i) for i in range(number)]
+
+
+def _match(matcher: AbstractMatcher, frame: Rectified) -> Disparity:
+    return _compiled_match(matcher, frame) if matcher.traceable else match_frame(matcher, frame)
+
+
+_compiled_match = jax.jit(match_frame, static_argnames="matcher")
