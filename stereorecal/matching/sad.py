@@ -1,12 +1,13 @@
 """Block matching by sums of absolute differences, in JAX.
 
-The image is streamed row by row: the state is one column sum for each (disparity, column), so memory is
-O(width x disparities) and a row's costs stay in cache. `reference.py` is the plain twin that defines the result.
+On a CPU the image is streamed row by row: the state is one column sum for each (disparity, column), so memory is
+O(width x disparities) and a row's costs stay in cache. Elsewhere it is searched by planes, `_planes.py`. `reference.py`
+is the plain twin that defines the result of both.
 """
 
 from dataclasses import dataclass
 from functools import partial
-from typing import ClassVar, NamedTuple
+from typing import ClassVar
 
 import jax
 import jax.numpy as jnp
@@ -15,10 +16,12 @@ from jaxtyping import Float, Int
 from stereorecal._arrays import AnyArray
 from stereorecal._errors import InputError
 from stereorecal.matching._matcher import AbstractMatcher, Disparity, SoftDisparity
+from stereorecal.matching._planes import winners as winners_by_planes
 from stereorecal.matching._reduce import minimum, total
 from stereorecal.matching._soft_sad import soft_search
 from stereorecal.matching._stream import NEVER, inside_right, offsets, seen_from_right, stream_costs
 from stereorecal.matching._texture import quantise, x_sobel
+from stereorecal.matching._winners import Winners, index_bits
 
 
 @dataclass(frozen=True)
@@ -61,7 +64,9 @@ def _search(left: Float[jax.Array, "h w"], right: Float[jax.Array, "h w"], optio
     images = quantise(left), quantise(right)
     if options.pre_filter_cap:
         images = tuple(x_sobel(image, options.pre_filter_cap) for image in images)
-    best = _winners(images[0], images[1], options)
+    # The cache of a core holds the costs of a row; a GPU wants whole images.
+    by_rows, by_planes = (partial(form, options=options) for form in (winners_by_rows, winners_by_planes))
+    best = jax.lax.platform_dependent(*images, cpu=by_rows, default=by_planes)
     disparity = options.min_disparity + best.winner
     valid = best.cost < NEVER
     if options.uniqueness_ratio:
@@ -74,16 +79,7 @@ def _search(left: Float[jax.Array, "h w"], right: Float[jax.Array, "h w"], optio
     return Disparity(disparity.astype(jnp.float32) + _parabola(best), valid)
 
 
-class _Winners(NamedTuple):
-    winner: Int[jax.Array, "h w"]  # its index, from 0 at min_disparity
-    cost: Int[jax.Array, "h w"]
-    rivals: Int[jax.Array, "h w"]  # how many others, neighbours apart, come as near as uniqueness_ratio forbids
-    below: Int[jax.Array, "h w"]  # costs at winner - 1 and winner + 1
-    above: Int[jax.Array, "h w"]
-    from_right: Int[jax.Array, "h w"]  # the winner of each pixel of the right image; 0 where the check is off
-
-
-def _parabola(best: _Winners) -> Float[jax.Array, "h w"]:
+def _parabola(best: Winners) -> Float[jax.Array, "h w"]:
     """Vertex of the parabola through the winner and its neighbours, 0 where a neighbour does not exist."""
     complete = jnp.maximum(best.below, best.above) < NEVER
     below, cost, above = (jnp.where(complete, c, 0).astype(jnp.float32) for c in (best.below, best.cost, best.above))
@@ -91,20 +87,19 @@ def _parabola(best: _Winners) -> Float[jax.Array, "h w"]:
     return jnp.where(curvature > 0, 0.5 * (below - above) / jnp.where(curvature > 0, curvature, 1.0), 0.0)
 
 
-def _winners(left: Int[jax.Array, "h w"], right: Int[jax.Array, "h w"], options: SAD) -> _Winners:
+def winners_by_rows(left: Int[jax.Array, "h w"], right: Int[jax.Array, "h w"], options: SAD) -> Winners:
     """Best candidates of every pixel of `left`, and of `right` where the left-right check asks for them."""
     width = left.shape[1]
     lowest, count = options.disparity_range(width)
     column = jnp.arange(width, dtype=jnp.int32)
     inside = inside_right(options, width)
-    index_bits = max(1, (count - 1).bit_length())
+    bits = index_bits(count)
 
     def index_of(best):
-        return jnp.where(best < NEVER, best & ((1 << index_bits) - 1), 0)
+        return jnp.where(best < NEVER, best & ((1 << bits) - 1), 0)
 
     def best_of_row(cost):
-        # One int32 holds cost and index: a single minimum finds both, and ties go to the smaller index.
-        packed = jnp.where(inside, (cost.astype(jnp.int32) << index_bits) | offsets(count), NEVER)
+        packed = jnp.where(inside, (cost.astype(jnp.int32) << bits) | offsets(count), NEVER)
         packed = jax.lax.optimization_barrier(packed)  # computed once, not once for each of its readers
         best = jax.lax.optimization_barrier(minimum(packed))
         winner = index_of(best)
@@ -112,16 +107,16 @@ def _winners(left: Int[jax.Array, "h w"], right: Int[jax.Array, "h w"], options:
         def cost_at(i):
             neighbour = packed[jnp.clip(count - 1 - i, 0, count - 1), column]
             exists = (i >= 0) & (i < count) & (neighbour < NEVER)
-            return jnp.where(exists, neighbour >> index_bits, NEVER)
+            return jnp.where(exists, neighbour >> bits, NEVER)
 
-        best_cost, below, above = best >> index_bits, cost_at(winner - 1), cost_at(winner + 1)
+        best_cost, below, above = best >> bits, cost_at(winner - 1), cost_at(winner + 1)
         limit = best_cost + best_cost * options.uniqueness_ratio // 100
         near = sum((c <= limit).astype(jnp.int32) for c in (best_cost, below, above))
-        rivals = total(jnp.where(packed < (limit + 1) << index_bits, 1, 0)) - near
+        rivals = total(jnp.where(packed < (limit + 1) << bits, 1, 0)) - near
         best_cost = jnp.where(best < NEVER, best_cost, NEVER)
         checked = options.disp12_max_diff >= 0
         from_right = index_of(minimum(seen_from_right(packed, lowest))) if checked else jnp.zeros_like(winner)
-        return _Winners(winner, best_cost, rivals, below, above, from_right)
+        return Winners(winner, best_cost, rivals, below, above, from_right)
 
     return stream_costs(left, right, options, _sum_type(options), best_of_row)
 

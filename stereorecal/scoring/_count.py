@@ -1,5 +1,7 @@
 """The paper's score: the number of pixels with a valid disparity."""
 
+from functools import partial
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -11,6 +13,8 @@ from stereorecal.scoring._cores import on_all_cores
 from stereorecal.scoring._data import Rectified, ScoringData, rectified_frames, rectify_frames
 from stereorecal.scoring._match_frames import match_frames
 from stereorecal.scoring._validity import match_frame
+
+_AT_ONCE = 64  # candidates in one call of a GPU
 
 
 def count(data: ScoringData, extrinsics: Extrinsics, matcher: AbstractMatcher) -> Int[jax.Array, ""]:
@@ -30,14 +34,34 @@ def count(data: ScoringData, extrinsics: Extrinsics, matcher: AbstractMatcher) -
 def counts(data: ScoringData, candidates: Float[AnyArray, "n 6"], matcher: AbstractMatcher) -> Int[np.ndarray, "n"]:
     """The count of each candidate, (n,) int64 on the host, for any matcher.
 
-    The programs are those of `disparities`, whatever the size of the batch: a count never depends on how a batch was
-    split, and there is nothing more to compile.
+    A count never depends on how a batch was split: on a CPU the programs are those of `disparities`, one candidate at a
+    time on each core, with nothing more to compile; elsewhere so many at a time, in one program.
     """
+    if matcher.traceable and jax.default_backend() != "cpu":
+        return counts_at_once(data, candidates, matcher)
 
     def one(extrinsics: np.ndarray) -> int:
         return sum(int(d.valid.sum()) for d in disparities(data, extrinsics, matcher))
 
     return np.array(on_all_cores(one, list(np.asarray(candidates, np.float32))), np.int64)
+
+
+def counts_at_once(
+    data: ScoringData, candidates: Float[AnyArray, "n 6"], matcher: AbstractMatcher
+) -> Int[np.ndarray, "n"]:
+    """`counts` in batches of one size, padded: one program, wide enough for a GPU."""
+    candidates = np.asarray(candidates, np.float32).reshape(-1, 6)
+    found = [np.zeros(0, np.int64)]
+    for first in range(0, len(candidates), _AT_ONCE):
+        batch = candidates[first : first + _AT_ONCE]
+        padded = np.concatenate([batch, np.repeat(batch[-1:], _AT_ONCE - len(batch), axis=0)])
+        found.append(np.asarray(_compiled_counts(data, padded, matcher), np.int64)[: len(batch)])
+    return np.concatenate(found)
+
+
+@partial(jax.jit, static_argnames="matcher")
+def _compiled_counts(data: ScoringData, candidates: Float[jax.Array, "n 6"], matcher: AbstractMatcher):
+    return jax.vmap(lambda extrinsics: count(data, extrinsics, matcher))(candidates)
 
 
 def disparities(data: ScoringData, extrinsics: Float[AnyArray, "6"], matcher: AbstractMatcher) -> list[Disparity]:

@@ -1,12 +1,17 @@
 """The streaming SAD matcher against its plain NumPy twin, pixel for pixel."""
 
 import cv2
+import jax
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
 from stereorecal._errors import InputError
 from stereorecal.matching import BM, SAD, SGBM, reference
+from stereorecal.matching._planes import winners as winners_by_planes
+from stereorecal.matching._stream import NEVER
+from stereorecal.matching._texture import quantise, x_sobel
+from stereorecal.matching.sad import winners_by_rows
 
 
 def image_pair(seed: int, height: int, width: int, shift: float, noise: float = 2.0):
@@ -46,6 +51,19 @@ def test_equals_the_numpy_twin(matcher, seed, shift, shape):
     np.testing.assert_array_equal(np.asarray(fast.valid), plain.valid)
     # Winners are compared where a winner exists at all; elsewhere the value means nothing.
     np.testing.assert_allclose(np.asarray(fast.values), plain.values, atol=1e-4)
+
+
+@settings(max_examples=12)  # each compiles two programs
+@given(options, st.integers(0, 10**6), st.floats(-6, 12), st.just((24, 48)))
+def test_the_form_for_a_gpu_finds_the_same(matcher, seed, shift, shape):
+    images = [x_sobel(quantise(image), matcher.pre_filter_cap or 31) for image in image_pair(seed, *shape, shift)]
+    rows, planes = (jax.tree.map(np.asarray, form(*images, matcher)) for form in (winners_by_rows, winners_by_planes))
+    np.testing.assert_array_equal(planes.cost, rows.cost)
+    found = rows.cost < NEVER
+    for name in ("winner", "rivals", "below", "above"):
+        np.testing.assert_array_equal(getattr(planes, name)[found], getattr(rows, name)[found], err_msg=name)
+    if matcher.disp12_max_diff >= 0:
+        np.testing.assert_array_equal(planes.from_right, rows.from_right)
 
 
 @pytest.mark.parametrize("matcher", [SAD(pre_filter_cap=0, block_size=21), SAD(block_size=31)])

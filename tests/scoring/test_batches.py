@@ -8,8 +8,8 @@ from hypothesis import given, settings, strategies as st
 
 from stereorecal.geometry import view
 from stereorecal.matching import BM, SAD
-from stereorecal.scoring import _match_frames, counts, normalised, prepare
-from stereorecal.scoring._count import disparities
+from stereorecal.scoring import _count, _match_frames, counts, normalised, prepare
+from stereorecal.scoring._count import counts_at_once, disparities
 
 SAD_32 = SAD(num_disparities=32)
 angles = st.floats(-0.05, 0.05)
@@ -47,6 +47,18 @@ def test_no_candidates_no_counts(scene, matcher):
     given_scene = scene()
     prepared = prepare(given_scene.rig, given_scene.pairs, view(given_scene.rig))
     assert counts(prepared, np.zeros((0, 6)), matcher).shape == (0,)
+
+
+def test_all_at_once_as_one_by_one(scene, monkeypatch):
+    """The way of a GPU: the last of three batches is padded."""
+    monkeypatch.setattr(_count, "_AT_ONCE", 3)
+    given_scene = scene()
+    prepared = prepare(given_scene.rig, given_scene.pairs, view(given_scene.rig))
+    points = normalised(given_scene.rig.extrinsics) + np.array([[0.002 * i, 0, 0, 0, 0, 0] for i in range(7)])
+    at_once, one_by_one = (f(prepared, points, SAD_32) for f in (counts_at_once, counts))
+    assert at_once.shape == (7,)
+    np.testing.assert_allclose(at_once, one_by_one, rtol=2e-3)  # two programs round differently
+    assert counts_at_once(prepared, points[:0], SAD_32).shape == (0,)
 
 
 # --- blocks of rows -----------------------------------------------------------------------------------------

@@ -1,0 +1,320 @@
+"""How fast, beside OpenCV with the same settings and as many threads? Prints one table, in one run.
+
+    python tests/benchmarks/speed.py [--rounds N] [--json FILE]
+
+Each figure is timed on both sides in turn, and the medians are compared. A process of its own is bound to as many cores
+as the threads that are stated; OpenCV is told the same number. Pairs: a rendered street, 741x500, 80 disparities,
+window 11, x-Sobel prefilter, uniqueness, texture and left-right check on; repairs and growth: 640x480.
+"""
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import cv2
+import jax
+import jax.numpy as jnp
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+import stereorecal as sr
+from stereorecal.geometry import Scene, bilinear_warp, pixel_map, rectifying_rotations
+from stereorecal.scoring import counts, normalised, prepare
+from stereorecal.scoring._count import counts_at_once
+from stereorecal.scoring._data import Rectified, rectified_frames
+from stereorecal.scoring._match_frames import match_frames
+from stereorecal.strategies import Budget, Objective, Problem, Reach, chart_around, run_strategy, strategy
+
+MATCHER = sr.SAD(num_disparities=80)
+
+
+@dataclass(frozen=True)
+class Figure:
+    """One line of the table: milliseconds of each side."""
+
+    name: str
+    threads: int
+    ours: float
+    theirs: float | None
+    target: str
+
+
+def timed(rounds: int, *functions: Callable[[], object]) -> list[float]:
+    """Median milliseconds of each, called in turn, after one call each that compiles."""
+    for function in functions:
+        function()
+    spent: list[list[float]] = [[] for _ in functions]
+    for _ in range(rounds):
+        for function, times in zip(functions, spent, strict=True):
+            began = time.perf_counter()
+            function()
+            times.append(1e3 * (time.perf_counter() - began))
+    return [float(np.median(times)) for times in spent]
+
+
+# --- the other side -----------------------------------------------------------------------------------------
+
+
+def block_matcher(disparities: int, kind=cv2.StereoBM):
+    """OpenCV's, with the settings of `SAD`'s defaults."""
+    found = kind.create(numDisparities=-(-disparities // 16) * 16, blockSize=11)
+    found.setUniquenessRatio(15)
+    found.setDisp12MaxDiff(1)
+    if kind is cv2.StereoBM:
+        found.setPreFilterType(cv2.STEREO_BM_PREFILTER_XSOBEL)
+        found.setPreFilterCap(31)
+        found.setTextureThreshold(10)
+    return found
+
+
+def remapped(rig: sr.StereoRig, images, view, extrinsics: np.ndarray) -> list[np.ndarray]:
+    """Both images rectified by `extrinsics`, as OpenCV users do it."""
+    moved = rig.with_extrinsics(extrinsics)
+    out = []
+    turns = rectifying_rotations(moved.rotation, moved.translation)
+    for camera, turn, image, matrix in zip(
+        (rig.left, rig.right), turns, images, (view.matrix_left, view.matrix_right), strict=True
+    ):
+        maps = cv2.initUndistortRectifyMap(
+            camera.matrix, camera.distortion, turn, np.asarray(matrix), view.size, cv2.CV_32FC1
+        )
+        out.append(cv2.remap(image, *maps, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE))
+    return out
+
+
+def opencv_counter(rig: sr.StereoRig, pair: sr.Pair, view, disparities: int) -> Callable[[np.ndarray], int]:
+    """extrinsics -> pixels with a disparity."""
+    images, matcher = [np.round(i).astype(np.uint8) for i in (pair.left, pair.right)], block_matcher(disparities)
+    return lambda extrinsics: int((matcher.compute(*remapped(rig, images, view, extrinsics)) >= 0).sum())
+
+
+# --- figures ------------------------------------------------------------------------------------------------
+
+
+def scene_of(size: tuple[int, int], frames: int = 1) -> Scene:
+    """A rendered street."""
+    return sr.synthetic.render("street", 0, rig=sr.synthetic.default_rig().resized(size), frames=frames)
+
+
+def around(rig: sr.StereoRig, number: int) -> np.ndarray:
+    """(n, 6) candidates near the truth: no two share a rotation."""
+    step = np.random.default_rng(0).uniform(-1, 1, (number, 6)) * [0.003, 0.003, 0.003, 0, 0.003, 0.003]
+    return np.asarray(rig.extrinsics) + step * [1, 1, 1, 1, float(rig.baseline), float(rig.baseline)]
+
+
+def matching(threads: int, rounds: int) -> Iterator[Figure]:
+    """SAD against StereoBM and StereoSGBM."""
+    scene = scene_of((741, 500), 8)
+    assert scene.rig is not None
+    view = sr.view(scene.rig)
+    data = prepare(scene.rig, scene.pairs, view)
+    frames = jax.tree.map(
+        np.asarray, rectified_frames(data, jnp.asarray(normalised(scene.rig.extrinsics), jnp.float32))
+    )
+    one: Rectified = jax.tree.map(lambda leaf: leaf[:1], frames)
+    bytes_of = [[np.round(side[i]).astype(np.uint8) for side in (frames.left, frames.right)] for i in range(8)]
+    bm, sgbm = block_matcher(80), block_matcher(80, cv2.StereoSGBM)
+    ours, theirs, slower = timed(
+        rounds,
+        lambda: match_frames(MATCHER, one),
+        lambda: bm.compute(*bytes_of[0]),
+        lambda: sgbm.compute(*bytes_of[0]),
+    )
+    yield Figure("SAD / StereoBM, one pair", threads, ours, theirs, "1.5" if threads == 1 else "2.0")
+    yield Figure("SAD / StereoSGBM, one pair", threads, ours, slower, "")
+    ours, theirs = timed(
+        rounds, lambda: match_frames(MATCHER, frames), lambda: [bm.compute(*images) for images in bytes_of]
+    )
+    yield Figure("SAD / StereoBM, 8 pairs", threads, ours, theirs, "1.5" if threads == 2 else "")
+
+
+def warping(threads: int, rounds: int) -> Iterator[Figure]:
+    """One warp, maps included."""
+    scene = scene_of((741, 500))
+    rig, pair = scene.rig, scene.pairs[0]
+    assert rig is not None
+    view, turn = sr.view(rig), rectifying_rotations(rig.rotation, rig.translation)[0]
+    matrix, camera = np.asarray(view.matrix_left), rig.left
+    image, pixels = jnp.asarray(pair.left), np.round(pair.left).astype(np.uint8)
+    warp = jax.jit(lambda image, turn: bilinear_warp(image, pixel_map(camera, turn, matrix, view.size)))
+
+    def theirs():
+        maps = cv2.initUndistortRectifyMap(camera.matrix, camera.distortion, turn, matrix, view.size, cv2.CV_32FC1)
+        return cv2.remap(pixels, *maps, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+
+    turned = jnp.asarray(turn, jnp.float32)
+    yield Figure(
+        "one warp, maps included / cv2",
+        threads,
+        *timed(rounds, lambda: warp(image, turned).block_until_ready(), theirs),
+        "2.0",
+    )
+
+
+def counting(threads: int, rounds: int) -> Iterator[Figure]:
+    """Ten candidates at quarter scale; a search of 500 evaluations at full scale."""
+    scene = scene_of((741, 500))
+    rig = scene.rig
+    assert rig is not None
+    view = sr.view(rig)
+    quarter = prepare(rig, scene.pairs, view, 0.25)
+    size = (quarter.left.shape[2], quarter.left.shape[1])
+    small = opencv_counter(rig.resized(size), scene.pairs[0].resized(size), view.scaled(0.25), 20)
+    candidates = around(rig, 10)
+    stacked = np.stack([normalised(c) for c in candidates])
+    ours, theirs = timed(
+        rounds, lambda: counts(quarter, stacked, MATCHER.scaled(0.25)), lambda: [small(c) for c in candidates]
+    )
+    yield Figure("10 counts at quarter scale / OpenCV", threads, ours, theirs, "1.2" if threads == 2 else "")
+    if threads == 2:
+        start = sr.synthetic.decalibrate(rig, jax.random.key(0), 1.0, 0.01)
+        compass, budget = strategy("compass", min_step=1e-12), Budget(500)
+        full = opencv_counter(start, scene.pairs[0], sr.view(start), 80)
+        chart = chart_around(start, Reach())
+
+        def by_opencv():
+            asked = Objective(
+                Problem(chart.dim, lambda z: np.array([full(chart.extrinsics(p)) for p in z], float), 1.0)
+            )
+            return run_strategy(compass, asked, np.zeros(chart.dim), budget, 0)
+
+        def by_us():
+            asked = sr.objective(start, scene.pairs, matcher=MATCHER, reach=Reach())
+            return run_strategy(compass, asked, np.zeros(chart.dim), budget, 0)
+
+        yield Figure("compass, 500 evaluations, full scale / OpenCV", 2, *timed(1, by_us, by_opencv), "2.0")
+
+
+def repairing(threads: int, rounds: int) -> Iterator[Figure]:
+    """The default schedule, warm."""
+    scene = scene_of((640, 480))
+    starts = [sr.synthetic.decalibrate(scene.rig, jax.random.key(k), 2.5, 0.0225) for k in range(8)]
+    for start in starts:
+        sr.recalibrate(start, scene.pairs)
+    times = [timed(1, lambda start=start: sr.recalibrate(start, scene.pairs))[0] for start in starts]
+    yield Figure("a default repair, 640x480", threads, float(np.median(times)), None, "400 ms" if threads == 2 else "")
+
+
+def growing(threads: int, rounds: int) -> Iterator[Figure]:
+    """How the cost of counting grows."""
+    base, matcher = ((640, 480), 1, 1), sr.SAD(num_disparities=64)
+    for name, (size, frames, candidates), asked in (
+        ("one count, 640x480, 64 disparities", base, matcher),
+        ("  four times the pixels", ((1280, 960), 1, 1), matcher),
+        ("  twice the disparities", base, sr.SAD(num_disparities=128)),
+        ("  four frames", ((640, 480), 4, 1), matcher),
+        ("  four candidates", ((640, 480), 1, 4), matcher),
+    ):
+        scene = scene_of(size, frames)
+        assert scene.rig is not None
+        data = prepare(scene.rig, scene.pairs, sr.view(scene.rig))
+        stacked = np.stack([normalised(c) for c in around(scene.rig, candidates)])
+        yield Figure(name, threads, timed(rounds, lambda d=data, s=stacked, m=asked: counts(d, s, m))[0], None, "")
+
+
+def on_a_gpu() -> None:
+    """Print evaluations per second of 256 candidates at quarter scale, beside those of the CPU."""
+    if jax.default_backend() == "cpu":
+        return print("null")
+    scene = scene_of((741, 500))
+    assert scene.rig is not None
+    stacked, matcher = np.stack([normalised(c) for c in around(scene.rig, 256)]), MATCHER.scaled(0.25)
+
+    def per_second(device: jax.Device) -> float:
+        with jax.default_device(device):
+            data = prepare(scene.rig, scene.pairs, sr.view(scene.rig), 0.25)
+            return 256e3 / timed(5, lambda: counts_at_once(data, stacked, matcher))[0]
+
+    return print(json.dumps([per_second(jax.devices()[0]), per_second(jax.devices("cpu")[0])]))
+
+
+PARTS = {1: (matching, warping, counting, repairing, growing), 2: (matching, counting, repairing, growing)}
+
+
+def measured(threads: int, rounds: int) -> list[Figure]:
+    """All figures of this process, which is bound to so many cores."""
+    cv2.setNumThreads(threads)
+    return [figure for part in PARTS[threads] for figure in part(threads, rounds)]
+
+
+def peak_memory() -> None:
+    """Print how many megabytes one evaluation of 1280x720 pixels and 128 disparities adds at its peak."""
+    scene = scene_of((1280, 720))
+    assert scene.rig is not None
+    data = prepare(scene.rig, scene.pairs, sr.view(scene.rig))
+    stacked, matcher = normalised(scene.rig.extrinsics)[None], sr.SAD(num_disparities=128)
+    counts(data, stacked, matcher)  # compiles
+    status, clear = Path("/proc/self/status"), Path("/proc/self/clear_refs")
+
+    def kilobytes(key: str) -> int:
+        return next(int(line.split()[1]) for line in status.read_text().splitlines() if line.startswith(key))
+
+    before = kilobytes("VmRSS")
+    clear.write_text("5")  # forgets the peak so far
+    counts(data, stacked, matcher)
+    print((kilobytes("VmHWM") - before) / 1024)
+
+
+def in_a_process(part: str, cores: int, rounds: int) -> str:
+    """The last line that this program prints as `--part part`, bound to so many cores."""
+    bound = sorted(os.sched_getaffinity(0))[:cores]
+    words = [sys.executable, __file__, "--part", part, "--rounds", str(rounds)]
+    run = subprocess.run(
+        words, capture_output=True, text=True, check=False, preexec_fn=lambda: os.sched_setaffinity(0, bound)
+    )
+    if run.returncode:
+        raise SystemExit(run.stderr)
+    return run.stdout.splitlines()[-1]
+
+
+def show(figures: list[Figure], megabytes: float, per_second: list[float] | None) -> None:
+    """Print the table."""
+    shown = Table(title=f"{os.cpu_count()} cores, OpenCV {cv2.__version__}, JAX {jax.__version__}", box=None)
+    for head in ("figure", "threads", "ours, ms", "OpenCV, ms", "ratio", "target"):
+        shown.add_column(head, justify="left" if head == "figure" else "right")
+    for f in figures:
+        other, ratio = ("", "") if f.theirs is None else (f"{f.theirs:.2f}", f"{f.ours / f.theirs:.2f}")
+        shown.add_row(f.name, f"{f.threads}", f"{f.ours:.2f}", other, ratio, f.target)
+    shown.add_row("peak memory, 1280x720, 128 disparities", "1", f"{megabytes:.0f} MB", "", "", "50 MB")
+    if per_second:
+        gpu, cpu = per_second
+        shown.add_row(
+            "256 candidates, quarter scale, GPU / CPU", "", f"{gpu:.0f}/s", f"{cpu:.0f}/s", f"{gpu / cpu:.0f}"
+        )
+    else:
+        shown.add_row("256 candidates, quarter scale, GPU / CPU", "", "no GPU", "", "", "30, 1000/s")
+    Console(width=120).print(shown)
+
+
+def main() -> None:
+    """Time both sides, in processes of their own."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--rounds", type=int, default=15)
+    parser.add_argument("--json", type=Path)
+    parser.add_argument("--part", help=argparse.SUPPRESS)
+    options = parser.parse_args()
+    if options.part == "memory":
+        peak_memory()
+    elif options.part == "gpu":
+        on_a_gpu()
+    elif options.part:
+        print(json.dumps([asdict(f) for f in measured(int(options.part), options.rounds)]))
+    else:
+        parts = [json.loads(in_a_process(str(threads), threads, options.rounds)) for threads in PARTS]
+        figures = [Figure(**figure) for part in parts for figure in part]
+        everywhere = len(os.sched_getaffinity(0))
+        per_second = json.loads(in_a_process("gpu", everywhere, options.rounds))
+        show(figures, float(in_a_process("memory", 1, options.rounds)), per_second)
+        if options.json:
+            options.json.write_text(json.dumps([asdict(f) for f in figures], indent=1))
+
+
+if __name__ == "__main__":
+    main()
