@@ -1,0 +1,49 @@
+"""The kernels one by one, with pytest-benchmark, to compare one state of the code with another:
+
+    pip install -e '.[benchmarks]'
+    python -m pytest -o addopts= tests/benchmarks/bench_kernels.py --benchmark-autosave --benchmark-compare
+
+Without the options of the test run, which check types as they go. Not part of it: the name is none that pytest collects.
+"""
+
+from collections.abc import Callable
+
+import jax
+import numpy as np
+import pytest
+
+import stereorecal as sr
+from stereorecal.scoring import correspondences, counts, normalised, prepare, soft_count
+from stereorecal.scoring._data import rectified_frames
+from stereorecal.scoring._match_frames import match_frames
+
+SIZE, MATCHER = (741, 500), sr.SAD(num_disparities=80)
+
+
+def kernels() -> dict[str, Callable[[], object]]:
+    """Calls that take all they need with them, on one rendered street."""
+    scene = sr.synthetic.render("street", 0, rig=sr.synthetic.default_rig().resized(SIZE))
+    assert scene.rig is not None
+    view, extrinsics = sr.view(scene.rig), normalised(scene.rig.extrinsics)
+    full, quarter = (prepare(scene.rig, scene.pairs, view, scale) for scale in (1.0, 0.25))
+    frames = jax.tree.map(np.asarray, rectified_frames(full, np.float32(extrinsics)))
+    small = MATCHER.scaled(0.25)
+    soft = jax.jit(lambda e: soft_count(quarter, e, small, 0.1))
+    return {
+        "rectify": lambda: jax.block_until_ready(rectified_frames(full, np.float32(extrinsics))),
+        "match": lambda: match_frames(MATCHER, frames),
+        "count at quarter scale": lambda: counts(quarter, extrinsics[None], small),
+        "ten counts at quarter scale": lambda: counts(quarter, np.repeat(extrinsics[None], 10, axis=0), small),
+        "soft count at quarter scale": lambda: jax.block_until_ready(soft(np.float32(extrinsics))),
+        "correspondences": lambda: correspondences(full, extrinsics, MATCHER, 1.0),
+        "repair": lambda: sr.recalibrate(scene.rig, scene.pairs),
+    }
+
+
+KERNELS = kernels()
+
+
+@pytest.mark.parametrize("name", KERNELS)
+def test_kernel(benchmark, name):
+    KERNELS[name]()  # compiles
+    benchmark(KERNELS[name])
