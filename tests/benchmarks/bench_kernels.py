@@ -3,7 +3,7 @@
     pip install -e '.[benchmarks]'
     python -m pytest -o addopts= tests/benchmarks/bench_kernels.py --benchmark-autosave --benchmark-compare
 
-Without the options of the test run, which check types as they go. Not part of it: the name is none that pytest collects.
+Without the options of the test run, which check types as they go. Not part of it: pytest collects no such name.
 """
 
 from collections.abc import Callable

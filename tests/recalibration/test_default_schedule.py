@@ -100,8 +100,9 @@ def test_text(repaired):
     axes = {line.split()[0]: line for line in lines[4:10]}
     assert list(axes) == ["pitch", "yaw", "roll", "x", "y", "z"]
     assert "±" not in axes.pop("x")
+    percent = 10 * float(repaired.initial.baseline)  # of the baseline, in mm
     for (name, line), half_width in zip(axes.items(), repaired.uncertainty.interval, strict=True):
-        in_unit = half_width if name in ("pitch", "yaw", "roll") else half_width * 10 * float(repaired.initial.baseline)  # mm
+        in_unit = half_width if name in ("pitch", "yaw", "roll") else half_width * percent
         assert float(line.rpartition("± ")[2]) == pytest.approx(in_unit, abs=0.00051)
     assert lines[-1].startswith("depth was off: ")
     assert [part.rpartition(" at ")[2] for part in lines[-1].split(", ")] == ["5 B", "10 B", "30 B", "100 B"]
