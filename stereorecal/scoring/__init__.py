@@ -1,5 +1,6 @@
 """Scores of a calibration: pure functions of images, cameras, extrinsics and matcher."""
 
+from stereorecal.scoring._bands import bands as bands
 from stereorecal.scoring._correspondences import (
     TILES as TILES,
     Correspondences as Correspondences,

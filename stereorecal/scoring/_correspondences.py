@@ -6,7 +6,6 @@ fixed by the shape of the images, and neighbours whose windows overlap do not vo
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -17,6 +16,7 @@ from stereorecal._arrays import AnyArray, Extrinsics
 from stereorecal._pytree import register_pytree
 from stereorecal.geometry import cubic_warp, rectifying_rotations, rotation_from_euler
 from stereorecal.matching import AbstractMatcher, Disparity
+from stereorecal.scoring._cores import on_all_cores
 from stereorecal.scoring._count import disparities
 from stereorecal.scoring._data import Rectified, ScoringData, rectify_frames
 from stereorecal.scoring._subpixel import WINDOW, refine
@@ -71,16 +71,36 @@ def correspondences(
         matcher: with its disparity range at the scale of `data`.
         scale: of `data`.
     """
-    stacked = jax.tree.map(lambda *frames: np.stack(frames), *disparities(data, extrinsics, matcher))
-    refined = _refined(data, jnp.asarray(extrinsics, jnp.float32), stacked, jnp.float32(scale))
-    return jax.tree.map(np.asarray, refined)
+    single = np.asarray(extrinsics, np.float32)
+
+    def one(frame: ScoringData) -> tuple[np.ndarray, ...]:
+        found = jax.tree.map(lambda leaf: leaf[None], disparities(frame, single, matcher)[0])
+        return jax.tree.map(np.asarray, _refined(frame, single, found))
+
+    left, right, weight = (np.concatenate(parts) for parts in zip(*on_all_cores(one, data.frames), strict=True))
+    mean, side = np.float32(np.sum(weight) / max(np.sum(weight > 0), 1)), _side(data)
+    width, height = data.view.size
+    return Correspondences(
+        left,
+        right,
+        weight / (mean if mean > 0 else np.float32(1.0)),
+        _tiles(len(weight), width // side, height // side),
+        np.asarray(data.view.focal, np.float32),
+        np.asarray(scale, np.float32),
+        np.asarray(min(1.0, side**2 / WINDOW**2), np.float32),
+    )
+
+
+def _side(data: ScoringData) -> int:
+    """Of a cell, in pixels."""
+    return max(1, round(math.sqrt(data.view.size[0] * data.view.size[1] / _CELLS)))
 
 
 @jax.jit
-def _refined(data: ScoringData, extrinsics: Extrinsics, found: Disparity, scale: Any) -> Correspondences:
-    view = data.view
+def _refined(data: ScoringData, extrinsics: Extrinsics, found: Disparity) -> tuple[jax.Array, jax.Array, jax.Array]:
+    """Rays, left and right, and inverse variances of the cells of every frame: (k, m, 3), (k, m, 3), (k, m)."""
+    view, side = data.view, _side(data)
     width, height = view.size
-    side = max(1, round(math.sqrt(width * height / _CELLS)))
     columns, rows = np.meshgrid(np.arange(width, dtype=np.float32), np.arange(height, dtype=np.float32))
     to_left, to_right = rectifying_rotations(rotation_from_euler(extrinsics[:3]), extrinsics[3:])
 
@@ -97,17 +117,7 @@ def _refined(data: ScoringData, extrinsics: Extrinsics, found: Disparity, scale:
         right = rays(x - d, y + v, view.centre_right, to_right)
         return left, right, weight
 
-    left, right, weight = rectify_frames(data, extrinsics, frame, warp=cubic_warp, more=(found,))
-    mean = jnp.sum(weight) / jnp.maximum(jnp.sum(weight > 0), 1)
-    return Correspondences(
-        left,
-        right,
-        weight / jnp.where(mean > 0, mean, 1.0),
-        jnp.asarray(_tiles(data.left.shape[0], width // side, height // side)),
-        jnp.asarray(view.focal, jnp.float32),
-        scale,
-        jnp.float32(min(1.0, side**2 / WINDOW**2)),
-    )
+    return rectify_frames(data, extrinsics, frame, warp=cubic_warp, more=(found,))
 
 
 def _means_of_cells(fields: Float[jax.Array, "c h w"], weight: Float[jax.Array, "h w"], side: int):

@@ -66,5 +66,9 @@ def _compiled_counts(data: ScoringData, candidates: Float[jax.Array, "n 6"], mat
 
 def disparities(data: ScoringData, extrinsics: Float[AnyArray, "6"], matcher: AbstractMatcher) -> list[Disparity]:
     """The disparity of each frame under one set of extrinsics, NumPy arrays."""
-    rectified = rectified_frames(data, jnp.asarray(extrinsics, jnp.float32))
-    return match_frames(matcher, jax.tree.map(np.asarray, rectified))
+    single = np.asarray(extrinsics, np.float32)
+
+    def one(frame: ScoringData) -> Disparity:
+        return match_frames(matcher, jax.tree.map(np.asarray, rectified_frames(frame, single)))[0]
+
+    return on_all_cores(one, data.frames)

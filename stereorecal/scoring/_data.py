@@ -1,7 +1,7 @@
 """What a score is computed from: images, cameras and view at one image scale, ready for the kernels."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import jax
 import jax.numpy as jnp
@@ -40,6 +40,14 @@ class ScoringData:
     left_camera: Camera
     right_camera: Camera
     view: View
+
+    @property
+    def frames(self) -> list["ScoringData"]:
+        """Each frame alone: programs then need not know how many there are."""
+        if len(self.left) == 1:
+            return [self]
+        left, right = np.asarray(self.left), np.asarray(self.right)  # a slice of NumPy's is no program to compile
+        return [replace(self, left=left[i : i + 1], right=right[i : i + 1]) for i in range(len(left))]
 
     @property
     def pixels(self) -> int:

@@ -1,0 +1,85 @@
+"""A count of a part of the rows: where the rows lie, that bands add up, and that the maximum stays."""
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from hypothesis import given, strategies as st
+
+import stereorecal as sr
+from stereorecal._errors import InputError
+from stereorecal.geometry import view
+from stereorecal.matching import SAD
+from stereorecal.scoring import bands, counts, normalised, prepare
+from stereorecal.scoring._data import rectified_frames
+
+SAD_32 = SAD(num_disparities=32)
+
+
+@pytest.fixture(scope="module")
+def prepared(scene):
+    given_scene = scene("street", 0, (320, 240))
+    return prepare(given_scene.rig, given_scene.pairs, view(given_scene.rig))
+
+
+@pytest.fixture(scope="module")
+def extrinsics(scene):
+    return np.asarray(normalised(scene("street", 0, (320, 240)).rig.extrinsics), np.float32)
+
+
+@given(share=st.floats(0.001, 1.0))
+def test_bands_are_apart_inside_and_of_the_share_that_was_asked_for(prepared, share):
+    parts = bands(prepared, share)
+    firsts = np.array([float(prepared.view.centre_row - part.view.centre_row) for part in parts])
+    height = parts[0].view.size[1]
+    assert {part.view.size for part in parts} == {(320, height)}
+    assert (np.diff(firsts) >= height).all()
+    assert firsts[0] >= 0
+    assert firsts[-1] + height <= 240
+    assert abs(sum(part.pixels for part in parts) / prepared.pixels - share) <= 16 / 240 or len(parts) == 1
+
+
+def test_a_band_shows_the_rows_of_the_whole(prepared, extrinsics):
+    whole = rectified_frames(prepared, extrinsics)
+    for part in bands(prepared, 0.4):
+        first = round(float(prepared.view.centre_row - part.view.centre_row))
+        band = rectified_frames(part, extrinsics)
+        for side in ("left", "right"):
+            np.testing.assert_allclose(getattr(band, side), getattr(whole, side)[:, first : first + 32], atol=0.05)
+
+
+def test_all_rows_are_the_view_itself(prepared):
+    assert bands(prepared, 1.0) == (prepared,)
+
+
+@pytest.mark.parametrize("share", [0.0, -0.5, 1.01, float("nan")])
+def test_shares_that_make_no_sense(scene, share):
+    given_scene = scene()
+    with pytest.raises(InputError, match="share of the rows"):
+        sr.objective(given_scene.rig, given_scene.pairs, matcher=SAD_32, rows=share)
+
+
+def test_an_objective_adds_its_bands_up_and_costs_less(scene, prepared):
+    given_scene = scene("street", 0, (320, 240))
+    few = sr.objective(given_scene.rig, given_scene.pairs, matcher=SAD_32, rows=0.4)
+    points = np.stack([np.zeros(few.dim), np.full(few.dim, 0.02)])
+    expected = [
+        counts(band, np.stack([normalised(few.images.chart.extrinsics(p)) for p in points]), SAD_32)
+        for band in bands(prepared, 0.4)
+    ]
+    found = few.batch(points)
+    np.testing.assert_array_equal(found, np.sum(expected, axis=0))
+    assert few.problem.cost == pytest.approx(96 / 240)
+    np.testing.assert_allclose([few.traced.count(jnp.asarray(p, jnp.float32)) for p in points], found, rtol=2e-3)
+
+
+@pytest.mark.parametrize("kind", ["harbour", "coast", "street"])
+def test_the_maximum_stays(scene, kind):
+    """Along pitch: where the count of 40 % of the rows is highest, the whole count is as good as at its own maximum."""
+    given_scene = scene(kind, 0, (320, 240))
+    pitch = np.linspace(-0.05, 0.05, 21)[:, None] * np.eye(5)[0]
+    few, whole = (
+        sr.objective(given_scene.rig, given_scene.pairs, matcher=SAD_32, rows=rows).batch(pitch) for rows in (0.4, 1.0)
+    )
+    assert abs(pitch[few.argmax(), 0] - pitch[whole.argmax(), 0]) * 3.0 < 0.05  # degrees
+    assert whole[few.argmax()] >= 0.99 * whole.max()  # bumps of half a percent are noise
+    assert few.max() == pytest.approx(0.4 * whole.max(), rel=0.3)
