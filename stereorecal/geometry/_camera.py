@@ -2,7 +2,9 @@
 
 from dataclasses import dataclass, field
 
+import jax.numpy as jnp
 import numpy as np
+from jax.core import Tracer
 from jaxtyping import Float
 
 from stereorecal._arrays import AnyArray, Mat3, is_host, namespace
@@ -75,6 +77,7 @@ class Camera:
         """Pixels to rays (x/z, y/z, 1) in the camera frame, float32."""
         focal = self.matrix[(0, 1), (0, 1)]
         normalised = undistort((pixels - self.matrix[:2, 2]) / focal, self.distortion)
-        xp = namespace(pixels, self.matrix)
+        traced = isinstance(normalised, Tracer)
+        xp = jnp if traced else namespace(pixels, self.matrix, self.distortion)
         normalised = xp.asarray(normalised)
         return xp.concatenate([normalised, xp.ones_like(normalised[..., :1])], axis=-1)

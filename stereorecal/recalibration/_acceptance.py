@@ -11,7 +11,6 @@ from stereorecal.scoring import Score
 
 _COUNT_LOSS = 0.01  # of the count; the count is flat to half of that around the optimum
 _COUNT_GAIN = 0.01
-_COUNT_SCATTER = 1.1  # of the counts of equally good calibrations, times the root of the pixels (rendered scenes)
 _ROW_LOSS = 0.02  # pixels
 _ROW_GAIN = 0.01  # pixels
 _SIGNIFICANT = 3.0  # standard errors, over the places of tiles
@@ -78,32 +77,33 @@ def verdict(
     observed: Bool[np.ndarray, "n"],
     places: int,
     covered: float,
+    frames: int,
 ) -> Reason:
     """The verdict on a candidate with correspondences.
 
     Accepted: a significant gain in count or in row error on held-out parts, and no loss beyond 1 % of the count and
-    0.02 pixels (architecture, section 6). Where the old calibration matches, its rows lie together and no candidate is
-    better, it is good already, whatever became of the candidate's count.
+    0.02 pixels (architecture, section 6). The counts of equally good calibrations scatter: by about 1 over the root of
+    the count of a frame, measured on rendered scenes; frames that repeat each other prove nothing twice.
 
     Args:
         z: the candidate in the unit box.
         observed: which of its coordinates the data determine.
         places: how many places of the frames hold correspondences.
         covered: by correspondences, share of the frame that shows most.
+        frames: how many there are.
     """
     if places < _FEWEST_PLACES or covered < LEAST_COVERED:
         return Reason.TOO_LITTLE_TEXTURE
-    gain = rows.before - rows.after
-    better_rows = gain > _ROW_GAIN and rows.significance > _SIGNIFICANT
-    scatter = _COUNT_SCATTER / np.sqrt(after.pixels)
-    better_count = after.count > (1.0 + max(_COUNT_GAIN, _SIGNIFICANT * scatter)) * before.count and gain >= 0.0
-    good = rows.before <= ROWS_APART and not better_rows
     if after.count < (1.0 - _COUNT_LOSS) * before.count:
-        return Reason.ALREADY_GOOD if good else Reason.FEWER_MATCHES
+        return Reason.FEWER_MATCHES
+    gain = rows.before - rows.after
     if gain < -_ROW_LOSS:
-        return Reason.ALREADY_GOOD if good else Reason.WORSE_ON_HELD_OUT
+        return Reason.WORSE_ON_HELD_OUT
     if np.any(observed & (np.abs(z) > _EDGE)):
         return Reason.REACH_EDGE
+    better_rows = gain > _ROW_GAIN and rows.significance > _SIGNIFICANT
+    scatter = 1.0 / np.sqrt(max(after.count, 1) / frames)
+    better_count = after.count > (1.0 + max(_COUNT_GAIN, _SIGNIFICANT * scatter)) * before.count and gain >= 0.0
     if better_rows or better_count:
         return Reason.IMPROVED
-    return Reason.ALREADY_GOOD if good else Reason.WORSE_ON_HELD_OUT
+    return Reason.ALREADY_GOOD if rows.before <= ROWS_APART else Reason.WORSE_ON_HELD_OUT

@@ -17,7 +17,8 @@ from stereorecal.scoring import TILES, Correspondences, Loss, curvatures, precis
 
 _STEP = 1e-4  # of the reach, for numerical derivatives of row differences in float64
 _FOLDS = 4
-_SHARED = 0.005  # pixels, standard deviation of a row offset that all rows share: no resampling can see it
+# Standard deviation of an offset that all rows share, pixels of the images that were measured: no resampling sees it.
+_SHARED = 0.005
 TILES_OF_A_FRAME = TILES[0] * TILES[1]
 
 
@@ -33,6 +34,7 @@ class Evidence:
         weight: (m,) of the squared row differences.
         curvature: (m,) second derivatives of their losses.
         tile: (m,) which tile of which frame.
+        scale: pixels at which the rows were measured, per pixel at full size.
     """
 
     z: Float[np.ndarray, "n"]
@@ -42,6 +44,7 @@ class Evidence:
     weight: Float[np.ndarray, "m"]
     curvature: Float[np.ndarray, "m"]
     tile: Int[np.ndarray, "m"]
+    scale: float = 1.0
 
     @property
     def _prior(self) -> Float[np.ndarray, "n n"]:
@@ -70,7 +73,7 @@ class Evidence:
         inverse = np.linalg.inv(self._normal(slice(None), self.curvature))
         others = len(seen) - 1
         few = (student_t.ppf(0.975, others) / norm.ppf(0.975)) ** 2  # so that ±1.96 σ means 95 % of few places too
-        shared = _SHARED * inverse @ (self.jacobian.T @ self.weight)
+        shared = _SHARED / self.scale * inverse @ (self.jacobian.T @ self.curvature)
         return few * moves.T @ moves * others / len(seen) + inverse @ self._prior @ inverse + np.outer(shared, shared)
 
     @property
@@ -120,4 +123,5 @@ def evidence(case: Case, found: Correspondences, z: Float[np.ndarray, "n"]) -> E
         weight=weights[here] * scale**2,
         curvature=curvatures(found, at)[here] * scale**2,
         tile=np.asarray(found.tile)[here],
+        scale=scale,
     )

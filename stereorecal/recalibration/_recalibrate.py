@@ -103,7 +103,7 @@ def _judged(case: Case, stages: tuple[StageRun, ...], began: float) -> Solution:
     else:
         facts = evidence(case, found, best)
         rows, known = row_errors(facts), uncertainty(facts.covariance(), case.chart)
-        reason = verdict(before, after, rows, best, known.observed, facts.places, found.covered)
+        reason = verdict(before, after, rows, best, known.observed, facts.places, found.covered, len(case.pairs))
     accepted = reason in (Reason.IMPROVED, Reason.MORE_MATCHES)
     return Solution(
         rig=candidate if accepted else case.rig,

@@ -82,7 +82,7 @@ class Schedule:
             InputError: if one of the two strategies is not installed; it says the install line.
         """
         climb = named_strategy("compass")
-        # Near the solution almost from the start: little damping, or the weakest axes creep.
+        # Near the solution almost from the start: with more damping the weakest axes creep, and need finer tolerances.
         solve = named_strategy("optimistix-levenberg-marquardt", damping=1e-4)
         stages = (
             Stage(climb, 0.25, ScoreKind.COUNT, pixels=(16_000, 30_000)),

@@ -14,7 +14,8 @@ from stereorecal.scoring._data import Rectified, ScoringData, rectified_frames, 
 from stereorecal.scoring._match_frames import match_frames
 from stereorecal.scoring._validity import match_frame
 
-_AT_ONCE = 64  # candidates in one call of a GPU
+_AT_ONCE = 64  # candidates in one call of a GPU, at most
+_PIXELS_AT_ONCE = 2**22  # of them together, which take some hundred bytes each
 
 
 def count(data: ScoringData, extrinsics: Extrinsics, matcher: AbstractMatcher) -> Int[jax.Array, ""]:
@@ -51,10 +52,12 @@ def counts_at_once(
 ) -> Int[np.ndarray, "n"]:
     """`counts` in batches of one size, padded: one program, wide enough for a GPU."""
     candidates = np.asarray(candidates, np.float32).reshape(-1, 6)
+    width, height = data.view.size
+    size = max(1, min(_AT_ONCE, _PIXELS_AT_ONCE // (width * height)))
     found = [np.zeros(0, np.int64)]
-    for first in range(0, len(candidates), _AT_ONCE):
-        batch = candidates[first : first + _AT_ONCE]
-        padded = np.concatenate([batch, np.repeat(batch[-1:], _AT_ONCE - len(batch), axis=0)])
+    for first in range(0, len(candidates), size):
+        batch = candidates[first : first + size]
+        padded = np.concatenate([batch, np.repeat(batch[-1:], size - len(batch), axis=0)])
         found.append(np.asarray(_compiled_counts(data, padded, matcher), np.int64)[: len(batch)])
     return np.concatenate(found)
 

@@ -2,9 +2,9 @@
 
 The fields of disparity and row offset are refined together (Lucas & Kanade 1981): the right image is warped by both
 fields as they are, so that a window follows slanted surfaces, and what still differs within the window of a pixel moves
-that pixel. Pixels without a valid disparity take no part in any window. Where the disparity jumps, a window sees two
-surfaces, and so did the matcher's; what is found there is a little wrong in ways that do not average out, and counts
-for less.
+that pixel. Pixels without a valid disparity take no part in any window. Where the disparity changes fast, at the edges
+of things and on steep slants, the matcher's windows saw more than one depth and so do these: what is found there is a
+little wrong in ways that do not average out, and counts for less.
 """
 
 from functools import partial
@@ -28,9 +28,9 @@ _AWAY = 1.0  # pixels from the matcher's disparity
 _COVER = 0.5  # share of the window that must be valid
 _FARTHEST_ROW = 2.0  # pixels across the rows; beyond it a window has met something else
 _WIDEST = 0.17  # pixels, standard deviation of the row offset by the noise of the window alone
-_JUMP = 1.0  # pixels of disparity within `_JUMP_WITHIN` pixels: no surface that is matched slants that much
-_JUMP_WITHIN = 5
-_BY_A_JUMP = 0.1  # pixels, standard deviation of the row offset where the grey levels' window sees a jump
+_UNEVEN = 1.0  # pixels of disparity within so many pixels: an edge, or a slant of a quarter of a pixel a pixel
+_UNEVEN_WITHIN = 5
+_BY_UNEVEN = 0.1  # pixels, standard deviation of the row offset where the grey levels' window sees that
 _ROWS_AT_ONCE = 60
 _QUIETEST = 1e-5  # contrast squared: without it, a flat window that agrees exactly would be sure of its row
 
@@ -41,7 +41,7 @@ class Offsets(NamedTuple):
     Attributes:
         disparity, row: where the partner lies: (x - disparity, y + row), pixels.
         variance: of `row`, in pixels squared, with the disparity unknown as well: the noise of the window over
-            [G^-1]_yy of its structure tensor G, and what a jump of the disparity near by adds.
+            [G^-1]_yy of its structure tensor G, and what uneven disparities near by add.
         good: False where something went wrong.
     """
 
@@ -86,7 +86,7 @@ def refine(frame: Rectified, disparity: Disparity) -> Offsets:
     d, v, moved = jax.lax.fori_loop(0, _ITERATIONS, step, (start, zero, zero))
     noise = box_sum(difference(d, v) ** 2, WINDOW) / jnp.maximum(pixels, 1.0)
     variance = jnp.maximum(noise, _QUIETEST) / jnp.maximum(yy - xy * xy / (xx + 1e-6), 1e-6)
-    by_a_jump = _BY_A_JUMP**2 * _near_a_jump(disparity)
+    by_uneven = _BY_UNEVEN**2 * _uneven(disparity)
     good = (
         disparity.valid
         & (moved < _SETTLED)
@@ -95,14 +95,14 @@ def refine(frame: Rectified, disparity: Disparity) -> Offsets:
         & (pixels > _COVER * WINDOW**2)
         & (variance < _WIDEST**2)
     )
-    return Offsets(d, v, variance + by_a_jump, good)
+    return Offsets(d, v, variance + by_uneven, good)
 
 
 _window_sums = jax.vmap(partial(box_sum, block_size=WINDOW))  # of several fields in one go: less to compile
 
 
-def _near_a_jump(disparity: Disparity) -> Bool[jax.Array, "h w"]:
-    """True where the disparity jumps inside the window in which grey levels are taken relative."""
+def _uneven(disparity: Disparity) -> Bool[jax.Array, "h w"]:
+    """True where the disparity changes fast inside the window in which grey levels are taken relative."""
 
     def highest(values, side):
         for window in ((side, 1), (1, side)):
@@ -110,8 +110,8 @@ def _near_a_jump(disparity: Disparity) -> Bool[jax.Array, "h w"]:
         return values
 
     values, valid = jnp.asarray(disparity.values), disparity.valid
-    farther, nearer = (highest(jnp.where(valid, side, -jnp.inf), _JUMP_WITHIN) for side in (-values, values))
-    return highest((nearer + farther > _JUMP).astype(jnp.float32), _CONTRAST_WINDOW) > 0
+    farther, nearer = (highest(jnp.where(valid, side, -jnp.inf), _UNEVEN_WITHIN) for side in (-values, values))
+    return highest((nearer + farther > _UNEVEN).astype(jnp.float32), _CONTRAST_WINDOW) > 0
 
 
 def _contrast(images: Float[jax.Array, "n h w"]) -> Float[jax.Array, "n h w"]:

@@ -145,8 +145,10 @@ def test_frames_of_their_own_are_news():
 
 def test_an_offset_that_all_rows_share_is_allowed_for(monkeypatch):
     """No resampling sees it: 0.005 pixels, as far as they move the solution."""
-    found, target = problem(common=0.5)
-    moved = solve(found.jacobian, target + 0.005, found.weight) - solve(found.jacobian, target, found.weight)
+    found = problem(common=0.5)[0]
+    found = replace(found, curvature=np.random.default_rng(0).uniform(0, 1, len(found.tile)) * found.weight, scale=0.5)
+    none = np.zeros(len(found.tile))
+    moved = solve(found.jacobian, none + 0.01, found.curvature) - solve(found.jacobian, none, found.curvature)
     covariance = found.covariance()
     monkeypatch.setattr(_evidence, "_SHARED", 0.0)
     np.testing.assert_allclose(covariance - found.covariance(), np.outer(moved, moved), rtol=1e-6, atol=1e-15)

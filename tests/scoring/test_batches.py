@@ -1,5 +1,7 @@
 """A count belongs to its candidate: it does not know which others were asked with it, or in which order."""
 
+from dataclasses import dataclass
+from typing import ClassVar
 from unittest import mock
 
 import numpy as np
@@ -77,6 +79,20 @@ def test_blocks_cover_every_row_once_with_their_halo(height, cores, block_size):
     for seen, own in zip(rows, kept, strict=True):
         assert seen[0] <= max(0, own[0] - matcher.halo)
         assert seen[-1] >= min(height - 1, own[-1] + matcher.halo)
+
+
+@dataclass(frozen=True)
+class RowByRow(SAD):
+    """A matcher whose own search needs no other row."""
+
+    halo: ClassVar[int] = 0
+
+
+def test_the_texture_check_needs_its_window_whatever_the_matcher_needs():
+    with mock.patch.object(_match_frames, "cores", return_value=2):
+        first, second = _match_frames.blocks(480, RowByRow(block_size=11))
+    assert first.seen == slice(0, 252)
+    assert second.kept == slice(12, 252)
 
 
 def test_a_matcher_that_looks_everywhere_sees_the_frame_whole():

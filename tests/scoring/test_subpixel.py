@@ -10,7 +10,7 @@ from hypothesis import given, settings, strategies as st
 
 from stereorecal.matching import Disparity
 from stereorecal.scoring._data import Rectified
-from stereorecal.scoring._subpixel import WINDOW, _near_a_jump, refine
+from stereorecal.scoring._subpixel import WINDOW, _uneven, refine
 
 SIZE = HEIGHT, WIDTH = 72, 96
 MARGIN = 16  # pixels of the frame that a window or the local contrast meets the border within
@@ -151,17 +151,18 @@ def test_twin(seed):
     np.testing.assert_allclose(actual.variance[both], variance[both], rtol=1e-2)
 
 
-def test_a_jump_is_seen_by_windows_and_a_slant_is_none():
+def test_uneven_is_a_jump_or_a_steep_slant():
     """A step of two pixels on a slant of a fifth of a pixel: within nine columns; eight across a gap of two columns."""
     near, across = np.zeros(SIZE, bool), np.zeros(SIZE, bool)
     near[:, 45 - 9 : 45 + 9] = True
     across[:, 45 - 8 : 45 + 8] = True
     slant = 0.2 * X
     gap = (X < 44) | (X > 45)
-    np.testing.assert_array_equal(_near_a_jump(matched(slant + 2.0 * (X > 44))), near)
-    np.testing.assert_array_equal(_near_a_jump(matched(slant + 2.0 * (X > 44), gap)), across)
-    assert not _near_a_jump(matched(slant)).any()
-    assert not _near_a_jump(matched(1000.0 * X, False)).any()
+    np.testing.assert_array_equal(_uneven(matched(slant + 2.0 * (X > 44))), near)
+    np.testing.assert_array_equal(_uneven(matched(slant + 2.0 * (X > 44), gap)), across)
+    assert not _uneven(matched(slant)).any()
+    assert _uneven(matched(0.3 * X)).all()
+    assert not _uneven(matched(1000.0 * X, False)).any()
 
 
 def test_good_means_every_check():
