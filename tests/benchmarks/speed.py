@@ -2,9 +2,10 @@
 
     python tests/benchmarks/speed.py [--rounds N] [--json FILE]
 
-Each figure is timed on both sides in turn, and the medians are compared (repairs and the search: one call each). A process of its own is bound to as many cores
-as the threads that are stated; OpenCV is told the same number. Pairs: a rendered street, 741x500, 80 disparities,
-window 11, x-Sobel prefilter, uniqueness, texture and left-right check on; repairs and growth: 640x480.
+Each figure is timed on both sides in turn, and the medians are compared (repairs and the search: one call each). A
+process of its own is bound to as many cores as the threads that are stated; OpenCV is told the same number. Pairs: a
+rendered street, 741x500, 80 disparities, window 11, x-Sobel prefilter, uniqueness, texture and left-right check on;
+repairs and growth: 640x480.
 """
 
 import argparse
@@ -149,7 +150,12 @@ def matching(threads: int, rounds: int) -> Iterator[Figure]:
     )
     yield Figure("SAD / StereoBM, one pair", threads, ours, theirs, "1.5" if threads == 1 else "2.0")
     yield Figure("SAD / StereoSGBM, one pair", threads, ours, slower, "")
-    others = spread(threads, lambda: lambda images, bm=block_matcher(80): bm.compute(*images), bytes_of)
+
+    def matcher_of_a_thread():
+        own = block_matcher(80)
+        return lambda images: own.compute(*images)
+
+    others = spread(threads, matcher_of_a_thread, bytes_of)
     ours, theirs = timed(rounds, lambda: match_frames(MATCHER, frames), others)
     cv2.setNumThreads(threads)
     yield Figure("SAD / StereoBM, 8 pairs", threads, ours, theirs, "1.5" if threads == 2 else "")
