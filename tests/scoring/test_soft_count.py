@@ -53,7 +53,7 @@ def test_reverse_rule_is_forward_mode(scene):
 def _undecorated(score, z):
     from stereorecal.scoring import soft_count
 
-    return soft_count(score.data, score.chart.extrinsics(z), score.matcher, score.temperature)
+    return soft_count(score.data[0], score.chart.extrinsics(z), score.matcher, score.temperature)
 
 
 def test_it_tends_to_the_count_as_the_temperature_falls(scene):
