@@ -9,9 +9,9 @@ from jaxtyping import Float, Int
 
 from stereorecal._arrays import AnyArray, Extrinsics
 from stereorecal.matching import AbstractMatcher, Disparity
+from stereorecal.scoring._blocks import match_in_blocks
 from stereorecal.scoring._cores import on_all_cores
-from stereorecal.scoring._data import Rectified, ScoringData, rectified_frames, rectify_frames
-from stereorecal.scoring._match_frames import match_frames
+from stereorecal.scoring._data import Rectified, ScoringData, rectified_frame, rectify_frames
 from stereorecal.scoring._validity import match_frame
 
 _AT_ONCE = 64  # candidates in one call of a GPU, at most
@@ -72,6 +72,6 @@ def disparities(data: ScoringData, extrinsics: Float[AnyArray, "6"], matcher: Ab
     single = np.asarray(extrinsics, np.float32)
 
     def one(frame: ScoringData) -> Disparity:
-        return match_frames(matcher, jax.tree.map(np.asarray, rectified_frames(frame, single)))[0]
+        return match_in_blocks(matcher, rectified_frame(frame, single))
 
     return on_all_cores(one, data.frames)

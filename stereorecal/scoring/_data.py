@@ -115,9 +115,9 @@ def rectify_frames(data: ScoringData, extrinsics: Extrinsics, use, area=mapped_a
 
 
 @jax.jit
-def rectified_frames(data: ScoringData, extrinsics: Float[jax.Array, "6"]) -> Rectified:
-    """Every frame rectified by `extrinsics`, with a leading frame axis."""
-    return rectify_frames(data, extrinsics, lambda frame: frame)
+def rectified_frame(data: ScoringData, extrinsics: Float[AnyArray, "6"]) -> Rectified:
+    """The one frame of `data` rectified by `extrinsics`."""
+    return jax.tree.map(lambda leaf: leaf[0], rectify_frames(data, extrinsics, lambda frame: frame))
 
 
 def normalised(extrinsics: Extrinsics) -> Float[np.ndarray, "6"]:

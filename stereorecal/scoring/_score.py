@@ -10,7 +10,7 @@ from jaxtyping import Float
 from stereorecal.geometry import Pair, StereoRig, View, view as default_view
 from stereorecal.matching import SAD, AbstractMatcher, Disparity
 from stereorecal.scoring._count import counts, disparities
-from stereorecal.scoring._data import normalised, prepare, rectified_frames
+from stereorecal.scoring._data import normalised, prepare, rectified_frame
 from stereorecal.scoring._survey import with_disparity_range
 
 
@@ -69,11 +69,11 @@ def rectify(
     rig: StereoRig, pair: Pair, *, view: View | None = None
 ) -> tuple[Float[np.ndarray, "h w"], Float[np.ndarray, "h w"]]:
     """Left and right image rectified, float32 in the view (default: the rig's own); borders are repeated."""
-    frame = rectified_frames(
+    frame = rectified_frame(
         prepare(rig, [pair], default_view(rig) if view is None else view),
         jnp.asarray(normalised(rig.extrinsics), jnp.float32),
     )
-    return np.asarray(frame.left[0]), np.asarray(frame.right[0])
+    return np.asarray(frame.left), np.asarray(frame.right)
 
 
 def disparity(

@@ -14,8 +14,8 @@ import pytest
 
 import stereorecal as sr
 from stereorecal.scoring import correspondences, counts, normalised, prepare, soft_count
-from stereorecal.scoring._data import rectified_frames
-from stereorecal.scoring._match_frames import match_frames
+from stereorecal.scoring._blocks import match_in_blocks
+from stereorecal.scoring._data import rectified_frame
 
 SIZE, MATCHER = (741, 500), sr.SAD(num_disparities=80)
 
@@ -26,12 +26,12 @@ def kernels() -> dict[str, Callable[[], object]]:
     assert scene.rig is not None
     view, extrinsics = sr.view(scene.rig), normalised(scene.rig.extrinsics)
     full, quarter = (prepare(scene.rig, scene.pairs, view, scale) for scale in (1.0, 0.25))
-    frames = jax.tree.map(np.asarray, rectified_frames(full, np.float32(extrinsics)))
+    frame = rectified_frame(full, np.float32(extrinsics))
     small = MATCHER.scaled(0.25)
     soft = jax.jit(lambda e: soft_count(quarter, e, small, 0.1))
     return {
-        "rectify": lambda: jax.block_until_ready(rectified_frames(full, np.float32(extrinsics))),
-        "match": lambda: match_frames(MATCHER, frames),
+        "rectify": lambda: jax.block_until_ready(rectified_frame(full, np.float32(extrinsics))),
+        "match": lambda: match_in_blocks(MATCHER, frame),
         "count at quarter scale": lambda: counts(quarter, extrinsics[None], small),
         "ten counts at quarter scale": lambda: counts(quarter, np.repeat(extrinsics[None], 10, axis=0), small),
         "soft count at quarter scale": lambda: jax.block_until_ready(soft(np.float32(extrinsics))),

@@ -30,8 +30,9 @@ from rich.table import Table
 import stereorecal as sr
 from stereorecal.geometry import Scene, bilinear_warp, pixel_map, rectifying_rotations
 from stereorecal.scoring import counts, normalised, prepare
-from stereorecal.scoring._data import Rectified, rectified_frames
-from stereorecal.scoring._match_frames import match_frames
+from stereorecal.scoring._blocks import match_in_blocks
+from stereorecal.scoring._cores import on_all_cores
+from stereorecal.scoring._data import rectified_frame
 from stereorecal.strategies import Budget, Objective, Problem, Reach, chart_around, run_strategy, strategy
 
 MATCHER = sr.SAD(num_disparities=80)
@@ -136,15 +137,12 @@ def matching(threads: int, rounds: int) -> Iterator[Figure]:
     assert scene.rig is not None
     view = sr.view(scene.rig)
     data = prepare(scene.rig, scene.pairs, view)
-    frames = jax.tree.map(
-        np.asarray, rectified_frames(data, jnp.asarray(normalised(scene.rig.extrinsics), jnp.float32))
-    )
-    one: Rectified = jax.tree.map(lambda leaf: leaf[:1], frames)
-    bytes_of = [[np.round(side[i]).astype(np.uint8) for side in (frames.left, frames.right)] for i in range(8)]
+    frames = [rectified_frame(frame, np.float32(normalised(scene.rig.extrinsics))) for frame in data.frames]
+    bytes_of = [[np.asarray(side).round().astype(np.uint8) for side in (f.left, f.right)] for f in frames]
     bm, sgbm = block_matcher(80), block_matcher(80, cv2.StereoSGBM)
     ours, theirs, slower = timed(
         rounds,
-        lambda: match_frames(MATCHER, one),
+        lambda: match_in_blocks(MATCHER, frames[0]),
         lambda: bm.compute(*bytes_of[0]),
         lambda: sgbm.compute(*bytes_of[0]),
     )
@@ -156,7 +154,7 @@ def matching(threads: int, rounds: int) -> Iterator[Figure]:
         return lambda images: own.compute(*images)
 
     others = spread(threads, matcher_of_a_thread, bytes_of)
-    ours, theirs = timed(rounds, lambda: match_frames(MATCHER, frames), others)
+    ours, theirs = timed(rounds, lambda: on_all_cores(lambda f: match_in_blocks(MATCHER, f), frames), others)
     cv2.setNumThreads(threads)
     yield Figure("SAD / StereoBM, 8 pairs", threads, ours, theirs, "1.5" if threads == 2 else "")
 

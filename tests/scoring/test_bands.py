@@ -10,7 +10,7 @@ from stereorecal._errors import InputError
 from stereorecal.geometry import view
 from stereorecal.matching import SAD
 from stereorecal.scoring import bands, counts, normalised, prepare
-from stereorecal.scoring._data import rectified_frames
+from stereorecal.scoring._data import rectified_frame
 
 SAD_32 = SAD(num_disparities=32)
 
@@ -39,12 +39,12 @@ def test_bands_are_apart_inside_and_of_the_share_that_was_asked_for(prepared, sh
 
 
 def test_a_band_shows_the_rows_of_the_whole(prepared, extrinsics):
-    whole = rectified_frames(prepared, extrinsics)
+    whole = rectified_frame(prepared, extrinsics)
     for part in bands(prepared, 0.4):
         first = round(float(prepared.view.centre_row - part.view.centre_row))
-        band = rectified_frames(part, extrinsics)
+        band = rectified_frame(part, extrinsics)
         for side in ("left", "right"):
-            np.testing.assert_allclose(getattr(band, side), getattr(whole, side)[:, first : first + 32], atol=0.05)
+            np.testing.assert_allclose(getattr(band, side), getattr(whole, side)[first : first + 32], atol=0.05)
 
 
 def test_all_rows_are_the_view_itself(prepared):

@@ -1,4 +1,4 @@
-"""Matching rectified frames on the host: in blocks of rows, on all cores."""
+"""Matching a rectified frame in blocks of rows, on all cores."""
 
 from typing import NamedTuple
 
@@ -20,23 +20,18 @@ class Block(NamedTuple):
     kept: slice
 
 
-def match_frames(matcher: AbstractMatcher, frames: Rectified) -> list[Disparity]:
-    """The disparity of each frame, NumPy arrays.
+def match_in_blocks(matcher: AbstractMatcher, frame: Rectified) -> Disparity:
+    """The disparity of a frame, NumPy arrays."""
+    parts = blocks(frame.left.shape[0], matcher)
+    if len(parts) == 1:
+        return jax.tree.map(np.asarray, _match(matcher, frame))
+    rows = jax.tree.map(np.asarray, frame)
 
-    Args:
-        frames: NumPy arrays with a leading frame axis.
-    """
-    count, height = frames.left.shape[:2]
-    parts = blocks(height, matcher)
-
-    def match(piece: tuple[int, Block]) -> Disparity:
-        number, block = piece
-        found = _match(matcher, jax.tree.map(lambda leaf: leaf[number][block.seen], frames))
+    def match(block: Block) -> Disparity:
+        found = _match(matcher, jax.tree.map(lambda leaf: leaf[block.seen], rows))
         return jax.tree.map(lambda leaf: np.asarray(leaf)[block.kept], found)
 
-    found = on_all_cores(match, [(number, block) for number in range(count) for block in parts])
-    firsts = range(0, len(found), len(parts))
-    return [jax.tree.map(lambda *rows: np.concatenate(rows), *found[i : i + len(parts)]) for i in firsts]
+    return jax.tree.map(lambda *found: np.concatenate(found), *on_all_cores(match, parts))
 
 
 def blocks(height: int, matcher: AbstractMatcher) -> list[Block]:
