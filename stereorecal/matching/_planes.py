@@ -12,8 +12,9 @@ import jax.numpy as jnp
 from jaxtyping import Int, Num
 
 from stereorecal.matching._matcher import AbstractMatcher
-from stereorecal.matching._stream import NEVER
-from stereorecal.matching._winners import Winners, index_bits
+from stereorecal.matching._stream import NEVER, with_borders
+from stereorecal.matching._texture import box_sum
+from stereorecal.matching._winners import Winners, index_bits, index_of
 
 
 def winners(left: Num[jax.Array, "h w"], right: Num[jax.Array, "h w"], options: AbstractMatcher) -> Winners:
@@ -21,17 +22,13 @@ def winners(left: Num[jax.Array, "h w"], right: Num[jax.Array, "h w"], options: 
     (height, width), radius = left.shape, options.block_size // 2
     lowest, count = options.disparity_range(width)
     bits = index_bits(count)
-    rows = ((radius, radius), (0, 0))
-    # Beyond their columns images repeat their border, beyond their rows they are 0 and cost nothing.
-    wide_left = jnp.pad(jnp.pad(left, ((0, 0), (radius, radius)), mode="edge"), rows)
-    before, after = max(radius + lowest + count - 1, 0), max(radius - lowest, 0)
-    wide_right = jnp.pad(jnp.pad(right, ((0, 0), (before, after)), mode="edge"), rows)
+    wide_left, wide_right, first = with_borders(left, right, options)
     column = jnp.arange(width, dtype=jnp.int32)
 
     def packed_at(index: Any) -> Int[jax.Array, "h w"]:
         shift = lowest + index
-        moved = jax.lax.dynamic_slice(wide_right, (0, before - radius - shift), wide_left.shape)
-        cost = _windows(jnp.abs(wide_left - moved).astype(jnp.int32), options.block_size)
+        moved = jax.lax.dynamic_slice(wide_right, (0, first - index), wide_left.shape)
+        cost = box_sum(jnp.abs(wide_left - moved), options.block_size)[radius:-radius, radius:-radius]
         inside = (column >= shift) & (column < width + shift)
         return jnp.where(inside, (cost << bits) | index, NEVER)
 
@@ -49,10 +46,7 @@ def winners(left: Num[jax.Array, "h w"], right: Num[jax.Array, "h w"], options: 
     indices = jnp.arange(count, dtype=jnp.int32)
     (best, from_right), _ = jax.lax.scan(better, (nothing, nothing), indices)
 
-    def index_of(packed):
-        return jnp.where(packed < NEVER, packed & ((1 << bits) - 1), 0)
-
-    winner, lowest_cost = index_of(best), best >> bits
+    winner, lowest_cost = index_of(best, bits), best >> bits
     limit = lowest_cost + lowest_cost * options.uniqueness_ratio // 100
 
     def compare(seen, index):
@@ -66,13 +60,4 @@ def winners(left: Num[jax.Array, "h w"], right: Num[jax.Array, "h w"], options: 
     start = (jnp.zeros((height, width), jnp.int32), nothing, nothing)
     (rivals, below, above), _ = jax.lax.scan(compare, start, indices)
     cost = jnp.where(best < NEVER, lowest_cost, NEVER)
-    return Winners(winner, cost, rivals, below, above, index_of(from_right))
-
-
-def _windows(image: Num[jax.Array, "hh ww"], block_size: int) -> Num[jax.Array, "h w"]:
-    """Sums over square windows that lie inside the image."""
-    for axis in (0, 1):
-        length = image.shape[axis] - block_size + 1
-        parts = [jax.lax.slice_in_dim(image, i, i + length, axis=axis) for i in range(block_size)]
-        image = sum(parts[1:], start=parts[0])
-    return image
+    return Winners(winner, cost, rivals, below, above, index_of(from_right, bits))

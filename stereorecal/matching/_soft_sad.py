@@ -19,6 +19,7 @@ from stereorecal.matching._matcher import AbstractMatcher, SoftDisparity
 from stereorecal.matching._reduce import minimum
 from stereorecal.matching._stream import NEVER, inside_right, offsets, seen_from_right, stream_costs
 from stereorecal.matching._texture import texture_response, x_sobel
+from stereorecal.matching._winners import index_bits
 
 _NOISE = 1.0  # grey levels per pixel of the window: keeps the margin of a perfect match finite
 
@@ -113,7 +114,7 @@ def _find(
     lowest, count = options.disparity_range(width)
     column = jnp.arange(width, dtype=jnp.int32)
     inside = inside_right(options, width)
-    low_bits = (1 << max(1, (count - 1).bit_length())) - 1
+    low_bits = (1 << index_bits(count)) - 1
 
     def best_of_row(cost):
         # Floats that are not negative sort as their bits do; the lowest bits give way to the index.

@@ -51,21 +51,16 @@ def stream_costs(
     """`use(cost)` of each row, stacked; cost (d, w) are the sums of absolute differences over the windows, in the
     order of `offsets`.
 
-    Beyond their columns both images repeat their border, so that a cost is the same from either image; beyond their
-    rows both are 0 and cost nothing.
-
     Args:
         sum_type: a dtype that holds the sum of a window.
     """
     height, width = left.shape
-    lowest, count = options.disparity_range(width)
+    _, count = options.disparity_range(width)
     radius = options.block_size // 2
-    before, after = max(radius + lowest + count - 1, 0), max(radius - lowest, 0)
-    left_rows = _with_border(left, radius, (radius, radius))
-    right_rows = _with_border(right, radius, (before, after))
+    left_rows, right_rows, first = with_borders(left, right, options)
     # The column sums reach as far as the windows do: padding them in the loop would cost more than the sums.
     wide = width + 2 * radius
-    first_column = before - radius - lowest - offsets(count)[:, 0]
+    first_column = first - offsets(count)[:, 0]
 
     def absolute_differences(left_row, right_row):
         shifted = jax.vmap(lambda first: jax.lax.dynamic_slice(right_row, (first,), (wide,)))(first_column)
@@ -88,6 +83,22 @@ def stream_costs(
     leaving = tuple(jnp.pad(r, ((1, 0), (0, 0)))[:height] for r in (left_rows, right_rows))
     _, found = jax.lax.scan(step, start, (rows(2 * radius, height + 2 * radius), leaving))
     return found
+
+
+def with_borders(
+    left: Num[jax.Array, "h w"], right: Num[jax.Array, "h w"], options: AbstractMatcher
+) -> tuple[Num[jax.Array, "hh ww"], Num[jax.Array, "hh wr"], int]:
+    """Both images as far as windows reach, and the column of the right one that the first of the left one meets at
+    min_disparity.
+
+    Beyond their columns both images repeat their border, so that a cost is the same from either image; beyond their
+    rows both are 0 and cost nothing.
+    """
+    radius = options.block_size // 2
+    lowest, count = options.disparity_range(left.shape[1])
+    before, after = max(radius + lowest + count - 1, 0), max(radius - lowest, 0)
+    wide = _with_border(left, radius, (radius, radius)), _with_border(right, radius, (before, after))
+    return *wide, before - radius - lowest
 
 
 def _with_border(image: Num[jax.Array, "h w"], rows: int, columns: tuple[int, int]) -> Num[jax.Array, "hh ww"]:

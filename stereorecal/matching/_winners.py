@@ -3,7 +3,10 @@
 from typing import NamedTuple
 
 import jax
+import jax.numpy as jnp
 from jaxtyping import Int
+
+from stereorecal.matching._stream import NEVER
 
 
 class Winners(NamedTuple):
@@ -29,3 +32,8 @@ def index_bits(count: int) -> int:
     """How many bits an index needs; cost and index share one int32, so that a single minimum finds both, and ties go to
     the smaller index."""
     return max(1, (count - 1).bit_length())
+
+
+def index_of(packed: Int[jax.Array, "*shape"], bits: int) -> Int[jax.Array, "*shape"]:
+    """The index in cost and index together; 0 where there is no candidate."""
+    return jnp.where(packed < NEVER, packed & ((1 << bits) - 1), 0)

@@ -21,7 +21,7 @@ from stereorecal.matching._reduce import minimum, total
 from stereorecal.matching._soft_sad import soft_search
 from stereorecal.matching._stream import NEVER, inside_right, offsets, seen_from_right, stream_costs
 from stereorecal.matching._texture import quantise, x_sobel
-from stereorecal.matching._winners import Winners, index_bits
+from stereorecal.matching._winners import Winners, index_bits, index_of
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class SAD(AbstractMatcher):
         """Refuse windows and ranges whose cost and index do not fit into one int32."""
         _, count = self.disparity_range(width)
         largest = 2 * self.pre_filter_cap or 255
-        if 2 * largest * self.block_size**2 * 2 ** max(1, (count - 1).bit_length()) >= NEVER:
+        if 2 * largest * self.block_size**2 * 2 ** index_bits(count) >= NEVER:
             raise InputError("block_size and num_disparities are too large together; make one of them smaller.")
 
 
@@ -95,14 +95,11 @@ def winners_by_rows(left: Int[jax.Array, "h w"], right: Int[jax.Array, "h w"], o
     inside = inside_right(options, width)
     bits = index_bits(count)
 
-    def index_of(best):
-        return jnp.where(best < NEVER, best & ((1 << bits) - 1), 0)
-
     def best_of_row(cost):
         packed = jnp.where(inside, (cost.astype(jnp.int32) << bits) | offsets(count), NEVER)
         packed = jax.lax.optimization_barrier(packed)  # computed once, not once for each of its readers
         best = jax.lax.optimization_barrier(minimum(packed))
-        winner = index_of(best)
+        winner = index_of(best, bits)
 
         def cost_at(i):
             neighbour = packed[jnp.clip(count - 1 - i, 0, count - 1), column]
@@ -115,7 +112,7 @@ def winners_by_rows(left: Int[jax.Array, "h w"], right: Int[jax.Array, "h w"], o
         rivals = total(jnp.where(packed < (limit + 1) << bits, 1, 0)) - near
         best_cost = jnp.where(best < NEVER, best_cost, NEVER)
         checked = options.disp12_max_diff >= 0
-        from_right = index_of(minimum(seen_from_right(packed, lowest))) if checked else jnp.zeros_like(winner)
+        from_right = index_of(minimum(seen_from_right(packed, lowest)), bits) if checked else jnp.zeros_like(winner)
         return Winners(winner, best_cost, rivals, below, above, from_right)
 
     return stream_costs(left, right, options, _sum_type(options), best_of_row)

@@ -37,9 +37,10 @@ def match_in_blocks(matcher: AbstractMatcher, frame: Rectified) -> Disparity:
 def blocks(height: int, matcher: AbstractMatcher) -> list[Block]:
     """A frame in as many blocks as there are cores, all of one shape, with the matcher's halo on both sides; in fewer
     where the halos would cost more than a tenth, in one if the matcher has none."""
-    own_texture = matcher.block_size // 2 + 1  # rows that decide what the core calls textured
-    halo = 0 if matcher.halo is None else max(matcher.halo, own_texture)
-    number = 1 if matcher.halo is None else max(1, min(cores(), int(_DEAREST_HALO * height) // (2 * halo)))
+    if matcher.halo is None:
+        return [Block(slice(0, height), slice(0, height))]
+    halo = max(matcher.halo, matcher.block_size // 2 + 1)  # the core's texture check looks that far
+    number = max(1, min(cores(), int(_DEAREST_HALO * height) // (2 * halo)))
     rows = -(-height // number)
     shown = min(height, rows + 2 * halo)
 

@@ -74,13 +74,14 @@ class _Counted:
 
 @register_pytree
 @dataclass(frozen=True, eq=False)
-class _SoftCount:
-    """A traced score that differentiates as the real one: n forward derivatives under a reverse rule."""
+class _Differentiable:
+    """A counted function under the rule that counts its derivatives."""
 
     counted: _Counted
+    rule: Callable[[_Counted, Any], Any] = field(metadata={"static": True})
 
     def __call__(self, z: jax.Array) -> jax.Array:
-        return _differentiable(self.counted, z)
+        return self.rule(self.counted, z)
 
 
 def _plain(counted: _Counted, z: jax.Array) -> jax.Array:
@@ -91,26 +92,12 @@ def _with_gradient(counted: _Counted, z: jax.Array) -> jax.Array:
     return replace(counted, runs=z.shape[0] + 1)(z)
 
 
-_differentiable = forward_gradient(_plain, _with_gradient)
+# As the real score: n forward derivatives under a reverse rule. Of residuals, any derivative counts as a Jacobian.
+_soft_count = forward_gradient(_plain, _with_gradient)
+_residuals = jax.custom_jvp(_plain)
 
 
-@register_pytree
-@dataclass(frozen=True, eq=False)
-class _Residuals:
-    """Traced residuals. Any derivative of them counts as a Jacobian."""
-
-    counted: _Counted
-
-    def __call__(self, z: jax.Array) -> jax.Array:
-        return _with_jacobian(self.counted, z)
-
-
-@jax.custom_jvp
-def _with_jacobian(counted: _Counted, z: jax.Array) -> jax.Array:
-    return counted(z)
-
-
-@_with_jacobian.defjvp
+@_residuals.defjvp
 def _jacobian(primals: tuple, tangents: tuple) -> tuple[jax.Array, jax.Array]:
     (counted, z), (_, direction) = primals, tangents
     counted.tick(z, z.shape[0] + 1)  # once, however many directions there are: z has no batch axis
@@ -132,8 +119,8 @@ def _problem(
 
     key = jnp.asarray(meter.key, jnp.int32)
     traced = Traced(
-        soft_count=_SoftCount(_Counted(key, soft, 1)) if soft else None,
-        residuals=_Residuals(_Counted(key, residuals, 1)) if residuals else None,
+        soft_count=_Differentiable(_Counted(key, soft, 1), _soft_count) if soft else None,
+        residuals=_Differentiable(_Counted(key, residuals, 1), _residuals) if residuals else None,
     )
     return Problem(dim, metered, traced=traced)
 

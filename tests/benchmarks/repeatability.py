@@ -43,23 +43,21 @@ def frames(limits: dict[str, int]) -> Iterator[Scene]:
         yield sr.io.load_scene(Path(str(folder)) / name, limit=limit)
 
 
+def both_ways(start: sr.StereoRig, pairs, reference: sr.StereoRig) -> list[np.ndarray]:
+    """(5,) errors of a repair, dense and by features."""
+    return [errors(sr.recalibrate(start, pairs, schedule=s).candidate, reference) for s in (None, BY_FEATURES)]
+
+
 def over_frames(scene: Scene) -> list[np.ndarray]:
     """(5,) standard deviations, dense and by features."""
-    ends = [[], []]
-    for pair in scene.pairs:
-        for end, schedule in zip(ends, (None, BY_FEATURES), strict=True):
-            end.append(errors(sr.recalibrate(scene.rig, [pair], schedule=schedule).candidate, scene.rig))
-    return [np.std(end, axis=0, ddof=1) for end in ends]
+    return list(np.std([both_ways(scene.rig, [pair], scene.rig) for pair in scene.pairs], axis=0, ddof=1))
 
 
 def against_truth(scene: Scene, draws: int) -> list[np.ndarray]:
     """(5,) median |errors|, dense and by features."""
-    ends = [[], []]
-    for draw in range(draws):
-        start = sr.synthetic.decalibrate(scene.rig, jax.random.fold_in(jax.random.key(1), draw), 2.5, 0.0225)
-        for end, schedule in zip(ends, (None, BY_FEATURES), strict=True):
-            end.append(errors(sr.recalibrate(start, scene.pairs, schedule=schedule).candidate, scene.rig))
-    return [np.median(np.abs(end), axis=0) for end in ends]
+    keys = [jax.random.fold_in(jax.random.key(1), draw) for draw in range(draws)]
+    starts = [sr.synthetic.decalibrate(scene.rig, key, 2.5, 0.0225) for key in keys]
+    return list(np.median(np.abs([both_ways(start, scene.pairs, scene.rig) for start in starts]), axis=0))
 
 
 def over_tiles(scene: Scene, samples: int) -> list[np.ndarray]:
@@ -67,12 +65,11 @@ def over_tiles(scene: Scene, samples: int) -> list[np.ndarray]:
     pair = scene.pairs[0]
     dense, draw = dense_solver(scene.rig, pair), np.random.default_rng(0)
     by_features = features_solver(scene.rig, pair)
-    ends = [[], []]
+    tiles, ends = TILES[0] * TILES[1], []
     for _ in range(samples):
-        times = np.bincount(draw.integers(0, TILES[0] * TILES[1], TILES[0] * TILES[1]), minlength=TILES[0] * TILES[1])
-        for end, solve in zip(ends, (dense, by_features), strict=True):
-            end.append(errors(solve(times), scene.rig))
-    return [np.std(end, axis=0, ddof=1) for end in ends]
+        times = np.bincount(draw.integers(0, tiles, tiles), minlength=tiles)
+        ends.append([errors(solve(times), scene.rig) for solve in (dense, by_features)])
+    return list(np.std(ends, axis=0, ddof=1))
 
 
 def dense_solver(rig: sr.StereoRig, pair: sr.Pair):
