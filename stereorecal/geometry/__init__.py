@@ -8,6 +8,7 @@ from stereorecal.geometry._images import (
     check_pairs as check_pairs,
     make_pair as make_pair,
 )
+from stereorecal.geometry._log import Log as Log, Mission as Mission
 from stereorecal.geometry._rectification import (
     View as View,
     rectifying_rotations as rectifying_rotations,

@@ -20,28 +20,32 @@ from stereorecal.io._pairs import AnyPath, first, load_pair, load_pairs, match_f
 _CALIBRATION_FILE = "calib.json"
 
 
-def load_scene(folder: AnyPath, limit: int | None = None) -> Scene:
-    """The scene in a folder: calib.json and `left.*`, `right.*`, or folders `left`, `right` with equal names.
+def is_scene_folder(folder: Path) -> bool:
+    """Whether a folder has a calibration like a scene's."""
+    return (folder / _CALIBRATION_FILE).is_file()
 
-    calib.json holds `image_size` [w, h], `K_left`, `D_left`, `K_right`, `D_right` (OpenCV's order),
-    `distortion_model`, `R` and `T` [m] with `x_right = R x_left + T`. Where K is null the scene has no rig.
-    Keys that say nothing about the rig are in `Scene.info` as they stand. The name is "<parent>/<folder>".
 
-    Args:
-        limit: read the first `limit` pairs only.
+def load_scene_folder(folder: Path, limit: int | None = None) -> Scene:
+    """The scene in a folder as `load_scene` describes it."""
+    calibration = load_calibration(folder / _CALIBRATION_FILE)
+    pairs = load_sides(folder, limit)
+    with about(folder):
+        return _scene(name_of(folder), calibration, pairs)
+
+
+def name_of(folder: Path) -> str:
+    """A folder as people call it: "<parent>/<folder>"."""
+    return "/".join(folder.resolve().parts[-2:]).lstrip("/")
+
+
+def load_sides(folder: Path, limit: int | None) -> list[Pair]:
+    """The pairs of `left.*` and `right.*`, or of the folders `left` and `right` with equal names.
 
     Raises:
-        InputError: naming the file, if something is missing, unreadable, damaged or contradicts itself.
-        UnsupportedModelError: if the distortion model is not OpenCV's.
+        InputError: if something is missing, has no partner, is unreadable or damaged.
     """
-    folder = Path(folder)
-    if not folder.is_dir():
-        raise InputError(f"{folder}: there is no such folder; check the path.")
-    calibration = load_calibration(folder / _CALIBRATION_FILE)
     matched = match_files(*(_side_files(folder, side) for side in ("left", "right")), by_order=False)
-    pairs = [load_pair(*paths) for paths in first(matched, limit)]
-    with about(folder):
-        return _scene("/".join(folder.resolve().parts[-2:]).lstrip("/"), calibration, pairs)
+    return [load_pair(*paths) for paths in first(matched, limit)]
 
 
 def gather_scene(left: AnyPath, right: AnyPath, calibration: AnyPath, limit: int | None = None) -> Scene:
@@ -93,9 +97,14 @@ def save_scene(scene: Scene, folder: AnyPath, overwrite: bool = False) -> None:
         images[folder / f"left{name}.png"], images[folder / f"right{name}.png"] = pair.left, pair.right
     _check_free(folder, {*images, folder / _CALIBRATION_FILE}, overwrite)
     for path, image in images.items():
-        make_folder(path.parent)
-        write_bytes(path, cv2.imencode(".png", np.clip(np.rint(image), 0, 255).astype(np.uint8))[1].tobytes())
+        write_png(path, image)
     write_bytes(folder / _CALIBRATION_FILE, text.encode())
+
+
+def write_png(path: Path, image: Float[np.ndarray, "h w"]) -> None:
+    """Write a grey image as 8-bit PNG, values rounded; folders are made."""
+    make_folder(path.parent)
+    write_bytes(path, cv2.imencode(".png", np.clip(np.rint(image), 0, 255).astype(np.uint8))[1].tobytes())
 
 
 def _side_files(folder: Path, side: str) -> list[Path]:

@@ -1,0 +1,85 @@
+"""The plain log: one folder per sequence, one calibration file per date."""
+
+from bisect import bisect_right
+from collections.abc import Mapping
+from pathlib import Path
+
+from stereorecal._errors import InputError
+from stereorecal.geometry import Log, Mission, StereoRig
+from stereorecal.io._about import about
+from stereorecal.io._atomic import make_folder, write_text
+from stereorecal.io._calibration import calibration_text, read_calibration
+from stereorecal.io._image_file import natural_order
+from stereorecal.io._rig_file import load_rig, save_rig
+from stereorecal.io._scene import load_sides, name_of, write_png
+
+LAYOUT = "a plain log (calibrations/DATE.json, sequences/DATE.../left and right)"
+_CALIBRATIONS, _SEQUENCES, _FACTS, _TRUTH = "calibrations", "sequences", "mission.json", "truth.json"
+
+
+def recognises(folder: Path) -> bool:
+    """Whether the folder holds a plain log."""
+    return any((folder / _CALIBRATIONS).glob("*.json")) and (folder / _SEQUENCES).is_dir()
+
+
+def read(folder: Path, limit: int | None) -> Log:
+    """The log: `calibrations/DATE.json` with the keys of a scene's calib.json, and `sequences/NAME/` with the images of
+    a scene folder. The calibration of a sequence is the last one whose date its name does not precede.
+
+    A sequence may have a mission.json: `calibration` names another one, `starred` lists the images of which little is
+    to be expected; and a truth.json, the rig as it really was.
+
+    Raises:
+        InputError: naming the file, if something is missing or damaged.
+    """
+    calibrations = {path.stem: load_rig(path) for path in natural_order((folder / _CALIBRATIONS).glob("*.json"))}
+    sequences = natural_order(path for path in (folder / _SEQUENCES).iterdir() if path.is_dir())
+    with about(folder):
+        return Log(
+            name_of(folder), calibrations, tuple(_mission(path, list(calibrations), limit) for path in sequences)
+        )
+
+
+def _mission(folder: Path, dates: list[str], limit: int | None) -> Mission:
+    facts = read_calibration(folder / _FACTS) if (folder / _FACTS).exists() else {}
+    truth = load_rig(folder / _TRUTH) if (folder / _TRUTH).exists() else None
+    pairs = tuple(load_sides(folder, limit))
+    calibration = facts.get("calibration") or _latest(folder.name, dates)
+    return Mission(folder.name, calibration, pairs, frozenset(facts.get("starred", ())), truth)
+
+
+def _latest(name: str, dates: list[str]) -> str:
+    before = bisect_right(sorted(dates), name)
+    if before == 0:
+        raise InputError(
+            f"{name}: no calibration is of that date or before it; begin the names of sequences and of calibrations "
+            f"with a date such as 2026-05-31, or name the calibration in {_FACTS}."
+        )
+    return sorted(dates)[before - 1]
+
+
+def save_calibrations(calibrations: Mapping[str, StereoRig], folder: Path) -> None:
+    """Write the calibrations of a plain log.
+
+    Raises:
+        InputError: if one is there already, or the place cannot be written to.
+    """
+    make_folder(folder / _CALIBRATIONS)
+    for name, rig in calibrations.items():
+        save_rig(rig, folder / _CALIBRATIONS / f"{name}.json")
+
+
+def save_mission(mission: Mission, folder: Path) -> None:
+    """Write one sequence of a plain log: 8-bit grey PNG, named as the pairs are.
+
+    Raises:
+        InputError: if the place cannot be written to.
+    """
+    place = folder / _SEQUENCES / mission.name
+    for pair in mission.pairs:
+        write_png(place / "left" / pair.name, pair.left)
+        write_png(place / "right" / pair.name, pair.right)
+    if mission.truth is not None:
+        save_rig(mission.truth, place / _TRUTH, overwrite=True)
+    facts = {"calibration": mission.calibration, "starred": sorted(mission.starred)}
+    write_text(place / _FACTS, calibration_text(facts) + "\n")
