@@ -56,10 +56,10 @@ def load_scene(folder: AnyPath, limit: int | None = None) -> Scene:
     if is_scene_folder(folder) or not any(layout.recognises(folder) for layout in _LAYOUTS):
         return load_scene_folder(folder, limit)
     log = load_log(folder, limit)
-    if len(log.missions) > 1:
-        names = ", ".join(mission.name for mission in log.missions[:3])
-        raise InputError(f"{folder}: {len(log.missions)} sequences are in there ({names} …); give one of them.")
-    return log.scene(log.missions[0])
+    mission, *others = log.missions
+    if others:
+        raise InputError(f"{folder}: {len(log.missions)} sequences are in there ({mission.name} …); give one of them.")
+    return log.scene(mission)
 
 
 def _existing(folder: AnyPath) -> Path:
