@@ -22,6 +22,7 @@ _COARSE_HEIGHT = 24  # pixels, at least, for panoramic images
 _RANGES = (16, 32, 48, 64, 96, 128, 192, 256, 384, 512)  # few, since each is a program of its own to compile
 _MARGIN = 1.25  # the nearest surface may be small, or seen closer in another frame
 _DEFAULT_REACH = np.radians(3.0)
+_INSIDE = 0.7  # of the reach: where the outermost steps of yaw and roll lie
 _FRAMES = 4
 _FEWEST = 50  # pixels of surfaces; fewer say nothing about the range
 _SPECKLE = 100  # pixels of the coarse image: about a hundredth of it
@@ -79,12 +80,11 @@ def survey(
     offsets = np.zeros((1, 6)) if aligned else _grid(data.view, reach)
     candidates = np.asarray(normalised(rig.extrinsics) + offsets, np.float32)
     looks = on_all_cores(lambda c: jax.tree.map(np.asarray, _look(data, c, coarse)), list(candidates))
-    winner, straight = _best([look[0] for look in looks])
-    _, swapped = _best([look[1] for look in looks])
-    found, found_swapped = _surfaces(straight), _surfaces(swapped)
     if not aligned:  # later on, a yaw that the images do not determine must not look like swapped sides
-        _refuse_swapped(found, found_swapped, float(data.view.focal) * np.tan(reach), straight.values.size)
-    return Survey(offsets[winner], found, data.view, scale)
+        unturned = [look for look, offset in zip(looks, offsets, strict=True) if offset[1] == 0.0]
+        _refuse_swapped(unturned, float(data.view.focal) * np.tan(reach))
+    winner, straight = _best([look[0] for look in looks])
+    return Survey(offsets[winner], _surfaces(straight), data.view, scale)
 
 
 def with_disparity_range(
@@ -108,14 +108,21 @@ def with_disparity_range(
 def _grid(view: View, reach: float) -> Float[np.ndarray, "n 6"]:
     """Offsets of the extrinsics, close enough together that one of them lets a coarse matcher see."""
     pitch_step = 1.5 / float(view.focal)  # a row and a half
-    steps = max(1, int(np.ceil(reach / pitch_step)))
+    roll_steps = max(1, round(reach / _DEFAULT_REACH))
+    yaw_steps = roll_steps - 1  # within the default reach, a wrong yaw leaves enough to be seen
     return np.array(
         [
-            (pitch, 0.0, roll, 0.0, 0.0, 0.0)
-            for pitch in np.linspace(-reach, reach, 2 * steps + 1)
-            for roll in (-0.7 * reach, 0.0, 0.7 * reach)
+            (pitch, yaw, roll, 0.0, 0.0, 0.0)
+            for pitch in _either_way(reach, max(1, int(np.ceil(reach / pitch_step))))
+            for yaw in _either_way(_INSIDE * reach, yaw_steps)
+            for roll in _either_way(_INSIDE * reach, roll_steps)
         ]
     )
+
+
+def _either_way(farthest: float, steps: int) -> Float[np.ndarray, "n"]:
+    """0, and as many equal steps to both sides."""
+    return np.arange(-steps, steps + 1) * (farthest / max(steps, 1))
 
 
 @partial(jax.jit, static_argnames="matcher")
@@ -145,10 +152,12 @@ def _surfaces(found: Disparity) -> Float[np.ndarray, "n"]:
     return np.concatenate(patches)
 
 
-def _refuse_swapped(values: np.ndarray, swapped_values: np.ndarray, margin: float, pixels: int) -> None:
-    # Disparities within the margin may be infinity seen through a yaw error; beyond it they tell the sides apart.
-    here, there = (int(np.sum(v > margin + 1.0)) for v in (values, swapped_values))
-    if there > 4 * here and there > 0.1 * pixels:
+def _refuse_swapped(looks: list[tuple[Disparity, Disparity]], margin: float) -> None:
+    """Refuse images whose sides match better when they are swapped. Disparities within the margin may be infinity seen
+    through a yaw error; beyond it they tell the sides apart."""
+    (_, straight), (_, swapped) = (_best([look[side] for look in looks]) for side in (0, 1))
+    here, there = (int(np.sum(_surfaces(found) > margin + 1.0)) for found in (straight, swapped))
+    if there > 4 * here and there > 0.1 * straight.values.size:
         raise InputError(
             "the left and right images look swapped (near things lie on the wrong side); exchange left and right."
         )

@@ -25,6 +25,19 @@ def test_finds_pitch_and_roll(scene, kind, signs):
     assert counts[1] > 1.5 * counts[0]
 
 
+@pytest.mark.parametrize("signs", [(1, 1, 1), (-1, -1, 1), (1, -1, -1)])
+@pytest.mark.parametrize("kind", ["harbour", "coast"])
+def test_a_wider_reach_looks_at_yaw_too(scene, kind, signs):
+    """Five degrees of yaw push all that is far beyond the edge of what a matcher searches."""
+    given_scene = scene(kind, 1)
+    rig = given_scene.rig
+    drift = np.radians([*(np.array([4.5, 5.0, 4.0]) * signs), 0.0, 0.0, 0.0])
+    bad = rig.with_extrinsics(rig.extrinsics + drift)
+    found = survey(bad, given_scene.pairs, view(bad), 2.0 * REACH)
+    assert np.abs(found.offset + drift)[[0, 2]].max() < np.radians(1.5)
+    assert np.abs(found.offset + drift)[1] < np.radians(2.5)
+
+
 def test_a_rig_that_is_right_is_left_alone(scene):
     given_scene = scene()
     found = survey(given_scene.rig, given_scene.pairs, view(given_scene.rig), REACH)
