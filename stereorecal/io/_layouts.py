@@ -5,12 +5,22 @@ from types import ModuleType
 
 from stereorecal._errors import InputError
 from stereorecal.geometry import Log, Mission, Scene
-from stereorecal.io import _plain_log
+from stereorecal.io import _euroc, _kitti_odometry, _kitti_raw, _kitti_stereo, _middlebury, _modd2, _mods, _plain_log
 from stereorecal.io._pairs import AnyPath
 from stereorecal.io._scene import is_scene_folder, load_scene_folder
 
 # Each has `recognises(folder) -> bool` and `read(folder, limit) -> Log`, LAYOUT says what it is.
-_LAYOUTS: tuple[ModuleType, ...] = (_plain_log,)
+# KITTI stereo comes before odometry: both have folders such as image_0, but its frames are named.
+_LAYOUTS: tuple[ModuleType, ...] = (
+    _plain_log,
+    _modd2,
+    _mods,
+    _kitti_raw,
+    _kitti_stereo,
+    _kitti_odometry,
+    _euroc,
+    _middlebury,
+)
 
 
 def load_log(folder: AnyPath, limit: int | None = None) -> Log:

@@ -1,0 +1,46 @@
+"""Middlebury 2014, 2021 and MiddEval3: one rectified pair per folder."""
+
+from pathlib import Path
+
+import numpy as np
+
+from stereorecal.geometry import Camera, Log, StereoRig
+from stereorecal.io._about import about
+from stereorecal.io._frames import load_matched
+from stereorecal.io._image_file import natural_order
+from stereorecal.io._numbers import numbers, whole
+from stereorecal.io._sequences import Sequence, log_of
+from stereorecal.io._text_file import read_text
+
+LAYOUT = "Middlebury 2014, 2021 or MiddEval3 (im0.png, im1.png, calib.txt), or a folder of such scenes"
+_CALIBRATION, _LEFT, _RIGHT = "calib.txt", "im0.png", "im1.png"
+
+
+def recognises(folder: Path) -> bool:
+    """Whether the folder is a scene of Middlebury, or has some in it."""
+    return (folder / _LEFT).is_file() or any(folder.glob(f"*/{_LEFT}"))
+
+
+def read(folder: Path, limit: int | None) -> Log:
+    """The scene, or each scene in the folder as a mission.
+
+    Raises:
+        InputError: naming the file, if something is missing or damaged.
+    """
+    scenes = [folder] if (folder / _LEFT).is_file() else [image.parent for image in folder.glob(f"*/{_LEFT}")]
+    return log_of(folder, (_sequence(scene, limit) for scene in natural_order(scenes)))
+
+
+def _sequence(scene: Path, limit: int | None) -> Sequence:
+    return scene, _rig(scene / _CALIBRATION), load_matched([(scene / _LEFT, scene / _RIGHT)], limit)
+
+
+def _rig(path: Path) -> StereoRig:
+    """The cameras look the same way; their principal columns differ by doffs."""
+    lines = (line.partition("=") for line in read_text(path).splitlines())
+    content = {key.strip(): [row.split() for row in value.strip(" []").split(";")] for key, _, value in lines}
+    with about(path):
+        width, height = (whole(numbers(content, key, ()), key) for key in ("width", "height"))
+        left, right = (Camera((width, height), numbers(content, key, (3, 3))) for key in ("cam0", "cam1"))
+        baseline = float(numbers(content, "baseline", ())) / 1000.0
+        return StereoRig.from_rotation(left, right, np.eye(3), np.array([-baseline, 0.0, 0.0]))

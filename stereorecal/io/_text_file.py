@@ -1,0 +1,27 @@
+"""Text files of calibrations, read strictly."""
+
+from pathlib import Path
+
+from stereorecal._errors import InputError
+
+
+def read_text(path: Path, if_missing: str = "add it.") -> str:
+    """The text of a file.
+
+    Args:
+        if_missing: what to do if the file is not there, the end of the message.
+
+    Raises:
+        InputError: if the file is missing, unreadable, empty or no text.
+    """
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except FileNotFoundError:
+        raise InputError(f"{path}: there is no such file; {if_missing}") from None
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}); check the file.") from error
+    except UnicodeDecodeError:
+        raise InputError(f"{path}: not a text file; copy it again.") from None
+    if not text.strip():
+        raise InputError(f"{path}: the file is empty; copy it again.")
+    return text

@@ -1,0 +1,95 @@
+"""What holds for every layout of a public data set."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from trees import TREES, refused, write_image
+
+from stereorecal import InputError
+from stereorecal.io import load_log, load_scene
+from stereorecal.io._layouts import _LAYOUTS
+
+TREE = pytest.mark.parametrize("name", TREES)
+
+
+@TREE
+def test_one_layout_recognises_it(tmp_path: Path, name: str):
+    """KITTI stereo has a second reading, as a sequence of odometry without calib.txt; it comes first."""
+    folder = TREES[name](tmp_path)
+    found = [layout.__name__.rpartition("._")[2] for layout in _LAYOUTS if layout.recognises(folder)]
+    second = ["kitti_odometry"] if name.startswith("kitti stereo") else []
+    assert found[1:] == second
+    assert name.replace(" ", "_").replace("mav0", "euroc").startswith(found[0])
+
+
+@TREE
+def test_only_what_is_asked_for_is_read(tmp_path: Path, name: str):
+    """Of each sequence the first pair, and no pair where the limit leaves none."""
+    folder = TREES[name](tmp_path)
+    everything, firsts = load_log(folder), load_log(folder, limit=1)
+    assert [mission.name for mission in firsts.missions] == [mission.name for mission in everything.missions]
+    for some, all_ in zip(firsts.missions, everything.missions, strict=True):
+        assert [pair.name for pair in some.pairs] == [all_.pairs[0].name]
+        np.testing.assert_array_equal(some.pairs[0].right, all_.pairs[0].right)
+    with pytest.raises(InputError, match="limit of 0"):
+        load_log(folder, limit=0)
+
+
+@TREE
+def test_one_sequence_is_a_scene(tmp_path: Path, name: str):
+    folder = TREES[name](tmp_path)
+    log = load_log(folder)
+    assert log.name == "/".join(folder.parts[-2:])
+    if len(log.missions) > 1:
+        with pytest.raises(InputError, match=f"{len(log.missions)} sequences"):
+            load_scene(folder)
+        return
+    scene = load_scene(folder)
+    assert scene.name == log.missions[0].name
+    assert scene.reference == "stored"
+    assert list(log.calibrations) == ["stored"]
+    np.testing.assert_array_equal(scene.rig.extrinsics, log.calibrations["stored"].extrinsics)
+
+
+@TREE
+def test_the_folder_may_be_the_working_directory(tmp_path: Path, name: str, monkeypatch: pytest.MonkeyPatch):
+    folder = TREES[name](tmp_path)
+    expected = load_log(folder)
+    monkeypatch.chdir(folder)
+    found = load_log(".")
+    assert found.name == expected.name
+    assert [mission.name for mission in found.missions] == [mission.name for mission in expected.missions]
+
+
+@TREE
+def test_a_bad_image_is_named(tmp_path: Path, name: str):
+    folder = TREES[name](tmp_path)
+    left, right = (Path(path) for path in load_log(folder).missions[-1].pairs[-1].origin[1])
+    whole = left.read_bytes()
+    write_image(left, 0, (20, 16))
+    refused(folder, str(left), "the left image is 20x16")
+    left.write_bytes(whole[: len(whole) // 2])
+    refused(folder, str(left), "truncated")
+    left.write_bytes(right.read_bytes())
+    refused(folder, left.name, "left and right are the same image")
+
+
+@TREE
+def test_a_missing_partner_is_named(tmp_path: Path, name: str):
+    folder = TREES[name](tmp_path)
+    left, right = (Path(path) for path in load_log(folder).missions[-1].pairs[-1].origin[1])
+    right.unlink()
+    if name in ("euroc", "mav0"):  # there, one camera may have missed a frame
+        assert left.name not in [pair.name for pair in load_log(folder).missions[0].pairs]
+    elif name.startswith("middlebury"):
+        refused(folder, f"{right}: there is no such file")
+    else:
+        refused(folder, f"{left}: this image has no partner on the right side")
+
+
+def test_a_folder_that_is_none_of_these(tmp_path: Path):
+    (tmp_path / "pictures").mkdir()
+    refused(tmp_path, str(tmp_path), "scene folder", "plain log", "MODD2", "MODS", "KITTI raw", "KITTI odometry",
+            "KITTI stereo 2012 or 2015", "EuRoC", "Middlebury")  # fmt: skip
+    refused(tmp_path / "elsewhere", "no such folder")

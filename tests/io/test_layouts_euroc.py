@@ -1,0 +1,171 @@
+"""EuRoC: poses on the body become a rig, frames are paired by their times."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings, strategies as st
+from trees import EUROC_TIMES, SIZE, cut, edit, euroc, euroc_sensor, refused, without_line, write_image, write_text
+
+from stereorecal import StereoRig, UnsupportedModelError
+from stereorecal.geometry import rotation_from_vector
+from stereorecal.io import load_log, load_scene
+
+SENSOR = "mav0/cam1/sensor.yaml"
+
+
+def pose_of(turn, place) -> np.ndarray:
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = rotation_from_vector(np.array(turn, float)), place
+    return pose
+
+
+def rig_with_poses(folder: Path, poses: list[np.ndarray]) -> StereoRig:
+    for index, pose in enumerate(poses):
+        text = ",\n         ".join(", ".join(f"{value:.17g}" for value in line) for line in pose)
+        write_text(folder / f"mav0/cam{index}/sensor.yaml", euroc_sensor(index, text))
+    return load_scene(folder).rig
+
+
+@pytest.fixture(scope="module")
+def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return euroc(tmp_path_factory.mktemp("euroc"))
+
+
+def test_the_log(tmp_path: Path):
+    folder = euroc(tmp_path)
+    log = load_log(folder)
+    assert [mission.name for mission in log.missions] == [f"{tmp_path.name}/V1_01_easy"]
+    assert [pair.name for pair in log.missions[0].pairs] == [f"{time}.png" for time in EUROC_TIMES]
+    rig = log.calibrations["stored"]
+    assert rig.left.size == rig.right.size == SIZE
+    np.testing.assert_array_equal(rig.left.matrix, [[458.654, 0, 367.215], [0, 457.296, 248.375], [0, 0, 1]])
+    np.testing.assert_array_equal(rig.right.distortion, [-0.28368365, 0.07451284, -0.00010473, -3.555907e-05])
+    again = load_log(folder / "mav0")
+    assert again.missions[0].name == "V1_01_easy/mav0"
+    np.testing.assert_array_equal(again.calibrations["stored"].extrinsics, rig.extrinsics)
+
+
+turns, places = st.tuples(*[st.floats(-3, 3)] * 3), st.tuples(*[st.floats(-2, 2)] * 3)
+
+
+@settings(max_examples=30)
+@given(body_turn=turns, body_place=places, turn=st.tuples(*[st.floats(-0.3, 0.3)] * 3), shift=st.floats(-2, -0.05))
+def test_the_direction(tree: Path, body_turn, body_place, turn, shift: float):
+    """A point that the left camera sees, taken to the body and from there to the right camera, as 4x4 matrices."""
+    left = pose_of(body_turn, body_place)
+    right = left @ np.linalg.inv(pose_of(turn, [shift, 0.02 * shift, -0.01 * shift]))
+    rig = rig_with_poses(tree, [left, right])
+    points = np.random.default_rng(0).normal(size=(10, 3))
+    seen = (np.linalg.inv(right) @ left @ np.column_stack([points, np.ones(10)]).T).T[:, :3]
+    np.testing.assert_allclose(points @ rig.rotation.T + rig.translation, seen, atol=1e-9)
+
+
+@pytest.mark.parametrize("head", ["%YAML:1.0\n", "%YAML:1.0\n---\n", "%YAML 1.2\n---\n", "# a comment\n", "\ufeff"])
+def test_with_any_first_line(tmp_path: Path, head: str):
+    folder = euroc(tmp_path)
+    expected = load_scene(folder).rig.extrinsics
+    for index in (0, 1):
+        path = folder / f"mav0/cam{index}/sensor.yaml"
+        path.write_text(head + path.read_text())
+    np.testing.assert_array_equal(load_scene(folder).rig.extrinsics, expected)
+
+
+@pytest.mark.parametrize("name", ["radtan", "plumb_bob"])
+def test_other_names_of_the_distortion_model(tmp_path: Path, name: str):
+    folder = euroc(tmp_path)
+    edit(folder / SENSOR, "radial-tangential", name)
+    assert load_scene(folder).rig.right.distortion.size == 4
+
+
+def test_frames_of_one_camera_only_are_left_out(tmp_path: Path):
+    """As in V2_03_difficult; the frame after them is still paired with its own partner."""
+    folder = euroc(tmp_path)
+    (folder / "mav0/cam1/data" / f"{EUROC_TIMES[1]}.png").unlink()
+    write_image(folder / "mav0/cam1/data" / f"{EUROC_TIMES[0] - 50000000}.png", 99)
+    pairs = load_scene(folder).pairs
+    assert [pair.name for pair in pairs] == [f"{EUROC_TIMES[0]}.png", f"{EUROC_TIMES[2]}.png"]
+    assert [Path(path).name for pair in pairs for path in pair.origin[1]] == [
+        f"{EUROC_TIMES[index]}.png" for index in (0, 0, 2, 2)
+    ]
+
+
+def test_no_common_time(tmp_path: Path):
+    folder = euroc(tmp_path)
+    for path in (folder / "mav0/cam1/data").iterdir():
+        path.rename(path.with_name(f"{int(path.stem) + 1}.png"))
+    refused(folder, "mav0/cam0/data", "no image in there has the time")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("camera_model: pinhole", "camera_model: omni", "the camera model 'omni'"),
+        ("radial-tangential", "equidistant", "distortion model 'equidistant'"),
+        ("-3.55590700e-05]", "-3.5e-05, 0, 0]", "distortion of 6 coefficients"),
+    ],
+)
+def test_unsupported_models(tmp_path: Path, old: str, new: str, words: str):
+    folder = euroc(tmp_path)
+    edit(folder / SENSOR, old, new)
+    refused(folder, SENSOR, words, kind=UnsupportedModelError)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("T_BS:", "T_SB:", "'T_BS' is missing"),
+        ("distortion_model: radial-tangential\n", "", "'distortion_model' is missing"),
+        ("intrinsics:", "intrinsic:", "'intrinsics' is missing"),
+        ("resolution: [24, 16]", "resolution: [24]", "resolution must hold 2 numbers, not 1"),
+        ("intrinsics: [457.587", "intrinsics: [.nan", "intrinsics contains NaN"),
+        ("intrinsics: [457.587, ", "intrinsics: [", "intrinsics must hold 4 numbers, not 3"),
+        ("intrinsics: [457.587", "intrinsics: [-457.587", "singular or negative"),
+        (",\n         0.0, 0.0, 0.0, 1.0]", "]", "T_BS must hold 4x4 numbers, not 12"),
+        ("rows: 4", "rows: 3", "T_BS must hold 4x4 numbers, not 16"),
+        ("0.0125552670891", "x", "T_BS is not an array of numbers"),
+    ],
+)
+def test_bad_sensors(tmp_path: Path, old: str, new: str, words: str, capfd: pytest.CaptureFixture[str]):
+    folder = euroc(tmp_path)
+    edit(folder / SENSOR, old, new)
+    refused(folder, SENSOR, words)
+    assert capfd.readouterr() == ("", "")
+
+
+def test_poses_that_are_none(tree: Path):
+    good = pose_of([0, 0, 0], [0.1, 0, 0])
+    for bad in (np.zeros((4, 4)), np.diag([1.0, 1.0, -1.0, 1.0]), good * 1.1):
+        for poses in ([good, bad], [bad, good]):
+            with pytest.raises(ValueError, match="R is not a rotation"):
+                rig_with_poses(tree, poses)
+
+
+def test_missing_and_broken_files(tmp_path: Path):
+    folder = euroc(tmp_path)
+    without_line(folder / SENSOR, "resolution")
+    refused(folder, SENSOR, "'resolution' is missing")
+    cut(folder / SENSOR, "data")
+    refused(folder, SENSOR)
+    (folder / SENSOR).unlink()
+    refused(folder, SENSOR, "no such file")
+    for path in (folder / "mav0/cam1/data").iterdir():
+        path.unlink()
+    refused(folder, "mav0/cam1/data", "no image in it")
+
+
+def test_the_real_one(data_dir: Path, tmp_path: Path):
+    """EuRoC's own numbers, with the images of the real scene: the rig that its calib.json has from another hand."""
+    scene, folder = data_dir / "euroc" / "vicon_room_seq", tmp_path / "V1_01_easy"
+    for index, side in enumerate(("left", "right")):
+        write_text(folder / f"mav0/cam{index}/sensor.yaml", euroc_sensor(index, size=(752, 480)))
+        (folder / f"mav0/cam{index}/data").symlink_to(scene / side)
+    log, content = load_log(folder), json.loads((scene / "calib.json").read_text())
+    rig = log.calibrations["stored"]
+    np.testing.assert_allclose(rig.rotation, content["R"], atol=1e-9)
+    np.testing.assert_allclose(rig.translation, content["T"], atol=1e-9)
+    for side, camera in (("left", rig.left), ("right", rig.right)):
+        np.testing.assert_array_equal(camera.matrix, content[f"K_{side}"])
+        np.testing.assert_array_equal([*camera.distortion, 0], content[f"D_{side}"])
+    assert [f"left/{pair.name}" for pair in log.missions[0].pairs] == content["left_files"]
