@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
+from stereorecal._extras import extra
 from stereorecal._plain import plain
 from stereorecal.comparison._summary import Summary, Thresholds, summarise
 from stereorecal.comparison._trial import Trial
@@ -55,3 +56,13 @@ class Comparison:
     def to_json(self, path: str | os.PathLike[str]) -> None:
         """Write the JSON file, whole or not at all."""
         write_text(Path(path), json.dumps(self.as_dict(), indent=1, allow_nan=False) + "\n")
+
+    def to_html(self, path: str | os.PathLike[str]) -> None:
+        """Write one HTML page that needs nothing else, whole or not at all.
+
+        Raises:
+            InputError: if jinja2 or matplotlib is not installed, or the place cannot be written to.
+        """
+        with extra("figures", "an HTML page"):
+            from stereorecal.report.page import comparison_page
+        write_text(Path(path), comparison_page(self.as_dict()))

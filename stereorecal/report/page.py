@@ -1,0 +1,111 @@
+"""A comparison as one HTML page that needs nothing else: to pass on, to print, to read on a phone.
+
+Needs jinja2 and matplotlib: pip install 'stereorecal[figures]'.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup
+
+from stereorecal.report._cells import count, number, percent
+from stereorecal.report._strips import Series, strips
+
+_TEMPLATE = "comparison.html.jinja"
+_LEAST_ERROR = 1e-4  # degrees; what is less is drawn there, since a logarithmic axis has no zero
+
+Row = Mapping[str, Any]
+
+
+def comparison_page(data: Mapping[str, Any]) -> str:
+    """The page, from the plain data of a comparison's JSON. Names and messages in it are escaped."""
+    environment = Environment(
+        loader=FileSystemLoader(Path(__file__).parent),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters |= {"number": number, "count": count, "percent": percent}
+    return environment.get_template(_TEMPLATE).render(
+        data=data,
+        figures={scene: panels for scene in _names(data, "scene") if (panels := _panels(data, scene))},
+        marks=_marks(data),
+        best=_best(data),
+        troubles=_troubles(data["trials"]),
+        settings=list(_flat(data["settings"])),
+    )
+
+
+def _names(data: Mapping[str, Any], kind: str) -> list[str]:
+    return list(dict.fromkeys(row[kind] for row in data["summary"]))
+
+
+def _panels(data: Mapping[str, Any], scene: str) -> list[Markup]:
+    """The figures of one scene: r, rotation errors, and the best score after so many units; those that have values."""
+    limits = data["settings"]["thresholds"]
+    names = _names(data, "strategy")
+    finished = [row for row in data["trials"] if row["scene"] == scene and row["ratio"] is not None]
+    if not finished:
+        return []
+    trials = [[row for row in finished if row["strategy"] == name] for name in names]
+    ratio = Series("r", [[row["ratio"] for row in rows] for rows in trials])
+    errors = [
+        Series(axis, [[max(row["rotation_error_deg"][axis], _LEAST_ERROR) for row in rows] for rows in trials])
+        for axis in ("pitch", "yaw", "roll")
+    ]
+    panels = [
+        strips(names, [ratio], "r = N_o / N_GT", (limits["ratio"], limits["flagged_ratio"]), log=False),
+        strips(names, errors, "rotation error [°]", (limits["pitch_roll_deg"], limits["yaw_deg"]), log=True),
+    ]
+    reached = [
+        Series(f"{units} units", [_score_at(data, scene, name, units) for name in names]) for units in _marks(data)
+    ]
+    if any(value for series in reached for value in series.values):
+        panels.append(strips(names, reached, "best score (median)", (), log=False))
+    return [Markup(panel) for panel in panels]
+
+
+def _marks(data: Mapping[str, Any]) -> list[str]:
+    """The numbers of units after which the best score is known, as far as the budget goes."""
+    budget = data["settings"]["budget"]["evaluations"] or float("inf")
+    marks = data["summary"][0]["score_at_median"] if data["summary"] else ()
+    return [units for units in marks if float(units) <= budget]
+
+
+def _score_at(data: Mapping[str, Any], scene: str, strategy: str, units: str) -> list[float]:
+    rows = (row for row in data["summary"] if (row["scene"], row["strategy"]) == (scene, strategy))
+    return [value for row in rows if (value := row["score_at_median"][units]) is not None]
+
+
+def _best(data: Mapping[str, Any]) -> dict[tuple[str, str], float]:
+    """The highest median score of each scene after so many units."""
+    best: dict[tuple[str, str], float] = {}
+    for row in data["summary"]:
+        for units, value in row["score_at_median"].items():
+            if value is not None:
+                best[row["scene"], units] = max(value, best.get((row["scene"], units), value))
+    return best
+
+
+def _troubles(trials: Sequence[Row]) -> dict[tuple[str, str, str], int]:
+    """How many trials of a strategy were skipped or failed, by reason."""
+    troubles: dict[tuple[str, str, str], int] = {}
+    for row in trials:
+        if row["status"] in ("SKIPPED", "FAILED"):
+            key = row["strategy"], row["status"], row["message"]
+            troubles[key] = troubles.get(key, 0) + 1
+    return troubles
+
+
+def _flat(settings: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, str]]:
+    """Settings within settings as one list: "matcher block_size"."""
+    for key, value in settings.items():
+        if isinstance(value, Mapping):
+            yield from _flat(value, f"{above}{key} ")
+        elif isinstance(value, list):
+            yield above + key, ", ".join(map(str, value))
+        else:
+            yield above + key, "-" if value is None else str(value)

@@ -1,0 +1,175 @@
+"""The HTML page of a comparison: whole, self-contained, escaped, light."""
+
+import re
+from dataclasses import dataclass, replace
+from html.parser import HTMLParser
+
+import pytest
+
+from stereorecal.comparison import Comparison, compare_scenes
+from stereorecal.matching import SAD
+from stereorecal.report.page import comparison_page
+from stereorecal.strategies import AbstractStrategy, Budget, strategy
+
+EVIL = "<script>alert('x')</script>"
+VOID = {"meta", "br", "link", "img", "hr"}
+
+
+@dataclass(frozen=True)
+class Crashing(AbstractStrategy):
+    def run(self, objective, start, budget, seed):
+        raise KeyError(EVIL)
+
+
+@pytest.fixture(scope="module")
+def table(scene) -> Comparison:
+    chosen = {"compass": strategy("compass"), EVIL: strategy("compass", step=0.1), "crashing": Crashing()}
+    scenes = [replace(scene(), name="data/<b>harbour</b>")]
+    small = {"matcher": SAD(num_disparities=24), "draws": 2, "scale": 0.5, "budget": Budget(evaluations=100)}
+    return compare_scenes(scenes, strategies=chosen, **small)
+
+
+@pytest.fixture(scope="module")
+def page(table: Comparison) -> str:
+    return comparison_page(table.as_dict())
+
+
+class Reader(HTMLParser):
+    """Elements by name, what they hold as text, and whether each is closed."""
+
+    def __init__(self, page: str):
+        super().__init__()
+        self.opened: list[str] = []
+        self.names: list[str] = []
+        self.attributes: list[tuple[str, str | None]] = []
+        self.texts: dict[str, list[str]] = {}
+        self.feed(page)
+        self.close()
+
+    def handle_starttag(self, tag, attrs):
+        self.names.append(tag)
+        self.attributes += attrs
+        if tag not in VOID:
+            self.opened.append(tag)
+            self.texts.setdefault(tag, []).append("")
+
+    def handle_startendtag(self, tag, attrs):
+        self.names.append(tag)
+        self.attributes += attrs
+
+    def handle_endtag(self, tag):
+        assert self.opened.pop() == tag
+
+    def handle_data(self, data):
+        for tag in set(self.opened):
+            self.texts[tag][-1] += data
+
+
+def test_it_is_well_formed_and_has_every_part(page: str):
+    read = Reader(page)
+    assert read.opened == []
+    assert page.startswith("<!DOCTYPE html>")
+    assert read.names.count("svg") == 3
+    assert [text.strip() for text in read.texts["h2"]] == [
+        "Summary",
+        "Skipped or failed",
+        "Trials by strategy",
+        "Best score after so many units",
+        "Terms",
+    ]
+    assert [text.strip() for text in read.texts["summary"]] == ["6 trials", "Scenes, settings and versions"]
+
+
+def test_numbers_are_those_of_the_comparison(table: Comparison, page: str):
+    text = Reader(page).texts
+    cells = text["td"]
+    for trial in (trial for trial in table.trials if trial.ratio is not None):
+        for number in (f"{trial.ratio:.3f}", f"{trial.rotation_error_deg['yaw']:.3f}", f"{trial.cost:.1f}"):
+            assert number in [cell.strip() for cell in cells]
+    assert "from the true rig" in " ".join(text["dd"])
+    assert any("within 0.05°" in entry for entry in text["dd"])
+    assert table.versions["jax"] in cells
+
+
+def test_it_needs_nothing_else(page: str):
+    read = Reader(page)
+    assert not {"script", "link", "img", "iframe", "object"} & set(read.names)
+    for name, value in read.attributes:
+        if name in ("href", "src", "xlink:href"):
+            assert value is not None
+            assert value.startswith("#")
+    assert not re.search(r"url\((?!#)|@import", page)
+
+
+def test_foreign_text_is_text(page: str):
+    assert EVIL not in page
+    assert "<b>harbour" not in page
+    read = Reader(page)
+    assert any(cell == EVIL for cell in read.texts["td"])
+    assert any(EVIL in item for item in read.texts["li"])
+    assert "data/<b>harbour</b>" in read.texts["h3"]
+
+
+def test_names_in_figures_are_no_formulas(table: Comparison):
+    trials = tuple(replace(trial, strategy="a$b_{$c") for trial in table.trials)
+    page = comparison_page(replace(table, trials=trials).as_dict())
+    assert any("a$b_{$c" in text for text in Reader(page).texts["text"])
+
+
+def test_figures_take_the_colours_of_the_page(page: str):
+    assert "#010203" not in page
+    assert "fill: currentColor" in page
+    assert "prefers-color-scheme: dark" in page
+
+
+def test_ids_are_unique(page: str):
+    ids = [value for name, value in Reader(page).attributes if name == "id"]
+    assert len(ids) == len(set(ids))
+
+
+def test_the_same_comparison_gives_the_same_page(table: Comparison, page: str):
+    assert comparison_page(table.as_dict()) == page
+
+
+def test_a_ratio_above_the_limit_is_flagged(table: Comparison, page: str):
+    mark = '<b class="flag" title="above 1.05">!</b>'
+    high = [replace(trial, ratio=1.051) if trial.ratio else trial for trial in table.trials]
+    assert mark not in page
+    flagged = comparison_page(replace(table, trials=tuple(high)).as_dict())
+    assert flagged.count(mark) == 4 + 2  # trials, and medians
+    assert "2 flagged" in flagged
+
+
+def test_interrupted_or_empty(table: Comparison):
+    cut = replace(table, trials=table.trials[:1], interrupted=True)
+    said = " ".join(Reader(comparison_page(cut.as_dict())).texts["p"])
+    assert "Interrupted: 1 trial was finished of 6." in said
+    empty = Reader(comparison_page(replace(cut, trials=()).as_dict()))
+    assert "0 trials were finished of 6." in " ".join(empty.texts["p"])
+    assert "svg" not in empty.names
+    assert empty.opened == []
+
+
+def test_scores_that_do_not_compare_are_left_out(table: Comparison):
+    """As those of a schedule of several stages."""
+    trials = tuple(replace(trial, score_at=None) for trial in table.trials)
+    page = comparison_page(replace(table, trials=trials).as_dict())
+    assert "Best score" not in page
+    assert Reader(page).names.count("svg") == 2
+
+
+def test_a_thousand_trials_are_a_small_page(table: Comparison):
+    trials = tuple(replace(trial, draw=draw) for draw in range(350) for trial in table.trials[:3])
+    few = comparison_page(replace(table, trials=trials[:90]).as_dict())
+    many = comparison_page(replace(table, trials=trials).as_dict())
+    assert len(many) < 700_000
+    drawings = [re.sub(r"<details>.*", "", page, flags=re.DOTALL) for page in (few, many)]
+    assert len(drawings[1]) < len(drawings[0])
+
+
+def test_to_html_writes_the_page(table: Comparison, page: str, tmp_path):
+    target = tmp_path / "out.html"
+    target.write_text("old")
+    table.to_html(target)
+    assert target.read_text(encoding="utf-8") == page
+    assert list(tmp_path.iterdir()) == [target]
