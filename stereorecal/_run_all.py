@@ -1,8 +1,10 @@
 """Many tasks, one after the other or through an executor; a worker that is lost is a value, not an exception."""
 
+import pickle
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, as_completed
-from typing import TypeVar
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
 
 Progress = Callable[[int, int], None]
 Task = TypeVar("Task")
@@ -20,7 +22,7 @@ def run_all(
     if executor is None:
         yield from ((index, function(task)) for index, task in enumerate(tasks))
         return
-    futures = {_submitted(executor, function, task): index for index, task in enumerate(tasks)}
+    futures = {_submitted(executor, _Parcel(function, task)): index for index, task in enumerate(tasks)}
     try:
         for future in as_completed(futures):
             yield futures[future], _outcome(future)
@@ -29,9 +31,43 @@ def run_all(
             future.cancel()
 
 
-def _submitted(executor: Executor, function: Callable[[Task], Result], task: Task) -> Future[Result]:
+@dataclass(frozen=True)
+class _Parcel(Generic[Task, Result]):
+    """A function and its task, which travel as bytes and are unpickled only where they are opened.
+
+    Otherwise those who hand them on unpickle them too: Dask's scheduler would read and keep the images of every task,
+    and a process that misses an image would break the pool instead of saying so.
+    """
+
+    function: Callable[[Task], Result]
+    task: Task
+
+    def opened(self) -> tuple[Callable[[Task], Result], Task]:
+        return self.function, self.task
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _Packed, (pickle.dumps(self.opened()),)
+
+
+@dataclass(frozen=True)
+class _Packed:
+    """A parcel that has travelled."""
+
+    content: bytes
+
+    def opened(self) -> Any:
+        return pickle.loads(self.content)
+
+
+def run_task(parcel: _Parcel[Task, Result] | _Packed) -> Result:
+    """In a worker: open the parcel and do what it says. Its name is what clusters call the task."""
+    function, task = parcel.opened()
+    return function(task)
+
+
+def _submitted(executor: Executor, parcel: _Parcel[Task, Result]) -> Future[Result]:
     try:
-        return executor.submit(function, task)
+        return executor.submit(run_task, parcel)
     except BrokenExecutor as error:
         lost: Future[Result] = Future()
         lost.set_exception(error)
@@ -41,6 +77,6 @@ def _submitted(executor: Executor, function: Callable[[Task], Result], task: Tas
 def _outcome(future: Future[Result]) -> Result | BaseException:
     try:
         error = future.exception()
-    except CancelledError as cancelled:
-        error = cancelled
+    except CancelledError:
+        error = CancelledError("the executor cancelled it: it was shut down, or has lost its workers.")
     return future.result() if error is None else error

@@ -1,12 +1,15 @@
 """`python -m stereorecal compare`."""
 
 import argparse
+import importlib
 import sys
 from pathlib import Path
 
 from stereorecal._errors import InputError
+from stereorecal._extras import extra
 from stereorecal.cli import _values
 from stereorecal.cli._console import table_console
+from stereorecal.cli._executors import EXECUTORS, executor
 from stereorecal.cli._exit_codes import FAILURE, INTERRUPTED
 from stereorecal.cli._json import write_json
 from stereorecal.cli._progress import progress_bar
@@ -59,8 +62,9 @@ def add_to(verbs) -> None:
         metavar="UNITS",
         help="of each trial; one unit: one matcher run on a full-size frame",
     )
-    add("--executor", default="serial", metavar="SPEC", help="serial, threads:N or processes:N")
+    add("--executor", default="serial", metavar="SPEC", help=EXECUTORS)
     add("--json", metavar="FILE|-", help="write everything as JSON")
+    add("--html", metavar="FILE", help="write one HTML page with tables and figures, to pass on")
     add("--quiet", action="store_true", help="no progress and no table")
     parser.set_defaults(run=run)
 
@@ -73,8 +77,8 @@ def run(options: argparse.Namespace) -> int:
     drift = Drift(*_values.degrees_and_fraction(options.decalibrate, "--decalibrate"))
     reach = Reach(*_values.degrees_and_fraction(options.reach, "--reach")) if options.reach is not None else None
     budget, seed = Budget(options.budget), _values.seed(options.seed)
-    _values.output_path(options.json, "--json")
-    with _values.executor(options.executor) as executor:
+    _check_places(options)
+    with executor(options.executor) as pool:
         scenes = _scenes(options)
         with progress_bar(options.quiet) as progress:
             comparison = compare_scenes(
@@ -88,7 +92,7 @@ def run(options: argparse.Namespace) -> int:
                 draws=options.draws,
                 budget=budget,
                 seed=seed,
-                executor=executor,
+                executor=pool,
                 progress=progress,
             )
         # Before the workers are waited for: a second Ctrl-C must find everything saved.
@@ -97,6 +101,20 @@ def run(options: argparse.Namespace) -> int:
         print(f"stereorecal: interrupted; {len(comparison.trials)} trials were finished.", file=sys.stderr)
         return INTERRUPTED
     return FAILURE if all(trial.status == "FAILED" for trial in comparison.trials) else 0
+
+
+def _check_places(options: argparse.Namespace) -> None:
+    """Refuse, before the work is done, what could not be written."""
+    _values.output_path(options.json, "--json")
+    if options.html is None:
+        return
+    with extra("figures", "--html"):
+        importlib.import_module("stereorecal.report.page")
+    if options.html == "-":
+        raise InputError("--html - has no meaning; give a file.")
+    _values.output_path(options.html, "--html")
+    if options.json is not None and Path(options.json).resolve() == Path(options.html).resolve():
+        raise InputError("--html and --json name the same file; give two.")
 
 
 def _scenes(options: argparse.Namespace) -> list[Scene]:
@@ -113,6 +131,8 @@ def _scenes(options: argparse.Namespace) -> list[Scene]:
 def _show(comparison: Comparison, options: argparse.Namespace) -> None:
     if options.json is not None:
         write_json(comparison.as_dict(), options.json)
+    if options.html is not None:
+        comparison.to_html(options.html)
     if comparison.trials and not options.quiet and options.json != "-":
         console = table_console()
         console.print(comparison_tables(comparison.as_dict(), console.width))

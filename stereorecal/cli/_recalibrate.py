@@ -11,6 +11,7 @@ from stereorecal._errors import InputError
 from stereorecal._versions import versions
 from stereorecal.cli import _values
 from stereorecal.cli._console import table_console
+from stereorecal.cli._executors import EXECUTORS, executor
 from stereorecal.cli._exit_codes import BAD_INPUT, FAILURE, INTERRUPTED
 from stereorecal.cli._json import write_json
 from stereorecal.cli._progress import progress_bar
@@ -48,7 +49,7 @@ def add_to(verbs) -> None:
         help="of each recording; one unit: one matcher run on a full-size frame",
     )
     add("--seed", type=int, default=0, help="same seed, same result")
-    add("--executor", default="serial", metavar="SPEC", help="serial, threads:N or processes:N")
+    add("--executor", default="serial", metavar="SPEC", help=EXECUTORS)
     add("--output", metavar="FILE", help="write the calibration there, as calib.json, if it was repaired")
     add("--force", action="store_true", help="--output may replace a file")
     add("--json", metavar="FILE|-", help="write everything as JSON")
@@ -62,7 +63,7 @@ def run(options: argparse.Namespace) -> int:
     reach = Reach(*_values.degrees_and_fraction(options.reach, "--reach"))
     budget, seed = Budget(options.budget), _values.seed(options.seed)
     _check_places(options)
-    with _values.executor(options.executor) as executor:
+    with executor(options.executor) as pool:
         scenes = recordings(options)
         with progress_bar(options.quiet) as progress:
             repairs = recalibrate_many(
@@ -72,7 +73,7 @@ def run(options: argparse.Namespace) -> int:
                 reach=reach,
                 budget=budget,
                 seed=seed,
-                executor=executor,
+                executor=pool,
                 progress=progress,
             )
         # Before the workers are waited for: a second Ctrl-C must find everything saved.

@@ -2,15 +2,9 @@
 
 import difflib
 import os
-from collections.abc import Iterator
-from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
-from contextlib import contextmanager
-from multiprocessing import get_context
 from pathlib import Path
-from signal import SIG_IGN, SIGINT, signal
 
 from stereorecal._errors import InputError
-from stereorecal.cli._compiled import keep_compiled_programs
 from stereorecal.matching import BM, SAD, SGBM, AbstractMatcher
 from stereorecal.strategies import strategies
 
@@ -88,30 +82,3 @@ def frame_limit(text: str) -> int | None:
     if not text.isdecimal() or int(text) < 1:
         raise InputError(f"--frames is {text!r}; give a positive number or all.")
     return int(text)
-
-
-def _begin_work() -> None:
-    """In a worker process: Ctrl-C is left to the parent."""
-    signal(SIGINT, SIG_IGN)
-    keep_compiled_programs()
-
-
-@contextmanager
-def executor(text: str) -> Iterator[Executor | None]:
-    """ "serial", "threads:N" or "processes:N"."""
-    kind, _, number = text.partition(":")
-    known(kind, ["serial", "threads", "processes"], "executor")
-    if kind == "serial":
-        yield None
-        return
-    if not number.isdecimal() or int(number) < 1:
-        raise InputError(f"--executor is {text!r}; give the number of workers, such as {kind}:2.")
-    if kind == "threads":
-        pool: Executor = ThreadPoolExecutor(int(number))
-    else:
-        # Forking after JAX has started threads is unsafe.
-        pool = ProcessPoolExecutor(int(number), mp_context=get_context("spawn"), initializer=_begin_work)
-    try:
-        yield pool
-    finally:
-        pool.shutdown(wait=True, cancel_futures=True)

@@ -4,13 +4,15 @@ import dataclasses
 import difflib
 import inspect
 from dataclasses import dataclass
-from importlib.metadata import EntryPoint, PackageNotFoundError, entry_points, packages_distributions, version
+from importlib.metadata import PackageNotFoundError, entry_points, packages_distributions, version
 from typing import Any
 
 from stereorecal._errors import InputError, StrategyError
 from stereorecal.strategies._contract import AbstractStrategy
 
 GROUP = "stereorecal.strategies"
+# Of importlib.metadata; on Python 3.11, of its backport from the moment that something (Dask) imports that.
+_EntryPoint = Any
 # Names, or how they begin, of strategies that may be missing: what to install, and its folder in a clone.
 _KNOWN = {
     "compass": ("'stereorecal[default]'", "compass"),
@@ -92,7 +94,7 @@ def _load(name: str) -> type[AbstractStrategy]:
     return cls
 
 
-def _entry_point(name: str) -> EntryPoint:
+def _entry_point(name: str) -> _EntryPoint:
     points = tuple(entry_points(group=GROUP, name=name))
     if not points:
         raise InputError(_missing(name))
@@ -114,5 +116,5 @@ def _missing(name: str) -> str:
     return f"unknown strategy {name!r}; {hint}"
 
 
-def _distribution(point: EntryPoint) -> tuple[str, str]:
+def _distribution(point: _EntryPoint) -> tuple[str, str]:
     return (point.dist.name, point.dist.version) if point.dist else ("unknown distribution", "")

@@ -83,6 +83,16 @@ def task_of(scene):
     )
 
 
+def test_a_worker_that_misses_an_image_says_so(scene, tmp_path):
+    save_scene(scene(), tmp_path / "saved")
+    from_file = load_scene(tmp_path / "saved")
+    (tmp_path / "saved" / "left.png").unlink()
+    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
+        found = rows(compare_scenes([replace(from_file, reference="truth")], executor=pool, **SMALL))
+    assert [row.status for row in found] == ["FAILED"] * 3
+    assert all("left.png" in row.message for row in found)
+
+
 def test_pairs_from_files_travel_as_paths(scene, tmp_path):
     in_memory = scene()
     save_scene(in_memory, tmp_path / "saved")

@@ -1,0 +1,109 @@
+"""`--executor dask:ADDRESS`: the same answers from a cluster, and one sentence where there is none."""
+
+import json
+import socket
+import sys
+import time
+from concurrent.futures import Executor, Future, wait
+from pathlib import Path
+
+import pytest
+from distributed import LocalCluster
+
+from stereorecal.cli import _cluster
+
+SMALL = ("--draws", 2, "--scale", 0.5, "--budget", 5)
+COUNT = ("--schedule", "count", "--scale", 0.5, "--budget", 5)
+
+
+@pytest.fixture(scope="module")
+def scheduler():
+    """The address of a scheduler, with a worker in this process."""
+    with LocalCluster(
+        n_workers=1, threads_per_worker=1, processes=False, protocol="tcp", dashboard_address=":0"
+    ) as cluster:
+        yield cluster.scheduler_address
+
+
+@pytest.mark.parametrize("scheme", ["tcp://", ""])
+def test_compare(command, scheduler: str, clean_scene: Path, scheme: str):
+    address = f"dask:{scheme}{scheduler.removeprefix('tcp://')}"
+    words = ("compare", "--scene", clean_scene, *SMALL, "--json", "-")
+    plain, spread = (command(*words, "--executor", kind) for kind in ("serial", address))
+    assert (spread.code, spread.err) == (0, "")
+    here, there = (json.loads(answer.out)["trials"] for answer in (plain, spread))
+    assert [{**row, "seconds": None} for row in there] == [{**row, "seconds": None} for row in here]
+
+
+def test_recalibrate(command, scheduler: str, clean_scene: Path, drifted_scene: Path):
+    words = ("recalibrate", drifted_scene, clean_scene, *COUNT, "--json", "-")
+    plain, spread = (command(*words, "--executor", kind) for kind in ("serial", f"dask:{scheduler}"))
+    assert (spread.code, spread.err) == (plain.code, "")
+    here, there = (json.loads(answer.out)["repairs"] for answer in (plain, spread))
+    assert [{**row, "seconds": None} for row in there] == [{**row, "seconds": None} for row in here]
+
+
+def refused(answer) -> str:
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err.startswith("stereorecal: ")
+    assert answer.err.count("\n") == 1
+    return answer.err
+
+
+@pytest.mark.parametrize("address", ["", "host", "tcp://host", "carrier-pigeon://host:1", "host:door"])
+def test_what_is_no_address(command, clean_scene: Path, address: str):
+    answer = command("compare", "--scene", clean_scene, *SMALL, "--executor", f"dask:{address}")
+    assert f"no Dask scheduler answers at {address!r}" in refused(answer)
+
+
+@pytest.mark.parametrize("listening", [False, True], ids=["nobody is there", "another program is there"])
+def test_no_scheduler(command, clean_scene: Path, monkeypatch, listening: bool):
+    monkeypatch.setattr(_cluster, "_ANSWER_S", 0.5)
+    with socket.socket() as server:
+        server.bind(("127.0.0.1", 0))
+        if listening:
+            server.listen()
+        address = f"127.0.0.1:{server.getsockname()[1]}"
+        began = time.monotonic()
+        answer = command("compare", "--scene", clean_scene, *SMALL, "--executor", f"dask:{address}")
+    assert time.monotonic() - began < 5
+    assert f"no Dask scheduler answers at '{address}'; start one with: dask scheduler" in refused(answer)
+
+
+def test_a_worker_is_no_scheduler(command, clean_scene: Path):
+    with LocalCluster(n_workers=1, processes=False, protocol="tcp", dashboard_address=":0") as cluster:
+        (address,) = cluster.scheduler.workers
+        answer = command("compare", "--scene", clean_scene, *SMALL, "--executor", f"dask:{address}")
+    assert "is a Dask worker; give the address of the scheduler" in refused(answer)
+
+
+def test_a_scheduler_without_workers(command, clean_scene: Path):
+    with LocalCluster(n_workers=0, processes=False, protocol="tcp", dashboard_address=":0") as cluster:
+        address = cluster.scheduler_address
+        answer = command("compare", "--scene", clean_scene, *SMALL, "--executor", f"dask:{address}")
+    assert f"has no workers; start some with: dask worker {address}" in refused(answer)
+
+
+def test_without_the_extra(command, clean_scene: Path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    answer = command("compare", "--scene", clean_scene, *SMALL, "--executor", "dask:host:8786")
+    install = "run: pip install 'stereorecal[dask]'"
+    assert refused(answer).endswith(f"--executor dask needs distributed, which is not installed; {install}\n")
+
+
+class Stuck(Executor):
+    """Finishes nothing, as Dask where a result was on its way when its worker died."""
+
+    def submit(self, fn, /, *args, **kwargs):
+        return Future()
+
+    def shutdown(self, wait=True, *, cancel_futures=False):
+        pass
+
+
+def test_what_is_given_up_is_waited_for_no_longer():
+    pool = _cluster._Pool(Stuck())
+    future = pool.submit(print)
+    pool.give_up()
+    assert not wait([future], timeout=1).not_done
+    assert future.cancelled()

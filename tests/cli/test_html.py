@@ -1,0 +1,76 @@
+"""`compare --html`: what is refused before any work, and what is written."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from stereorecal.cli import _compare
+
+SMALL = ("--draws", 2, "--scale", 0.5, "--budget", 5)
+
+
+@pytest.fixture
+def no_work(monkeypatch: pytest.MonkeyPatch):
+    """Fails if any is done."""
+
+    def work(*scenes, **options):
+        pytest.fail("work was done")
+
+    monkeypatch.setattr(_compare, "compare_scenes", work)
+
+
+def test_page_beside_table_and_json(command, clean_scene: Path, tmp_path: Path):
+    places = ("--html", tmp_path / "out.html", "--json", tmp_path / "out.json")
+    answer = command("compare", "--scene", clean_scene, *SMALL, *places)
+    assert (answer.code, answer.err) == (0, "")
+    assert "compass" in answer.out
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["out.html", "out.json"]
+    page = (tmp_path / "out.html").read_text(encoding="utf-8")
+    assert "1 strategy on 1 scene" in page
+    assert page.rstrip().endswith("</html>")
+
+
+def test_an_interrupted_comparison_is_written(command, clean_scene: Path, tmp_path: Path, monkeypatch):
+    compare_scenes = _compare.compare_scenes
+
+    def interrupt(finished, total):
+        raise KeyboardInterrupt
+
+    def interrupted(scenes, **options):
+        return compare_scenes(scenes, **{**options, "progress": interrupt})
+
+    monkeypatch.setattr(_compare, "compare_scenes", interrupted)
+    answer = command("compare", "--scene", clean_scene, *SMALL, "--html", tmp_path / "out.html")
+    assert answer.code == 130
+    assert "1 trial was finished of 2." in (tmp_path / "out.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--html", "{}/nowhere/out.html"], "give a file in an existing folder"),
+        (["--html", "{}"], "give a file in an existing folder"),
+        (["--html", "-"], "--html - has no meaning"),
+        (["--html", "{}/out", "--json", "{}/../{}/out"], "--html and --json name the same file"),
+    ],
+)
+def test_places_that_are_refused(command, no_work, clean_scene: Path, tmp_path: Path, words: list[str], said: str):
+    (tmp_path / "in").mkdir()
+    places = [word.replace("{}/../{}", f"{tmp_path}/in/..").replace("{}", str(tmp_path)) for word in words]
+    answer = command("compare", "--scene", clean_scene, *SMALL, *places)
+    assert (answer.code, answer.out) == (2, "")
+    assert said in answer.err
+    assert answer.err.count("\n") == 1
+    assert [path.name for path in tmp_path.iterdir()] == ["in"]
+
+
+@pytest.mark.parametrize("missing", ["jinja2", "matplotlib"])
+def test_without_the_extra(command, no_work, clean_scene: Path, tmp_path: Path, monkeypatch, missing: str):
+    monkeypatch.setitem(sys.modules, missing, None)
+    for name in ("page", "_strips"):
+        monkeypatch.delitem(sys.modules, f"stereorecal.report.{name}", raising=False)
+    answer = command("compare", "--scene", clean_scene, *SMALL, "--html", tmp_path / "out.html")
+    assert (answer.code, answer.out) == (2, "")
+    install = "run: pip install 'stereorecal[figures]'"
+    assert answer.err == f"stereorecal: --html needs {missing}, which is not installed; {install}\n"

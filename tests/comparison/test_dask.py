@@ -1,0 +1,128 @@
+"""A Dask cluster of two worker processes gives the same rows, whoever dies in the middle."""
+
+import importlib
+import sys
+import time
+from dataclasses import replace
+
+import pytest
+from distributed import LocalCluster
+
+from stereorecal.cli import _cluster
+from stereorecal.comparison import compare_scenes
+from stereorecal.io import _pairs, load_scene, save_scene
+from stereorecal.matching import SAD
+from stereorecal.strategies import Budget, strategy
+
+SMALL = {"matcher": SAD(num_disparities=24), "scale": 0.5, "budget": Budget(evaluations=10)}
+
+DEADLY = """
+import os, signal
+from dataclasses import dataclass
+from pathlib import Path
+from stereorecal.strategies import AbstractStrategy, strategy
+
+@dataclass(frozen=True)
+class Deadly(AbstractStrategy):
+    '''Compass search that kills its process on one draw; if there is a file to remember that, only once.'''
+
+    draw: int
+    memory: str | None = None
+
+    def run(self, objective, start, budget, seed):
+        if seed == self.draw and not (self.memory and Path(self.memory).exists()):
+            if self.memory:
+                Path(self.memory).touch()
+            os.kill(os.getpid(), signal.SIGKILL)
+        return strategy("compass").run(objective, start, budget, seed)
+"""
+
+
+@pytest.fixture(scope="module")
+def deadly(tmp_path_factory):
+    """The class Deadly, in a module that workers can import."""
+    folder = tmp_path_factory.mktemp("modules")
+    (folder / "deadly_strategy.py").write_text(DEADLY)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(folder)
+        yield importlib.import_module("deadly_strategy").Deadly
+    del sys.modules["deadly_strategy"]
+
+
+@pytest.fixture(scope="module")
+def workers(deadly, tmp_path_factory):
+    """The cluster; a worker that starts again finds its compiled programs."""
+    cache = {
+        "JAX_ENABLE_COMPILATION_CACHE": "true",
+        "JAX_COMPILATION_CACHE_DIR": str(tmp_path_factory.mktemp("programs")),
+        "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0",
+    }
+    with LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=":0", env=cache) as cluster:
+        yield cluster
+
+
+def compared(workers, scene, draws, strategies, **options):
+    workers.wait_for_workers(2)  # a nanny may be starting one again
+    with _cluster.cluster(workers.scheduler_address) as pool:
+        return compare_scenes([scene], strategies=strategies, draws=draws, executor=pool, **SMALL, **options)
+
+
+def rows(table):
+    return [replace(trial, seconds=None) for trial in table.trials]
+
+
+@pytest.fixture(scope="module")
+def serial(scene):
+    """Six trials, whose strategy goes by the name that it has in the tests."""
+    return rows(compare_scenes([scene()], strategies={"search": strategy("compass")}, draws=6, **SMALL))
+
+
+def test_a_worker_that_is_killed_costs_nothing(workers, scene, serial, deadly, tmp_path):
+    memory = tmp_path / "killed"
+    table = compared(workers, scene(), 6, {"search": deadly(draw=2, memory=str(memory))})
+    assert memory.exists()
+    assert rows(table) == serial
+
+
+def test_only_workers_read_the_images(workers, scene, serial, tmp_path, monkeypatch):
+    save_scene(scene(), tmp_path / "saved")
+    read = []
+    saved = replace(load_scene(tmp_path / "saved"), name=scene().name, rig=scene().rig, reference="truth")
+    monkeypatch.setattr(_pairs, "read_image", read.append)  # the scheduler lives in this process
+    found = rows(compared(workers, saved, 2, {"search": strategy("compass")}))
+    assert read == []
+    assert [row.status for row in found] == ["BUDGET", "BUDGET"]
+
+
+def test_ctrl_c_cancels_what_waits(workers, scene, serial):
+    def interrupt(finished, total):
+        raise KeyboardInterrupt
+
+    table = compared(workers, scene(), 6, {"search": strategy("compass")}, progress=interrupt)
+    assert table.interrupted
+    assert len(table.trials) == 1
+    assert rows(table)[0] in serial
+    soon = time.monotonic() + 20
+    while workers.scheduler.tasks and time.monotonic() < soon:
+        time.sleep(0.1)
+    assert not workers.scheduler.tasks
+
+
+def test_a_trial_that_kills_every_worker_is_a_failed_row(workers, scene, serial, deadly, monkeypatch):
+    monkeypatch.setattr(workers.scheduler, "allowed_failures", 1)
+    found = rows(compared(workers, scene(), 2, {"search": deadly(draw=1)}))
+    assert found[0] == serial[0]
+    assert found[1].status == "FAILED"
+    assert "all those workers died" in found[1].message
+
+
+def test_without_any_worker_left_the_rest_fails(workers, scene, serial, deadly, monkeypatch):
+    monkeypatch.setattr(_cluster, "_PATIENCE_S", 0.5)
+    workers.wait_for_workers(2)
+    for nanny in workers.workers.values():
+        nanny.close_gracefully()  # do not start again what dies
+    found = rows(compared(workers, scene(), 4, {"search": deadly(draw=1)}))
+    assert not workers.scheduler.workers
+    assert found[1].status == "FAILED"
+    assert found[1].message == "the executor cancelled it: it was shut down, or has lost its workers."
+    assert all(row in serial for row in found if row.status != "FAILED")
