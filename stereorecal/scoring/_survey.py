@@ -80,10 +80,10 @@ def survey(
     offsets = np.zeros((1, 6)) if aligned else _grid(data.view, reach)
     candidates = np.asarray(normalised(rig.extrinsics) + offsets, np.float32)
     looks = on_all_cores(lambda c: jax.tree.map(np.asarray, _look(data, c, coarse)), list(candidates))
+    winner, straight = _best([look[0] for look in looks])
     if not aligned:  # later on, a yaw that the images do not determine must not look like swapped sides
         unturned = [look for look, offset in zip(looks, offsets, strict=True) if offset[1] == 0.0]
-        _refuse_swapped(unturned, float(data.view.focal) * np.tan(reach))
-    winner, straight = _best([look[0] for look in looks])
+        _refuse_swapped(unturned, float(data.view.focal) * np.tan(reach), int(np.sum(straight.valid)))
     return Survey(offsets[winner], _surfaces(straight), data.view, scale)
 
 
@@ -152,12 +152,14 @@ def _surfaces(found: Disparity) -> Float[np.ndarray, "n"]:
     return np.concatenate(patches)
 
 
-def _refuse_swapped(looks: list[tuple[Disparity, Disparity]], margin: float) -> None:
-    """Refuse images whose sides match better when they are swapped. Disparities within the margin may be infinity seen
-    through a yaw error; beyond it they tell the sides apart."""
+def _refuse_swapped(looks: list[tuple[Disparity, Disparity]], margin: float, matched: int) -> None:
+    """Refuse images that match better with their sides swapped than the `matched` pixels that they match as they are.
+
+    Disparities within the margin may be infinity seen through a yaw error; beyond it they tell the sides apart.
+    """
     (_, straight), (_, swapped) = (_best([look[side] for look in looks]) for side in (0, 1))
     here, there = (int(np.sum(_surfaces(found) > margin + 1.0)) for found in (straight, swapped))
-    if there > 4 * here and there > 0.1 * straight.values.size:
+    if there > 4 * here and there > 0.1 * straight.values.size and int(np.sum(swapped.valid)) > matched:
         raise InputError(
             "the left and right images look swapped (near things lie on the wrong side); exchange left and right."
         )
