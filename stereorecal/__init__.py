@@ -12,8 +12,16 @@ from stereorecal.comparison import (
     compare as compare,
     compare_scenes as compare_scenes,
 )
+from stereorecal.comparison.paper import (
+    Extent as Extent,
+    Reproduction as Reproduction,
+    reproduce as reproduce,
+    synthetic_log as synthetic_log,
+)
 from stereorecal.geometry import (
     Camera as Camera,
+    Log as Log,
+    Mission as Mission,
     Pair as Pair,
     Scene as Scene,
     StereoRig as StereoRig,
@@ -29,6 +37,7 @@ from stereorecal.recalibration import (
     Solution as Solution,
     recalibrate as recalibrate,
     recalibrate_many as recalibrate_many,
+    recalibrate_sequence as recalibrate_sequence,
 )
 from stereorecal.scoring import (
     Score as Score,

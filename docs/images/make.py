@@ -1,5 +1,6 @@
 """Makes the pictures of README and docs from synthetic scenes: python docs/images/make.py"""
 
+import shutil
 from pathlib import Path
 
 import jax
@@ -7,6 +8,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import stereorecal as sr
+from stereorecal.comparison.paper import write_files
 from stereorecal.report.figures import Panel, repair_figure, save
 
 HERE = Path(__file__).parent
@@ -53,6 +55,16 @@ def conventions() -> None:
     save(figure, HERE / "conventions.png")
 
 
+def experiments() -> None:
+    """The figures of the paper's experiments on the synthetic log; ten minutes, unless it was done before."""
+    log, folder = sr.synthetic_log(), HERE.parents[1] / "reproduced"
+    found = sr.reproduce(log, output=folder)
+    for path in write_files(found, log, folder):
+        if path.suffix == ".png":
+            shutil.copy(path, HERE / f"experiments-{path.name}")
+
+
 if __name__ == "__main__":
     repair()
     conventions()
+    experiments()

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from typing import NoReturn
 
 from stereorecal._errors import InputError, StrategyError
-from stereorecal.cli import _compare, _recalibrate, _score, _strategies
+from stereorecal.cli import _compare, _recalibrate, _reproduce, _score, _strategies
 from stereorecal.cli._compiled import keep_compiled_programs
 from stereorecal.cli._exit_codes import BAD_INPUT, FAILURE, INTERRUPTED
 
@@ -25,7 +25,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         description="Repair the extrinsic calibration of a stereo rig from ordinary images.",
     )
     verbs = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
-    for command in (_recalibrate, _score, _compare, _strategies):
+    for command in (_recalibrate, _score, _compare, _reproduce, _strategies):
         command.add_to(verbs)
     options = parser.parse_args(arguments)
     _interrupt_on_sigterm()

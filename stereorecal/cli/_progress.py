@@ -11,12 +11,12 @@ from stereorecal._run_all import Progress as ProgressCall
 
 
 @contextmanager
-def progress_bar(quiet: bool) -> Iterator[ProgressCall | None]:
+def progress_bar(quiet: bool, doing: str = "repairing") -> Iterator[ProgressCall | None]:
     """A progress bar with the time that remains, on stderr, if that is a terminal."""
     if quiet or not sys.stderr.isatty():
         yield None
         return
-    columns = (TextColumn("repairing"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    columns = (TextColumn(doing), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("", total=None)
         yield lambda finished, total: bar.update(task, completed=finished, total=total)

@@ -10,6 +10,7 @@ from stereorecal.io._about import about
 from stereorecal.io._atomic import make_folder, write_text
 from stereorecal.io._calibration import calibration_text, read_calibration
 from stereorecal.io._image_file import natural_order
+from stereorecal.io._pairs import AnyPath
 from stereorecal.io._rig_file import load_rig, save_rig
 from stereorecal.io._scene import load_sides, name_of, write_png
 
@@ -58,28 +59,36 @@ def _latest(name: str, dates: list[str]) -> str:
     return sorted(dates)[before - 1]
 
 
-def save_calibrations(calibrations: Mapping[str, StereoRig], folder: Path) -> None:
-    """Write the calibrations of a plain log.
+def save_calibrations(calibrations: Mapping[str, StereoRig], folder: AnyPath, overwrite: bool = False) -> None:
+    """Write the calibrations of a plain log, each under its name.
 
     Raises:
-        InputError: if one is there already, or the place cannot be written to.
+        InputError: if one is there already and `overwrite` is not set, or the place cannot be written to.
     """
-    make_folder(folder / _CALIBRATIONS)
+    place = Path(folder) / _CALIBRATIONS
+    make_folder(place)
     for name, rig in calibrations.items():
-        save_rig(rig, folder / _CALIBRATIONS / f"{name}.json")
+        save_rig(rig, place / f"{name}.json", overwrite=overwrite)
 
 
-def save_mission(mission: Mission, folder: Path) -> None:
-    """Write one sequence of a plain log: 8-bit grey PNG, named as the pairs are.
+def save_mission(mission: Mission, folder: AnyPath) -> None:
+    """Write one sequence of a plain log: 8-bit grey PNG, named as the pairs are; mission.json last.
 
     Raises:
-        InputError: if the place cannot be written to.
+        InputError: if the sequence is there already, or the place cannot be written to.
     """
-    place = folder / _SEQUENCES / mission.name
+    place = Path(folder) / _SEQUENCES / mission.name
+    if has_mission(folder, mission.name):
+        raise InputError(f"{place}: the sequence is there already; choose another name or folder.")
     for pair in mission.pairs:
-        write_png(place / "left" / pair.name, pair.left)
-        write_png(place / "right" / pair.name, pair.right)
+        for side, image in (("left", pair.left), ("right", pair.right)):
+            write_png(place / side / f"{Path(pair.name).stem}.png", image)
     if mission.truth is not None:
         save_rig(mission.truth, place / _TRUTH, overwrite=True)
     facts = {"calibration": mission.calibration, "starred": sorted(mission.starred)}
     write_text(place / _FACTS, calibration_text(facts) + "\n")
+
+
+def has_mission(folder: AnyPath, name: str) -> bool:
+    """Whether a plain log holds a sequence of this name that `save_mission` has finished."""
+    return (Path(folder) / _SEQUENCES / name / _FACTS).exists()

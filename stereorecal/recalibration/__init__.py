@@ -9,7 +9,9 @@ from stereorecal.recalibration._health import (
     health as health,
 )
 from stereorecal.recalibration._many import Fault as Fault, Repair as Repair, recalibrate_many as recalibrate_many
+from stereorecal.recalibration._path import Waypoint as Waypoint
 from stereorecal.recalibration._recalibrate import recalibrate as recalibrate
 from stereorecal.recalibration._schedule import Schedule as Schedule, ScoreKind as ScoreKind, Stage as Stage
+from stereorecal.recalibration._sequence import recalibrate_sequence as recalibrate_sequence
 from stereorecal.recalibration._solution import Solution as Solution
 from stereorecal.recalibration._uncertainty import Uncertainty as Uncertainty

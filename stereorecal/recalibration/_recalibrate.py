@@ -115,6 +115,7 @@ def _judged(case: Case, stages: tuple[StageRun, ...], began: float) -> Solution:
         message=message,
         view=case.view,
         matcher=case.matcher,
+        reach=case.reach,
         score_before=before,
         score_after=after,
         row_errors=rows,

@@ -10,10 +10,11 @@ from stereorecal.geometry import AXES, StereoRig, View
 from stereorecal.matching import AbstractMatcher
 from stereorecal.recalibration._acceptance import Reason, RowErrors
 from stereorecal.recalibration._effects import depth_errors
+from stereorecal.recalibration._path import Waypoint, path_of
 from stereorecal.recalibration._stage_run import StageRun
 from stereorecal.recalibration._uncertainty import Uncertainty
 from stereorecal.scoring import Score
-from stereorecal.strategies import FREE_AXES, Status, Trace
+from stereorecal.strategies import FREE_AXES, Reach, Status, Trace
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,6 +28,7 @@ class Solution:
         accepted, reason: the verdict.
         status, message: how the search of the last stage ended.
         view, matcher: with which everything was scored; the matcher carries its measured disparity range.
+        reach: within which it was searched.
         score_before, score_after: of `initial` and `candidate`, at full scale in `view`.
         row_errors: epipolar errors before and after; None if the schedule has no epipolar stage, or it found nothing.
         uncertainty: of the candidate; None in the same cases.
@@ -43,6 +45,7 @@ class Solution:
     message: str
     view: View
     matcher: AbstractMatcher
+    reach: Reach
     score_before: Score
     score_after: Score
     row_errors: RowErrors | None
@@ -55,6 +58,11 @@ class Solution:
         """The evaluations of the last run of a strategy; None if there was nothing to run one on."""
         runs = [run for stage in self.stages for run in stage.runs]
         return runs[-1].trace if runs else None
+
+    @property
+    def path(self) -> tuple[Waypoint, ...]:
+        """The start, each new best of the stages on the count, and the end of each epipolar stage."""
+        return path_of(self.initial, self.reach, self.stages)
 
     @property
     def evaluations(self) -> int:

@@ -1,6 +1,11 @@
 """Scenes rendered through a known rig, what is true about them, and drift."""
 
 from stereorecal.synthetic._drift import decalibrate as decalibrate
+from stereorecal.synthetic._missions import (
+    MissionPlan as MissionPlan,
+    PlannedMission as PlannedMission,
+    plan_missions as plan_missions,
+)
 from stereorecal.synthetic._render import (
     KINDS as KINDS,
     GroundTruth as GroundTruth,

@@ -1,0 +1,95 @@
+"""`python -m stereorecal reproduce`."""
+
+import argparse
+import sys
+from pathlib import Path
+
+from stereorecal._extras import extra
+from stereorecal.cli import _values
+from stereorecal.cli._console import table_console
+from stereorecal.cli._executors import EXECUTORS, executor
+from stereorecal.cli._exit_codes import FAILURE, INTERRUPTED
+from stereorecal.cli._json import write_json
+from stereorecal.cli._progress import progress_bar
+from stereorecal.comparison import SCHEDULES
+from stereorecal.comparison.paper import EXPERIMENTS, QUICK, Extent, reproduce, synthetic_log, write_files
+from stereorecal.geometry import Log
+from stereorecal.io import load_log
+from stereorecal.report.experiments import experiment_tables
+from stereorecal.strategies import Reach
+
+_ALL, _BOTH = "all", "both"
+_WIDE = 150  # columns of the widest table
+_DESCRIPTION = """\
+Run the paper's experiments on a log of missions: which calibration matches most (validity), repair from a wrong one,
+generalise from one pair to the others, repair from nothing but the baseline (ex-nihilo), pair after pair (sequential).
+Without a log, one is rendered. A run that was interrupted continues where it stopped."""
+
+
+def add_to(verbs) -> None:
+    """Add the command to an argparse subparsers object."""
+    parser = verbs.add_parser("reproduce", help="run the paper's experiments", description=_DESCRIPTION)
+    add = parser.add_argument
+    names = ", ".join((*EXPERIMENTS, _ALL))
+    add("experiments", nargs="*", default=[_ALL], metavar="EXPERIMENT", help=f"{names} (default: {_ALL})")
+    add("--log", metavar="DIR", help="folder of missions, in any layout of docs/data.md")
+    add("--frames", default="10", metavar="N|all", help="first pairs of each sequence of --log (default: 10)")
+    add("--schedule", default=_BOTH, metavar="NAME", help="count (the paper's way), default (coarse to fine), or both")
+    add("--strategy", metavar="NAME", help="in place of compass, or of Levenberg-Marquardt if it needs residuals")
+    add("--quick", action="store_true", help="a small log, few pairs: does everything work?")
+    add("--reach", default="3,0.03", metavar="DEG,FRACTION", help="how far the rig may have drifted (default: 3,0.03)")
+    add("--seed", type=int, default=0, help="same seed, same result")
+    add("--executor", default="serial", metavar="SPEC", help=EXECUTORS)
+    add("--output", default="reproduced", metavar="DIR", help="folder for tables and figures (default: reproduced)")
+    add("--json", metavar="FILE|-", help="write everything as JSON there too")
+    add("--quiet", action="store_true", help="no progress and no tables")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run, save, print; returns the exit code."""
+    chosen = [_values.known(name, [*EXPERIMENTS, _ALL], "experiment") for name in options.experiments]
+    experiments = list(EXPERIMENTS) if _ALL in chosen else list(dict.fromkeys(chosen))
+    schedule = _values.known(options.schedule, [_BOTH, *SCHEDULES], "schedule")
+    reach = Reach(*_values.degrees_and_fraction(options.reach, "--reach"))
+    seed, limit = _values.seed(options.seed), _values.frame_limit(options.frames)
+    _values.output_path(options.json, "--json")
+    with extra("figures", "reproduce"):
+        import matplotlib  # noqa: F401  before the work is done
+    with executor(options.executor) as workers:
+        log = _log(options, seed, limit)
+        with progress_bar(options.quiet) as progress:
+            found = reproduce(
+                log,
+                experiments,
+                schedules=SCHEDULES if schedule == _BOTH else (schedule,),
+                strategy=options.strategy,
+                extent=QUICK if options.quick else Extent(),
+                reach=reach,
+                seed=seed,
+                output=options.output,
+                executor=workers,
+                progress=progress,
+            )
+        # Before the workers are waited for: a second Ctrl-C must find everything saved.
+        data = found.as_dict()
+        if options.json is not None:
+            write_json(data, options.json)
+        if not options.quiet and options.json != "-":
+            table_console(_WIDE).print(experiment_tables(data))
+        write_files(found, log, Path(options.output))
+    for key, error in found.errors.items():
+        print(f"stereorecal: {key}: {error}", file=sys.stderr)
+    if not options.quiet:
+        print(f"stereorecal: tables and figures are in {options.output}", file=sys.stderr)
+    if found.unfinished:
+        print(f"stereorecal: interrupted; {found.unfinished} tasks are left: run it again.", file=sys.stderr)
+        return INTERRUPTED
+    return FAILURE if found.errors and not any(found.rows.values()) else 0
+
+
+def _log(options: argparse.Namespace, seed: int, limit: int | None) -> Log:
+    if options.log is not None:
+        return load_log(Path(options.log), limit)
+    with progress_bar(options.quiet, "rendering") as progress:
+        return synthetic_log(seed, quick=options.quick, progress=progress)

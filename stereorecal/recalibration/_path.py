@@ -1,0 +1,48 @@
+"""The way that a repair took."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal.geometry import StereoRig
+from stereorecal.recalibration._schedule import ScoreKind
+from stereorecal.recalibration._stage_run import WIDER, StageRun
+from stereorecal.strategies import Chart, Reach, chart_around
+
+
+@dataclass(frozen=True, eq=False)
+class Waypoint:
+    """Where a repair stood.
+
+    Attributes:
+        cost: units spent by then (one unit: one matcher run on one full-size frame).
+        extrinsics: (6,) pitch, yaw, roll [rad], x, y, z [m].
+    """
+
+    cost: float
+    extrinsics: Float[np.ndarray, "6"]
+
+
+def path_of(initial: StereoRig, reach: Reach, stages: Sequence[StageRun]) -> tuple[Waypoint, ...]:
+    """The start, each new best of the stages on the count, and the end of each epipolar stage."""
+    narrow = chart_around(initial, reach)
+    wide = replace(narrow, half_width=WIDER * narrow.half_width)
+    spent, found = 0.0, [Waypoint(0.0, np.asarray(initial.extrinsics))]
+    for stage in stages:
+        if stage.stage.score is ScoreKind.COUNT:
+            found += _climb(stage, narrow, spent)
+        else:
+            found.append(Waypoint(spent + stage.cost, np.asarray(wide.extrinsics(stage.best))))
+        spent += stage.cost
+    return tuple(found)
+
+
+def _climb(stage: StageRun, chart: Chart, spent: float) -> Iterator[Waypoint]:
+    trace = stage.runs[0].trace
+    best = stage.runs[0].start_value
+    for point, value, cost in zip(trace.points, trace.values, trace.cost, strict=True):
+        if value > best:
+            best = value
+            yield Waypoint(spent + float(cost), np.asarray(chart.extrinsics(point)))

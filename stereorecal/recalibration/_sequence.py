@@ -1,0 +1,46 @@
+"""One pair after the other, each repair starting where the one before it ended (paper, section 4.5)."""
+
+from collections.abc import Sequence
+
+from stereorecal.geometry import Pair, StereoRig, View, check_pairs, view as default_view
+from stereorecal.matching import AbstractMatcher
+from stereorecal.recalibration._recalibrate import recalibrate
+from stereorecal.recalibration._schedule import Schedule
+from stereorecal.recalibration._solution import Solution
+from stereorecal.strategies import Budget, Reach
+
+
+def recalibrate_sequence(
+    rig: StereoRig,
+    pairs: Sequence[Pair],
+    *,
+    matcher: AbstractMatcher | None = None,
+    schedule: Schedule | None = None,
+    reach: Reach | None = None,
+    budget: Budget | None = None,
+    view: View | None = None,
+    seed: int = 0,
+) -> tuple[Solution, ...]:
+    """Repair a rig while it works: one solution for each pair, each from the rig that the one before it left.
+
+    A pair that shows too little leaves the rig as it is. Order and several passes are the order of `pairs`; where all
+    pairs are there from the start, `recalibrate` with all of them is more accurate.
+
+    Args:
+        rig, matcher, schedule, reach, seed: as `recalibrate` has them; the reach counts from where a repair starts.
+        budget: of each pair.
+        view: of all solutions; default the view of `rig`.
+
+    Raises:
+        InputError, StrategyError: as `recalibrate`.
+    """
+    view = default_view(rig) if view is None else view
+    schedule = schedule or Schedule.default()
+    found: list[Solution] = []
+    for pair in check_pairs(rig, list(pairs)):
+        start = found[-1].rig if found else rig
+        repair = recalibrate(
+            start, [pair], matcher=matcher, schedule=schedule, reach=reach, budget=budget, view=view, seed=seed
+        )
+        found.append(repair)
+    return tuple(found)

@@ -1,0 +1,124 @@
+"""The plain log: what is written comes back, dates find their calibration, what does not fit is refused."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import stereorecal as sr
+from stereorecal._errors import InputError
+from stereorecal.geometry import Log, Mission
+from stereorecal.io import has_mission, load_log, load_scene, save_calibrations, save_mission, save_scene
+
+
+@pytest.fixture
+def mission(scene) -> Mission:
+    taken = scene(frames=3)
+    pairs = tuple(replace(pair, name=f"{index:03d}.png") for index, pair in enumerate(taken.pairs))
+    return Mission("2020-05-02-pier", "2020-05-01", pairs, frozenset({"001.png"}), taken.rig)
+
+
+@pytest.fixture
+def calibrations(scene) -> dict[str, sr.StereoRig]:
+    rig = scene().rig
+    shift = np.array([0.01, 0.0, 0.0, 0.0, 0.0, 0.0])
+    return {"2020-05-01": rig, "2021-01-01": rig.with_extrinsics(rig.extrinsics + shift)}
+
+
+@pytest.fixture
+def folder(tmp_path: Path, mission: Mission, calibrations) -> Path:
+    save_calibrations(calibrations, tmp_path / "log")
+    save_mission(mission, tmp_path / "log")
+    return tmp_path / "log"
+
+
+def test_what_is_written_comes_back(folder: Path, mission: Mission, calibrations):
+    log = load_log(folder)
+    assert list(log.calibrations) == list(calibrations)
+    for name, rig in calibrations.items():
+        np.testing.assert_allclose(log.calibrations[name].extrinsics, rig.extrinsics, atol=1e-12)
+    (found,) = log.missions
+    assert (found.name, found.calibration, found.starred) == (mission.name, mission.calibration, mission.starred)
+    assert found.truth is not None
+    np.testing.assert_allclose(found.truth.extrinsics, mission.truth.extrinsics, atol=1e-12)
+    for pair, original in zip(found.pairs, mission.pairs, strict=True):
+        assert pair.name == original.name
+        np.testing.assert_allclose(pair.left, original.left, atol=0.5)
+        np.testing.assert_allclose(pair.right, original.right, atol=0.5)
+
+
+def test_the_first_pairs_only(folder: Path):
+    assert [pair.name for pair in load_log(folder, limit=2).missions[0].pairs] == ["000.png", "001.png"]
+
+
+@pytest.mark.parametrize(
+    ("name", "calibration"), [("2020-05-01", "2020-05-01"), ("2020-12-31-x", "2020-05-01"), ("2022-x", "2021-01-01")]
+)
+def test_the_last_calibration_before_a_sequence_holds(folder: Path, name: str, calibration: str):
+    sequence = folder / "sequences" / "2020-05-02-pier"
+    (sequence / "mission.json").unlink()
+    sequence.rename(folder / "sequences" / name)
+    assert load_log(folder).missions[0].calibration == calibration
+
+
+def test_a_sequence_before_any_calibration(folder: Path):
+    sequence = folder / "sequences" / "2020-05-02-pier"
+    (sequence / "mission.json").unlink()
+    sequence.rename(folder / "sequences" / "2019-01-01-x")
+    with pytest.raises(InputError, match="no calibration is of that date or before it"):
+        load_log(folder)
+
+
+def test_a_calibration_that_is_not_there(folder: Path):
+    path = folder / "sequences" / "2020-05-02-pier" / "mission.json"
+    path.write_text(json.dumps({"calibration": "2020-05-07"}))
+    with pytest.raises(InputError, match=r"no calibration '2020-05-07' in the log"):
+        load_log(folder)
+
+
+def test_nothing_is_overwritten_unasked(folder: Path, mission: Mission, calibrations):
+    with pytest.raises(InputError, match="is there already"):
+        save_mission(mission, folder)
+    with pytest.raises(InputError, match="exists already"):
+        save_calibrations(calibrations, folder)
+    save_calibrations(calibrations, folder, overwrite=True)
+
+
+def test_a_mission_is_there_once_it_is_whole(folder: Path, mission: Mission):
+    assert has_mission(folder, mission.name)
+    (folder / "sequences" / mission.name / "mission.json").unlink()  # written last
+    assert not has_mission(folder, mission.name)
+
+
+def test_one_sequence_is_a_scene_and_a_scene_is_a_log(folder: Path, tmp_path: Path, mission: Mission, scene):
+    found = load_scene(folder)
+    assert (found.name, len(found.pairs)) == (mission.name, 3)
+    save_scene(scene(), tmp_path / "scene")
+    log = load_log(tmp_path / "scene")
+    assert [m.truth is not None for m in log.missions] == [True]
+    np.testing.assert_allclose(log.calibration_of(log.missions[0]).extrinsics, scene().rig.extrinsics, atol=1e-12)
+
+
+def test_several_sequences_are_no_scene(folder: Path, mission: Mission):
+    save_mission(replace(mission, name="2020-05-03-quay"), folder)
+    with pytest.raises(InputError, match="2 sequences are in there"):
+        load_scene(folder)
+
+
+def test_what_is_no_log(tmp_path: Path):
+    with pytest.raises(InputError, match="no layout that is known"):
+        load_log(tmp_path)
+    with pytest.raises(InputError, match="no such folder"):
+        load_log(tmp_path / "nowhere")
+
+
+def test_logs_that_contradict_themselves(mission: Mission, calibrations):
+    with pytest.raises(InputError, match="no sequence"):
+        Log("x", calibrations, ())
+    with pytest.raises(InputError, match="same name"):
+        Log("x", calibrations, (mission, mission))
+    small = {name: rig.resized((80, 60)) for name, rig in calibrations.items()}
+    with pytest.raises(InputError, match="same size"):
+        Log("x", small, (mission,))

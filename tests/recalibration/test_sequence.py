@@ -1,0 +1,89 @@
+"""Pair after pair: each repair starts where the one before it ended; the path says where a repair stood."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+import stereorecal as sr
+from stereorecal._errors import InputError
+from stereorecal.strategies import Budget, Reach, strategy
+
+OPTIONS = {
+    "matcher": sr.SAD(num_disparities=24),
+    "schedule": sr.Schedule.count(strategy("compass"), 0.5),
+    "reach": Reach(2.0, 0.02),
+}
+
+
+@pytest.fixture(scope="module")
+def drifted(scene):
+    rig = scene().rig
+    return rig.with_extrinsics(rig.extrinsics + np.array([*np.radians([0.7, 0.0, -0.9]), 0.0, 0.002, 0.0]))
+
+
+@pytest.fixture(scope="module")
+def solutions(scene, drifted):
+    return sr.recalibrate_sequence(drifted, scene(frames=3).pairs, **OPTIONS)
+
+
+def test_each_starts_where_the_one_before_ended(scene, drifted, solutions):
+    assert len(solutions) == 3
+    np.testing.assert_array_equal(solutions[0].initial.extrinsics, drifted.extrinsics)
+    for before, after in pairwise(solutions):
+        np.testing.assert_array_equal(after.initial.extrinsics, before.rig.extrinsics)
+    away = [np.abs(s.extrinsics - scene().rig.extrinsics)[[0, 2]].max() for s in (drifted, solutions[-1].rig)]
+    assert away[1] < 0.5 * away[0]
+
+
+def test_each_is_a_repair_of_its_own(scene, drifted, solutions):
+    second = scene(frames=3).pairs[1]
+    alone = sr.recalibrate(solutions[0].rig, [second], view=sr.view(drifted), **OPTIONS)
+    np.testing.assert_array_equal(alone.rig.extrinsics, solutions[1].rig.extrinsics)
+    assert solutions[0].view is solutions[1].view is solutions[2].view
+    assert solutions[0].view.centre_row == sr.view(drifted).centre_row
+
+
+def test_a_pair_that_shows_nothing_leaves_the_rig(scene, drifted):
+    sea = scene("open-sea", 1, (320, 240)).pairs
+    rig = drifted.resized((320, 240))
+    (found,) = sr.recalibrate_sequence(rig, sea)
+    assert not found.accepted
+    assert found.rig is rig
+
+
+def test_the_budget_is_that_of_each_pair(scene, drifted):
+    found = sr.recalibrate_sequence(drifted, scene(frames=3).pairs[:2], budget=Budget(evaluations=3), **OPTIONS)
+    assert all(0 < one.cost <= 3 for one in found)
+
+
+def test_no_pair(drifted):
+    with pytest.raises(InputError, match="no image pair"):
+        sr.recalibrate_sequence(drifted, [])
+
+
+def test_the_path_climbs_from_the_start_to_the_end(scene, solutions, drifted):
+    path = solutions[0].path
+    np.testing.assert_array_equal(path[0].extrinsics, drifted.extrinsics)
+    np.testing.assert_allclose(path[-1].extrinsics, solutions[0].candidate.extrinsics, atol=1e-12)
+    assert path[0].cost == 0
+    assert all(a.cost < b.cost for a, b in pairwise(path))
+    assert path[-1].cost <= solutions[0].cost
+    matcher, pairs = OPTIONS["matcher"], scene(frames=3).pairs[:1]
+    counts = [
+        sr.score(drifted.with_extrinsics(p.extrinsics), pairs, matcher=matcher, view=solutions[0].view, scale=0.5).count
+        for p in path
+    ]
+    assert counts == sorted(counts)
+    assert counts[0] < counts[-1]
+
+
+def test_the_path_of_the_default_schedule_has_the_end_of_every_stage(scene):
+    rig = scene(size=(320, 240)).rig
+    start = rig.with_extrinsics(rig.extrinsics + np.array([*np.radians([0.7, 0.3, -0.9]), 0.0, 0.002, 0.0]))
+    solution = sr.recalibrate(start, scene(size=(320, 240)).pairs)
+    path = solution.path
+    np.testing.assert_allclose(path[-1].extrinsics, solution.candidate.extrinsics, atol=1e-12)
+    np.testing.assert_allclose(path[-1].cost, solution.cost)
+    before_last = solution.cost - solution.stages[-1].cost
+    np.testing.assert_allclose(path[-2].cost, before_last)
