@@ -57,7 +57,7 @@ def conventions() -> None:
 
 def experiments() -> None:
     """The figures of the paper's experiments on the synthetic log; ten minutes, unless it was done before."""
-    log, folder = sr.synthetic_log(), HERE.parents[1] / "reproduced"
+    log, folder = sr.synthetic_log(), HERE.parents[1] / "reproduced" / "for-docs"
     found = sr.reproduce(log, output=folder)
     for path in write_files(found, log, folder):
         if path.suffix == ".png":

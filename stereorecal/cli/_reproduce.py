@@ -12,7 +12,7 @@ from stereorecal.cli._exit_codes import FAILURE, INTERRUPTED
 from stereorecal.cli._json import write_json
 from stereorecal.cli._progress import progress_bar
 from stereorecal.comparison import SCHEDULES
-from stereorecal.comparison.paper import EXPERIMENTS, QUICK, Extent, reproduce, synthetic_log, write_files
+from stereorecal.comparison.paper import EXPERIMENTS, QUICK, Extent, methods, reproduce, synthetic_log, write_files
 from stereorecal.geometry import Log
 from stereorecal.io import load_log
 from stereorecal.report.experiments import experiment_tables
@@ -40,7 +40,7 @@ def add_to(verbs) -> None:
     add("--reach", default="3,0.03", metavar="DEG,FRACTION", help="how far the rig may have drifted (default: 3,0.03)")
     add("--seed", type=int, default=0, help="same seed, same result")
     add("--executor", default="serial", metavar="SPEC", help=EXECUTORS)
-    add("--output", default="reproduced", metavar="DIR", help="folder for tables and figures (default: reproduced)")
+    add("--output", metavar="DIR", help="folder for tables and figures (default: reproduced/LOG)")
     add("--json", metavar="FILE|-", help="write everything as JSON there too")
     add("--quiet", action="store_true", help="no progress and no tables")
     parser.set_defaults(run=run)
@@ -53,21 +53,24 @@ def run(options: argparse.Namespace) -> int:
     schedule = _values.known(options.schedule, [_BOTH, *SCHEDULES], "schedule")
     reach = Reach(*_values.degrees_and_fraction(options.reach, "--reach"))
     seed, limit = _values.seed(options.seed), _values.frame_limit(options.frames)
+    schedules = SCHEDULES if schedule == _BOTH else (schedule,)
+    methods(schedules, options.strategy)  # what is not installed is said before a log is rendered
     _values.output_path(options.json, "--json")
     with extra("figures", "reproduce"):
         import matplotlib  # noqa: F401  before the work is done
     with executor(options.executor) as workers:
         log = _log(options, seed, limit)
+        folder = Path(options.output or f"reproduced/{log.name.rpartition('/')[2]}")
         with progress_bar(options.quiet) as progress:
             found = reproduce(
                 log,
                 experiments,
-                schedules=SCHEDULES if schedule == _BOTH else (schedule,),
+                schedules=schedules,
                 strategy=options.strategy,
                 extent=QUICK if options.quick else Extent(),
                 reach=reach,
                 seed=seed,
-                output=options.output,
+                output=folder,
                 executor=workers,
                 progress=progress,
             )
@@ -75,16 +78,19 @@ def run(options: argparse.Namespace) -> int:
         data = found.as_dict()
         if options.json is not None:
             write_json(data, options.json)
+        write_files(found, log, folder)
         if not options.quiet and options.json != "-":
             table_console(_WIDE).print(experiment_tables(data))
-        write_files(found, log, Path(options.output))
     for key, error in found.errors.items():
         print(f"stereorecal: {key}: {error}", file=sys.stderr)
     if not options.quiet:
-        print(f"stereorecal: tables and figures are in {options.output}", file=sys.stderr)
+        print(f"stereorecal: tables and figures are in {folder}", file=sys.stderr)
+    for message in found.lost:
+        print(f"stereorecal: a worker was lost: {message}", file=sys.stderr)
     if found.unfinished:
-        print(f"stereorecal: interrupted; {found.unfinished} tasks are left: run it again.", file=sys.stderr)
-        return INTERRUPTED
+        why = "workers were lost" if found.lost else "interrupted"
+        print(f"stereorecal: {why}; {found.unfinished} tasks are left: run it again.", file=sys.stderr)
+        return FAILURE if found.lost else INTERRUPTED
     return FAILURE if found.errors and not any(found.rows.values()) else 0
 
 

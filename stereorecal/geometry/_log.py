@@ -29,7 +29,7 @@ class Mission:
 
 @dataclass(frozen=True, eq=False)
 class Log:
-    """Missions and manual calibrations of one rig.
+    """Missions, and the calibrations that hold for them; mostly those of one rig over the years.
 
     Attributes:
         name: what people call it.
@@ -37,7 +37,8 @@ class Log:
         missions: at least one, each with a name of its own.
 
     Raises:
-        InputError: if there is no mission, two have one name, a calibration is not there, or images do not fit it.
+        InputError: if there is no mission, two missions or two pairs of one have the same name, a calibration is not
+            there, or images do not fit it.
     """
 
     name: str
@@ -50,6 +51,8 @@ class Log:
         if len({mission.name for mission in self.missions}) < len(self.missions):
             raise InputError(f"{self.name}: two sequences have the same name; rename one.")
         for mission in self.missions:
+            if len({pair.name for pair in mission.pairs}) < len(mission.pairs):
+                raise InputError(f"{mission.name}: two pairs have the same name; rename one.")
             if mission.calibration not in self.calibrations:
                 raise InputError(f"{mission.name}: there is no calibration {mission.calibration!r} in the log; add it.")
             check_pairs(self.calibration_of(mission), mission.pairs)

@@ -26,6 +26,12 @@ def images_in(folder: Path) -> list[Path]:
     )
 
 
+def stem_of(name: str) -> str:
+    """A file's name without the suffix of an image, if it has one."""
+    path = Path(name)
+    return path.stem if path.suffix.lower() in _SUFFIXES else path.name
+
+
 def natural_order(paths: Iterable[Path]) -> list[Path]:
     """Sorted so that 9 comes before 10."""
 

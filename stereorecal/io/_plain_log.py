@@ -3,13 +3,14 @@
 from bisect import bisect_right
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from stereorecal._errors import InputError
 from stereorecal.geometry import Log, Mission, StereoRig
 from stereorecal.io._about import about
 from stereorecal.io._atomic import make_folder, write_text
 from stereorecal.io._calibration import calibration_text, read_calibration
-from stereorecal.io._image_file import natural_order
+from stereorecal.io._image_file import natural_order, stem_of
 from stereorecal.io._pairs import AnyPath
 from stereorecal.io._rig_file import load_rig, save_rig
 from stereorecal.io._scene import load_sides, name_of, write_png
@@ -45,8 +46,22 @@ def _mission(folder: Path, dates: list[str], limit: int | None) -> Mission:
     facts = read_calibration(folder / _FACTS) if (folder / _FACTS).exists() else {}
     truth = load_rig(folder / _TRUTH) if (folder / _TRUTH).exists() else None
     pairs = tuple(load_sides(folder, limit))
-    calibration = facts.get("calibration") or _latest(folder.name, dates)
-    return Mission(folder.name, calibration, pairs, frozenset(facts.get("starred", ())), truth)
+    with about(folder / _FACTS):
+        calibration, starred = _named(facts)
+        unknown = starred - {pair.name for pair in pairs}
+        if unknown and limit is None:
+            raise InputError(f"starred names {min(unknown)}, which is no left image of the sequence; correct it.")
+    return Mission(folder.name, calibration or _latest(folder.name, dates), pairs, starred, truth)
+
+
+def _named(facts: Mapping[str, Any]) -> tuple[str | None, frozenset[str]]:
+    """The calibration and the starred images that a mission.json names."""
+    calibration, starred = facts.get("calibration"), facts.get("starred", [])
+    if not isinstance(calibration, str | None):
+        raise InputError("calibration must be the name of a calibration, in quotes; correct it.")
+    if not (isinstance(starred, list) and all(isinstance(name, str) for name in starred)):
+        raise InputError('starred must be a list of image names, such as ["0004.png"]; correct it.')
+    return calibration, frozenset(starred)
 
 
 def _latest(name: str, dates: list[str]) -> str:
@@ -75,17 +90,20 @@ def save_mission(mission: Mission, folder: AnyPath) -> None:
     """Write one sequence of a plain log: 8-bit grey PNG, named as the pairs are; mission.json last.
 
     Raises:
-        InputError: if the sequence is there already, or the place cannot be written to.
+        InputError: if the sequence is there already, two pairs would have one name, or the place cannot be written to.
     """
     place = Path(folder) / _SEQUENCES / mission.name
     if has_mission(folder, mission.name):
         raise InputError(f"{place}: the sequence is there already; choose another name or folder.")
+    names = {pair.name: f"{stem_of(pair.name)}.png" for pair in mission.pairs}
+    if len(set(names.values())) < len(mission.pairs):
+        raise InputError(f"{mission.name}: two pairs would be written under the same name; rename one.")
     for pair in mission.pairs:
         for side, image in (("left", pair.left), ("right", pair.right)):
-            write_png(place / side / f"{Path(pair.name).stem}.png", image)
+            write_png(place / side / names[pair.name], image)
     if mission.truth is not None:
         save_rig(mission.truth, place / _TRUTH, overwrite=True)
-    facts = {"calibration": mission.calibration, "starred": sorted(mission.starred)}
+    facts = {"calibration": mission.calibration, "starred": sorted(names[name] for name in mission.starred)}
     write_text(place / _FACTS, calibration_text(facts) + "\n")
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Float
@@ -25,21 +26,27 @@ class Waypoint:
     extrinsics: Float[np.ndarray, "6"]
 
 
-def path_of(initial: StereoRig, reach: Reach, stages: Sequence[StageRun]) -> tuple[Waypoint, ...]:
-    """The start, each new best of the stages on the count, and the end of each epipolar stage."""
+def path_of(initial: StereoRig, reach: Reach, surveyed: float, stages: Sequence[StageRun]) -> tuple[Waypoint, ...]:
+    """Where a repair began, where each stage began and ended, and each new best of the stages on the count.
+
+    Args:
+        surveyed: units that the survey took, before the first stage.
+    """
     narrow = chart_around(initial, reach)
     wide = replace(narrow, half_width=WIDER * narrow.half_width)
-    spent, found = 0.0, [Waypoint(0.0, np.asarray(initial.extrinsics))]
+    spent, found = surveyed, [Waypoint(0.0, np.asarray(initial.extrinsics))]
     for stage in stages:
+        found.append(Waypoint(spent, np.asarray(wide.extrinsics(stage.start))))
         if stage.stage.score is ScoreKind.COUNT:
             found += _climb(stage, narrow, spent)
-        else:
-            found.append(Waypoint(spent + stage.cost, np.asarray(wide.extrinsics(stage.best))))
         spent += stage.cost
-    return tuple(found)
+        found.append(Waypoint(spent, np.asarray(wide.extrinsics(stage.best))))
+    moves = [after for before, after in pairwise(found) if np.any(before.extrinsics != after.extrinsics)]
+    return (found[0], *moves)
 
 
 def _climb(stage: StageRun, chart: Chart, spent: float) -> Iterator[Waypoint]:
+    """Each new best among the points that were evaluated; strategies that work inside JAX evaluate none."""
     trace = stage.runs[0].trace
     best = stage.runs[0].start_value
     for point, value, cost in zip(trace.points, trace.values, trace.cost, strict=True):

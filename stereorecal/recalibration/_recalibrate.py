@@ -52,15 +52,15 @@ def recalibrate(
     reach, budget = reach or Reach(), budget or Budget()
     view = default_view(rig) if view is None else view
     asked, radians = matcher or SAD(), np.radians(reach.degrees)
-    start = np.zeros(6)
+    start, survey_cost = np.zeros(6), 0.0
     if schedule.survey:
         seen = survey(rig, pairs, view, radians)
-        ranged, start = seen.with_range(asked, radians), seen.offset
+        ranged, start, survey_cost = seen.with_range(asked, radians), seen.offset, seen.cost
     else:
         ranged = with_disparity_range(asked, rig, pairs, view, radians)
     case = Case(rig, pairs, ranged, view, reach)
     case, stages = _run_schedule(case, schedule, asked, start, budget, seed)
-    return _judged(case, stages, began)
+    return _judged(case, stages, survey_cost, began)
 
 
 def _run_schedule(
@@ -84,7 +84,7 @@ def _run_schedule(
 _TRACE_OF_A_BUDGET = 1e-12  # so that a stage's judge can speak even when nothing may be spent
 
 
-def _judged(case: Case, stages: tuple[StageRun, ...], began: float) -> Solution:
+def _judged(case: Case, stages: tuple[StageRun, ...], survey_cost: float, began: float) -> Solution:
     best, runs = stages[-1].best, [run for stage in stages for run in stage.runs]
     found = next((stage.found for stage in reversed(stages) if stage.found is not None), None)
     candidate = case.rig_at(best)
@@ -116,6 +116,7 @@ def _judged(case: Case, stages: tuple[StageRun, ...], began: float) -> Solution:
         view=case.view,
         matcher=case.matcher,
         reach=case.reach,
+        survey_cost=survey_cost,
         score_before=before,
         score_after=after,
         row_errors=rows,

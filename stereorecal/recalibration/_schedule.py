@@ -56,7 +56,7 @@ class Schedule:
     Attributes:
         name: what tables call it.
         stages: at least one.
-        survey: whether the first stage may start where a coarse survey of pitch and roll finds more matches than at the
+        survey: whether the first stage may start where a coarse survey of the rotation finds more matches than at the
             calibration that was given.
     """
 

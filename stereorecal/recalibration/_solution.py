@@ -29,6 +29,7 @@ class Solution:
         status, message: how the search of the last stage ended.
         view, matcher: with which everything was scored; the matcher carries its measured disparity range.
         reach: within which it was searched.
+        survey_cost: units that the survey before the first stage took; no budget pays for it, `cost` leaves it out.
         score_before, score_after: of `initial` and `candidate`, at full scale in `view`.
         row_errors: epipolar errors before and after; None if the schedule has no epipolar stage, or it found nothing.
         uncertainty: of the candidate; None in the same cases.
@@ -46,6 +47,7 @@ class Solution:
     view: View
     matcher: AbstractMatcher
     reach: Reach
+    survey_cost: float
     score_before: Score
     score_after: Score
     row_errors: RowErrors | None
@@ -61,8 +63,8 @@ class Solution:
 
     @property
     def path(self) -> tuple[Waypoint, ...]:
-        """The start, each new best of the stages on the count, and the end of each epipolar stage."""
-        return path_of(self.initial, self.reach, self.stages)
+        """Where the repair began, where each stage began and ended, and each new best of the stages on the count."""
+        return path_of(self.initial, self.reach, self.survey_cost, self.stages)
 
     @property
     def evaluations(self) -> int:

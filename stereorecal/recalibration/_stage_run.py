@@ -76,7 +76,7 @@ class StageRun:
     Attributes:
         stage: as asked for.
         scale: at which it worked.
-        best: (n,) where it ended, in the unit box.
+        start, best: (n,) where it began and ended, in the unit box.
         runs: of the strategy; several in an epipolar stage, where each round weighs the correspondences anew.
         matching_cost: units that went into finding correspondences.
         found: the last correspondences; None in a stage on the count, and where the budget allowed none.
@@ -84,6 +84,7 @@ class StageRun:
 
     stage: Stage
     scale: float
+    start: Float[np.ndarray, "n"]
     best: Float[np.ndarray, "n"]
     runs: tuple[Run, ...]
     matching_cost: float = 0.0
@@ -127,7 +128,7 @@ def _count_objective(case: Case, scale: float) -> Objective:
 def _count_stage(case: Case, stage: Stage, start: np.ndarray, budget: Budget, seed: int) -> StageRun:
     scale = stage.scale_for(case.rig.left.size)
     run = run_strategy(stage.strategy, _count_objective(case, scale), np.clip(WIDER * start, -1.0, 1.0), budget, seed)
-    return StageRun(stage, scale, run.best / WIDER, (run,))
+    return StageRun(stage, scale, start, run.best / WIDER, (run,))
 
 
 def _epipolar_stage(case: Case, stage: Stage, start: np.ndarray, budget: Budget, seed: int) -> StageRun:
@@ -156,7 +157,7 @@ def _epipolar_stage(case: Case, stage: Stage, start: np.ndarray, budget: Budget,
         here = np.asarray(found.weight) > 0
         if np.median(np.abs(differences - before)[here]) < _SETTLED:
             break
-    return StageRun(stage, scale, best, tuple(runs), cost, found)
+    return StageRun(stage, scale, start, best, tuple(runs), cost, found)
 
 
 def differences_at(found: Correspondences, chart: Chart, z: Float[np.ndarray, "n"]) -> Float[np.ndarray, "k m"]:

@@ -14,7 +14,7 @@ Image = Float[np.ndarray, "h w"]
 # Okabe and Ito: told apart by people who see fewer colours.
 _COLOURS: tuple[str, ...] = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 _UNIT = {"pitch": "pitch [°]", "yaw": "yaw [°]", "roll": "roll [°]", "y": "y [% of B]", "z": "z [% of B]"}
-_METHOD = {"count": "the paper's: compass on the count", "default": "default schedule"}
+_METHOD = {"count": "count at one scale (the paper's way)", "default": "default schedule"}
 _COST = "cost [matcher runs on a full-size frame]"
 _INVALID = "#202020"
 

@@ -34,16 +34,18 @@ class Survey:
 
     Attributes:
         offset: (6,) what to add to the extrinsics of the rig so that most pixels match: a step of a grid over pitch and
-            roll [rad], the rest is 0.
+            roll [rad], and over yaw if the reach is much wider than the default; the rest is 0.
         disparities: of the surfaces found, in pixels of the coarse scale.
         view: at that scale.
         scale: pixels there per pixel at full size.
+        cost: in matcher runs on a full-size frame.
     """
 
     offset: Float[np.ndarray, "6"]
     disparities: Float[np.ndarray, "n"]
     view: View
     scale: float
+    cost: float
 
     def with_range(self, matcher: AbstractMatcher, yaw: float) -> AbstractMatcher:
         """The matcher with its number of disparities: its own, or measured when it is None.
@@ -65,7 +67,8 @@ class Survey:
 def survey(
     rig: StereoRig, pairs: Sequence[Pair], view: View, reach: float = _DEFAULT_REACH, *, aligned: bool = False
 ) -> Survey:
-    """Match the images at a coarse scale over a grid of pitch and roll, since the rig may be decalibrated.
+    """Match the images at a coarse scale over a grid of pitch and roll, since the rig may be decalibrated; over yaw too
+    where the reach is 4.5 degrees or more: then far things may lie beyond the edge of what is searched.
 
     Args:
         reach: largest rotation error expected, radians.
@@ -79,12 +82,20 @@ def survey(
     coarse = SAD(num_disparities=data.view.size[0] // 2, block_size=7)
     offsets = np.zeros((1, 6)) if aligned else _grid(data.view, reach)
     candidates = np.asarray(normalised(rig.extrinsics) + offsets, np.float32)
-    looks = on_all_cores(lambda c: jax.tree.map(np.asarray, _look(data, c, coarse)), list(candidates))
-    winner, straight = _best([look[0] for look in looks])
+
+    def look(candidate: np.ndarray) -> tuple[Disparity, Disparity]:
+        return jax.tree.map(np.asarray, _look(data, candidate, coarse))
+
+    # Only the counts are kept: a wide reach looks thousands of times.
+    matched = np.array(on_all_cores(lambda c: [int(found.valid.sum()) for found in look(c)], list(candidates)))
+    winner = int(np.argmax(matched[:, 0]))
+    straight, _ = look(candidates[winner])
     if not aligned:  # later on, a yaw that the images do not determine must not look like swapped sides
-        unturned = [look for look, offset in zip(looks, offsets, strict=True) if offset[1] == 0.0]
-        _refuse_swapped(unturned, float(data.view.focal) * np.tan(reach), int(np.sum(straight.valid)))
-    return Survey(offsets[winner], _surfaces(straight), data.view, scale)
+        unturned = np.flatnonzero(offsets[:, 1] == 0.0)
+        as_is, swapped = (look(candidates[unturned[np.argmax(matched[unturned, side])]])[side] for side in (0, 1))
+        _refuse_swapped(as_is, swapped, float(data.view.focal) * np.tan(reach), int(matched[winner, 0]))
+    cost = 2.0 * len(offsets) * len(data.left) * scale**2
+    return Survey(offsets[winner], _surfaces(straight), data.view, scale, cost)
 
 
 def with_disparity_range(
@@ -109,7 +120,7 @@ def _grid(view: View, reach: float) -> Float[np.ndarray, "n 6"]:
     """Offsets of the extrinsics, close enough together that one of them lets a coarse matcher see."""
     pitch_step = 1.5 / float(view.focal)  # a row and a half
     roll_steps = max(1, round(reach / _DEFAULT_REACH))
-    yaw_steps = roll_steps - 1  # within the default reach, a wrong yaw leaves enough to be seen
+    yaw_steps = min(roll_steps - 1, 2)  # within the default reach, a wrong yaw leaves enough to be seen
     return np.array(
         [
             (pitch, yaw, roll, 0.0, 0.0, 0.0)
@@ -136,12 +147,6 @@ def _look(data: ScoringData, extrinsics: Float[AnyArray, "6"], matcher: SAD) -> 
     return rectify_frames(data, extrinsics, both)
 
 
-def _best(found: list[Disparity]) -> tuple[int, Disparity]:
-    """The index and the disparities of the candidate with most matches."""
-    winner = int(np.argmax([np.sum(disparity.valid) for disparity in found]))
-    return winner, found[winner]
-
-
 def _surfaces(found: Disparity) -> Float[np.ndarray, "n"]:
     """The disparities that form patches, not the lone pixels of false matches."""
     patches = []
@@ -152,12 +157,11 @@ def _surfaces(found: Disparity) -> Float[np.ndarray, "n"]:
     return np.concatenate(patches)
 
 
-def _refuse_swapped(looks: list[tuple[Disparity, Disparity]], margin: float, matched: int) -> None:
+def _refuse_swapped(straight: Disparity, swapped: Disparity, margin: float, matched: int) -> None:
     """Refuse images that match better with their sides swapped than the `matched` pixels that they match as they are.
 
     Disparities within the margin may be infinity seen through a yaw error; beyond it they tell the sides apart.
     """
-    (_, straight), (_, swapped) = (_best([look[side] for look in looks]) for side in (0, 1))
     here, there = (int(np.sum(_surfaces(found) > margin + 1.0)) for found in (straight, swapped))
     if there > 4 * here and there > 0.1 * straight.values.size and int(np.sum(swapped.valid)) > matched:
         raise InputError(

@@ -40,7 +40,7 @@ def test_tables_and_files(command, words, tmp_path: Path):
     assert "the paper" in found.out
     assert str(tmp_path / "out") in found.err
     names = {path.name for path in (tmp_path / "out").iterdir()}
-    assert {"reproduce.json", "rows.jsonl", "validity.csv", "validity.png", "ex_nihilo.pdf", "sweeps.csv"} <= names
+    assert {"validity.json", "rows.jsonl", "validity.csv", "validity.png", "ex_nihilo.pdf", "sweeps.csv"} <= names
     assert not [name for name in names if name.startswith("repair")]
 
 

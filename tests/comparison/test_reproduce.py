@@ -1,15 +1,25 @@
 """The paper's experiments: what they look at, that rows are right, that an interrupted run continues."""
 
 import json
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
 
 import stereorecal as sr
 from stereorecal._errors import InputError
-from stereorecal.comparison.paper import EXPERIMENTS, Extent, _reproduce as module, reproduce, write_files
+from stereorecal.comparison.paper import (
+    EXPERIMENTS,
+    Extent,
+    _reproduce as module,
+    _synthetic_log,
+    methods,
+    reproduce,
+    write_files,
+)
+from stereorecal.comparison.paper._judge import judge_of
 from stereorecal.comparison.paper._tasks import Repairing
 from stereorecal.geometry import Log, Mission
 from stereorecal.io import load_log, save_calibrations, save_mission
@@ -79,7 +89,7 @@ def test_a_repair_is_one_by_the_library_itself(log, serial):
     judged = sr.reproduce(log, ["ex-nihilo"], **COUNT)  # the same row once more
     assert timeless(judged)["ex_nihilo"] == timeless(serial)["ex_nihilo"]
     found = rig.with_extrinsics(np.array(row["extrinsics"]["found"]))
-    ranged = module.judge_of(log, mission, sr.Reach()).matcher
+    ranged = judge_of(log, mission, sr.Reach()).matcher
     for one, key in ((start, "score_initial"), (found, "score_final"), (rig, "score_reference")):
         assert sr.score(one, mission.pairs[:1], matcher=ranged, view=view).count == row[key]
     error = np.degrees(np.abs(found.extrinsics - rig.extrinsics)[:3])
@@ -88,6 +98,13 @@ def test_a_repair_is_one_by_the_library_itself(log, serial):
     way = row["way"]
     assert (way[0]["count"], way[-1]["count"]) == (row["score_initial"], row["score_final"])
     assert way[0]["rotation2"] == pytest.approx(np.sum(np.degrees(rig.extrinsics[:3]) ** 2))
+
+
+def test_a_repair_climbs_in_the_view_in_which_it_is_judged(log, serial):
+    """Whatever the wrong calibration: the count that compass climbs is the one that is judged."""
+    for row in serial.rows["repair"]:
+        assert row["accepted"] == (row["score_final"] > row["score_initial"])
+        assert [point["count"] for point in row["way"]] == sorted(point["count"] for point in row["way"])
 
 
 def test_sweeps_pass_through_the_reference(serial):
@@ -102,6 +119,7 @@ def test_sweeps_pass_through_the_reference(serial):
 def test_generalise_counts_the_other_pairs(serial):
     for row in serial.rows["generalise"]:
         assert list(row["others"]) == ["2.png"]
+        assert row["others"]["2.png"]["starred"]
         assert row["others"]["2.png"]["score_initial"] < row["others"]["2.png"]["score_final"]
     assert {row["calibration"] for row in serial.rows["generalise"]} == {"2020-02-01", "2020-03-01"}
 
@@ -116,6 +134,8 @@ def test_sequences_carry_over(serial):
     assert [step["image"] for step in orders["random twice"]] == 2 * [first["image"], second["image"]]
     assert len({step["image"] for step in orders["better half twice"]}) == 1
     for steps in orders.values():
+        for before, after in pairwise(steps):
+            assert after["extrinsics"]["start"] == before["extrinsics"]["found"]
         assert all(step["cost"] <= TINY.iterations * 10 for step in steps)
 
 
@@ -165,6 +185,94 @@ def test_a_folder_of_other_settings_is_left_alone(log, tmp_path):
     assert (tmp_path / "out" / "rows.jsonl").read_bytes() == before
 
 
+def test_a_folder_of_other_things_is_left_alone(log, tmp_path):
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "validity.csv").write_text("mine")
+    with pytest.raises(InputError, match="holds other files"):
+        reproduce(log, ["validity"], **COUNT, output=tmp_path / "out")
+    assert [path.name for path in (tmp_path / "out").iterdir()] == ["validity.csv"]
+
+
+@pytest.mark.parametrize("damage", [b"\x00\x00\n", b'{"key": 5, "row": {}}\n', b"[]\n", b"\xff\xfe\n"])
+def test_damaged_rows_are_done_again(log, serial, tmp_path, damage):
+    reproduce(log, ["ex-nihilo"], **COUNT, output=tmp_path / "out")
+    path = tmp_path / "out" / "rows.jsonl"
+    first, second = path.read_bytes().splitlines(keepends=True)
+    path.write_bytes(damage + second)
+    assert timeless(reproduce(log, ["ex-nihilo"], **COUNT, output=tmp_path / "out")) == {
+        "ex_nihilo": timeless(serial)["ex_nihilo"]
+    }
+    assert len(path.read_bytes().splitlines()) == 2
+    assert first.split(b'"row"')[0] in path.read_bytes()
+
+
+def test_another_lens_or_truth_is_another_run(log, tmp_path):
+    reproduce(log, ["validity"], **COUNT, output=tmp_path / "out")
+    unknown = replace(log, missions=tuple(replace(mission, truth=None) for mission in log.missions))
+    rig = log.calibrations["2020-01-01"]
+    lens = replace(rig.left, matrix=rig.left.matrix * np.array([[1.01], [1.01], [1.0]]))
+    other = replace(log, calibrations={**log.calibrations, "2020-01-01": replace(rig, left=lens)})
+    for changed in (unknown, other):
+        with pytest.raises(InputError, match="other settings"):
+            reproduce(changed, ["validity"], **COUNT, output=tmp_path / "out")
+
+
+def test_the_loss_of_workers_leaves_tasks(log, tmp_path):
+    class Dying(ThreadPoolExecutor):
+        def submit(self, function, *arguments):
+            if arguments[0].task.image == "2.png":
+                lost = Future()
+                lost.set_exception(RuntimeError("the worker was killed"))
+                return lost
+            return super().submit(function, *arguments)
+
+    with Dying(1) as pool:
+        found = reproduce(log, ["validity"], **COUNT, executor=pool, output=tmp_path / "out")
+    whole = len(found.rows["validity"]) + len(found.rows["sweeps"])
+    assert (found.unfinished, found.lost, found.errors) == (2, ("the worker was killed",), {})
+    again = reproduce(log, ["validity"], **COUNT, output=tmp_path / "out")
+    assert again.unfinished == 0
+    assert len(again.rows["validity"]) + len(again.rows["sweeps"]) == whole + 2
+
+
+def test_a_strategy_takes_the_stages_that_it_can_do():
+    def kinds(name):
+        found = methods(("count", "default"), name)
+        return {method.name: [type(stage.strategy).__name__ for stage in method.schedule.stages] for method in found}
+
+    usual, secant, solver = kinds(None), kinds("secant"), kinds("optimistix-gauss-newton")
+    assert (secant["count"], secant["default"]) == (["Secant"], ["Secant", *usual["default"][1:]])
+    assert (solver["count"], solver["default"]) == (["Compass"], ["Compass", "GaussNewton", "GaussNewton"])
+
+
+def test_kinds_of_matchers_of_one_name_are_refused(log):
+    twice = replace(TINY, matchers=(sr.SAD(block_size=7), sr.SAD(block_size=11)))
+    with pytest.raises(InputError, match="give each kind of matcher once"):
+        reproduce(log, ["validity"], schedules=("count",), extent=twice)
+
+
+def test_a_log_of_rectified_images_gets_wrong_calibrations_too(log):
+    """All dates have the same extrinsics there; only the length of the baseline, which nothing sees, differs."""
+    rig = log.calibrations["2020-01-01"]
+    longer = rig.with_extrinsics(rig.extrinsics * np.array([1, 1, 1, 1.02, 1.02, 1.02]))
+    same = Log("rectified", {"2020-01-01": rig, "2020-02-01": longer}, log.missions[:1])
+    (row,) = reproduce(same, ["repair"], **COUNT).rows["repair"]
+    assert row["calibration"].startswith("drawn-")
+
+
+def test_a_rendered_log_does_not_mix_with_another(tmp_path, monkeypatch):
+    monkeypatch.setattr(_synthetic_log, "_QUICK_SIZE", (160, 120))
+    monkeypatch.setattr(_synthetic_log, "_QUICK_PAIRS", 1)
+    log = sr.synthetic_log(0, quick=True, folder=tmp_path / "log")
+    assert [len(mission.pairs) for mission in log.missions] == [1, 1]
+    before = sorted(path.stat().st_mtime_ns for path in (tmp_path / "log").rglob("*.png"))
+    assert sr.synthetic_log(0, quick=True, folder=tmp_path / "log").missions[0].pairs[0].size == (160, 120)
+    assert sorted(path.stat().st_mtime_ns for path in (tmp_path / "log").rglob("*.png")) == before
+    for other in ({"seed": 1, "quick": True}, {"seed": 0}):
+        with pytest.raises(InputError, match="other than this log"):
+            sr.synthetic_log(**other, folder=tmp_path / "log")
+
+
 def test_a_task_that_fails_is_said_and_tried_again(log, tmp_path, monkeypatch):
     real = Repairing.run
 
@@ -210,9 +318,9 @@ def test_files(log, serial, tmp_path):
     stems = {"validity", "sweeps", "repair", "generalise", "ex_nihilo", "sequential"}
     figures = stems | {"ex_nihilo_disparity"}
     assert {f"{name}.{suffix}" for name in figures for suffix in ("png", "pdf")} <= {path.name for path in written}
-    content = json.loads((tmp_path / "out" / "reproduce.json").read_text())
+    content = json.loads((tmp_path / "out" / "ex_nihilo.json").read_text())
     assert content["schema"] == "stereorecal.reproduce/1"
-    assert content["summary"]["ex_nihilo"][0]["schedule"] == "the paper"
+    assert content["summary"][0]["schedule"] == "the paper"
     lines = (tmp_path / "out" / "ex_nihilo.csv").read_text().splitlines()
     assert len(lines) == 1 + len(serial.rows["ex_nihilo"])
     cells = dict(zip(lines[0].split(","), lines[1].split(","), strict=True))
@@ -233,5 +341,7 @@ def test_figures_say_what_they_show(serial):
         assert shown, name
         for axis in shown:
             assert axis.has_data(), name
-        labels = [axis.get_xlabel() + axis.get_ylabel() for axis in shown] + [figure.get_supxlabel()]
-        assert any("[" in label or "r = N" in label for label in labels), name
+        labels = [*(axis.get_xlabel() for axis in shown), figure.get_supxlabel()]
+        assert any(labels) or name == "repair", name  # whose ticks are the names of pairs
+        heights = [axis.get_ylabel() for axis in shown]
+        assert any("[" in label or "r " in label or "count" in label for label in heights), name

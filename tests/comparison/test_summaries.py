@@ -82,14 +82,19 @@ def test_validity_counts_the_pairs_whose_own_calibration_wins():
         {"own": "b", "starred": False, "counts": {"a": 6, "b": 5}},
         {"own": "b", "starred": True, "counts": {"a": 9, "b": 5}},
     ]
-    assert summaries.of_validity(rows) == {"rows": 2, "share_own_highest": 0.5}
+    (found,) = summaries.of_validity([{**row, "sequence": "x"} for row in rows])
+    assert (found["pairs"], found["own_highest"]) == (2, 1)
+    assert found["next_best_share"] == pytest.approx(0.9)
+    tied = {"sequence": "x", "own": "b", "starred": False, "counts": {"b": 5, "a": 5}}
+    assert summaries.of_validity([tied])[0]["own_highest"] == 0
 
 
-def test_generalisation_leaves_out_pairs_without_matches():
+def test_generalisation_leaves_out_pairs_without_matches_and_starred_ones():
     others = {
-        "1": {"score_initial": 20, "score_final": 90, "score_reference": 100},
-        "2": {"score_initial": 40, "score_final": 30, "score_reference": 100},
-        "3": {"score_initial": 0, "score_final": 0, "score_reference": 0},
+        "1": {"starred": False, "score_initial": 20, "score_final": 90, "score_reference": 100},
+        "2": {"starred": False, "score_initial": 40, "score_final": 30, "score_reference": 100},
+        "3": {"starred": False, "score_initial": 0, "score_final": 0, "score_reference": 0},
+        "4": {"starred": True, "score_initial": 9, "score_final": 9, "score_reference": 9},
     }
     (found,) = summaries.of_generalisation([{**row(95, 100), "calibration": "old", "others": others}])
     assert (found["others"], found["improved"]) == (2, 1)

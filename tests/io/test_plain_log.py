@@ -78,6 +78,35 @@ def test_a_calibration_that_is_not_there(folder: Path):
         load_log(folder)
 
 
+@pytest.mark.parametrize(
+    ("facts", "said"),
+    [
+        ({"starred": "001.png"}, "list of image names"),
+        ({"starred": [["001.png"]]}, "list of image names"),
+        ({"starred": 5}, "list of image names"),
+        ({"starred": ["nothing.png"]}, "no left image"),
+        ({"calibration": ["2020-05-01"]}, "name of a calibration"),
+    ],
+)
+def test_facts_that_make_no_sense(folder: Path, facts, said):
+    (folder / "sequences" / "2020-05-02-pier" / "mission.json").write_text(json.dumps(facts))
+    with pytest.raises(InputError, match=f"mission.json: .*{said}"):
+        load_log(folder)
+
+
+def test_names_of_pairs_are_kept_apart(folder: Path, tmp_path: Path, mission: Mission):
+    """coast-0.1 is no file type, and what was a JPEG is written as PNG; stars go along."""
+    names = ["coast-0.1", "coast-0.2", "x.jpg"]
+    pairs = tuple(replace(pair, name=name) for name, pair in zip(names, mission.pairs, strict=True))
+    save_mission(replace(mission, name="2020-06-01", pairs=pairs, starred=frozenset({"x.jpg"})), folder)
+    found = load_log(folder).missions[1]
+    assert [pair.name for pair in found.pairs] == ["coast-0.1.png", "coast-0.2.png", "x.png"]
+    assert found.starred == {"x.png"}
+    clash = tuple(replace(pair, name=name) for name, pair in zip(["a.jpg", "a.png", "b"], mission.pairs, strict=True))
+    with pytest.raises(InputError, match="under the same name"):
+        save_mission(replace(mission, name="2020-06-02", pairs=clash, starred=frozenset()), folder)
+
+
 def test_nothing_is_overwritten_unasked(folder: Path, mission: Mission, calibrations):
     with pytest.raises(InputError, match="is there already"):
         save_mission(mission, folder)
@@ -119,6 +148,9 @@ def test_logs_that_contradict_themselves(mission: Mission, calibrations):
         Log("x", calibrations, ())
     with pytest.raises(InputError, match="same name"):
         Log("x", calibrations, (mission, mission))
+    same = replace(mission, pairs=(mission.pairs[0], mission.pairs[0]))
+    with pytest.raises(InputError, match="two pairs have the same name"):
+        Log("x", calibrations, (same,))
     small = {name: rig.resized((80, 60)) for name, rig in calibrations.items()}
     with pytest.raises(InputError, match="same size"):
         Log("x", small, (mission,))

@@ -84,6 +84,14 @@ def test_the_path_of_the_default_schedule_has_the_end_of_every_stage(scene):
     solution = sr.recalibrate(start, scene(size=(320, 240)).pairs)
     path = solution.path
     np.testing.assert_allclose(path[-1].extrinsics, solution.candidate.extrinsics, atol=1e-12)
-    np.testing.assert_allclose(path[-1].cost, solution.cost)
-    before_last = solution.cost - solution.stages[-1].cost
-    np.testing.assert_allclose(path[-2].cost, before_last)
+    assert solution.survey_cost > 1
+    np.testing.assert_allclose(path[-1].cost, solution.survey_cost + solution.cost)
+    np.testing.assert_allclose(path[-2].cost, path[-1].cost - solution.stages[-1].cost)
+
+
+@pytest.mark.parametrize("name", ["optimistix-bfgs", "nlopt-lbfgs", "features"])
+def test_the_path_of_a_strategy_that_evaluates_nothing_still_ends_at_the_end(scene, drifted, name):
+    schedule = sr.Schedule.count(strategy(name), 0.5)
+    solution = sr.recalibrate(drifted, scene().pairs, **{**OPTIONS, "schedule": schedule}, budget=Budget(60))
+    np.testing.assert_allclose(solution.path[-1].extrinsics, solution.candidate.extrinsics, atol=1e-12)
+    np.testing.assert_array_equal(solution.path[0].extrinsics, drifted.extrinsics)

@@ -4,6 +4,7 @@ from stereorecal.comparison.paper._experiments import (
     EXPERIMENTS as EXPERIMENTS,
     QUICK as QUICK,
     Extent as Extent,
+    methods as methods,
 )
 from stereorecal.comparison.paper._files import write_files as write_files
 from stereorecal.comparison.paper._reproduce import Reproduction as Reproduction, reproduce as reproduce

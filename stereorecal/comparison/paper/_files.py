@@ -21,7 +21,7 @@ _SUFFIXES = ("png", "pdf")
 
 
 def write_files(found: Reproduction, log: Log, folder: Path) -> list[Path]:
-    """Write `reproduce.json`, a CSV of each experiment, and its figure as PNG and PDF; each file whole or not at all.
+    """Write a JSON and a CSV file of each experiment, and its figure as PNG and PDF; each file whole or not at all.
 
     Needs matplotlib. Returns what was written.
 
@@ -30,9 +30,10 @@ def write_files(found: Reproduction, log: Log, folder: Path) -> list[Path]:
     """
     from stereorecal.report.experiment_figures import experiment_figures
 
-    data = found.as_dict()
-    texts = {"reproduce.json": json.dumps(data, indent=1, allow_nan=False) + "\n"}
+    data, texts = found.as_dict(), {}
     for name, rows in data["rows"].items():
+        alone = {**data, "summary": data["summary"].get(name), "rows": rows}
+        texts[f"{name}.json"] = json.dumps(alone, indent=1, allow_nan=False) + "\n"
         for stem, lines in _flat(name, rows).items():
             if lines:
                 texts[f"{stem}.csv"] = _csv(lines)

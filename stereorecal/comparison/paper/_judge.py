@@ -65,7 +65,7 @@ class Judge:
 
 
 def judge_of(log: Log, mission: Mission, reach: Reach) -> Judge:
-    """The judge of a mission: SAD, whose range is measured with the manual calibration over all pairs that are not
+    """The judge of a mission: SAD, whose range is measured with the manual calibration on the first pairs that are not
     starred, in the view of the ideal rig: it favours no calibration."""
     rig = log.calibration_of(mission)
     neutral = view(ideal(rig, float(rig.baseline)))

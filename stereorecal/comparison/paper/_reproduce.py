@@ -2,12 +2,13 @@
 
 import hashlib
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+import jax
 import numpy as np
 
 from stereorecal._errors import InputError
@@ -16,11 +17,10 @@ from stereorecal._run_all import Progress, run_all
 from stereorecal._versions import versions
 from stereorecal.comparison.paper import _summaries as summaries
 from stereorecal.comparison.paper._experiments import EXPERIMENTS, Extent, Setting, methods
-from stereorecal.comparison.paper._judge import judge_of
 from stereorecal.comparison.paper._published import TABLE_1, TABLE_2
 from stereorecal.comparison.paper._store import Store
 from stereorecal.comparison.paper._tasks import Row, Task
-from stereorecal.geometry import Log, Mission
+from stereorecal.geometry import Log, StereoRig
 from stereorecal.matching import AbstractMatcher
 from stereorecal.strategies import Reach, origin_of
 
@@ -36,7 +36,8 @@ class Reproduction:
         versions: of Python, stereorecal, its dependencies and each strategy's distribution.
         rows: by the name of what planned them: validity, sweeps, repair, generalise, ex_nihilo, sequential.
         errors: why a task has no row, by its key.
-        unfinished: tasks that an interruption left.
+        unfinished: how many tasks an interruption, or the loss of a worker, left.
+        lost: what was said when workers were lost.
     """
 
     settings: dict[str, Any]
@@ -44,6 +45,7 @@ class Reproduction:
     rows: dict[str, tuple[Row, ...]]
     errors: dict[str, str]
     unfinished: int
+    lost: tuple[str, ...] = ()
 
     @property
     def summary(self) -> dict[str, Any]:
@@ -67,6 +69,7 @@ class Reproduction:
                 "settings": self.settings,
                 "unfinished": self.unfinished,
                 "errors": self.errors,
+                "lost": list(self.lost),
                 "summary": self.summary,
                 "rows": {name: list(rows) for name, rows in self.rows.items()},
             }
@@ -120,22 +123,20 @@ def reproduce(
     }
     settings = {
         "log": _described(log),
-        "schedules": list(schedules),
         "strategy": strategy,
         "extent": {**asdict(extent), "matchers": [_named(matcher) for matcher in extent.matchers]},
         "reach": asdict(reach),
         "seed": seed,
     }
-    store = None if output is None else Store(Path(output), {**settings, "versions": made_with})
-    judges = {mission.name: judge_of(log, mission, reach) for mission in log.missions[: extent.missions]}
-    setting = Setting(log, judges, chosen, extent, reach, seed)
-    planned = _planned(setting, experiments)
-    rows, errors = _run(planned, store, executor, progress)
+    store = None if output is None else Store(Path(output), {**settings, "versions": versions()})
+    planned = _planned(Setting(log, chosen, extent, reach, seed), experiments)
+    rows, errors, lost = _run(planned, store, executor, progress)
     names = list(dict.fromkeys(plan.__name__ for name in experiments for plan in EXPERIMENTS[name]))
     found = {
         name: tuple(rows[key] for key in planned if key in rows and key.partition(":")[0] == name) for name in names
     }
-    return Reproduction(settings, made_with, found, errors, len(planned) - len(rows) - len(errors))
+    settings |= {"experiments": list(experiments), "schedules": list(schedules)}
+    return Reproduction(settings, made_with, found, errors, len(planned) - len(rows) - len(errors), lost)
 
 
 def run_task(task: Task) -> Row | str:
@@ -147,46 +148,52 @@ def run_task(task: Task) -> Row | str:
 
 
 def _planned(setting: Setting, experiments: Sequence[str]) -> dict[str, Task]:
-    return {
-        f"{plan.__name__}:{task.key}": task
-        for name in experiments
-        for plan in EXPERIMENTS[name]
-        for task in plan(setting)
-    }
+    planned: dict[str, Task] = {}
+    for plan in dict.fromkeys(plan for name in experiments for plan in EXPERIMENTS[name]):
+        for task in plan(setting):
+            key = f"{plan.__name__}:{task.key}"
+            if key in planned:
+                raise InputError(f"two tasks are called {key}; give each kind of matcher once.")
+            planned[key] = task
+    return planned
 
 
 def _run(
     planned: Mapping[str, Task], store: Store | None, executor: Executor | None, progress: Progress | None
-) -> tuple[dict[str, Row], dict[str, str]]:
-    """The rows and the errors of tasks, by key."""
+) -> tuple[dict[str, Row], dict[str, str], tuple[str, ...]]:
+    """The rows and the errors of tasks, by key, and what was said of workers that were lost: their tasks are left."""
     rows = {key: row for key, row in (store.rows if store else {}).items() if key in planned}
     errors: dict[str, str] = {}
+    lost: dict[str, None] = {}
     left = [key for key in planned if key not in rows]
     try:
         for index, found in run_all(run_task, [planned[key] for key in left], executor):
             key = left[index]
             if isinstance(found, dict):
                 rows[key] = store.add(key, found) if store else plain(found)
+            elif isinstance(found, str):
+                errors[key] = found
             else:
-                errors[key] = found if isinstance(found, str) else (str(found) or repr(found))
+                lost[str(found) or repr(found)] = None
             if progress is not None:
                 progress(len(rows) + len(errors), len(planned))
     except KeyboardInterrupt:
         pass
-    return rows, errors
+    return rows, errors, tuple(lost)
 
 
 def _described(log: Log) -> dict[str, Any]:
     return {
         "name": log.name,
-        "calibrations": {name: np.asarray(rig.extrinsics).tolist() for name, rig in log.calibrations.items()},
+        "calibrations": {name: _digest(_leaves(rig)) for name, rig in log.calibrations.items()},
         "missions": {
             mission.name: {
                 "calibration": mission.calibration,
                 "images": [pair.name for pair in mission.pairs],
                 "starred": sorted(mission.starred),
                 "image_size": list(mission.pairs[0].size),
-                "pixels": _digest(mission),
+                "pixels": _digest(image for pair in mission.pairs for image in (pair.left, pair.right)),
+                "truth": None if mission.truth is None else _digest(_leaves(mission.truth)),
             }
             for mission in log.missions
         },
@@ -197,7 +204,14 @@ def _named(matcher: AbstractMatcher) -> dict[str, Any]:
     return {"name": type(matcher).__name__.lower(), **asdict(matcher)}
 
 
-def _digest(mission: Mission) -> str:
-    """Changes with any pixel."""
-    images = [image for pair in mission.pairs for image in (pair.left, pair.right)]
-    return hashlib.sha256(b"".join(image.tobytes() for image in images)).hexdigest()[:12]
+def _leaves(rig: StereoRig) -> Iterator[np.ndarray]:
+    """All numbers of a rig."""
+    return (np.asarray(leaf) for leaf in jax.tree.leaves(rig))
+
+
+def _digest(arrays: Iterable[np.ndarray]) -> str:
+    """Changes with any number."""
+    found = hashlib.sha256()
+    for array in arrays:
+        found.update(array.tobytes())
+    return found.hexdigest()[:12]

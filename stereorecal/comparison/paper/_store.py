@@ -17,11 +17,10 @@ class Store:
     """A folder that keeps each row as soon as it is there, one line of JSON each.
 
     Raises:
-        InputError: if the folder holds the rows of other settings, or cannot be written to.
+        InputError: if the folder holds the rows of other settings or other files, or cannot be written to.
     """
 
     def __init__(self, folder: Path, settings: Mapping[str, Any]):
-        make_folder(folder)
         self._path = folder / _ROWS
         _agree(folder, json.dumps(plain(dict(settings)), indent=1, sort_keys=True, allow_nan=False) + "\n")
         self.rows = _read(self._path)
@@ -30,9 +29,8 @@ class Store:
         """Keep a row under a key that is new; returns it as it will be read again."""
         kept = plain(dict(row))
         line = json.dumps({"key": key, "row": kept}, allow_nan=False) + "\n"
-        with open(self._path, "a", encoding="utf-8") as file:
-            file.write(line)
-            file.flush()
+        with open(self._path, "ab", buffering=0) as file:  # one write: lines of two runs never mix
+            file.write(line.encode())
             os.fsync(file.fileno())
         self.rows[key] = kept
         return kept
@@ -40,21 +38,33 @@ class Store:
 
 def _agree(folder: Path, settings: str) -> None:
     """The settings of a new folder, or the same ones again."""
+    make_folder(folder)
     path = folder / _SETTINGS
     if not path.exists():
+        if any(folder.iterdir()):
+            raise InputError(f"{folder}: holds other files; choose a new folder for the results with --output.")
         write_text(path, settings)
-    elif path.read_text(encoding="utf-8") != settings:
+    elif path.read_bytes() != settings.encode():
         raise InputError(
             f"{folder}: holds the results of other settings, data or versions; choose another --output, or remove it."
         )
 
 
 def _read(path: Path) -> dict[str, dict[str, Any]]:
-    """The rows of whole lines; a line that was cut off while it was written is dropped from the file."""
+    """The rows of whole lines. A line that was cut off or damaged is dropped from the file: its task is done again."""
     if not path.exists():
         return {}
-    lines = path.read_text(encoding="utf-8").split("\n")
-    if lines[-1]:
-        write_text(path, "".join(f"{line}\n" for line in lines[:-1]))
-    found = [json.loads(line) for line in lines[:-1]]
+    lines = path.read_bytes().split(b"\n")
+    found = [entry for line in lines if (entry := _entry(line)) is not None]
+    if len(found) < len(lines) - 1 or lines[-1]:
+        write_text(path, "".join(json.dumps(entry) + "\n" for entry in found))
     return {entry["key"]: entry["row"] for entry in found}
+
+
+def _entry(line: bytes) -> dict[str, Any] | None:
+    try:
+        entry = json.loads(line)
+    except ValueError:
+        return None
+    whole = isinstance(entry, dict) and isinstance(entry.get("key"), str) and isinstance(entry.get("row"), dict)
+    return entry if whole else None

@@ -54,11 +54,24 @@ def is_worse(row: Row) -> bool:
     return row["accepted"] and any(after[axis] > before[axis] + 0.02 for axis in after)
 
 
-def of_validity(rows: Iterable[Row]) -> dict[str, Any]:
-    """On how many pairs the calibration that holds has the highest count."""
-    expected = [row for row in rows if not row["starred"]]
-    wins = [max(row["counts"], key=row["counts"].get) == row["own"] for row in expected]
-    return {"rows": len(expected), "share_own_highest": float(np.mean(wins)) if wins else None}
+def of_validity(rows: Iterable[Row]) -> list[dict[str, Any]]:
+    """For each sequence: on how many pairs without a star the calibration that holds has the highest count, alone, and
+    what share of it the best other one reaches."""
+    found = []
+    for sequence, group in _by(rows, "sequence").items():
+        expected = [row for row in group if not row["starred"]]
+        own = [row["counts"][row["own"]] for row in expected]
+        best = [max(n for name, n in row["counts"].items() if name != row["own"]) for row in expected]
+        found.append(
+            {
+                "sequence": sequence,
+                "calibration": group[0]["own"],
+                "pairs": len(expected),
+                "own_highest": sum(mine > other for mine, other in zip(own, best, strict=True)),
+                "next_best_share": sum(best) / sum(own) if sum(own) else None,
+            }
+        )
+    return found
 
 
 def of_sweeps(rows: Iterable[Row]) -> list[dict[str, Any]]:
@@ -73,12 +86,13 @@ def of_sweeps(rows: Iterable[Row]) -> list[dict[str, Any]]:
 
 
 def of_generalisation(rows: Iterable[Row]) -> list[dict[str, Any]]:
-    """For each start and schedule: r on the pair that was optimised, and on the others before and after (medians)."""
+    """For each start and schedule: r on the pair that was optimised, and on the others without a star before and after
+    (medians)."""
     found = []
     for row in rows:
+        expected = [other for other in row["others"].values() if other["score_reference"] and not other["starred"]]
         before, after = (
-            [other[when] / other["score_reference"] for other in row["others"].values() if other["score_reference"]]
-            for when in ("score_initial", "score_final")
+            [other[when] / other["score_reference"] for other in expected] for when in ("score_initial", "score_final")
         )
         found.append(
             {

@@ -1,14 +1,16 @@
 """The synthetic mission log: rendered on demand, kept in the user's cache folder."""
 
 import hashlib
+import json
 from pathlib import Path
 
 from platformdirs import user_cache_path
 
-from stereorecal import synthetic
+from stereorecal import geometry, synthetic
+from stereorecal._errors import InputError
 from stereorecal._run_all import Progress
 from stereorecal.geometry import Log
-from stereorecal.io import has_mission, load_log, save_calibrations, save_mission
+from stereorecal.io import has_mission, load_log, make_folder, save_calibrations, save_mission, write_text
 from stereorecal.synthetic import default_rig, plan_missions
 
 _QUICK_SIZE, _QUICK_PAIRS, _QUICK_MISSIONS = (320, 240), 4, 2
@@ -26,7 +28,7 @@ def synthetic_log(
         progress: called with (finished, total) after each sequence.
 
     Raises:
-        InputError: if the place cannot be written to, or what is there is damaged.
+        InputError: if the place holds something else or cannot be written to, or what is there is damaged.
     """
     if quick:
         plan = plan_missions(seed, rig=default_rig().resized(_QUICK_SIZE), most_pairs=_QUICK_PAIRS)
@@ -36,6 +38,7 @@ def synthetic_log(
     if folder is None:
         size = "quick" if quick else "full"
         folder = user_cache_path("stereorecal") / "logs" / _edition() / f"missions-{seed}-{size}"
+    _claim(folder, {"seed": seed, "quick": quick, "edition": _edition()})
     save_calibrations(plan.calibrations, folder, overwrite=True)
     for index, planned in enumerate(missions):
         if not has_mission(folder, planned.mission.name):
@@ -45,7 +48,18 @@ def synthetic_log(
     return load_log(folder)
 
 
+def _claim(folder: Path, plan: dict[str, object]) -> None:
+    """Say in the folder which plan it holds; a folder that holds another is left alone."""
+    path, text = folder / "plan.json", json.dumps(plan) + "\n"
+    make_folder(folder)
+    if not path.exists() and not any(folder.iterdir()):
+        write_text(path, text)
+    if not path.exists() or path.read_text() != text:
+        raise InputError(f"{folder}: holds something other than this log; choose another folder, or remove it.")
+
+
 def _edition() -> str:
-    """Changes whenever the renderer does."""
-    sources = sorted(Path(synthetic.__file__).parent.glob("*.py"))
+    """Changes whenever the renderer, the geometry beneath it or the plan does."""
+    folders = [Path(module.__file__ or "").parent for module in (synthetic, geometry)]
+    sources = [Path(__file__), *(path for folder in folders for path in sorted(folder.glob("*.py")))]
     return hashlib.sha256(b"".join(path.read_bytes() for path in sources)).hexdigest()[:12]

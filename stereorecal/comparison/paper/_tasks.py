@@ -94,6 +94,7 @@ class Repairing:
         ranged: whether the repair is given the disparity range of the judge, as the paper's fixed stereo settings are,
             or measures its own.
         others: more pairs of the sequence, counted before and after.
+        others_starred: names of those of which little is to be expected.
     """
 
     sequence: str
@@ -110,6 +111,7 @@ class Repairing:
     pair: Pair
     judge: Judge
     others: tuple[Pair, ...] = ()
+    others_starred: frozenset[str] = frozenset()
 
     @property
     def key(self) -> str:
@@ -125,10 +127,17 @@ class Repairing:
             schedule=self.schedule,
             reach=self.reach,
             budget=self.budget,
+            view=self.judge.view,
             seed=self.seed,
         )
         three = [np.asarray(rig.extrinsics) for rig in (self.start, solution.rig, self.judge.rig)]
-        others = [dict(zip(_WHEN, self.judge.counts(pair, three), strict=True)) for pair in self.others]
+        others = {
+            pair.name: {
+                "starred": pair.name in self.others_starred,
+                **dict(zip(_WHEN, self.judge.counts(pair, three), strict=True)),
+            }
+            for pair in self.others
+        }
         return {
             **_about(self),
             "calibration": self.start_name,
@@ -138,8 +147,8 @@ class Repairing:
             **_errors(self.judge, solution.rig),
             "start_error": _errors(self.judge, self.start),
             "extrinsics": {"start": self.start.extrinsics, "found": solution.rig.extrinsics},
-            "way": self.judge.way(self.pair, solution.path),
-            "others": dict(zip([pair.name for pair in self.others], others, strict=True)),
+            "way": _way(self.judge, self.pair, solution),
+            "others": others,
         }
 
 
@@ -180,6 +189,7 @@ class Sailing:
             schedule=self.schedule,
             reach=self.reach,
             budget=self.budget,
+            view=self.judge.view,
             seed=self.seed,
         )
         return {
@@ -195,14 +205,14 @@ class Sailing:
         before, after, reference = self.judge.counts(
             pair, [np.asarray(rig.extrinsics) for rig in (solution.initial, solution.rig, self.judge.rig)]
         )
-        way = self.judge.way(pair, solution.path) if solution.accepted else []
         return {
             "image": pair.name,
             "starred": pair.name in self.starred,
             **dict(zip(_WHEN, (before, after, reference), strict=True)),
             **_verdict(solution),
             **_errors(self.judge, solution.rig),
-            "way": way,
+            "extrinsics": {"start": solution.initial.extrinsics, "found": solution.rig.extrinsics},
+            "way": _way(self.judge, pair, solution),
         }
 
 
@@ -214,12 +224,17 @@ def _about(task: Counting | Sweep | Repairing) -> Row:
     return {"sequence": task.sequence, "image": task.image, "starred": task.starred}
 
 
+def _way(judge: Judge, pair: Pair, solution: Solution) -> list[dict[str, float]]:
+    """The way to the rig that is used: a refused repair has gone nowhere."""
+    return judge.way(pair, solution.path if solution.accepted else solution.path[:1])
+
+
 def _verdict(solution: Solution) -> Row:
     return {
         "accepted": solution.accepted,
         "reason": solution.reason.name.lower(),
         "evaluations": solution.evaluations,
-        "cost": solution.cost,
+        "cost": solution.cost + solution.survey_cost,
         "seconds": solution.seconds,
     }
 
