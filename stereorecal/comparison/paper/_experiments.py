@@ -50,7 +50,7 @@ class Extent:
     iterations: int = 50
 
 
-QUICK = Extent(missions=2, images=1, starts=2, sweeps=1, points=15, matchers=(SAD(), BM()), steps=3, iterations=15)
+QUICK = Extent(missions=2, images=1, starts=1, sweeps=1, points=11, matchers=(SAD(), BM()), steps=2, iterations=10)
 
 
 @dataclass(frozen=True)
