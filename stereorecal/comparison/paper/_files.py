@@ -44,7 +44,7 @@ def write_files(found: Reproduction, log: Log, folder: Path) -> list[Path]:
     for name, figure in figures.items():
         for suffix in _SUFFIXES:
             image = io.BytesIO()
-            figure.savefig(image, format=suffix, dpi=160)
+            figure.savefig(image, format=suffix, dpi=110)
             write_bytes(folder / f"{name}.{suffix}", image.getvalue())
     return [folder / name for name in (*texts, *(f"{figure}.{suffix}" for figure in figures for suffix in _SUFFIXES))]
 
