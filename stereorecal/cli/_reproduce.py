@@ -4,6 +4,7 @@ import argparse
 import sys
 from pathlib import Path
 
+from stereorecal._errors import InputError
 from stereorecal._extras import extra
 from stereorecal.cli import _values
 from stereorecal.cli._console import table_console
@@ -33,7 +34,7 @@ def add_to(verbs) -> None:
     names = ", ".join((*EXPERIMENTS, _ALL))
     add("experiments", nargs="*", default=[_ALL], metavar="EXPERIMENT", help=f"{names} (default: {_ALL})")
     add("--log", metavar="DIR", help="folder of missions, in any layout of docs/data.md")
-    add("--frames", default="10", metavar="N|all", help="first pairs of each sequence of --log (default: 10)")
+    add("--frames", metavar="N|all", help="first pairs of each sequence of --log (default: 10)")
     add("--schedule", default=_BOTH, metavar="NAME", help="count (the paper's way), default (coarse to fine), or both")
     add("--strategy", metavar="NAME", help="in place of compass, or of Levenberg-Marquardt if it needs residuals")
     add("--quick", action="store_true", help="a small log, few pairs: does everything work?")
@@ -52,7 +53,9 @@ def run(options: argparse.Namespace) -> int:
     experiments = list(EXPERIMENTS) if _ALL in chosen else list(dict.fromkeys(chosen))
     schedule = _values.known(options.schedule, [_BOTH, *SCHEDULES], "schedule")
     reach = Reach(*_values.degrees_and_fraction(options.reach, "--reach"))
-    seed, limit = _values.seed(options.seed), _values.frame_limit(options.frames)
+    seed, limit = _values.seed(options.seed), _values.frame_limit("10" if options.frames is None else options.frames)
+    if options.frames is not None and options.log is None:
+        raise InputError("--frames belongs to --log; leave it out, or give a log.")
     schedules = SCHEDULES if schedule == _BOTH else (schedule,)
     methods(schedules, options.strategy)  # what is not installed is said before a log is rendered
     _values.output_path(options.json, "--json")

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 
 Row = Mapping[str, Any]
 Image = Float[np.ndarray, "h w"]
@@ -134,6 +135,7 @@ def _ex_nihilo(rows: Sequence[Row]) -> Figure:
         row_axes[0].set_ylabel(label, fontsize=8)
     for axis in axes[1:].ravel():
         axis.set_yscale("log")
+        axis.yaxis.set_minor_formatter(NullFormatter())
     _small_ticks(axes.ravel())
     return figure
 

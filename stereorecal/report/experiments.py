@@ -17,7 +17,7 @@ _LEGEND = """\
 N_i, N_o, N_GT: pixels matched before, after, and under the manual calibration, in one view; r = N_o / N_GT.
 errors: from the true rig where it is known, else from the manual calibration. *: little is to be expected of the pair.
 schedule: count (the paper's way: one score, one scale, the disparity range of the manual calibration) and default
-(coarse to fine, with a range of its own); medians of pairs without a star."""
+(coarse to fine, with a range of its own); medians of pairs without a star. s: seconds; first repairs compile."""
 
 
 def experiment_tables(data: Mapping[str, Any]) -> Group:
@@ -50,7 +50,7 @@ def _sweeps(data: Mapping[str, Any]) -> list[Table]:
             row["axis"],
             row["matcher"],
             f"{row['peak']:+.3f}",
-            number(row["half_width"], 2),
+            ("> " if row["half_cut"] else "") + number(row["half_width"], 2),
             number(row["flat_width"], 3),
         )
     return [table]

@@ -113,6 +113,12 @@ def test_bad_input(command, words, tmp_path: Path, monkeypatch, asked, said):
     assert not (tmp_path / "out").exists()
 
 
+def test_frames_without_a_log(command, tmp_path: Path):
+    found = command("reproduce", "--quick", "--frames", "2", "--output", tmp_path / "out")
+    assert found.code == 2
+    assert "--frames belongs to --log" in found.err
+
+
 def test_results_of_another_run_are_left_alone(command, words):
     assert command("reproduce", "ex-nihilo", *words).code == 0
     found = command("reproduce", "ex-nihilo", *words, "--seed", "1")

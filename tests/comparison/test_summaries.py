@@ -74,6 +74,7 @@ def test_the_shape_of_a_sweep():
     assert pitch["half_width"] == pytest.approx(2 * np.sqrt(np.log(2)), abs=0.02)
     assert pitch["flat_width"] == pytest.approx(2 * np.sqrt(-np.log(0.99)), abs=0.02)
     assert yaw["half_width"] == pytest.approx(6.0)  # never falls
+    assert (pitch["half_cut"], yaw["half_cut"]) == (False, True)
 
 
 def test_validity_counts_the_pairs_whose_own_calibration_wins():

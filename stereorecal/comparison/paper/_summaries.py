@@ -75,13 +75,16 @@ def of_validity(rows: Iterable[Row]) -> list[dict[str, Any]]:
 
 
 def of_sweeps(rows: Iterable[Row]) -> list[dict[str, Any]]:
-    """For each axis and matcher: where the summit lies, how wide the basin is at half its height, and how far one may
-    go before one percent of the count is lost. Medians over the pairs; degrees, or percent of the baseline."""
+    """For each axis and matcher: where the summit lies, over which width more than half of its count remains, and over
+    which 99 %. Medians over the pairs; degrees, or percent of the baseline. `half_cut`: the sweep ends before half of
+    the count is lost, the width is that of the sweep there."""
     found = []
     for (axis, matcher), group in _by(rows, "axis", "matcher").items():
         shapes = np.array([_shape(row["offsets"], row["counts"]) for row in group])
         offset, half, flat = np.median(shapes, axis=0).tolist()
-        found.append({"axis": axis, "matcher": matcher, "peak": offset, "half_width": half, "flat_width": flat})
+        cut = any(2 * max(row["counts"][0], row["counts"][-1]) >= max(row["counts"]) for row in group)
+        widths = {"half_width": half, "half_cut": cut, "flat_width": flat}
+        found.append({"axis": axis, "matcher": matcher, "peak": offset, **widths})
     return found
 
 
@@ -132,9 +135,9 @@ def of_sequences(rows: Iterable[Row]) -> list[dict[str, Any]]:
 
 
 def _shape(offsets: Sequence[float], counts: Sequence[int]) -> tuple[float, float, float]:
-    """Offset of the summit, width at half its height above the lowest count, width where it loses less than 1 %."""
+    """Offset of the summit, width at half its height, width where it loses less than 1 %."""
     x, y = np.array(offsets), np.array(counts, float)
-    return float(x[np.argmax(y)]), _width(x, y, 0.5 * (y.max() + y.min())), _width(x, y, 0.99 * y.max())
+    return float(x[np.argmax(y)]), _width(x, y, 0.5 * y.max()), _width(x, y, 0.99 * y.max())
 
 
 def _width(x: np.ndarray, y: np.ndarray, level: float) -> float:

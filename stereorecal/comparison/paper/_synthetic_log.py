@@ -13,7 +13,7 @@ from stereorecal.geometry import Log
 from stereorecal.io import has_mission, load_log, make_folder, save_calibrations, save_mission, write_text
 from stereorecal.synthetic import default_rig, plan_missions
 
-_QUICK_SIZE, _QUICK_PAIRS, _QUICK_MISSIONS = (320, 240), 4, 2
+_QUICK_SIZE, _QUICK_PAIRS, _QUICK_MISSIONS = (256, 192), 3, 2
 
 
 def synthetic_log(
@@ -23,7 +23,7 @@ def synthetic_log(
 
     Args:
         seed: draws drift and scenes.
-        quick: images of 320x240, four pairs of the first two sequences.
+        quick: images of 256x192, three pairs of the first two sequences.
         folder: where it is kept; default a folder of the user's cache, one for each edition of the renderer.
         progress: called with (finished, total) after each sequence.
 
