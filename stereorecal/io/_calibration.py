@@ -13,6 +13,7 @@ from jaxtyping import Float
 from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._about import about
+from stereorecal.io._text_file import read_text
 
 # Names of OpenCV's pinhole model: its own, ROS's, Kalibr's.
 _PINHOLE_MODELS = frozenset({"", "none", "opencv", "plumb_bob", "rational_polynomial", "radtan"})
@@ -69,16 +70,7 @@ def read_calibration(path: Path) -> dict[str, Any]:
     Raises:
         InputError: if the file is missing, empty, truncated, no JSON object, or contains NaN.
     """
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except FileNotFoundError:
-        raise InputError(f"{path}: there is no such file; a scene folder needs a calib.json.") from None
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}); check the file.") from error
-    except UnicodeDecodeError:
-        raise InputError(f"{path}: not a text file; give a calib.json in UTF-8.") from None
-    if not text.strip():
-        raise InputError(f"{path}: the file is empty; copy or write it again.")
+    text = read_text(path, if_missing="a scene folder needs a calib.json.")
     try:
         with about(path):
             content = json.loads(text, parse_constant=_refuse_constant)

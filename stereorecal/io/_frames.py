@@ -6,7 +6,7 @@ from pathlib import Path
 from stereorecal._errors import InputError
 from stereorecal.geometry import Pair
 from stereorecal.io._image_file import images_in
-from stereorecal.io._pairs import first, load_pair
+from stereorecal.io._pairs import alone, first, load_pair
 
 Matched = Sequence[tuple[Path, Path]]
 
@@ -65,7 +65,5 @@ def match_keys(left: Mapping[str, Path], right: Mapping[str, Path]) -> Matched:
     for files, others, side in ((left, right, "right"), (right, left, "left")):
         for key, path in files.items():
             if key not in others:
-                raise InputError(
-                    f"{path}: this image has no partner on the {side} side; add the partner or leave it out."
-                )
+                raise alone(path, side)
     return [(path, right[key]) for key, path in left.items()]

@@ -76,11 +76,11 @@ def match_files(left: Sequence[Path], right: Sequence[Path], *, by_order: bool =
             continue
         for key, path in (by_key_left | by_key_right).items():
             if key not in by_key_left or key not in by_key_right:
-                raise _alone(path, "right" if key in by_key_left else "left")
+                raise alone(path, "right" if key in by_key_left else "left")
         return [(path, by_key_right[key]) for key, path in by_key_left.items()]
     if len(left) != len(right) or not by_order:
         shorter = min(len(left), len(right)) if by_order else 0
-        raise _alone(*((left[shorter], "right") if len(left) > shorter else (right[shorter], "left")))
+        raise alone(*((left[shorter], "right") if len(left) > shorter else (right[shorter], "left")))
     return list(zip(left, right, strict=True))
 
 
@@ -90,7 +90,8 @@ def _by_key(files: Sequence[Path], marker: str) -> dict[str, Path]:
     return by_key if len(by_key) == len(files) else {}
 
 
-def _alone(path: Path, side: str) -> InputError:
+def alone(path: Path, side: str) -> InputError:
+    """The error about an image whose partner on a side is missing."""
     return InputError(f"{path}: this image has no partner on the {side} side; add the partner or leave it out.")
 
 

@@ -21,7 +21,7 @@ def read_text(path: Path, if_missing: str = "add it.") -> str:
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror}); check the file.") from error
     except UnicodeDecodeError:
-        raise InputError(f"{path}: not a text file; copy it again.") from None
+        raise InputError(f"{path}: not a text file in UTF-8; copy or write it again.") from None
     if not text.strip():
-        raise InputError(f"{path}: the file is empty; copy it again.")
+        raise InputError(f"{path}: the file is empty; copy or write it again.")
     return text

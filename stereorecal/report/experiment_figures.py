@@ -9,6 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
+from stereorecal.report._disparity import draw_disparity, largest_disparity
+
 Row = Mapping[str, Any]
 Image = Float[np.ndarray, "h w"]
 
@@ -17,7 +19,6 @@ _COLOURS: tuple[str, ...] = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F0
 _UNIT = {"pitch": "pitch [°]", "yaw": "yaw [°]", "roll": "roll [°]", "y": "y [% of B]", "z": "z [% of B]"}
 _METHOD = {"count": "count at one scale (the paper's way)", "default": "default schedule"}
 _COST = "cost [matcher runs on a full-size frame]"
-_INVALID = "#202020"
 
 
 def experiment_figures(rows: Mapping[str, Sequence[Row]]) -> dict[str, Figure]:
@@ -26,12 +27,8 @@ def experiment_figures(rows: Mapping[str, Sequence[Row]]) -> dict[str, Figure]:
 
 
 def disparity_figure(left: Image, disparities: Mapping[str, tuple[Image, Bool[np.ndarray, "h w"]]]) -> Figure:
-    """The left image and disparities (values, valid) under several calibrations, on one scale (paper, section 4.4).
-
-    The scale ends at the 99th percentile of the fullest one: false matches spread over the whole range.
-    """
-    fullest, valid = max(disparities.values(), key=lambda shown: int(shown[1].sum()))
-    largest = float(np.quantile(fullest[valid], 0.99)) if valid.any() else 1.0
+    """The left image and disparities (values, valid) under several calibrations, on one scale (paper, section 4.4)."""
+    largest = largest_disparity(disparities.values())
     columns = (len(disparities) + 2) // 2
     height, width = left.shape
     figure = Figure(figsize=(3.6 * columns + 0.8, 7.2 * height / width + 0.4), layout="constrained")
@@ -40,8 +37,7 @@ def disparity_figure(left: Image, disparities: Mapping[str, tuple[Image, Bool[np
     axes[0].set_title("left image", fontsize=9, loc="left")
     shown = None
     for axis, (name, (values, found)) in zip(axes[1:], disparities.items(), strict=False):
-        axis.set_facecolor(_INVALID)
-        shown = axis.imshow(np.ma.masked_where(~found, values), cmap="viridis", vmin=0.0, vmax=largest)
+        shown = draw_disparity(axis, values, found, largest)
         axis.set_title(f"{name}: {100 * found.mean():.0f} % of the pixels", fontsize=9, loc="left")
     for axis in axes:
         axis.set_xticks([])

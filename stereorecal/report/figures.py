@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 from matplotlib.figure import Figure
 
-_INVALID = "#202020"
+from stereorecal.report._disparity import draw_disparity, largest_disparity
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,9 +34,7 @@ def repair_figure(panels: Sequence[Panel]) -> Figure:
 
     In the overlay a well rectified pair shows red and cyan fringes side by side only, never above each other.
     """
-    # The scale is that of the fullest panel: false matches of a bad calibration spread over the whole range.
-    fullest = max(panels, key=lambda panel: int(panel.valid.sum()))
-    largest = float(np.quantile(fullest.disparity[fullest.valid], 0.99)) if fullest.valid.any() else 1.0
+    largest = largest_disparity((panel.disparity, panel.valid) for panel in panels)
     height, width = panels[0].left.shape
     figure = Figure(figsize=(11.0, 5.3 * len(panels) * height / width + 0.5), layout="constrained")
     axes = figure.subplots(len(panels), 2, squeeze=False)
@@ -44,9 +42,7 @@ def repair_figure(panels: Sequence[Panel]) -> Figure:
     for (overlay, depth), panel in zip(axes, panels, strict=True):
         overlay.imshow(np.stack([panel.left, panel.right, panel.right], axis=-1).clip(0, 255).astype(np.uint8))
         overlay.set_title(f"{panel.title}: left (red) over right (cyan)", fontsize=10, loc="left")
-        depth.set_facecolor(_INVALID)
-        masked = np.ma.masked_where(~panel.valid, panel.disparity)
-        shown = depth.imshow(masked, cmap="viridis", vmin=0.0, vmax=largest)
+        shown = draw_disparity(depth, panel.disparity, panel.valid, largest)
         share = 100.0 * float(panel.valid.mean())
         depth.set_title(f"{panel.title}: disparity on {share:.0f} % of the pixels", fontsize=10, loc="left")
         for axis in (overlay, depth):

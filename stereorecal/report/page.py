@@ -12,6 +12,7 @@ from markupsafe import Markup
 
 from stereorecal.report._cells import count, number, percent
 from stereorecal.report._strips import Series, strips
+from stereorecal.report.tables import REFERENCES
 
 _TEMPLATE = "comparison.html.jinja"
 _LEAST_ERROR = 1e-4  # degrees; what is less is drawn there, since a logarithmic axis has no zero
@@ -36,6 +37,7 @@ def comparison_page(data: Mapping[str, Any]) -> str:
         best=_best(data),
         troubles=_troubles(data["trials"]),
         settings=list(_flat(data["settings"])),
+        references=REFERENCES,
     )
 
 

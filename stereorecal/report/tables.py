@@ -88,7 +88,7 @@ def _leaders_table(data: Mapping[str, Any]) -> Table:
     return table
 
 
-_REFERENCES = {
+REFERENCES = {
     "truth": "the true rig",
     "stored": "the stored calibration",
     "consensus": "where the default schedule ends from the stored calibration: this is repeatability, not accuracy",
@@ -101,7 +101,7 @@ def _legend(data: Mapping[str, Any]) -> str:
     return (
         "N_i, N_o, N_GT: pixels matched before, after, at the calibration that the scene comes with.\n"
         f"r = N_o / N_GT; ! above {limits['flagged_ratio']}: a wrong calibration may out-score the right one.\n"
-        f"errors: from {'; '.join(_REFERENCES.get(r, r) for r in references)}.\n"
+        f"errors: from {'; '.join(REFERENCES.get(r, r) for r in references)}.\n"
         f"success: r >= {limits['ratio']}, pitch and roll within {limits['pitch_roll_deg']}°, "
         f"yaw within {limits['yaw_deg']}°.\n"
     )

@@ -64,7 +64,7 @@ def test_interrupted(command, words, monkeypatch):
     real = Counting.run
 
     def stop(task):
-        if task.image == "1.png":
+        if task.shot.image == "1.png":
             raise KeyboardInterrupt
         return real(task)
 

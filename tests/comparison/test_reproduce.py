@@ -220,7 +220,7 @@ def test_another_lens_or_truth_is_another_run(log, tmp_path):
 def test_the_loss_of_workers_leaves_tasks(log, tmp_path):
     class Dying(ThreadPoolExecutor):
         def submit(self, function, *arguments):
-            if arguments[0].task.image == "2.png":
+            if arguments[0].task.shot.image == "2.png":
                 lost = Future()
                 lost.set_exception(RuntimeError("the worker was killed"))
                 return lost
@@ -277,7 +277,7 @@ def test_a_task_that_fails_is_said_and_tried_again(log, tmp_path, monkeypatch):
     real = Repairing.run
 
     def broken(task):
-        if task.sequence == "2020-01-02-a":
+        if task.shot.sequence == "2020-01-02-a":
             raise RuntimeError("the disk is on fire")
         return real(task)
 

@@ -7,7 +7,7 @@ import jax
 import numpy as np
 
 from stereorecal.comparison.paper._judge import Judge, ideal, judge_of, unstarred
-from stereorecal.comparison.paper._tasks import Counting, Repairing, Sailing, Sweep, Task
+from stereorecal.comparison.paper._tasks import Counting, Method, Repairing, Sailing, Search, Shot, Sweep, Task
 from stereorecal.geometry import Log, Mission, Pair, StereoRig
 from stereorecal.matching import BM, SAD, SGBM, AbstractMatcher
 from stereorecal.recalibration import Schedule
@@ -51,21 +51,6 @@ class Extent:
 
 
 QUICK = Extent(missions=2, images=1, starts=1, sweeps=1, points=11, matchers=(SAD(), BM()), steps=2, iterations=10)
-
-
-@dataclass(frozen=True)
-class Method:
-    """A way to repair.
-
-    Attributes:
-        name: what tables call it.
-        schedule: what is run.
-        ranged: whether it is given the judge's disparity range, as the paper's stereo settings are fixed.
-    """
-
-    name: str
-    schedule: Schedule
-    ranged: bool
 
 
 def methods(names: tuple[str, ...], strategy_name: str | None = None) -> tuple[Method, ...]:
@@ -112,6 +97,14 @@ class Setting:
             self._judges[mission.name] = judge_of(self.log, mission, self.reach)
         return self._judges[mission.name]
 
+    def shot(self, mission: Mission, pair: Pair) -> Shot:
+        """A pair of a mission, with its judge."""
+        return Shot(mission.name, pair, pair.name in mission.starred, self.judge(mission))
+
+    def search(self, method: Method, units: float | None = None) -> Search:
+        """A method within the reach, and with a budget of so many units."""
+        return Search(method, self.reach, Budget(units), self.seed)
+
     def draw(self, *what: int) -> np.random.Generator:
         """Random numbers for one purpose."""
         return np.random.default_rng([self.seed, *what])
@@ -142,9 +135,7 @@ def validity(setting: Setting) -> Iterator[Task]:
         ordered = sorted(known, key=lambda name: dates.index(name) if name in dates else len(dates))
         extrinsics = {name: np.asarray(known[name].extrinsics) for name in ordered}
         for pair in mission.pairs:
-            starred = pair.name in mission.starred
-            judge = setting.judge(mission)
-            yield Counting(mission.name, pair.name, starred, mission.calibration, extrinsics, pair, judge)
+            yield Counting(setting.shot(mission, pair), mission.calibration, extrinsics)
 
 
 def sweeps(setting: Setting) -> Iterator[Task]:
@@ -153,12 +144,10 @@ def sweeps(setting: Setting) -> Iterator[Task]:
     even = np.linspace(-1.0, 1.0, extent.points)
     offsets = tuple((_FAR * np.sign(even) * even**2).tolist())
     for mission in setting.missions[: extent.sweeps]:
-        pair = unstarred(mission)[0]
-        starred = pair.name in mission.starred
-        judge = setting.judge(mission)
+        shot = setting.shot(mission, unstarred(mission)[0])
         for axis in _AXES.values():
             for matcher in extent.matchers:
-                yield Sweep(mission.name, pair.name, starred, axis, matcher, offsets, pair, judge)
+                yield Sweep(shot, axis, matcher, offsets)
 
 
 def repair(setting: Setting) -> Iterator[Task]:
@@ -200,44 +189,17 @@ def sequential(setting: Setting) -> Iterator[Task]:
     for name, pairs in orders.items():
         for method in setting.methods:
             limit = float(extent.iterations * _UNITS_PER_ITERATION) if method.name == "count" else None
-            yield Sailing(
-                sequence=mission.name,
-                order=name,
-                start=start,
-                method=method.name,
-                schedule=method.schedule,
-                ranged=method.ranged,
-                reach=setting.reach,
-                budget=Budget(limit),
-                seed=setting.seed,
-                pairs=tuple(pairs),
-                starred=mission.starred,
-                judge=judge,
-            )
+            shots = tuple(setting.shot(mission, pair) for pair in pairs)
+            yield Sailing(name, start, setting.search(method, limit), shots)
 
 
 def _repairs(
     setting: Setting, mission: Mission, pair: Pair, name: str, start: StereoRig, others: tuple[Pair, ...] = ()
 ) -> Iterator[Task]:
     """A pair from one start, by every method."""
+    shot, *more = (setting.shot(mission, one) for one in (pair, *others))
     for method in setting.methods:
-        yield Repairing(
-            sequence=mission.name,
-            image=pair.name,
-            starred=pair.name in mission.starred,
-            start_name=name,
-            start=start,
-            method=method.name,
-            schedule=method.schedule,
-            ranged=method.ranged,
-            reach=setting.reach,
-            budget=Budget(),
-            seed=setting.seed,
-            pair=pair,
-            judge=setting.judge(mission),
-            others=others,
-            others_starred=mission.starred,
-        )
+        yield Repairing(shot, name, start, setting.search(method), tuple(more))
 
 
 def _apart(one: StereoRig, other: StereoRig) -> float:

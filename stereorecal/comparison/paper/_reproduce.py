@@ -116,7 +116,8 @@ def reproduce(
         raise InputError("there is nothing to run; give at least one experiment, and schedules of: count, default.")
     reach, extent = reach or Reach(), extent or Extent()
     chosen = methods(tuple(schedules), strategy)
-    made_with = versions() | {
+    installed = versions()
+    made_with = installed | {
         f"strategy {type(stage.strategy).__name__}": origin_of(stage.strategy)
         for method in chosen
         for stage in method.schedule.stages
@@ -128,7 +129,7 @@ def reproduce(
         "reach": asdict(reach),
         "seed": seed,
     }
-    store = None if output is None else Store(Path(output), {**settings, "versions": versions()})
+    store = None if output is None else Store(Path(output), {**settings, "versions": installed})
     planned = _planned(Setting(log, chosen, extent, reach, seed), experiments)
     rows, errors, lost = _run(planned, store, executor, progress)
     names = list(dict.fromkeys(plan.__name__ for name in experiments for plan in EXPERIMENTS[name]))

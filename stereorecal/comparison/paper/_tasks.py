@@ -16,33 +16,99 @@ Row = dict[str, Any]
 
 
 @dataclass(frozen=True, eq=False)
+class Shot:
+    """One pair of a mission, and who counts it.
+
+    Attributes:
+        starred: whether little is to be expected of it.
+    """
+
+    sequence: str
+    pair: Pair
+    starred: bool
+    judge: Judge
+
+    @property
+    def image(self) -> str:
+        """Name of the pair."""
+        return self.pair.name
+
+    @property
+    def key(self) -> str:
+        """A name that no other shot of a log has."""
+        return f"{self.sequence}/{self.image}"
+
+    @property
+    def about(self) -> Row:
+        """What every row says of its pair."""
+        return {"sequence": self.sequence, "image": self.image, "starred": self.starred}
+
+    def counted(self, *rigs: StereoRig) -> Row:
+        """N_i, N_o and N_GT: the counts under the rig before, the rig after, and the manual calibration."""
+        extrinsics = [np.asarray(rig.extrinsics) for rig in (*rigs, self.judge.rig)]
+        return dict(zip(_WHEN, self.judge.counts(self.pair, extrinsics), strict=True))
+
+
+@dataclass(frozen=True)
+class Method:
+    """A way to repair.
+
+    Attributes:
+        name: what tables call it.
+        schedule: what is run.
+        ranged: whether it is given the judge's disparity range, as the paper's stereo settings are fixed, or measures
+            its own.
+    """
+
+    name: str
+    schedule: Schedule
+    ranged: bool
+
+
+@dataclass(frozen=True)
+class Search:
+    """A method with its limits."""
+
+    method: Method
+    reach: Reach
+    budget: Budget
+    seed: int
+
+    def arguments(self, judge: Judge) -> dict[str, Any]:
+        """Those of `recalibrate`; everything is scored in the judge's view."""
+        return {
+            "matcher": judge.matcher if self.method.ranged else None,
+            "schedule": self.method.schedule,
+            "reach": self.reach,
+            "budget": self.budget,
+            "view": judge.view,
+            "seed": self.seed,
+        }
+
+
+@dataclass(frozen=True, eq=False)
 class Counting:
     """The counts of one pair under many calibrations.
 
     Attributes:
-        sequence, image, starred: which pair.
         own: name of the calibration that holds for it.
         extrinsics: (6,) each, by the name of the calibration.
     """
 
-    sequence: str
-    image: str
-    starred: bool
+    shot: Shot
     own: str
     extrinsics: dict[str, np.ndarray]
-    pair: Pair
-    judge: Judge
 
     @property
     def key(self) -> str:
         """A name that no other task of an experiment has."""
-        return f"{self.sequence}/{self.image}"
+        return self.shot.key
 
     def run(self) -> Row:
         """Count."""
-        found = self.judge.counts(self.pair, list(self.extrinsics.values()))
+        found = self.shot.judge.counts(self.shot.pair, list(self.extrinsics.values()))
         counts = dict(zip(self.extrinsics, found, strict=True))
-        return {**_about(self), "own": self.own, "counts": counts}
+        return {**self.shot.about, "own": self.own, "counts": counts}
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,34 +120,28 @@ class Sweep:
         offsets: degrees, or percent of the baseline.
     """
 
-    sequence: str
-    image: str
-    starred: bool
+    shot: Shot
     axis: int
     matcher: AbstractMatcher
     offsets: tuple[float, ...]
-    pair: Pair
-    judge: Judge
 
     @property
     def key(self) -> str:
         """A name that no other task of an experiment has."""
-        return f"{self.sequence}/{self.image}/{self._names['axis']}/{self._names['matcher']}"
+        return f"{self.shot.key}/{self._names['axis']}/{self._names['matcher']}"
 
     @property
     def _names(self) -> dict[str, str]:
-        return {
-            "axis": AXES[self.axis],
-            "matcher": type(self.matcher).__name__.lower(),
-        }
+        return {"axis": AXES[self.axis], "matcher": type(self.matcher).__name__.lower()}
 
     def run(self) -> Row:
         """Count."""
-        reference = self.judge.reference
+        reference = self.shot.judge.reference
         unit = np.radians(1.0) if self.axis < 3 else 0.01 * float(reference.baseline)
         steps = unit * np.eye(6)[self.axis] * np.array(self.offsets)[:, None]
-        counts = self.judge.with_matcher(self.matcher).counts(self.pair, list(reference.extrinsics + steps))
-        return {**_about(self), **self._names, "offsets": list(self.offsets), "counts": counts}
+        judge = self.shot.judge.with_matcher(self.matcher)
+        counts = judge.counts(self.shot.pair, list(reference.extrinsics + steps))
+        return {**self.shot.about, **self._names, "offsets": list(self.offsets), "counts": counts}
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,129 +150,70 @@ class Repairing:
 
     Attributes:
         start_name, start: the calibration to begin with.
-        method, schedule: how to repair.
-        ranged: whether the repair is given the disparity range of the judge, as the paper's fixed stereo settings are,
-            or measures its own.
         others: more pairs of the sequence, counted before and after.
-        others_starred: names of those of which little is to be expected.
     """
 
-    sequence: str
-    image: str
-    starred: bool
+    shot: Shot
     start_name: str
     start: StereoRig
-    method: str
-    schedule: Schedule
-    ranged: bool
-    reach: Reach
-    budget: Budget
-    seed: int
-    pair: Pair
-    judge: Judge
-    others: tuple[Pair, ...] = ()
-    others_starred: frozenset[str] = frozenset()
+    search: Search
+    others: tuple[Shot, ...] = ()
 
     @property
     def key(self) -> str:
         """A name that no other task of an experiment has."""
-        return f"{self.sequence}/{self.image}/{self.start_name}/{self.method}"
+        return f"{self.shot.key}/{self.start_name}/{self.search.method.name}"
 
     def run(self) -> Row:
         """Repair and count."""
-        solution = recalibrate(
-            self.start,
-            [self.pair],
-            matcher=self.judge.matcher if self.ranged else None,
-            schedule=self.schedule,
-            reach=self.reach,
-            budget=self.budget,
-            view=self.judge.view,
-            seed=self.seed,
-        )
-        three = [np.asarray(rig.extrinsics) for rig in (self.start, solution.rig, self.judge.rig)]
-        others = {
-            pair.name: {
-                "starred": pair.name in self.others_starred,
-                **dict(zip(_WHEN, self.judge.counts(pair, three), strict=True)),
-            }
-            for pair in self.others
-        }
+        shot = self.shot
+        solution = recalibrate(self.start, [shot.pair], **self.search.arguments(shot.judge))
         return {
-            **_about(self),
+            **shot.about,
             "calibration": self.start_name,
-            "schedule": self.method,
-            **dict(zip(_WHEN, self.judge.counts(self.pair, three), strict=True)),
-            **_verdict(solution),
-            **_errors(self.judge, solution.rig),
-            "start_error": _errors(self.judge, self.start),
-            "extrinsics": {"start": self.start.extrinsics, "found": solution.rig.extrinsics},
-            "way": _way(self.judge, self.pair, solution),
-            "others": others,
+            "schedule": self.search.method.name,
+            **_found(shot, solution),
+            "start_error": _errors(shot.judge, self.start),
+            "others": {
+                other.image: {"starred": other.starred, **other.counted(self.start, solution.rig)}
+                for other in self.others
+            },
         }
 
 
 @dataclass(frozen=True, eq=False)
 class Sailing:
-    """Pairs repaired one after the other, each from where the one before ended.
+    """Pairs of a sequence repaired one after the other, each from where the one before ended.
 
     Attributes:
         order: what the order of the pairs is called.
-        pairs: in that order; one that comes twice is looked at twice.
-        starred: names of those of which little is to be expected.
+        shots: in that order; one that comes twice is looked at twice.
     """
 
-    sequence: str
     order: str
     start: StereoRig
-    method: str
-    schedule: Schedule
-    ranged: bool
-    reach: Reach
-    budget: Budget
-    seed: int
-    pairs: tuple[Pair, ...]
-    starred: frozenset[str]
-    judge: Judge
+    search: Search
+    shots: tuple[Shot, ...]
 
     @property
     def key(self) -> str:
         """A name that no other task of an experiment has."""
-        return f"{self.sequence}/{self.order}/{self.method}"
+        return f"{self.shots[0].sequence}/{self.order}/{self.search.method.name}"
 
     def run(self) -> Row:
         """Repair and count."""
-        solutions = recalibrate_sequence(
-            self.start,
-            self.pairs,
-            matcher=self.judge.matcher if self.ranged else None,
-            schedule=self.schedule,
-            reach=self.reach,
-            budget=self.budget,
-            view=self.judge.view,
-            seed=self.seed,
-        )
+        judge, pairs = self.shots[0].judge, [shot.pair for shot in self.shots]
+        solutions = recalibrate_sequence(self.start, pairs, **self.search.arguments(judge))
         return {
-            "sequence": self.sequence,
+            "sequence": self.shots[0].sequence,
             "order": self.order,
-            "schedule": self.method,
-            "steps": [self._step(pair, found) for pair, found in zip(self.pairs, solutions, strict=True)],
-            **_errors(self.judge, solutions[-1].rig),
-            "seconds": sum(found.seconds for found in solutions),
-        }
-
-    def _step(self, pair: Pair, solution: Solution) -> Row:
-        before, after, reference = self.judge.counts(
-            pair, [np.asarray(rig.extrinsics) for rig in (solution.initial, solution.rig, self.judge.rig)]
-        )
-        return {
-            "image": pair.name,
-            "starred": pair.name in self.starred,
-            **dict(zip(_WHEN, (before, after, reference), strict=True)),
-            **_verdict(solution),
-            **_errors(self.judge, solution.rig),
-            "extrinsics": {"start": solution.initial.extrinsics, "found": solution.rig.extrinsics},
-            "way": _way(self.judge, pair, solution),
+            "schedule": self.search.method.name,
+            "steps": [
+                {"image": shot.image, "starred": shot.starred, **_found(shot, solution)}
+                for shot, solution in zip(self.shots, solutions, strict=True)
+            ],
+            **_errors(judge, solutions[-1].rig),
+            "seconds": sum(solution.seconds for solution in solutions),
         }
 
 
@@ -220,22 +221,19 @@ Task = Counting | Sweep | Repairing | Sailing
 _WHEN = ("score_initial", "score_final", "score_reference")
 
 
-def _about(task: Counting | Sweep | Repairing) -> Row:
-    return {"sequence": task.sequence, "image": task.image, "starred": task.starred}
-
-
-def _way(judge: Judge, pair: Pair, solution: Solution) -> list[dict[str, float]]:
-    """The way to the rig that is used: a refused repair has gone nowhere."""
-    return judge.way(pair, solution.path if solution.accepted else solution.path[:1])
-
-
-def _verdict(solution: Solution) -> Row:
+def _found(shot: Shot, solution: Solution) -> Row:
+    """What a repair made of its pair; the way leads to the rig that is used: a refused repair has gone nowhere."""
+    path = solution.path if solution.accepted else solution.path[:1]
     return {
+        **shot.counted(solution.initial, solution.rig),
         "accepted": solution.accepted,
         "reason": solution.reason.name.lower(),
         "evaluations": solution.evaluations,
         "cost": solution.cost + solution.survey_cost,
         "seconds": solution.seconds,
+        **_errors(shot.judge, solution.rig),
+        "extrinsics": {"start": solution.initial.extrinsics, "found": solution.rig.extrinsics},
+        "way": shot.judge.way(shot.pair, path),
     }
 
 
