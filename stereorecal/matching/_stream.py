@@ -1,5 +1,7 @@
 """Window costs of a pair of images, row by row: the state is one column sum for each (disparity, column)."""
 
+import functools
+import operator
 from collections.abc import Callable
 from typing import Any
 
@@ -25,20 +27,18 @@ def inside_right(options: AbstractMatcher, width: int) -> Bool[jax.Array, "d w"]
     return (target >= 0) & (target < width)
 
 
-def seen_from_right(packed: Int[jax.Array, "d w"], lowest: int) -> Int[jax.Array, "d w"]:
-    """The same candidates, sorted by the pixel of the right image that they meet; NEVER where there is none.
+def seen_from_right(costs: Int[jax.Array, "d w"], lowest: int, outside: int = NEVER) -> Int[jax.Array, "d w"]:
+    """The same candidates, sorted by the pixel of the right image that they meet; `outside` where there is none.
 
     Pixel x of the left image meets x - disparity: a shear, whose rows are slices of the flat array.
     """
-    count, width = packed.shape
-    first = min(max(lowest, 1 - count), 0)  # all slices lie inside the array; what is missed meets no left pixel
-    row = jnp.arange(count, dtype=jnp.int32)
-    flat = packed.reshape(-1)
-    sheared = jax.vmap(lambda k: jax.lax.dynamic_slice(flat, (k * (width - 1) + count - 1 + first,), (width,)))(row)
-    column = jnp.arange(width, dtype=jnp.int32) + first + offsets(count)
-    sheared = jnp.where((column >= 0) & (column < width), sheared, NEVER)
-    missed = lowest - first
-    return jax.lax.pad(sheared, jnp.int32(NEVER), ((0, 0, 0), (-missed, missed, 0)))
+    count, width = costs.shape
+    before, after = max(1 - count - lowest, 0), max(lowest, 0)  # so that all slices lie inside the array
+    flat = jnp.pad(costs.reshape(-1), (before, after))
+    first = jnp.arange(count, dtype=jnp.int32) * (width - 1) + count - 1 + lowest + before
+    sheared = jax.vmap(lambda k: jax.lax.dynamic_slice(flat, (k,), (width,)))(first)
+    column = jnp.arange(width, dtype=jnp.int32) + lowest + offsets(count)
+    return jnp.where((column >= 0) & (column < width), sheared, jnp.asarray(outside, costs.dtype))
 
 
 def stream_costs(
@@ -73,7 +73,7 @@ def stream_costs(
         entering, leaving = rows
         column_sums = column_sums + absolute_differences(*entering) - absolute_differences(*leaving)
         column_sums = jax.lax.optimization_barrier(column_sums)
-        return column_sums, use(_windows(column_sums, options.block_size))
+        return column_sums, use(_windows(column_sums, width))
 
     def rows(start, stop):
         return left_rows[start:stop], right_rows[start:stop]
@@ -105,13 +105,7 @@ def _with_border(image: Num[jax.Array, "h w"], rows: int, columns: tuple[int, in
     return jnp.pad(jnp.pad(image, ((0, 0), columns), mode="edge"), ((rows, rows), (0, 0)))
 
 
-def _windows(column_sums: Num[jax.Array, "d ww"], block_size: int) -> Num[jax.Array, "d w"]:
-    """Sums of `block_size` neighbours; of fours first, which saves additions."""
-    width = column_sums.shape[1] - block_size + 1
-    fours = block_size // 4 if block_size >= 8 else 0
-    parts = [column_sums[:, i : i + width] for i in range(4 * fours, block_size)]
-    if fours:
-        length = column_sums.shape[1] - 3
-        four = jax.lax.optimization_barrier(sum(column_sums[:, i : i + length] for i in range(4)))
-        parts += [four[:, 4 * i : 4 * i + width] for i in range(fours)]
-    return sum(parts[1:], start=parts[0])
+def _windows(column_sums: Num[jax.Array, "d ww"], width: int) -> Num[jax.Array, "d w"]:
+    """Sums of as many neighbours as leave `width` of them."""
+    neighbours = range(column_sums.shape[1] - width + 1)
+    return functools.reduce(operator.add, (column_sums[:, i : i + width] for i in neighbours))

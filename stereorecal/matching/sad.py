@@ -69,8 +69,9 @@ def _search(left: Float[jax.Array, "h w"], right: Float[jax.Array, "h w"], optio
     best = jax.lax.platform_dependent(*images, cpu=by_rows, default=by_planes)
     disparity = options.min_disparity + best.winner
     valid = best.cost < NEVER
-    if options.uniqueness_ratio:
-        valid &= best.rivals == 0
+    # Asked in any case: where nobody reads the rivals, XLA finds the costs anew for each other reader, at six times the
+    # price of the search.
+    valid &= best.rivals <= (0 if options.uniqueness_ratio else disparity.size)
     if options.disp12_max_diff >= 0:
         width = left.shape[1]
         partner = jnp.clip(jnp.arange(width) - disparity, 0, width - 1)
@@ -93,32 +94,37 @@ def winners_by_rows(left: Int[jax.Array, "h w"], right: Int[jax.Array, "h w"], o
     lowest, count = options.disparity_range(width)
     column = jnp.arange(width, dtype=jnp.int32)
     inside = inside_right(options, width)
-    bits = index_bits(count)
+    bits, narrow = index_bits(count), _sum_type(options)
+    outside = min(int(jnp.iinfo(narrow).max), NEVER >> bits)  # costs more than any candidate
+
+    def packed(cost):
+        return (cost.astype(jnp.int32) << bits) | offsets(count)
 
     def best_of_row(cost):
-        packed = jnp.where(inside, (cost.astype(jnp.int32) << bits) | offsets(count), NEVER)
-        packed = jax.lax.optimization_barrier(packed)  # computed once, not once for each of its readers
-        best = jax.lax.optimization_barrier(minimum(packed))
-        winner = index_of(best, bits)
+        cost = jax.lax.optimization_barrier(jnp.where(inside, cost, narrow.type(outside)))
+        best = minimum(packed(cost))
+        winner, lowest_cost = index_of(best, bits), best >> bits
 
         def cost_at(i):
-            neighbour = packed[jnp.clip(count - 1 - i, 0, count - 1), column]
-            exists = (i >= 0) & (i < count) & (neighbour < NEVER)
-            return jnp.where(exists, neighbour >> bits, NEVER)
+            row = count - 1 - jnp.clip(i, 0, count - 1)
+            neighbour = cost.reshape(-1).at[row * width + column].get(mode="promise_in_bounds").astype(jnp.int32)
+            return jnp.where((i >= 0) & (i < count) & (neighbour < outside), neighbour, NEVER)
 
-        best_cost, below, above = best >> bits, cost_at(winner - 1), cost_at(winner + 1)
-        limit = best_cost + best_cost * options.uniqueness_ratio // 100
-        near = sum((c <= limit).astype(jnp.int32) for c in (best_cost, below, above))
-        rivals = total(jnp.where(packed < (limit + 1) << bits, 1, 0)) - near
-        best_cost = jnp.where(best < NEVER, best_cost, NEVER)
-        checked = options.disp12_max_diff >= 0
-        from_right = index_of(minimum(seen_from_right(packed, lowest)), bits) if checked else jnp.zeros_like(winner)
-        return Winners(winner, best_cost, rivals, below, above, from_right)
+        below, above = cost_at(winner - 1), cost_at(winner + 1)
+        limit = lowest_cost + jax.lax.div(lowest_cost * options.uniqueness_ratio, jnp.int32(100))
+        near = sum((c <= limit).astype(jnp.int32) for c in (lowest_cost, below, above))
+        limit = jax.lax.optimization_barrier(jnp.minimum(limit, outside - 1).astype(narrow))
+        rivals = total((cost <= limit).astype(jnp.int16)).astype(jnp.int32) - near
+        from_right = jnp.zeros_like(winner)
+        if options.disp12_max_diff >= 0:
+            from_right = index_of(minimum(packed(seen_from_right(cost, lowest, outside))), bits)
+        return Winners(winner, jnp.where(lowest_cost < outside, lowest_cost, NEVER), rivals, below, above, from_right)
 
-    return stream_costs(left, right, options, _sum_type(options), best_of_row)
+    return stream_costs(left, right, options, narrow, best_of_row)
 
 
 def _sum_type(options: SAD) -> jnp.dtype:
-    """The narrowest integer that holds a window's sum (int16 overflows from window 13 on without a prefilter)."""
+    """The narrowest integer that holds a window's sum, and one more for what lies outside (int16 overflows from window
+    13 on without a prefilter)."""
     largest = 2 * options.pre_filter_cap if options.pre_filter_cap else 255
-    return jnp.dtype(jnp.int16 if largest * options.block_size**2 < 2**15 else jnp.int32)
+    return jnp.dtype(jnp.int16 if largest * options.block_size**2 < 2**15 - 1 else jnp.int32)

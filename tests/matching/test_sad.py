@@ -66,7 +66,14 @@ def test_the_form_for_a_gpu_finds_the_same(matcher, seed, shift, shape):
         np.testing.assert_array_equal(planes.from_right, rows.from_right)
 
 
-@pytest.mark.parametrize("matcher", [SAD(pre_filter_cap=0, block_size=21), SAD(block_size=31)])
+@pytest.mark.parametrize(
+    "matcher",
+    [
+        SAD(pre_filter_cap=0, block_size=21),
+        SAD(block_size=31),
+        SAD(block_size=21, uniqueness_ratio=100),  # costs fit into 16 bits, twice a cost does not
+    ],
+)
 def test_wide_windows_do_not_overflow(matcher):
     matcher = type(matcher)(**{**matcher.__dict__, "num_disparities": 16})
     rng = np.random.default_rng(0)
