@@ -6,7 +6,12 @@ from stereorecal.scoring._correspondences import (
     Correspondences as Correspondences,
     correspondences as correspondences,
 )
-from stereorecal.scoring._count import count as count, counts as counts, disparities as disparities
+from stereorecal.scoring._count import (
+    count as count,
+    counts as counts,
+    disparities as disparities,
+    matched as matched,
+)
 from stereorecal.scoring._data import ScoringData as ScoringData, normalised as normalised, prepare as prepare
 from stereorecal.scoring._epipolar import (
     Loss as Loss,

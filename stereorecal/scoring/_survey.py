@@ -2,19 +2,19 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 
 import cv2
 import jax
+import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
-from stereorecal._arrays import AnyArray
+from stereorecal._arrays import Extrinsics
 from stereorecal._errors import InputError
 from stereorecal.geometry import Pair, StereoRig, View
 from stereorecal.matching import SAD, AbstractMatcher, Disparity
-from stereorecal.scoring._cores import on_all_cores
 from stereorecal.scoring._data import Rectified, ScoringData, normalised, prepare, rectify_frames
+from stereorecal.scoring._in_turn import in_turn
 from stereorecal.scoring._validity import match_frame
 
 _COARSE_WIDTH = 128  # pixels: a few degrees of drift are a few rows here, which a window forgives
@@ -84,10 +84,9 @@ def survey(
     candidates = np.asarray(normalised(rig.extrinsics) + offsets, np.float32)
 
     def look(candidate: np.ndarray) -> tuple[Disparity, Disparity]:
-        return jax.tree.map(np.asarray, _look(data, candidate, coarse))
+        return jax.tree.map(np.asarray, _compiled_look(data, candidate, coarse))
 
-    # Only the counts are kept: a wide reach looks thousands of times.
-    matched = np.array(on_all_cores(lambda c: [int(found.valid.sum()) for found in look(c)], list(candidates)))
+    matched = in_turn(_counted, data, candidates, coarse) if not aligned else np.zeros((1, 2), np.int32)
     winner = int(np.argmax(matched[:, 0]))
     straight, _ = look(candidates[winner])
     if not aligned:  # later on, a yaw that the images do not determine must not look like swapped sides
@@ -136,8 +135,7 @@ def _either_way(farthest: float, steps: int) -> Float[np.ndarray, "n"]:
     return np.arange(-steps, steps + 1) * (farthest / max(steps, 1))
 
 
-@partial(jax.jit, static_argnames="matcher")
-def _look(data: ScoringData, extrinsics: Float[AnyArray, "6"], matcher: SAD) -> tuple[Disparity, Disparity]:
+def _look(data: ScoringData, extrinsics: Extrinsics, matcher: AbstractMatcher) -> tuple[Disparity, Disparity]:
     """The disparities (k, h, w) under one set of extrinsics, as the images are and with the sides swapped."""
 
     def both(frame: Rectified):
@@ -145,6 +143,14 @@ def _look(data: ScoringData, extrinsics: Float[AnyArray, "6"], matcher: SAD) -> 
         return match_frame(matcher, frame), match_frame(matcher, swapped)
 
     return rectify_frames(data, extrinsics, both)
+
+
+_compiled_look = jax.jit(_look, static_argnames="matcher")
+
+
+def _counted(data: ScoringData, extrinsics: Extrinsics, matcher: AbstractMatcher) -> Int[jax.Array, "2"]:
+    """How many pixels match in each way."""
+    return jnp.stack([jnp.sum(found.valid, dtype=jnp.int32) for found in _look(data, extrinsics, matcher)])
 
 
 def _surfaces(found: Disparity) -> Float[np.ndarray, "n"]:

@@ -19,10 +19,11 @@ shifts = st.floats(-0.05, 0.05)
 candidates = st.lists(st.tuples(angles, angles, angles, st.just(0.0), shifts, shifts), min_size=1, max_size=6)
 
 
-@settings(max_examples=15)
-@given(offsets=candidates, data=st.data())
-def test_batch_size_and_order_do_not_matter(scene, offsets, data):
-    given_scene = scene()
+@settings(max_examples=20)
+@given(offsets=candidates, size=st.sampled_from([(160, 120), (320, 240)]), data=st.data())
+def test_batch_size_and_order_do_not_matter(scene, offsets, size, data):
+    """Small frames share a call of one program, larger ones have each candidate on its own."""
+    given_scene = scene("harbour", 0, size)
     prepared = prepare(given_scene.rig, given_scene.pairs, view(given_scene.rig))
     points = normalised(given_scene.rig.extrinsics) + np.array(offsets)
     order = np.array(data.draw(st.permutations(range(len(points)))))
