@@ -81,9 +81,11 @@ class Schedule:
         Raises:
             InputError: if one of the two strategies is not installed; it says the install line.
         """
-        climb = named_strategy("compass")
-        # Near the solution almost from the start: with more damping the weakest axes creep, and need finer tolerances.
-        solve = named_strategy("optimistix-levenberg-marquardt", damping=1e-4)
+        # From afar to half a pixel of the next stage: to go nearer would be to climb the count's own noise.
+        climb = named_strategy("compass", step=1.0 / 8.0, min_step=1.0 / 32.0)
+        # Near the solution almost from the start: with more damping the weakest axes creep, with less the rounding of
+        # the residuals refuses good steps.
+        solve = named_strategy("optimistix-levenberg-marquardt", damping=1e-6)
         stages = (
             Stage(climb, 0.25, ScoreKind.COUNT, pixels=(16_000, 30_000)),
             Stage(solve, 0.5, ScoreKind.EPIPOLAR, rounds=4, pixels=(60_000, 120_000)),

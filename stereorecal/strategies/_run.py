@@ -85,10 +85,12 @@ def _judge(objective: Objective, trace: Trace, start: np.ndarray, outcome: Outco
     candidates = [start, *charged, nominated]
     if known:
         candidates.append(trace.points[np.nanargmax(trace.values)])
-    values = [
-        known[p.tobytes()] if p.tobytes() in known else float(objective.problem.values(p[None])[0]) for p in candidates
-    ]
+    judged = dict(known)
+    for p in candidates:
+        if p.tobytes() not in judged:  # a point may be nominated and charged, or be the start
+            judged[p.tobytes()] = float(objective.problem.values(p[None])[0])
+    values = [judged[p.tobytes()] for p in candidates]
     winner = int(np.argmax(np.where(np.isfinite(values), values, -np.inf)))  # the start wins ties
-    seen = known | {p.tobytes(): v for p, v in zip(candidates, values, strict=True) if np.isfinite(v)}
+    seen = {point: value for point, value in judged.items() if np.isfinite(value)}
     status = Status.NO_SIGNAL if len(seen) > 2 and len(set(seen.values())) == 1 else outcome.status
     return Run(candidates[winner], values[winner], values[0], status, outcome.message or status.value, trace)
