@@ -167,7 +167,11 @@ def warping(threads: int, rounds: int) -> Iterator[Figure]:
     view, turn = sr.view(rig), rectifying_rotations(rig.rotation, rig.translation)[0]
     matrix, camera = np.asarray(view.matrix_left), rig.left
     image, pixels = jnp.asarray(pair.left), np.round(pair.left).astype(np.uint8)
-    warp = jax.jit(lambda image, turn: bilinear_warp(image, pixel_map(camera, turn, matrix, view.size)))
+
+    @jax.jit
+    def warp(image, turn):
+        return bilinear_warp(image, jax.lax.optimization_barrier(pixel_map(camera, turn, matrix, view.size)))
+
     turned = jnp.asarray(turn, jnp.float32)
     yield Figure(
         "one warp, maps included / cv2",
