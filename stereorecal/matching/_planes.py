@@ -14,7 +14,7 @@ from jaxtyping import Int, Num
 from stereorecal.matching._matcher import AbstractMatcher
 from stereorecal.matching._stream import NEVER, with_borders
 from stereorecal.matching._texture import box_sum
-from stereorecal.matching._winners import Winners, index_bits, index_of
+from stereorecal.matching._winners import Winners, dearest_rival, index_bits, index_of
 
 
 def winners(left: Num[jax.Array, "h w"], right: Num[jax.Array, "h w"], options: AbstractMatcher) -> Winners:
@@ -47,7 +47,7 @@ def winners(left: Num[jax.Array, "h w"], right: Num[jax.Array, "h w"], options: 
     (best, from_right), _ = jax.lax.scan(better, (nothing, nothing), indices)
 
     winner, lowest_cost = index_of(best, bits), best >> bits
-    limit = lowest_cost + lowest_cost * options.uniqueness_ratio // 100
+    limit = dearest_rival(lowest_cost, options.uniqueness_ratio)
 
     def compare(seen, index):
         rivals, below, above = seen

@@ -11,7 +11,7 @@ from jaxtyping import Bool, Int, Num
 
 from stereorecal.matching._matcher import AbstractMatcher
 
-NEVER = 2**31 - 1  # packed cost of a candidate outside the other image
+NEVER = 2**31 - 1  # more than any cost, packed or not: of what is not there
 
 
 def offsets(count: int) -> Int[jax.Array, "d 1"]:
@@ -72,7 +72,6 @@ def stream_costs(
     def step(column_sums, rows):
         entering, leaving = rows
         column_sums = column_sums + absolute_differences(*entering) - absolute_differences(*leaving)
-        column_sums = jax.lax.optimization_barrier(column_sums)
         return column_sums, use(_windows(column_sums, width))
 
     def rows(start, stop):

@@ -37,3 +37,9 @@ def index_bits(count: int) -> int:
 def index_of(packed: Int[jax.Array, "*shape"], bits: int) -> Int[jax.Array, "*shape"]:
     """The index in cost and index together; 0 where there is no candidate."""
     return jnp.where(packed < NEVER, packed & ((1 << bits) - 1), 0)
+
+
+def dearest_rival(cost: Int[jax.Array, "*shape"], uniqueness_ratio: int) -> Int[jax.Array, "*shape"]:
+    """cost + cost * uniqueness_ratio // 100: what costs no more than that comes too near to the winner. Without the
+    product, which int32 does not always hold."""
+    return cost + cost // 100 * uniqueness_ratio + cost % 100 * uniqueness_ratio // 100

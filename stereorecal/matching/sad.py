@@ -21,7 +21,7 @@ from stereorecal.matching._reduce import minimum, total
 from stereorecal.matching._soft_sad import soft_search
 from stereorecal.matching._stream import NEVER, inside_right, offsets, seen_from_right, stream_costs
 from stereorecal.matching._texture import quantise, x_sobel
-from stereorecal.matching._winners import Winners, index_bits, index_of
+from stereorecal.matching._winners import Winners, dearest_rival, index_bits, index_of
 
 
 @dataclass(frozen=True)
@@ -54,8 +54,7 @@ class SAD(AbstractMatcher):
     def _require_room(self, width: int) -> None:
         """Refuse windows and ranges whose cost and index do not fit into one int32."""
         _, count = self.disparity_range(width)
-        largest = 2 * self.pre_filter_cap or 255
-        if 2 * largest * self.block_size**2 * 2 ** index_bits(count) >= NEVER:
+        if 2 * _largest_cost(self) * 2 ** index_bits(count) >= NEVER:
             raise InputError("block_size and num_disparities are too large together; make one of them smaller.")
 
 
@@ -95,26 +94,26 @@ def winners_by_rows(left: Int[jax.Array, "h w"], right: Int[jax.Array, "h w"], o
     column = jnp.arange(width, dtype=jnp.int32)
     inside = inside_right(options, width)
     bits, narrow = index_bits(count), _sum_type(options)
+    counter = jnp.int16 if count < 2**15 else jnp.int32
     outside = min(int(jnp.iinfo(narrow).max), NEVER >> bits)  # costs more than any candidate
 
     def packed(cost):
         return (cost.astype(jnp.int32) << bits) | offsets(count)
 
     def best_of_row(cost):
-        cost = jax.lax.optimization_barrier(jnp.where(inside, cost, narrow.type(outside)))
+        cost = jnp.where(inside, cost, narrow.type(outside))
         best = minimum(packed(cost))
         winner, lowest_cost = index_of(best, bits), best >> bits
 
         def cost_at(i):
-            row = count - 1 - jnp.clip(i, 0, count - 1)
-            neighbour = cost.reshape(-1).at[row * width + column].get(mode="promise_in_bounds").astype(jnp.int32)
+            neighbour = cost[jnp.clip(count - 1 - i, 0, count - 1), column].astype(jnp.int32)
             return jnp.where((i >= 0) & (i < count) & (neighbour < outside), neighbour, NEVER)
 
         below, above = cost_at(winner - 1), cost_at(winner + 1)
-        limit = lowest_cost + jax.lax.div(lowest_cost * options.uniqueness_ratio, jnp.int32(100))
+        limit = dearest_rival(lowest_cost, options.uniqueness_ratio)
         near = sum((c <= limit).astype(jnp.int32) for c in (lowest_cost, below, above))
-        limit = jax.lax.optimization_barrier(jnp.minimum(limit, outside - 1).astype(narrow))
-        rivals = total((cost <= limit).astype(jnp.int16)).astype(jnp.int32) - near
+        limit = jnp.minimum(limit, outside - 1).astype(narrow)
+        rivals = total((cost <= limit).astype(counter)).astype(jnp.int32) - near
         from_right = jnp.zeros_like(winner)
         if options.disp12_max_diff >= 0:
             from_right = index_of(minimum(packed(seen_from_right(cost, lowest, outside))), bits)
@@ -126,5 +125,8 @@ def winners_by_rows(left: Int[jax.Array, "h w"], right: Int[jax.Array, "h w"], o
 def _sum_type(options: SAD) -> jnp.dtype:
     """The narrowest integer that holds a window's sum, and one more for what lies outside (int16 overflows from window
     13 on without a prefilter)."""
-    largest = 2 * options.pre_filter_cap if options.pre_filter_cap else 255
-    return jnp.dtype(jnp.int16 if largest * options.block_size**2 < 2**15 - 1 else jnp.int32)
+    return jnp.dtype(jnp.int16 if _largest_cost(options) < 2**15 - 1 else jnp.int32)
+
+
+def _largest_cost(options: SAD) -> int:
+    return (2 * options.pre_filter_cap or 255) * options.block_size**2

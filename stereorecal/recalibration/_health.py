@@ -15,7 +15,7 @@ from stereorecal.recalibration._as_dict import score_as_dict
 from stereorecal.scoring import (
     Score,
     correspondences,
-    matched,
+    counts_one_by_one,
     median_row_error,
     normalised,
     prepare,
@@ -97,6 +97,6 @@ def health(rig: StereoRig, pairs: Sequence[Pair], *, matcher: AbstractMatcher | 
     data = prepare(rig, pairs, view)
     matcher = with_disparity_range(matcher or SAD(), rig, pairs, view)
     found = correspondences(data, extrinsics, matcher, 1.0)
-    score = Score(int(matched(data, extrinsics[None], matcher)[0]), data.pixels)
+    score = Score(int(counts_one_by_one(data, extrinsics[None], matcher)[0]), data.pixels)
     known = found.covered >= LEAST_COVERED
     return Health(score, median_row_error(found, extrinsics) if known else float("nan"), found.covered)

@@ -13,7 +13,7 @@ from stereorecal.recalibration._schedule import Schedule, ScoreKind
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._stage_run import FEWEST, Case, StageRun, better_start, remaining, run_stage
 from stereorecal.recalibration._uncertainty import uncertainty
-from stereorecal.scoring import Score, matched, normalised, prepare, survey, with_disparity_range
+from stereorecal.scoring import Score, counts_one_by_one, normalised, prepare, survey, with_disparity_range
 from stereorecal.strategies import Budget, Reach, Status
 
 _YAW_LEFT = np.radians(0.25)  # what an epipolar stage leaves, where yaw is observed
@@ -138,6 +138,6 @@ def _cut(stage: StageRun) -> bool:
 def _scores(case: Case, candidate: StereoRig) -> tuple[Score, Score]:
     """Counts at full scale, before and after; the judge's own work, which no budget pays for."""
     data = prepare(case.rig, case.pairs, case.view)
-    judged = matched(data, np.stack([normalised(r.extrinsics) for r in (case.rig, candidate)]), case.matcher)
+    judged = counts_one_by_one(data, np.stack([normalised(r.extrinsics) for r in (case.rig, candidate)]), case.matcher)
     before, after = (Score(int(found), data.pixels) for found in judged)
     return before, after

@@ -81,7 +81,7 @@ class Schedule:
         Raises:
             InputError: if one of the two strategies is not installed; it says the install line.
         """
-        # From afar to half a pixel of the next stage: to go nearer would be to climb the count's own noise.
+        # From afar to half a pixel of the next stage (at the default reach): nearer, rows know better than the count.
         climb = named_strategy("compass", step=1.0 / 8.0, min_step=1.0 / 32.0)
         # Near the solution almost from the start: with more damping the weakest axes creep, with less the rounding of
         # the residuals refuses good steps.

@@ -34,7 +34,7 @@ from stereorecal.strategies import (
 WIDER = 2.0  # the box of the epipolar stages, in reaches
 PRIOR = 1.0 / 3.0  # standard deviation of the drift, in reaches: the default reach of 3° and 3 % means 1° and 1 %
 FEWEST = 60  # correspondences; five parameters from fewer would be guessing
-_LOSSES = (Loss.SOFT_L1, Loss.WELSCH, Loss.WELSCH)  # of the first round; later ones begin where the last one ends
+_LOSSES = (Loss.SOFT_L1, Loss.WELSCH, Loss.WELSCH)  # in turn, in the first round; in later ones the last alone
 _SETTLED = 0.005  # pixels, median change of the row differences by a round
 
 

@@ -9,8 +9,8 @@ from stereorecal.scoring._correspondences import (
 from stereorecal.scoring._count import (
     count as count,
     counts as counts,
+    counts_one_by_one as counts_one_by_one,
     disparities as disparities,
-    matched as matched,
 )
 from stereorecal.scoring._data import ScoringData as ScoringData, normalised as normalised, prepare as prepare
 from stereorecal.scoring._epipolar import (

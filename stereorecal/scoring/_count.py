@@ -10,7 +10,7 @@ from jaxtyping import Float, Int
 from stereorecal._arrays import AnyArray, Extrinsics
 from stereorecal.matching import AbstractMatcher, Disparity
 from stereorecal.scoring._blocks import match_in_blocks
-from stereorecal.scoring._cores import cores, on_all_cores
+from stereorecal.scoring._cores import on_all_cores
 from stereorecal.scoring._data import Rectified, ScoringData, rectified_frame, rectify_frames
 from stereorecal.scoring._in_turn import in_turn
 from stereorecal.scoring._validity import match_frame
@@ -37,23 +37,21 @@ def count(data: ScoringData, extrinsics: Extrinsics, matcher: AbstractMatcher) -
 def counts(data: ScoringData, candidates: Float[AnyArray, "n 6"], matcher: AbstractMatcher) -> Int[np.ndarray, "n"]:
     """The count of each candidate, (n,) int64 on the host, for any matcher.
 
-    A count never depends on how a batch was split: on a CPU a candidate has its turn alone, on one core if there are
-    several; elsewhere so many at a time, in one program.
+    A count never depends on how a batch was split. On a CPU each candidate is looked at alone, on one core if there are
+    several: on small frames many in a call of one program, on large ones by the programs of `disparities`. Elsewhere so
+    many are looked at together, in one program.
     """
     if matcher.traceable and jax.default_backend() != "cpu":
         return counts_at_once(data, candidates, matcher)
     if not matcher.traceable or data.view.size[0] * data.view.size[1] > _SMALL:
-        return matched(data, candidates, matcher)
-
-    def of_frame(frame: ScoringData) -> Int[np.ndarray, "n"]:
-        return in_turn(count, frame, candidates, matcher).astype(np.int64)
-
-    spread = on_all_cores if len(candidates) < cores() else map
-    return np.sum(list(spread(of_frame, data.frames)), axis=0)
+        return counts_one_by_one(data, candidates, matcher)
+    return in_turn(count, data.frames, candidates, matcher).sum(axis=0, dtype=np.int64)
 
 
-def matched(data: ScoringData, candidates: Float[AnyArray, "n 6"], matcher: AbstractMatcher) -> Int[np.ndarray, "n"]:
-    """The same by the programs of `disparities`: for one or two candidates whose disparities are wanted as well."""
+def counts_one_by_one(
+    data: ScoringData, candidates: Float[AnyArray, "n 6"], matcher: AbstractMatcher
+) -> Int[np.ndarray, "n"]:
+    """`counts` by the programs of `disparities`: nothing more to compile where those are wanted as well."""
 
     def one(extrinsics: np.ndarray) -> int:
         return sum(int(found.valid.sum()) for found in disparities(data, extrinsics, matcher))

@@ -1,7 +1,7 @@
 """Many candidates, one after the other in one program, and a call of it on each core: where frames are small, Python
 between the programs of each candidate would cost as much as they do."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 
 import jax
@@ -20,27 +20,33 @@ Look = Callable[[ScoringData, Extrinsics, AbstractMatcher], jax.Array]
 
 
 def in_turn(
-    look: Look, data: ScoringData, candidates: Float[AnyArray, "n 6"], matcher: AbstractMatcher
-) -> Int[np.ndarray, "n ..."]:
-    """`look(data, extrinsics, matcher)` of each candidate, on the host. One program serves any number of them.
+    look: Look, frames: Sequence[ScoringData], candidates: Float[AnyArray, "n 6"], matcher: AbstractMatcher
+) -> Int[np.ndarray, "k n ..."]:
+    """`look(frame, extrinsics, matcher)` of each frame and candidate, on the host. One program serves any number of
+    them.
 
     Args:
-        look: pure and traceable; its answer is an array of whole numbers.
+        look: pure and traceable; its answer is an array of whole numbers. A function of a module: each new one is
+            compiled.
+        frames: of one shape.
     """
     candidates = np.asarray(candidates, np.float32).reshape(-1, 6)
-    calls = max(1, cores(), -(-len(candidates) // _ROOM))
-    parts = [part for part in np.array_split(candidates, calls) if len(part)]
+    calls = -(-cores() // len(frames))  # for each frame
+    calls *= max(1, -(-len(candidates) // (calls * _ROOM)))
+    parts = [part for part in np.array_split(candidates, calls) if len(part)] or [candidates]
 
-    def seen(part: Float[np.ndarray, "m 6"]) -> Int[np.ndarray, "m ..."]:
+    def seen(work: tuple[ScoringData, Float[np.ndarray, "m 6"]]) -> Int[np.ndarray, "m ..."]:
+        frame, part = work
         padded = np.zeros((_ROOM, 6), np.float32)
         padded[: len(part)] = part
-        return np.asarray(_seen(look, data, padded, np.int32(len(part)), matcher))[: len(part)]
+        return np.asarray(_seen(look, frame, padded, np.int32(len(part)), matcher))[: len(part)]
 
-    return np.concatenate(on_all_cores(seen, parts or [candidates]))
+    answers = on_all_cores(seen, [(frame, part) for frame in frames for part in parts])
+    return np.stack([np.concatenate(answers[i : i + len(parts)]) for i in range(0, len(answers), len(parts))])
 
 
 @partial(jax.jit, static_argnames=("look", "matcher"))
-def _seen(look: Look, data: ScoringData, candidates: Float[jax.Array, "m 6"], number, matcher: AbstractMatcher):
-    answer = jax.eval_shape(lambda extrinsics: look(data, extrinsics, matcher), candidates[0])
+def _seen(look: Look, frame: ScoringData, candidates: Float[jax.Array, "m 6"], number, matcher: AbstractMatcher):
+    answer = jax.eval_shape(lambda extrinsics: look(frame, extrinsics, matcher), candidates[0])
     nothing = jnp.zeros((len(candidates), *answer.shape), answer.dtype)
-    return jax.lax.fori_loop(0, number, lambda i, seen: seen.at[i].set(look(data, candidates[i], matcher)), nothing)
+    return jax.lax.fori_loop(0, number, lambda i, seen: seen.at[i].set(look(frame, candidates[i], matcher)), nothing)

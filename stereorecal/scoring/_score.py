@@ -9,7 +9,7 @@ from jaxtyping import Float
 
 from stereorecal.geometry import Pair, StereoRig, View, view as default_view
 from stereorecal.matching import SAD, AbstractMatcher, Disparity
-from stereorecal.scoring._count import disparities, matched
+from stereorecal.scoring._count import counts_one_by_one, disparities
 from stereorecal.scoring._data import normalised, prepare, rectified_frame
 from stereorecal.scoring._survey import with_disparity_range
 
@@ -61,7 +61,7 @@ def score(
     view = default_view(rig) if view is None else view
     matcher = with_disparity_range(matcher or SAD(), rig, pairs, view)
     data = prepare(rig, pairs, view, scale)
-    found = matched(data, normalised(rig.extrinsics)[None], matcher.scaled(scale))
+    found = counts_one_by_one(data, normalised(rig.extrinsics)[None], matcher.scaled(scale))
     return Score(int(found[0]), data.pixels)
 
 

@@ -86,7 +86,7 @@ def survey(
     def look(candidate: np.ndarray) -> tuple[Disparity, Disparity]:
         return jax.tree.map(np.asarray, _compiled_look(data, candidate, coarse))
 
-    matched = in_turn(_counted, data, candidates, coarse) if not aligned else np.zeros((1, 2), np.int32)
+    matched = in_turn(_counted, [data], candidates, coarse)[0] if not aligned else np.zeros((1, 2), np.int32)
     winner = int(np.argmax(matched[:, 0]))
     straight, _ = look(candidates[winner])
     if not aligned:  # later on, a yaw that the images do not determine must not look like swapped sides

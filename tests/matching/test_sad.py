@@ -2,15 +2,17 @@
 
 import cv2
 import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
 from stereorecal._errors import InputError
-from stereorecal.matching import BM, SAD, SGBM, reference
+from stereorecal.matching import BM, SAD, SGBM, reference, sad
 from stereorecal.matching._planes import winners as winners_by_planes
 from stereorecal.matching._stream import NEVER
 from stereorecal.matching._texture import quantise, x_sobel
+from stereorecal.matching._winners import dearest_rival
 from stereorecal.matching.sad import winners_by_rows
 
 
@@ -66,14 +68,7 @@ def test_the_form_for_a_gpu_finds_the_same(matcher, seed, shift, shape):
         np.testing.assert_array_equal(planes.from_right, rows.from_right)
 
 
-@pytest.mark.parametrize(
-    "matcher",
-    [
-        SAD(pre_filter_cap=0, block_size=21),
-        SAD(block_size=31),
-        SAD(block_size=21, uniqueness_ratio=100),  # costs fit into 16 bits, twice a cost does not
-    ],
-)
+@pytest.mark.parametrize("matcher", [SAD(pre_filter_cap=0, block_size=21), SAD(block_size=31)])
 def test_wide_windows_do_not_overflow(matcher):
     matcher = type(matcher)(**{**matcher.__dict__, "num_disparities": 16})
     rng = np.random.default_rng(0)
@@ -82,6 +77,21 @@ def test_wide_windows_do_not_overflow(matcher):
     fast, plain = matcher.match(left, right), reference.match(left, right, matcher)
     np.testing.assert_array_equal(np.asarray(fast.valid), plain.valid)
     np.testing.assert_allclose(np.asarray(fast.values), plain.values, atol=1e-4)
+
+
+def test_twice_a_cost_may_not_fit_where_the_cost_does():
+    """Slopes against each other cost nearly as much as can be, everywhere, and no candidate is much better."""
+    matcher = SAD(num_disparities=16, block_size=21, uniqueness_ratio=100, disp12_max_diff=-1, texture_threshold=0)
+    left = np.tile(3.0 * np.arange(80), (48, 1)).astype(np.float32)
+    fast, plain = matcher.match(left, 255.0 - left), reference.match(left, 255.0 - left, matcher)
+    assert sad._sum_type(matcher) == np.int16
+    np.testing.assert_array_equal(np.asarray(fast.valid), plain.valid)
+
+
+@given(st.integers(0, 2**30 - 1), st.integers(0, 100))
+def test_the_limit_of_a_rival_does_not_overflow(cost, uniqueness_ratio):
+    limit = dearest_rival(jnp.int32(cost), uniqueness_ratio)
+    assert int(limit) == cost + cost * uniqueness_ratio // 100
 
 
 @pytest.mark.parametrize("matcher", [SAD(num_disparities=32), BM(num_disparities=32), SGBM(num_disparities=32)])

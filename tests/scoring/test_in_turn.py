@@ -7,7 +7,7 @@ from hypothesis import given, settings, strategies as st
 
 from stereorecal.geometry import view
 from stereorecal.matching import SAD
-from stereorecal.scoring import _in_turn, counts, disparities, matched, normalised, prepare
+from stereorecal.scoring import _cores, _in_turn, counts, counts_one_by_one, disparities, normalised, prepare
 from stereorecal.scoring._in_turn import in_turn
 
 SAD_32 = SAD(num_disparities=32)
@@ -17,27 +17,48 @@ def prepared(given_scene):
     return prepare(given_scene.rig, given_scene.pairs, view(given_scene.rig))
 
 
-def sum_of(data, extrinsics, matcher):
-    """Tells candidates apart without looking at an image."""
-    return jnp.round(1000.0 * jnp.stack([extrinsics[0], extrinsics[1]])).astype(jnp.int32)
+def first_two(frame, extrinsics, matcher):
+    """Tells candidates apart, and frames."""
+    return jnp.round(1000.0 * jnp.stack([extrinsics[0], extrinsics[1], frame.left[0, 0, 0]])).astype(jnp.int32)
+
+
+@pytest.fixture(params=[1, 2, 5])
+def some_cores(request, monkeypatch):
+    for module in (_cores, _in_turn):
+        monkeypatch.setattr(module, "cores", lambda: request.param)
+    return request.param
 
 
 @pytest.mark.parametrize("number", [0, 1, 2, 31, 64, 65, 200])
-def test_each_candidate_gets_its_own_answer(scene, number):
-    data = prepared(scene())
+@pytest.mark.parametrize("frames", [1, 3])
+def test_each_frame_and_candidate_gets_its_own_answer(scene, some_cores, frames, number):
+    data = prepared(scene(frames=frames))
     candidates = np.zeros((number, 6), np.float32)
     candidates[:, 0], candidates[:, 1] = np.arange(number), -np.arange(number)
-    answers = in_turn(sum_of, data, candidates, SAD_32)
-    assert answers.shape == (number, 2)
-    np.testing.assert_array_equal(answers, 1000 * candidates[:, :2])
+    answers = in_turn(first_two, data.frames, candidates, SAD_32)
+    assert answers.shape == (frames, number, 3)
+    for frame, of_frame in zip(data.frames, answers, strict=True):
+        np.testing.assert_array_equal(of_frame[:, :2], 1000 * candidates[:, :2])
+        assert (of_frame[:, 2] == np.round(1000 * np.asarray(frame.left)[0, 0, 0])).all()
+
+
+@pytest.mark.parametrize(("frames", "number"), [(1, 10), (3, 10), (3, 1), (1, 100)])
+def test_all_cores_have_work(scene, some_cores, monkeypatch, frames, number):
+    calls = []
+    monkeypatch.setattr(_in_turn, "on_all_cores", lambda f, items: calls.extend(items) or list(map(f, items)))
+    in_turn(first_two, prepared(scene(frames=frames)).frames, np.zeros((number, 6)), SAD_32)
+    assert len(calls) >= min(some_cores, frames * number)
+    sizes = [len(part) for _, part in calls]
+    assert max(sizes) - min(sizes) <= 1
+    assert sum(sizes) == frames * number
 
 
 def test_one_program_serves_any_number(scene):
-    data = prepared(scene())
-    in_turn(sum_of, data, np.zeros((1, 6)), SAD_32)
+    frames = prepared(scene()).frames
+    in_turn(first_two, frames, np.zeros((1, 6)), SAD_32)
     before = _in_turn._seen._cache_size()
     for number in (0, 2, 7, 50):
-        in_turn(sum_of, data, np.zeros((number, 6)), SAD_32)
+        in_turn(first_two, frames, np.zeros((number, 6)), SAD_32)
     assert _in_turn._seen._cache_size() == before
 
 
@@ -55,4 +76,4 @@ def test_counts_what_disparities_show(scene, kind, size, offsets):
     candidates[:, :3] += offsets
     shown = [sum(d.valid.sum() for d in disparities(data, one.astype(np.float32), SAD_32)) for one in candidates]
     np.testing.assert_array_equal(counts(data, candidates, SAD_32), shown)
-    np.testing.assert_array_equal(matched(data, candidates, SAD_32), shown)
+    np.testing.assert_array_equal(counts_one_by_one(data, candidates, SAD_32), shown)

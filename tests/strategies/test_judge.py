@@ -54,6 +54,14 @@ def test_an_honest_nomination_wins():
     assert run.status is Status.CONVERGED
 
 
+def test_the_judge_looks_at_no_point_twice():
+    """The start is nominated, and was never asked."""
+    looked = []
+    run = judged(Scripted((), (0.0,)), lambda x: looked.append(x) or hill(x))
+    assert looked == [0.0]
+    assert run.value == run.start_value == hill(0.0)
+
+
 def test_a_liar_is_not_believed():
     run = judged(Scripted((0.2, 0.4), (-0.9,)))
     assert run.best == [0.4]
