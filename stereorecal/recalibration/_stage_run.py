@@ -34,7 +34,7 @@ from stereorecal.strategies import (
 WIDER = 2.0  # the box of the epipolar stages, in reaches
 PRIOR = 1.0 / 3.0  # standard deviation of the drift, in reaches: the default reach of 3° and 3 % means 1° and 1 %
 FEWEST = 60  # correspondences; five parameters from fewer would be guessing
-_LOSSES = (Loss.SOFT_L1, Loss.WELSCH, Loss.WELSCH)  # in turn, in the first round; in later ones the last alone
+_LOSSES = (Loss.SOFT_L1, Loss.WELSCH, Loss.WELSCH)
 _SETTLED = 0.005  # pixels, median change of the row differences by a round
 
 
@@ -132,8 +132,7 @@ def _count_stage(case: Case, stage: Stage, start: np.ndarray, budget: Budget, se
 
 
 def _epipolar_stage(case: Case, stage: Stage, start: np.ndarray, budget: Budget, seed: int) -> StageRun:
-    """Match, weigh, solve; the weights follow the solution (a few times in the first round), then the images are
-    matched again."""
+    """Match, weigh, solve; the weights follow the solution a few times, then the images are matched again."""
     scale = stage.scale_for(case.rig.left.size)
     data, matcher, chart = prepare(case.rig, case.pairs, case.view, scale), case.matcher.scaled(scale), case.chart
     began, best, runs, cost, found = time.perf_counter(), start, [], 0.0, None
@@ -147,7 +146,7 @@ def _epipolar_stage(case: Case, stage: Stage, start: np.ndarray, budget: Budget,
         if found.found < FEWEST:
             break
         before = differences = differences_at(found, chart, best)
-        for loss in _LOSSES if not runs else _LOSSES[-1:]:
+        for loss in _LOSSES:
             left = remaining(budget, cost + sum(run.trace.total_cost for run in runs), began)
             if left is None:
                 break
