@@ -119,7 +119,7 @@ def _find(
     def best_of_row(cost):
         # Floats that are not negative sort as their bits do; the lowest bits give way to the index.
         bits = jax.lax.bitcast_convert_type(jnp.maximum(jax.lax.stop_gradient(cost), 0.0), jnp.int32)
-        packed = jax.lax.optimization_barrier(jnp.where(inside, (bits & ~low_bits) | offsets(count), NEVER))
+        packed = jnp.where(inside, (bits & ~low_bits) | offsets(count), NEVER)
 
         def from_left(i):
             return cost[count - 1 - i, column]
@@ -147,8 +147,7 @@ def _best(
         near: a rival is farther than this from a candidate.
     """
     count = packed.shape[0]
-    packed = jax.lax.optimization_barrier(packed)
-    best = jax.lax.optimization_barrier(minimum(packed))
+    best = minimum(packed)
     exists = best < NEVER
     winner = jnp.where(exists, best & low_bits, 0)
 

@@ -54,12 +54,12 @@ class Offsets(NamedTuple):
 def refine(frame: Rectified, disparity: Disparity) -> Offsets:
     """Refine a disparity from (d, 0) to (d, row offset) of sub-pixel accuracy. Pure and traceable."""
     images = jnp.stack([jnp.asarray(frame.left), jnp.asarray(frame.right)])
-    left, right = jax.lax.optimization_barrier(_contrast(images))
+    left, right = _contrast(images)
     mask = jnp.asarray(disparity.valid, jnp.float32)
     columns, rows = (jnp.arange(n, dtype=jnp.float32) for n in left.shape[::-1])
     gradient_x, gradient_y = (mask * g for g in _gradient(left))
     products = [mask, gradient_x * gradient_x, gradient_x * gradient_y, gradient_y * gradient_y]
-    pixels, xx, xy, yy = _window_sums(jax.lax.optimization_barrier(jnp.stack(products)))
+    pixels, xx, xy, yy = _window_sums(jnp.stack(products))
     sample = cubic_sampler(right)
     damping = 1e-3 * pixels + 1e-6
     determinant = (xx + damping) * (yy + damping) - xy * xy
@@ -69,7 +69,7 @@ def refine(frame: Rectified, disparity: Disparity) -> Offsets:
         return mask_row * (left_row - sample(jnp.stack([columns - d, row + v])[:, None])[0])
 
     def difference(d, v):
-        # A loop, or XLA's CPU compiler would sample anew for every pixel of a window: a barrier does not keep it off.
+        # A loop, or XLA's CPU compiler would sample anew for every pixel of a window.
         return jax.lax.map(difference_of_row, (rows, left, mask, d, v), batch_size=_ROWS_AT_ONCE)
 
     def step(_, fields):
@@ -119,7 +119,7 @@ def _contrast(images: Float[jax.Array, "n h w"]) -> Float[jax.Array, "n h w"]:
     sums = jax.vmap(partial(box_sum, block_size=_CONTRAST_WINDOW))
     across, down = (np.convolve(np.ones(n), np.ones(_CONTRAST_WINDOW), "same") for n in images.shape[:0:-1])
     pixels = np.outer(down, across).astype(np.float32)
-    centred = jax.lax.optimization_barrier(images - sums(images) / pixels)
+    centred = images - sums(images) / pixels
     return centred / jnp.sqrt(sums(centred**2) / pixels + _CONTRAST_FLOOR)
 
 

@@ -86,13 +86,15 @@ def survey(
     def look(candidate: np.ndarray) -> tuple[Disparity, Disparity]:
         return jax.tree.map(np.asarray, _compiled_look(data, candidate, coarse))
 
-    matched = in_turn(_counted, [data], candidates, coarse)[0] if not aligned else np.zeros((1, 2), np.int32)
-    winner = int(np.argmax(matched[:, 0]))
-    straight, _ = look(candidates[winner])
-    if not aligned:  # later on, a yaw that the images do not determine must not look like swapped sides
+    winner = 0
+    if not aligned:
+        matched = in_turn(_counted, [data], candidates, coarse)[0]
+        winner = int(np.argmax(matched[:, 0]))
+        # A yaw that the images do not determine must not look like swapped sides later on.
         unturned = np.flatnonzero(offsets[:, 1] == 0.0)
         as_is, swapped = (look(candidates[unturned[np.argmax(matched[unturned, side])]])[side] for side in (0, 1))
         _refuse_swapped(as_is, swapped, float(data.view.focal) * np.tan(reach), int(matched[winner, 0]))
+    straight, _ = look(candidates[winner])
     cost = 2.0 * len(offsets) * len(data.left) * scale**2
     return Survey(offsets[winner], _surfaces(straight), data.view, scale, cost)
 
