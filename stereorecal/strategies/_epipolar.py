@@ -47,12 +47,12 @@ def epipolar_objective(
         metric_chart: unit box to extrinsics, centred on the user's own calibration.
         prior: standard deviation of the drift, in half widths of the box.
     """
-    chart = jax.tree.map(lambda leaf: jnp.asarray(leaf, jnp.float32), dimensionless(metric_chart))
-    root = jnp.asarray(np.sqrt(precision), jnp.float32)
-    residuals = EpipolarResiduals(jax.tree.map(jnp.asarray, found), root, chart, jnp.float32(prior))
+    chart = jax.tree.map(lambda leaf: np.asarray(leaf, np.float32), dimensionless(metric_chart))
+    root = np.sqrt(precision).astype(np.float32)
+    residuals = jax.device_put(EpipolarResiduals(found, root, chart, np.asarray(prior, np.float32)))
 
     def values(points: np.ndarray) -> np.ndarray:
-        return np.array([float(_value(residuals, jnp.asarray(p, jnp.float32))) for p in points])
+        return np.array([float(_value(residuals, p)) for p in np.asarray(points, np.float32)])
 
     frames, cells = found.weight.shape
     cost = frames * cells * _COST_OF_A_ROW

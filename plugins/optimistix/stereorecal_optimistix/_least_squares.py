@@ -16,16 +16,37 @@ from stereorecal_optimistix._chart import Chart
 from stereorecal_optimistix._climb import AbstractClimb, View
 from stereorecal_optimistix._step import Solver
 
+_BLOCK = 128  # rows
+
 
 @eqx.filter_jit
 def look_at_residuals(residuals: Callable[[jax.Array], jax.Array], chart: Chart, v: jax.Array) -> View:
-    """The residuals and their Jacobian, forward: there are many more rows than parameters."""
+    """The residuals and their Jacobian, forward: there are many more rows than parameters.
+
+    Both are turned together (QR), so that only the first n + 1 rows are not 0. That changes no length and no angle, and
+    so no step: a solver has a few numbers to work on, and is compiled once for any number of residuals.
+    """
 
     def along(direction: jax.Array) -> tuple[jax.Array, jax.Array]:
         return jax.jvp(lambda v: residuals(chart(v)), (v,), (direction,))
 
     value, jacobian = jax.vmap(along, out_axes=(None, -1))(jnp.eye(v.size, dtype=v.dtype))
-    return View(chart(v), -0.5 * (value**2).sum(), value, jacobian)
+    turned = triangle(jnp.column_stack([jacobian, value]))
+    return View(chart(v), -0.5 * (value**2).sum(), turned[:, -1], turned[:, :-1])
+
+
+def triangle(rows: Float[Array, "m k"]) -> Float[Array, "r k"]:
+    """R of the QR decomposition, its diagonal not negative; r = min(m, k).
+
+    By blocks of rows (TSQR: Demmel et al. 2012): LAPACK would wake its threads for all rows at once, and on a busy
+    machine wait for them ten times longer than the work takes.
+    """
+    missing = -len(rows) % _BLOCK if len(rows) > _BLOCK else 0
+    blocks = jnp.pad(rows, ((0, missing), (0, 0))).reshape(-1, min(len(rows), _BLOCK), rows.shape[1])
+    with jax.default_matmul_precision("highest"):  # a GPU would multiply with ten bits
+        of_blocks = jnp.linalg.qr(blocks, mode="r")
+        whole = jnp.linalg.qr(of_blocks.reshape(-1, rows.shape[1]), mode="r")
+    return jnp.where(jnp.diag(whole)[:, None] < 0.0, -whole, whole)
 
 
 @dataclass(frozen=True)
@@ -37,7 +58,8 @@ class AbstractLeastSquares(AbstractClimb):
 
     Attributes:
         rtol, atol: the search ends when a step moves by less than atol + rtol times the way from the start, in half
-            widths of the box, and changes no residual by more than that, in the unit above.
+            widths of the box, and changes the residuals by less than that, in the unit above: n of their components,
+            along the columns of the Jacobian, and the length of the rest.
         steps: the most Jacobians that it takes after the first.
     """
 
