@@ -90,7 +90,7 @@ def _judged(case: Case, stages: tuple[StageRun, ...], survey_cost: float, began:
     candidate = case.rig_at(best)
     before, after = _scores(case, candidate)
     status, message = (runs[-1].status, runs[-1].message) if runs else (Status.NO_SIGNAL, Status.NO_SIGNAL.value)
-    cut = any(_cut(stage) for stage in stages)
+    cut = any(stage.cut for stage in stages)
     if cut:
         status, message = Status.BUDGET, Status.BUDGET.value
     rows = known = None
@@ -124,15 +124,6 @@ def _judged(case: Case, stages: tuple[StageRun, ...], survey_cost: float, began:
         stages=stages,
         seconds=time.perf_counter() - began,
     )
-
-
-def _cut(stage: StageRun) -> bool:
-    """True if the budget ended an epipolar stage before it was solved."""
-    if stage.stage.score is ScoreKind.COUNT:
-        return False
-    if stage.found is None:
-        return True
-    return stage.found.found >= FEWEST and (not stage.runs or stage.runs[-1].status is Status.BUDGET)
 
 
 def _scores(case: Case, candidate: StereoRig) -> tuple[Score, Score]:

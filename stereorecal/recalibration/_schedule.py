@@ -84,8 +84,8 @@ class Schedule:
         # From afar to half a pixel of the next stage (at the default reach): nearer, rows know better than the count.
         climb = named_strategy("compass", step=1.0 / 8.0, min_step=1.0 / 32.0)
         # Near the solution almost from the start: with more damping the weakest axes creep, with less the rounding of
-        # the residuals refuses good steps. A step of a hundredth of that unit is a small part of a standard deviation.
-        solve = named_strategy("optimistix-levenberg-marquardt", damping=1e-6, atol=3e-2)
+        # the residuals refuses good steps. The last step is one of about a quarter of a standard deviation or less.
+        solve = named_strategy("optimistix-levenberg-marquardt", damping=1e-6, atol=0.1)
         stages = (
             Stage(climb, 0.25, ScoreKind.COUNT, pixels=(16_000, 30_000)),
             Stage(solve, 0.5, ScoreKind.EPIPOLAR, rounds=4, pixels=(60_000, 120_000)),

@@ -25,6 +25,7 @@ from stereorecal.strategies import (
     Objective,
     Reach,
     Run,
+    Status,
     chart_around,
     epipolar_objective,
     objective,
@@ -36,8 +37,8 @@ PRIOR = 1.0 / 3.0  # standard deviation of the drift, in reaches: the default re
 FEWEST = 60  # correspondences; five parameters from fewer would be guessing
 _FIRST = (Loss.SOFT_L1, Loss.WELSCH, Loss.WELSCH)
 _AGAIN = (Loss.WELSCH, Loss.WELSCH)
-_FAR = 0.05  # pixels, median change of the row differences by a round: rounds that move less only scatter
-_SETTLED = 0.01  # pixels, the same by what the mean of such rounds moves
+_FAR = 0.05  # pixels, median change of the row differences by a round: one that moves more still approaches
+_SETTLED = 0.015  # pixels, the same by what the mean of the others moves: they scatter by about so much
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,10 +79,12 @@ class StageRun:
     Attributes:
         stage: as asked for.
         scale: at which it worked.
-        start, best: (n,) where it began and ended, in the unit box.
+        start, best: (n,) where it began and ended, in the unit box: the best of its run on the count, the mean of the
+            last rounds on the rows.
         runs: of the strategy; several in an epipolar stage, where each round weighs the correspondences anew.
         matching_cost: units that went into finding correspondences.
         found: the last correspondences; None in a stage on the count, and where the budget allowed none.
+        cut: the budget ended an epipolar stage before a round was solved.
     """
 
     stage: Stage
@@ -91,6 +94,7 @@ class StageRun:
     runs: tuple[Run, ...]
     matching_cost: float = 0.0
     found: Correspondences | None = None
+    cut: bool = False
 
     @property
     def cost(self) -> float:
@@ -136,16 +140,17 @@ def _count_stage(case: Case, stage: Stage, start: np.ndarray, budget: Budget, se
 def _epipolar_stage(case: Case, stage: Stage, start: np.ndarray, budget: Budget, seed: int) -> StageRun:
     """Match, weigh, solve; the weights follow the solution a few times, then the images are matched again.
 
-    Matched anew, a window meets other pixels, so each round ends a few thousandths of a pixel elsewhere. Once it is
-    only that, the mean of the ends counts, and the next round begins there (Robbins & Monro 1951, gains of 1 / n).
+    Matched anew, a window meets other pixels, so each round ends about a hundredth of a pixel elsewhere. Once rounds no
+    longer approach, the mean of their ends counts, and the next begins there (Robbins & Monro 1951, gains of 1 / n).
     """
     scale = stage.scale_for(case.rig.left.size)
     data, matcher, chart = prepare(case.rig, case.pairs, case.view, scale), case.matcher.scaled(scale), case.chart
-    began, best, runs, cost, found, alike = time.perf_counter(), start, [], 0.0, None, 0
+    began, best, runs, cost, found, near, cut = time.perf_counter(), start, [], 0.0, None, 0, False
     matching = len(case.pairs) * scale**2
     for losses in (_FIRST, *[_AGAIN] * (stage.rounds - 1)):
         left = remaining(budget, cost + sum(run.trace.total_cost for run in runs), began)
         if left is None or (left.evaluations is not None and left.evaluations < matching):
+            cut = found is None
             break
         found = correspondences(data, normalised(chart.extrinsics(best)), matcher, scale)
         cost += matching
@@ -162,11 +167,12 @@ def _epipolar_stage(case: Case, stage: Stage, start: np.ndarray, budget: Budget,
             end = runs[-1].best
             differences = differences_at(found, chart, end)
         moved = float(np.median(np.abs(differences - before)[np.asarray(found.weight) > 0]))
-        alike = alike + 1 if moved < _FAR else 1
-        best = best + (end - best) / alike
-        if moved / alike < _SETTLED:
+        near = near + 1 if moved < _FAR else 0
+        best = best + (end - best) / max(near, 1)
+        cut = left is None or runs[-1].status is Status.BUDGET
+        if cut or (near and moved / near < _SETTLED):
             break
-    return StageRun(stage, scale, start, best, tuple(runs), cost, found)
+    return StageRun(stage, scale, start, best, tuple(runs), cost, found, cut)
 
 
 def differences_at(found: Correspondences, chart: Chart, z: Float[np.ndarray, "n"]) -> Float[np.ndarray, "k m"]:

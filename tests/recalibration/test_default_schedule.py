@@ -120,14 +120,6 @@ def test_stages(repaired):
         assert stage.cost < stage.matching_cost + 0.5
 
 
-def test_rounds_that_only_scatter_end_in_their_mean(harbour):
-    last = repair(drifted((0.0,) * 5), harbour).stages[-1]
-    ends = [run.best for run in last.runs[2::2]]  # three runs in the first round, two in each later one
-    assert len(ends) > 1
-    assert np.ptp(ends, axis=0).max() > 0
-    np.testing.assert_allclose(last.best, np.mean(ends, axis=0), atol=1e-12)
-
-
 def test_the_same_again(harbour, repaired):
     again = repair(drifted(), harbour)
     np.testing.assert_array_equal(again.candidate.extrinsics, repaired.candidate.extrinsics)

@@ -22,8 +22,8 @@ class View(eqx.Module):
     Attributes:
         z: the point, in the box.
         score: the score there, to be maximised.
-        value: what the solver makes small: minus the score, or the residuals.
-        slope: the derivative of `value` with respect to the solver's v.
+        value: what the solver makes small: minus the score, or the residuals, turned as suits them here.
+        slope: its derivative with respect to the solver's v, turned alike.
     """
 
     z: Float[Array, "n"]

@@ -23,8 +23,8 @@ _BLOCK = 128  # rows
 def look_at_residuals(residuals: Callable[[jax.Array], jax.Array], chart: Chart, v: jax.Array) -> View:
     """The residuals and their Jacobian, forward: there are many more rows than parameters.
 
-    Both are turned together (QR), so that only the first n + 1 rows are not 0. That changes no length and no angle, and
-    so no step: a solver has a few numbers to work on, and is compiled once for any number of residuals.
+    Both are turned together (QR), so that only the first n + 1 rows are not 0. That changes no length and no angle, so
+    a solver takes the same steps, on a few numbers, and is compiled once for any number of residuals above n.
     """
 
     def along(direction: jax.Array) -> tuple[jax.Array, jax.Array]:
@@ -43,9 +43,8 @@ def triangle(rows: Float[Array, "m k"]) -> Float[Array, "r k"]:
     """
     missing = -len(rows) % _BLOCK if len(rows) > _BLOCK else 0
     blocks = jnp.pad(rows, ((0, missing), (0, 0))).reshape(-1, min(len(rows), _BLOCK), rows.shape[1])
-    with jax.default_matmul_precision("highest"):  # a GPU would multiply with ten bits
-        of_blocks = jnp.linalg.qr(blocks, mode="r")
-        whole = jnp.linalg.qr(of_blocks.reshape(-1, rows.shape[1]), mode="r")
+    of_blocks = jnp.linalg.qr(blocks, mode="r")
+    whole = jnp.linalg.qr(of_blocks.reshape(-1, rows.shape[1]), mode="r")
     return jnp.where(jnp.diag(whole)[:, None] < 0.0, -whole, whole)
 
 
@@ -58,8 +57,8 @@ class AbstractLeastSquares(AbstractClimb):
 
     Attributes:
         rtol, atol: the search ends when a step moves by less than atol + rtol times the way from the start, in half
-            widths of the box, and changes the residuals by less than that, in the unit above: n of their components,
-            along the columns of the Jacobian, and the length of the rest.
+            widths of the box, and changes no component of the residuals by more than atol + rtol times its size, in
+            the unit above: n of them along the columns of the Jacobian, and the length of the rest.
         steps: the most Jacobians that it takes after the first.
     """
 

@@ -18,7 +18,7 @@ def test_it_is_the_triangle_of_a_qr_decomposition(rows, seed):
     dense = np.random.default_rng(seed).normal(size=(rows, 6)).astype(np.float32)
     expected = np.linalg.qr(dense.astype(float), mode="r")
     expected *= np.where(np.diag(expected) < 0, -1, 1)[:, None]
-    np.testing.assert_allclose(triangle(jnp.asarray(dense)), expected, atol=3e-6 * np.sqrt(rows))
+    np.testing.assert_allclose(triangle(jnp.asarray(dense)), expected, atol=1e-5 * np.sqrt(rows))
 
 
 @settings(deadline=None)
@@ -51,11 +51,23 @@ def lines(m: int) -> Objective:
 
 @pytest.mark.parametrize("solver", [Dogleg, GaussNewton, LevenbergMarquardt])
 def test_any_number_of_residuals_takes_the_same_program_for_a_step(solver, monkeypatch):
-    traced: list[None] = []
-    progress = _step._progress
-    monkeypatch.setattr(_step, "_progress", lambda *given: (traced.append(None), progress(*given))[1])
-    strategy = solver(rtol=1.1e-3)  # a program of this test's own
-    for m, anew in ((9, True), (500, False)):
-        traced.clear()
-        np.testing.assert_allclose(run_strategy(strategy, lines(m), np.zeros(2)).best, [0.3, -0.2], atol=1e-3)
-        assert bool(traced) == anew
+    run_strategy(solver(), lines(9), np.zeros(2))
+
+    def trace(*given):
+        raise AssertionError("a step was traced again")
+
+    monkeypatch.setattr(_step, "_progress", trace)
+    run = run_strategy(solver(), lines(500), np.zeros(2))
+    np.testing.assert_allclose(run.best, [0.3, -0.2], atol=1e-3)
+
+
+@pytest.mark.parametrize("solver", [Dogleg, GaussNewton, LevenbergMarquardt])
+def test_residuals_that_leave_an_axis_open_are_solved(solver):
+    def residuals(z: jax.Array) -> jax.Array:
+        return (z[0] + z[1] - 0.1) * jnp.ones(200)
+
+    def values(points: np.ndarray) -> np.ndarray:
+        return -100.0 * (points.sum(axis=1) - 0.1) ** 2
+
+    run = run_strategy(solver(), Objective(Problem(2, values, traced=Traced(residuals=residuals))), np.zeros(2))
+    assert run.best.sum() == pytest.approx(0.1, abs=1e-3)
