@@ -20,7 +20,7 @@ from stereorecal.matching import Disparity, box_sum
 from stereorecal.scoring._data import Rectified
 
 WINDOW = 11  # pixels
-_ITERATIONS = 3
+_ITERATIONS = 4
 _CONTRAST_WINDOW = 15  # pixels; grey levels are taken relative to the mean and the contrast in it
 _CONTRAST_FLOOR = 25.0  # grey levels squared: below that, differences are noise
 _SETTLED = 0.05  # pixels that the last iteration may still move

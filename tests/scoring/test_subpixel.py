@@ -95,7 +95,7 @@ def slow_refine(rectified: Rectified, found: Disparity):
     damped = tensor + (1e-3 * pixels + 1e-6)[..., None, None] * np.eye(2)
     start = np.where(found.valid, found.values, 0.0).astype(float)
     d, v = start.copy(), np.zeros_like(start)
-    for _ in range(3):
+    for _ in range(4):
         error = mask * (left - slow_sample(right, x - d, y + v))
         right_side = np.stack([box(mask * gx * error, 11), box(mask * gy * error, 11)], -1)
         # The warped right image grows by -gx for each pixel of disparity and by gy for each of the row.
