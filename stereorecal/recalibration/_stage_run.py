@@ -145,34 +145,39 @@ def _epipolar_stage(case: Case, stage: Stage, start: np.ndarray, budget: Budget,
     """
     scale = stage.scale_for(case.rig.left.size)
     data, matcher, chart = prepare(case.rig, case.pairs, case.view, scale), case.matcher.scaled(scale), case.chart
-    began, best, runs, cost, found, near, cut = time.perf_counter(), start, [], 0.0, None, 0, False
     matching = len(case.pairs) * scale**2
+    began, found, cut = time.perf_counter(), None, False
+    best, runs, rounds, near = start, [], 0, 0
+
+    def left() -> Budget | None:
+        return remaining(budget, rounds * matching + sum(run.trace.total_cost for run in runs), began)
+
     for losses in (_FIRST, *[_AGAIN] * (stage.rounds - 1)):
-        left = remaining(budget, cost + sum(run.trace.total_cost for run in runs), began)
-        if left is None or (left.evaluations is not None and left.evaluations < matching):
+        allowed = left()
+        if allowed is None or (allowed.evaluations is not None and allowed.evaluations < matching):
             cut = found is None
             break
         found = correspondences(data, normalised(chart.extrinsics(best)), matcher, scale)
-        cost += matching
+        rounds += 1
         if found.found < FEWEST:
             break
         before = differences = differences_at(found, chart, best)
         end = best
         for loss in losses:
-            left = remaining(budget, cost + sum(run.trace.total_cost for run in runs), began)
-            if left is None:
+            allowed = left()
+            if allowed is None:
                 break
             asked = epipolar_objective(found, precisions(found, differences, loss), chart, PRIOR / WIDER)
-            runs.append(run_strategy(stage.strategy, asked, end, left, seed))
+            runs.append(run_strategy(stage.strategy, asked, end, allowed, seed))
             end = runs[-1].best
             differences = differences_at(found, chart, end)
         moved = float(np.median(np.abs(differences - before)[np.asarray(found.weight) > 0]))
         near = near + 1 if moved < _FAR else 0
         best = best + (end - best) / max(near, 1)
-        cut = left is None or runs[-1].status is Status.BUDGET
+        cut = allowed is None or runs[-1].status is Status.BUDGET
         if cut or (near and moved / near < _SETTLED):
             break
-    return StageRun(stage, scale, start, best, tuple(runs), cost, found, cut)
+    return StageRun(stage, scale, start, best, tuple(runs), rounds * matching, found, cut)
 
 
 def differences_at(found: Correspondences, chart: Chart, z: Float[np.ndarray, "n"]) -> Float[np.ndarray, "k m"]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 
 import cv2
 import jax
@@ -83,8 +84,9 @@ def survey(
     offsets = np.zeros((1, 6)) if aligned else _grid(data.view, reach)
     candidates = np.asarray(normalised(rig.extrinsics) + offsets, np.float32)
 
-    def look(candidate: np.ndarray) -> tuple[Disparity, Disparity]:
-        return jax.tree.map(np.asarray, _compiled_look(data, candidate, coarse))
+    @cache
+    def look(candidate: int) -> tuple[Disparity, Disparity]:
+        return jax.tree.map(np.asarray, _compiled_look(data, candidates[candidate], coarse))
 
     winner = 0
     if not aligned:
@@ -92,9 +94,9 @@ def survey(
         winner = int(np.argmax(matched[:, 0]))
         # A yaw that the images do not determine must not look like swapped sides later on.
         unturned = np.flatnonzero(offsets[:, 1] == 0.0)
-        as_is, swapped = (look(candidates[unturned[np.argmax(matched[unturned, side])]])[side] for side in (0, 1))
+        as_is, swapped = (look(int(unturned[np.argmax(matched[unturned, side])]))[side] for side in (0, 1))
         _refuse_swapped(as_is, swapped, float(data.view.focal) * np.tan(reach), int(matched[winner, 0]))
-    straight, _ = look(candidates[winner])
+    straight, _ = look(winner)
     cost = 2.0 * len(offsets) * len(data.left) * scale**2
     return Survey(offsets[winner], _surfaces(straight), data.view, scale, cost)
 
