@@ -52,10 +52,10 @@ class Evidence:
 
     def _normal(self, rows, weight: Float[np.ndarray, "m"]) -> Float[np.ndarray, "n n"]:
         jacobian = self.jacobian[rows]
-        return jacobian.T @ (weight[rows, None] * jacobian) + self._prior
+        return jacobian.T @ (weight[rows, None] * jacobian)
 
     def _pull(self, rows) -> Float[np.ndarray, "n"]:
-        return self.jacobian[rows].T @ (self.weight[rows] * self.residual[rows]) + self._prior @ self.z
+        return self.jacobian[rows].T @ (self.weight[rows] * self.residual[rows])
 
     def covariance(self) -> Float[np.ndarray, "n n"]:
         """Of the solution, in units of the box: the jackknife over places, and the prior.
@@ -65,16 +65,21 @@ class Evidence:
         prior does; and an offset that all rows share (of the interpolation, or of two shutters) is added.
         """
         place = self.tile % TILES_OF_A_FRAME
-        seen = [place != p for p in np.unique(place)]
-        if len(seen) < 2:
+        left_out = [np.flatnonzero(place == p) for p in np.unique(place)]
+        if len(left_out) < 2:
             return np.linalg.inv(self._prior)
-        moves = np.stack([np.linalg.solve(self._normal(s, self.curvature), self._pull(s)) for s in seen])
+        normal = self._normal(slice(None), self.curvature) + self._prior
+        pull = self._pull(slice(None)) + self._prior @ self.z
+        moves = np.stack(
+            [np.linalg.solve(normal - self._normal(p, self.curvature), pull - self._pull(p)) for p in left_out]
+        )
         moves -= moves.mean(0)
-        inverse = np.linalg.inv(self._normal(slice(None), self.curvature))
-        others = len(seen) - 1
+        inverse = np.linalg.inv(normal)
+        others = len(left_out) - 1
         few = (student_t.ppf(0.975, others) / norm.ppf(0.975)) ** 2  # so that ±1.96 σ means 95 % of few places too
         shared = _SHARED / self.scale * inverse @ (self.jacobian.T @ self.curvature)
-        return few * moves.T @ moves * others / len(seen) + inverse @ self._prior @ inverse + np.outer(shared, shared)
+        of_places = few * moves.T @ moves * others / len(left_out)
+        return of_places + inverse @ self._prior @ inverse + np.outer(shared, shared)
 
     @property
     def places(self) -> int:
@@ -93,7 +98,8 @@ class Evidence:
         unseen = np.empty_like(self.residual)
         for part in np.unique(fold):
             seen = fold != part
-            shift = -np.linalg.solve(self._normal(seen, self.weight), self._pull(seen))
+            normal, pull = self._normal(seen, self.weight), self._pull(seen)
+            shift = -np.linalg.solve(normal + self._prior, pull + self._prior @ self.z)
             unseen[~seen] = self.residual[~seen] + self.jacobian[~seen] @ shift
         tiles = [self.tile == t for t in np.unique(self.tile)]
         before, after = (np.array([np.median(np.abs(r[t])) for t in tiles]) for r in (self.start_residual, unseen))
