@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float
 
@@ -75,7 +74,7 @@ def prepare(rig: StereoRig, pairs: Sequence[Pair], view: View, scale: float = 1.
         resized.right,
         view.scaled(scale),
     )
-    return jax.tree.map(lambda leaf: jnp.asarray(leaf, jnp.float32), data)
+    return jax.device_put(jax.tree.map(lambda leaf: np.asarray(leaf, np.float32), data))
 
 
 @register_pytree
