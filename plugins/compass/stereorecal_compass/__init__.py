@@ -12,8 +12,8 @@ from stereorecal.strategies import AbstractStrategy, Budget, Objective, Outcome,
 class Compass(AbstractStrategy):
     """Compass (pattern) search: try a step along ± each axis, go to the best, else halve the step.
 
-    The optimiser of Muhovič & Perš, section 3.3 (after Kolda, Lewis & Torczon, SIAM Review 45(3), 2003). All 2n points
-    of an iteration are one batch. It needs no gradient and no smoothness.
+    The optimiser of Muhovič & Perš, section 3.3 (after Kolda, Lewis & Torczon, SIAM Review 45(3), 2003). The new ones
+    among the 2n points of an iteration are one batch. It needs no gradient and no smoothness.
 
     Attributes:
         step: first step, in half widths of the search box (1/16 is 0.19 degrees at the default
@@ -31,13 +31,22 @@ class Compass(AbstractStrategy):
     def run(self, objective: Objective, start: Float[np.ndarray, "n"], budget: Budget, seed: int) -> Outcome:
         """See `AbstractStrategy.run`. Deterministic: `seed` is not used."""
         stencil = np.concatenate([np.eye(objective.dim), -np.eye(objective.dim)])
-        best, best_value, step = start, _comparable(objective.value(start)), self.step
+        known: dict[bytes, float] = {}  # an iteration meets again where the ones before it have been
+
+        def values(points: Float[np.ndarray, "k n"]) -> Float[np.ndarray, "k"]:
+            new = {p.tobytes(): p for p in points if p.tobytes() not in known}
+            if new:
+                known.update(zip(new, _comparable(objective.batch(np.stack([*new.values()]))), strict=True))
+            return np.array([known[p.tobytes()] for p in points])
+
+        best, step = start, self.step
+        best_value = values(start[None])[0]
         while step >= self.min_step:
             points = np.clip(best + step * stencil, -1.0, 1.0)
-            values = _comparable(objective.batch(points))
-            winner = int(np.argmax(values))
-            if values[winner] > best_value:
-                best, best_value = points[winner], values[winner]
+            around = values(points)
+            winner = int(np.argmax(around))
+            if around[winner] > best_value:
+                best, best_value = points[winner], around[winner]
             else:
                 step /= 2
         return Outcome(best, Status.CONVERGED)
