@@ -38,8 +38,8 @@ def look_at_residuals(residuals: Callable[[jax.Array], jax.Array], chart: Chart,
 def triangle(rows: Float[Array, "m k"]) -> Float[Array, "r k"]:
     """R of the QR decomposition, its diagonal not negative; r = min(m, k).
 
-    By blocks of rows (TSQR: Demmel et al. 2012): LAPACK would wake its threads for all rows at once, and on a busy
-    machine wait for them ten times longer than the work takes.
+    By blocks of rows (TSQR: Demmel et al. 2012): given all rows at once, OpenBLAS wakes its threads, and now and then
+    waits for them ten times longer than the work takes.
     """
     missing = -len(rows) % _BLOCK if len(rows) > _BLOCK else 0
     blocks = jnp.pad(rows, ((0, missing), (0, 0))).reshape(-1, min(len(rows), _BLOCK), rows.shape[1])
