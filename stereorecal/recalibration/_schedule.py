@@ -88,8 +88,8 @@ class Schedule:
         solve = named_strategy("optimistix-levenberg-marquardt", damping=1e-6, atol=0.1)
         stages = (
             Stage(climb, 0.25, ScoreKind.COUNT, pixels=(16_000, 30_000)),
-            Stage(solve, 0.5, ScoreKind.EPIPOLAR, rounds=4, pixels=(60_000, 120_000)),
-            Stage(solve, 1.0, ScoreKind.EPIPOLAR, rounds=3, pixels=(60_000, 480_000)),
+            Stage(solve, 0.5, ScoreKind.EPIPOLAR, rounds=2, pixels=(60_000, 120_000)),
+            Stage(solve, 1.0, ScoreKind.EPIPOLAR, rounds=4, pixels=(60_000, 480_000)),
         )
         return Schedule("default", stages, survey=True)
 
