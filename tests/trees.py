@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from stereorecal import InputError
-from stereorecal.io import load_log
+from stereorecal.io import load_log, load_scene
 
 SIZE = (24, 16)
 
@@ -66,6 +66,17 @@ def refused(folder: Path, *words: str, kind: type[InputError] = InputError) -> N
         assert word in message
     assert "\n" not in message
     assert message.endswith("."), message
+
+
+def refused_scene(folder: Path, words: str, kind: type = InputError, about: str = "calib.json") -> None:
+    """The folder is not read as a scene, and one sentence says why, and where."""
+    with pytest.raises(InputError, match=words) as error:
+        load_scene(folder)
+    message = str(error.value)
+    assert type(error.value) is kind
+    assert about in message
+    assert "\n" not in message
+    assert message.endswith((".", ").")), message
 
 
 def row(values: object) -> str:

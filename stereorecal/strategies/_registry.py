@@ -3,9 +3,7 @@
 import dataclasses
 import difflib
 import inspect
-from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from functools import cache
 from importlib.metadata import PackageNotFoundError, entry_points, packages_distributions, version
 from typing import Any
 
@@ -97,12 +95,7 @@ def _load(name: str) -> type[AbstractStrategy]:
 
 
 def _entry_point(name: str) -> _EntryPoint:
-    return _searched(entry_points, name)
-
-
-@cache  # a search opens files of every installed distribution; a name that was not found is searched again
-def _searched(find: Callable[..., Iterable[_EntryPoint]], name: str) -> _EntryPoint:
-    points = tuple(find(group=GROUP, name=name))
+    points = tuple(entry_points(group=GROUP, name=name))
     if not points:
         raise InputError(_missing(name))
     owners = sorted({_distribution(point)[0] for point in points})

@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
-from trees import SIZE, texture
+from trees import SIZE, refused_scene, texture
 
 from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, Pair, Scene, StereoRig
@@ -149,7 +149,7 @@ def test_scenes_that_cannot_be_written_leave_nothing(tmp_path: Path):
         save_scene(scene_of(), tmp_path / "file")
 
 
-def test_an_interrupted_save_leaves_whole_files_and_no_scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, refused):
+def test_an_interrupted_save_leaves_whole_files_and_no_scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     replace, calls = os.replace, []
 
     def interrupt(source, target):
@@ -163,4 +163,4 @@ def test_an_interrupted_save_leaves_whole_files_and_no_scene(tmp_path: Path, mon
         save_scene(scene_of(2), tmp_path)
     assert len(files_in(tmp_path)) == 2
     assert all(cv2.imread(str(tmp_path / name)) is not None for name in files_in(tmp_path))
-    refused(tmp_path, "no such file")
+    refused_scene(tmp_path, "no such file")

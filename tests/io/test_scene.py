@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
-from trees import SIZE, texture
+from trees import SIZE, refused_scene, texture
 
 from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal.geometry import rotation_from_vector
@@ -107,9 +107,9 @@ def test_pairs_travel_as_paths(make: Make):
     np.testing.assert_array_equal(pickle.loads(pickle.dumps(scene)).pairs[3].left, scene.pairs[3].left)
 
 
-def test_without_calibration(make: Make, refused):
+def test_without_calibration(make: Make):
     assert load_scene(make(**UNCALIBRATED)).rig is None
-    refused(make(**UNCALIBRATED, image_size=[20, 20]), "20x20", about="garden")
+    refused_scene(make(**UNCALIBRATED, image_size=[20, 20]), "20x20", about="garden")
 
 
 @pytest.mark.parametrize(
@@ -125,8 +125,8 @@ def test_names_of_the_pinhole_model(make: Make, model: Any):
     "model",
     ["equidistant", "fisheye", "opencv_fisheye", "OpenCV (fisheye)", "kb4", "ds", "omni", "eucm", "fov", 4],
 )
-def test_other_models_are_unsupported(make: Make, model: Any, refused):
-    refused(make(distortion_model=model), "distortion model .* is not supported", UnsupportedModelError)
+def test_other_models_are_unsupported(make: Make, model: Any):
+    refused_scene(make(distortion_model=model), "distortion model .* is not supported", UnsupportedModelError)
 
 
 @pytest.mark.parametrize("distortion", [None, [], [[]]])
@@ -161,24 +161,24 @@ def test_a_rotation_with_few_digits(make: Make):
 # --- bad input ----------------------------------------------------------------------------------------------
 
 
-def test_missing_folder_and_files(make: Make, tmp_path: Path, refused):
-    refused(tmp_path / "nowhere", "no such folder", about="nowhere")
+def test_missing_folder_and_files(make: Make, tmp_path: Path):
+    refused_scene(tmp_path / "nowhere", "no such folder", about="nowhere")
     folder = make()
-    refused(folder / "calib.json", "no such folder")
+    refused_scene(folder / "calib.json", "no such folder")
     (folder / "left.png").unlink()
-    refused(folder, r"no image left\.\*", about="garden")
+    refused_scene(folder, r"no image left\.\*", about="garden")
     (folder / "calib.json").unlink()
-    refused(folder, "no such file")
+    refused_scene(folder, "no such file")
 
 
 @given(st.data())
 @settings(max_examples=30)
-def test_truncated_json(tmp_path_factory: pytest.TempPathFactory, refused, data: st.DataObject):
+def test_truncated_json(tmp_path_factory: pytest.TempPathFactory, data: st.DataObject):
     folder = tmp_path_factory.mktemp("scene")
     text = json.dumps(calibration())
     cut = data.draw(st.integers(0, len(text) - 1))
     (folder / "calib.json").write_text(text[:cut])
-    refused(folder, "not valid JSON, or truncated" if cut else "the file is empty")
+    refused_scene(folder, "not valid JSON, or truncated" if cut else "the file is empty")
 
 
 @pytest.mark.parametrize(
@@ -191,40 +191,40 @@ def test_truncated_json(tmp_path_factory: pytest.TempPathFactory, refused, data:
         (b"[" * 100_000, "JSON"),
     ],
 )
-def test_files_that_are_no_calibration(make: Make, content: bytes, words: str, refused):
+def test_files_that_are_no_calibration(make: Make, content: bytes, words: str):
     folder = make()
     (folder / "calib.json").write_bytes(content)
-    refused(folder, words)
+    refused_scene(folder, words)
 
 
 @pytest.mark.parametrize("key", ["image_size", "K_left", "K_right", "D_left", "D_right", "R", "T"])
-def test_missing_keys(make: Make, key: str, refused):
-    refused(make(**{key: ...}), f"the key '{key}' is missing")
+def test_missing_keys(make: Make, key: str):
+    refused_scene(make(**{key: ...}), f"the key '{key}' is missing")
 
 
 @pytest.mark.parametrize("key", ["K_left", "D_right", "R", "T", "max_disparity_px"])
 @pytest.mark.parametrize("value", [float("nan"), float("inf"), float("-inf")])
-def test_nan_and_infinity(make: Make, key: str, value: float, refused):
-    refused(make(**{key: [value]}), "contains -?(NaN|Infinity)")
+def test_nan_and_infinity(make: Make, key: str, value: float):
+    refused_scene(make(**{key: [value]}), "contains -?(NaN|Infinity)")
 
 
 @pytest.mark.parametrize("number", ["1e999", "-1e999", "null", "1" + "0" * 400])
-def test_numbers_that_are_not_finite(make: Make, number: str, refused):
+def test_numbers_that_are_not_finite(make: Make, number: str):
     path = make() / "calib.json"
     path.write_text(json.dumps(calibration() | {"T": [-0.1, "HERE", 0]}).replace('"HERE"', number))
-    refused(path.parent, "T (contains null, NaN or infinite|is not an array of)")
+    refused_scene(path.parent, "T (contains null, NaN or infinite|is not an array of)")
 
 
 @pytest.mark.parametrize("key", ["image_size", "K_left", "D_left", "R", "T"])
 @pytest.mark.parametrize("value", ["text", {"a": 1}, [[1, 2], [3]], [1, "x"], [[1.0] * 7] * 2, 3])
-def test_wrong_shapes(make: Make, key: str, value: Any, refused):
+def test_wrong_shapes(make: Make, key: str, value: Any):
     kind = UnsupportedModelError if key == "D_left" and value == 3 else InputError
-    refused(make(**{key: value}), f"{key}|coefficients", kind)
+    refused_scene(make(**{key: value}), f"{key}|coefficients", kind)
 
 
 @pytest.mark.parametrize("size", [[24], [24, 16, 3], [0, 16], [-24, 16], [24.5, 16], None])
-def test_bad_image_sizes(make: Make, size: Any, refused):
-    refused(make(image_size=size), "image_size")
+def test_bad_image_sizes(make: Make, size: Any):
+    refused_scene(make(image_size=size), "image_size")
 
 
 @pytest.mark.parametrize(
@@ -246,52 +246,52 @@ def test_bad_image_sizes(make: Make, size: Any, refused):
         ("T", [-0.1, 0.2, 0], "above or behind"),
     ],
 )
-def test_values_that_are_no_calibration(make: Make, key: str, value: Any, words: str, refused):
-    refused(make(**{key: value}), words)
+def test_values_that_are_no_calibration(make: Make, key: str, value: Any, words: str):
+    refused_scene(make(**{key: value}), words)
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 6, 7, 9, 13, 15])
-def test_wrong_number_of_coefficients(make: Make, count: int, refused):
-    refused(make(D_right=[0.0] * count), f"right camera: .*{count} coefficients", UnsupportedModelError)
+def test_wrong_number_of_coefficients(make: Make, count: int):
+    refused_scene(make(D_right=[0.0] * count), f"right camera: .*{count} coefficients", UnsupportedModelError)
 
 
-def test_bad_images_are_named(make: Make, refused):
+def test_bad_images_are_named(make: Make):
     folder = make(frames=3)
     path = folder / "right" / "1.png"
     whole = path.read_bytes()
     path.write_bytes(whole[:-30])
-    refused(folder, "image is truncated", about=str(path))
+    refused_scene(folder, "image is truncated", about=str(path))
     assert len(load_scene(folder, limit=1).pairs) == 1
     write(path, np.zeros(SIZE[::-1], np.uint8))
-    refused(folder, "right: the image is all black", about=str(path))
+    refused_scene(folder, "right: the image is all black", about=str(path))
     write(path, texture(0, (20, 16)))
-    refused(folder, "24x16 and the right one 20x16", about=str(path))
+    refused_scene(folder, "24x16 and the right one 20x16", about=str(path))
     write(folder / "left" / "1.png", texture(1, (20, 16)))
-    refused(folder, "1.png: the images are 20x16, but the calibration is for 24x16", about=str(folder))
+    refused_scene(folder, "1.png: the images are 20x16, but the calibration is for 24x16", about=str(folder))
 
 
-def test_images_without_partner(make: Make, refused):
+def test_images_without_partner(make: Make):
     folder = make(frames=3)
     (folder / "left" / "1.png").unlink()
-    refused(folder, "no partner on the left", about=str(folder / "right" / "1.png"))
+    refused_scene(folder, "no partner on the left", about=str(folder / "right" / "1.png"))
     (folder / "right" / "2.png").unlink()  # equal counts, different names
-    refused(folder, "no partner on the right", about=str(folder / "left" / "2.png"))
+    refused_scene(folder, "no partner on the right", about=str(folder / "left" / "2.png"))
 
 
-def test_folders_with_other_names_are_not_matched_by_order(make: Make, refused):
+def test_folders_with_other_names_are_not_matched_by_order(make: Make):
     folder = make(frames=2)
     for index in range(2):
         (folder / "right" / f"{index}.png").rename(folder / "right" / f"r{index}x.png")
-    refused(folder, "no partner on the right", about="0.png")
+    refused_scene(folder, "no partner on the right", about="0.png")
 
 
-def test_two_readings_of_one_side(make: Make, refused):
+def test_two_readings_of_one_side(make: Make):
     folder = make()
     (folder / "notes.txt").write_text("left.txt and the like do no harm")
     (folder / "left.txt").write_text("not an image")
     load_scene(folder)
     write(folder / "left.jpg", texture(0))
-    refused(folder, r"both left\.jpg and left\.png are there", about="garden")
+    refused_scene(folder, r"both left\.jpg and left\.png are there", about="garden")
     (folder / "left.jpg").unlink()
     write(folder / "left" / "0.png", texture(0))
-    refused(folder, r"both left\.png and left.0\.png are there", about="garden")
+    refused_scene(folder, r"both left\.png and left.0\.png are there", about="garden")

@@ -12,8 +12,8 @@ from stereorecal.strategies import AbstractStrategy, Budget, Objective, Outcome,
 class Compass(AbstractStrategy):
     """Compass (pattern) search: try a step along ± each axis, go to the best, else halve the step.
 
-    The optimiser of Muhovič & Perš, section 3.3 (after Kolda, Lewis & Torczon, SIAM Review 45(3), 2003). The new ones
-    among the 2n points of an iteration are one batch. It needs no gradient and no smoothness.
+    The optimiser of Muhovič & Perš, section 3.3 (after Kolda, Lewis & Torczon, SIAM Review 45(3), 2003). Those of the
+    2n points of an iteration that are new are one batch. It needs no gradient and no smoothness.
 
     Attributes:
         step: first step, in half widths of the search box (1/16 is 0.19 degrees at the default

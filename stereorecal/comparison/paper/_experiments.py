@@ -37,7 +37,7 @@ class Extent:
         points: of a sweep.
         matchers: with which axes are swept.
         steps: pairs that are repaired one after the other.
-        iterations: of each of those.
+        iterations: of each of those, ten evaluations long.
     """
 
     missions: int | None = None
