@@ -86,10 +86,10 @@ class Schedule:
         # Near the solution almost from the start: with more damping the weakest axes creep, with less the rounding of
         # the residuals refuses good steps. The last step is one of about a quarter of a standard deviation or less.
         solve = named_strategy("optimistix-levenberg-marquardt", damping=1e-6, atol=0.1)
-        # Half scale is a stepping stone: what it has not settled in two rounds, full scale does.
+        # Half scale is a stepping stone: it need not settle, and rounds at full scale tell more.
         stages = (
             Stage(climb, 0.25, ScoreKind.COUNT, pixels=(16_000, 30_000)),
-            Stage(solve, 0.5, ScoreKind.EPIPOLAR, rounds=2, pixels=(60_000, 120_000)),
+            Stage(solve, 0.5, ScoreKind.EPIPOLAR, rounds=1, pixels=(60_000, 120_000)),
             Stage(solve, 1.0, ScoreKind.EPIPOLAR, rounds=4, pixels=(60_000, 480_000)),
         )
         return Schedule("default", stages, survey=True)
