@@ -60,23 +60,25 @@ def refused(folder: Path, *words: str, kind: type[InputError] = InputError) -> N
     """The folder is not read, and one sentence says why."""
     with pytest.raises(InputError) as error:
         load_log(folder)
-    message = str(error.value)
-    assert type(error.value) is kind, message
+    message = _one_sentence(error.value, kind)
     for word in words:
         assert word in message
-    assert "\n" not in message
-    assert message.endswith("."), message
 
 
-def refused_scene(folder: Path, words: str, kind: type = InputError, about: str = "calib.json") -> None:
-    """The folder is not read as a scene, and one sentence says why, and where."""
+def refused_scene(folder: Path, words: str, kind: type[InputError] = InputError, about: str = "calib.json") -> None:
+    """The folder is not read as a scene, and one sentence says why (`words`, a pattern), and where."""
     with pytest.raises(InputError, match=words) as error:
         load_scene(folder)
-    message = str(error.value)
-    assert type(error.value) is kind
-    assert about in message
+    assert about in _one_sentence(error.value, kind)
+
+
+def _one_sentence(error: InputError, kind: type[InputError]) -> str:
+    """The message of an error that is of this kind itself."""
+    message = str(error)
+    assert type(error) is kind, message
     assert "\n" not in message
-    assert message.endswith((".", ").")), message
+    assert message.endswith("."), message
+    return message
 
 
 def row(values: object) -> str:
