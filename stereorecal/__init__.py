@@ -12,24 +12,9 @@ from stereorecal.comparison import (
     compare as compare,
     compare_scenes as compare_scenes,
 )
-from stereorecal.comparison.paper import (
-    Extent as Extent,
-    Reproduction as Reproduction,
-    reproduce as reproduce,
-    synthetic_log as synthetic_log,
-)
-from stereorecal.geometry import (
-    Camera as Camera,
-    Log as Log,
-    Mission as Mission,
-    Pair as Pair,
-    Scene as Scene,
-    StereoRig as StereoRig,
-    View as View,
-    make_pair as make_pair,
-    view as view,
-)
+from stereorecal.geometry import Camera as Camera, StereoRig as StereoRig, View as View, view as view
 from stereorecal.matching import BM as BM, SAD as SAD, SGBM as SGBM, Disparity as Disparity
+from stereorecal.objectives import Reach as Reach, objective as objective
 from stereorecal.recalibration import (
     Reason as Reason,
     Repair as Repair,
@@ -39,17 +24,17 @@ from stereorecal.recalibration import (
     recalibrate_many as recalibrate_many,
     recalibrate_sequence as recalibrate_sequence,
 )
+from stereorecal.recordings import Log as Log, Mission as Mission, Pair as Pair, Scene as Scene, make_pair as make_pair
+from stereorecal.reproduction import (
+    Extent as Extent,
+    Reproduction as Reproduction,
+    reproduce as reproduce,
+    synthetic_log as synthetic_log,
+)
 from stereorecal.scoring import (
     Score as Score,
     disparity as disparity,
     rectify as rectify,
     score as score,
 )
-from stereorecal.strategies import (
-    Budget as Budget,
-    Reach as Reach,
-    Status as Status,
-    objective as objective,
-    strategies as strategies,
-    strategy as strategy,
-)
+from stereorecal.strategies import Budget as Budget, Status as Status, strategies as strategies, strategy as strategy

@@ -9,7 +9,7 @@ import jax
 import pytest
 from hypothesis import settings
 
-from stereorecal.geometry import Scene
+from stereorecal.recordings import Scene
 from stereorecal.synthetic import default_rig, render
 
 os.environ["JAX_ENABLE_COMPILATION_CACHE"] = "false"  # of commands that tests start: nothing of the user's is touched

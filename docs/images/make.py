@@ -8,8 +8,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import stereorecal as sr
-from stereorecal.comparison.paper import write_files
 from stereorecal.report.figures import Panel, repair_figure, save
+from stereorecal.reproduction import write_files
 
 HERE = Path(__file__).parent
 

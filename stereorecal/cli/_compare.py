@@ -20,10 +20,11 @@ from stereorecal.comparison import (
     compare_scenes,
     load_strategies,
 )
-from stereorecal.geometry import Scene
 from stereorecal.io import load_scene
+from stereorecal.objectives import Reach
+from stereorecal.recordings import Scene
 from stereorecal.report.tables import comparison_tables
-from stereorecal.strategies import Budget, Reach
+from stereorecal.strategies import Budget
 from stereorecal.synthetic import KINDS, render
 
 

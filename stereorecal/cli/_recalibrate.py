@@ -17,12 +17,13 @@ from stereorecal.cli._json import write_json
 from stereorecal.cli._progress import progress_bar
 from stereorecal.cli._recordings import add_recordings_to, recordings
 from stereorecal.comparison import SCHEDULES
-from stereorecal.geometry import Scene
 from stereorecal.io import save_rig
 from stereorecal.matching import AbstractMatcher
+from stereorecal.objectives import Reach
 from stereorecal.recalibration import Fault, Repair, Schedule, recalibrate_many
+from stereorecal.recordings import Scene
 from stereorecal.report.repairs import repairs_table
-from stereorecal.strategies import Budget, Reach, origin_of, strategy
+from stereorecal.strategies import Budget, origin_of, strategy
 
 SCHEMA = "stereorecal.recalibrate/1"
 _CODES = {Fault.INTERRUPTED: INTERRUPTED, Fault.INSIDE: FAILURE, Fault.INPUT: BAD_INPUT}  # the first that occurs

@@ -6,8 +6,8 @@ from pathlib import Path
 
 from stereorecal._errors import InputError
 from stereorecal.cli import _values
-from stereorecal.geometry import Scene
 from stereorecal.io import gather_scene, load_scene
+from stereorecal.recordings import Scene
 
 
 def add_recordings_to(parser: argparse.ArgumentParser) -> None:

@@ -13,11 +13,11 @@ from stereorecal.cli._exit_codes import FAILURE, INTERRUPTED
 from stereorecal.cli._json import write_json
 from stereorecal.cli._progress import progress_bar
 from stereorecal.comparison import SCHEDULES
-from stereorecal.comparison.paper import EXPERIMENTS, QUICK, Extent, methods, reproduce, synthetic_log, write_files
-from stereorecal.geometry import Log
 from stereorecal.io import load_log
-from stereorecal.report.experiments import experiment_tables
-from stereorecal.strategies import Reach
+from stereorecal.objectives import Reach
+from stereorecal.recordings import Log
+from stereorecal.reproduction import EXPERIMENTS, QUICK, Extent, methods, reproduce, synthetic_log, write_files
+from stereorecal.reproduction._tables import experiment_tables
 
 _ALL, _BOTH = "all", "both"
 _WIDE = 150  # columns of the widest table

@@ -12,10 +12,10 @@ from stereorecal.cli._console import table_console
 from stereorecal.cli._exit_codes import INTERRUPTED
 from stereorecal.cli._json import write_json
 from stereorecal.cli._recordings import add_recordings_to, recordings
-from stereorecal.geometry import Scene
 from stereorecal.io import about
 from stereorecal.matching import AbstractMatcher
 from stereorecal.recalibration import LEAST_COVERED, ROWS_APART, Health, health
+from stereorecal.recordings import Scene
 from stereorecal.report.repairs import scores_table
 
 SCHEMA = "stereorecal.score/1"

@@ -14,11 +14,13 @@ from stereorecal._run_all import Progress, run_all
 from stereorecal._versions import versions
 from stereorecal.comparison._comparison import Comparison
 from stereorecal.comparison._trial import Task, Trial, failed, run_trial
-from stereorecal.geometry import Pair, Scene, StereoRig, check_pairs, view
+from stereorecal.geometry import StereoRig, view
 from stereorecal.matching import SAD, AbstractMatcher
+from stereorecal.objectives import Reach
 from stereorecal.recalibration import Schedule, recalibrate
+from stereorecal.recordings import Pair, Scene, check_pairs
 from stereorecal.scoring import prepare, with_disparity_range
-from stereorecal.strategies import AbstractStrategy, Budget, Objective, Outcome, Reach, origin_of, strategy
+from stereorecal.strategies import AbstractStrategy, Budget, Objective, Outcome, origin_of, strategy
 from stereorecal.synthetic import decalibrate
 
 SCHEDULES = ("count", "default")

@@ -5,11 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from stereorecal._errors import NeedNotMet
-from stereorecal.geometry import AXES, Scene, StereoRig
+from stereorecal.geometry import AXES, StereoRig
 from stereorecal.matching import AbstractMatcher
+from stereorecal.objectives import Reach, chart_around, objective
 from stereorecal.recalibration import Schedule, Solution, recalibrate
+from stereorecal.recordings import Scene
 from stereorecal.scoring import score
-from stereorecal.strategies import Budget, Reach, Status, chart_around, objective
+from stereorecal.strategies import Budget, Status
 
 SCORE_AT = (100, 300, 1000)  # units
 

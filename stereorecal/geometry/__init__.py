@@ -2,13 +2,6 @@
 
 from stereorecal.geometry._camera import Camera as Camera
 from stereorecal.geometry._distortion import distort as distort, undistort as undistort
-from stereorecal.geometry._images import (
-    Pair as Pair,
-    Scene as Scene,
-    check_pairs as check_pairs,
-    make_pair as make_pair,
-)
-from stereorecal.geometry._log import Log as Log, Mission as Mission
 from stereorecal.geometry._rectification import (
     View as View,
     rectifying_rotations as rectifying_rotations,

@@ -6,12 +6,12 @@ from stereorecal.io._atomic import (
     write_bytes as write_bytes,
     write_text as write_text,
 )
-from stereorecal.io._layouts import load_log as load_log, load_scene as load_scene
-from stereorecal.io._pairs import load_pair as load_pair, load_pairs as load_pairs
-from stereorecal.io._plain_log import (
+from stereorecal.io.formats._rigs import load_rig as load_rig, save_rig as save_rig
+from stereorecal.io.images._pairs import load_pair as load_pair, load_pairs as load_pairs
+from stereorecal.io.layouts._plain_log import (
     has_mission as has_mission,
     save_calibrations as save_calibrations,
     save_mission as save_mission,
 )
-from stereorecal.io._rig_file import load_rig as load_rig, save_rig as save_rig
-from stereorecal.io._scene import gather_scene as gather_scene, save_scene as save_scene
+from stereorecal.io.layouts._recognise import load_log as load_log, load_scene as load_scene
+from stereorecal.io.layouts._scene_folder import gather_scene as gather_scene, save_scene as save_scene

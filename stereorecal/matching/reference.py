@@ -4,7 +4,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from stereorecal.matching._matcher import Disparity
-from stereorecal.matching.sad import SAD
+from stereorecal.matching.sad._sad import SAD
 
 _NEVER = 2**31 - 1
 

@@ -7,10 +7,10 @@ import numpy as np
 
 from stereorecal._plain import plain
 from stereorecal.geometry import AXES, StereoRig
+from stereorecal.objectives import FREE_AXES
 from stereorecal.recalibration._solution import Solution
-from stereorecal.recalibration._stage_run import StageRun
+from stereorecal.recalibration._stages import StageRun
 from stereorecal.scoring import Score
-from stereorecal.strategies import FREE_AXES
 
 
 def solution_as_dict(solution: Solution) -> dict[str, Any]:

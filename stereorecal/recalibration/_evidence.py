@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy.stats import norm, t as student_t
 
-from stereorecal.recalibration._stage_run import PRIOR, WIDER, Case, differences_at
+from stereorecal.recalibration._stages import PRIOR, WIDER, Case, differences_at
 from stereorecal.scoring import TILES, Correspondences, Loss, curvatures, precisions
 
 _STEP = 1e-4  # of the reach, for numerical derivatives of row differences in float64

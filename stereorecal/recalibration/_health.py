@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 
 from stereorecal._plain import plain
-from stereorecal.geometry import Pair, StereoRig, view as default_view
+from stereorecal.geometry import StereoRig, view as default_view
 from stereorecal.matching import SAD, AbstractMatcher
 from stereorecal.recalibration._acceptance import LEAST_COVERED, ROWS_APART
 from stereorecal.recalibration._as_dict import score_as_dict
+from stereorecal.recordings import Pair
 from stereorecal.scoring import (
     Score,
     correspondences,

@@ -9,13 +9,15 @@ from typing import Any
 
 from stereorecal._errors import InputError, StrategyError
 from stereorecal._run_all import Progress, run_all
-from stereorecal.geometry import Scene, View
+from stereorecal.geometry import View
 from stereorecal.matching import AbstractMatcher
+from stereorecal.objectives import Reach
 from stereorecal.recalibration._as_dict import solution_as_dict
 from stereorecal.recalibration._recalibrate import recalibrate
 from stereorecal.recalibration._schedule import Schedule
 from stereorecal.recalibration._solution import Solution
-from stereorecal.strategies import Budget, Reach
+from stereorecal.recordings import Scene
+from stereorecal.strategies import Budget
 
 
 class Fault(enum.Enum):

@@ -8,9 +8,9 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal.geometry import StereoRig
+from stereorecal.objectives import Chart, Reach, chart_around
 from stereorecal.recalibration._schedule import ScoreKind
-from stereorecal.recalibration._stage_run import WIDER, StageRun
-from stereorecal.strategies import Chart, Reach, chart_around
+from stereorecal.recalibration._stages import WIDER, StageRun
 
 
 @dataclass(frozen=True, eq=False)

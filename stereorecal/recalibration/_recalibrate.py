@@ -5,16 +5,18 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stereorecal.geometry import Pair, StereoRig, View, check_pairs, view as default_view
+from stereorecal.geometry import StereoRig, View, view as default_view
 from stereorecal.matching import SAD, AbstractMatcher
+from stereorecal.objectives import Reach
 from stereorecal.recalibration._acceptance import Reason, row_errors, verdict, verdict_on_count
 from stereorecal.recalibration._evidence import evidence
 from stereorecal.recalibration._schedule import Schedule, ScoreKind
 from stereorecal.recalibration._solution import Solution
-from stereorecal.recalibration._stage_run import FEWEST, Case, StageRun, better_start, remaining, run_stage
+from stereorecal.recalibration._stages import FEWEST, Case, StageRun, better_start, remaining, run_stage
 from stereorecal.recalibration._uncertainty import uncertainty
+from stereorecal.recordings import Pair, check_pairs
 from stereorecal.scoring import Score, counts_one_by_one, normalised, prepare, survey, with_disparity_range
-from stereorecal.strategies import Budget, Reach, Status
+from stereorecal.strategies import Budget, Status
 
 _YAW_LEFT = np.radians(0.25)  # what an epipolar stage leaves, where yaw is observed
 

@@ -2,12 +2,14 @@
 
 from collections.abc import Sequence
 
-from stereorecal.geometry import Pair, StereoRig, View, check_pairs, view as default_view
+from stereorecal.geometry import StereoRig, View, view as default_view
 from stereorecal.matching import AbstractMatcher
+from stereorecal.objectives import Reach
 from stereorecal.recalibration._recalibrate import recalibrate
 from stereorecal.recalibration._schedule import Schedule
 from stereorecal.recalibration._solution import Solution
-from stereorecal.strategies import Budget, Reach
+from stereorecal.recordings import Pair, check_pairs
+from stereorecal.strategies import Budget
 
 
 def recalibrate_sequence(

@@ -8,13 +8,14 @@ from jaxtyping import Float
 
 from stereorecal.geometry import AXES, StereoRig, View
 from stereorecal.matching import AbstractMatcher
+from stereorecal.objectives import FREE_AXES, Reach
 from stereorecal.recalibration._acceptance import Reason, RowErrors
 from stereorecal.recalibration._effects import depth_errors
 from stereorecal.recalibration._path import Waypoint, path_of
-from stereorecal.recalibration._stage_run import StageRun
+from stereorecal.recalibration._stages import StageRun
 from stereorecal.recalibration._uncertainty import Uncertainty
 from stereorecal.scoring import Score
-from stereorecal.strategies import FREE_AXES, Reach, Status, Trace
+from stereorecal.strategies import Status, Trace
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float
 
-from stereorecal.recalibration._stage_run import PRIOR, WIDER
-from stereorecal.strategies import FREE_AXES, Chart
+from stereorecal.objectives import FREE_AXES, Chart
+from stereorecal.recalibration._stages import PRIOR, WIDER
 
 _NORMAL_95 = 1.96
 _OBSERVED = 0.5  # of the prior's standard deviation; above it, the answer is mostly the prior

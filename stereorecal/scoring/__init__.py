@@ -12,7 +12,6 @@ from stereorecal.scoring._count import (
     counts_one_by_one as counts_one_by_one,
     disparities as disparities,
 )
-from stereorecal.scoring._data import ScoringData as ScoringData, normalised as normalised, prepare as prepare
 from stereorecal.scoring._epipolar import (
     Loss as Loss,
     curvatures as curvatures,
@@ -21,6 +20,7 @@ from stereorecal.scoring._epipolar import (
     row_differences as row_differences,
 )
 from stereorecal.scoring._gradient import forward_gradient as forward_gradient
+from stereorecal.scoring._prepare import ScoringData as ScoringData, normalised as normalised, prepare as prepare
 from stereorecal.scoring._score import (
     Score as Score,
     disparity as disparity,

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from stereorecal._errors import InputError
-from stereorecal.scoring._data import ScoringData
+from stereorecal.scoring._prepare import ScoringData
 
 _ROWS = 32  # of a band: its border rows see less than a window
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from stereorecal.matching import AbstractMatcher, Disparity
 from stereorecal.scoring._cores import cores, on_all_cores
-from stereorecal.scoring._data import Rectified
+from stereorecal.scoring._prepare import Rectified
 from stereorecal.scoring._validity import match_frame
 
 _DEAREST_HALO = 0.1  # of the rows of a block

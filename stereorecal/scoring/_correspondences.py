@@ -18,7 +18,7 @@ from stereorecal.geometry import cubic_warp, rectifying_rotations, rotation_from
 from stereorecal.matching import AbstractMatcher, Disparity
 from stereorecal.scoring._cores import on_all_cores
 from stereorecal.scoring._count import disparities
-from stereorecal.scoring._data import Rectified, ScoringData, rectify_frames
+from stereorecal.scoring._prepare import Rectified, ScoringData, rectify_frames
 from stereorecal.scoring._subpixel import WINDOW, refine
 
 _CELLS = 4800  # in a frame: enough to cover it with windows twice over

@@ -11,8 +11,8 @@ from stereorecal._arrays import AnyArray, Extrinsics
 from stereorecal.matching import AbstractMatcher, Disparity
 from stereorecal.scoring._blocks import match_in_blocks
 from stereorecal.scoring._cores import on_all_cores
-from stereorecal.scoring._data import Rectified, ScoringData, rectified_frame, rectify_frames
 from stereorecal.scoring._in_turn import in_turn
+from stereorecal.scoring._prepare import Rectified, ScoringData, rectified_frame, rectify_frames
 from stereorecal.scoring._validity import match_frame
 
 _SMALL = 2**16  # pixels of a frame: its programs are then so short that candidates share a call of one

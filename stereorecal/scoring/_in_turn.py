@@ -12,7 +12,7 @@ from jaxtyping import Float, Int
 from stereorecal._arrays import AnyArray, Extrinsics
 from stereorecal.matching import AbstractMatcher
 from stereorecal.scoring._cores import cores, on_all_cores
-from stereorecal.scoring._data import ScoringData
+from stereorecal.scoring._prepare import ScoringData
 
 _ROOM = 32  # candidates in a call, at most
 

@@ -7,10 +7,11 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.geometry import Pair, StereoRig, View, view as default_view
+from stereorecal.geometry import StereoRig, View, view as default_view
 from stereorecal.matching import SAD, AbstractMatcher, Disparity
+from stereorecal.recordings import Pair
 from stereorecal.scoring._count import counts_one_by_one, disparities
-from stereorecal.scoring._data import normalised, prepare, rectified_frame
+from stereorecal.scoring._prepare import normalised, prepare, rectified_frame
 from stereorecal.scoring._survey import with_disparity_range
 
 

@@ -9,7 +9,7 @@ from jaxtyping import Float
 from stereorecal._arrays import Extrinsics
 from stereorecal.geometry import PixelMap
 from stereorecal.matching import AbstractMatcher
-from stereorecal.scoring._data import Rectified, ScoringData, rectify_frames
+from stereorecal.scoring._prepare import Rectified, ScoringData, rectify_frames
 
 _BORDER = 5.0  # pixels for a temperature of 1
 

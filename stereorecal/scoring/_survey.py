@@ -12,10 +12,11 @@ from jaxtyping import Float, Int
 
 from stereorecal._arrays import Extrinsics
 from stereorecal._errors import InputError
-from stereorecal.geometry import Pair, StereoRig, View
+from stereorecal.geometry import StereoRig, View
 from stereorecal.matching import SAD, AbstractMatcher, Disparity
-from stereorecal.scoring._data import Rectified, ScoringData, normalised, prepare, rectify_frames
+from stereorecal.recordings import Pair
 from stereorecal.scoring._in_turn import in_turn
+from stereorecal.scoring._prepare import Rectified, ScoringData, normalised, prepare, rectify_frames
 from stereorecal.scoring._validity import match_frame
 
 _COARSE_WIDTH = 128  # pixels: a few degrees of drift are a few rows here, which a window forgives

@@ -2,20 +2,12 @@
 
 from stereorecal._errors import BudgetExhausted as BudgetExhausted, StrategyError as StrategyError
 from stereorecal.strategies._budget import Budget as Budget, Trace as Trace
-from stereorecal.strategies._chart import (
-    FREE_AXES as FREE_AXES,
-    Chart as Chart,
-    Reach as Reach,
-    chart_around as chart_around,
-)
 from stereorecal.strategies._contract import (
     AbstractStrategy as AbstractStrategy,
-    Need as Need,
     Outcome as Outcome,
     Status as Status,
 )
-from stereorecal.strategies._epipolar import epipolar_objective as epipolar_objective
-from stereorecal.strategies._images import Images as Images
+from stereorecal.strategies._need import Need as Need
 from stereorecal.strategies._objective import Objective as Objective, Problem as Problem, Traced as Traced
 from stereorecal.strategies._registry import (
     StrategyInfo as StrategyInfo,
@@ -25,4 +17,3 @@ from stereorecal.strategies._registry import (
     strategy as strategy,
 )
 from stereorecal.strategies._run import Run as Run, run_strategy as run_strategy
-from stereorecal.strategies._stereo import objective as objective

@@ -3,23 +3,14 @@
 import abc
 import enum
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from jaxtyping import Float
 
-if TYPE_CHECKING:
-    from stereorecal.strategies._budget import Budget
-    from stereorecal.strategies._objective import Objective
-
-
-class Need(enum.Enum):
-    """What a strategy asks of an objective."""
-
-    HOST = "values on the host: `objective.value` and `objective.batch` (every objective has them)"
-    SMOOTH = "a differentiable score: `objective.traced.soft_count`"
-    RESIDUALS = "least-squares residuals: `objective.traced.residuals`"
-    IMAGES = "the images themselves: `objective.images`"
+from stereorecal.strategies._budget import Budget
+from stereorecal.strategies._need import Need
+from stereorecal.strategies._objective import Objective
 
 
 class Status(enum.Enum):
@@ -65,7 +56,7 @@ class AbstractStrategy(abc.ABC):
     max_dim: ClassVar[int | None] = None
 
     @abc.abstractmethod
-    def run(self, objective: "Objective", start: Float[np.ndarray, "n"], budget: "Budget", seed: int) -> Outcome:
+    def run(self, objective: Objective, start: Float[np.ndarray, "n"], budget: Budget, seed: int) -> Outcome:
         """Maximise `objective` over the unit box [-1, 1]^n, from `start` inside it.
 
         Let `BudgetExhausted` pass: the core keeps the best point seen. Draw random numbers from `seed` alone.

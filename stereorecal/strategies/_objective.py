@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import jax
 import numpy as np
@@ -9,8 +10,7 @@ from jaxtyping import Float
 
 from stereorecal._errors import NeedNotMet
 from stereorecal.strategies._budget import Budget, Recorder, Trace
-from stereorecal.strategies._contract import Need
-from stereorecal.strategies._images import Images
+from stereorecal.strategies._need import Need
 
 TracedFunction = Callable[[jax.Array], jax.Array]
 
@@ -49,7 +49,7 @@ class Problem:
     values: Callable[[Float[np.ndarray, "k n"]], Float[np.ndarray, "k"]]
     cost: float = 1.0
     traced: Traced = Traced()
-    images: Images | None = None
+    images: Any = None
 
 
 class Objective:
@@ -85,7 +85,7 @@ class Objective:
         return self.problem.traced
 
     @property
-    def images(self) -> Images | None:
+    def images(self) -> Any:
         """The images and the calibration at the start, for strategies that need IMAGES."""
         return self.problem.images
 

@@ -6,7 +6,8 @@ from datetime import date, timedelta
 
 import numpy as np
 
-from stereorecal.geometry import Mission, StereoRig
+from stereorecal.geometry import StereoRig
+from stereorecal.recordings import Mission
 from stereorecal.synthetic._render import render
 from stereorecal.synthetic._rig import default_rig
 

@@ -13,16 +13,17 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from stereorecal._errors import InputError
-from stereorecal.geometry import Camera, Pair, Scene, StereoRig, View, rectifying_rotations, view as make_view
-from stereorecal.synthetic._coast import coast
-from stereorecal.synthetic._harbour import harbour
-from stereorecal.synthetic._noise import Texture
-from stereorecal.synthetic._open_sea import open_sea
+from stereorecal.geometry import Camera, StereoRig, View, rectifying_rotations, view as make_view
+from stereorecal.recordings import Pair, Scene
 from stereorecal.synthetic._rig import default_rig
-from stereorecal.synthetic._sensor import expose
-from stereorecal.synthetic._street import street
-from stereorecal.synthetic._trace import Rays, trace
-from stereorecal.synthetic._world import World
+from stereorecal.synthetic.rendering._noise import Texture
+from stereorecal.synthetic.rendering._sensor import expose
+from stereorecal.synthetic.rendering._trace import Rays, trace
+from stereorecal.synthetic.scenes._coast import coast
+from stereorecal.synthetic.scenes._harbour import harbour
+from stereorecal.synthetic.scenes._open_sea import open_sea
+from stereorecal.synthetic.scenes._street import street
+from stereorecal.synthetic.scenes._world import World
 
 _MAKERS: dict[str, Callable[[np.random.Generator], World]] = {
     "harbour": harbour,

@@ -6,7 +6,8 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal.matching import SAD
-from stereorecal.strategies import Objective, Reach, chart_around, objective
+from stereorecal.objectives import Reach, chart_around, objective
+from stereorecal.strategies import Objective
 from stereorecal.synthetic import default_rig, render
 
 _SIZE = (240, 180)

@@ -22,9 +22,10 @@ from rich.console import Console
 from rich.table import Table
 
 import stereorecal as sr
-from stereorecal.geometry import Scene, rectifying_rotations, rotation_from_euler
+from stereorecal.geometry import rectifying_rotations, rotation_from_euler
+from stereorecal.objectives import Reach
+from stereorecal.recordings import Scene
 from stereorecal.scoring import score
-from stereorecal.strategies import Reach
 
 RENDERED = ("harbour", "coast", "street", "open-sea")
 MOVING = RENDERED[:3]  # those that enter with ten frames too

@@ -15,7 +15,7 @@ import pytest
 import stereorecal as sr
 from stereorecal.scoring import correspondences, counts, normalised, prepare, soft_count
 from stereorecal.scoring._blocks import match_in_blocks
-from stereorecal.scoring._data import rectified_frame
+from stereorecal.scoring._prepare import rectified_frame
 
 SIZE, MATCHER = (741, 500), sr.SAD(num_disparities=80)
 

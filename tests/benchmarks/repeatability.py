@@ -25,10 +25,11 @@ from stereorecal_features import Features
 from stereorecal_features._matches import matched_pixels, seen_by_both
 
 import stereorecal as sr
-from stereorecal.geometry import Scene
-from stereorecal.recalibration._stage_run import PRIOR, WIDER, Case, differences_at
+from stereorecal.objectives import Reach, epipolar_objective
+from stereorecal.recalibration._stages import PRIOR, WIDER, Case, differences_at
+from stereorecal.recordings import Scene
 from stereorecal.scoring import TILES, Loss, precisions
-from stereorecal.strategies import Budget, Reach, epipolar_objective, run_strategy
+from stereorecal.strategies import Budget, run_strategy
 
 SEQUENCES = {"kitti_odometry/suburb_seq": 8, "euroc/vicon_room_seq": 7}
 KNOWN = ("harbour", "coast", "street", "motorcycle_quarter")

@@ -21,7 +21,7 @@ from rich.console import Console
 from rich.table import Table
 
 import stereorecal as sr
-from stereorecal.geometry import Scene
+from stereorecal.recordings import Scene
 
 Images = tuple[np.ndarray, np.ndarray]
 REAL = ("boofcv_bumblebee2/garden01", "middlebury2014/motorcycle_quarter")

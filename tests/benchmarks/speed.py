@@ -28,12 +28,14 @@ from rich.console import Console
 from rich.table import Table
 
 import stereorecal as sr
-from stereorecal.geometry import Scene, bilinear_warp, pixel_map, rectifying_rotations
+from stereorecal.geometry import bilinear_warp, pixel_map, rectifying_rotations
+from stereorecal.objectives import Reach, chart_around
+from stereorecal.recordings import Scene
 from stereorecal.scoring import counts, normalised, prepare
 from stereorecal.scoring._blocks import match_in_blocks
 from stereorecal.scoring._cores import on_all_cores
-from stereorecal.scoring._data import rectified_frame
-from stereorecal.strategies import Budget, Objective, Problem, Reach, chart_around, run_strategy, strategy
+from stereorecal.scoring._prepare import rectified_frame
+from stereorecal.strategies import Budget, Objective, Problem, run_strategy, strategy
 
 MATCHER = sr.SAD(num_disparities=80)
 

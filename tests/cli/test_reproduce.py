@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stereorecal.comparison.paper import _reproduce
-from stereorecal.comparison.paper._tasks import Counting, Repairing
-from stereorecal.geometry import Mission
 from stereorecal.io import save_calibrations, save_mission
+from stereorecal.recordings import Mission
+from stereorecal.reproduction import _reproduce
+from stereorecal.reproduction._tasks import Counting, Repairing
 from stereorecal.synthetic import default_rig, render
 
 

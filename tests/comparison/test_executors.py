@@ -11,8 +11,9 @@ from stereorecal.comparison import compare_scenes
 from stereorecal.comparison._trial import Task
 from stereorecal.io import load_scene, save_scene
 from stereorecal.matching import SAD
+from stereorecal.objectives import Reach
 from stereorecal.recalibration import Schedule
-from stereorecal.strategies import Budget, Reach, strategy
+from stereorecal.strategies import Budget, strategy
 
 SMALL = {"matcher": SAD(num_disparities=24), "draws": 3, "scale": 0.5, "budget": Budget(evaluations=10)}
 

@@ -7,9 +7,10 @@ import pytest
 
 from stereorecal._errors import InputError
 from stereorecal.comparison import Drift, compare, compare_scenes
-from stereorecal.geometry import Scene
 from stereorecal.matching import SAD
-from stereorecal.strategies import AbstractStrategy, Budget, Reach, strategy
+from stereorecal.objectives import Reach
+from stereorecal.recordings import Scene
+from stereorecal.strategies import AbstractStrategy, Budget, strategy
 
 SMALL = {"matcher": SAD(num_disparities=24), "draws": 2, "scale": 0.5, "budget": Budget(evaluations=10)}
 NUMBERS = {"score_initial", "score_final", "score_reference", "ratio", "evaluations", "cost", "seconds"}

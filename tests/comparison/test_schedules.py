@@ -5,9 +5,9 @@ import pytest
 
 from stereorecal._errors import InputError
 from stereorecal.comparison import Drift, compare, compare_scenes
-from stereorecal.geometry import Scene
 from stereorecal.matching import SAD
 from stereorecal.recalibration import Schedule
+from stereorecal.recordings import Scene
 from stereorecal.strategies import Budget
 
 MATCHER = SAD(num_disparities=48)

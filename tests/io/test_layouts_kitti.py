@@ -31,8 +31,9 @@ from trees import (
 )
 
 from stereorecal import StereoRig, UnsupportedModelError
-from stereorecal.geometry import Pair, rotation_from_vector
+from stereorecal.geometry import rotation_from_vector
 from stereorecal.io import load_log, load_scene
+from stereorecal.recordings import Pair
 
 SYNC, EXTRACT = "2011_09_26_drive_0001_sync", "2011_09_26_drive_0001_extract"
 POINTS = np.random.default_rng(0).uniform([-1, -1, 2], [1, 1, 8], (20, 3))

@@ -9,8 +9,8 @@ import pytest
 
 import stereorecal as sr
 from stereorecal._errors import InputError
-from stereorecal.geometry import Log, Mission
 from stereorecal.io import has_mission, load_log, load_scene, save_calibrations, save_mission, save_scene
+from stereorecal.recordings import Log, Mission
 
 
 @pytest.fixture

@@ -13,8 +13,9 @@ from hypothesis import given, settings, strategies as st
 from trees import SIZE, refused_scene, texture
 
 from stereorecal._errors import InputError
-from stereorecal.geometry import Camera, Pair, Scene, StereoRig
+from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io import load_scene, save_scene
+from stereorecal.recordings import Pair, Scene
 
 
 def scene_of(frames: int = 1, rig: StereoRig | None = None, names: list[str] | None = None, **changes: Any) -> Scene:

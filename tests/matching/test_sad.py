@@ -9,11 +9,11 @@ from hypothesis import given, settings, strategies as st
 
 from stereorecal._errors import InputError
 from stereorecal.matching import BM, SAD, SGBM, reference, sad
-from stereorecal.matching._planes import winners as winners_by_planes
-from stereorecal.matching._stream import NEVER
 from stereorecal.matching._texture import quantise, x_sobel
-from stereorecal.matching._winners import dearest_rival
-from stereorecal.matching.sad import winners_by_rows
+from stereorecal.matching.sad._planes import winners as winners_by_planes
+from stereorecal.matching.sad._sad import winners_by_rows
+from stereorecal.matching.sad._stream import NEVER
+from stereorecal.matching.sad._winners import dearest_rival
 
 
 def image_pair(seed: int, height: int, width: int, shift: float, noise: float = 2.0):

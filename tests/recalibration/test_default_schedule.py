@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from stereorecal.geometry import Pair, StereoRig
+from stereorecal.geometry import StereoRig
 from stereorecal.matching import SAD
 from stereorecal.recalibration import Reason, Schedule, Solution, recalibrate
+from stereorecal.recordings import Pair
 from stereorecal.strategies import Budget, Status
 from stereorecal.synthetic import default_rig, render
 

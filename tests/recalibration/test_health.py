@@ -5,9 +5,9 @@ import json
 import numpy as np
 import pytest
 
-from stereorecal.geometry import Pair
 from stereorecal.matching import SAD, SGBM
 from stereorecal.recalibration import Condition, Health, health
+from stereorecal.recordings import Pair
 from stereorecal.scoring import Score, score
 
 SAD_48 = SAD(num_disparities=48)

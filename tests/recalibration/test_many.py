@@ -15,8 +15,9 @@ import pytest
 import stereorecal as sr
 from stereorecal._errors import InputError
 from stereorecal.io import load_scene, save_scene
+from stereorecal.objectives import Reach
 from stereorecal.recalibration import Fault, recalibrate_many
-from stereorecal.strategies import AbstractStrategy, Budget, Reach, _registry, strategy
+from stereorecal.strategies import AbstractStrategy, Budget, _registry, strategy
 
 OPTIONS = {
     "matcher": sr.SAD(num_disparities=24),

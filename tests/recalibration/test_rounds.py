@@ -5,11 +5,12 @@ import pytest
 
 from stereorecal.geometry import view
 from stereorecal.matching import SAD
+from stereorecal.objectives import Reach
 from stereorecal.recalibration import _stage_run
 from stereorecal.recalibration._schedule import ScoreKind, Stage
-from stereorecal.recalibration._stage_run import Case, run_stage
+from stereorecal.recalibration._stages import Case, run_stage
 from stereorecal.scoring import Correspondences
-from stereorecal.strategies import Budget, Objective, Problem, Reach, Run, Status, strategy
+from stereorecal.strategies import Budget, Objective, Problem, Run, Status, strategy
 from stereorecal.synthetic import default_rig, render
 
 RIG = default_rig().resized((64, 48))

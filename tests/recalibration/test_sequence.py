@@ -7,7 +7,8 @@ import pytest
 
 import stereorecal as sr
 from stereorecal._errors import InputError
-from stereorecal.strategies import Budget, Reach, strategy
+from stereorecal.objectives import Reach
+from stereorecal.strategies import Budget, strategy
 
 OPTIONS = {
     "matcher": sr.SAD(num_disparities=24),

@@ -4,11 +4,13 @@ import numpy as np
 import pytest
 
 from stereorecal._errors import InputError
-from stereorecal.geometry import Pair, view
+from stereorecal.geometry import view
 from stereorecal.matching import SAD
+from stereorecal.objectives import Reach
 from stereorecal.recalibration import Reason, Schedule, Stage, recalibrate
+from stereorecal.recordings import Pair
 from stereorecal.scoring import score
-from stereorecal.strategies import Budget, Reach, Status, strategy
+from stereorecal.strategies import Budget, Status, strategy
 
 SAD_24 = SAD(num_disparities=24)
 COMPASS = strategy("compass")

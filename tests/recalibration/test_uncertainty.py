@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
+from stereorecal.objectives import FREE_AXES, Reach, chart_around
 from stereorecal.recalibration._uncertainty import reading_units, uncertainty
-from stereorecal.strategies import FREE_AXES, Reach, chart_around
 from stereorecal.synthetic import default_rig
 
 RIG = default_rig()

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import pytest
 
-from stereorecal.geometry import Scene
+from stereorecal.recordings import Scene
 
 
 @pytest.fixture(scope="session")

@@ -10,7 +10,7 @@ from stereorecal._errors import InputError
 from stereorecal.geometry import view
 from stereorecal.matching import SAD
 from stereorecal.scoring import bands, counts, normalised, prepare
-from stereorecal.scoring._data import rectified_frame
+from stereorecal.scoring._prepare import rectified_frame
 
 SAD_32 = SAD(num_disparities=32)
 

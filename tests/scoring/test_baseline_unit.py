@@ -4,8 +4,8 @@ import numpy as np
 from hypothesis import example, given, settings, strategies as st
 
 from stereorecal.matching import SAD
+from stereorecal.objectives import objective
 from stereorecal.scoring import score
-from stereorecal.strategies import objective
 
 SAD_32 = SAD(num_disparities=32)
 

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from stereorecal.geometry import Pair, rectifying_rotations, view
+from stereorecal.geometry import rectifying_rotations, view
 from stereorecal.matching import SAD
+from stereorecal.recordings import Pair
 from stereorecal.scoring import TILES, correspondences, median_row_error, normalised, prepare, row_differences
 
 SAD_48 = SAD(num_disparities=48)

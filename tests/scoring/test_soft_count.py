@@ -9,7 +9,8 @@ import pytest
 
 from stereorecal._errors import InputError, NeedNotMet
 from stereorecal.matching import BM, SAD
-from stereorecal.strategies import AbstractStrategy, Need, Reach, objective, run_strategy
+from stereorecal.objectives import Reach, objective
+from stereorecal.strategies import AbstractStrategy, Need, run_strategy
 
 REACH = Reach(1.0, 0.01)
 value = jax.jit(lambda score, z: score(z))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stereorecal.matching import BM, SAD
-from stereorecal.strategies import objective
+from stereorecal.objectives import objective
 
 
 def test_vmap_equals_host(scene):

@@ -7,16 +7,7 @@ import numpy as np
 import pytest
 
 from stereorecal._errors import NeedNotMet, StrategyError
-from stereorecal.strategies import (
-    AbstractStrategy,
-    Budget,
-    Need,
-    Objective,
-    Outcome,
-    Problem,
-    Status,
-    run_strategy,
-)
+from stereorecal.strategies import AbstractStrategy, Budget, Need, Objective, Outcome, Problem, Status, run_strategy
 
 
 @dataclass(frozen=True)

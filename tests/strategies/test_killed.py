@@ -6,16 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from stereorecal.strategies import (
-    AbstractStrategy,
-    Budget,
-    Objective,
-    Outcome,
-    Problem,
-    Status,
-    run_strategy,
-    strategy,
-)
+from stereorecal.strategies import AbstractStrategy, Budget, Objective, Outcome, Problem, Status, run_strategy, strategy
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,8 @@ from jaxtyping import Bool, Float
 from scipy.optimize import least_squares
 
 from stereorecal.geometry import euler_from_rotation, rotation_from_euler
-from stereorecal.strategies import AbstractStrategy, Budget, Chart, Images, Need, Objective, Outcome, Status
+from stereorecal.objectives import Chart, Images
+from stereorecal.strategies import AbstractStrategy, Budget, Need, Objective, Outcome, Status
 from stereorecal_features._matches import Seen, matched_pixels, seen_by_both
 
 _ROUNDS = 10

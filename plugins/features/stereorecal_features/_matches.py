@@ -7,7 +7,8 @@ import cv2
 import numpy as np
 from jaxtyping import Bool, Float
 
-from stereorecal.geometry import Camera, Pair, StereoRig
+from stereorecal.geometry import Camera, StereoRig
+from stereorecal.recordings import Pair
 
 Pixels = Float[np.ndarray, "m 2"]
 PixelsOfFrame = Float[np.ndarray, "_ 2"]  # each frame has its own number of matches

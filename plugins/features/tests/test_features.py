@@ -10,8 +10,10 @@ from stereorecal_features import Features, _features
 from stereorecal_features._features import _five_point_pose, _sampson
 from stereorecal_features._matches import matched_pixels, seen_by_both
 
-from stereorecal.geometry import Camera, Pair, Scene, StereoRig
-from stereorecal.strategies import Budget, Images, Objective, Problem, Reach, Status, chart_around, run_strategy
+from stereorecal.geometry import Camera, StereoRig
+from stereorecal.objectives import Images, Reach, chart_around
+from stereorecal.recordings import Pair, Scene
+from stereorecal.strategies import Budget, Objective, Problem, Status, run_strategy
 from stereorecal.synthetic import decalibrate, default_rig, render
 from stereorecal.testing import StrategyConformance
 

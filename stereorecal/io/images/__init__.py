@@ -1,0 +1,1 @@
+"""Images: files, and which of them belong together."""

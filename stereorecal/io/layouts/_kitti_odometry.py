@@ -1,0 +1,46 @@
+"""KITTI odometry: rectified sequences with their projection matrices."""
+
+from pathlib import Path
+
+from stereorecal.io._about import about
+from stereorecal.io.formats._kitti import read_kitti, rectified_rig, sides_in
+from stereorecal.io.images._files import natural_order
+from stereorecal.io.images._matched import load_matched, match_equal
+from stereorecal.io.layouts._sequences import Sequence, log_of
+from stereorecal.recordings import Log
+
+LAYOUT = "KITTI odometry (sequences/NN), or one sequence of it (calib.txt, image_0 and image_1, or image_2 and image_3)"
+_CALIBRATION, _SEQUENCES = "calib.txt", "sequences"
+_GREY_BEFORE_COLOUR = (("image_0", "image_1"), ("image_2", "image_3"))
+
+
+def recognises(folder: Path) -> bool:
+    """Whether the folder is KITTI odometry, or one of its sequences."""
+    return bool(_places(folder)) or _is_sequence(folder)
+
+
+def read(folder: Path, limit: int | None) -> Log:
+    """The sequences whose images are there.
+
+    Raises:
+        InputError: naming the file, if something is missing or damaged.
+    """
+    places = [folder] if _is_sequence(folder) else _places(folder)
+    return log_of(folder, (_sequence(place, limit) for place in places))
+
+
+def _is_sequence(folder: Path) -> bool:
+    return any((folder / side).is_dir() for sides in _GREY_BEFORE_COLOUR for side in sides)
+
+
+def _places(folder: Path) -> list[Path]:
+    return natural_order(path for path in (folder / _SEQUENCES).glob("*") if _is_sequence(path))
+
+
+def _sequence(folder: Path, limit: int | None) -> Sequence:
+    left, right = sides_in(folder, _GREY_BEFORE_COLOUR)
+    path = folder / _CALIBRATION
+    content = read_kitti(path, "data_odometry_calib.zip")
+    pairs = load_matched(match_equal(folder / left, folder / right), limit)
+    with about(path):
+        return folder, rectified_rig(content, (f"P{left[-1]}", f"P{right[-1]}"), pairs[0].size), pairs

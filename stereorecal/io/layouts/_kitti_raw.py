@@ -1,0 +1,98 @@
+"""KITTI raw data: one day's drives, rectified (`_sync`) or as taken (`_extract`), and that day's calibration."""
+
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Shaped
+
+from stereorecal._errors import InputError
+from stereorecal.io._about import about
+from stereorecal.io.formats._kitti import raw_rig, read_kitti, rectified_rig, sides_in
+from stereorecal.io.formats._numbers import image_size
+from stereorecal.io.formats._text import read_text
+from stereorecal.io.images._files import natural_order
+from stereorecal.io.images._matched import Matched, by_stem, load_matched, match_equal
+from stereorecal.io.layouts._sequences import Sequence, log_of
+from stereorecal.recordings import Log
+
+LAYOUT = "KITTI raw data (DATE/calib_cam_to_cam.txt, DATE/DATE_drive_NNNN_sync or _extract), or one drive of it"
+_CALIBRATION, _TIMES, _RECTIFIED, _RAW = "calib_cam_to_cam.txt", "timestamps.txt", "_sync", "_extract"
+_GREY_BEFORE_COLOUR = (("image_00", "image_01"), ("image_02", "image_03"))
+# The cameras are triggered together ten times a second: what is nearer than half of that is the same shot.
+_SAME_SHOT = np.timedelta64(50, "ms")
+
+
+def recognises(folder: Path) -> bool:
+    """Whether the folder is a day or a drive of KITTI's raw data."""
+    return _is_drive(folder) or (folder / _CALIBRATION).is_file() or bool(_drives(folder))
+
+
+def read(folder: Path, limit: int | None) -> Log:
+    """The drives of a day, or one drive, whose calibration lies in the folder above.
+
+    `_sync` images are rectified: their rig has P_rect, and no rotation or distortion. `_extract` images are raw: K, D,
+    R, T; their numbers do not correspond, so they are paired by time, and a shot that only one camera took is left out.
+
+    Raises:
+        InputError: naming the file, if something is missing or damaged.
+    """
+    drives = [folder] if _is_drive(folder) else _drives(folder)
+    return log_of(folder, (_sequence(drive, limit) for drive in drives))
+
+
+def _is_drive(folder: Path) -> bool:
+    return any((folder / side).is_dir() for sides in _GREY_BEFORE_COLOUR for side in sides)
+
+
+def _drives(folder: Path) -> list[Path]:
+    return natural_order(path for path in folder.glob("*_drive_*") if _is_drive(path))
+
+
+def _sequence(drive: Path, limit: int | None) -> Sequence:
+    day, name = drive.resolve().parent, drive.resolve().name
+    left, right = sides_in(drive, _GREY_BEFORE_COLOUR)
+    first, second = left[-2:], right[-2:]
+    path = day / _CALIBRATION
+    content = read_kitti(path, f"{day.name}_calib.zip")
+    with about(path):
+        if name.endswith(_RECTIFIED):
+            size = image_size(content, f"S_rect_{first}")
+            rig, match = rectified_rig(content, (f"P_rect_{first}", f"P_rect_{second}"), size), _match_by_name
+        elif name.endswith(_RAW):
+            rig, match = raw_rig(content, (first, second)), _match_by_time
+        else:
+            raise InputError(
+                f"the name of the drive {name} does not say whether its images are rectified; give it back the end "
+                f"{_RECTIFIED} or {_RAW}."
+            )
+    return drive, rig, load_matched(match(drive / left, drive / right), limit)
+
+
+def _match_by_name(left: Path, right: Path) -> Matched:
+    return match_equal(left / "data", right / "data")
+
+
+def _match_by_time(left: Path, right: Path) -> Matched:
+    (left_files, left_times), (right_files, right_times) = _shots(left), _shots(right)
+    matched: list[tuple[Path, Path]] = []
+    for path, time in zip(left_files, left_times, strict=True):
+        apart = np.abs(right_times - time)
+        if apart.min() < _SAME_SHOT:
+            matched.append((path, right_files[int(apart.argmin())]))
+    if not matched:
+        raise InputError(f"{left}: no image in there was taken together with one of {right.name}; check {_TIMES}.")
+    return matched
+
+
+def _shots(camera: Path) -> tuple[list[Path], Shaped[np.ndarray, "n"]]:
+    """The images of a camera and when they were taken: the number of an image is its line in the file of times."""
+    files = by_stem(camera / "data")
+    path = camera / _TIMES
+    lines = read_text(path).split("\n")
+    try:
+        times = np.array([lines[int(stem)].strip() for stem in files], "datetime64[ns]")
+    except (IndexError, ValueError):
+        times = np.array(["NaT"], "datetime64[ns]")
+    if np.isnat(times).any():
+        raise InputError(f"{path}: there is not a time in it for each image in data; copy or unpack it again.")
+    return list(files.values()), times

@@ -1,0 +1,38 @@
+"""MODD2: sequences of a boat's raw frames, each with a calibration of its own."""
+
+from pathlib import Path
+
+from stereorecal.io.formats._opencv import load_opencv_stereo
+from stereorecal.io.images._files import natural_order
+from stereorecal.io.images._matched import load_matched, match_marked
+from stereorecal.io.layouts._sequences import Sequence, log_of
+from stereorecal.recordings import Log
+
+LAYOUT = "MODD2 (video_data/NAME), or one sequence of it (calibration.yaml, frames/NNNNNNNNL.jpg and R.jpg)"
+_CALIBRATION, _FRAMES, _SEQUENCES = "calibration.yaml", "frames", "video_data"
+
+
+def recognises(folder: Path) -> bool:
+    """Whether the folder is MODD2, or one of its sequences."""
+    return any((folder / _SEQUENCES).glob(f"*/{_FRAMES}")) or _is_sequence(folder)
+
+
+def read(folder: Path, limit: int | None) -> Log:
+    """The raw frames of each sequence; `framesRectified` is left alone.
+
+    Raises:
+        InputError: naming the file, if something is missing or damaged.
+    """
+    if _is_sequence(folder):
+        return log_of(folder, [_sequence(folder, limit)])
+    places = natural_order(frames.parent for frames in (folder / _SEQUENCES).glob(f"*/{_FRAMES}"))
+    return log_of(folder, (_sequence(place, limit) for place in places))
+
+
+def _is_sequence(folder: Path) -> bool:
+    return (folder / _CALIBRATION).is_file() and (folder / _FRAMES).is_dir()
+
+
+def _sequence(folder: Path, limit: int | None) -> Sequence:
+    pairs = load_matched(match_marked(folder / _FRAMES), limit)
+    return folder, load_opencv_stereo(folder / _CALIBRATION, pairs[0].size), pairs

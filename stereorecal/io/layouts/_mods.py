@@ -1,0 +1,35 @@
+"""MODS: sequences of a boat's raw frames, with calibrations for many of them beside."""
+
+from pathlib import Path
+
+from stereorecal.io.formats._opencv import load_opencv_stereo
+from stereorecal.io.images._files import natural_order
+from stereorecal.io.images._matched import load_matched, match_marked
+from stereorecal.io.layouts._sequences import Sequence, log_of
+from stereorecal.recordings import Log
+
+LAYOUT = "MODS (calibration/calibration-ID.yaml, sequences/ID-.../frames/NNNNNNNNL.jpg and R.jpg)"
+_CALIBRATIONS, _SEQUENCES, _FRAMES = "calibration", "sequences", "frames"
+
+
+def recognises(folder: Path) -> bool:
+    """Whether the folder is MODS."""
+    return any((folder / _CALIBRATIONS).glob("calibration-*.yaml")) and (folder / _SEQUENCES).is_dir()
+
+
+def read(folder: Path, limit: int | None) -> Log:
+    """The sequences, in folders named after their calibration: "kope100-00006790-00007090" goes with
+    calibration-kope100.yaml. The frames lie in them, or in their folder `frames`.
+
+    Raises:
+        InputError: naming the file, if something is missing or damaged.
+    """
+    places = natural_order(path for path in (folder / _SEQUENCES).iterdir() if path.is_dir())
+    return log_of(folder, (_sequence(folder, place, limit) for place in places))
+
+
+def _sequence(root: Path, place: Path, limit: int | None) -> Sequence:
+    frames = place / _FRAMES
+    pairs = load_matched(match_marked(frames if frames.is_dir() else place), limit)
+    identity = place.name.partition("-")[0]
+    return place, load_opencv_stereo(root / _CALIBRATIONS / f"calibration-{identity}.yaml", pairs[0].size), pairs

@@ -1,0 +1,113 @@
+"""The plain log: one folder per sequence, one calibration file per date."""
+
+from bisect import bisect_right
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from stereorecal._errors import InputError
+from stereorecal.geometry import StereoRig
+from stereorecal.io._about import about
+from stereorecal.io._atomic import make_folder, write_text
+from stereorecal.io.formats._calib_json import calibration_text, read_calibration
+from stereorecal.io.formats._rigs import load_rig, save_rig
+from stereorecal.io.images._files import natural_order, stem_of
+from stereorecal.io.images._pairs import AnyPath
+from stereorecal.io.layouts._scene_folder import load_sides, name_of, write_png
+from stereorecal.recordings import Log, Mission
+
+LAYOUT = "a plain log (calibrations/DATE.json, sequences/DATE.../left and right)"
+_CALIBRATIONS, _SEQUENCES, _FACTS, _TRUTH = "calibrations", "sequences", "mission.json", "truth.json"
+
+
+def recognises(folder: Path) -> bool:
+    """Whether the folder holds a plain log."""
+    return any((folder / _CALIBRATIONS).glob("*.json")) and (folder / _SEQUENCES).is_dir()
+
+
+def read(folder: Path, limit: int | None) -> Log:
+    """The log: `calibrations/DATE.json` with the keys of a scene's calib.json, and `sequences/NAME/` with the images of
+    a scene folder. The calibration of a sequence is the last one whose date its name does not precede.
+
+    A sequence may have a mission.json: `calibration` names another one, `starred` lists the images of which little is
+    to be expected; and a truth.json, the rig as it really was.
+
+    Raises:
+        InputError: naming the file, if something is missing or damaged.
+    """
+    calibrations = {path.stem: load_rig(path) for path in natural_order((folder / _CALIBRATIONS).glob("*.json"))}
+    sequences = natural_order(path for path in (folder / _SEQUENCES).iterdir() if path.is_dir())
+    with about(folder):
+        return Log(
+            name_of(folder), calibrations, tuple(_mission(path, list(calibrations), limit) for path in sequences)
+        )
+
+
+def _mission(folder: Path, dates: list[str], limit: int | None) -> Mission:
+    facts = read_calibration(folder / _FACTS) if (folder / _FACTS).exists() else {}
+    truth = load_rig(folder / _TRUTH) if (folder / _TRUTH).exists() else None
+    pairs = tuple(load_sides(folder, limit))
+    with about(folder / _FACTS):
+        calibration, starred = _named(facts)
+        unknown = starred - {pair.name for pair in pairs}
+        if unknown and limit is None:
+            raise InputError(f"starred names {min(unknown)}, which is no left image of the sequence; correct it.")
+    return Mission(folder.name, calibration or _latest(folder.name, dates), pairs, starred, truth)
+
+
+def _named(facts: Mapping[str, Any]) -> tuple[str | None, frozenset[str]]:
+    """The calibration and the starred images that a mission.json names."""
+    calibration, starred = facts.get("calibration"), facts.get("starred", [])
+    if not isinstance(calibration, str | None):
+        raise InputError("calibration must be the name of a calibration, in quotes; correct it.")
+    if not (isinstance(starred, list) and all(isinstance(name, str) for name in starred)):
+        raise InputError('starred must be a list of image names, such as ["0004.png"]; correct it.')
+    return calibration, frozenset(starred)
+
+
+def _latest(name: str, dates: list[str]) -> str:
+    before = bisect_right(sorted(dates), name)
+    if before == 0:
+        raise InputError(
+            f"{name}: no calibration is of that date or before it; begin the names of sequences and of calibrations "
+            f"with a date such as 2026-05-31, or name the calibration in {_FACTS}."
+        )
+    return sorted(dates)[before - 1]
+
+
+def save_calibrations(calibrations: Mapping[str, StereoRig], folder: AnyPath, overwrite: bool = False) -> None:
+    """Write the calibrations of a plain log, each under its name.
+
+    Raises:
+        InputError: if one is there already and `overwrite` is not set, or the place cannot be written to.
+    """
+    place = Path(folder) / _CALIBRATIONS
+    make_folder(place)
+    for name, rig in calibrations.items():
+        save_rig(rig, place / f"{name}.json", overwrite=overwrite)
+
+
+def save_mission(mission: Mission, folder: AnyPath) -> None:
+    """Write one sequence of a plain log: 8-bit grey PNG, named as the pairs are; mission.json last.
+
+    Raises:
+        InputError: if the sequence is there already, two pairs would have one name, or the place cannot be written to.
+    """
+    place = Path(folder) / _SEQUENCES / mission.name
+    if has_mission(folder, mission.name):
+        raise InputError(f"{place}: the sequence is there already; choose another name or folder.")
+    names = {pair.name: f"{stem_of(pair.name)}.png" for pair in mission.pairs}
+    if len(set(names.values())) < len(mission.pairs):
+        raise InputError(f"{mission.name}: two pairs would be written under the same name; rename one.")
+    for pair in mission.pairs:
+        for side, image in (("left", pair.left), ("right", pair.right)):
+            write_png(place / side / names[pair.name], image)
+    if mission.truth is not None:
+        save_rig(mission.truth, place / _TRUTH, overwrite=True)
+    facts = {"calibration": mission.calibration, "starred": sorted(names[name] for name in mission.starred)}
+    write_text(place / _FACTS, calibration_text(facts) + "\n")
+
+
+def has_mission(folder: AnyPath, name: str) -> bool:
+    """Whether a plain log holds a sequence of this name that `save_mission` has finished."""
+    return (Path(folder) / _SEQUENCES / name / _FACTS).exists()

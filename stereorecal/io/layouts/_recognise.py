@@ -1,0 +1,95 @@
+"""Layouts in which people keep recordings: each is one module that recognises a folder and reads it as a log."""
+
+from pathlib import Path
+from types import ModuleType
+
+from stereorecal._errors import InputError
+from stereorecal.io.images._pairs import AnyPath
+from stereorecal.io.layouts import (
+    _euroc,
+    _kitti_odometry,
+    _kitti_raw,
+    _kitti_stereo,
+    _middlebury,
+    _modd2,
+    _mods,
+    _plain_log,
+)
+from stereorecal.io.layouts._scene_folder import is_scene_folder, load_scene_folder
+from stereorecal.recordings import Log, Mission, Scene
+
+# Each has `recognises(folder) -> bool` and `read(folder, limit) -> Log`, LAYOUT says what it is.
+# KITTI stereo comes before odometry: both have folders such as image_0, but its frames are named.
+_LAYOUTS: tuple[ModuleType, ...] = (
+    _plain_log,
+    _modd2,
+    _mods,
+    _kitti_raw,
+    _kitti_stereo,
+    _kitti_odometry,
+    _euroc,
+    _middlebury,
+)
+
+
+def load_log(folder: AnyPath, limit: int | None = None) -> Log:
+    """The log of missions in a folder, whose layout is recognised by what is in it.
+
+    A scene folder is a log of one mission; else see `docs/data.md`.
+
+    Args:
+        limit: read the first `limit` pairs of each mission only.
+
+    Raises:
+        InputError: naming the file, if the layout is none that is known, or something is missing or damaged.
+        UnsupportedModelError: if the distortion model is not OpenCV's.
+    """
+    folder = _existing(folder)
+    if is_scene_folder(folder):
+        return _log_of(load_scene_folder(folder, limit))
+    for layout in _LAYOUTS:
+        if layout.recognises(folder):
+            return layout.read(folder, limit)
+    known = "; ".join(layout.LAYOUT for layout in _LAYOUTS)
+    raise InputError(
+        f"{folder}: no layout that is known; expected a scene folder (calib.json, left, right), or {known}."
+    )
+
+
+def load_scene(folder: AnyPath, limit: int | None = None) -> Scene:
+    """The scene in a folder: calib.json and `left.*`, `right.*`, or folders `left`, `right` with equal names.
+
+    calib.json holds `image_size` [w, h], `K_left`, `D_left`, `K_right`, `D_right` (OpenCV's order),
+    `distortion_model`, `R` and `T` [m] with `x_right = R x_left + T`. Where K is null the scene has no rig.
+    Keys that say nothing about the rig are in `Scene.info` as they stand. The name is "<parent>/<folder>".
+    A folder in another layout that `load_log` knows is a scene too, if it holds one sequence.
+
+    Args:
+        limit: read the first `limit` pairs only.
+
+    Raises:
+        InputError: naming the file, if something is missing, unreadable, damaged or contradicts itself.
+        UnsupportedModelError: if the distortion model is not OpenCV's.
+    """
+    folder = _existing(folder)
+    if is_scene_folder(folder) or not any(layout.recognises(folder) for layout in _LAYOUTS):
+        return load_scene_folder(folder, limit)
+    log = load_log(folder, limit)
+    mission, *others = log.missions
+    if others:
+        raise InputError(f"{folder}: {len(log.missions)} sequences are in there ({mission.name} …); give one of them.")
+    return log.scene(mission)
+
+
+def _existing(folder: AnyPath) -> Path:
+    folder = Path(folder)
+    if not folder.is_dir():
+        raise InputError(f"{folder}: there is no such folder; check the path.")
+    return folder
+
+
+def _log_of(scene: Scene) -> Log:
+    if scene.rig is None:
+        raise InputError(f"{scene.name}: the scene has no calibration; a log needs one.")
+    truth = scene.rig if scene.reference == "truth" else None
+    return Log(scene.name, {"stored": scene.rig}, (Mission(scene.name, "stored", scene.pairs, truth=truth),))

@@ -1,0 +1,147 @@
+"""Scene folders: images and calib.json."""
+
+import re
+from collections.abc import Sequence
+from itertools import chain
+from pathlib import Path
+
+import cv2
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal._errors import InputError
+from stereorecal.io._about import about
+from stereorecal.io._atomic import make_folder, write_bytes
+from stereorecal.io.formats._calib_json import Calibration, calibration_of, calibration_text, load_calibration
+from stereorecal.io.images._files import images_in, natural_order
+from stereorecal.io.images._pairs import AnyPath, first, load_pair, load_pairs, match_files
+from stereorecal.recordings import Pair, Scene, check_pairs
+
+_CALIBRATION_FILE = "calib.json"
+
+
+def is_scene_folder(folder: Path) -> bool:
+    """Whether a folder has a calibration like a scene's."""
+    return (folder / _CALIBRATION_FILE).is_file()
+
+
+def load_scene_folder(folder: Path, limit: int | None = None) -> Scene:
+    """The scene in a folder as `load_scene` describes it."""
+    calibration = load_calibration(folder / _CALIBRATION_FILE)
+    pairs = load_sides(folder, limit)
+    with about(folder):
+        return _scene(name_of(folder), calibration, pairs)
+
+
+def name_of(folder: Path) -> str:
+    """A folder as people call it: "<parent>/<folder>"."""
+    return "/".join(folder.resolve().parts[-2:]).lstrip("/")
+
+
+def load_sides(folder: Path, limit: int | None) -> list[Pair]:
+    """The pairs of `left.*` and `right.*`, or of the folders `left` and `right` with equal names.
+
+    Raises:
+        InputError: if something is missing, has no partner, is unreadable or damaged.
+    """
+    matched = match_files(*(_side_files(folder, side) for side in ("left", "right")), by_order=False)
+    return [load_pair(*paths) for paths in first(matched, limit)]
+
+
+def gather_scene(left: AnyPath, right: AnyPath, calibration: AnyPath, limit: int | None = None) -> Scene:
+    """The scene of files that lie anywhere: images as `load_pairs` finds them, and a file like a scene folder's
+    calib.json. It is named after `left`.
+
+    Raises:
+        InputError, UnsupportedModelError: as `load_pairs` and `load_scene`.
+    """
+    found = load_calibration(Path(calibration))
+    pairs = load_pairs(left, right, limit)
+    with about(calibration):
+        return _scene(str(left), found, pairs)
+
+
+def _scene(name: str, calibration: Calibration, pairs: Sequence[Pair]) -> Scene:
+    """The scene, if images and calibration fit."""
+    rig, (width, height) = calibration.rig, calibration.size
+    if rig is not None:
+        check_pairs(rig, list(pairs))
+    elif any(pair.size != (width, height) for pair in pairs):
+        raise InputError(f"an image is not {width}x{height} as calib.json says; correct one of them.")
+    return Scene(name, rig, tuple(pairs), calibration.reference, calibration.info)
+
+
+def save_scene(scene: Scene, folder: AnyPath, overwrite: bool = False) -> None:
+    """Write a scene as a folder that `load_scene` reads back: calib.json and 8-bit grey PNG (values rounded).
+
+    One pair becomes left.png and right.png; several become left/NAME.png and right/NAME.png, numbered unless
+    their names keep them in order. Files that `scene.info` mentions are not copied. Each file is written
+    whole or not at all, calib.json last.
+
+    Args:
+        overwrite: whether files of the same names may be replaced.
+
+    Raises:
+        InputError: if the scene cannot be written as such, files exist already, or images are there that
+            `load_scene` would take for part of the scene. Nothing is written then.
+    """
+    folder = Path(folder)
+    if not scene.pairs:
+        raise InputError(f"the scene {scene.name!r} has no image pair; give at least one.")
+    if scene.rig is not None:
+        check_pairs(scene.rig, scene.pairs)
+    facts = calibration_of(scene.rig, scene.pairs[0].size)
+    text = calibration_text({**scene.info, **facts, "reference": scene.reference})
+    images: dict[Path, Float[np.ndarray, "h w"]] = {}
+    for name, pair in zip(_file_names(scene.pairs), scene.pairs, strict=True):
+        images[folder / f"left{name}.png"], images[folder / f"right{name}.png"] = pair.left, pair.right
+    _check_free(folder, {*images, folder / _CALIBRATION_FILE}, overwrite)
+    for path, image in images.items():
+        write_png(path, image)
+    write_bytes(folder / _CALIBRATION_FILE, text.encode())
+
+
+def write_png(path: Path, image: Float[np.ndarray, "h w"]) -> None:
+    """Write a grey image as 8-bit PNG, values rounded; folders are made."""
+    make_folder(path.parent)
+    write_bytes(path, cv2.imencode(".png", np.clip(np.rint(image), 0, 255).astype(np.uint8))[1].tobytes())
+
+
+def _side_files(folder: Path, side: str) -> list[Path]:
+    """The images of one side: the file `side.*` or those in the folder `side`.
+
+    Raises:
+        InputError: if there is none, or more than one reading.
+    """
+    single, several = _images_of(folder, side)
+    if not (single or several):
+        raise InputError(f"{folder}: there is no image {side}.* and no folder {side} with images; add them.")
+    if len(single) > 1 or (single and several):
+        other = single[1] if len(single) > 1 else several[0]
+        raise InputError(f"{folder}: both {single[0].name} and {other.relative_to(folder)} are there; remove one.")
+    return single or several
+
+
+def _images_of(folder: Path, side: str) -> tuple[list[Path], list[Path]]:
+    return [path for path in images_in(folder) if path.stem == side], images_in(folder / side)
+
+
+def _file_names(pairs: tuple[Pair, ...]) -> list[str]:
+    """What follows "left" and "right" in the file names of each pair, without suffix."""
+    if len(pairs) == 1:
+        return [""]
+    names = [Path(Path(pair.name).stem) for pair in pairs]
+    usable = all(re.fullmatch(r"\w[\w +-]*", str(name)) for name in names)
+    if not usable or len(set(names)) < len(names) or natural_order(names) != names:
+        names = [Path(f"{index:06d}") for index in range(len(pairs))]
+    return [f"/{name}" for name in names]
+
+
+def _check_free(folder: Path, targets: set[Path], overwrite: bool) -> None:
+    existing = natural_order(path for path in targets if path.exists())
+    if existing and not overwrite:
+        raise InputError(f"{existing[0]}: the file exists already; choose another folder or allow overwriting.")
+    for side in ("left", "right"):
+        for path in chain(*_images_of(folder, side)):
+            if path not in targets:
+                raise InputError(f"{path}: this image would mix with the scene; choose another folder.")

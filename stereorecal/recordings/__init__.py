@@ -1,0 +1,6 @@
+"""Data as users have them: pairs, scenes, missions, logs, and what a pair must fulfil."""
+
+from stereorecal.recordings._checks import check_pairs as check_pairs
+from stereorecal.recordings._log import Log as Log, Mission as Mission
+from stereorecal.recordings._pair import Pair as Pair, make_pair as make_pair
+from stereorecal.recordings._scene import Scene as Scene

@@ -1,0 +1,29 @@
+"""What pairs must fulfil to be scored under a calibration."""
+
+import numpy as np
+
+from stereorecal._errors import InputError
+from stereorecal.geometry import StereoRig
+from stereorecal.recordings._pair import Pair
+
+
+def check_pairs(rig: StereoRig, pairs: tuple[Pair, ...] | list[Pair]) -> tuple[Pair, ...]:
+    """The pairs as a tuple, if there is at least one, all have the size that the calibration says, and none is one
+    image twice.
+
+    Raises:
+        InputError: otherwise.
+    """
+    pairs = tuple(pairs)
+    if not pairs:
+        raise InputError("no image pair was given; give at least one.")
+    for pair in pairs:
+        if not rig.left.size == rig.right.size == pair.size:
+            raise InputError(
+                f"{pair.name}: the images are {pair.size[0]}x{pair.size[1]}, but the calibration is for "
+                f"{rig.left.size[0]}x{rig.left.size[1]} (left) and {rig.right.size[0]}x{rig.right.size[1]} (right); "
+                "use images and calibration of the same size."
+            )
+        if np.array_equal(pair.left, pair.right) and np.ptp(pair.left) > 0:
+            raise InputError(f"{pair.name}: left and right are the same image; give one from each camera.")
+    return pairs

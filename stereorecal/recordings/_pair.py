@@ -1,0 +1,119 @@
+"""One pair of images, taken at the same time."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import cv2
+import numpy as np
+from jaxtyping import Float, Num
+
+from stereorecal._errors import InputError
+
+# Rec. 601 luma, as OpenCV's.
+_LUMA = {"rgb": (0.299, 0.587, 0.114), "bgr": (0.114, 0.587, 0.299)}
+
+
+@dataclass(frozen=True, eq=False)
+class Pair:
+    """One synchronous pair of grey images, (h, w) float32 in 0..255.
+
+    Attributes:
+        left, right: the images; use `make_pair` for colour or more than 8 bit.
+        name: what people call the pair.
+        origin: None, or (function, arguments) that make the pair again: a pair that came from files is pickled as
+            its paths, not as pixels.
+
+    Raises:
+        InputError: if the images differ in size, contain NaN or infinite values, or are constant.
+    """
+
+    left: Float[np.ndarray, "h w"]
+    right: Float[np.ndarray, "h_right w_right"]  # the same, or an InputError says otherwise
+    name: str = "pair"
+    origin: tuple[Callable[..., "Pair"], tuple[Any, ...]] | None = field(default=None, repr=False)
+
+    def __post_init__(self) -> None:
+        if self.left.shape != self.right.shape:
+            raise InputError(
+                f"{self.name}: the left image is {_size_text(self.left)} and the right one {_size_text(self.right)}; "
+                "both must have the same size."
+            )
+        for side, image in (("left", self.left), ("right", self.right)):
+            darkest, brightest = float(image.min()), float(image.max())  # NaN if there is one
+            if not np.isfinite(brightest - darkest):
+                raise InputError(f"{self.name}, {side}: the image contains NaN or infinite values; replace them.")
+            if darkest == brightest:
+                kind = "all black" if brightest == 0 else "constant"
+                raise InputError(
+                    f"{self.name}, {side}: the image is {kind}; there is nothing to match: check camera and file."
+                )
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """(width, height) in pixels."""
+        return self.left.shape[1], self.left.shape[0]
+
+    def resized(self, size: tuple[int, int]) -> "Pair":
+        """The pair resampled to `size` (width, height) by area averaging."""
+        if size == self.size:
+            return self
+        shrink = [cv2.resize(image, size, interpolation=cv2.INTER_AREA) for image in (self.left, self.right)]
+        return Pair(shrink[0], shrink[1], self.name)
+
+    def __reduce__(self):
+        if self.origin is not None:
+            return self.origin
+        return Pair, (self.left, self.right, self.name)
+
+
+def make_pair(
+    left: Num[np.ndarray, "..."],
+    right: Num[np.ndarray, "..."],
+    *,
+    channels: str = "rgb",
+    name: str = "pair",
+    origin: tuple[Callable[..., Pair], tuple[Any, ...]] | None = None,
+) -> Pair:
+    """A Pair from grey (h, w) or colour (h, w, 3 or 4) images of 8 to 16 bit or floating point.
+
+    8-bit values stay as they are. Anything wider is scaled once for both images, so that their common maximum is 255.
+
+    Args:
+        channels: "rgb" or "bgr", the order of the first three channels of colour images.
+
+    Raises:
+        InputError: if sizes or depths differ, values are NaN, infinite or negative, or an image is constant.
+    """
+    if channels not in _LUMA:
+        raise InputError(f"unknown channel order {channels!r}; use 'rgb' or 'bgr'.")
+    eight_bit = left.dtype == np.uint8
+    if eight_bit != (right.dtype == np.uint8):
+        raise InputError(
+            f"{name}: the left image is {left.dtype} and the right one {right.dtype}; give both the same depth."
+        )
+    grey_left, grey_right = (
+        _grey(image, channels, f"{name}, {side}") for image, side in ((left, "left"), (right, "right"))
+    )
+    if not eight_bit:
+        largest = max(grey_left.max(), grey_right.max(), 1e-30)
+        grey_left, grey_right = grey_left * (255.0 / largest), grey_right * (255.0 / largest)
+    return Pair(grey_left.astype(np.float32), grey_right.astype(np.float32), name, origin)
+
+
+def _grey(image: np.ndarray, channels: str, name: str) -> np.ndarray:
+    if image.ndim == 3 and image.shape[2] == 1:
+        image = image[..., 0]
+    if not (image.ndim == 2 or (image.ndim == 3 and image.shape[2] in (3, 4))) or min(image.shape[:2]) < 2:
+        raise InputError(f"{name}: an array of shape {image.shape} is no image; give (h, w) or (h, w, 3).")
+    if image.dtype.kind == "f" and not np.isfinite(image).all():
+        raise InputError(f"{name}: the image contains NaN or infinite values; mask or replace them.")
+    if image.min() < 0:
+        raise InputError(f"{name}: the image contains negative values; shift or clip them.")
+    if image.ndim == 3:
+        image = image[..., :3].astype(np.float32) @ np.array(_LUMA[channels], np.float32)
+    return image.astype(np.float32)
+
+
+def _size_text(image: np.ndarray) -> str:
+    return f"{image.shape[1]}x{image.shape[0]}"

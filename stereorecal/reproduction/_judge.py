@@ -1,0 +1,85 @@
+"""How calibrations are counted in the experiments: one view and one disparity range for all that is compared."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from stereorecal.geometry import AXES, StereoRig, View, view
+from stereorecal.matching import SAD, AbstractMatcher
+from stereorecal.objectives import Reach
+from stereorecal.recalibration import Waypoint
+from stereorecal.recordings import Log, Mission, Pair
+from stereorecal.scoring import counts, normalised, prepare, with_disparity_range
+
+
+@dataclass(frozen=True, eq=False)
+class Judge:
+    """Counts pixels with a valid disparity, as one stereo system with fixed settings would.
+
+    Attributes:
+        rig: whose cameras took the images; the manual calibration.
+        matcher: with its disparity range.
+        view: the rectified cameras.
+        truth: the rig as it really was, where that is known.
+    """
+
+    rig: StereoRig
+    matcher: AbstractMatcher
+    view: View
+    truth: StereoRig | None = None
+
+    def counts(self, pair: Pair, extrinsics: Sequence[np.ndarray]) -> list[int]:
+        """The count of a pair under each extrinsics (6,) [rad, m]."""
+        candidates = np.stack([normalised(one) for one in extrinsics])
+        return counts(prepare(self.rig, [pair], self.view), candidates, self.matcher).tolist()
+
+    def with_matcher(self, matcher: AbstractMatcher) -> "Judge":
+        """The same judge with another kind of matcher that has the same disparity range."""
+        mine = self.matcher
+        ranged = replace(matcher, min_disparity=mine.min_disparity, num_disparities=mine.num_disparities)
+        return replace(self, matcher=ranged)
+
+    @property
+    def reference(self) -> StereoRig:
+        """What errors are measured from: the truth where it is known, else the manual calibration."""
+        return self.truth or self.rig
+
+    def errors(self, extrinsics: np.ndarray) -> tuple[dict[str, float], dict[str, float]]:
+        """|pitch|, |yaw|, |roll| error [degrees] and |y|, |z| error [percent of the baseline]; directions of the
+        translation are compared, since nothing sees its length."""
+        here, there = normalised(extrinsics), normalised(self.reference.extrinsics)
+        away = np.abs(here - there)
+        degrees, percent = np.degrees(away[:3]), 100.0 * away[3:]
+        return dict(zip(AXES[:3], degrees.tolist(), strict=True)), {"y": float(percent[1]), "z": float(percent[2])}
+
+    def way(self, pair: Pair, path: Sequence[Waypoint]) -> list[dict[str, float]]:
+        """What a repair had reached, and at which cost: the count, and the squared errors of rotation [degrees²] and
+        of the direction of the translation [percent²]."""
+        found = self.counts(pair, [point.extrinsics for point in path])
+        rows = []
+        for point, count in zip(path, found, strict=True):
+            rotation, translation = self.errors(point.extrinsics)
+            squared = [sum(error**2 for error in part.values()) for part in (rotation, translation)]
+            rows.append({"cost": point.cost, "count": count, "rotation2": squared[0], "translation2": squared[1]})
+        return rows
+
+
+def judge_of(log: Log, mission: Mission, reach: Reach) -> Judge:
+    """The judge of a mission: SAD, whose range is measured with the manual calibration on the first pairs that are not
+    starred, in the view of the ideal rig: it favours no calibration."""
+    rig = log.calibration_of(mission)
+    neutral = view(ideal(rig, float(rig.baseline)))
+    pairs = unstarred(mission)
+    matcher = with_disparity_range(SAD(), rig, pairs, neutral, np.radians(reach.degrees))
+    return Judge(rig, matcher, neutral, mission.truth)
+
+
+def ideal(rig: StereoRig, baseline: float) -> StereoRig:
+    """The same cameras side by side: [0, 0, 0, -B, 0, 0]."""
+    return rig.with_extrinsics(np.array([0.0, 0.0, 0.0, -baseline, 0.0, 0.0]))
+
+
+def unstarred(mission: Mission) -> tuple[Pair, ...]:
+    """The pairs of which something is to be expected; all of them, if there are no others."""
+    return tuple(pair for pair in mission.pairs if pair.name not in mission.starred) or mission.pairs

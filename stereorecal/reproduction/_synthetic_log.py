@@ -1,0 +1,65 @@
+"""The synthetic mission log: rendered on demand, kept in the user's cache folder."""
+
+import hashlib
+import json
+from pathlib import Path
+
+from platformdirs import user_cache_path
+
+from stereorecal import geometry, synthetic
+from stereorecal._errors import InputError
+from stereorecal._run_all import Progress
+from stereorecal.io import has_mission, load_log, make_folder, save_calibrations, save_mission, write_text
+from stereorecal.recordings import Log
+from stereorecal.synthetic import default_rig, plan_missions
+
+_QUICK_SIZE, _QUICK_PAIRS, _QUICK_MISSIONS = (256, 192), 3, 2
+
+
+def synthetic_log(
+    seed: int = 0, *, quick: bool = False, folder: Path | None = None, progress: Progress | None = None
+) -> Log:
+    """The log that `synthetic.plan_missions` plans, as a plain log on the disk; what is there is not rendered again.
+
+    Args:
+        seed: draws drift and scenes.
+        quick: images of 256x192, three pairs of the first two sequences.
+        folder: where it is kept; default a folder of the user's cache, one for each edition of the renderer.
+        progress: called with (finished, total) after each sequence.
+
+    Raises:
+        InputError: if the place holds something else or cannot be written to, or what is there is damaged.
+    """
+    if quick:
+        plan = plan_missions(seed, rig=default_rig().resized(_QUICK_SIZE), most_pairs=_QUICK_PAIRS)
+    else:
+        plan = plan_missions(seed)
+    missions = plan.missions[:_QUICK_MISSIONS] if quick else plan.missions
+    if folder is None:
+        size = "quick" if quick else "full"
+        folder = user_cache_path("stereorecal") / "logs" / _edition() / f"missions-{seed}-{size}"
+    _claim(folder, {"seed": seed, "quick": quick, "edition": _edition()})
+    save_calibrations(plan.calibrations, folder, overwrite=True)
+    for index, planned in enumerate(missions):
+        if not has_mission(folder, planned.mission.name):
+            save_mission(planned.photographed(), folder)
+        if progress is not None:
+            progress(index + 1, len(missions))
+    return load_log(folder)
+
+
+def _claim(folder: Path, plan: dict[str, object]) -> None:
+    """Say in the folder which plan it holds; a folder that holds another is left alone."""
+    path, text = folder / "plan.json", json.dumps(plan) + "\n"
+    make_folder(folder)
+    if not path.exists() and not any(folder.iterdir()):
+        write_text(path, text)
+    if not path.exists() or path.read_text() != text:
+        raise InputError(f"{folder}: holds something other than this log; choose another folder, or remove it.")
+
+
+def _edition() -> str:
+    """Changes whenever the renderer, the geometry beneath it or the plan does."""
+    folders = [Path(module.__file__ or "").parent for module in (synthetic, geometry)]
+    sources = [Path(__file__), *(path for folder in folders for path in sorted(folder.rglob("*.py")))]
+    return hashlib.sha256(b"".join(path.read_bytes() for path in sources)).hexdigest()[:12]

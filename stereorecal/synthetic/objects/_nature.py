@@ -1,0 +1,90 @@
+"""Paints for what grows and erodes: hills, cliffs, crowns of trees."""
+
+import numpy as np
+
+from stereorecal.synthetic.rendering._noise import Texture, fractal
+from stereorecal.synthetic.rendering._patch import Canvas, Paint
+
+
+def _relief(height: Texture, strength: float) -> Texture:
+    """Light on a height field from the upper left."""
+    rows, columns = np.gradient(height)
+    return np.tanh(strength * (columns + rows))
+
+
+def _profile(canvas: Canvas, low: float, high: float, scale: float) -> Texture:
+    """Heights [m] of a skyline (1, w), between `low` and `high` most of the time."""
+    line = fractal(canvas.rng, (8, canvas.shape[1]), (64.0, scale / canvas.texel), 8, 0.5)[:1]
+    taper = np.clip(np.minimum(canvas.x, canvas.width - canvas.x) / (0.12 * canvas.width), 0.0, 1.0)
+    body = low + (high - low) * np.clip(0.5 + 0.45 * line, 0.0, 1.0)
+    return body * np.sqrt(taper)
+
+
+def hill(low: float, high: float, rock: float, scale: float = 60.0) -> Paint:
+    """A hillside with woods, meadows and rock at its foot; `low` and `high` bound its skyline [m].
+
+    Args:
+        rock: height [m] up to which it is bare rock.
+    """
+
+    def paint(canvas: Canvas) -> tuple[Texture, Texture]:
+        top = _profile(canvas, low, high, scale)
+        bumps = 0.25 * canvas.noise(1.6, 0.9, 6, 0.9)
+        mask = np.clip(0.5 + (top + bumps - canvas.y) / (2.0 * canvas.texel), 0.0, 1.0)
+        folds = canvas.noise(0.35 * scale, 0.15 * scale, 8, 0.6)
+        crowns = canvas.noise(2.6, 1.7, 6, 0.85)
+        woods = 0.085 * np.exp(0.55 * crowns + 0.35 * _relief(crowns, 6.0))
+        meadow = 0.22 * np.exp(0.2 * canvas.noise(7.0, 1.2, 8, 0.8))
+        open_land = np.clip(0.5 + 2.5 * (canvas.noise(16.0, 3.0, 7, 0.7) - 0.3), 0.0, 1.0)
+        image = woods + open_land * (meadow - woods)
+        image = image * np.exp(0.3 * _relief(folds, 14.0))
+        ragged = rock * (1.0 + 0.45 * canvas.noise(9.0, 5.0, 7))
+        bare = np.clip(0.5 + (ragged - canvas.y) / 0.6, 0.0, 1.0)
+        image = image + bare * (_rock(canvas) - image)
+        foot = np.clip(canvas.y / 0.5, 0.25, 1.0)
+        return (image * foot).astype(np.float32), mask.astype(np.float32)
+
+    return paint
+
+
+def cliff(low: float, high: float, albedo: float = 0.36) -> Paint:
+    """A bare cliff with strata, clefts and a cap of grass."""
+
+    def paint(canvas: Canvas) -> tuple[Texture, Texture]:
+        top = _profile(canvas, low, high, 18.0)
+        mask = np.clip(0.5 + (top + 0.12 * canvas.noise(1.2) - canvas.y) / (2.0 * canvas.texel), 0.0, 1.0)
+        image = _rock(canvas) * (albedo / 0.3)
+        cap = np.clip(0.5 + (canvas.y - top + 1.2 + 0.5 * canvas.noise(3.0)) / 0.4, 0.0, 1.0)
+        grass = 0.12 * np.exp(0.4 * canvas.noise(1.2, 0.6, 6, 0.9))
+        image = image + cap * (grass - image)
+        wet = np.clip(1.4 - canvas.y / 0.7 + 0.3 * canvas.noise(2.0), 0.0, 1.0)
+        return (image * (1.0 - 0.7 * wet)).astype(np.float32), mask.astype(np.float32)
+
+    return paint
+
+
+def _rock(canvas: Canvas) -> Texture:
+    tilt = canvas.y + 0.18 * canvas.x + 0.5 * canvas.noise(9.0, 5.0)
+    strata = np.sin(6.5 * tilt) + 0.6 * np.sin(15.1 * tilt + 1.0)
+    clefts = np.exp(-4.0 * np.abs(canvas.noise(2.4, 5.0, 7, 0.65)))
+    lumps = canvas.noise(2.2, 1.8, 8, 0.75)
+    image = 0.3 * np.exp(0.09 * strata + 0.25 * lumps + 0.45 * _relief(lumps, 9.0))
+    return image * (1.0 - 0.65 * clefts)
+
+
+def crown(albedo: float, density: float = 0.0) -> Paint:
+    """A clump of leaves with ragged edges and holes; a greater `density` closes them."""
+
+    def paint(canvas: Canvas) -> tuple[Texture, Texture]:
+        across = canvas.x / canvas.width * 2.0 - 1.0
+        up = canvas.y / canvas.height * 2.0 - 1.0
+        radius = np.sqrt(across**2 + up**2)
+        leaves = canvas.noise(0.5, 0.45, 6, 0.95)
+        clumps = canvas.noise(0.35 * canvas.width, octaves=4)
+        mask = 0.5 + 2.0 * (0.78 + density - radius) + 0.55 * leaves + 0.45 * clumps
+        mask = mask - 12.0 * np.clip(np.maximum(np.abs(across), np.abs(up)) - 0.84, 0.0, 1.0) * (1.0 + 0.5 * leaves)
+        lit = 0.75 + 0.35 * up - 0.1 * across
+        image = albedo * lit * np.exp(0.4 * leaves + 0.35 * clumps)
+        return image.astype(np.float32), np.clip(mask, 0.0, 1.0).astype(np.float32)
+
+    return paint

@@ -1,0 +1,1 @@
+"""How a world becomes an image: textures, patches, rays, sensor."""

@@ -1,0 +1,131 @@
+"""Patch: a flat, textured parallelogram, the one thing that every solid object is made of.
+
+World frame: x right, y up, z forward, in metres; y = 0 is the water or the road, and the left camera stands
+above the origin in the first frame.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal.synthetic.rendering._noise import Texture, fractal
+
+Point = Float[np.ndarray, "3"]
+
+# Angle of a pixel, which says how fine a patch must be at its nearest point, and the most texels it may have.
+_PIXEL_ANGLE = 1.0 / 600.0
+_MOST_TEXELS = 450_000
+
+
+@dataclass(frozen=True, eq=False)
+class Light:
+    """Sun and sky.
+
+    Attributes:
+        sun: (3,) unit vector towards the sun.
+        direct, ambient: how much light comes from the sun and from the sky.
+    """
+
+    sun: Point
+    direct: float
+    ambient: float
+
+    def on(self, normal: Point) -> float:
+        """Light that falls on a surface with this unit normal."""
+        return self.ambient * (0.7 + 0.3 * float(normal[1])) + self.direct * max(0.0, float(normal @ self.sun))
+
+
+@dataclass(frozen=True, eq=False)
+class Canvas:
+    """What a paint works on: `width` by `height` metres in squares of `texel` metres, row 0 on top."""
+
+    rng: np.random.Generator
+    width: float
+    height: float
+    texel: float
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """(rows, columns)."""
+        return max(2, round(self.height / self.texel)), max(2, round(self.width / self.texel))
+
+    @property
+    def x(self) -> Float[np.ndarray, "1 w"]:
+        """Metres from the left edge."""
+        return ((np.arange(self.shape[1], dtype=np.float32) + 0.5) * (self.width / self.shape[1]))[None, :]
+
+    @property
+    def y(self) -> Float[np.ndarray, "h 1"]:
+        """Metres above the lower edge."""
+        rows = self.shape[0]
+        return ((rows - 0.5 - np.arange(rows, dtype=np.float32)) * (self.height / rows))[:, None]
+
+    def noise(self, across: float, up: float | None = None, octaves: int = 7, gain: float = 0.65) -> Texture:
+        """Fractal noise of unit variance whose largest features are `across` by `up` metres."""
+        up = across if up is None else up
+        return fractal(self.rng, self.shape, (up / self.texel, across / self.texel), octaves, gain)
+
+    def fill(self, image: Texture, x0: float, x1: float, y0: float, y1: float, value: float) -> None:
+        """Set the rectangle [x0, x1] by [y0, y1] (metres) of `image` to `value`."""
+        rows, columns = self.shape
+        top, bottom = (round((1.0 - y / self.height) * rows) for y in (y1, y0))
+        left, right = (round(x / self.width * columns) for x in (x0, x1))
+        image[max(top, 0) : max(bottom, 0), max(left, 0) : max(right, 0)] = value
+
+
+Opaque = Callable[[Canvas], Texture]
+"""Paints a canvas without holes: the albedo (h, w)."""
+
+Paint = Callable[[Canvas], Texture | tuple[Texture, Texture]]
+"""Paints a canvas: the albedo (h, w), or that and a mask (h, w), above 0.5 where the surface is."""
+
+
+@dataclass(frozen=True, eq=False)
+class Patch:
+    """The points `origin + a across + b up` with a, b in 0..1.
+
+    Attributes:
+        origin, across, up: (3,) [m], world frame.
+        levels: radiance and mask (h, w, 2) float32, each half as fine as the one before; row 0 is b = 1.
+        texel: size [m] of a texel of level 0.
+    """
+
+    origin: Point
+    across: Point
+    up: Point
+    levels: tuple[Float[np.ndarray, "_ _ 2"], ...]
+    texel: float
+
+    @property
+    def corners(self) -> Float[np.ndarray, "4 3"]:
+        """The corners in order around the patch."""
+        sides = np.stack([np.zeros(3), self.across, self.across + self.up, self.up])
+        return self.origin + sides
+
+
+def painted(rng: np.random.Generator, light: Light, origin, across, up, paint: Paint, eye=(0.0, 2.5, 0.0)) -> Patch:
+    """A patch with a paint on it, lit by `light`, as fine as somebody at `eye` can see."""
+    origin, across, up, eye = (np.array(v, float) for v in (origin, across, up, eye))
+    width, height = float(np.linalg.norm(across)), float(np.linalg.norm(up))
+    grid = np.linspace(0.0, 1.0, 9)
+    points = origin + grid[:, None, None] * across + grid[None, :, None] * up
+    near = max(4.0, float(np.linalg.norm(points - eye, axis=-1).min()))
+    texel = max(0.7 * near * _PIXEL_ANGLE, np.sqrt(width * height / _MOST_TEXELS))
+    normal = np.cross(across, up) / (width * height)
+    normal = normal * np.sign(normal @ (eye - origin) or 1.0)
+    result = paint(Canvas(rng, width, height, texel))
+    albedo, mask = result if isinstance(result, tuple) else (result, np.ones_like(result))
+    radiance = np.clip(albedo, 0.01, 1.0) * np.float32(light.on(normal / np.linalg.norm(normal)))
+    return Patch(origin, across, up, _levels(np.stack([radiance, mask], axis=-1).astype(np.float32)), texel)
+
+
+def _levels(texture: Float[np.ndarray, "h w 2"]) -> tuple[Float[np.ndarray, "_ _ 2"], ...]:
+    levels = [texture]
+    while max(levels[-1].shape[:2]) > 4 and len(levels) < 7:
+        rows, columns = levels[-1].shape[:2]
+        half = (max(2, (columns + 1) // 2), max(2, (rows + 1) // 2))
+        levels.append(cv2.resize(levels[-1], half, interpolation=cv2.INTER_AREA))
+    return tuple(levels)

@@ -1,0 +1,119 @@
+"""Cast rays into a world: which patch they meet first, how far away, and how bright it is there."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from jaxtyping import Float, Shaped
+
+from stereorecal.synthetic.rendering._patch import Patch, Point
+
+_BLOCK = 16
+_NEAR = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class Rays:
+    """A grid of rays in the world frame.
+
+    Attributes:
+        centre: (3,) [m], where all rays start.
+        directions: (h, w, 3) float32, of any length; a hit at depth t lies at `centre + t direction`.
+        spread: angle [rad] between neighbouring rays, for the choice of texture detail.
+    """
+
+    centre: Point
+    directions: Float[np.ndarray, "h w 3"]
+    spread: float
+
+
+def trace(patches: tuple[Patch, ...], rays: Rays) -> tuple[Float[np.ndarray, "h w"], Float[np.ndarray, "h w"]]:
+    """Depth t (infinite where there is none) and radiance of the first patch that each ray meets, float32."""
+    depth = np.full(rays.directions.shape[:2], np.inf, np.float32)
+    radiance = np.zeros_like(depth)
+    bounds = _block_bounds(rays.directions)
+    for patch in sorted(patches, key=lambda p: float(np.linalg.norm(p.corners.mean(0) - rays.centre))):
+        window = _window(patch, rays.centre, bounds)
+        if window is not None:
+            _meet(patch, rays.centre, rays.spread, rays.directions[window], depth[window], radiance[window])
+    return depth, radiance
+
+
+def _meet(patch: Patch, centre: Point, spread: float, directions, depth, radiance) -> None:
+    """Write into `depth` and `radiance` (in place) where the rays meet the patch before anything else."""
+    normal = np.cross(patch.across, patch.up)
+    area = normal @ normal
+    duals = np.stack([normal, np.cross(patch.up, normal) / area, np.cross(normal, patch.across) / area])
+    start = duals @ (centre - patch.origin)
+    if abs(start[0]) < 1e-9:
+        return
+    slopes = directions @ duals.T.astype(np.float32)
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        t = np.float32(-start[0]) / slopes[..., 0]
+        a = np.float32(start[1]) + t * slopes[..., 1]
+        b = np.float32(start[2]) + t * slopes[..., 2]
+        hit = (t > 0) & (t < depth) & (a >= 0) & (a < 1) & (b >= 0) & (b < 1)
+    rows, columns = (np.flatnonzero(hit.any(axis)) for axis in (1, 0))
+    if rows.size == 0:
+        return
+    box = (slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1))
+    hit, t, slopes = hit[box], t[box], slopes[box]
+    t = np.where(hit, t, np.median(t[hit]))
+    # A compromise between the narrow and the long side of the footprint of a slanting ray.
+    slant = np.abs(slopes[..., 0]) / np.float32(np.sqrt(area)) / np.linalg.norm(directions[box], axis=-1)
+    footprint = 1.3 * spread * t / np.sqrt(np.maximum(slant, 0.05))
+    colour = sample(patch.levels, a[box], 1.0 - b[box], np.log2(footprint / patch.texel), hit)
+    hit = hit & (colour[..., 1] > 0.5)
+    depth[box][hit] = t[hit]
+    radiance[box][hit] = colour[..., 0][hit]
+
+
+def sample(levels, u, v, level, used) -> Float[np.ndarray, "h w c"]:
+    """Look up a texture pyramid at (u, v) in 0..1 with fractional `level`, where `used`."""
+    level = np.clip(np.where(used, level, level[used].mean()), 0.0, len(levels) - 1.0).astype(np.float32)
+    total = None
+    for index in range(int(np.floor(level.min())), int(np.ceil(level.max())) + 1):
+        rows, columns = levels[index].shape[:2]
+        x, y = u * np.float32(columns) - np.float32(0.5), v * np.float32(rows) - np.float32(0.5)
+        x, y = np.clip(x, -1.0, columns), np.clip(y, -1.0, rows)
+        value = cv2.remap(levels[index], x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        weighted = np.maximum(0.0, 1.0 - np.abs(level - index))[..., None] * value
+        total = weighted if total is None else total + weighted
+    assert total is not None
+    return total
+
+
+def _block_bounds(directions: Float[np.ndarray, "h w 3"]) -> tuple[Shaped[np.ndarray, "rows columns"], ...]:
+    """Least and largest x/z and y/z of the rays of each block of the grid."""
+    slopes = directions[..., :2] / directions[..., 2:]
+    edges = [np.arange(0, n, _BLOCK) for n in slopes.shape[:2]]
+    low = np.minimum.reduceat(np.minimum.reduceat(slopes, edges[0], 0), edges[1], 1)
+    high = np.maximum.reduceat(np.maximum.reduceat(slopes, edges[0], 0), edges[1], 1)
+    return low[..., 0], high[..., 0], low[..., 1], high[..., 1]
+
+
+def _window(patch: Patch, centre: Point, bounds) -> tuple[slice, slice] | None:
+    """The part of the grid outside which no ray can meet the patch."""
+    outline = _clip_near(patch.corners - centre)
+    if len(outline) == 0:
+        return None
+    slopes = outline[:, :2] / outline[:, 2:]
+    (x0, y0), (x1, y1) = slopes.min(0) - 1e-4, slopes.max(0) + 1e-4
+    low_x, high_x, low_y, high_y = bounds
+    touched = (low_x <= x1) & (high_x >= x0) & (low_y <= y1) & (high_y >= y0)
+    rows, columns = np.flatnonzero(touched.any(1)), np.flatnonzero(touched.any(0))
+    if rows.size == 0:
+        return None
+    top, bottom, left, right = rows[0], rows[-1] + 1, columns[0], columns[-1] + 1
+    return slice(top * _BLOCK, bottom * _BLOCK), slice(left * _BLOCK, right * _BLOCK)
+
+
+def _clip_near(corners: Float[np.ndarray, "4 3"]) -> Float[np.ndarray, "_ 3"]:
+    """The part of a polygon with z >= _NEAR."""
+    kept = []
+    for p, q in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+        if p[2] >= _NEAR:
+            kept.append(p)
+        if (p[2] >= _NEAR) != (q[2] >= _NEAR):
+            kept.append(p + (q - p) * ((_NEAR - p[2]) / (q[2] - p[2])))
+    return np.array(kept).reshape(-1, 3)

@@ -1,0 +1,1 @@
+"""Scenes that can be rendered: one module for each kind."""

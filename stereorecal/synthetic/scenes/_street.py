@@ -1,0 +1,113 @@
+"""A street: road with markings, houses on both sides, parked cars, trees, lamps."""
+
+import numpy as np
+
+from stereorecal.synthetic.objects._car import car
+from stereorecal.synthetic.objects._house import house
+from stereorecal.synthetic.objects._nature import crown, hill
+from stereorecal.synthetic.objects._walls import facade, masonry, plain
+from stereorecal.synthetic.rendering._patch import Paint, Patch
+from stereorecal.synthetic.rendering._studio import Studio
+from stereorecal.synthetic.scenes._harbour import attitude, daylight
+from stereorecal.synthetic.scenes._world import World
+from stereorecal.synthetic.surroundings._ground import Stain, shade_map
+from stereorecal.synthetic.surroundings._road import make_road
+from stereorecal.synthetic.surroundings._sky import make_sky
+
+EYE = 2.0
+"""Height [m] of the left camera on a van."""
+_PAVEMENT = 2.6
+
+
+def street(rng: np.random.Generator) -> World:
+    """A street drawn from `rng`."""
+    studio = Studio(rng, daylight(rng), EYE)
+    half, middle = float(rng.uniform(4.6, 5.6)), float(rng.uniform(0.4, 2.0))
+    patches, stains = _end(studio)
+    for side in (-1.0, 1.0):
+        for part in (_houses(studio, side, middle, half), _kerbside(studio, side, middle, half)):
+            patches, stains = patches + part[0], stains + part[1]
+    road = make_road(rng, half, middle, studio.light.on(np.array([0.0, 1.0, 0.0])), shade_map(stains, (2.0, 2.0)))
+    sky = make_sky(rng, float(rng.uniform(0.85, 1.0)), float(rng.uniform(0.4, 0.55)), 0.2)
+    return World(tuple(patches), road, sky, 350.0, EYE, attitude(rng), 0.004, 0.4)
+
+
+def _front(rng: np.random.Generator) -> Paint:
+    albedo = float(rng.uniform(0.25, 0.6))
+    brick = masonry(float(rng.uniform(0.16, 0.3)), 0.24, 0.075) if rng.uniform() < 0.5 else None
+    return facade(albedo, float(rng.uniform(2.7, 3.2)), brick)
+
+
+def _houses(studio: Studio, side: float, middle: float, half: float) -> tuple[list[Patch], list[Stain]]:
+    rng = studio.rng
+    patches: list[Patch] = []
+    stains: list[Stain] = []
+    z = float(rng.uniform(3.0, 6.0))
+    while z < 75.0:
+        width, tall = float(rng.uniform(7.0, 13.0)), float(rng.choice([3.2, 5.9, 6.1, 8.8]))
+        setback = float(rng.uniform(0.0, 1.5)) + (4.0 if rng.uniform() < 0.2 else 0.0)
+        x = middle + side * (half + _PAVEMENT + setback)
+        a, b = np.array([x, z]), np.array([x, z + width])
+        inwards = np.array([side * 9.0, 0.0])
+        brick = masonry(float(rng.uniform(0.15, 0.3)), 0.24, 0.075)
+        patches += house(studio, a, b, 8.0, 0.0, tall, _front(rng), brick)
+        stains.append(Stain(np.array([a - inwards * 0.06, b - inwards * 0.06, b, a]), 0.75))
+        sun = studio.light.sun
+        if side * sun[0] > 0.1:  # the house stands between the sun and the street
+            reach = np.array([sun[0], sun[2]]) * (-tall / sun[1])
+            stains.append(Stain(np.array([a, b, b + reach, a + reach]), 0.55))
+        z += width + (float(rng.uniform(1.5, 4.0)) if rng.uniform() < 0.4 else 0.0)
+    return patches, stains
+
+
+def _kerbside(studio: Studio, side: float, middle: float, half: float) -> tuple[list[Patch], list[Stain]]:
+    """Parked cars, trees and lamps along one kerb."""
+    rng = studio.rng
+    patches: list[Patch] = []
+    stains: list[Stain] = []
+    z = float(rng.uniform(8.0, 13.0))
+    while z < 60.0:
+        if rng.uniform() < 0.7:
+            spot = (middle + side * (half - 1.1 + float(rng.uniform(-0.1, 0.1))), z)
+            more, dark = car(studio, spot, (0.0, side))
+            patches, stains = patches + more, stains + dark
+        z += float(rng.uniform(6.0, 9.0))
+    trees = rng.uniform() < 0.7
+    for z in np.arange(float(rng.uniform(9.0, 14.0)), 60.0, float(rng.uniform(9.0, 14.0))):
+        foot = (middle + side * (half + 0.7), float(z))
+        if trees:
+            more, dark = tree(studio, foot, float(rng.uniform(5.0, 8.0)))
+            patches, stains = patches + more, stains + dark
+        else:
+            patches.append(studio.pole(foot, 0.14, 0.0, 6.5, 0.25))
+            arm = (foot[0] - side * 1.4, foot[1])
+            patches.append(studio.wall(arm, foot, 6.4, 6.5, plain(0.3)))
+    return patches, stains
+
+
+def tree(studio: Studio, foot: tuple[float, float], tall: float) -> tuple[list[Patch], list[Stain]]:
+    """A trunk and clumps of leaves around it."""
+    rng = studio.rng
+    patches = [studio.pole(foot, 0.28, 0.0, 0.55 * tall, 0.1)]
+    for _ in range(7):
+        away, angle = rng.uniform(0.1, 0.26) * tall, rng.uniform(0.0, 2 * np.pi)
+        spot = (foot[0] + away * np.cos(angle), foot[1] + away * np.sin(angle))
+        width, low = float(rng.uniform(0.32, 0.5)) * tall, float(rng.uniform(0.36, 0.68)) * tall
+        patches.append(studio.card(spot, width, low, low + 0.85 * width, crown(float(rng.uniform(0.08, 0.16)))))
+    angles = np.linspace(0, 2 * np.pi, 12, endpoint=False)
+    shift = studio.light.sun[[0, 2]] * (-0.6 * tall / studio.light.sun[1])
+    circle = np.array(foot) + shift + 0.3 * tall * np.stack([np.cos(angles), np.sin(angles)], -1)
+    return patches, [Stain(circle, 0.6)]
+
+
+def _end(studio: Studio) -> tuple[list[Patch], list[Stain]]:
+    """What closes the view: houses across the street and trees behind."""
+    rng = studio.rng
+    patches = []
+    for x in (-22.0, -10.0, 2.0, 14.0):
+        tall = float(rng.uniform(5.0, 9.0))
+        z = 82.0 + float(rng.uniform(0.0, 6.0))
+        patches += house(studio, (x, z), (x + 11.5, z), 8.0, 0.0, tall, _front(rng), plain(0.3))
+    wood = hill(9.0, 16.0, 0.0, 40.0)
+    patches.append(studio.wall((-90.0, 120.0), (90.0, 120.0), 0.0, 20.0, wood, lean=(0.0, 10.0)))
+    return patches, []

@@ -1,0 +1,1 @@
+"""What is everywhere in a scene: ground, road, water, sky."""

@@ -1,0 +1,120 @@
+"""What covers the plane y = 0: octaves of a texture, faded where they are too fine to be seen, and shade."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal.synthetic.rendering._noise import Texture
+
+# The shade map covers |x| <= z and z >= 3 m.
+_MAP_NEAR = 3.0
+_MAP_SIZE = (1280, 512)
+
+
+@dataclass(frozen=True, eq=False)
+class Octaves:
+    """Octaves of one periodic texture on the ground plane.
+
+    Attributes:
+        tile: (n + 1, n + 1, c) float32, periodic with n texels (the last row and column repeat the first).
+        waves: how many waves the tile holds.
+        lengths: wavelength [m] of each octave.
+        strengths: factor of each octave.
+        turns: rotation [rad] of each octave.
+        offsets: (k, 2) shift of each octave, in tiles.
+    """
+
+    tile: Float[np.ndarray, "n n c"]
+    waves: float
+    lengths: tuple[float, ...]
+    strengths: tuple[float, ...]
+    turns: tuple[float, ...]
+    offsets: Float[np.ndarray, "k 2"]
+
+    def at(self, x, z, footprint, shifts=None):
+        """Yield (turn, values (h, w, c)) of each octave at ground points x, z [m] with ray footprints [m]."""
+        texels = self.tile.shape[0] - 1
+        for index, (length, strength, turn) in enumerate(zip(self.lengths, self.strengths, self.turns, strict=True)):
+            fade = np.clip(length / footprint * np.float32(0.6) - np.float32(0.8), 0.0, 1.0)
+            if not fade.any():
+                continue
+            scale = 1.0 / (length * self.waves)
+            cos, sin = np.float32(np.cos(turn) * scale), np.float32(np.sin(turn) * scale)
+            start = self.offsets[index] + (0.0 if shifts is None else shifts[index] * scale)
+            u = cos * x + sin * z + np.float32(start[0])
+            v = cos * z - sin * x + np.float32(start[1])
+            u, v = (u - np.floor(u)) * np.float32(texels), (v - np.floor(v)) * np.float32(texels)
+            value = cv2.remap(self.tile, u, v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+            yield turn, value.reshape(*x.shape, -1) * (np.float32(strength) * fade)[..., None]
+
+
+def octaves(rng, tile, waves, longest, strengths, spread_of_turns) -> Octaves:
+    """Octaves from wavelength `longest` [m] downwards, each about half as long as the one before."""
+    count = len(strengths)
+    lengths = tuple(float(longest * 0.47**i) for i in range(count))
+    turns = tuple(float(t) for t in rng.uniform(-spread_of_turns, spread_of_turns, count))
+    wrapped = np.pad(tile.reshape(*tile.shape[:2], -1), ((0, 1), (0, 1), (0, 0)), mode="wrap")
+    return Octaves(
+        np.ascontiguousarray(wrapped, np.float32),
+        waves,
+        lengths,
+        tuple(strengths),
+        turns,
+        rng.uniform(0.0, 1.0, (count, 2)),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Stain:
+    """A convex polygon (n, 2) of ground points (x, z) [m] in which the light is multiplied by `factor`."""
+
+    outline: Float[np.ndarray, "n 2"]
+    factor: float
+
+
+def mirrored(a, b, height: float, eye: float, factor: float) -> list[Stain]:
+    """What a wall from ground point a to b (x, z) darkens in the water, seen from height `eye` [m]."""
+    a, b = np.array(a, float), np.array(b, float)
+    stains = []
+    for part in (0.15, 0.4, 0.7, 1.0):
+        near = eye / (eye + part * height)
+        stains.append(Stain(np.stack([a, b, b * near, a * near]), factor**0.33))
+    return stains
+
+
+def shade_map(stains: list[Stain], blur: tuple[float, float]) -> Texture:
+    """The stains over x/z and 1/z, where near is as fine as far; blurred by (across, along) texels."""
+    columns, rows = _MAP_SIZE
+    shade = np.ones((rows, columns), np.float32)
+    for stain in stains:
+        outline = _clipped(stain.outline)
+        if len(outline) < 3:
+            continue
+        u = (0.5 + 0.5 * outline[:, 0] / outline[:, 1]) * columns
+        v = _MAP_NEAR / outline[:, 1] * rows
+        mask = np.zeros((rows, columns), np.uint8)
+        corners = np.clip(np.stack([u, v], -1) * 16, -1e6, 1e6).round().astype(np.int32)
+        cv2.fillConvexPoly(mask, corners, 255, lineType=cv2.LINE_AA, shift=4)
+        shade *= 1.0 - (1.0 - stain.factor) * (mask.astype(np.float32) / 255.0)
+    return cv2.GaussianBlur(shade, (0, 0), sigmaX=blur[0], sigmaY=blur[1])
+
+
+def shade_at(shade: Texture, x, z) -> Texture:
+    """Look the shade map up at ground points x, z [m]."""
+    rows, columns = shade.shape
+    inverse = 1.0 / np.maximum(z, _MAP_NEAR)
+    u = (0.5 + 0.5 * x * inverse) * np.float32(columns)
+    v = np.float32(_MAP_NEAR * rows) * inverse
+    return cv2.remap(shade, u, v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+
+
+def _clipped(outline: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "_ 2"]:
+    kept = []
+    for p, q in zip(outline, np.roll(outline, -1, axis=0), strict=True):
+        if p[1] >= _MAP_NEAR:
+            kept.append(p)
+        if (p[1] >= _MAP_NEAR) != (q[1] >= _MAP_NEAR):
+            kept.append(p + (q - p) * ((_MAP_NEAR - p[1]) / (q[1] - p[1])))
+    return np.array(kept).reshape(-1, 2)

@@ -1,0 +1,51 @@
+"""The sky: a gradient and soft clouds."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal.synthetic.rendering._noise import Texture, periodic
+
+
+@dataclass(frozen=True, eq=False)
+class Sky:
+    """Radiance of the sky.
+
+    Attributes:
+        horizon, zenith: radiance at the horizon and overhead.
+        cover: how strongly the clouds stand out.
+        clouds: (n + 1, n + 1) float32, periodic, 0..1.
+        drift: (2,) where the clouds are, in tiles.
+    """
+
+    horizon: float
+    zenith: float
+    cover: float
+    clouds: Texture
+    drift: Float[np.ndarray, "2"]
+
+    def gradient(self, elevation: Texture) -> Texture:
+        """Cloudless radiance at a sine of elevation."""
+        rise = np.sqrt(np.clip(elevation, 0.0, 1.0))
+        return np.float32(self.horizon) + np.float32(self.zenith - self.horizon) * rise
+
+    def radiance(self, directions: Float[np.ndarray, "h w 3"]) -> Texture:
+        """Radiance in unit directions (h, w, 3), world frame."""
+        x, y, z = (np.ascontiguousarray(directions[..., i]) for i in range(3))
+        scale = np.float32(0.35) / (np.maximum(y, 0.0) + np.float32(0.15))
+        texels = self.clouds.shape[0] - 1
+        u, v = x * scale + np.float32(self.drift[0]), z * scale * np.float32(0.5) + np.float32(self.drift[1])
+        u, v = (u - np.floor(u)) * np.float32(texels), (v - np.floor(v)) * np.float32(texels)
+        cloud = cv2.remap(self.clouds, u, v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        fade = np.clip(y * np.float32(6.0), 0.0, 1.0)
+        return self.gradient(y) + np.float32(self.cover) * fade * cloud
+
+
+def make_sky(rng: np.random.Generator, horizon: float, zenith: float, cover: float) -> Sky:
+    """A sky with clouds drawn from `rng`."""
+    field = periodic(rng, 256, lambda kx, ky: 1.0 / (4.0 + kx**2 + ky**2) ** 0.85)
+    soft = 1.0 / (1.0 + np.exp(-2.0 * (field - 0.2)))
+    clouds = np.pad(soft, (0, 1), mode="wrap").astype(np.float32)
+    return Sky(horizon, zenith, cover, clouds, rng.uniform(0.0, 1.0, 2))

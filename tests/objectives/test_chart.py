@@ -1,0 +1,74 @@
+"""The chart: unit box to extrinsics and back; x stays."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from hypothesis import given, strategies as st
+
+from stereorecal._errors import InputError
+from stereorecal.geometry import AXES
+from stereorecal.objectives import Reach, chart_around
+from stereorecal.objectives._chart import dimensionless
+from stereorecal.synthetic import default_rig
+
+RIG = default_rig()
+points = st.lists(st.floats(-1, 1), min_size=5, max_size=5).map(np.array)
+reaches = st.builds(Reach, degrees=st.floats(0.01, 20), baseline_fraction=st.floats(1e-4, 0.5))
+
+
+@given(z=points, reach=reaches)
+def test_round_trip(z, reach):
+    chart = chart_around(RIG, reach)
+    extrinsics = chart.extrinsics(z)
+    assert extrinsics.dtype == np.float64
+    np.testing.assert_allclose(chart.coordinates(extrinsics), z, atol=1e-9)
+
+
+@given(z=points, reach=reaches)
+def test_reach_and_the_fixed_x(z, reach):
+    change = chart_around(RIG, reach).extrinsics(z) - RIG.extrinsics
+    assert change[3] == 0.0
+    assert np.all(np.abs(change[:3]) <= np.radians(reach.degrees) * (1 + 1e-9) + 1e-15)
+    assert np.all(np.abs(change[4:]) <= reach.baseline_fraction * RIG.baseline * (1 + 1e-9) + 1e-15)
+
+
+def test_corner():
+    change = chart_around(RIG, Reach(2.0, 0.01)).extrinsics(np.ones(5)) - RIG.extrinsics
+    shift = 0.01 * RIG.baseline
+    np.testing.assert_allclose(change, [*[np.radians(2.0)] * 3, 0.0, shift, shift], rtol=1e-9)
+
+
+def test_the_centre_is_the_rig_exactly():
+    assert np.array_equal(chart_around(RIG, Reach()).extrinsics(np.zeros(5)), RIG.extrinsics)
+
+
+@given(z=points)
+def test_dimensionless_has_the_baseline_as_unit(z):
+    chart = chart_around(RIG, Reach())
+    plain, unit = chart.extrinsics(z), dimensionless(chart).extrinsics(z)
+    np.testing.assert_allclose(unit[:3], plain[:3], rtol=1e-12)
+    np.testing.assert_allclose(unit[3:] * RIG.baseline, plain[3:], rtol=1e-12)
+
+
+def test_many_points_and_traces():
+    chart = chart_around(RIG, Reach())
+    z = np.random.default_rng(0).uniform(-1, 1, (7, 5))
+    assert np.array_equal(chart.extrinsics(z), np.stack([chart.extrinsics(p) for p in z]))
+    traced = jax.jit(lambda c, p: c.extrinsics(p))(chart, jnp.asarray(z, jnp.float32))
+    np.testing.assert_allclose(traced, chart.extrinsics(z), rtol=1e-5, atol=1e-7)
+
+
+def test_other_free_axes():
+    chart = chart_around(RIG, Reach(), free=("roll", "x"))
+    assert chart.dim == 2
+    moved = chart.extrinsics(np.ones(2)) - RIG.extrinsics
+    assert [axis for axis, change in zip(AXES, moved, strict=True) if change] == ["roll", "x"]
+
+
+@pytest.mark.parametrize(
+    "values", [(0, 0.03), (-1, 0.03), (3, 0), (3, -0.1), (21, 0.03), (3, 0.6), (np.nan, 0.1), (3, np.nan)]
+)
+def test_reaches_that_make_no_sense(values):
+    with pytest.raises(InputError, match=r"a reach of .* makes no sense"):
+        Reach(*values)

@@ -1,0 +1,134 @@
+"""Pairs from arrays, their checks, pickling."""
+
+import pickle
+
+import cv2
+import numpy as np
+import pytest
+
+from stereorecal._errors import InputError
+from stereorecal.geometry import Camera, StereoRig
+from stereorecal.recordings import Pair, check_pairs, make_pair
+
+SIZE = (24, 16)
+
+
+def texture(seed: int, size: tuple[int, int] = SIZE) -> np.ndarray:
+    return np.random.default_rng(seed).integers(0, 255, size[::-1], dtype=np.uint8, endpoint=True)
+
+
+def colour(seed: int) -> np.ndarray:
+    return np.dstack([texture(seed + i) for i in range(3)])
+
+
+def test_eight_bit_values_stay():
+    pair = make_pair(texture(0), texture(1)[..., None], name="frame")
+    np.testing.assert_array_equal(pair.left, texture(0))
+    np.testing.assert_array_equal(pair.right, texture(1))
+    assert pair.left.dtype == pair.right.dtype == np.float32
+    assert pair.size == SIZE
+    assert pair.name == "frame"
+
+
+@pytest.mark.parametrize("channels", ["rgb", "bgr"])
+def test_colour_is_weighted_as_opencv_does(channels: str):
+    code = cv2.COLOR_RGB2GRAY if channels == "rgb" else cv2.COLOR_BGR2GRAY
+    alpha = np.dstack([colour(1), texture(9)])
+    pair = make_pair(colour(0), alpha, channels=channels)
+    assert np.abs(pair.left - cv2.cvtColor(colour(0), code)).max() <= 0.51
+    assert np.abs(pair.right - cv2.cvtColor(colour(1), code)).max() <= 0.51
+
+
+@pytest.mark.parametrize("dtype", [np.uint16, np.float32, np.float64, np.int32])
+def test_wider_images_are_scaled_once_for_both(dtype: type):
+    left, right = texture(0).astype(dtype) * 200, texture(1).astype(dtype) * 100
+    pair = make_pair(left, right)
+    np.testing.assert_allclose(pair.left, left * (255.0 / left.max()), rtol=1e-5)
+    np.testing.assert_allclose(pair.right, right * (255.0 / left.max()), rtol=1e-5)
+
+
+def with_value(value: float) -> np.ndarray:
+    image = texture(0).astype(np.float64)
+    image[3, 4] = value
+    return image
+
+
+@pytest.mark.parametrize(
+    ("bad", "words"),
+    [
+        (np.zeros((16, 24), np.uint8), "all black"),
+        (np.zeros((16, 24, 3), np.uint8), "all black"),
+        (np.full((16, 24), 7, np.uint8), "constant"),
+        (np.full((480, 641, 3), (200, 13, 90), np.uint8), "constant"),
+        (np.full((16, 24), 0.3), "constant"),
+        (with_value(np.nan), "NaN"),
+        (with_value(np.inf), "infinite"),
+        (with_value(-1.0), "negative"),
+        (np.zeros(24, np.uint8), "no image"),
+        (np.zeros((16, 24, 2), np.uint8), "no image"),
+        (np.zeros((1, 24), np.uint8), "no image"),
+        (np.zeros((0, 24), np.uint8), "no image"),
+        (np.zeros((2, 16, 24, 3), np.uint8), "no image"),
+    ],
+)
+def test_images_that_are_none(bad: np.ndarray, words: str):
+    size = bad.shape[1::-1] if bad.ndim in (2, 3) and min(bad.shape[:2]) > 1 else (24, 16)
+    good = texture(1, size).astype(bad.dtype)
+    with pytest.raises(InputError, match=f"frame, left: .*{words}"):
+        make_pair(bad, good, name="frame")
+    with pytest.raises(InputError, match=f"frame, right: .*{words}"):
+        make_pair(good, bad, name="frame")
+
+
+def test_images_that_do_not_go_together():
+    with pytest.raises(InputError, match="frame: the left image is 24x16 and the right one 25x16"):
+        make_pair(texture(0), texture(1, (25, 16)), name="frame")
+    with pytest.raises(InputError, match="uint8 and the right one uint16"):
+        make_pair(texture(0), texture(1).astype(np.uint16))
+    with pytest.raises(InputError, match="channel order 'hsv'"):
+        make_pair(colour(0), colour(1), channels="hsv")
+    with pytest.raises(InputError, match="same size"):
+        Pair(np.zeros((3, 4), np.float32), np.zeros((4, 3), np.float32))
+
+
+def test_resized_is_the_mean_over_pixels():
+    pair = make_pair(texture(0), texture(1), name="frame")
+    small = pair.resized((12, 8))
+    expected = texture(0).reshape(8, 2, 12, 2).mean(axis=(1, 3))
+    np.testing.assert_allclose(small.left, expected, atol=1e-3)
+    assert small.name == "frame"
+    assert pair.resized(SIZE) is pair
+
+
+def make_again(seed: int) -> Pair:
+    return make_pair(texture(seed), texture(seed + 1), origin=(make_again, (seed,)))
+
+
+def test_pickling_by_value():
+    pair = make_pair(texture(0), texture(1), name="frame")
+    again = pickle.loads(pickle.dumps(pair))
+    np.testing.assert_array_equal(again.left, pair.left)
+    np.testing.assert_array_equal(again.right, pair.right)
+    assert again.name == "frame"
+
+
+def test_pickling_by_origin():
+    function, arguments = make_again(3).__reduce__()
+    assert function is make_again
+    assert arguments == (3,)
+    by_value, _ = make_again(3).resized((12, 8)).__reduce__()
+    assert by_value is Pair
+
+
+def test_check_pairs():
+    lens = Camera(SIZE, np.array([[20.0, 0, 12], [0, 20, 8], [0, 0, 1]]))
+    rig = StereoRig(lens, lens, np.array([0, 0, 0, -0.1, 0, 0]))
+    pairs = [make_pair(texture(i), texture(i + 1), name=f"frame {i}") for i in range(2)]
+    assert check_pairs(rig, pairs) == tuple(pairs)
+    with pytest.raises(InputError, match="no image pair"):
+        check_pairs(rig, [])
+    pairs.append(pairs[0].resized((12, 8)))
+    with pytest.raises(InputError, match="frame 0: the images are 12x8, but the calibration is for 24x16"):
+        check_pairs(rig, pairs)
+    with pytest.raises(InputError, match=r"24x16 \(left\) and 12x8 \(right\)"):
+        check_pairs(StereoRig(lens, lens.resized((12, 8)), rig.extrinsics), pairs[:1])
