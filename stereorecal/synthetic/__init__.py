@@ -1,15 +1,12 @@
 """Scenes rendered through a known rig, what is true about them, and drift."""
 
 from stereorecal.synthetic._drift import decalibrate as decalibrate
+from stereorecal.synthetic._ground_truth import GroundTruth as GroundTruth, ground_truth as ground_truth
 from stereorecal.synthetic._missions import (
     MissionPlan as MissionPlan,
     PlannedMission as PlannedMission,
     plan_missions as plan_missions,
 )
-from stereorecal.synthetic._render import (
-    KINDS as KINDS,
-    GroundTruth as GroundTruth,
-    ground_truth as ground_truth,
-    render as render,
-)
+from stereorecal.synthetic._render import render as render
 from stereorecal.synthetic._rig import default_rig as default_rig
+from stereorecal.synthetic.scenes import KINDS as KINDS

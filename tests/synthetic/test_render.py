@@ -8,7 +8,8 @@ import pytest
 
 import stereorecal.geometry as geometry
 from stereorecal._errors import InputError
-from stereorecal.synthetic import KINDS, _render, default_rig, ground_truth, render
+from stereorecal.synthetic import KINDS, default_rig, ground_truth, render
+from stereorecal.synthetic.scenes import make_world
 
 RIG = default_rig().resized((320, 240))
 VIEW = geometry.view(RIG)
@@ -64,7 +65,7 @@ def test_pictures_are_plausible(kind):
 @pytest.mark.parametrize("kind", ["open-sea", "street"])
 def test_same_seed_same_pictures(kind):
     first = noisy(kind)
-    _render._world.cache_clear()
+    make_world.cache_clear()
     again = render(kind, 3, rig=RIG).pairs[0]
     assert np.array_equal(first.left, again.left)
     assert np.array_equal(first.right, again.right)

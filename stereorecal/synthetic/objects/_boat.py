@@ -2,14 +2,12 @@
 
 import numpy as np
 
+from stereorecal.synthetic.objects._things import Things
 from stereorecal.synthetic.objects._walls import plain, weathered
 from stereorecal.synthetic.rendering._noise import Texture
 from stereorecal.synthetic.rendering._patch import Canvas, Opaque, Paint, Patch
 from stereorecal.synthetic.rendering._studio import Ground, Studio, footprint
 from stereorecal.synthetic.surroundings._ground import Stain, mirrored
-
-Things = tuple[list[Patch], list[Stain]]
-"""Patches, and how they darken the ground around them."""
 
 
 def boat(studio: Studio, middle: Ground, length: float, turn: float, mast: bool) -> Things:

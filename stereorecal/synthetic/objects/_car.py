@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stereorecal.synthetic.objects._things import Things
 from stereorecal.synthetic.rendering._noise import Texture
-from stereorecal.synthetic.rendering._patch import Canvas, Patch
+from stereorecal.synthetic.rendering._patch import Canvas
 from stereorecal.synthetic.rendering._studio import Ground, Studio, footprint
 from stereorecal.synthetic.surroundings._ground import Stain
 
@@ -62,7 +63,7 @@ _MODELS = (
 _PARTS = ("nose", "nose", "bonnet", "glass", "roof", "glass", "boot", "tail")
 
 
-def car(studio: Studio, middle: Ground, heading: Ground) -> tuple[list[Patch], list[Stain]]:
+def car(studio: Studio, middle: Ground, heading: Ground) -> Things:
     """A car at ground point `middle` that points along the unit vector `heading` (x, z), and its shadow."""
     rng = studio.rng
     model = _MODELS[int(rng.choice(4, p=[0.3, 0.3, 0.25, 0.15]))]

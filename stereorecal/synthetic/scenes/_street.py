@@ -4,24 +4,25 @@ import numpy as np
 
 from stereorecal.synthetic.objects._car import car
 from stereorecal.synthetic.objects._house import house
-from stereorecal.synthetic.objects._nature import crown, hill
+from stereorecal.synthetic.objects._nature import hill
+from stereorecal.synthetic.objects._things import Things
+from stereorecal.synthetic.objects._tree import tree
 from stereorecal.synthetic.objects._walls import facade, masonry, plain
 from stereorecal.synthetic.rendering._patch import Paint, Patch
 from stereorecal.synthetic.rendering._studio import Studio
-from stereorecal.synthetic.scenes._harbour import attitude, daylight
-from stereorecal.synthetic.scenes._world import World
+from stereorecal.synthetic.surroundings._daylight import daylight
 from stereorecal.synthetic.surroundings._ground import Stain, shade_map
 from stereorecal.synthetic.surroundings._road import make_road
 from stereorecal.synthetic.surroundings._sky import make_sky
+from stereorecal.synthetic.world._motion import VAN_EYE, Motion, attitude
+from stereorecal.synthetic.world._world import World
 
-EYE = 2.0
-"""Height [m] of the left camera on a van."""
 _PAVEMENT = 2.6
 
 
 def street(rng: np.random.Generator) -> World:
     """A street drawn from `rng`."""
-    studio = Studio(rng, daylight(rng), EYE)
+    studio = Studio(rng, daylight(rng), VAN_EYE)
     half, middle = float(rng.uniform(4.6, 5.6)), float(rng.uniform(0.4, 2.0))
     patches, stains = _end(studio)
     for side in (-1.0, 1.0):
@@ -29,7 +30,7 @@ def street(rng: np.random.Generator) -> World:
             patches, stains = patches + part[0], stains + part[1]
     road = make_road(rng, half, middle, studio.light.on(np.array([0.0, 1.0, 0.0])), shade_map(stains, (2.0, 2.0)))
     sky = make_sky(rng, float(rng.uniform(0.85, 1.0)), float(rng.uniform(0.4, 0.55)), 0.2)
-    return World(tuple(patches), road, sky, 350.0, EYE, attitude(rng), 0.004, 0.4)
+    return World(tuple(patches), road, sky, 350.0, Motion(VAN_EYE, attitude(rng), 0.004, 0.4))
 
 
 def _front(rng: np.random.Generator) -> Paint:
@@ -38,7 +39,7 @@ def _front(rng: np.random.Generator) -> Paint:
     return facade(albedo, float(rng.uniform(2.7, 3.2)), brick)
 
 
-def _houses(studio: Studio, side: float, middle: float, half: float) -> tuple[list[Patch], list[Stain]]:
+def _houses(studio: Studio, side: float, middle: float, half: float) -> Things:
     rng = studio.rng
     patches: list[Patch] = []
     stains: list[Stain] = []
@@ -60,7 +61,7 @@ def _houses(studio: Studio, side: float, middle: float, half: float) -> tuple[li
     return patches, stains
 
 
-def _kerbside(studio: Studio, side: float, middle: float, half: float) -> tuple[list[Patch], list[Stain]]:
+def _kerbside(studio: Studio, side: float, middle: float, half: float) -> Things:
     """Parked cars, trees and lamps along one kerb."""
     rng = studio.rng
     patches: list[Patch] = []
@@ -85,22 +86,7 @@ def _kerbside(studio: Studio, side: float, middle: float, half: float) -> tuple[
     return patches, stains
 
 
-def tree(studio: Studio, foot: tuple[float, float], tall: float) -> tuple[list[Patch], list[Stain]]:
-    """A trunk and clumps of leaves around it."""
-    rng = studio.rng
-    patches = [studio.pole(foot, 0.28, 0.0, 0.55 * tall, 0.1)]
-    for _ in range(7):
-        away, angle = rng.uniform(0.1, 0.26) * tall, rng.uniform(0.0, 2 * np.pi)
-        spot = (foot[0] + away * np.cos(angle), foot[1] + away * np.sin(angle))
-        width, low = float(rng.uniform(0.32, 0.5)) * tall, float(rng.uniform(0.36, 0.68)) * tall
-        patches.append(studio.card(spot, width, low, low + 0.85 * width, crown(float(rng.uniform(0.08, 0.16)))))
-    angles = np.linspace(0, 2 * np.pi, 12, endpoint=False)
-    shift = studio.light.sun[[0, 2]] * (-0.6 * tall / studio.light.sun[1])
-    circle = np.array(foot) + shift + 0.3 * tall * np.stack([np.cos(angles), np.sin(angles)], -1)
-    return patches, [Stain(circle, 0.6)]
-
-
-def _end(studio: Studio) -> tuple[list[Patch], list[Stain]]:
+def _end(studio: Studio) -> Things:
     """What closes the view: houses across the street and trees behind."""
     rng = studio.rng
     patches = []

@@ -1,35 +1,30 @@
-"""A world: solid patches, what covers the ground, the sky, the haze, and how the rig travels through it."""
+"""Motion: where the rig is in each frame, and how it is tilted."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.synthetic.rendering._patch import Patch, Point
-from stereorecal.synthetic.surroundings._road import Road
-from stereorecal.synthetic.surroundings._sky import Sky
-from stereorecal.synthetic.surroundings._water import Water
+from stereorecal.synthetic.rendering._patch import Point
+
+BOAT_EYE = 2.5
+"""Height [m] of the left camera on a boat."""
+
+VAN_EYE = 2.0
+"""Height [m] of the left camera on a van."""
 
 
 @dataclass(frozen=True, eq=False)
-class World:
-    """Everything there is to see.
+class Motion:
+    """How the rig moves through a world.
 
     Attributes:
-        patches: the solid things.
-        ground: what covers y = 0.
-        sky: the sky.
-        haze: distance [m] at which haze hides all but 1/e of the contrast.
         eye: height [m] of the left camera.
         attitude: (pitch, roll) [rad] of the rig at rest; negative pitch looks down.
-        sway: how much [rad] pitch and roll change from frame to frame.
-        speed: how far [m] the rig moves on from frame to frame.
+        sway: amplitude [rad] of the oscillation of pitch and of roll.
+        speed: distance [m] from the first frame to the second.
     """
 
-    patches: tuple[Patch, ...]
-    ground: Water | Road
-    sky: Sky
-    haze: float
     eye: float
     attitude: tuple[float, float]
     sway: float
@@ -46,3 +41,8 @@ class World:
         tilt = np.array([[1, 0, 0], [0, cp, -sp], [0, sp, cp]]) @ np.array([[cr, -sr, 0], [sr, cr, 0], [0, 0, 1]])
         centre = np.array([0.1 * np.sin(0.5 * frame), self.eye, 3.0 * np.tanh(self.speed * frame / 3.0)])
         return centre, np.diag([1.0, -1.0, 1.0]) @ tilt
+
+
+def attitude(rng: np.random.Generator) -> tuple[float, float]:
+    """Pitch and roll [rad] of a rig at rest: it looks a little downwards."""
+    return float(rng.uniform(-0.05, 0.0)), float(rng.uniform(-0.03, 0.03))

@@ -1,0 +1,66 @@
+"""Rays of a camera's pixels, in the camera's own frame and in the world's."""
+
+from functools import lru_cache
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal.geometry import Camera, StereoRig
+from stereorecal.synthetic.rendering._patch import Point
+from stereorecal.synthetic.rendering._trace import Rays
+
+_SUPERSAMPLE = 2  # samples across a pixel and down, the least that smooths the edges of patches
+
+_camera_rays = jax.jit(lambda camera, pixels: camera.rays(pixels))
+
+
+def supersampled_rays(camera: Camera) -> Float[np.ndarray, "h w 3"]:
+    """Rays (x/z, y/z, 1) of 2 x 2 samples in each pixel, (2h, 2w, 3) float32 for an image of h x w, camera frame."""
+    return _rays_of(camera.size, camera.matrix.tobytes(), camera.distortion.tobytes(), float(camera.lens_radius))
+
+
+@lru_cache(maxsize=4)
+def _rays_of(size: tuple[int, int], matrix: bytes, distortion: bytes, lens_radius: float):
+    """`supersampled_rays` of a camera given by its numbers, so that scenes of equal cameras share them.
+
+    The samples lie a quarter of a pixel off the pixel centres, near enough for a first-order expansion of the rays.
+    """
+    camera = Camera(size, np.frombuffer(matrix).reshape(3, 3), np.frombuffer(distortion), lens_radius)
+    centre = np.asarray(_camera_rays(camera, jnp.asarray(pixel_grid(size), jnp.float32)))
+    down, across = (np.float32(0.25) * slope for slope in np.gradient(centre, axis=(0, 1)))
+    fine = np.empty((2 * size[1], 2 * size[0], 3), np.float32)
+    for row, sign_y in enumerate((-1, 1)):
+        for column, sign_x in enumerate((-1, 1)):
+            fine[row::2, column::2] = centre + sign_y * down + sign_x * across
+    fine.setflags(write=False)
+    return fine
+
+
+def world_rays(
+    pose: tuple[Point, Float[np.ndarray, "3 3"]],
+    rig: StereoRig,
+    side: int,
+    directions: Float[np.ndarray, "h w 3"],
+    focal: float,
+) -> Rays:
+    """Rays of one camera of a rig in the world frame.
+
+    Args:
+        pose: centre (3,) [m] of the left camera, and the matrix from its frame to the world's.
+        side: 0 for the left camera, 1 for the right one.
+        directions: in the frame of that camera.
+        focal: focal length [px] of the image, for the choice of texture detail.
+    """
+    centre, to_world = pose
+    spread = 1.0 / focal / _SUPERSAMPLE
+    if side == 1:
+        centre = centre - to_world @ rig.rotation.T @ rig.translation
+        to_world = to_world @ rig.rotation.T
+    return Rays(centre, directions @ to_world.T.astype(np.float32), spread)
+
+
+def pixel_grid(size: tuple[int, int]) -> Float[np.ndarray, "h w 2"]:
+    """Pixel coordinates (column, row) of an image of `size` (width, height)."""
+    return np.stack(np.meshgrid(np.arange(size[0]), np.arange(size[1])), -1).astype(float)

@@ -1,0 +1,12 @@
+"""Daylight: where the sun stands, and how bright sun and sky are."""
+
+import numpy as np
+
+from stereorecal.synthetic.rendering._patch import Light
+
+
+def daylight(rng: np.random.Generator) -> Light:
+    """A sun somewhere behind or beside the camera."""
+    azimuth, height = rng.uniform(-2.2, 2.2), rng.uniform(0.45, 0.95)
+    sun = np.array([np.cos(height) * np.sin(azimuth), np.sin(height), -np.cos(height) * np.cos(azimuth)])
+    return Light(sun, float(rng.uniform(0.75, 1.2)), float(rng.uniform(0.28, 0.42)))

@@ -1,0 +1,53 @@
+"""What rays see of a world: how bright it is, haze included, and at what depth."""
+
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal.synthetic.rendering._noise import Texture
+from stereorecal.synthetic.rendering._trace import Rays, trace
+from stereorecal.synthetic.world._world import World
+
+_CHUNK = 1 << 16  # rays at a time: bounds the memory that the octaves of the ground take
+_ROW = 256  # rays in a row of a chunk
+
+
+def radiance(world: World, rays: Rays, time: float) -> Texture:
+    """Radiance (h, w) float32 along each ray at `time` [s]: the first patch that it meets, or else ground or sky."""
+    met, seen = trace(world.patches, rays)
+    lengths = np.sqrt(np.einsum("ijk,ijk->ij", rays.directions, rays.directions))
+    solid = np.isfinite(met)
+    seen = _hazy(world, seen, np.where(solid, met, 0.0) * lengths)
+    flat_seen, flat_lengths = seen.reshape(-1), lengths.reshape(-1)
+    flat_directions = rays.directions.reshape(-1, 3)
+    falling = rays.directions[..., 1] < -1e-5
+    for ground, where in ((True, falling & ~solid), (False, ~falling & ~solid)):
+        chosen = np.flatnonzero(where)
+        for start in range(0, chosen.size, _CHUNK):
+            index = chosen[start : start + _CHUNK]
+            # A rectangle, because OpenCV's remap takes no row this long; the last ray is repeated to fill it.
+            index = np.pad(index, (0, -index.size % _ROW), mode="edge").reshape(-1, _ROW)
+            direction = flat_directions[index] / flat_lengths[index][..., None]
+            flat_seen[index] = _ground(world, rays, direction, time) if ground else world.sky.radiance(direction)
+    return seen
+
+
+def depth(world: World, rays: Rays) -> Texture:
+    """Depth t (h, w) float32 of what each ray meets first, patch or ground; infinite for the sky."""
+    met, _ = trace(world.patches, rays)
+    falling = np.minimum(rays.directions[..., 1], np.float32(-1e-9))
+    return np.minimum(met, np.where(falling < -1e-7, np.float32(-rays.centre[1]) / falling, np.inf))
+
+
+def _ground(world: World, rays: Rays, direction: Float[np.ndarray, "h w 3"], time: float) -> Texture:
+    """Radiance of the ground along unit directions that fall, haze included."""
+    distance = np.float32(rays.centre[1]) / -direction[..., 1]
+    x = np.float32(rays.centre[0]) + distance * direction[..., 0]
+    z = np.float32(rays.centre[2]) + distance * direction[..., 2]
+    light = world.ground.radiance(x, z, direction, distance, rays.spread, time, world.sky)
+    return _hazy(world, light, distance)
+
+
+def _hazy(world: World, light: Texture, distance: Texture) -> Texture:
+    """Beer-Lambert attenuation over `distance` [m]: what haze takes away is replaced by the light of the horizon."""
+    clear = np.exp(distance * np.float32(-1.0 / world.haze))
+    return light * clear + np.float32(world.sky.horizon) * (1.0 - clear)
