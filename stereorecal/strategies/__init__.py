@@ -1,7 +1,7 @@
-"""Strategies: the plug-in contract, objectives, budgets, the registry."""
+"""Strategies: the contract of a plug-in, objectives and budgets, the registry, and how a strategy is run and judged."""
 
 from stereorecal._errors import BudgetExhausted as BudgetExhausted, StrategyError as StrategyError
-from stereorecal.strategies._budget import Budget as Budget, Trace as Trace
+from stereorecal.strategies._budget import Budget as Budget, as_budget as as_budget
 from stereorecal.strategies._contract import (
     AbstractStrategy as AbstractStrategy,
     Outcome as Outcome,
@@ -9,11 +9,14 @@ from stereorecal.strategies._contract import (
 )
 from stereorecal.strategies._need import Need as Need
 from stereorecal.strategies._objective import Objective as Objective, Problem as Problem, Traced as Traced
+from stereorecal.strategies._recorder import Recorder as Recorder
 from stereorecal.strategies._registry import (
     StrategyInfo as StrategyInfo,
     describe as describe,
+    name_of as name_of,
     origin_of as origin_of,
     strategies as strategies,
     strategy as strategy,
 )
 from stereorecal.strategies._run import Run as Run, run_strategy as run_strategy
+from stereorecal.strategies._trace import Trace as Trace

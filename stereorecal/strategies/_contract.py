@@ -1,14 +1,14 @@
-"""The contract of a strategy: what a plug-in declares, what it is given, what it gives back."""
+"""The contract of a strategy: what a plug-in declares, what it is given and what it returns."""
 
 import abc
 import enum
+import inspect
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.strategies._budget import Budget
 from stereorecal.strategies._need import Need
 from stereorecal.strategies._objective import Objective
 
@@ -20,8 +20,6 @@ class Status(enum.Enum):
     BUDGET = "the budget was used up; the best point seen is returned"
     STALLED = "the strategy stopped without meeting its stopping rule"
     NO_SIGNAL = "the score is the same everywhere it was tried; there is too little to match"
-    SKIPPED = "the objective does not offer what the strategy needs"
-    FAILED = "the strategy crashed"
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,10 +27,10 @@ class Outcome:
     """What `AbstractStrategy.run` returns.
 
     Attributes:
-        best: (n,) the point that the strategy nominates, in the unit box. The core compares it with the best point
-            recorded and with the start, and takes the best of them.
+        best: (n,) the point that the strategy nominates, in the unit box. The core takes the best of this point, the
+            best point recorded, and the start, by the objective's own values.
         status: how the run ended.
-        message: details in one sentence, if there are any.
+        message: details in one sentence; empty if there are none.
     """
 
     best: Float[np.ndarray, "n"]
@@ -48,7 +46,7 @@ class AbstractStrategy(abc.ABC):
 
     Class attributes:
         needs: what the objective must offer. The core checks it before anything runs.
-        min_dim, max_dim: least and greatest number of free parameters it works with; None: no limit.
+        min_dim, max_dim: the fewest and the most free parameters it works with; None for no limit.
     """
 
     needs: ClassVar[Need] = Need.HOST
@@ -56,8 +54,16 @@ class AbstractStrategy(abc.ABC):
     max_dim: ClassVar[int | None] = None
 
     @abc.abstractmethod
-    def run(self, objective: Objective, start: Float[np.ndarray, "n"], budget: Budget, seed: int) -> Outcome:
-        """Maximise `objective` over the unit box [-1, 1]^n, from `start` inside it.
+    def run(self, objective: Objective, start: Float[np.ndarray, "n"], seed: int) -> Outcome:
+        """Maximise `objective` over the unit box [-1, 1]^n, starting from `start` inside it.
 
-        Let `BudgetExhausted` pass: the core keeps the best point seen. Draw random numbers from `seed` alone.
+        The budget is the objective's (`objective.budget`, `objective.remaining`). Let `BudgetExhausted` propagate: the
+        core keeps the best point seen. Derive all randomness from `seed`.
         """
+
+
+def follows_an_older_contract(strategy: AbstractStrategy) -> bool:
+    """Whether `run` still takes a budget: by that name, or as a fourth argument that is required."""
+    parameters = inspect.signature(strategy.run).parameters.values()
+    given = [p for p in parameters if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD) and p.default is p.empty]
+    return len(given) > 3 or any(p.name == "budget" for p in parameters)

@@ -1,4 +1,4 @@
-"""The objective: what a strategy maximises, with its two faces and its meter."""
+"""The objective: the function that a strategy maximises, with its host face, its traced face and its meter."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -8,9 +8,10 @@ import jax
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal._errors import NeedNotMet
-from stereorecal.strategies._budget import Budget, Recorder, Trace
+from stereorecal.strategies._budget import Budget, as_budget
 from stereorecal.strategies._need import Need
+from stereorecal.strategies._recorder import Recorder
+from stereorecal.strategies._trace import Trace
 
 TracedFunction = Callable[[jax.Array], jax.Array]
 
@@ -24,8 +25,9 @@ class Traced:
 
     Attributes:
         count: z -> (), the score that `Objective.value` returns on the host.
-        soft_count: z -> (), its differentiable twin; reverse mode only, and a gradient costs `gradient_cost`.
-        residuals: z -> (m,), for least squares; then the score is -½ |residuals|².
+        soft_count: z -> (), its differentiable approximation, in forward and in reverse mode; a value with its gradient
+            costs `Objective.gradient_cost`.
+        residuals: z -> (m,), for least squares; the score is then -½ |residuals|².
     """
 
     count: TracedFunction | None = None
@@ -38,11 +40,11 @@ class Problem:
     """A pure function to maximise over the unit box [-1, 1]^dim.
 
     Attributes:
-        dim: n.
+        dim: number of coordinates of a point, n.
         values: (k, n) float64 -> (k,) float64, on the host.
         cost: units that one evaluation costs.
-        traced: the traced face.
-        images: what the score is computed from, for strategies that do not ask the score.
+        traced: the same function in JAX, as far as it exists.
+        images: the data behind the score, for strategies that work on the data directly (Need.IMAGES).
     """
 
     dim: int
@@ -53,14 +55,17 @@ class Problem:
 
 
 class Objective:
-    """A Problem with a meter: every evaluation is counted, recorded and refused once the budget is spent.
+    """A Problem with a budget: every evaluation is counted, recorded, and refused once the budget is spent.
 
     Host face: `value`, `batch`. Traced face: `traced`, whose evaluations the strategy declares with `charge`.
+
+    Args:
+        budget: what may be spent: a Budget, a number of units, or None for no limit.
     """
 
-    def __init__(self, problem: Problem, budget: Budget | None = None) -> None:
+    def __init__(self, problem: Problem, budget: Budget | float | None = None) -> None:
         self.problem = problem
-        self.budget = Budget() if budget is None else budget
+        self.budget = as_budget(budget)
         self._recorder = Recorder(self.budget, problem.dim)
 
     @property
@@ -75,8 +80,8 @@ class Objective:
 
     @property
     def gradient_cost(self) -> float:
-        """Units that one value with its gradient (or one Jacobian of the residuals) costs: n + 1 evaluations, one
-        forward derivative for each coordinate."""
+        """Units that a value with its gradient, or residuals with their Jacobian, cost: n + 1 evaluations, since there
+        is one forward derivative for each coordinate."""
         return (self.dim + 1) * self.cost
 
     @property
@@ -86,17 +91,17 @@ class Objective:
 
     @property
     def images(self) -> Any:
-        """The images and the calibration at the start, for strategies that need IMAGES."""
+        """The data behind the score, for strategies that need IMAGES; None where there is none."""
         return self.problem.images
 
     @property
     def remaining(self) -> float:
-        """Units left in the budget."""
+        """Units left in the budget; infinite without a limit, 0 once the time is up."""
         return self._recorder.remaining
 
     @property
     def spent(self) -> float:
-        """Units spent."""
+        """Units spent so far."""
         return self._recorder.spent
 
     @property
@@ -127,14 +132,14 @@ class Objective:
     def charge(self, cost: float, best: Float[np.ndarray, "n"]) -> None:
         """Declare work done through `traced`: its cost in units and the best point so far.
 
-        Call it between steps, and `reserve` each step before it begins.
+        Call it after each step; call `reserve` before the step begins.
 
         Raises:
             BudgetExhausted: if nothing is left after it.
             ValueError: if the cost is negative or not finite.
         """
         if not 0 <= cost < np.inf:
-            raise ValueError(f"a cost of {cost} units makes no sense")
+            raise ValueError(f"a cost of {cost} units makes no sense; it is a finite number, 0 or more")
         best = self._checked(np.asarray(best, float)[None])
         self._recorder.raise_if_exhausted()
         self._recorder.record(best, np.array([np.nan]), cost)
@@ -143,7 +148,7 @@ class Objective:
             self._recorder.raise_if_exhausted()
 
     def reserve(self, cost: float) -> None:
-        """Ask whether a step of `cost` units still fits, before it begins; it is paid by `charge` afterwards.
+        """Make sure that a step of `cost` units still fits into the budget. Spends nothing: `charge` does, afterwards.
 
         Raises:
             BudgetExhausted: if it does not fit.
@@ -151,12 +156,12 @@ class Objective:
         self._recorder.affordable(1, cost)
         self._recorder.raise_if_exhausted()
 
-    def with_budget(self, budget: Budget) -> "Objective":
-        """The same problem with a fresh meter."""
+    def with_budget(self, budget: Budget | float | None) -> "Objective":
+        """The same problem with another budget, of which nothing is spent yet, and an empty trace."""
         return Objective(self.problem, budget)
 
     def missing(self, needs: Need) -> str | None:
-        """Why this objective does not offer what is needed, or None if it does."""
+        """Why this objective does not meet `needs`, or None if it does."""
         if needs is Need.SMOOTH and self.traced.soft_count is None:
             return "it needs a differentiable score, which this objective does not offer (JAX matchers only)"
         if needs is Need.RESIDUALS and self.traced.residuals is None:
@@ -168,13 +173,7 @@ class Objective:
     def _checked(self, points: Float[np.ndarray, "k n"]) -> Float[np.ndarray, "k n"]:
         points = np.array(points, float)
         if points.ndim != 2 or points.shape[1] != self.dim:
-            raise ValueError(f"points have shape {points.shape}, but the objective wants (k, {self.dim})")
+            raise ValueError(f"points have shape {points.shape}, but this objective takes (k, {self.dim})")
         if not np.isfinite(points).all() or np.abs(points).max(initial=0.0) > 1.0 + 1e-9:
             raise ValueError("a point lies outside the unit box [-1, 1]^n")
         return points
-
-
-def require(objective: Objective, needs: Need, name: str) -> None:
-    """Raises NeedNotMet if the objective does not offer what strategy `name` needs."""
-    if reason := objective.missing(needs):
-        raise NeedNotMet(f"strategy {name} cannot serve here: {reason}.")

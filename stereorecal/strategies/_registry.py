@@ -1,8 +1,10 @@
-"""Strategies by name, from the entry-point group `stereorecal.strategies`; loaded when asked for, not before."""
+"""Strategies by name, from the entry-point group `stereorecal.strategies`; each is imported when it is asked for."""
 
 import dataclasses
 import difflib
 import inspect
+import reprlib
+import sys
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, entry_points, packages_distributions, version
 from typing import Any
@@ -11,9 +13,9 @@ from stereorecal._errors import InputError, StrategyError
 from stereorecal.strategies._contract import AbstractStrategy
 
 GROUP = "stereorecal.strategies"
-# Of importlib.metadata; on Python 3.11, of its backport from the moment that something (Dask) imports that.
+# importlib.metadata's; on Python 3.11 its backport's, once anything (Dask does) has imported that.
 _EntryPoint = Any
-# Names, or how they begin, of strategies that may be missing: what to install, and its folder in a clone.
+# Our own strategies, by name or by prefix: what to install if one is missing, and its folder in a clone.
 _KNOWN = {
     "compass": ("'stereorecal[default]'", "compass"),
     "gradient-descent": ("'stereorecal[default]'", "compass"),
@@ -36,16 +38,16 @@ class StrategyInfo:
 
 
 def strategies() -> tuple[str, ...]:
-    """The names of all installed strategies, sorted. Imports none of them."""
+    """The names of all installed strategies, sorted; imports none of them."""
     return tuple(sorted({point.name for point in entry_points(group=GROUP)}))
 
 
-def strategy(name: str, **options: Any) -> AbstractStrategy:
-    """The strategy called `name`, with its options.
+def strategy(name: str, /, **options: Any) -> AbstractStrategy:
+    """The strategy registered as `name`, with the given options.
 
     Raises:
         InputError: if no such strategy is installed, two distributions claim the name, or it has no such option.
-        StrategyError: if its distribution cannot be imported.
+        StrategyError: if it cannot be imported.
     """
     cls = _load(name)
     known = [field.name for field in dataclasses.fields(cls)]
@@ -55,22 +57,28 @@ def strategy(name: str, **options: Any) -> AbstractStrategy:
 
 
 def describe(name: str) -> StrategyInfo:
-    """What the strategy called `name` is and where it comes from.
+    """What the strategy registered as `name` does, what it needs and which distribution it comes from.
 
     Raises:
-        InputError, StrategyError: as `strategy`.
+        InputError, StrategyError: as `strategy` does.
     """
     cls, point = _load(name), _entry_point(name)
     summary = (inspect.getdoc(cls) or "").partition("\n")[0]
     return StrategyInfo(name, *_distribution(point), cls.needs.name.lower(), summary)
 
 
+def name_of(instance: AbstractStrategy) -> str:
+    """The name under which the strategy's class is registered, or the class's name if it is not; imports nothing."""
+    cls = type(instance)
+    return min((point.name for point in entry_points(group=GROUP) if _registers(point, cls)), default=cls.__name__)
+
+
 def origin_of(instance: AbstractStrategy) -> str:
-    """ "distribution version" of a strategy's class, or its module if it is not installed."""
+    """The distribution of the strategy's class and its version, or the class's module if it is not installed."""
     package = type(instance).__module__.partition(".")[0]
-    # An editable install does not say which packages are its own, but its entry points do.
+    # An editable install does not list its packages, but its entry points name them.
     for point in entry_points(group=GROUP):
-        if point.dist and point.module.partition(".")[0] == package:
+        if point.dist and _place(point)[0].partition(".")[0] == package:
             return " ".join(_distribution(point))
     for distribution in packages_distributions().get(package, []):
         try:
@@ -80,7 +88,26 @@ def origin_of(instance: AbstractStrategy) -> str:
     return type(instance).__module__
 
 
+def _place(point: _EntryPoint) -> tuple[str, str]:
+    """Module and attribute of an entry point; importlib.metadata raises on a malformed one."""
+    module, _, attribute = point.value.partition("[")[0].partition(":")
+    return module.strip(), attribute.strip()
+
+
+def _registers(point: _EntryPoint, cls: type) -> bool:
+    """Whether an entry point stands for `cls`: by its own path, or by that of a re-export in an imported module."""
+    module, attribute = _place(point)
+    if (module, attribute) == (cls.__module__, cls.__qualname__):
+        return True
+    found = sys.modules.get(module)
+    for part in attribute.split("."):
+        found = inspect.getattr_static(found, part, None)  # a lazy module would import something
+    return found is cls
+
+
 def _load(name: str) -> type[AbstractStrategy]:
+    if not isinstance(name, str):
+        raise InputError(_no_name(name))
     point = _entry_point(name)
     try:
         cls = point.load()
@@ -90,7 +117,7 @@ def _load(name: str) -> type[AbstractStrategy]:
             f"strategy {name} of {distribution} {number} cannot be loaded ({error!r}); reinstall or remove it."
         ) from error
     if not (isinstance(cls, type) and issubclass(cls, AbstractStrategy)):
-        raise StrategyError(f"the entry point {name} of {' '.join(_distribution(point))} is no strategy class.")
+        raise StrategyError(f"the entry point {name} of {' '.join(_distribution(point))} is not a strategy class.")
     return cls
 
 
@@ -102,6 +129,14 @@ def _entry_point(name: str) -> _EntryPoint:
     if len(owners) > 1:
         raise InputError(f"strategy {name} is claimed by {' and '.join(owners)}; uninstall all but one.")
     return points[0]
+
+
+def _no_name(given: Any) -> str:
+    if isinstance(given, AbstractStrategy):
+        return f"this {type(given).__name__} is a strategy already; pass it on as it is."
+    if isinstance(given, type) and issubclass(given, AbstractStrategy):
+        return f"{given.__name__} is a strategy's class; make a strategy of it with {given.__name__}()."
+    return f"{reprlib.repr(given)} is no name of a strategy; give a string, such as sr.strategy('compass')."
 
 
 def _missing(name: str) -> str:

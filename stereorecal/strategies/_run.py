@@ -1,15 +1,16 @@
-"""Running a strategy, and judging what it brings back."""
+"""Running a strategy and judging what it nominates."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
 from stereorecal._errors import BudgetExhausted, NeedNotMet, StrategyError
-from stereorecal.strategies._budget import Budget, Trace
-from stereorecal.strategies._contract import AbstractStrategy, Outcome, Status
-from stereorecal.strategies._objective import Objective, require
-from stereorecal.strategies._registry import origin_of
+from stereorecal.strategies._contract import AbstractStrategy, Outcome, Status, follows_an_older_contract
+from stereorecal.strategies._objective import Objective
+from stereorecal.strategies._registry import name_of, origin_of
+from stereorecal.strategies._trace import Trace
 
 
 @dataclass(frozen=True, eq=False)
@@ -18,10 +19,11 @@ class Run:
 
     Attributes:
         best: (n,) the best of the strategy's nomination, the best point recorded, and the start.
-        value: the score there.
+        value: the score at `best`.
         start_value: the score at the start.
         status, message: how the run ended.
         trace: every evaluation that the strategy made.
+        judging_cost: units spent on judging, beyond the strategy's own evaluations.
     """
 
     best: Float[np.ndarray, "n"]
@@ -30,46 +32,62 @@ class Run:
     status: Status
     message: str
     trace: Trace
+    judging_cost: float
 
 
-def run_strategy(
-    strategy: AbstractStrategy,
-    objective: Objective,
-    start: Float[np.ndarray, "n"],
-    budget: Budget | None = None,
-    seed: int = 0,
-) -> Run:
-    """Run `strategy` on a freshly metered `objective` and judge its nomination by the objective's own values.
+def run_strategy(strategy: AbstractStrategy, objective: Objective, start: Float[np.ndarray, "n"], seed: int = 0) -> Run:
+    """Run `strategy` from `start` and judge the point that it nominates by the objective's own values.
 
-    The judge's evaluations (start and nomination, where the strategy did not evaluate them) are not charged.
+    The strategy gets the objective's whole budget, whatever was spent before, and an empty trace. Judging evaluates the
+    start and the nomination where the strategy has not; this is not charged to the budget, but counted in
+    `Run.judging_cost`.
 
     Raises:
         NeedNotMet: if the objective does not offer what the strategy needs.
-        StrategyError: if the strategy crashes; names its distribution and version.
+        StrategyError: if the strategy crashes, nominates no point of the box, or was written for an older contract; the
+            message names its distribution and version.
     """
-    name = type(strategy).__name__
-    require(objective, strategy.needs, name)
-    if objective.dim < strategy.min_dim:
-        raise NeedNotMet(f"strategy {name} needs at least {strategy.min_dim} free parameters, not {objective.dim}.")
-    if strategy.max_dim is not None and objective.dim > strategy.max_dim:
-        raise NeedNotMet(f"strategy {name} takes at most {strategy.max_dim} free parameters, not {objective.dim}.")
-    budget = Budget() if budget is None else budget
-    metered = objective.with_budget(budget)
+    _check(strategy, objective)
+    metered = objective.with_budget(objective.budget)
     start = np.array(start, float)
     try:
-        outcome = strategy.run(metered, start.copy(), budget, seed)
+        outcome = strategy.run(metered, start.copy(), seed)
     except BudgetExhausted:
         outcome = Outcome(start, Status.BUDGET)
     except StrategyError:
         raise
     except Exception as error:
-        raise StrategyError(f"strategy {name} ({origin_of(strategy)}) crashed: {error!r}") from error
+        raise StrategyError(f"{_called(strategy)} crashed: {error!r}") from error
     if not isinstance(outcome, Outcome) or not _in_box(outcome.best, start.shape):
-        raise StrategyError(f"strategy {name} ({origin_of(strategy)}) nominated no point of the unit box: {outcome!r}")
+        raise StrategyError(f"{_called(strategy)} nominated no point of the unit box: {outcome!r}")
     return _judge(objective, metered.trace, start, outcome)
 
 
-def _in_box(point: object, shape: tuple[int, ...]) -> bool:
+def _check(strategy: AbstractStrategy, objective: Objective) -> None:
+    if follows_an_older_contract(strategy):
+        raise StrategyError(
+            f"{_called(strategy)} was written for an older contract; its method is now run(objective, start, seed), "
+            "and the budget is objective.budget."
+        )
+    if reason := _shortage(strategy, objective):
+        raise NeedNotMet(f"strategy {name_of(strategy)} {reason}.")
+
+
+def _shortage(strategy: AbstractStrategy, objective: Objective) -> str | None:
+    if missing := objective.missing(strategy.needs):
+        return f"cannot serve here: {missing}"
+    if objective.dim < strategy.min_dim:
+        return f"needs at least {strategy.min_dim} free parameters, not {objective.dim}"
+    if strategy.max_dim is not None and objective.dim > strategy.max_dim:
+        return f"takes at most {strategy.max_dim} free parameters, not {objective.dim}"
+    return None
+
+
+def _called(strategy: AbstractStrategy) -> str:
+    return f"strategy {name_of(strategy)} ({origin_of(strategy)})"
+
+
+def _in_box(point: Any, shape: tuple[int, ...]) -> bool:
     try:
         point = np.asarray(point, float)
     except (TypeError, ValueError):
@@ -78,19 +96,21 @@ def _in_box(point: object, shape: tuple[int, ...]) -> bool:
 
 
 def _judge(objective: Objective, trace: Trace, start: np.ndarray, outcome: Outcome) -> Run:
-    nominated = np.array(outcome.best, float)
-    # Points whose values are only charged are unknown; the last one is the best of that kind.
+    # Points that were only charged for have no value yet; the last of them is the best of them.
     charged = trace.points[np.isnan(trace.values)][-1:]
     known = {p.tobytes(): v for p, v in zip(trace.points, trace.values, strict=True) if np.isfinite(v)}
-    candidates = [start, *charged, nominated]
+    candidates = [start, *charged, np.array(outcome.best, float)]
     if known:
-        candidates.append(trace.points[np.nanargmax(trace.values)])
+        candidates.append(trace.points[np.argmax(np.where(np.isfinite(trace.values), trace.values, -np.inf))])
     judged = dict(known)
     for p in candidates:
-        if p.tobytes() not in judged:  # a point may be nominated and charged, or be the start
+        if p.tobytes() not in judged:  # one point may be the start, charged and nominated
             judged[p.tobytes()] = float(objective.problem.values(p[None])[0])
+    judging_cost = (len(judged) - len(known)) * objective.cost
     values = [judged[p.tobytes()] for p in candidates]
     winner = int(np.argmax(np.where(np.isfinite(values), values, -np.inf)))  # the start wins ties
-    seen = {point: value for point, value in judged.items() if np.isfinite(value)}
-    status = Status.NO_SIGNAL if len(seen) > 2 and len(set(seen.values())) == 1 else outcome.status
-    return Run(candidates[winner], values[winner], values[0], status, outcome.message or status.value, trace)
+    seen = [value for value in judged.values() if np.isfinite(value)]
+    status = Status.NO_SIGNAL if len(seen) > 2 and len(set(seen)) == 1 else outcome.status
+    return Run(
+        candidates[winner], values[winner], values[0], status, outcome.message or status.value, trace, judging_cost
+    )

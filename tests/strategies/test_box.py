@@ -22,7 +22,7 @@ def test_the_border_belongs_to_the_box(counter):
 
 @pytest.mark.parametrize("shape", [(1, 3), (2, 1), (0, 3)])
 def test_wrong_number_of_coordinates(counter, shape):
-    with pytest.raises(ValueError, match=r"wants \(k, 2\)"):
+    with pytest.raises(ValueError, match=r"takes \(k, 2\)"):
         counter.objective().batch(np.zeros(shape))
 
 

@@ -19,22 +19,22 @@ class Scripted(AbstractStrategy):
     status: Status = Status.CONVERGED
     message: str = ""
 
-    def run(self, objective, start, budget, seed):
+    def run(self, objective, start, seed):
         if self.asked:
             objective.batch(np.array(self.asked, float)[:, None])
         return Outcome(np.array(self.nominated), self.status, self.message)
 
 
-def problem(function: Callable) -> Objective:
-    return Objective(Problem(1, lambda points: np.array([function(float(x)) for x in points[:, 0]])))
+def problem(function: Callable, budget: Budget | None = None) -> Objective:
+    return Objective(Problem(1, lambda points: np.array([function(float(x)) for x in points[:, 0]]), cost=0.25), budget)
 
 
 def hill(x: float) -> float:
     return 1.0 - (x - 0.5) ** 2
 
 
-def judged(strategy, function=hill, start=0.0, **options):
-    return run_strategy(strategy, problem(function), np.array([start]), **options)
+def judged(strategy, function=hill, start=0.0, budget=None):
+    return run_strategy(strategy, problem(function, budget), np.array([start]))
 
 
 def test_an_honest_nomination_wins():
@@ -60,10 +60,52 @@ def test_a_liar_is_not_believed():
 
 
 def test_a_nomination_that_was_never_evaluated_is_evaluated_for_free():
-    run = judged(Scripted((0.2,), (0.5,)), budget=Budget(evaluations=1))
+    run = judged(Scripted((0.2,), (0.5,)), budget=Budget(evaluations=0.25))
     assert run.best == [0.5]
     assert run.value == 1.0
-    assert run.trace.total_cost == 1
+    assert run.trace.total_cost == 0.25
+
+
+@pytest.mark.parametrize(
+    ("asked", "nominated", "judged_points"),
+    [
+        ((0.0, 0.4), 0.4, 0),
+        ((0.2, 0.4), 0.4, 1),  # the start
+        ((0.2, 0.4), 0.7, 2),  # the start and the nomination
+        ((), 0.0, 1),  # both are one point
+        ((), 0.1, 2),
+    ],
+)
+def test_what_judging_costs_is_counted_apart(asked, nominated, judged_points):
+    run = judged(Scripted(asked, (nominated,)))
+    assert run.judging_cost == 0.25 * judged_points
+    assert run.trace.total_cost == 0.25 * len(asked)
+
+
+def test_judging_a_charged_point_is_counted():
+    @dataclass(frozen=True)
+    class Inside(AbstractStrategy):
+        def run(self, objective, start, seed):
+            objective.charge(0.5, best=np.array([0.5]))
+            return Outcome(np.array([0.5]), Status.CONVERGED)
+
+    run = judged(Inside())
+    assert run.judging_cost == 0.5  # the start and the charged point, which is the nomination
+
+
+def test_every_run_gets_the_whole_budget_whatever_was_spent_before():
+    objective = problem(hill, Budget(evaluations=0.5))
+    objective.batch(np.array([[0.1], [0.2]]))
+    for _ in range(2):
+        run = run_strategy(Scripted((0.3, 0.4), (0.4,)), objective, np.zeros(1))
+        assert run.status is Status.CONVERGED
+        assert run.trace.total_cost == 0.5
+    assert objective.spent == 0.5
+
+
+def test_infinity_does_not_hide_the_best_finite_value():
+    run = judged(Scripted((0.2, 0.8, 0.4), (0.8,)), lambda x: float("inf") if x > 0.7 else hill(x))
+    assert run.best == [0.4]
 
 
 def test_the_start_wins_when_nothing_is_better():
@@ -96,14 +138,14 @@ def test_no_signal():
 
 def test_one_point_tells_nothing_about_the_signal():
     """A budget of one evaluation, spent on the start."""
-    run = judged(Scripted((0.0,), (0.0,)), budget=Budget(evaluations=1))
+    run = judged(Scripted((0.0,), (0.0,)), budget=Budget(evaluations=0.25))
     assert run.status is Status.CONVERGED
 
 
 def test_a_charged_point_can_win():
     @dataclass(frozen=True)
     class Inside(AbstractStrategy):
-        def run(self, objective, start, budget, seed):
+        def run(self, objective, start, seed):
             objective.charge(3.0, best=np.array([0.5]))
             return Outcome(start, Status.CONVERGED)
 
@@ -125,7 +167,7 @@ def test_message():
 
 @dataclass(frozen=True)
 class Crashing(AbstractStrategy):
-    def run(self, objective, start, budget, seed):
+    def run(self, objective, start, seed):
         raise KeyError("a bug")
 
 
@@ -147,14 +189,14 @@ def test_a_crash_names_distribution_and_version_of_an_installed_strategy(monkeyp
 
     monkeypatch.setattr(stereorecal_compass.Compass, "run", crash)
     installed = f"stereorecal-compass {version('stereorecal-compass')}"
-    with pytest.raises(StrategyError, match=rf"Compass \({installed}\) crashed: KeyError\('a bug'\)"):
+    with pytest.raises(StrategyError, match=rf"compass \({installed}\) crashed: KeyError\('a bug'\)"):
         judged(stereorecal_compass.Compass())
 
 
 def test_ctrl_c_is_no_crash():
     @dataclass(frozen=True)
     class Interrupted(AbstractStrategy):
-        def run(self, objective, start, budget, seed):
+        def run(self, objective, start, seed):
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
@@ -192,7 +234,7 @@ def test_least_number_of_parameters():
 def test_the_strategy_cannot_move_the_start():
     @dataclass(frozen=True)
     class Vandal(AbstractStrategy):
-        def run(self, objective, start, budget, seed):
+        def run(self, objective, start, seed):
             start[:] = 0.9
             return Outcome(start, Status.CONVERGED)
 
@@ -200,3 +242,55 @@ def test_the_strategy_cannot_move_the_start():
     run = run_strategy(Vandal(), problem(hill), start)
     assert start == [0.5]
     assert run.best == [0.5]
+
+
+@dataclass(frozen=True)
+class ByName(AbstractStrategy):
+    def run(self, objective, start, budget, seed):
+        raise AssertionError("must not run")
+
+
+@dataclass(frozen=True)
+class ByPosition(AbstractStrategy):
+    def run(self, f, x0, limit, key):
+        raise AssertionError("must not run")
+
+
+@dataclass(frozen=True)
+class ByKeyword(AbstractStrategy):
+    def run(self, objective, start, seed, *, budget=None):
+        raise AssertionError("must not run")
+
+
+@pytest.mark.parametrize("old", [ByName(), ByPosition(), ByKeyword()], ids=lambda s: type(s).__name__)
+def test_a_strategy_of_the_older_contract_is_refused_before_anything_runs(old):
+    name = type(old).__name__
+    with pytest.raises(StrategyError) as caught:
+        run_strategy(old, Objective(Problem(1, lambda points: pytest.fail("evaluated"))), np.zeros(1))
+    assert str(caught.value) == (
+        f"strategy {name} ({__name__}) was written for an older contract; its method is now "
+        "run(objective, start, seed), and the budget is objective.budget."
+    )
+
+
+def test_the_refusal_names_the_distribution(monkeypatch):
+    from importlib.metadata import version
+
+    import stereorecal_compass
+
+    monkeypatch.setattr(stereorecal_compass.Compass, "run", ByName.run)
+    installed = f"stereorecal-compass {version('stereorecal-compass')}"
+    with pytest.raises(StrategyError, match=rf"strategy compass \({installed}\) was written for an older contract"):
+        judged(stereorecal_compass.Compass())
+
+
+@dataclass(frozen=True)
+class Decorated(AbstractStrategy):
+    """The contract leaves room for what a caller need not give."""
+
+    def run(self, objective, start, seed, *extra, tolerance=0.1, **more):
+        return Outcome(start, Status.CONVERGED)
+
+
+def test_further_arguments_with_defaults_are_no_older_contract():
+    assert judged(Decorated()).status is Status.CONVERGED

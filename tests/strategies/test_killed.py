@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from stereorecal.strategies import AbstractStrategy, Budget, Objective, Outcome, Problem, Status, run_strategy, strategy
+from stereorecal.strategies import AbstractStrategy, Objective, Outcome, Problem, Status, run_strategy, strategy
 
 
 @dataclass(frozen=True)
@@ -15,7 +15,7 @@ class RandomSearch(AbstractStrategy):
 
     batch: int = 3
 
-    def run(self, objective, start, budget, seed):
+    def run(self, objective, start, seed):
         random = np.random.default_rng(seed)
         for _ in range(10_000):
             objective.batch(random.uniform(-1, 1, (self.batch, objective.dim)))
@@ -36,7 +36,7 @@ def test_best_seen_is_returned(dim, limit, cost, batch, seed):
     forever = {"min_step": 1e-9}
     names = ("compass", "gradient-descent", "secant")
     for killed in (RandomSearch(batch), *(strategy(name, **forever) for name in names)):
-        run = run_strategy(killed, Objective(Problem(dim, rugged, cost)), start, Budget(evaluations=limit), seed)
+        run = run_strategy(killed, Objective(Problem(dim, rugged, cost), limit), start, seed)
         assert run.trace.total_cost <= limit + 1e-9
         assert run.value == max(run.trace.values.max(initial=-np.inf), rugged(start[None])[0])
         assert run.value == rugged(run.best[None])[0]
@@ -44,6 +44,6 @@ def test_best_seen_is_returned(dim, limit, cost, batch, seed):
 
 
 def test_the_status_says_that_it_was_killed():
-    run = run_strategy(RandomSearch(), Objective(Problem(2, rugged)), np.zeros(2), Budget(evaluations=20))
+    run = run_strategy(RandomSearch(), Objective(Problem(2, rugged), 20), np.zeros(2))
     assert run.status is Status.BUDGET
     assert run.message == Status.BUDGET.value

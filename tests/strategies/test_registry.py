@@ -2,12 +2,14 @@
 
 import subprocess
 import sys
+from dataclasses import dataclass
 from importlib.metadata import EntryPoint, EntryPoints
+from types import ModuleType
 
 import pytest
 
 from stereorecal._errors import InputError, StrategyError
-from stereorecal.strategies import _registry, describe, origin_of, strategies, strategy
+from stereorecal.strategies import AbstractStrategy, _registry, describe, name_of, origin_of, strategies, strategy
 from stereorecal.strategies._registry import GROUP
 
 
@@ -102,7 +104,7 @@ def test_broken_entry_point(installed, value):
 @pytest.mark.parametrize("value", ["json:dumps", "json:JSONDecoder"])
 def test_entry_point_that_is_no_strategy(installed, value):
     installed(point("odd", value, "odd-plugin"))
-    with pytest.raises(StrategyError, match=r"entry point odd of odd-plugin 1\.2 is no strategy class"):
+    with pytest.raises(StrategyError, match=r"entry point odd of odd-plugin 1\.2 is not a strategy class"):
         strategy("odd")
 
 
@@ -125,3 +127,130 @@ def test_listing_imports_no_plugin():
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
+
+
+@dataclass(frozen=True)
+class Local(AbstractStrategy):
+    step: float = 0.5
+
+    def run(self, objective, start, seed):
+        raise AssertionError("must not run")
+
+    @dataclass(frozen=True)
+    class Inner(AbstractStrategy):
+        def run(self, objective, start, seed):
+            raise AssertionError("must not run")
+
+
+@pytest.mark.parametrize("name", strategies())
+def test_every_installed_strategy_knows_its_name(name):
+    assert name_of(strategy(name)) == name
+
+
+def test_options_do_not_change_the_name():
+    assert name_of(strategy("compass", step=0.25)) == "compass"
+
+
+def test_a_strategy_that_is_not_registered_has_its_class_name():
+    assert name_of(Local()) == "Local"
+
+
+def test_a_subclass_of_a_registered_class_is_another_strategy():
+    class Mine(type(strategy("compass"))):
+        pass
+
+    assert name_of(Mine()) == "Mine"
+
+
+def test_the_name_of_a_class_inside_a_class(installed):
+    installed(point("local", f"{__name__}:Local"), point("inner", f"{__name__}:Local.Inner"))
+    assert name_of(Local()) == "local"
+    assert name_of(Local.Inner()) == "inner"
+
+
+def test_the_name_of_a_class_that_is_registered_through_another_module(installed, monkeypatch):
+    facade = ModuleType("facade")
+    facade.Exported = Local
+    monkeypatch.setitem(sys.modules, "facade", facade)
+    installed(
+        point("other", "facade:Missing"), point("exported", "facade:Exported"), point("deep", "facade:Exported.Inner")
+    )
+    assert name_of(Local()) == "exported"
+    assert name_of(Local.Inner()) == "deep"
+
+
+def test_of_two_names_it_is_the_first(installed):
+    installed(point("zebra", f"{__name__}:Local"), point("ant", f"{__name__}:Local"))
+    assert name_of(Local()) == "ant"
+
+
+def test_finding_a_name_imports_nothing(installed, monkeypatch):
+    lazy, asked = ModuleType("lazy"), []
+
+    def attribute(name):
+        asked.append(name)
+        raise AttributeError(name)
+
+    lazy.__getattr__ = attribute
+    monkeypatch.setitem(sys.modules, "lazy", lazy)
+    installed(
+        point("absent", "no_such_module:Thing"),
+        point("lazy", "lazy:Local"),
+        point("whole", "lazy"),
+        point("stdlib", "this:Zen"),
+    )
+    assert name_of(Local()) == "Local"
+    assert "Local" not in asked
+    assert "this" not in sys.modules
+
+
+@pytest.mark.parametrize(
+    "value", ["", ":", "no colon at all", "a-b:c", __name__, f"{__name__}:", f"{__name__}:Local:Inner"]
+)
+def test_a_malformed_entry_point_hides_no_name(installed, value):
+    installed(point("bad", value), point("local", f"{__name__}:Local [extra]"))
+    assert name_of(Local()) == "local"
+    assert origin_of(Local()) in ("stereorecal-compass 1.2", __name__)
+
+
+WHAT_IS_NO_NAME = """
+from stereorecal.strategies import describe, strategy
+
+class Long(type(strategy("compass"))):
+    def __repr__(self):
+        return "Long" + 10_000 * "!"
+
+compass = strategy("compass", step=0.25)
+for given in (compass, type(compass), None, 5, b"compass", ["compass", "secant"], object, Long()):
+    for function in (strategy, describe):
+        try:
+            function(given)
+        except Exception as error:
+            print(type(error).__name__, error)
+"""
+
+
+def test_what_is_no_name_is_refused_with_the_right_call():
+    """In a process of its own: the type checker of the test suite would be the first to refuse it."""
+    command = [sys.executable, "-c", WHAT_IS_NO_NAME]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    *sentences, long = done.stdout.splitlines()[::2]
+    assert done.stdout.splitlines()[1::2] == [*sentences, long]
+    right = "is no name of a strategy; give a string, such as sr.strategy('compass')."
+    assert sentences == [
+        "InputError this Compass is a strategy already; pass it on as it is.",
+        "InputError Compass is a strategy's class; make a strategy of it with Compass().",
+        f"InputError None {right}",
+        f"InputError 5 {right}",
+        f"InputError b'compass' {right}",
+        f"InputError ['compass', 'secant'] {right}",
+        f"InputError <class 'object'> {right}",
+    ]
+    assert len(long) < 200
+
+
+def test_an_option_may_be_called_name(installed):
+    installed(point("local", f"{__name__}:Local"))
+    with pytest.raises(InputError, match="strategy local has no option 'name'; it has: step"):
+        strategy("local", name="x")

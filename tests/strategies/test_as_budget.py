@@ -1,0 +1,84 @@
+"""What is accepted for a budget: nothing, a number of units, or a Budget."""
+
+from decimal import Decimal
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from stereorecal._errors import InputError
+from stereorecal.strategies import Budget, Objective, Problem, as_budget
+
+
+def test_none_is_no_limit():
+    assert as_budget(None) == Budget() == Budget(None, None)
+
+
+def test_a_budget_is_returned_as_it_is():
+    budget = Budget(evaluations=3.5, seconds=2)
+    assert as_budget(budget) is budget
+
+
+@pytest.mark.parametrize("number", [500, 500.0, np.int64(500), np.float32(500), np.float64(500), np.uint8(500 - 256)])
+def test_a_number_limits_the_evaluations(number):
+    found = as_budget(number)
+    assert found == Budget(evaluations=float(number))
+    assert found.seconds is None
+    assert type(found.evaluations) in (int, float)
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        "ten",
+        "10",
+        b"10",
+        True,
+        False,
+        np.bool_(True),
+        1j,
+        Fraction(1, 2),
+        Decimal(5),
+        [500],
+        (500, 20),
+        {"evaluations": 500},
+        np.array(500.0),
+        np.array([1, 2]),
+        object(),
+        Budget,
+    ],
+    ids=repr,
+)
+def test_anything_else_is_refused_and_the_right_call_is_shown(other):
+    with pytest.raises(InputError) as caught:
+        as_budget(other)
+    message = str(caught.value)
+    assert message.startswith("budget is ")
+    assert message.endswith("; give a number of units, such as budget=500, or sr.Budget(evaluations=500, seconds=20).")
+
+
+def test_the_sentence_names_what_was_given():
+    with pytest.raises(InputError, match=r"^budget is 'ten'; give a number of units, such as budget=500, or"):
+        as_budget("ten")
+
+
+def test_the_sentence_stays_short():
+    with pytest.raises(InputError) as caught:
+        as_budget("9" * 100_000)
+    assert len(str(caught.value)) < 200
+
+
+@pytest.mark.parametrize("number", [0, -1, -0.0, float("nan"), float("inf"), -float("inf"), 10**400, np.float32("nan")])
+def test_numbers_that_make_no_sense(number):
+    with pytest.raises(InputError, match=r"makes no sense; give a positive number, or None for no limit") as caught:
+        as_budget(number)
+    assert len(str(caught.value)) < 200
+
+
+@pytest.mark.parametrize(
+    ("given", "left"), [(None, np.inf), (3, 3), (2.5, 2.5), (Budget(7), 7), (Budget(seconds=9e9), np.inf)]
+)
+def test_an_objective_takes_all_of_them(given, left):
+    problem = Problem(1, lambda points: points[:, 0])
+    assert Objective(problem, given).remaining == left
+    assert Objective(problem, 1).with_budget(given).remaining == left
