@@ -1,24 +1,25 @@
-"""Compass search as a stereorecal strategy. This file is all that a plug-in needs: copy it to write your own."""
+"""Compass search as a stereorecal strategy. This file is all the code that a plug-in needs: copy it for your own."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.strategies import AbstractStrategy, Budget, Objective, Outcome, Status
+from stereorecal.strategies import AbstractStrategy, Objective, Outcome, Status
 
 
 @dataclass(frozen=True)
 class Compass(AbstractStrategy):
-    """Compass (pattern) search: try a step along ± each axis, go to the best, else halve the step.
+    """Compass (pattern) search: step along ± each axis, move to the best improvement, else halve the step.
 
-    The optimiser of Muhovič & Perš, section 3.3 (after Kolda, Lewis & Torczon, SIAM Review 45(3), 2003). Those of the
-    2n points of an iteration that are new are one batch. It needs no gradient and no smoothness.
+    The optimiser of Muhovič & Perš, section 3.3 (after Kolda, Lewis & Torczon, SIAM Review 45(3), 2003). The 2n points
+    of an iteration are one batch, less those evaluated before. It needs neither gradients nor smoothness.
 
     Attributes:
-        step: first step, in half widths of the search box (1/16 is 0.19 degrees at the default
-            reach, which a matcher at full scale forgives; take a longer one at a coarse scale or for a large drift).
-        min_step: the search ends when the step falls below it.
+        step: first step, in half widths of the search box. The default is 0.19 degrees at the default reach, an error
+            at which a matcher at full scale still finds matches; choose a longer one at a coarser scale or for a larger
+            drift.
+        min_step: the search ends when the step falls below this.
     """
 
     step: float = 1.0 / 16.0
@@ -28,10 +29,10 @@ class Compass(AbstractStrategy):
         if not 0.0 < self.min_step <= self.step <= 2.0:
             raise ValueError(f"need 0 < min_step <= step <= 2, got {self.min_step} and {self.step}")
 
-    def run(self, objective: Objective, start: Float[np.ndarray, "n"], budget: Budget, seed: int) -> Outcome:
+    def run(self, objective: Objective, start: Float[np.ndarray, "n"], seed: int) -> Outcome:
         """See `AbstractStrategy.run`. Deterministic: `seed` is not used."""
         stencil = np.concatenate([np.eye(objective.dim), -np.eye(objective.dim)])
-        known: dict[bytes, float] = {}  # an iteration meets again where the ones before it have been
+        known: dict[bytes, float] = {}  # iterations share points with earlier ones
 
         def values(points: Float[np.ndarray, "k n"]) -> Float[np.ndarray, "k"]:
             new = {p.tobytes(): p for p in points if p.tobytes() not in known}
@@ -53,5 +54,5 @@ class Compass(AbstractStrategy):
 
 
 def _comparable(values):
-    """NaN counts as worse than anything."""
+    """The values, with NaN replaced by -inf: worse than any value."""
     return np.where(np.isnan(values), -np.inf, values)

@@ -1,8 +1,8 @@
-"""What the paper tried before compass search (section 3.3): gradient descent and a secant method, on differences.
+"""Gradient descent and a secant method on finite differences, which Muhovič & Perš tried first (section 3.3).
 
-The count is piecewise constant: over a short distance it does not change at all. So differences are long, and a step is
-as long as pays off along the line, whatever the scale of the score. An iteration is two batches: all points of the
-derivative, and all steps along the line.
+The count is piecewise constant, so over a short distance it does not change at all: finite differences have to be long.
+The step length comes from a line search, so the scale of the score does not matter. An iteration is two batches: the
+points of the finite differences, and those of the line search.
 """
 
 import abc
@@ -11,24 +11,25 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.strategies import AbstractStrategy, Budget, Objective, Outcome, Status
+from stereorecal.strategies import AbstractStrategy, Objective, Outcome, Status
 
 Point = Float[np.ndarray, "n"]
 Curvature = Float[np.ndarray, "n n"]
 
-# The gradient has to fall along a move, or it says nothing about a summit: least cosine of the two.
-_LEAST_BEND = 1e-3
+# Curvature condition of the BFGS update: least cosine of the angle between a move and the fall of the gradient over it.
+# Our choice; it keeps the update well conditioned and rejects moves along which the score is not concave.
+_LEAST_COSINE = 1e-3
 
 
 @dataclass(frozen=True)
 class AbstractAscent(AbstractStrategy):
-    """Climbing along a gradient of central differences, bent by what is known of the curvature.
+    """Ascent along a central-difference gradient, preconditioned by an estimate of the inverse Hessian if there is one.
 
     Attributes:
-        difference: half the length of a difference, in half widths of the search box (1/32 is 0.09 degrees at the
-            default reach; a count shows little below that).
+        difference: half the distance between the two points of a difference, in half widths of the search box. The
+            default is 0.09 degrees at the default reach; over less, a count hardly changes.
         step: longest step, in half widths.
-        min_step: the search ends when no step down to this one climbs.
+        min_step: the search ends when no step of at least this length improves the score.
     """
 
     difference: float = 1.0 / 32.0
@@ -43,9 +44,12 @@ class AbstractAscent(AbstractStrategy):
 
     @abc.abstractmethod
     def learned(self, inverse: Curvature | None, move: Point, fall: Point) -> Curvature | None:
-        """The inverse of minus the Hessian after a move, over which the gradient fell by `fall`; None: not known."""
+        """The new estimate of the inverse of minus the Hessian, after `move`, along which the gradient fell by `fall`.
 
-    def run(self, objective: Objective, start: Point, budget: Budget, seed: int) -> Outcome:
+        None stands for no estimate, both as `inverse` and as the result.
+        """
+
+    def run(self, objective: Objective, start: Point, seed: int) -> Outcome:
         """See `AbstractStrategy.run`. Deterministic: `seed` is not used."""
         point, value = start, _comparable(objective.value(start))
         gradient, inverse = _gradient(objective, start, self.difference), None
@@ -58,10 +62,10 @@ class AbstractAscent(AbstractStrategy):
             elif inverse is None:
                 return Outcome(_best_seen(objective, start), Status.CONVERGED)
             else:
-                inverse = None  # the estimate may be at fault: once more, straight along the gradient
+                inverse = None  # perhaps the estimate is wrong: try again along the plain gradient
 
     def _best_along(self, direction: Point, objective: Objective, point: Point, unscaled: bool) -> tuple[Point, float]:
-        """The best of the steps along `direction` that are halved from the longest down to the shortest."""
+        """The best point of a line search along `direction` and its value; steps are halved from the longest on."""
         length = np.linalg.norm(direction)
         longest = self.step if unscaled else min(self.step, length)
         if length == 0.0 or longest < self.min_step:
@@ -74,51 +78,51 @@ class AbstractAscent(AbstractStrategy):
 
 @dataclass(frozen=True)
 class GradientDescent(AbstractAscent):
-    """Gradient descent on central differences: the best of halved steps along the steepest way, until none climbs.
+    """Gradient descent (paper): steepest ascent of the score on central differences, with a line search.
 
     Attributes: those of `AbstractAscent`.
     """
 
     def learned(self, inverse: Curvature | None, move: Point, fall: Point) -> Curvature | None:
-        """Nothing."""
+        """None: it uses no curvature."""
         return None
 
 
 @dataclass(frozen=True)
 class Secant(AbstractAscent):
-    """A secant (quasi-Newton) method on central differences: as gradient descent, but along the way that BFGS points.
+    """Secant method (paper): BFGS quasi-Newton directions on central differences, with a line search.
 
-    Where that way does not climb, it forgets what it has learned and goes on along the gradient.
+    Where such a direction brings no improvement, the estimate is discarded and the search goes on along the gradient.
 
     Attributes: those of `AbstractAscent`.
     """
 
     def learned(self, inverse: Curvature | None, move: Point, fall: Point) -> Curvature | None:
-        """The BFGS update, where the gradient falls along the move."""
-        bend = move @ fall
-        if not bend > _LEAST_BEND * np.linalg.norm(move) * np.linalg.norm(fall):
+        """The BFGS update, where the curvature condition holds."""
+        curvature = move @ fall
+        if not curvature > _LEAST_COSINE * np.linalg.norm(move) * np.linalg.norm(fall):
             return inverse
         identity = np.eye(len(move))
         if inverse is None:
-            inverse = identity * bend / (fall @ fall)
-        turned = identity - np.outer(move, fall) / bend
-        return turned @ inverse @ turned.T + np.outer(move, move) / bend
+            inverse = identity * curvature / (fall @ fall)
+        left = identity - np.outer(move, fall) / curvature
+        return left @ inverse @ left.T + np.outer(move, move) / curvature
 
 
 def _gradient(objective: Objective, point: Point, difference: float) -> Point:
-    """Central differences, one-sided where the box ends; all 2n points are one batch."""
+    """The gradient by central differences, one-sided at the border of the box; all 2n points are one batch."""
     shifts = difference * np.eye(objective.dim)
     ahead, behind = np.clip(point + shifts, -1.0, 1.0), np.clip(point - shifts, -1.0, 1.0)
     values = objective.batch(np.concatenate([ahead, behind]))
     values = np.where(np.isnan(values), np.min(values, initial=np.inf, where=~np.isnan(values)), values)
-    if not np.isfinite(values).all():  # no value anywhere
+    if not np.isfinite(values).all():  # no value at any of the points
         return np.zeros(objective.dim)
     rise = values[: objective.dim] - values[objective.dim :]
     return rise / np.diagonal(ahead - behind)
 
 
 def _uphill(point: Point, gradient: Point, inverse: Curvature | None) -> Point:
-    """Gradient, bent by the inverse curvature, without the components that lead out of the box."""
+    """The direction of ascent: the gradient, preconditioned by `inverse`, without components that leave the box."""
     inside = (np.abs(point) < 1.0) | (gradient * point < 0.0)
     straight = np.where(inside, gradient, 0.0)
     return straight if inverse is None else np.where(inside, inverse @ straight, 0.0)
@@ -130,5 +134,5 @@ def _best_seen(objective: Objective, start: Point) -> Point:
 
 
 def _comparable(values):
-    """NaN counts as worse than anything."""
+    """The values, with NaN replaced by -inf: worse than any value."""
     return np.where(np.isnan(values), -np.inf, values)

@@ -1,8 +1,8 @@
-"""What a search of the compass plug-in asked, batch by batch."""
+"""Records what a search of the compass plug-in evaluates, batch by batch."""
 
 import numpy as np
 
-from stereorecal.strategies import Budget, Objective, Problem
+from stereorecal.strategies import Objective, Problem
 
 
 class Watched:
@@ -19,4 +19,4 @@ class Watched:
 
     def run(self, strategy, start=None):
         start = np.zeros(self.objective.dim) if start is None else np.array(start, float)
-        return strategy.run(self.objective, start, Budget(), 0)
+        return strategy.run(self.objective, start, 0)

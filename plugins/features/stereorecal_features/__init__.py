@@ -1,3 +1,3 @@
-"""SIFT features and an essential matrix: what a vision engineer would try before any search on a stereo score."""
+"""SIFT features and an essential matrix: the classical, feature-based calibration as a stereorecal strategy."""
 
 from stereorecal_features._features import Features as Features

@@ -1,4 +1,4 @@
-"""The strategy: match, find an essential matrix, refine."""
+"""The strategy: match features, estimate an essential matrix, refine the extrinsics."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -10,31 +10,32 @@ from scipy.optimize import least_squares
 
 from stereorecal.geometry import euler_from_rotation, rotation_from_euler
 from stereorecal.objectives import Chart, Images
-from stereorecal.strategies import AbstractStrategy, Budget, Need, Objective, Outcome, Status
+from stereorecal.strategies import AbstractStrategy, Need, Objective, Outcome, Status
 from stereorecal_features._matches import Seen, matched_pixels, seen_by_both
 
-_ROUNDS = 10
-_FEWEST = 8  # below it, five parameters fit anything
+_ROUNDS = 10  # our choice: a set of inliers that still changes then is taken to be unstable
+_FEWEST = 8  # our choice: fewer matches hardly overdetermine five parameters
 
 
 @dataclass(frozen=True)
 class Features(AbstractStrategy):
-    """SIFT features, an essential matrix (USAC-MAGSAC) and robust least squares on the images; it asks no score.
+    """SIFT features, an essential matrix (USAC-MAGSAC) and robust least squares on the images; no score is evaluated.
 
-    The matches of all frames are taken together, since the rig is the same. Those that an essential matrix agrees with
-    have their Sampson errors minimised over all free parameters inside the box, from the start and from the pose in the
-    essential matrix; the better end counts. Then the matches that agree are chosen anew, until they stay the same.
+    The matches of all frames are pooled, since the rig is the same. The inliers of an essential matrix have their
+    Sampson errors minimised over all free parameters within the box, once from the start and once from the pose of the
+    essential matrix; the result with the lower cost is kept. The inliers are then selected anew and the errors
+    minimised again, until the set of inliers does not change.
 
-    It spends no budget: the unit is one run of the stereo matcher, and it runs none. A limit in seconds is looked at
-    between frames.
+    It spends no units of the budget: a unit is one run of the stereo matcher, and it runs none. A limit in seconds is
+    checked between frames.
 
     Attributes:
-        features: at most so many features in each image; matching them takes about 8 features² bytes.
-        contrast: least contrast of a feature (OpenCV's `contrastThreshold`); lower it where texture is weak.
+        features: the most features per image; matching them takes about 8 features² bytes.
+        contrast: the least contrast of a feature (OpenCV's `contrastThreshold`); lower it where texture is weak.
         ratio: Lowe's ratio test, in (0, 1]; 1 turns it off.
-        threshold: a match agrees with a pose up to this epipolar error, in pixels.
-        loss_scale: Sampson error in pixels from which on a match counts less than quadratically (soft L1).
-        min_matches: the run is STALLED with fewer matches, or fewer that agree.
+        threshold: the largest epipolar error of an inlier, in pixels.
+        loss_scale: Sampson error in pixels beyond which a match counts less than quadratically (soft L1).
+        min_matches: the run ends as STALLED with fewer matches or fewer inliers.
     """
 
     needs: ClassVar[Need] = Need.IMAGES
@@ -57,10 +58,9 @@ class Features(AbstractStrategy):
                 f"need {_FEWEST} <= min_matches <= features, got {self.min_matches} and {self.features} features"
             )
 
-    def run(self, objective: Objective, start: Float[np.ndarray, "n"], budget: Budget, seed: int) -> Outcome:
-        """See `AbstractStrategy.run`. `seed` draws the samples that the essential matrix is searched with."""
-        images = objective.images
-        assert images is not None  # the core checks `needs`
+    def run(self, objective: Objective, start: Float[np.ndarray, "n"], seed: int) -> Outcome:
+        """See `AbstractStrategy.run`. `seed` is that of the random samples for the essential matrix."""
+        images: Images = objective.images  # there, since the core checks `needs`
         pixels = []
         for pair in images.pairs:
             if objective.remaining <= 0:
@@ -91,14 +91,14 @@ class Features(AbstractStrategy):
 def _five_point_pose(
     images: Images, left: Seen, right: Seen, threshold: float, seed: int
 ) -> tuple[Float[np.ndarray, "n"], Bool[np.ndarray, "m"]]:
-    """The pose of an essential matrix as a point of the box, and the matches within `threshold` [px] of it: none, and
-    the middle of the box, if there is no such matrix.
+    """The pose of an essential matrix as a point of the box, and which matches are inliers, within `threshold` [px].
 
-    Of the four poses of the matrix this is the one next to the rig's. `recoverPose` would take the one that has most
-    points in front of both cameras, but it does not count points beyond 50 baselines.
+    Where no essential matrix is found, that is the centre of the box, and no inliers. Of the four poses that the matrix
+    decomposes into, this is the one nearest to the rig's: `recoverPose` would choose the one with most points in front
+    of both cameras, but does not count points farther away than 50 baselines.
     """
     rig, chart = images.rig, images.chart
-    how = cv2.UsacParams()  # what the flag USAC_MAGSAC stands for, and a seed, which the flag does not take
+    how = cv2.UsacParams()  # the parameters behind the flag USAC_MAGSAC, with a seed, which the flag cannot set
     how.score, how.loMethod, how.loIterations, how.loSampleSize = cv2.SCORE_METHOD_MAGSAC, cv2.LOCAL_OPTIM_SIGMA, 10, 50
     how.confidence, how.maxIterations, how.randomGeneratorState = 0.9999, 10_000, int(seed) % 2**31
     how.threshold = threshold / float(np.mean([np.diag(camera.matrix)[:2] for camera in (rig.left, rig.right)]))
@@ -109,20 +109,21 @@ def _five_point_pose(
         return np.zeros(chart.dim), np.zeros(len(left), bool)
     first, second, direction = cv2.decomposeEssentialMat(essential)
     rotation = max(first, second, key=lambda turn: np.trace(turn.T @ rig.rotation))
-    translation = direction.ravel() * rig.translation[0] / (direction[0, 0] or 1.0)  # x is known, and any scale fits
+    translation = direction.ravel() * rig.translation[0] / (direction[0, 0] or 1.0)  # the scale is free, and x is known
     extrinsics = np.concatenate([euler_from_rotation(rotation), translation])
     return np.clip(chart.coordinates(extrinsics), -1.0, 1.0), agree.ravel() > 0
 
 
 def _refined(chart: Chart, left: Seen, right: Seen, start: Float[np.ndarray, "n"], loss_scale: float):
-    """SciPy's answer: the point of the box with the least robust sum of errors, found from `start`."""
+    """SciPy's result of minimising the robust sum of squared Sampson errors over the box, from `start`."""
     return least_squares(
         lambda z: _sampson(chart, z, left, right), start, bounds=(-1, 1), loss="soft_l1", f_scale=loss_scale
     )
 
 
 def _sampson(chart: Chart, z: Float[np.ndarray, "n"], left: Seen, right: Seen) -> Float[np.ndarray, "m"]:
-    """How far, in pixels, each match would have to move in both images together to be one point in space."""
+    """The Sampson error of each match, in pixels: to first order, its distance from satisfying the epipolar constraint
+    over both images."""
     extrinsics = np.asarray(chart.extrinsics(z))
     tx, ty, tz = extrinsics[3:]
     essential = np.array([[0.0, -tz, ty], [tz, 0.0, -tx], [-ty, tx, 0.0]]) @ rotation_from_euler(extrinsics[:3])

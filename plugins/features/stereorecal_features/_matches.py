@@ -1,4 +1,4 @@
-"""Matches between the left and the right images, as rays of the two cameras."""
+"""Feature matches between the left and the right images, as rays of the two cameras."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,20 +13,20 @@ from stereorecal.recordings import Pair
 Pixels = Float[np.ndarray, "m 2"]
 PixelsOfFrame = Float[np.ndarray, "_ 2"]  # each frame has its own number of matches
 
-# OpenCV's default of five iterations is not enough for wide lenses.
+# OpenCV's default of five iterations does not converge for wide-angle lenses.
 _UNDISTORTION = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 100, 1e-6)
-# A pixel whose ray leads back to another pixel lies where the lens model cannot be inverted.
+# Where a pixel's ray projects farther from the pixel than this, the lens model could not be inverted.
 _ROUND_TRIP_PX = 0.05
-_SLOPE_STEP = 1e-5
+_SLOPE_STEP = 1e-5  # of the central differences of a projection, in x/z; about the cube root of float64's epsilon
 
 
 @dataclass(frozen=True, eq=False)
 class Seen:
-    """Where one camera sees the matched points.
+    """The matched points as one camera sees them.
 
     Attributes:
         rays: (m, 3) rays (x/z, y/z, 1), camera frame.
-        per_px: (m, 2, 2) derivatives of (x/z, y/z) by the pixel (column, row), lens distortion included.
+        per_px: (m, 2, 2) derivatives of (x/z, y/z) with respect to the pixel (column, row), lens distortion included.
     """
 
     rays: Float[np.ndarray, "m 3"]
@@ -40,19 +40,19 @@ class Seen:
 
 
 def matched_pixels(pair: Pair, features: int, contrast: float, ratio: float) -> tuple[Pixels, Pixels]:
-    """Pixels (column, row), left and right, of SIFT features that are each other's nearest in descriptor space.
+    """Pixels (column, row), left and right, of SIFT features that are mutual nearest neighbours by descriptor.
 
     Args:
-        features: at most so many in each image, those of the highest contrast.
+        features: the most features per image; those of the highest contrast are kept.
         contrast: OpenCV's `contrastThreshold`.
-        ratio: the nearest must be nearer than this fraction of the distance to the second nearest (Lowe's test).
+        ratio: Lowe's ratio test: the most that the nearest distance may be, relative to the second nearest.
     """
-    # Without precise upscaling every feature is off by a fraction of a pixel.
+    # Without precise upscaling every feature is shifted by a fraction of a pixel.
     sift = cv2.SIFT.create(nfeatures=features, contrastThreshold=contrast, enable_precise_upscale=True)
     (left, left_words), (right, right_words) = (_described(sift, image) for image in (pair.left, pair.right))
-    if min(len(left), len(right)) < 2:  # no second nearest
+    if min(len(left), len(right)) < 2:  # there is no second nearest
         return left[:0], right[:0]
-    # Words are whole numbers up to 255, so these sums are exact in float32, in any order.
+    # Descriptors (words) hold integers up to 255, so these sums are exact in float32, in any order.
     apart = np.square(left_words).sum(1)[:, None] + np.square(right_words).sum(1) - 2.0 * left_words @ right_words.T
     everyone, nearest = np.arange(len(left)), apart.argmin(1)
     mutual = apart.argmin(0)[nearest] == everyone
@@ -63,7 +63,7 @@ def matched_pixels(pair: Pair, features: int, contrast: float, ratio: float) -> 
 
 
 def seen_by_both(rig: StereoRig, pixels: Sequence[tuple[PixelsOfFrame, PixelsOfFrame]]) -> tuple[Seen, Seen]:
-    """Matched pixels of all frames together, as the left and the right camera see them."""
+    """The matched pixels of all frames, as the left and as the right camera see them."""
     left, right = (np.concatenate(side) for side in zip(*pixels, strict=True))
     (left_rays, left_good), (right_rays, right_good) = _rays(rig.left, left), _rays(rig.right, right)
     good = left_good & right_good
@@ -71,14 +71,14 @@ def seen_by_both(rig: StereoRig, pixels: Sequence[tuple[PixelsOfFrame, PixelsOfF
 
 
 def _described(sift: cv2.SIFT, image: Float[np.ndarray, "h w"]) -> tuple[Pixels, Float[np.ndarray, "m 128"]]:
-    points, words = sift.detectAndCompute(np.clip(np.rint(image), 0, 255).astype(np.uint8), None)
+    points, descriptors = sift.detectAndCompute(np.clip(np.rint(image), 0, 255).astype(np.uint8), None)
     pixels = np.array([point.pt for point in points], float).reshape(-1, 2)
-    return pixels, np.zeros((0, 128), np.float32) if words is None else words
+    return pixels, np.zeros((0, 128), np.float32) if descriptors is None else descriptors
 
 
 def _rays(camera: Camera, pixels: Pixels) -> tuple[Float[np.ndarray, "m 3"], Bool[np.ndarray, "m"]]:
-    """Rays through pixels, and which of them can be trusted."""
-    if not len(pixels):  # OpenCV refuses an empty list
+    """The rays through pixels, and whether each lies within the valid range of the lens model."""
+    if not len(pixels):  # OpenCV refuses an empty array
         return np.zeros((0, 3)), np.zeros(0, bool)
     matrix, coefficients = np.asarray(camera.matrix), np.asarray(camera.distortion)
     ideal = cv2.undistortPoints(pixels[:, None], matrix, coefficients, criteria=_UNDISTORTION)[:, 0]

@@ -11,7 +11,7 @@ from stereorecal_features._features import _five_point_pose, _sampson
 from stereorecal_features._matches import matched_pixels, seen_by_both
 
 from stereorecal.geometry import Camera, StereoRig
-from stereorecal.objectives import Images, Reach, chart_around
+from stereorecal.objectives import Images, Reach, count_box
 from stereorecal.recordings import Pair, Scene
 from stereorecal.strategies import Budget, Objective, Problem, Status, run_strategy
 from stereorecal.synthetic import decalibrate, default_rig, render
@@ -30,7 +30,7 @@ def coast() -> Scene:
 
 
 def images_around(rig: StereoRig, pairs=(), reach=None, **options) -> Images:
-    return Images(rig, tuple(pairs), chart_around(rig, reach or Reach(), **options))
+    return Images(rig, tuple(pairs), count_box(rig, reach or Reach(), **options).chart)
 
 
 def objective_of(images: Images) -> Objective:
@@ -43,8 +43,8 @@ def objective_of(images: Images) -> Objective:
 def repair(images: Images, strategy=None, *, start=None, budget=None, seed=0):
     """Its outcome, and how far its rig is from the true one: degrees, and percent of the baseline."""
     start = np.zeros(images.chart.dim) if start is None else start
-    objective = objective_of(images).with_budget(budget or Budget())
-    outcome = (strategy or Features()).run(objective, start, objective.budget, seed)
+    objective = objective_of(images).with_budget(budget)
+    outcome = (strategy or Features()).run(objective, start, seed)
     assert objective.spent == 0
     error = images.chart.extrinsics(outcome.best) - RIG.extrinsics
     return outcome, np.abs([*np.degrees(error[:3]), *100 * error[3:] / RIG.baseline])
@@ -179,7 +179,7 @@ def exact_matches(rig: StereoRig, nearest: float, farthest: float, count=400):
 
 def test_exact_matches_have_no_error():
     left, right = seen_by_both(RIG, [exact_matches(RIG, 2, 30)])
-    chart = chart_around(RIG, Reach())
+    chart = count_box(RIG, Reach()).chart
     np.testing.assert_allclose(_sampson(chart, np.zeros(5), left, right), 0.0, atol=1e-4)
     assert np.abs(_sampson(chart, np.full(5, 0.1), left, right)).min() > 0.1
 
@@ -193,7 +193,7 @@ def test_errors_are_pixels():
         pixels, off = np.array([[320.0, 240.0], [320.0, 400.0], [320.0, 60.0]]), np.array([0.0, 1.0])
         seen = seen_by_both(rig, [(pixels, pixels + off)])
         np.testing.assert_allclose(
-            np.abs(_sampson(chart_around(rig, Reach()), np.zeros(5), *seen)), 0.5**0.5, rtol=0.01
+            np.abs(_sampson(count_box(rig, Reach()).chart, np.zeros(5), *seen)), 0.5**0.5, rtol=0.01
         )
 
 
@@ -210,7 +210,7 @@ def test_the_pose_of_the_essential_matrix(nearest, farthest, free, within):
     pose, agree = _five_point_pose(images_around(bad), left, right, 0.5, 0)
     assert agree[~wrong].mean() > 0.9
     assert agree[wrong].mean() < 0.1  # some lie on their epipolar line by chance
-    truth = chart_around(bad, Reach()).coordinates(rig.extrinsics)
+    truth = count_box(bad, Reach()).chart.coordinates(rig.extrinsics)
     np.testing.assert_allclose(pose[:free], truth[:free], atol=within)
 
 

@@ -1,8 +1,8 @@
 """NLopt's optimisers as stereorecal strategies: local and global ones on counts, gradient methods on the soft count.
 
-Each is a strategy of its own (`nlopt-bobyqa`, …). Of NLopt's methods without derivatives there are all that differ on
-a box, except the original DIRECT, which kills the process when it is stopped, and MLSL with quasi-random points. NLopt
-is by Steven G. Johnson, https://github.com/stevengj/nlopt.
+Each is a strategy of its own (`nlopt-bobyqa`, …). All of NLopt's derivative-free methods that differ on a box are here,
+except the original DIRECT, which kills the process when it is stopped, and MLSL with quasi-random points. NLopt is by
+Steven G. Johnson, https://github.com/stevengj/nlopt.
 """
 
 from stereorecal_nlopt._global import (

@@ -1,20 +1,20 @@
-"""Global methods: they search the whole box, not only the neighbourhood of the start."""
+"""Global methods: they search the whole box, not just the neighbourhood of the start."""
 
 from dataclasses import dataclass
 
 import nlopt
 
-from stereorecal.strategies import Budget
+from stereorecal.strategies import Budget, Objective
 from stereorecal_nlopt._method import AbstractMethod
 from stereorecal_nlopt._search import check_steps, over_the_box
 
 
 @dataclass(frozen=True)
 class AbstractGlobal(AbstractMethod):
-    """A global method of NLopt; most have no stopping rule and use up the budget.
+    """A global method of NLopt; most have no stopping rule of their own and use up the budget.
 
     Attributes:
-        evaluations: without any budget the search ends after so many.
+        evaluations: the search ends after this many if the budget has no limit.
     """
 
     evaluations: int = 2000
@@ -23,36 +23,36 @@ class AbstractGlobal(AbstractMethod):
         if not self.evaluations > 0:
             raise ValueError(f"need evaluations > 0, got {self.evaluations}")
 
-    def configure(self, opt: nlopt.opt, budget: Budget) -> None:
+    def configure(self, opt: nlopt.opt, objective: Objective) -> None:
         """See `AbstractMethod.configure`."""
-        if budget == Budget():
+        if objective.budget == Budget():  # no limit
             opt.set_maxeval(self.evaluations)
 
 
 @dataclass(frozen=True)
 class Direct(AbstractGlobal):
-    """DIRECT: divides the box where it is large or good (Jones, Perttunen & Stuckman 1993)."""
+    """DIRECT: divides the box into rectangles, large and promising ones first (Jones et al. 1993)."""
 
     algorithm = nlopt.GN_DIRECT
 
 
 @dataclass(frozen=True)
 class DirectL(AbstractGlobal):
-    """DIRECT-L: DIRECT, biased towards the best part (Gablonsky & Kelley 2001)."""
+    """DIRECT-L: DIRECT, biased towards local search (Gablonsky & Kelley 2001)."""
 
     algorithm = nlopt.GN_DIRECT_L
 
 
 @dataclass(frozen=True)
 class DirectLRand(AbstractGlobal):
-    """DIRECT-L with random choices between equal parts (Gablonsky & Kelley 2001, Johnson)."""
+    """DIRECT-L with ties broken at random (Gablonsky & Kelley 2001, Johnson)."""
 
     algorithm = nlopt.GN_DIRECT_L_RAND
 
 
 @dataclass(frozen=True)
 class Ags(AbstractGlobal):
-    """AGS: bounds the slope along a curve that fills a box of up to 5 dimensions (Strongin & Sergeyev 2000)."""
+    """AGS: Lipschitz search along a space-filling curve, in up to 5 dimensions (Strongin & Sergeyev 2000)."""
 
     max_dim = 5
     algorithm = nlopt.GN_AGS
@@ -60,11 +60,11 @@ class Ags(AbstractGlobal):
 
 @dataclass(frozen=True)
 class AbstractPopulation(AbstractGlobal):
-    """A global method that keeps a population.
+    """A global method of NLopt with a population.
 
     Attributes:
-        evaluations: without any budget the search ends after so many.
-        population: number of points in it; 0 for NLopt's own choice.
+        evaluations: the search ends after this many if the budget has no limit.
+        population: number of points in it; 0 for NLopt's default.
     """
 
     population: int = 0
@@ -74,20 +74,20 @@ class AbstractPopulation(AbstractGlobal):
         if not self.population >= 0:
             raise ValueError(f"need population >= 0, got {self.population}")
 
-    def configure(self, opt: nlopt.opt, budget: Budget) -> None:
+    def configure(self, opt: nlopt.opt, objective: Objective) -> None:
         """See `AbstractMethod.configure`."""
-        super().configure(opt, budget)
+        super().configure(opt, objective)
         opt.set_population(self.population)
 
 
 @dataclass(frozen=True)
 class Crs2(AbstractPopulation):
-    """CRS2: random simplices among a population that contracts (Price 1983, local mutation by Kaelo & Ali 2006).
+    """CRS2: controlled random search with local mutation (Price 1983, Kaelo & Ali 2006).
 
     Attributes:
-        evaluations: without any budget the search ends after about so many.
-        population: number of points, at least n + 1; 0 for NLopt's choice, 10 (n + 1).
-        xtol: the search ends when the best point moves by less; on a flat score it never does.
+        evaluations: the search ends after about this many if the budget has no limit.
+        population: number of points, at least n + 1; 0 for NLopt's default, 10 (n + 1).
+        xtol: the search ends when the best point moves by less than this, in half widths; never on a flat score.
     """
 
     xtol: float = 1.0 / 128.0
@@ -98,19 +98,19 @@ class Crs2(AbstractPopulation):
         if not 0.0 <= self.xtol < 1.0:
             raise ValueError(f"need 0 <= xtol < 1, got {self.xtol}")
 
-    def configure(self, opt: nlopt.opt, budget: Budget) -> None:
+    def configure(self, opt: nlopt.opt, objective: Objective) -> None:
         """See `AbstractMethod.configure`."""
-        super().configure(opt, budget)
+        super().configure(opt, objective)
         opt.set_xtol_abs(self.xtol)
 
 
 @dataclass(frozen=True)
 class Isres(AbstractPopulation):
-    """ISRES: an evolution strategy with differential variation (Runarsson & Yao 2005).
+    """ISRES: an evolution strategy with stochastic ranking and differential variation (Runarsson & Yao 2005).
 
     Attributes:
-        evaluations: without any budget the search ends after so many.
-        population: number of points; NLopt's choice (0), 20 (n + 1), is made for much larger budgets.
+        evaluations: the search ends after this many if the budget has no limit.
+        population: number of points; NLopt's default (0), 20 (n + 1), suits much larger budgets.
     """
 
     population: int = 20
@@ -126,13 +126,13 @@ class Esch(AbstractPopulation):
 
 @dataclass(frozen=True)
 class Mlsl(AbstractPopulation):
-    """MLSL: BOBYQA from many random starts, one for each basin as it hopes (Rinnooy Kan & Timmer 1987).
+    """MLSL: multi-level single linkage, BOBYQA from clustered random starts (Rinnooy Kan & Timmer 1987).
 
     Attributes:
-        evaluations: without any budget the search ends after so many.
-        population: random points between two rounds of local searches; 0 for NLopt's choice, 4.
+        evaluations: the search ends after this many if the budget has no limit.
+        population: random points per round of local searches; 0 for NLopt's default, 4.
         step: first step of a local search, in half widths of the search box.
-        xtol: a local search ends when its steps are shorter.
+        xtol: a local search ends when its steps are shorter than this, in half widths.
     """
 
     step: float = 1.0 / 8.0
@@ -143,9 +143,9 @@ class Mlsl(AbstractPopulation):
         super().__post_init__()
         check_steps(self.step, self.xtol)
 
-    def configure(self, opt: nlopt.opt, budget: Budget) -> None:
+    def configure(self, opt: nlopt.opt, objective: Objective) -> None:
         """See `AbstractMethod.configure`."""
-        super().configure(opt, budget)
+        super().configure(opt, objective)
         local = over_the_box(nlopt.LN_BOBYQA, opt.get_dimension())
         local.set_initial_step(self.step)
         local.set_xtol_abs(self.xtol)

@@ -1,22 +1,23 @@
-"""Local methods without derivatives."""
+"""Local derivative-free methods."""
 
 from dataclasses import dataclass
 
 import nlopt
 
-from stereorecal.strategies import Budget
+from stereorecal.strategies import Objective
 from stereorecal_nlopt._method import AbstractMethod
 from stereorecal_nlopt._search import check_steps
 
 
 @dataclass(frozen=True)
 class AbstractLocal(AbstractMethod):
-    """A local method of NLopt that asks for values only.
+    """A local derivative-free method of NLopt.
 
     Attributes:
         step: first step, in half widths of the search box.
-        xtol: the search ends when its steps are shorter.
-        ftol: it ends when the score changes by a smaller share of itself; 0 for never, as counts are flat in places.
+        xtol: the search ends when its steps are shorter than this, in half widths.
+        ftol: it ends when the relative change of the score is below this. The default of 0 turns the test off, since a
+            count has plateaus.
     """
 
     step: float = 1.0 / 8.0
@@ -26,7 +27,7 @@ class AbstractLocal(AbstractMethod):
     def __post_init__(self) -> None:
         check_steps(self.step, self.xtol, self.ftol)
 
-    def configure(self, opt: nlopt.opt, budget: Budget) -> None:
+    def configure(self, opt: nlopt.opt, objective: Objective) -> None:
         """See `AbstractMethod.configure`."""
         opt.set_initial_step(self.step)
         opt.set_xtol_abs(self.xtol)
@@ -49,7 +50,7 @@ class Cobyla(AbstractLocal):
 
 @dataclass(frozen=True)
 class NewuoaBound(AbstractLocal):
-    """NEWUOA with bounds: the quadratic models before BOBYQA's (Powell 2004, bounds by Johnson)."""
+    """NEWUOA with bounds: the predecessor of BOBYQA (Powell 2004, bounds by Johnson)."""
 
     algorithm = nlopt.LN_NEWUOA_BOUND
     min_dim = 2
@@ -57,27 +58,27 @@ class NewuoaBound(AbstractLocal):
 
 @dataclass(frozen=True)
 class NelderMead(AbstractLocal):
-    """Nelder-Mead: a simplex that crawls uphill (Nelder & Mead 1965, bounds after Box 1965)."""
+    """Nelder-Mead: the downhill simplex method (Nelder & Mead 1965, bounds after Box 1965)."""
 
     algorithm = nlopt.LN_NELDERMEAD
 
 
 @dataclass(frozen=True)
 class Sbplx(AbstractLocal):
-    """Subplex: Nelder-Mead on a sequence of subspaces (Rowan 1990, Johnson's own version)."""
+    """Subplex: Nelder-Mead on a sequence of subspaces (Rowan 1990, reimplemented by Johnson)."""
 
     algorithm = nlopt.LN_SBPLX
 
 
 @dataclass(frozen=True)
 class Praxis(AbstractLocal):
-    """PRAXIS: line searches along principal axes that it learns, with random steps (Brent 1972).
+    """PRAXIS: line searches along principal axes learned on the way, with random steps (Brent 1972).
 
     Attributes:
-        step: first step; PRAXIS makes it at least 100 xtol.
-        xtol: the search ends when its steps are shorter. PRAXIS also takes it for the least step that tells two values
-            apart: with a small one it is lost on the plateaus of a count.
-        ftol: it ends when the score changes by a smaller share of itself; 0 for never.
+        step: first step, in half widths of the search box; PRAXIS raises it to at least 100 xtol.
+        xtol: the search ends when its steps are shorter than this, in half widths. PRAXIS also uses it as the least
+            step over which values differ: with a small one it gets stuck on the plateaus of a count.
+        ftol: it ends when the relative change of the score is below this; 0 turns the test off.
     """
 
     xtol: float = 1.0 / 16.0

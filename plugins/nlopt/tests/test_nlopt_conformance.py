@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import stereorecal_nlopt
 
-from stereorecal.strategies import Budget, Objective, Problem, describe, strategies, strategy
+from stereorecal.strategies import Objective, Problem, describe, strategies, strategy
 from stereorecal.testing import StrategyConformance
 
 CLASSES = [value for value in vars(stereorecal_nlopt).values() if isinstance(value, type)]
@@ -52,4 +52,4 @@ def test_options_that_make_no_sense(cls):
 def test_a_population_too_small_for_the_dimension():
     objective = Objective(Problem(5, lambda points: -(points**2).sum(-1)))
     with pytest.raises(ValueError, match="NLopt refuses the options: population 5 should be >= dimension"):
-        stereorecal_nlopt.Crs2(population=5).run(objective, np.zeros(5), Budget(), 0)
+        stereorecal_nlopt.Crs2(population=5).run(objective, np.zeros(5), 0)

@@ -34,7 +34,7 @@ def _not_on_the_host(points):
 def run(strategy, problem, budget=None):
     objective = Objective(problem, budget)
     try:
-        return strategy.run(objective, np.zeros(DIM), objective.budget, 0), objective
+        return strategy.run(objective, np.zeros(DIM), 0), objective
     except BudgetExhausted:
         return None, objective
 
@@ -116,7 +116,7 @@ def test_a_start_without_gradient_ends_at_once(strategy):
 @given(strategy=st.sampled_from(SMOOTH), limit=st.floats(0.5, 100))
 def test_stopped_anywhere_it_keeps_the_budget_and_the_best(strategy, limit):
     problem = Problem(DIM, lambda points: bowl(points), traced=Traced(soft_count=Partial(bowl)))
-    ended = run_strategy(strategy, Objective(problem), np.zeros(DIM), Budget(limit))
+    ended = run_strategy(strategy, Objective(problem, limit), np.zeros(DIM))
     assert ended.trace.total_cost <= limit
     assert ended.value >= max(bowl(ended.trace.points), default=ended.start_value) - 1e-6
     assert ended.value >= ended.start_value

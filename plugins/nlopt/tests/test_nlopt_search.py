@@ -34,7 +34,7 @@ def searched(strategy, values=steps, budget=None, seed=0, dim=3):
     """The outcome (None if the budget ended it) and the meter."""
     objective = Objective(Problem(dim, values), budget)
     try:
-        return strategy.run(objective, np.zeros(dim), objective.budget, seed), objective
+        return strategy.run(objective, np.zeros(dim), seed), objective
     except BudgetExhausted:
         return None, objective
 
@@ -92,7 +92,7 @@ def smooth(points):
         (Bobyqa(), "the steps are shorter than xtol"),
         (NelderMead(ftol=0.1), "the score changes by less than ftol"),
         (Crs2(), "the steps are shorter than xtol"),
-        (Direct(evaluations=50), "without a budget it ends after its own number of evaluations"),
+        (Direct(evaluations=50), "the option `evaluations` ends a search whose budget has no limit"),
     ],
 )
 def test_how_it_ended(strategy, message):
@@ -123,7 +123,7 @@ memory = Memory(np.zeros(3))
     ("result", "error", "status", "message"),
     [
         (nlopt.ROUNDOFF_LIMITED, nlopt.RoundoffLimited(), Status.CONVERGED, "rounding"),
-        (nlopt.STOPVAL_REACHED, None, Status.CONVERGED, "cannot rise"),
+        (nlopt.STOPVAL_REACHED, None, Status.CONVERGED, "upper limit"),
         (nlopt.SUCCESS, None, Status.CONVERGED, "its own stopping rule"),
         (nlopt.FAILURE, nlopt.runtime_error("x"), Status.STALLED, "NLopt gave up: no reason given"),
         (nlopt.OUT_OF_MEMORY, None, Status.STALLED, "NLopt gave up: no reason given"),
@@ -160,7 +160,7 @@ def test_stopped_anywhere_it_loses_nothing(strategy, limit, seed):
         asked.extend(points)
         return steps(points)
 
-    run = run_strategy(strategy, Objective(Problem(3, values)), np.zeros(3), Budget(limit), seed)
+    run = run_strategy(strategy, Objective(Problem(3, values), limit), np.zeros(3), seed)
     assert len(run.trace.values) <= limit
     assert run.status is not Status.BUDGET or len(run.trace.values) == limit
     assert run.value == max(run.trace.values.max(), run.start_value)
@@ -238,7 +238,7 @@ def test_nothing_is_left_behind(strategy):
     objective = Objective(Problem(3, steps), Budget(50))
     left = weakref.ref(objective)
     with contextlib.suppress(BudgetExhausted):
-        strategy.run(objective, np.zeros(3), objective.budget, 0)
+        strategy.run(objective, np.zeros(3), 0)
     del objective
     gc.collect()
     assert left() is None

@@ -1,8 +1,8 @@
 """Optimistix's solvers as stereorecal strategies.
 
-A solver never calls the objective. Each step is given the answer to the question that the step before it left open
-(`_step`): where to look, what was seen there. So the objective is compiled once for all solvers, the solvers once for
-all objectives, and between two steps the host can count, stop and remember.
+A solver never calls the objective itself: each step is given the value and the derivative at the point that the step
+before it asked for (`_step`). So the objective is compiled once for all solvers, a solver once for all objectives, and
+between two steps the host can count, stop and record.
 """
 
 from stereorecal_optimistix._least_squares import (

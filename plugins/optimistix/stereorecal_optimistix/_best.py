@@ -1,4 +1,4 @@
-"""The best point that a run has seen; optimistix's own wrappers for it lose points."""
+"""The best point of a run so far; optimistix's own wrappers for this lose points."""
 
 from dataclasses import dataclass
 
@@ -14,6 +14,6 @@ class Best:
     score: float = -np.inf
 
     def see(self, z: Float[np.ndarray, "n"], score: float) -> None:
-        """Take z if it is better; NaN never is."""
+        """Keep z if its score is higher; NaN never is."""
         if score > self.score:
             self.z, self.score = z, score

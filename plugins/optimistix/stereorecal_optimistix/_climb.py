@@ -1,4 +1,4 @@
-"""What all solvers that follow a derivative share: the loop on the host."""
+"""The loop on the host that all derivative-based solvers share."""
 
 import abc
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from stereorecal.strategies import AbstractStrategy, Budget, Objective, Outcome, Status, Traced
+from stereorecal.strategies import AbstractStrategy, Objective, Outcome, Status, Traced
 from stereorecal_optimistix._best import Best
 from stereorecal_optimistix._chart import Chart, chart_at
 from stereorecal_optimistix._options import check_options
@@ -17,13 +17,13 @@ from stereorecal_optimistix._step import Solver, Tangent, advance, begin
 
 
 class View(eqx.Module):
-    """What a look at one point shows.
+    """One evaluation with its derivative.
 
     Attributes:
         z: the point, in the box.
         score: the score there, to be maximised.
-        value: what the solver makes small: minus the score, or the residuals, turned as suits them here.
-        slope: its derivative with respect to the solver's v, turned alike.
+        value: what the solver minimises: minus the score, or the residuals, up to an orthogonal transformation.
+        slope: its derivative with respect to the solver's coordinates v, transformed alike.
     """
 
     z: Float[Array, "n"]
@@ -34,11 +34,11 @@ class View(eqx.Module):
 
 @dataclass(frozen=True)
 class AbstractClimb(AbstractStrategy):
-    """A solver that looks once a step, at a value and its derivative.
+    """A solver that evaluates one value with its derivative per step.
 
     Attributes:
         rtol, atol: the search ends when a step changes both v and the value by less than atol + rtol times their size.
-        steps: the most steps that it takes, rejected ones included.
+        steps: the most steps, rejected ones included.
     """
 
     rtol: float = 1e-3
@@ -54,17 +54,17 @@ class AbstractClimb(AbstractStrategy):
 
     @abc.abstractmethod
     def look(self, traced: Traced, chart: Chart, v: Float[Array, "n"]) -> View:
-        """One look, in one compiled call."""
+        """The value and its derivative at v, in one compiled call."""
 
     def chart(self, start: Float[np.ndarray, "n"]) -> Chart:
-        """The chart it walks on."""
+        """The map from the solver's coordinates v to the box."""
         return chart_at(start)
 
     def scale(self, first: View) -> float:
-        """What the solver's function is divided by, so that options are free of the score's unit."""
+        """What the solver's function is divided by, so that the options do not depend on the score's unit."""
         return float(np.linalg.norm(np.asarray(first.slope, float)))
 
-    def run(self, objective: Objective, start: Float[np.ndarray, "n"], budget: Budget, seed: int) -> Outcome:
+    def run(self, objective: Objective, start: Float[np.ndarray, "n"], seed: int) -> Outcome:
         """See `AbstractStrategy.run`. Deterministic: `seed` is not used."""
         solver, chart, best = self.solver(), self.chart(start), Best(start)
         cost = objective.gradient_cost

@@ -16,15 +16,15 @@ from stereorecal_optimistix._chart import Chart
 from stereorecal_optimistix._climb import AbstractClimb, View
 from stereorecal_optimistix._step import Solver
 
-_BLOCK = 128  # rows
+_BLOCK = 128  # rows; small enough for OpenBLAS to stay on one thread
 
 
 @eqx.filter_jit
 def look_at_residuals(residuals: Callable[[jax.Array], jax.Array], chart: Chart, v: jax.Array) -> View:
-    """The residuals and their Jacobian, forward: there are many more rows than parameters.
+    """The residuals and their Jacobian, in forward mode: there are many more residuals than parameters.
 
-    Both are turned together (QR), so that only the first n + 1 rows are not 0. That changes no length and no angle, so
-    a solver takes the same steps, on a few numbers, and is compiled once for any number of residuals above n.
+    Both are reduced by the same orthogonal transformation (QR) to n + 1 rows. That preserves lengths and angles, so a
+    solver takes the same steps on a few numbers, and is compiled once for any number of residuals above n.
     """
 
     def along(direction: jax.Array) -> tuple[jax.Array, jax.Array]:
@@ -36,10 +36,10 @@ def look_at_residuals(residuals: Callable[[jax.Array], jax.Array], chart: Chart,
 
 
 def triangle(rows: Float[Array, "m k"]) -> Float[Array, "r k"]:
-    """R of the QR decomposition, its diagonal not negative; r = min(m, k).
+    """R of the QR decomposition, with a non-negative diagonal; r = min(m, k).
 
-    By blocks of rows (TSQR: Demmel et al. 2012): given all rows at once, OpenBLAS wakes its threads, and now and then
-    waits for them ten times longer than the work takes.
+    Computed by blocks of rows (TSQR: Demmel et al. 2012): on all rows at once OpenBLAS starts its threads, and now and
+    then waits for them ten times as long as the work takes.
     """
     missing = -len(rows) % _BLOCK if len(rows) > _BLOCK else 0
     blocks = jnp.pad(rows, ((0, missing), (0, 0))).reshape(-1, min(len(rows), _BLOCK), rows.shape[1])
@@ -52,14 +52,14 @@ def triangle(rows: Float[Array, "m k"]) -> Float[Array, "r k"]:
 class AbstractLeastSquares(AbstractClimb):
     """A least-squares solver: it needs residuals.
 
-    They are divided by the root mean square of the Jacobian's columns at the start, so that moving by the half width of
-    the box changes them by about one, and tolerances mean the same for both.
+    They are divided by the root mean square of the norms of the Jacobian's columns at the start, so that moving by half
+    the width of the box changes them by about one, and tolerances mean the same for both.
 
     Attributes:
-        rtol, atol: the search ends when a step moves by less than atol + rtol times the way from the start, in half
-            widths of the box, and changes no component of the residuals by more than atol + rtol times its size, in
-            the unit above: n of them along the columns of the Jacobian, and the length of the rest.
-        steps: the most Jacobians that it takes after the first.
+        rtol, atol: the search ends when a step is shorter than atol + rtol times the distance from the start, in half
+            widths of the box, and changes no component of the scaled residuals (n along the columns of the Jacobian,
+            and the norm of the rest) by more than atol + rtol times its size.
+        steps: the most Jacobians after the first.
     """
 
     steps: int = 50
@@ -67,30 +67,30 @@ class AbstractLeastSquares(AbstractClimb):
     needs: ClassVar[Need] = Need.RESIDUALS
 
     def look(self, traced: Traced, chart: Chart, v: Float[Array, "n"]) -> View:
-        """At the residuals."""
+        """The residuals and their Jacobian."""
         assert traced.residuals is not None  # the core has checked it
         return look_at_residuals(traced.residuals, chart, v)
 
     def scale(self, first: View) -> float:
-        """The root mean square of the lengths of the Jacobian's columns."""
+        """The root mean square of the norms of the Jacobian's columns."""
         return float(np.sqrt((np.asarray(first.slope, float) ** 2).sum(0).mean()))
 
 
 @dataclass(frozen=True)
 class LevenbergMarquardt(AbstractLeastSquares):
-    """Levenberg-Marquardt on the residuals: Gauss-Newton, damped as much as it takes to go down.
+    """Levenberg-Marquardt on the residuals: Gauss-Newton with adaptive damping.
 
     Attributes:
         rtol, atol, steps: see `AbstractLeastSquares`.
-        damping: at the start, relative to the mean diagonal of JᵀJ. Every good step divides it by 3.5 and every bad one
-            multiplies it by 4; give 1 or more where the start is poor. The unit of the residuals, which `rtol` and
-            `atol` refer to, is that of `AbstractLeastSquares` times the root of it.
+        damping: the initial damping, relative to the mean of the diagonal of JᵀJ. Optimistix divides it by 3.5 after
+            every accepted step and multiplies it by 4 after every rejected one; choose 1 or more where the start is
+            poor. The residuals, which `rtol` and `atol` refer to, are also divided by its square root.
     """
 
     damping: float = 0.01
 
     def scale(self, first: View) -> float:
-        """As above; optimistix starts with a damping of 1, so the unit of the residuals is what sets it."""
+        """The scale of `AbstractLeastSquares` times √damping: optimistix always starts with a damping of 1."""
         return super().scale(first) * self.damping**0.5
 
     def solver(self) -> Solver:
@@ -100,7 +100,7 @@ class LevenbergMarquardt(AbstractLeastSquares):
 
 @dataclass(frozen=True)
 class GaussNewton(AbstractLeastSquares):
-    """Gauss-Newton on the residuals: always the full step, with nothing to hold it back.
+    """Gauss-Newton on the residuals: always the full step, undamped.
 
     Attributes:
         rtol, atol, steps: see `AbstractLeastSquares`.
@@ -113,7 +113,7 @@ class GaussNewton(AbstractLeastSquares):
 
 @dataclass(frozen=True)
 class Dogleg(AbstractLeastSquares):
-    """Powell's dogleg on the residuals: Gauss-Newton within a trust region, else down the gradient first.
+    """Powell's dogleg on the residuals: Gauss-Newton and steepest descent within a trust region.
 
     Attributes:
         rtol, atol, steps: see `AbstractLeastSquares`.

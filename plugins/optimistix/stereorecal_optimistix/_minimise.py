@@ -1,4 +1,4 @@
-"""Minimisers, on the soft count turned upside down."""
+"""Minimisers, on the negated soft count."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -16,13 +16,13 @@ from stereorecal_optimistix._chart import Chart, chart_at
 from stereorecal_optimistix._climb import AbstractClimb, View
 from stereorecal_optimistix._step import Solver
 
-# Equinox would compare the source code of bare optax functions at every step (10 ms); a Partial it compares as it is.
+# Equinox compares bare functions by their source code, at every step (10 ms); a Partial it compares directly.
 _ADAM = optax.GradientTransformationExtraArgs(*map(jax.tree_util.Partial, optax.adam(1.0)))
 
 
 @eqx.filter_jit
 def look_at_score(score: Callable[[jax.Array], jax.Array], chart: Chart, v: jax.Array) -> View:
-    """Minus the score and its gradient, in reverse: the soft count has no other."""
+    """Minus the score, with its gradient."""
     value, gradient = jax.value_and_grad(lambda v: -score(chart(v)))(v)
     return View(chart(v), -value, value, gradient)
 
@@ -31,13 +31,15 @@ def look_at_score(score: Callable[[jax.Array], jax.Array], chart: Chart, v: jax.
 class AbstractMinimiser(AbstractClimb):
     """A minimiser: it needs a score with a gradient.
 
-    A count can be a thousand or a million, so it is divided by the length of its gradient at the start (in first
-    steps): the first step down the gradient then has the length `step`, and later ones are shorter as the gradient is.
+    A count may be a thousand or a million, so the score is divided by the norm of its gradient at the start (with
+    respect to first steps): the first step along the gradient then has length `step`, and the later ones shorten with
+    the gradient.
 
     Attributes:
-        rtol, atol: the search ends when a step is shorter than rtol of the way from the start plus atol of the first
-            step, and changes the score by less than rtol of the score plus atol of what the first step promised.
-        steps: the most gradients that it takes after the first.
+        rtol, atol: the search ends when a step is shorter than rtol times the distance from the start plus atol times
+            the first step, and changes the score by less than rtol times the score plus atol times the gain that the
+            gradient at the start predicts for the first step.
+        steps: the most gradients after the first.
         step: the first step, in half widths of the search box.
     """
 
@@ -46,18 +48,18 @@ class AbstractMinimiser(AbstractClimb):
     needs: ClassVar[Need] = Need.SMOOTH
 
     def look(self, traced: Traced, chart: Chart, v: Float[jax.Array, "n"]) -> View:
-        """At the soft count."""
+        """The soft count with its gradient."""
         assert traced.soft_count is not None  # the core has checked it
         return look_at_score(traced.soft_count, chart, v)
 
     def chart(self, start: Float[np.ndarray, "n"]) -> Chart:
-        """The chart whose unit is the first step."""
+        """The chart whose unit of length is the first step."""
         return chart_at(start, self.step)
 
 
 @dataclass(frozen=True)
 class BFGS(AbstractMinimiser):
-    """BFGS on the soft count: learns the curvature from gradients, and backtracks where a step promised too much.
+    """BFGS on the soft count: quasi-Newton steps with a backtracking line search.
 
     Attributes:
         rtol, atol, steps, step: see `AbstractMinimiser`.
@@ -70,7 +72,7 @@ class BFGS(AbstractMinimiser):
 
 @dataclass(frozen=True)
 class LBFGS(AbstractMinimiser):
-    """Limited-memory BFGS on the soft count: the curvature of the last ten steps only.
+    """Limited-memory BFGS on the soft count: curvature from the last ten steps only.
 
     Attributes:
         rtol, atol, steps, step: see `AbstractMinimiser`.
@@ -83,11 +85,11 @@ class LBFGS(AbstractMinimiser):
 
 @dataclass(frozen=True)
 class NonlinearCG(AbstractMinimiser):
-    """Nonlinear conjugate gradients (Polak-Ribière) on the soft count, with backtracking.
+    """Nonlinear conjugate gradients (Polak-Ribière) on the soft count, with a backtracking line search.
 
     Attributes:
         rtol, atol, steps: see `AbstractMinimiser`.
-        step: as there; its line search only ever shortens a step, so it starts from a longer one.
+        step: see there; longer by default, since the line search can only shorten a step.
     """
 
     step: float = 1.0 / 8.0
@@ -99,12 +101,12 @@ class NonlinearCG(AbstractMinimiser):
 
 @dataclass(frozen=True)
 class GradientDescent(AbstractMinimiser):
-    """Gradient descent on the soft count, at a fixed learning rate.
+    """Gradient descent on the soft count, with a fixed learning rate.
 
     Attributes:
         rtol, atol, steps: see `AbstractMinimiser`.
-        step: as there; the learning rate is step / |gradient at the start|. Started much closer to the summit than
-            one step, it overshoots for ever.
+        step: see there; the learning rate is step / |gradient at the start|. Started much closer to the maximum than
+            one step, it keeps overshooting.
     """
 
     steps: int = 300
@@ -116,11 +118,11 @@ class GradientDescent(AbstractMinimiser):
 
 @dataclass(frozen=True)
 class Adam(AbstractMinimiser):
-    """Adam (optax) on the soft count: gradient descent with momentum and a step of its own for each parameter.
+    """Adam (optax) on the soft count: gradient descent with momentum and a step size for each parameter.
 
     Attributes:
         rtol, atol, steps: see `AbstractMinimiser`.
-        step: the learning rate: about how far each coordinate moves in a step, in half widths of the search box.
+        step: the learning rate: roughly how far each coordinate moves in a step, in half widths of the search box.
     """
 
     steps: int = 300

@@ -1,4 +1,4 @@
-"""The simplex of Nelder and Mead, on the count itself."""
+"""The simplex method of Nelder and Mead, on values alone."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,20 +10,20 @@ import numpy as np
 import optimistix as optx
 from jaxtyping import Array, Float
 
-from stereorecal.strategies import AbstractStrategy, Budget, Objective, Outcome, Status
+from stereorecal.strategies import AbstractStrategy, Objective, Outcome, Status
 from stereorecal_optimistix._best import Best
 from stereorecal_optimistix._chart import chart_at
 from stereorecal_optimistix._options import check_options
 from stereorecal_optimistix._step import Progress, advance, begin
 
-# Two compiled expressions for one point may differ in their last bits; relative.
+# Relative; two compiled expressions for the same point may differ in their last bits.
 _SAME = 1e-6
-# Stands for NaN: worse than any score, and still a number that float32 can tell from the next one.
+# Replaces NaN: worse than any score, and finite in float32.
 _NO_VALUE = -1e30
 
 
 class Answers(eqx.Module):
-    """What is known of a function, as a function: its value at a few points, NaN everywhere else."""
+    """A function known at a few points only: its value there, NaN everywhere else."""
 
     points: Float[Array, "k n"]
     values: Float[Array, "k"]
@@ -37,7 +37,7 @@ class Answers(eqx.Module):
 
 
 def answers(points: Float[np.ndarray, "k n"], values: Float[np.ndarray, "k"]) -> Answers:
-    """Answers of one shape, room for all that one step can ask: old corners, two trials, new corners."""
+    """Answers padded to one shape, with room for all that a step can evaluate: old corners, two trials, new corners."""
     room = 2 * points.shape[1] + 4 - len(points)
     return Answers(
         jnp.asarray(np.pad(points, ((0, room), (0, 0)), constant_values=np.inf), float),
@@ -50,7 +50,7 @@ def settled_step(
     before: Progress,
     ask: Callable[[Float[np.ndarray, "k n"]], Float[np.ndarray, "k"]],
 ) -> Progress:
-    """One step, repeated until all values that it wants to know are known."""
+    """One step, repeated until every value that it uses is known."""
     known = len(before.v) + 1 if not before.state.first_pass else 0
     points, values = np.asarray(before.state.simplex)[:known], np.asarray(before.state.f_simplex)[:known]
     while True:
@@ -63,26 +63,26 @@ def settled_step(
 
 
 def distinct(values: Float[np.ndarray, "k"]) -> Float[np.ndarray, "k"]:
-    """The same values in float32, each that was there before a little larger.
+    """The values in float32, without ties: each repetition is made a little larger than those before it.
 
-    Optimistix keeps a reflection that ties with the worst corner, so on a plateau, where counts tie often, it would
-    flip to and fro for ever. A corner that comes later and is no better has to count as worse.
+    Optimistix accepts a reflection that ties with the worst corner, so on a plateau of the count it would reflect back
+    and forth for ever. A later corner that is no better has to count as worse.
     """
     taken: list[np.float32] = []
     for value in values:
         single = np.float32(value)
         while single in taken:
-            single += max(np.spacing(abs(single)), np.finfo(np.float32).tiny)  # XLA takes what is below tiny for 0
+            single += max(np.spacing(abs(single)), np.finfo(np.float32).tiny)  # XLA flushes subnormals to 0
         taken.append(single)
     return np.array(taken)
 
 
 class Simplex(optx.NelderMead):
-    """`optimistix.NelderMead`, with two faults of optimistix 0.1.0 mended.
+    """`optimistix.NelderMead`, with two bugs of optimistix 0.1.0 fixed.
 
-    Its first simplex is flat in three dimensions and more: all but two corners coincide, and no step ever leaves their
-    plane. And it looks up the best and the worst corner in the simplex from before the step, so a new corner is taken
-    to lie where the one lay that it replaced, and the simplex shrinks towards a point that is not its best.
+    Its first simplex is degenerate in three and more dimensions: all but two corners coincide, and no step ever leaves
+    their plane. And it looks up the best and the worst corner in the simplex from before the step, so a new corner is
+    taken to be where the one it replaced was, and the simplex shrinks towards a point that is not its best.
     """
 
     def init(self, fn: Any, y: Array, *rest: Any, **named: Any) -> Any:
@@ -100,16 +100,17 @@ class Simplex(optx.NelderMead):
 
 @dataclass(frozen=True)
 class NelderMead(AbstractStrategy):
-    """Nelder-Mead on the count: a simplex that flips, stretches and shrinks, without any gradient.
+    """Nelder-Mead on the count: the downhill simplex method, without gradients.
 
-    Optimistix traces the function that it minimises, and a count may live on the host. So a step is a pure function of
-    the answers so far, NaN where there is none: it is repeated until it asks nothing more, and costs what it asked.
+    Optimistix traces the function that it minimises, but a count may be computed on the host. So a step is a pure
+    function of the values known so far, NaN elsewhere; it is repeated until it needs no further value, and only values
+    cost units.
 
     Attributes:
         rtol, atol: the search ends when the corners of the simplex differ by less than atol + rtol times their size,
-            both in v (in first steps, from the start) and in the score.
-        steps: the most steps that it takes, of one or two evaluations each (n more where the simplex shrinks).
-        step: length of the simplex's first edges, in half widths of the search box.
+            both in v (distance from the start, in first steps) and in the score.
+        steps: the most steps, of one or two evaluations each (n more where the simplex shrinks).
+        step: length of the first simplex's edges, in half widths of the search box.
     """
 
     rtol: float = 1e-2
@@ -120,7 +121,7 @@ class NelderMead(AbstractStrategy):
     def __post_init__(self) -> None:
         check_options(self)
 
-    def run(self, objective: Objective, start: Float[np.ndarray, "n"], budget: Budget, seed: int) -> Outcome:
+    def run(self, objective: Objective, start: Float[np.ndarray, "n"], seed: int) -> Outcome:
         """See `AbstractStrategy.run`. Deterministic: `seed` is not used."""
         chart = chart_at(start, self.step)
         solver = Simplex(self.rtol, self.atol)
@@ -140,5 +141,5 @@ class NelderMead(AbstractStrategy):
             if outcome := progress.outcome(best.z):
                 return outcome
             if best.score == _NO_VALUE:
-                return Outcome(start, Status.STALLED, "the score has no value at the start, nor a step away from it")
+                return Outcome(start, Status.STALLED, "the score has no value at the start or one step away from it")
         return Outcome(best.z, Status.STALLED, f"{self.steps} steps were not enough")

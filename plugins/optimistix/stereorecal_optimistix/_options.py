@@ -1,4 +1,4 @@
-"""What every strategy here checks of its options."""
+"""Validation of the options of all strategies here."""
 
 from dataclasses import fields
 
@@ -10,7 +10,7 @@ _WIDTH_OF_THE_BOX = 2.0
 
 
 def check_options(strategy: AbstractStrategy) -> None:
-    """Raises ValueError with a sentence if an option makes no sense; all of them are positive numbers."""
+    """Raises ValueError unless every option is a positive number, `steps` an integer and `step` fits the box."""
     options = {field.name: getattr(strategy, field.name) for field in fields(strategy)}
     for name, value in options.items():
         if not 0.0 < value < np.inf:

@@ -1,4 +1,4 @@
-"""A solver of optimistix, stepped by hand: every step is given the answer that it would have asked a function for."""
+"""A solver of optimistix, stepped from outside: each step is given the values that it would have evaluated."""
 
 from typing import Any
 
@@ -14,12 +14,12 @@ _NO_TAGS: frozenset[object] = frozenset()
 
 
 class Tangent(eqx.Module):
-    """What is known of a function at one point, as a function: its tangent there.
+    """The first-order Taylor expansion of a function at one point.
 
-    A step of a solver asks for the value and the derivative at one point only, so the tangent is all that it can see.
+    A step of a solver evaluates the function and its derivative at one point only, so it cannot tell the difference.
 
     Attributes:
-        point: where the function was asked.
+        point: where the function was evaluated.
         value: a scalar, or a vector of residuals.
         slope: its gradient, or its Jacobian.
         scale: value and slope are divided by it.
@@ -36,7 +36,7 @@ class Tangent(eqx.Module):
 
 
 class Progress(eqx.Module):
-    """A solver between two steps."""
+    """The state of a solver between two steps."""
 
     v: Float[Array, "n"]
     state: Any
@@ -46,12 +46,12 @@ class Progress(eqx.Module):
 
     @property
     def next(self) -> Float[Array, "n"]:
-        """Where the next step wants to look."""
-        # Line searches and trust regions look ahead of the point that they stand on; OptaxMinimiser does not.
+        """Where the next step evaluates the function."""
+        # Line searches and trust regions evaluate a trial point ahead of the accepted one; OptaxMinimiser does not.
         return getattr(self.state, "y_eval", self.v)
 
     def outcome(self, best: Any) -> Outcome | None:
-        """How the solver ended, None if it goes on."""
+        """How the solver ended, or None if it goes on."""
         if bool(self.failed):
             return Outcome(best, Status.STALLED, f"optimistix: {optx.RESULTS[self.result].partition('. ')[0]}")
         if bool(self.done):
@@ -61,7 +61,7 @@ class Progress(eqx.Module):
 
 @eqx.filter_jit
 def begin(solver: Solver, answer: Any, v: Float[Array, "n"]) -> Progress:
-    """The solver at v, before its first step; uses only the shape of the answer."""
+    """The solver at v, before its first step; only the shape of `answer` is used."""
     shape, nothing = eqx.filter_eval_shape(answer, v, None)
     state = solver.init(answer, v, None, {}, shape, nothing, _NO_TAGS)
     return _progress(solver, answer, v, state)
@@ -69,8 +69,8 @@ def begin(solver: Solver, answer: Any, v: Float[Array, "n"]) -> Progress:
 
 @eqx.filter_jit
 def advance(solver: Solver, answer: Any, progress: Progress) -> Progress:
-    """One step, taken on the answer to what the step before it wanted to know."""
-    with jax.default_matmul_precision("highest"):  # a GPU would multiply the Jacobian with ten bits
+    """One step, given `answer` at the point that the step before it asked for."""
+    with jax.default_matmul_precision("highest"):  # else a GPU multiplies with a mantissa of ten bits (TF32)
         v, state, _ = solver.step(answer, progress.v, None, {}, progress.state, _NO_TAGS)
         return _progress(solver, answer, v, state)
 

@@ -20,7 +20,7 @@ def whole_run(strategy_class, problem) -> Trace:
 @given(limit=st.integers(1, 100))
 def test_a_run_that_is_cut_is_the_beginning_of_the_whole_one(strategy_class, problem, limit):
     whole = whole_run(strategy_class, problem)
-    cut = run_strategy(strategy_class(), Objective(problem()), START, Budget(evaluations=limit))
+    cut = run_strategy(strategy_class(), Objective(problem(), limit), START)
     fits = int((whole.cost <= limit).sum())
     np.testing.assert_array_equal(cut.trace.points, whole.points[:fits])
     assert cut.value >= cut.start_value
@@ -32,7 +32,7 @@ def test_a_run_that_is_cut_is_the_beginning_of_the_whole_one(strategy_class, pro
 def test_no_time_no_work(strategy_class, problem):
     objective = Objective(problem(), Budget(seconds=1e-9))
     with pytest.raises(BudgetExhausted):
-        strategy_class().run(objective, START, objective.budget, 0)
+        strategy_class().run(objective, START, 0)
     assert len(objective.trace.values) == 0
 
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from stereorecal_optimistix._chart import chart_at
 
-from stereorecal.strategies import Budget, Objective, run_strategy
+from stereorecal.strategies import Objective, run_strategy
 
 coordinates = st.lists(st.floats(-1, 1), min_size=3, max_size=3).map(np.array)
 relaxed = settings(deadline=None, max_examples=50)
@@ -45,11 +45,11 @@ def test_the_start_never_lacks_a_slope(start, step):
 
 @pytest.mark.parametrize("corner", [(1.0, 1.0, 1.0), (-1.0, 1.0, -1.0)])
 def test_a_corner_is_left(strategy_class, problem, corner):
-    run = run_strategy(strategy_class(), Objective(problem()), np.array(corner), Budget(evaluations=1200))
+    run = run_strategy(strategy_class(), Objective(problem(), 1200), np.array(corner))
     assert run.value > 0.1 * run.start_value
 
 
 def test_a_summit_on_the_border_is_reached(strategy_class, problem):
-    run = run_strategy(strategy_class(), Objective(problem((1.0, 0.0, -1.0))), np.zeros(3), Budget(evaluations=1200))
+    run = run_strategy(strategy_class(), Objective(problem((1.0, 0.0, -1.0)), 1200), np.zeros(3))
     assert run.value > 0.05 * run.start_value
     assert np.abs(run.best).max() <= 1.0

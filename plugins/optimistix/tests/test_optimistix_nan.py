@@ -15,7 +15,7 @@ BACKTRACKING = (BFGS, LBFGS, NonlinearCG, LevenbergMarquardt, Dogleg, NelderMead
 
 def test_nan_on_the_way_is_never_nominated(strategy_class, problem):
     broken = problem(instead=np.nan)
-    outcome = strategy_class().run(Objective(broken), START, Objective(broken).budget, 0)
+    outcome = strategy_class().run(Objective(broken), START, 0)
     start, best = broken.values(np.stack([START, outcome.best]))
     assert best >= start
     assert outcome.best[0] <= 0.1
@@ -31,7 +31,7 @@ def test_those_that_backtrack_go_on_beside_nan(cls, problem):
 def test_nan_at_the_start_ends_the_run(strategy_class, problem):
     broken = problem(instead=np.nan)
     objective = Objective(broken)
-    outcome = strategy_class().run(objective, np.full(3, 0.5), objective.budget, 0)
+    outcome = strategy_class().run(objective, np.full(3, 0.5), 0)
     assert outcome.status is Status.STALLED
     assert "at the start" in outcome.message
     np.testing.assert_array_equal(outcome.best, np.full(3, 0.5))
@@ -57,7 +57,7 @@ def test_a_value_without_a_slope_is_no_place_to_go_on_from(climb_class, problem)
 def test_no_slope_at_the_start_ends_the_run(climb_class, problem):
     flat = problem(factor=0.0)
     objective = Objective(flat)
-    outcome = climb_class().run(objective, START, objective.budget, 0)
+    outcome = climb_class().run(objective, START, 0)
     assert outcome.status is Status.STALLED
     assert outcome.message == "the derivative vanishes at the start"
     assert objective.spent == 4

@@ -38,20 +38,20 @@ def test_a_first_step_fits_into_the_box(cls):
 @pytest.mark.parametrize("step", [1 / 16, 1 / 64])
 def test_the_first_step_has_the_length_it_says(problem, cls, step):
     objective = Objective(problem())
-    cls(step=step, steps=1).run(objective, np.zeros(3), Budget(), 0)
+    cls(step=step, steps=1).run(objective, np.zeros(3), 0)
     start, first = objective.trace.points
     assert np.linalg.norm(first - start) == pytest.approx(step, rel=0.01)
 
 
 def test_adam_moves_each_coordinate_by_its_step(problem):
     objective = Objective(problem())
-    Adam(step=1 / 64, steps=1).run(objective, np.zeros(3), Budget(), 0)
+    Adam(step=1 / 64, steps=1).run(objective, np.zeros(3), 0)
     np.testing.assert_allclose(np.abs(objective.trace.points[1]), 1 / 64, rtol=0.01)
 
 
 def test_the_first_simplex_is_the_start_and_a_step_along_each_axis(problem):
     objective = Objective(problem(), Budget(evaluations=4))
-    run = run_strategy(NelderMead(step=0.1), objective, np.zeros(3), Budget(evaluations=4))
+    run = run_strategy(NelderMead(step=0.1), objective, np.zeros(3))
     np.testing.assert_allclose(run.trace.points, np.sin([[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0], [0, 0, 0.1]]), rtol=1e-6)
 
 
@@ -59,7 +59,7 @@ def test_the_unit_of_the_score_changes_nothing(problem, climb_class):
     traces = []
     for factor in (1.0, 2.0**9):  # a power of two, so nothing is rounded
         objective = Objective(problem(factor=factor))
-        climb_class(steps=20).run(objective, np.zeros(3), Budget(), 0)
+        climb_class(steps=20).run(objective, np.zeros(3), 0)
         traces.append(objective.trace.points)
     np.testing.assert_allclose(*traces, atol=1e-6)
 
@@ -67,7 +67,7 @@ def test_the_unit_of_the_score_changes_nothing(problem, climb_class):
 def test_damping_shortens_the_first_step(problem):
     def first_step(damping: float) -> float:
         objective = Objective(problem())
-        LevenbergMarquardt(damping=damping, steps=1).run(objective, np.zeros(3), Budget(), 0)
+        LevenbergMarquardt(damping=damping, steps=1).run(objective, np.zeros(3), 0)
         return float(np.linalg.norm(objective.trace.points[1]))
 
     lengths = [first_step(damping) for damping in (1e-3, 1.0, 1e3)]

@@ -7,7 +7,7 @@ import optimistix as optx
 import pytest
 from stereorecal_optimistix import BFGS, Adam, NelderMead
 
-from stereorecal.strategies import Budget, Need, Objective, Status, run_strategy
+from stereorecal.strategies import Need, Objective, Status, run_strategy
 
 
 def test_it_takes_the_steps_of_optimistix(climb_class, problem):
@@ -60,9 +60,9 @@ def test_the_listener_hears_a_compilation(compilations):
 
 def test_all_minimisers_share_one_compiled_objective(problem, traces):
     bowl = problem()
-    run_strategy(BFGS(), Objective(bowl), np.zeros(3), Budget(evaluations=20))
+    run_strategy(BFGS(), Objective(bowl, 20), np.zeros(3))
     traces.clear()
-    run_strategy(Adam(step=0.1), Objective(bowl), np.zeros(3), Budget(evaluations=20))
+    run_strategy(Adam(step=0.1), Objective(bowl, 20), np.zeros(3))
     assert not traces
 
 
@@ -94,5 +94,5 @@ def test_ctrl_c_comes_through(strategy_class, problem):
 
     objective = Interrupted(problem())
     with pytest.raises(KeyboardInterrupt):
-        strategy_class().run(objective, np.full(3, -0.5), objective.budget, 0)
+        strategy_class().run(objective, np.full(3, -0.5), 0)
     assert objective.calls == 3
