@@ -1,4 +1,4 @@
-"""Scenes rendered through a known rig, what is true about them, and drift."""
+"""Synthetic stereo scenes of a known rig, their ground truth, random drift, and a synthetic log of missions."""
 
 from stereorecal.synthetic._drift import decalibrate as decalibrate
 from stereorecal.synthetic._ground_truth import GroundTruth as GroundTruth, ground_truth as ground_truth

@@ -1,4 +1,4 @@
-"""Drift: what vibration, temperature and a knock do to the extrinsics of a rig."""
+"""Decalibration: random drift of a rig's extrinsics, as vibration, temperature or a knock would cause."""
 
 import jax
 import numpy as np
@@ -10,11 +10,11 @@ from stereorecal.geometry import StereoRig
 def decalibrate(rig: StereoRig, key: jax.Array, degrees: float, baseline_fraction: float) -> StereoRig:
     """The rig with a random drift added to its extrinsics, float64.
 
-    The drift is uniform and independent on pitch, yaw and roll and on y and z; x stays as it is.
+    Pitch, yaw, roll, y and z drift independently, each uniformly within its limit to either side; x does not drift.
 
     Args:
         key: a `jax.random.key`.
-        degrees: largest drift of each angle.
+        degrees: largest drift of each angle, in degrees.
         baseline_fraction: largest drift of y and of z, as a fraction of the rig's baseline.
 
     Raises:

@@ -14,11 +14,11 @@ from stereorecal.synthetic.world._raycast import depth
 
 @dataclass(frozen=True, eq=False)
 class GroundTruth:
-    """What is true about the left image in a rectified view.
+    """Ground truth of the rectified left image.
 
     Attributes:
-        disparity: (h, w) float32 in pixels, for every pixel; the sky has the disparity of infinity.
-        occluded: (h, w) bool, True where the right camera does not see what the left one sees.
+        disparity: (h, w) float32 in pixels, for every pixel; the sky has the disparity of a point at infinity.
+        occluded: (h, w) bool, True where the point is hidden from the right camera or outside its image.
     """
 
     disparity: Float[np.ndarray, "h w"]
@@ -28,7 +28,7 @@ class GroundTruth:
 def ground_truth(
     kind: str, seed: int, *, rig: StereoRig | None = None, view: View | None = None, frame: int = 0
 ) -> GroundTruth:
-    """The disparity and the occlusions of the pair that `render(kind, seed, rig=rig)` takes as its `frame`.
+    """Ground truth of the pair with index `frame` of `render(kind, seed, rig=rig, frames=frame + 1)`.
 
     Args:
         view: the rectified cameras (default: the rig's own view).
@@ -49,7 +49,8 @@ def ground_truth(
     infinity = float(view.centre_left) - float(view.centre_right)
     disparity = focal * float(rig.baseline) * inverse + infinity
 
-    # Points at infinity are left out of the second look; they are seen wherever the right image reaches.
+    # Occlusion: cast the ray from the right camera to each point. The sky, put at 1e5 m, is hidden by what stands
+    # before it as well; half a percent of the depth is tolerated for rounding.
     near = np.isfinite(z)
     points = directions * np.where(near, z, 1e5)[..., None]
     in_right = points @ rig.rotation.T + rig.translation
@@ -61,7 +62,7 @@ def ground_truth(
 
 
 def _inside(camera: Camera, rays: Float[np.ndarray, "h w 3"], z: Float[np.ndarray, "h w"]) -> Bool[np.ndarray, "h w"]:
-    """Which rays (camera frame) fall into the image."""
+    """Mask of the rays (x/z, y/z, 1), camera frame, at depth z [m] that project into the image."""
     within = (z > 0) & (np.sum(rays[..., :2] ** 2, -1) < float(camera.lens_radius) ** 2)
     pixels = camera.project(np.where(within[..., None], rays, [0.0, 0.0, 1.0]))
     limit = np.array(camera.size) - 1.0

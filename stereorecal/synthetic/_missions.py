@@ -1,4 +1,7 @@
-"""A log of missions in the shape of the paper's (section 4): one boat, seven years, eleven manual calibrations."""
+"""A synthetic log of missions like that of the paper: one boat, seven years, eleven manual calibrations.
+
+The paper is J. Muhovič and J. Perš, Correcting Decalibration of Stereo Cameras in Self-Driving Vehicles, section 4.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -11,15 +14,18 @@ from stereorecal.recordings import Mission
 from stereorecal.synthetic._render import render
 from stereorecal.synthetic._rig import default_rig
 
-# The paper's numbers of calibrations (tables 1 and 2), and the pairs of those that sequences were taken after.
+# The paper's identifiers of calibrations (tables 1 and 2), and how many pairs the sequence taken after each one has.
 _CALIBRATIONS = (57, 60, 65, 67, 71, 90, 94, 96, 99, 103, 104)
 _PAIRS = {60: 8, 65: 8, 67: 9, 71: 10, 90: 7, 103: 10, 104: 8}
-# Pairs that look to the open sea: the starred ones of table 2, and three more.
+# Pairs, counted from 1, that look to the open sea: those starred in table 2, and three more of our choice.
 _OPEN_SEA = {65: (2,), 67: (6,), 71: (2, 3), 90: (3,), 103: (7,), 104: (8,)}
-_FIRST, _BETWEEN = date(2012, 4, 10), timedelta(days=256)  # ten times: seven years
-# Any two states of the rig differ by up to 2.5 degrees and 8 mm on each axis (paper, section 4).
+_FIRST, _BETWEEN = date(2012, 4, 10), timedelta(days=256)  # chosen: eleven calibrations span seven years
+# Largest deviation from the mean rig: half of the 2.5 degrees and 8 mm per axis by which two states may differ (paper).
 _DRIFT = np.array([*np.radians([1.25] * 3), 0.0, 0.004, 0.004])
-_CHESSBOARD = np.radians(0.03), 0.001  # rms error of a manual calibration: angles, share of the baseline
+_CHESSBOARD = (
+    np.radians(0.03),
+    0.001,
+)  # chosen rms error of a manual calibration: [rad], fraction of the baseline
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,9 +33,9 @@ class PlannedMission:
     """A mission before its pairs are rendered.
 
     Attributes:
-        mission: as it will be, without pairs; `truth` is the rig that takes them.
-        kinds: of scene, one for each pair, which is named "001.png" and so on.
-        seeds: of the scenes.
+        mission: the mission without its pairs; `truth` is the rig that takes them.
+        kinds: kind of scene of each pair; the pairs are named "001.png" and so on.
+        seeds: seed of each scene.
     """
 
     mission: Mission
@@ -37,7 +43,7 @@ class PlannedMission:
     seeds: tuple[int, ...]
 
     def photographed(self) -> Mission:
-        """The mission with its pairs; the same plan gives the same images."""
+        """The mission with its pairs rendered; the same plan gives the same images."""
         takes = enumerate(zip(self.kinds, self.seeds, strict=True), 1)
         pairs = [
             replace(render(kind, seed, rig=self.mission.truth).pairs[0], name=_name(number))
@@ -48,11 +54,11 @@ class PlannedMission:
 
 @dataclass(frozen=True, eq=False)
 class MissionPlan:
-    """What `plan_missions` draws.
+    """What `plan_missions` returns.
 
     Attributes:
-        calibrations: the manual ones, by date.
-        missions: in the order of time.
+        calibrations: the manual calibrations by ISO date, in chronological order.
+        missions: in chronological order.
     """
 
     calibrations: Mapping[str, StereoRig] = field(repr=False)
@@ -60,16 +66,16 @@ class MissionPlan:
 
 
 def plan_missions(seed: int = 0, *, rig: StereoRig | None = None, most_pairs: int | None = None) -> MissionPlan:
-    """Sixty pairs in seven sequences of harbours, coasts and open sea, and eleven manual calibrations.
+    """Plan sixty pairs in seven sequences of harbours, coasts and open sea, and eleven manual calibrations.
 
-    At each calibration the rig stands elsewhere: drawn around `rig`, so that any two states differ by up to 2.5 degrees
-    and 8 mm on each axis. A manual calibration carries the error of a chessboard (rms 0.03 degrees, 0.1 % of the
-    baseline); what the rig really was is `Mission.truth`.
+    The true rig at each calibration is drawn around `rig`, so that any two differ by at most 2.5 degrees and 8 mm on
+    each axis. A manual calibration adds the error of a chessboard calibration (rms 0.03 degrees and 0.1 % of the
+    baseline); the true rig is `Mission.truth`.
 
     Args:
-        seed: draws drift, errors and scenes.
-        rig: around which the rig drifts (default: `default_rig()`).
-        most_pairs: of each sequence, the first ones; default all.
+        seed: of the random drift, calibration errors and scenes.
+        rig: the mean rig (default: `default_rig()`).
+        most_pairs: keep only the first so many pairs of each sequence (default: all).
     """
     draw = np.random.default_rng([seed, 11])
     rig = rig or default_rig()

@@ -1,4 +1,4 @@
-"""Render: photographs of a world through the two cameras of a rig."""
+"""Rendering of a scene: the images that the two cameras of a rig take of a world."""
 
 from concurrent.futures import ThreadPoolExecutor
 
@@ -16,7 +16,7 @@ from stereorecal.synthetic.rendering._sensor import expose
 from stereorecal.synthetic.scenes import make_world
 from stereorecal.synthetic.world._raycast import radiance
 
-_SECONDS_PER_FRAME = 0.2
+_SECONDS_PER_FRAME = 0.2  # how far the waves run between frames; chosen
 
 
 def render(
@@ -30,20 +30,20 @@ def render(
     vignetting: float = 0.3,
     blur: float = 0.7,
 ) -> Scene:
-    """A scene photographed through a rig that is known exactly; the same arguments give the same images.
+    """Render a scene through a rig that is known exactly; the same arguments give the same images.
 
     Args:
         kind: one of `KINDS`.
-        seed: draws layout, light, textures and noise.
+        seed: of layout, light, textures and noise; not negative.
         rig: the cameras (default: `default_rig()`).
-        frames: how many pairs; the rig moves on and the waves run from one to the next.
-        noise: standard deviation of shot and read noise, in grey levels.
-        exposure: the right camera is at most this fraction brighter or darker than the left one.
-        vignetting: fraction of the light that is lost in the corners.
+        frames: number of pairs; the rig moves, and so do the waves, from one to the next.
+        noise: standard deviation of shot and read noise together at mid-grey, in grey levels.
+        exposure: largest relative difference in brightness of the right camera from the left one; drawn uniformly.
+        vignetting: fraction of the light that is lost in the corners, 0..1.
         blur: sigma of the lens blur in pixels.
 
     Raises:
-        InputError: for an unknown kind, a negative seed, or less than one frame.
+        InputError: for an unknown kind, a negative seed, or fewer than one frame.
     """
     if frames < 1:
         raise InputError(f"frames is {frames}; render at least one frame.")
@@ -51,6 +51,7 @@ def render(
     draw = np.random.default_rng([seed, 7])
     gains = 1.0, 1.0 + float(draw.uniform(-exposure, exposure))
     cameras = rig.left, rig.right
+    # The optical axis of a real lens misses the middle of the sensor by a few percent.
     centres = [_middle(camera) * (1.0 + draw.uniform(-0.04, 0.04, 2)) for camera in cameras]
     directions = [supersampled_rays(camera) for camera in cameras]
     focals = [float(camera.matrix[0, 0]) for camera in cameras]

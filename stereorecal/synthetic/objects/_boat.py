@@ -11,7 +11,7 @@ from stereorecal.synthetic.surroundings._ground import Stain, mirrored
 
 
 def boat(studio: Studio, middle: Ground, length: float, turn: float, mast: bool) -> Things:
-    """A moored boat with its keel along `turn` (0: along x), a wheelhouse and perhaps a mast."""
+    """A boat of `length` [m] with its keel along `turn` [rad] (0: along x), a wheelhouse and, if `mast`, a mast."""
     rng = studio.rng
     beam, freeboard = 0.3 * length, 0.11 * length + 0.35
     along, side = np.array([np.cos(turn), np.sin(turn)]), np.array([-np.sin(turn), np.cos(turn)])
@@ -59,6 +59,8 @@ def boat(studio: Studio, middle: Ground, length: float, turn: float, mast: bool)
 
 
 def _hull(albedo: float, freeboard: float) -> Opaque:
+    """The side of a hull: waterline, sheer stripe, fenders or lettering."""
+
     def paint(canvas: Canvas) -> Texture:
         image = np.full(canvas.shape, albedo, np.float32)
         image = image * (0.75 + 0.35 * canvas.y / canvas.height)
@@ -73,7 +75,7 @@ def _hull(albedo: float, freeboard: float) -> Opaque:
 
 
 def _bow(albedo: float, freeboard: float) -> Paint:
-    """The fore part of a hull: the stem rakes forward and the sheer rises."""
+    """The bow of a hull: the stem rakes forward and the sheer rises."""
     hull = _hull(albedo, freeboard)
 
     def paint(canvas: Canvas) -> tuple[Texture, Texture]:
@@ -86,6 +88,8 @@ def _bow(albedo: float, freeboard: float) -> Paint:
 
 
 def _cabin() -> Paint:
+    """A wheelhouse with a row of windows."""
+
     def paint(canvas: Canvas) -> Texture:
         image = np.full(canvas.shape, float(canvas.rng.uniform(0.5, 0.8)), np.float32)
         step = float(canvas.rng.uniform(0.5, 0.8))
@@ -98,5 +102,5 @@ def _cabin() -> Paint:
 
 
 def _sail() -> Paint:
-    """A furled sail."""
+    """A furled sail on its boom."""
     return lambda canvas: 0.5 * np.exp(0.3 * canvas.noise(0.6, 0.08) + 0.1 * canvas.noise(1.0))

@@ -1,4 +1,4 @@
-"""Parked cars and vans: a profile, extruded."""
+"""Parked cars and vans: an extruded profile."""
 
 from dataclasses import dataclass
 
@@ -13,12 +13,14 @@ from stereorecal.synthetic.surroundings._ground import Stain
 
 @dataclass(frozen=True, eq=False)
 class _Model:
-    """A car's size [m] and its profile from the front bumper over the roof to the rear one.
+    """A car's size and its profile from the front bumper over the roof to the rear bumper.
 
     Attributes:
-        places: fraction of the length, from the front.
-        heights: height [m] there.
-        waist: where the windows begin [m].
+        length, width: [m].
+        places: positions along the car, as fractions of the length from the front.
+        heights: height [m] of the profile at each place.
+        waist: height [m] of the lower edge of the windows.
+        wheel: radius [m] of the wheels.
     """
 
     length: float
@@ -64,7 +66,7 @@ _PARTS = ("nose", "nose", "bonnet", "glass", "roof", "glass", "boot", "tail")
 
 
 def car(studio: Studio, middle: Ground, heading: Ground) -> Things:
-    """A car at ground point `middle` that points along the unit vector `heading` (x, z), and its shadow."""
+    """A car at ground point `middle`, facing along the unit vector `heading` (x, z), and its shadow."""
     rng = studio.rng
     model = _MODELS[int(rng.choice(4, p=[0.3, 0.3, 0.25, 0.15]))]
     albedo = float(rng.choice([0.03, 0.06, 0.13, 0.25, 0.4, 0.68]))
@@ -93,10 +95,13 @@ def car(studio: Studio, middle: Ground, heading: Ground) -> Things:
 
 
 def _turn(ahead) -> float:
+    """Rotation [rad] of a footprint whose depth lies along `ahead` (x, z)."""
     return float(np.arctan2(-ahead[0], ahead[1]))
 
 
 def _side(model: _Model, albedo: float):
+    """The paint of a side: body, windows, doors, lamps and wheels, cut out along the profile."""
+
     def paint(canvas: Canvas) -> tuple[Texture, Texture]:
         fraction, y = canvas.x / canvas.width, canvas.y
         top = np.interp(fraction, model.places, model.heights)
@@ -135,7 +140,7 @@ def _side(model: _Model, albedo: float):
 
 
 def _across(part: str, albedo: float):
-    """The paint of a surface that runs across the car."""
+    """The paint of a surface that spans the width of the car: bonnet, glass, roof and so on."""
 
     def paint(canvas: Canvas) -> Texture:
         width, rise = canvas.width, canvas.y / canvas.height

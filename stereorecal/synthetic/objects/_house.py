@@ -11,12 +11,12 @@ from stereorecal.synthetic.rendering._studio import Ground, Studio
 def house(
     studio: Studio, a: Ground, b: Ground, depth: float, low: float, tall: float, front: Paint, side: Paint
 ) -> list[Patch]:
-    """A house whose front stands on the ground line a-b; it reaches `depth` metres away from the eye.
+    """A house whose front stands over the ground line a-b; it extends `depth` [m] away from the camera.
 
     Args:
-        low: height of its foot [m].
-        tall: from the foot to the eaves [m].
-        front, side: paints of the front and of the other walls.
+        low: height [m] of its foot.
+        tall: height [m] of the walls, from the foot to the eaves.
+        front, side: paints of the front and of the side walls.
     """
     rng = studio.rng
     a, b = np.array(a, float), np.array(b, float)
@@ -35,7 +35,7 @@ def house(
     lean = (0.5 * depth + over) * away
     roof = tiles(float(rng.uniform(0.07, 0.2)))
     patches.append(studio.wall(foot_a, foot_b, eaves - drop, eaves + rise, roof, lean=(lean[0], lean[1])))
-    # A white board under the eaves.
+    # A fascia board under the eaves.
     patches.append(studio.wall(foot_a, foot_b, eaves - drop - 0.16, eaves - drop, plain(0.5)))
     if rng.uniform() < 0.8:
         spot = a + float(rng.uniform(0.15, 0.85)) * (b - a) + 0.45 * depth * away
@@ -45,6 +45,8 @@ def house(
 
 
 def _gable(side: Paint) -> Paint:
+    """A side wall cut to a triangle."""
+
     def paint(canvas: Canvas) -> tuple[Texture, Texture]:
         result = side(canvas)
         albedo = result[0] if isinstance(result, tuple) else result

@@ -1,4 +1,4 @@
-"""Paints for what grows and erodes: hills, cliffs, crowns of trees."""
+"""Paints of natural surfaces: hills, cliffs, crowns of trees."""
 
 import numpy as np
 
@@ -7,13 +7,13 @@ from stereorecal.synthetic.rendering._patch import Canvas, Paint
 
 
 def _relief(height: Texture, strength: float) -> Texture:
-    """Light on a height field from the upper left."""
+    """Shading (h, w) in -1..1 of a height field lit from the upper left."""
     rows, columns = np.gradient(height)
     return np.tanh(strength * (columns + rows))
 
 
 def _profile(canvas: Canvas, low: float, high: float, scale: float) -> Texture:
-    """Heights [m] of a skyline (1, w), between `low` and `high` most of the time."""
+    """Heights (1, w) [m] of a skyline between `low` and `high`, tapered to 0 at both ends."""
     line = fractal(canvas.rng, (8, canvas.shape[1]), (64.0, scale / canvas.texel), 8, 0.5)[:1]
     taper = np.clip(np.minimum(canvas.x, canvas.width - canvas.x) / (0.12 * canvas.width), 0.0, 1.0)
     body = low + (high - low) * np.clip(0.5 + 0.45 * line, 0.0, 1.0)
@@ -21,10 +21,11 @@ def _profile(canvas: Canvas, low: float, high: float, scale: float) -> Texture:
 
 
 def hill(low: float, high: float, rock: float, scale: float = 60.0) -> Paint:
-    """A hillside with woods, meadows and rock at its foot; `low` and `high` bound its skyline [m].
+    """A hillside with woods and meadows, and bare rock at its foot; its skyline lies between `low` and `high` [m].
 
     Args:
-        rock: height [m] up to which it is bare rock.
+        rock: height [m] of the bare rock.
+        scale: width [m] of the largest features of the skyline.
     """
 
     def paint(canvas: Canvas) -> tuple[Texture, Texture]:
@@ -48,7 +49,7 @@ def hill(low: float, high: float, rock: float, scale: float = 60.0) -> Paint:
 
 
 def cliff(low: float, high: float, albedo: float = 0.36) -> Paint:
-    """A bare cliff with strata, clefts and a cap of grass."""
+    """A bare cliff with strata, clefts and grass on top; its skyline lies between `low` and `high` [m]."""
 
     def paint(canvas: Canvas) -> tuple[Texture, Texture]:
         top = _profile(canvas, low, high, 18.0)
@@ -64,6 +65,7 @@ def cliff(low: float, high: float, albedo: float = 0.36) -> Paint:
 
 
 def _rock(canvas: Canvas) -> Texture:
+    """Albedo of bare rock: tilted strata, lumps and dark clefts."""
     tilt = canvas.y + 0.18 * canvas.x + 0.5 * canvas.noise(9.0, 5.0)
     strata = np.sin(6.5 * tilt) + 0.6 * np.sin(15.1 * tilt + 1.0)
     clefts = np.exp(-4.0 * np.abs(canvas.noise(2.4, 5.0, 7, 0.65)))
@@ -73,7 +75,7 @@ def _rock(canvas: Canvas) -> Texture:
 
 
 def crown(albedo: float, density: float = 0.0) -> Paint:
-    """A clump of leaves with ragged edges and holes; a greater `density` closes them."""
+    """A clump of leaves with ragged edges and holes; a higher `density` closes them."""
 
     def paint(canvas: Canvas) -> tuple[Texture, Texture]:
         across = canvas.x / canvas.width * 2.0 - 1.0

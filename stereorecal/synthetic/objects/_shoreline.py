@@ -1,4 +1,4 @@
-"""A shoreline: hills and cliffs behind each other, with houses on the slopes."""
+"""Shorelines: hills and cliffs one behind another, with houses on the slopes."""
 
 import numpy as np
 
@@ -12,7 +12,10 @@ from stereorecal.synthetic.surroundings._ground import Stain, mirrored
 
 
 def shoreline(studio: Studio, count: int, nearest: float, houses: int, rocky: bool = False) -> Things:
-    """`count` hills or cliffs from `nearest` metres to 200 m, then a far ridge in the haze."""
+    """`count` hills, some cliffs among them if `rocky`, from `nearest` to 200 m away, and a far ridge in the haze.
+
+    `houses` stand on each far hill, at most two on those within 60 m.
+    """
     rng = studio.rng
     patches: list[Patch] = []
     stains: list[Stain] = []
@@ -40,7 +43,10 @@ def shoreline(studio: Studio, count: int, nearest: float, houses: int, rocky: bo
 
 
 def _village(studio: Studio, start, line, away, slope: float, count: int, high: float) -> list[Patch]:
-    """Houses on a hillside that rises from the ground line `line` at `start`, up to `high` metres."""
+    """`count` houses up to a height of `high` [m] on a hillside that rises from the ground line `line` at `start`.
+
+    `away` is the horizontal unit vector uphill; `slope` is the horizontal distance covered per metre of height.
+    """
     rng = studio.rng
     patches: list[Patch] = []
     along = line / np.linalg.norm(line)

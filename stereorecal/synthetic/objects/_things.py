@@ -1,7 +1,7 @@
-"""What every maker of objects returns."""
+"""What makers of objects return."""
 
 from stereorecal.synthetic.rendering._patch import Patch
 from stereorecal.synthetic.surroundings._ground import Stain
 
 Things = tuple[list[Patch], list[Stain]]
-"""Patches, and where they darken the ground: shadows on a road, reflections in water."""
+"""The patches of an object, and where it darkens the ground: shadows on a road, reflections in water."""

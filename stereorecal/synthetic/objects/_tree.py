@@ -9,7 +9,7 @@ from stereorecal.synthetic.surroundings._ground import Stain
 
 
 def tree(studio: Studio, foot: tuple[float, float], tall: float) -> Things:
-    """A trunk and clumps of leaves around it."""
+    """A tree `tall` [m] at ground point `foot`: a trunk, clumps of leaves around it, and its shadow."""
     rng = studio.rng
     patches = [studio.pole(foot, 0.28, 0.0, 0.55 * tall, 0.1)]
     for _ in range(7):

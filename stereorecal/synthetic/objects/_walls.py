@@ -1,4 +1,4 @@
-"""Paints for what people build: stone, concrete, brick, boards, steel, plaster with windows, roofs."""
+"""Paints of built surfaces: masonry, paving, boards, corrugated steel, house fronts, roof tiles."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from stereorecal.synthetic.rendering._patch import Canvas, Opaque
 
 
 def weathered(canvas: Canvas, albedo: Texture, amount: float = 1.0) -> Texture:
-    """Adds blotches, streaks of running water and fine grain, and darkens the foot."""
+    """The albedo with blotches and streaks of running water, darkened towards the foot."""
     blotches = canvas.noise(1.5, 1.0, 7, 0.75)
     streaks = np.minimum(canvas.noise(0.12, 2.5, 3), 0.3)
     foot = 1.0 - 0.3 * np.exp(-canvas.y / 0.25)
@@ -15,10 +15,11 @@ def weathered(canvas: Canvas, albedo: Texture, amount: float = 1.0) -> Texture:
 
 
 def _cells(canvas: Canvas, width: float, height: float, joint: float, rows_shifted: bool):
-    """Courses of blocks: a random number per block, and 0..1 where the joints are."""
+    """Courses of blocks: a random number 0..1 for each block (h, w), and the coverage 0..1 of the joints (h, w)."""
     row = np.floor(canvas.y / height)
     x = canvas.x / width + (0.5 * np.mod(row, 2) if rows_shifted else 0.0)
     column = np.floor(x)
+    # The usual hash of graphics shaders: the fraction of a large sine.
     mixed = np.sin(row * 12.9898 + column * 78.233 + float(canvas.rng.uniform(0, 9))) * 43758.5453
     edge_x = np.minimum(x - column, column + 1.0 - x) * width
     edge_y = np.minimum(canvas.y / height - row, row + 1.0 - canvas.y / height) * height
@@ -28,7 +29,7 @@ def _cells(canvas: Canvas, width: float, height: float, joint: float, rows_shift
 
 
 def masonry(albedo: float, width: float, height: float, joint: float = 0.012, contrast: float = 0.5) -> Opaque:
-    """Bricks or blocks of stone of `width` by `height` metres."""
+    """Bricks or stone blocks of `width` by `height` [m]."""
 
     def paint(canvas: Canvas) -> Texture:
         tint, joints = _cells(canvas, width, height, joint, rows_shifted=True)
@@ -39,7 +40,7 @@ def masonry(albedo: float, width: float, height: float, joint: float = 0.012, co
 
 
 def quay(albedo: float, tide: float) -> Opaque:
-    """A quay wall of blocks with weed and wet stone up to `tide` metres."""
+    """A quay wall of stone blocks, wet and overgrown with weed up to `tide` [m]."""
     blocks = masonry(albedo, 1.3, 0.55, 0.03, 0.45)
 
     def paint(canvas: Canvas) -> Texture:
@@ -56,7 +57,7 @@ def quay(albedo: float, tide: float) -> Opaque:
 
 
 def paving(albedo: float) -> Opaque:
-    """Worn slabs seen from above."""
+    """Worn paving slabs."""
 
     def paint(canvas: Canvas) -> Texture:
         tint, joints = _cells(canvas, 1.2, 0.8, 0.02, rows_shifted=True)
@@ -83,7 +84,7 @@ def boards(albedo: float, width: float = 0.18, upright: bool = True) -> Opaque:
 
 
 def corrugated(albedo: float) -> Opaque:
-    """A shipping container: ribs, rust, a frame and some lettering."""
+    """The wall of a shipping container: ribs, rust, a frame and lettering."""
 
     def paint(canvas: Canvas) -> Texture:
         ribs = 1.0 + 0.2 * np.sin(canvas.x * (2 * np.pi / 0.28)) + 0 * canvas.y
@@ -100,6 +101,7 @@ def corrugated(albedo: float) -> Opaque:
 
 
 def _lettering(canvas: Canvas, image: Texture, value: float) -> None:
+    """Draw a line of strokes that resembles letters into `image`."""
     size = 0.16 * canvas.height
     x, y = 0.12 * canvas.width, canvas.height * float(canvas.rng.uniform(0.45, 0.7))
     while x < 0.7 * canvas.width:
@@ -143,7 +145,7 @@ def facade(albedo: float, storey: float = 2.9, base: Opaque | None = None) -> Op
 
 
 def _window(canvas: Canvas, image: Texture, x, low, high, half, frame: float, trim: float) -> None:
-    """A window with dark glass, curtains, bars, a sill and the shadow of its lintel."""
+    """Draw a window into `image`: dark glass, curtains or a blind, bars, a sill and the shadow of the lintel."""
     rng = canvas.rng
     canvas.fill(image, x - half - 0.1, x + half + 0.1, low - 0.05, high + 0.12, trim)
     canvas.fill(image, x - half - 0.18, x + half + 0.18, low - 0.14, low - 0.05, min(0.9, 1.4 * trim))
@@ -164,7 +166,7 @@ def _window(canvas: Canvas, image: Texture, x, low, high, half, frame: float, tr
 
 
 def tiles(albedo: float) -> Opaque:
-    """A roof of tiles."""
+    """Roof tiles."""
 
     def paint(canvas: Canvas) -> Texture:
         tint, joints = _cells(canvas, 0.25, 0.33, 0.03, rows_shifted=True)

@@ -1,1 +1,1 @@
-"""How a world becomes an image: textures, patches, rays, sensor."""
+"""Rendering: textures, lit patches, ray casting onto them, and the sensor that turns radiance into grey levels."""

@@ -1,4 +1,4 @@
-"""Rays of a camera's pixels, in the camera's own frame and in the world's."""
+"""Rays through the pixels of a camera, in the camera's frame and in the world's."""
 
 from functools import lru_cache
 
@@ -11,7 +11,7 @@ from stereorecal.geometry import Camera, StereoRig
 from stereorecal.synthetic.rendering._patch import Point
 from stereorecal.synthetic.rendering._trace import Rays
 
-_SUPERSAMPLE = 2  # samples across a pixel and down, the least that smooths the edges of patches
+_SUPERSAMPLE = 2  # per axis: 4 samples a pixel antialias the edges of patches
 
 _camera_rays = jax.jit(lambda camera, pixels: camera.rays(pixels))
 
@@ -50,7 +50,7 @@ def world_rays(
     Args:
         pose: centre (3,) [m] of the left camera, and the matrix from its frame to the world's.
         side: 0 for the left camera, 1 for the right one.
-        directions: in the frame of that camera.
+        directions: (h, w, 3) float32, in the frame of that camera.
         focal: focal length [px] of the image, for the choice of texture detail.
     """
     centre, to_world = pose

@@ -1,4 +1,4 @@
-"""Random textures: octaves of value noise, and periodic fields shaped in the Fourier domain."""
+"""Random textures: fractal noise, and periodic fields with a given spectrum."""
 
 import cv2
 import numpy as np
@@ -14,12 +14,14 @@ def fractal(
     octaves: int = 6,
     gain: float = 0.6,
 ) -> Texture:
-    """Octaves of smooth noise (h, w) float32, each half as wide and `gain` times as strong.
+    """Fractal noise (h, w) float32 of zero mean; its rms value is 0.8 to 0.9.
 
-    Each octave is laid over the enlarged sum of the coarser ones, so that only the last one costs full size.
+    Each octave is half as wide as the one before and `gain` times as strong. It is added to the upsampled sum of the
+    coarser ones, so that only the last one is drawn at full resolution.
 
     Args:
-        cell: grid of the first octave in texels (rows, columns).
+        shape: of the result, (rows, columns).
+        cell: size of the grid cells of the first octave, in texels (rows, columns).
     """
     total, power, amplitude = np.zeros((2, 2), np.float32), 0.0, 1.0
     for index in range(octaves):
@@ -36,9 +38,9 @@ def _enlarged(image: Texture, shape) -> Texture:
 
 
 def periodic(rng: np.random.Generator, size: int, spectrum) -> Texture:
-    """A periodic field (size, size) float32 of unit variance; `spectrum(kx, ky)` is its amplitude spectrum.
+    """A periodic Gaussian random field (size, size) float32 of zero mean and unit variance.
 
-    kx and ky count the waves across the tile.
+    `spectrum(kx, ky)` is its amplitude spectrum, with kx and ky in cycles per tile.
     """
     ky = np.fft.fftfreq(size, 1.0 / size)[:, None]
     kx = np.fft.rfftfreq(size, 1.0 / size)[None, :]
@@ -49,11 +51,15 @@ def periodic(rng: np.random.Generator, size: int, spectrum) -> Texture:
 
 
 def wave_slopes(rng: np.random.Generator, size: int, waves: float, heading: float) -> Float[np.ndarray, "n n 2"]:
-    """Slopes (d/dx, d/dy) of a periodic sea, `waves` waves wide, that runs along `heading` [rad]."""
+    """Slopes (d/dx, d/dy) of a periodic sea surface, (size, size, 2) float32 with a mean squared slope of 1.
+
+    About `waves` waves cross the tile, most of them along `heading` [rad].
+    """
 
     def spectrum(kx, ky):
         k = np.hypot(kx, ky) + 1e-9
         along = np.cos(np.arctan2(ky, kx) - heading)
+        # Log-normal about `waves`, with a cos^2 spread of directions; widths chosen to look right.
         return np.exp(-0.5 * (np.log(k / waves) / 0.35) ** 2) * (0.35 + along**2)
 
     height = np.fft.fft2(periodic(rng, size, spectrum))

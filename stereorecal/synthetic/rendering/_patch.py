@@ -1,4 +1,4 @@
-"""Patch: a flat, textured parallelogram, the one thing that every solid object is made of.
+"""Patch: a flat, textured parallelogram, the primitive of which all solid objects are made.
 
 World frame: x right, y up, z forward, in metres; y = 0 is the water or the road, and the left camera stands
 above the origin in the first frame.
@@ -15,18 +15,18 @@ from stereorecal.synthetic.rendering._noise import Texture, fractal
 
 Point = Float[np.ndarray, "3"]
 
-# Angle of a pixel, which says how fine a patch must be at its nearest point, and the most texels it may have.
-_PIXEL_ANGLE = 1.0 / 600.0
-_MOST_TEXELS = 450_000
+_PIXEL_ANGLE = 1.0 / 600.0  # [rad], of the default rig (focal length about 600 px); sets the size of texels
+_MOST_TEXELS = 450_000  # of a patch; bounds memory and time
 
 
 @dataclass(frozen=True, eq=False)
 class Light:
-    """Sun and sky.
+    """Sunlight and skylight.
 
     Attributes:
         sun: (3,) unit vector towards the sun.
-        direct, ambient: how much light comes from the sun and from the sky.
+        direct, ambient: irradiance of the sun at normal incidence and of the sky, relative: an albedo of 1 under an
+            irradiance of 1 gives a radiance of 1.
     """
 
     sun: Point
@@ -34,13 +34,13 @@ class Light:
     ambient: float
 
     def on(self, normal: Point) -> float:
-        """Light that falls on a surface with this unit normal."""
+        """Irradiance of a surface with this unit normal (Lambert's cosine law; vertical surfaces get less skylight)."""
         return self.ambient * (0.7 + 0.3 * float(normal[1])) + self.direct * max(0.0, float(normal @ self.sun))
 
 
 @dataclass(frozen=True, eq=False)
 class Canvas:
-    """What a paint works on: `width` by `height` metres in squares of `texel` metres, row 0 on top."""
+    """The surface that a paint colours: `width` by `height` metres in square texels of `texel` metres, row 0 on top."""
 
     rng: np.random.Generator
     width: float
@@ -54,17 +54,17 @@ class Canvas:
 
     @property
     def x(self) -> Float[np.ndarray, "1 w"]:
-        """Metres from the left edge."""
+        """Distance [m] of the texel centres from the left edge."""
         return ((np.arange(self.shape[1], dtype=np.float32) + 0.5) * (self.width / self.shape[1]))[None, :]
 
     @property
     def y(self) -> Float[np.ndarray, "h 1"]:
-        """Metres above the lower edge."""
+        """Height [m] of the texel centres above the lower edge."""
         rows = self.shape[0]
         return ((rows - 0.5 - np.arange(rows, dtype=np.float32)) * (self.height / rows))[:, None]
 
     def noise(self, across: float, up: float | None = None, octaves: int = 7, gain: float = 0.65) -> Texture:
-        """Fractal noise of unit variance whose largest features are `across` by `up` metres."""
+        """Fractal noise (h, w) with an rms value of 0.8 to 0.9 whose largest features are `across` by `up` metres."""
         up = across if up is None else up
         return fractal(self.rng, self.shape, (up / self.texel, across / self.texel), octaves, gain)
 
@@ -77,19 +77,20 @@ class Canvas:
 
 
 Opaque = Callable[[Canvas], Texture]
-"""Paints a canvas without holes: the albedo (h, w)."""
+"""A paint without holes: returns the albedo (h, w), 0..1."""
 
 Paint = Callable[[Canvas], Texture | tuple[Texture, Texture]]
-"""Paints a canvas: the albedo (h, w), or that and a mask (h, w), above 0.5 where the surface is."""
+"""Returns the albedo (h, w), or the albedo and an alpha mask (h, w) that is above 0.5 where the surface is opaque."""
 
 
 @dataclass(frozen=True, eq=False)
 class Patch:
-    """The points `origin + a across + b up` with a, b in 0..1.
+    """A textured parallelogram: the points `origin + a across + b up` with a, b in 0..1.
 
     Attributes:
         origin, across, up: (3,) [m], world frame.
-        levels: radiance and mask (h, w, 2) float32, each half as fine as the one before; row 0 is b = 1.
+        levels: mipmap of radiance and mask, (h, w, 2) float32, each level half as fine as the one before; row 0 is
+            b = 1.
         texel: size [m] of a texel of level 0.
     """
 
@@ -101,17 +102,18 @@ class Patch:
 
     @property
     def corners(self) -> Float[np.ndarray, "4 3"]:
-        """The corners in order around the patch."""
+        """The corners (4, 3) [m] in order around the patch."""
         sides = np.stack([np.zeros(3), self.across, self.across + self.up, self.up])
         return self.origin + sides
 
 
 def painted(rng: np.random.Generator, light: Light, origin, across, up, paint: Paint, eye=(0.0, 2.5, 0.0)) -> Patch:
-    """A patch with a paint on it, lit by `light`, as fine as somebody at `eye` can see."""
+    """A patch textured by `paint` and lit by `light`, with texels as fine as a camera at `eye` (3,) [m] can resolve."""
     origin, across, up, eye = (np.array(v, float) for v in (origin, across, up, eye))
     width, height = float(np.linalg.norm(across)), float(np.linalg.norm(up))
     grid = np.linspace(0.0, 1.0, 9)
     points = origin + grid[:, None, None] * across + grid[None, :, None] * up
+    # A texel covers 0.7 pixels at the nearest point of the patch; what is nearer than 4 m gets no finer ones.
     near = max(4.0, float(np.linalg.norm(points - eye, axis=-1).min()))
     texel = max(0.7 * near * _PIXEL_ANGLE, np.sqrt(width * height / _MOST_TEXELS))
     normal = np.cross(across, up) / (width * height)
@@ -123,6 +125,7 @@ def painted(rng: np.random.Generator, light: Light, origin, across, up, paint: P
 
 
 def _levels(texture: Float[np.ndarray, "h w 2"]) -> tuple[Float[np.ndarray, "_ _ 2"], ...]:
+    """Mipmap of a texture, at most seven levels."""
     levels = [texture]
     while max(levels[-1].shape[:2]) > 4 and len(levels) < 7:
         rows, columns = levels[-1].shape[:2]

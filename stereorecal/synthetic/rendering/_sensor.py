@@ -1,4 +1,4 @@
-"""From radiance to grey levels: lens blur, vignetting, exposure, tone curve, noise."""
+"""Camera model from radiance to grey levels: lens blur, vignetting, tone curve, exposure, noise, quantisation."""
 
 import cv2
 import numpy as np
@@ -17,14 +17,14 @@ def expose(
     vignetting: float,
     noise: float,
 ) -> Texture:
-    """A photograph, (h, w) float32, whole grey levels in 0..255.
+    """The image (h, w) float32, whole grey levels in 0..255.
 
     Args:
-        radiance: (h, w) float32, 1 for a bright sky.
+        radiance: (h, w) float32, relative; a bright sky has about 1.
         gain: factor on the grey levels.
-        centre: (2,) pixel at which there is no vignetting.
+        centre: (2,) centre (x, y) of the vignetting in pixels; no light is lost there.
         blur: sigma of the lens blur in pixels.
-        vignetting: light lost in the corners, 0..1.
+        vignetting: fraction of the light lost in the corners, 0..1.
         noise: standard deviation in grey levels at mid-grey; half of its variance is shot noise.
     """
     height, width = radiance.shape
@@ -39,7 +39,8 @@ def expose(
 
 
 def tone(radiance: Texture) -> Texture:
-    """A camera's tone curve: a shoulder that saves the highlights, then gamma; 1 is white."""
+    """Tone curve from radiance to grey (1 is white): a shoulder that compresses highlights, gamma, a mild S-curve."""
+    # Reinhard's operator with white at a light of sqrt(3), gamma 2; the factors are chosen to look right.
     light = np.maximum(radiance, 0.0) * np.float32(1.15)
     grey = np.minimum(light * (1.0 + light / 3.0) / (1.0 + light), 1.0) ** np.float32(1.0 / 2.0)
     curved = grey * grey * (3.0 - 2.0 * grey)

@@ -1,4 +1,4 @@
-"""Studio: builds lit patches, walls, boxes and upright cards from a paint."""
+"""Studio: builds lit patches, walls, slabs, boxes, billboards and poles from paints."""
 
 from dataclasses import dataclass
 
@@ -13,9 +13,11 @@ Ground = tuple[float, float] | Float[np.ndarray, "2"]
 
 @dataclass(frozen=True, eq=False)
 class Studio:
-    """What all objects of a scene share: the random numbers, the light and the eye that looks at them.
+    """What all objects of a scene share.
 
     Attributes:
+        rng: random generator that their makers draw from.
+        light: sunlight and skylight.
         eye: height [m] of the left camera.
     """
 
@@ -24,16 +26,16 @@ class Studio:
     eye: float
 
     def patch(self, origin, across, up, paint: Paint) -> Patch:
-        """The parallelogram `origin + a across + b up` (3,) [m] with a paint on it."""
+        """The parallelogram `origin + a across + b up`, (3,) [m] each, a and b in 0..1, textured by `paint`."""
         return painted(self.rng, self.light, origin, across, up, paint, eye=(0.0, self.eye, 0.0))
 
     def wall(self, a: Ground, b: Ground, low: float, high: float, paint: Paint, lean: Ground = (0.0, 0.0)) -> Patch:
-        """An upright wall over the ground line a-b, from height `low` to `high`; `lean` shifts its top."""
+        """An upright wall over the ground line a-b, from height `low` to `high` [m]; `lean` [m] shifts its top."""
         across = (b[0] - a[0], 0.0, b[1] - a[1])
         return self.patch((a[0], low, a[1]), across, (lean[0], high - low, lean[1]), paint)
 
     def slab(self, a: Ground, b: Ground, depth: Ground, height: float, paint: Paint) -> Patch:
-        """A level surface at `height` over the ground line a-b and along `depth` from it."""
+        """A horizontal surface at `height` [m]: the ground line a-b, swept along `depth` (x, z) [m]."""
         return self.patch((a[0], height, a[1]), (b[0] - a[0], 0.0, b[1] - a[1]), (depth[0], 0.0, depth[1]), paint)
 
     def box(
@@ -45,10 +47,10 @@ class Studio:
         side: Paint,
         top: Paint,
     ) -> list[Patch]:
-        """The faces of an upright box that the eye can see.
+        """The visible faces of an upright box.
 
         Args:
-            middle: ground point below its middle.
+            middle: ground point below its centre.
             size: width, height, depth [m].
             turn: rotation about the vertical [rad].
             low: height of its foot [m].
@@ -59,7 +61,7 @@ class Studio:
         for index in range(4):
             a, b = corners[index], corners[(index + 1) % 4]
             outwards = 0.5 * (a + b) - np.array(middle)
-            # Seen from anywhere within a metre of the left camera's way.
+            # Back-face culling that keeps what can be seen from within a metre of the ground's origin.
             if outwards @ (0.5 * (a + b)) < 1.0 * np.linalg.norm(outwards):
                 patches.append(self.wall(a, b, low, low + height, side))
         if low + height < self.eye + 0.3:
@@ -67,12 +69,12 @@ class Studio:
         return patches
 
     def card(self, middle: Ground, width: float, low: float, high: float, paint: Paint) -> Patch:
-        """An upright patch that faces the eye."""
+        """An upright patch that faces the origin (a billboard)."""
         side = 0.5 * width * np.array([middle[1], -middle[0]]) / np.hypot(middle[0], middle[1])
         return self.wall(np.array(middle) - side, np.array(middle) + side, low, high, paint)
 
     def pole(self, middle: Ground, width: float, low: float, high: float, albedo: float) -> Patch:
-        """A thin round post."""
+        """A thin round post: a billboard shaded as a cylinder."""
 
         def paint(canvas):
             across = canvas.x / canvas.width
@@ -83,7 +85,7 @@ class Studio:
 
 
 def footprint(middle: Ground, width: float, depth: float, turn: float) -> Float[np.ndarray, "4 2"]:
-    """Corners (x, z) of a rectangle on the ground, in order, turned by `turn` [rad]."""
+    """Corners (x, z) [m] of a rectangle on the ground, in order, rotated by `turn` [rad]."""
     cos, sin = np.cos(turn), np.sin(turn)
     square = 0.5 * np.array([[-width, -depth], [width, -depth], [width, depth], [-width, depth]])
     return np.array(middle) + square @ np.array([[cos, sin], [-sin, cos]])

@@ -1,4 +1,4 @@
-"""Cast rays into a world: which patch they meet first, how far away, and how bright it is there."""
+"""Ray casting onto patches: depth and radiance of the first patch that each ray hits."""
 
 from dataclasses import dataclass
 
@@ -8,8 +8,8 @@ from jaxtyping import Float, Shaped
 
 from stereorecal.synthetic.rendering._patch import Patch, Point
 
-_BLOCK = 16
-_NEAR = 0.5
+_BLOCK = 16  # rays across and down in a block; patches are culled block by block
+_NEAR = 0.5  # near plane [m], for culling
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,7 +19,7 @@ class Rays:
     Attributes:
         centre: (3,) [m], where all rays start.
         directions: (h, w, 3) float32, of any length; a hit at depth t lies at `centre + t direction`.
-        spread: angle [rad] between neighbouring rays, for the choice of texture detail.
+        spread: angle [rad] between neighbouring rays, which selects the mipmap level.
     """
 
     centre: Point
@@ -28,7 +28,7 @@ class Rays:
 
 
 def trace(patches: tuple[Patch, ...], rays: Rays) -> tuple[Float[np.ndarray, "h w"], Float[np.ndarray, "h w"]]:
-    """Depth t (infinite where there is none) and radiance of the first patch that each ray meets, float32."""
+    """Depth t (infinite where no patch is hit) and radiance (0 there) where each ray hits first, float32."""
     depth = np.full(rays.directions.shape[:2], np.inf, np.float32)
     radiance = np.zeros_like(depth)
     bounds = _block_bounds(rays.directions)
@@ -40,7 +40,8 @@ def trace(patches: tuple[Patch, ...], rays: Rays) -> tuple[Float[np.ndarray, "h 
 
 
 def _meet(patch: Patch, centre: Point, spread: float, directions, depth, radiance) -> None:
-    """Write into `depth` and `radiance` (in place) where the rays meet the patch before anything else."""
+    """Update `depth` and `radiance` in place where rays hit the patch in front of what they have hit so far."""
+    # In the dual basis of (normal, across, up) a point has coordinates (height, a, b).
     normal = np.cross(patch.across, patch.up)
     area = normal @ normal
     duals = np.stack([normal, np.cross(patch.up, normal) / area, np.cross(normal, patch.across) / area])
@@ -59,7 +60,7 @@ def _meet(patch: Patch, centre: Point, spread: float, directions, depth, radianc
     box = (slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1))
     hit, t, slopes = hit[box], t[box], slopes[box]
     t = np.where(hit, t, np.median(t[hit]))
-    # A compromise between the narrow and the long side of the footprint of a slanting ray.
+    # The mipmap is isotropic: a compromise between the short and the long axis of an oblique ray's footprint.
     slant = np.abs(slopes[..., 0]) / np.float32(np.sqrt(area)) / np.linalg.norm(directions[box], axis=-1)
     footprint = 1.3 * spread * t / np.sqrt(np.maximum(slant, 0.05))
     colour = sample(patch.levels, a[box], 1.0 - b[box], np.log2(footprint / patch.texel), hit)
@@ -69,7 +70,7 @@ def _meet(patch: Patch, centre: Point, spread: float, directions, depth, radianc
 
 
 def sample(levels, u, v, level, used) -> Float[np.ndarray, "h w c"]:
-    """Look up a texture pyramid at (u, v) in 0..1 with fractional `level`, where `used`."""
+    """Trilinear lookup in a mipmap at (u, v) in 0..1 and fractional `level`; only the values where `used` count."""
     level = np.clip(np.where(used, level, level[used].mean()), 0.0, len(levels) - 1.0).astype(np.float32)
     total = None
     for index in range(int(np.floor(level.min())), int(np.ceil(level.max())) + 1):
@@ -84,7 +85,7 @@ def sample(levels, u, v, level, used) -> Float[np.ndarray, "h w c"]:
 
 
 def _block_bounds(directions: Float[np.ndarray, "h w 3"]) -> tuple[Shaped[np.ndarray, "rows columns"], ...]:
-    """Least and largest x/z and y/z of the rays of each block of the grid."""
+    """Minimum and maximum of x/z, then of y/z, over the rays of each block of the grid."""
     slopes = directions[..., :2] / directions[..., 2:]
     edges = [np.arange(0, n, _BLOCK) for n in slopes.shape[:2]]
     low = np.minimum.reduceat(np.minimum.reduceat(slopes, edges[0], 0), edges[1], 1)
@@ -93,7 +94,7 @@ def _block_bounds(directions: Float[np.ndarray, "h w 3"]) -> tuple[Shaped[np.nda
 
 
 def _window(patch: Patch, centre: Point, bounds) -> tuple[slice, slice] | None:
-    """The part of the grid outside which no ray can meet the patch."""
+    """Window of the grid outside which no ray can hit the patch; None if no ray can."""
     outline = _clip_near(patch.corners - centre)
     if len(outline) == 0:
         return None
@@ -109,7 +110,7 @@ def _window(patch: Patch, centre: Point, bounds) -> tuple[slice, slice] | None:
 
 
 def _clip_near(corners: Float[np.ndarray, "4 3"]) -> Float[np.ndarray, "_ 3"]:
-    """The part of a polygon with z >= _NEAR."""
+    """The polygon clipped to z >= _NEAR."""
     kept = []
     for p, q in zip(corners, np.roll(corners, -1, axis=0), strict=True):
         if p[2] >= _NEAR:

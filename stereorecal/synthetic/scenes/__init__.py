@@ -32,7 +32,7 @@ KINDS = tuple(MAKERS)
 
 @lru_cache(maxsize=4)
 def make_world(kind: str, seed: int) -> World:
-    """The world of a kind that `seed` draws; the last four are kept, since render and ground truth share them.
+    """The world of a kind drawn from `seed`; the last four are cached, since render and ground truth share them.
 
     Raises:
         InputError: for an unknown kind or a negative seed.

@@ -1,4 +1,4 @@
-"""A coast: open water, cliffs, hills and houses at 30-200 m, a few things nearer."""
+"""A coast: open water, cliffs, hills and houses at 30-200 m; rocks, a boat and buoys nearer."""
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from stereorecal.synthetic.world._world import World
 
 
 def coast(rng: np.random.Generator) -> World:
-    """A coast drawn from `rng`."""
+    """Draw a coast from `rng`."""
     studio = Studio(rng, daylight(rng), BOAT_EYE)
     patches, stains = shoreline(studio, int(rng.integers(4, 6)), 34.0, 7, rocky=True)
     for part in (_rocks(studio), _afloat(studio)):
@@ -28,6 +28,7 @@ def coast(rng: np.random.Generator) -> World:
 
 
 def _rocks(studio: Studio) -> Things:
+    """Two to four rocks that stand out of the water."""
     rng = studio.rng
     patches: list[Patch] = []
     stains: list[Stain] = []
@@ -42,7 +43,7 @@ def _rocks(studio: Studio) -> Things:
 
 
 def _afloat(studio: Studio) -> Things:
-    """A boat and a mooring buoy or two."""
+    """A boat and two mooring buoys."""
     rng = studio.rng
     z = float(rng.uniform(14.0, 30.0))
     patches, stains = boat(

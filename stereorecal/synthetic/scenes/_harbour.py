@@ -1,4 +1,4 @@
-"""A harbour: quays with sheds, boxes and boats at 5-40 m, a coast line behind."""
+"""A harbour: a quay with sheds and containers, a pier and boats at 5-40 m, hills behind."""
 
 from itertools import pairwise
 
@@ -21,7 +21,7 @@ from stereorecal.synthetic.world._world import World
 
 
 def harbour(rng: np.random.Generator) -> World:
-    """A harbour drawn from `rng`."""
+    """Draw a harbour from `rng`."""
     studio = Studio(rng, daylight(rng), BOAT_EYE)
     patches, stains = _front(studio)
     for part in (_pier(studio), _moored(studio), shoreline(studio, int(rng.integers(2, 4)), 55.0, 9)):
@@ -32,7 +32,7 @@ def harbour(rng: np.random.Generator) -> World:
 
 
 def _front(studio: Studio) -> Things:
-    """The quay across the view, with what stands on it."""
+    """The quay across the view with containers, sheds, crates, trees, bollards and lamp posts on it."""
     rng = studio.rng
     far, slant = float(rng.uniform(15.0, 26.0)), float(rng.uniform(-0.3, 0.3))
     height = float(rng.uniform(1.3, 2.0))
@@ -86,7 +86,7 @@ def _front(studio: Studio) -> Things:
 
 
 def _pier(studio: Studio) -> Things:
-    """A pier that comes towards the camera on one side, with boxes on it."""
+    """A pier on one side that runs towards the camera, with crates on it."""
     rng = studio.rng
     side = float(rng.choice([-1.0, 1.0]))
     near, far, height = (
@@ -115,6 +115,7 @@ def _pier(studio: Studio) -> Things:
 
 
 def _moored(studio: Studio) -> Things:
+    """Two or three boats at moorings."""
     rng = studio.rng
     patches: list[Patch] = []
     stains: list[Stain] = []

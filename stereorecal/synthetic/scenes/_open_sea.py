@@ -1,4 +1,4 @@
-"""Open sea: calm hazy water, sky, and perhaps a boat far away; there is nearly nothing to match."""
+"""Open sea: calm water in haze, sky, and perhaps a distant boat; almost no texture to match."""
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from stereorecal.synthetic.world._world import World
 
 
 def open_sea(rng: np.random.Generator) -> World:
-    """An open sea drawn from `rng`."""
+    """Draw an open sea from `rng`."""
     studio = Studio(rng, daylight(rng), BOAT_EYE)
     patches, stains = [], []
     if rng.uniform() < 0.7:

@@ -1,4 +1,4 @@
-"""A street: road with markings, houses on both sides, parked cars, trees, lamps."""
+"""A street: a road with markings, houses on both sides, parked cars, trees or lamp posts."""
 
 import numpy as np
 
@@ -17,11 +17,11 @@ from stereorecal.synthetic.surroundings._sky import make_sky
 from stereorecal.synthetic.world._motion import VAN_EYE, Motion, attitude
 from stereorecal.synthetic.world._world import World
 
-_PAVEMENT = 2.6
+_PAVEMENT = 2.6  # width [m] of the pavement between kerb and houses
 
 
 def street(rng: np.random.Generator) -> World:
-    """A street drawn from `rng`."""
+    """Draw a street from `rng`."""
     studio = Studio(rng, daylight(rng), VAN_EYE)
     half, middle = float(rng.uniform(4.6, 5.6)), float(rng.uniform(0.4, 2.0))
     patches, stains = _end(studio)
@@ -34,12 +34,14 @@ def street(rng: np.random.Generator) -> World:
 
 
 def _front(rng: np.random.Generator) -> Paint:
+    """The front of a house, of plaster or of brick."""
     albedo = float(rng.uniform(0.25, 0.6))
     brick = masonry(float(rng.uniform(0.16, 0.3)), 0.24, 0.075) if rng.uniform() < 0.5 else None
     return facade(albedo, float(rng.uniform(2.7, 3.2)), brick)
 
 
 def _houses(studio: Studio, side: float, middle: float, half: float) -> Things:
+    """The row of houses on one side (-1 left, 1 right) of a road `half` wide [m] to either side of x = `middle`."""
     rng = studio.rng
     patches: list[Patch] = []
     stains: list[Stain] = []
@@ -62,7 +64,7 @@ def _houses(studio: Studio, side: float, middle: float, half: float) -> Things:
 
 
 def _kerbside(studio: Studio, side: float, middle: float, half: float) -> Things:
-    """Parked cars, trees and lamps along one kerb."""
+    """Parked cars, and trees or lamp posts, along one kerb."""
     rng = studio.rng
     patches: list[Patch] = []
     stains: list[Stain] = []
@@ -87,7 +89,7 @@ def _kerbside(studio: Studio, side: float, middle: float, half: float) -> Things
 
 
 def _end(studio: Studio) -> Things:
-    """What closes the view: houses across the street and trees behind."""
+    """The far end of the view: houses across the street and a wood behind them."""
     rng = studio.rng
     patches = []
     for x in (-22.0, -10.0, 2.0, 14.0):

@@ -1,1 +1,1 @@
-"""What is everywhere in a scene: ground, road, water, sky."""
+"""What surrounds the objects of a scene: ground (water or road), sky, daylight."""

@@ -1,4 +1,4 @@
-"""What covers the plane y = 0: octaves of a texture, faded where they are too fine to be seen, and shade."""
+"""The ground plane y = 0: a band-limited texture as a sum of octaves, and a map of shade."""
 
 from dataclasses import dataclass
 
@@ -8,20 +8,19 @@ from jaxtyping import Float
 
 from stereorecal.synthetic.rendering._noise import Texture
 
-# The shade map covers |x| <= z and z >= 3 m.
-_MAP_NEAR = 3.0
-_MAP_SIZE = (1280, 512)
+_MAP_NEAR = 3.0  # [m]: the shade map covers z >= 3 m and |x| <= z, which is more than the default rig sees
+_MAP_SIZE = (1280, 512)  # columns, rows: about a pixel of the default rig each
 
 
 @dataclass(frozen=True, eq=False)
 class Octaves:
-    """Octaves of one periodic texture on the ground plane.
+    """Octaves of a periodic texture on the ground plane.
 
     Attributes:
         tile: (n + 1, n + 1, c) float32, periodic with n texels (the last row and column repeat the first).
-        waves: how many waves the tile holds.
+        waves: wavelengths across the tile.
         lengths: wavelength [m] of each octave.
-        strengths: factor of each octave.
+        strengths: amplitude of each octave.
         turns: rotation [rad] of each octave.
         offsets: (k, 2) shift of each octave, in tiles.
     """
@@ -34,7 +33,11 @@ class Octaves:
     offsets: Float[np.ndarray, "k 2"]
 
     def at(self, x, z, footprint, shifts=None):
-        """Yield (turn, values (h, w, c)) of each octave at ground points x, z [m] with ray footprints [m]."""
+        """Yield the rotation and the values (h, w, c) of each octave at ground points x, z [m].
+
+        An octave fades out where its wavelength nears the footprint [m] of the ray, as the sampling theorem demands:
+        full strength from 3 footprints on, none below 4/3. `shifts` (k, 2) [m] moves the octaves.
+        """
         texels = self.tile.shape[0] - 1
         for index, (length, strength, turn) in enumerate(zip(self.lengths, self.strengths, self.turns, strict=True)):
             fade = np.clip(length / footprint * np.float32(0.6) - np.float32(0.8), 0.0, 1.0)
@@ -51,7 +54,10 @@ class Octaves:
 
 
 def octaves(rng, tile, waves, longest, strengths, spread_of_turns) -> Octaves:
-    """Octaves from wavelength `longest` [m] downwards, each about half as long as the one before."""
+    """Octaves with wavelengths from `longest` [m] downwards, each 0.47 times the one before.
+
+    Not half of it, so that the periods do not line up. Each is rotated by up to `spread_of_turns` [rad] either way.
+    """
     count = len(strengths)
     lengths = tuple(float(longest * 0.47**i) for i in range(count))
     turns = tuple(float(t) for t in rng.uniform(-spread_of_turns, spread_of_turns, count))
@@ -68,14 +74,17 @@ def octaves(rng, tile, waves, longest, strengths, spread_of_turns) -> Octaves:
 
 @dataclass(frozen=True, eq=False)
 class Stain:
-    """A convex polygon (n, 2) of ground points (x, z) [m] in which the light is multiplied by `factor`."""
+    """A convex polygon (n, 2) of ground points (x, z) [m] within which the light is multiplied by `factor`."""
 
     outline: Float[np.ndarray, "n 2"]
     factor: float
 
 
 def mirrored(a, b, height: float, eye: float, factor: float) -> list[Stain]:
-    """What a wall from ground point a to b (x, z) darkens in the water, seen from height `eye` [m]."""
+    """Stains of the reflection in water of a wall of `height` [m] from ground point a to b, seen from height `eye` [m].
+
+    The reflection fades towards the viewer, since waves blur it: four stains one over another.
+    """
     a, b = np.array(a, float), np.array(b, float)
     stains = []
     for part in (0.15, 0.4, 0.7, 1.0):
@@ -85,7 +94,10 @@ def mirrored(a, b, height: float, eye: float, factor: float) -> list[Stain]:
 
 
 def shade_map(stains: list[Stain], blur: tuple[float, float]) -> Texture:
-    """The stains over x/z and 1/z, where near is as fine as far; blurred by (across, along) texels."""
+    """Product of the factors of all stains, a map over x/z and 1/z: as fine near as far, as an image is.
+
+    `blur` is the sigma (across, along) in texels.
+    """
     columns, rows = _MAP_SIZE
     shade = np.ones((rows, columns), np.float32)
     for stain in stains:
@@ -102,7 +114,7 @@ def shade_map(stains: list[Stain], blur: tuple[float, float]) -> Texture:
 
 
 def shade_at(shade: Texture, x, z) -> Texture:
-    """Look the shade map up at ground points x, z [m]."""
+    """Values of the shade map at ground points x, z [m]."""
     rows, columns = shade.shape
     inverse = 1.0 / np.maximum(z, _MAP_NEAR)
     u = (0.5 + 0.5 * x * inverse) * np.float32(columns)
@@ -111,6 +123,7 @@ def shade_at(shade: Texture, x, z) -> Texture:
 
 
 def _clipped(outline: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "_ 2"]:
+    """The polygon clipped to z >= _MAP_NEAR."""
     kept = []
     for p, q in zip(outline, np.roll(outline, -1, axis=0), strict=True):
         if p[1] >= _MAP_NEAR:

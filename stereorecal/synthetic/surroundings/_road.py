@@ -1,4 +1,4 @@
-"""Road: asphalt with markings between two pavements."""
+"""Road: asphalt with markings, between two pavements. Albedos and widths are chosen to look right."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ from stereorecal.synthetic.rendering._noise import Texture, periodic
 from stereorecal.synthetic.surroundings._ground import Octaves, octaves, shade_at
 from stereorecal.synthetic.surroundings._sky import Sky
 
-_GRAINS = 24.0
+_GRAINS = 24.0  # grains across a tile of the texture
 
 
 @dataclass(frozen=True, eq=False)
@@ -17,11 +17,11 @@ class Road:
     """A straight road along z at y = 0.
 
     Attributes:
-        octaves: the grain of asphalt and pavement.
-        half_width: from the middle to the kerb [m].
-        middle: x of the middle of the road [m].
-        light: light that falls on the road.
-        shade: shadows.
+        octaves: grain of asphalt and pavement.
+        half_width: distance [m] from the centre line to the kerb.
+        middle: x of the centre line [m].
+        light: irradiance of the road.
+        shade: map of the shadows (`shade_map`).
     """
 
     octaves: Octaves
@@ -33,7 +33,7 @@ class Road:
     def radiance(
         self, x: Texture, z: Texture, directions: Float[np.ndarray, "h w 3"], distance, spread, time, sky: Sky
     ) -> Texture:
-        """Radiance at ground points x, z [m] seen along unit `directions`; roads keep still at any time."""
+        """Radiance at ground points x, z [m] seen along unit `directions`; `time` and `sky` matter to water only."""
         grazing = np.maximum(-directions[..., 1], np.float32(1e-4))
         footprint = np.float32(spread) * distance / np.sqrt(grazing)
         grain, wear = np.zeros_like(x), np.zeros_like(x)
@@ -61,15 +61,17 @@ class Road:
 
 
 def _step(value: Texture, edge: Texture) -> Texture:
+    """Antialiased step from 0 to 1 at value 0, `edge` wide."""
     return np.clip(value / edge + np.float32(0.5), 0.0, 1.0)
 
 
 def _band(value: Texture, low: float, high: float, edge: Texture) -> Texture:
+    """Antialiased 1 between `low` and `high`, 0 elsewhere."""
     return _step(value - np.float32(low), edge) - _step(value - np.float32(high), edge)
 
 
 def _lines(value: Texture, period: float, width: float, edge: Texture) -> Texture:
-    """Lines of `width` every `period`, fading into their mean where the footprint is wider."""
+    """Antialiased lines of `width` every `period`, fading to their mean where the edge is wider than the period."""
     phase = value - np.float32(period) * np.floor(value / np.float32(period))
     line = _band(np.abs(phase - np.float32(0.5 * period)), -1.0, 0.5 * width, edge)
     fade = np.clip(np.float32(period) / edge - np.float32(1.0), 0.0, 1.0)
@@ -77,7 +79,7 @@ def _lines(value: Texture, period: float, width: float, edge: Texture) -> Textur
 
 
 def make_road(rng: np.random.Generator, half_width: float, middle: float, light: float, shade: Texture) -> Road:
-    """A road with grain drawn from `rng`."""
+    """Draw the grain of a road from `rng`."""
     tile = periodic(rng, 256, lambda kx, ky: np.exp(-0.5 * (np.log((np.hypot(kx, ky) + 1e-9) / _GRAINS) / 0.5) ** 2))
     strengths = (0.16, 0.14, 0.14, 0.14, 0.16, 0.2, 0.24, 0.24)
     return Road(octaves(rng, tile, _GRAINS, 4.0, strengths, 3.1), half_width, middle, light, shade)

@@ -1,4 +1,4 @@
-"""The sky: a gradient and soft clouds."""
+"""The sky: a vertical gradient with soft clouds."""
 
 from dataclasses import dataclass
 
@@ -15,9 +15,9 @@ class Sky:
 
     Attributes:
         horizon, zenith: radiance at the horizon and overhead.
-        cover: how strongly the clouds stand out.
+        cover: contrast of the clouds.
         clouds: (n + 1, n + 1) float32, periodic, 0..1.
-        drift: (2,) where the clouds are, in tiles.
+        drift: (2,) offset of the clouds, in tiles.
     """
 
     horizon: float
@@ -27,7 +27,7 @@ class Sky:
     drift: Float[np.ndarray, "2"]
 
     def gradient(self, elevation: Texture) -> Texture:
-        """Cloudless radiance at a sine of elevation."""
+        """Radiance of the cloudless sky at the given sine of elevation."""
         rise = np.sqrt(np.clip(elevation, 0.0, 1.0))
         return np.float32(self.horizon) + np.float32(self.zenith - self.horizon) * rise
 
@@ -44,7 +44,7 @@ class Sky:
 
 
 def make_sky(rng: np.random.Generator, horizon: float, zenith: float, cover: float) -> Sky:
-    """A sky with clouds drawn from `rng`."""
+    """Draw a sky with clouds from `rng`."""
     field = periodic(rng, 256, lambda kx, ky: 1.0 / (4.0 + kx**2 + ky**2) ** 0.85)
     soft = 1.0 / (1.0 + np.exp(-2.0 * (field - 0.2)))
     clouds = np.pad(soft, (0, 1), mode="wrap").astype(np.float32)

@@ -1,1 +1,1 @@
-"""A world: everything there is to see in a scene, how the rig moves through it, and what rays see of it."""
+"""Worlds: the content of a scene, how the rig moves through it, and what rays see of it."""

@@ -1,4 +1,4 @@
-"""Motion: where the rig is in each frame, and how it is tilted."""
+"""Motion: the pose of the rig in each frame."""
 
 from dataclasses import dataclass
 
@@ -8,10 +8,10 @@ from jaxtyping import Float
 from stereorecal.synthetic.rendering._patch import Point
 
 BOAT_EYE = 2.5
-"""Height [m] of the left camera on a boat."""
+"""Height [m] of the left camera on a boat; chosen."""
 
 VAN_EYE = 2.0
-"""Height [m] of the left camera on a van."""
+"""Height [m] of the left camera on a van; chosen."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,7 +22,7 @@ class Motion:
         eye: height [m] of the left camera.
         attitude: (pitch, roll) [rad] of the rig at rest; negative pitch looks down.
         sway: amplitude [rad] of the oscillation of pitch and of roll.
-        speed: distance [m] from the first frame to the second.
+        speed: distance [m] travelled per frame at the start.
     """
 
     eye: float
@@ -31,9 +31,10 @@ class Motion:
     speed: float
 
     def pose(self, frame: int) -> tuple[Point, Float[np.ndarray, "3 3"]]:
-        """Where the left camera stands (3,) [m], and the matrix (3, 3) from its frame to the world's.
+        """Centre (3,) [m] of the left camera in the world, and the matrix (3, 3) from its frame to the world's.
 
-        The way is bounded (3 m), so that the rig runs into nothing, however many frames are taken.
+        The world's y points up and the camera's down, so the matrix is a reflection (determinant -1). The distance
+        travelled saturates at 3 m, so that the rig runs into nothing, however many frames are rendered.
         """
         pitch = self.attitude[0] + self.sway * np.sin(1.7 * frame)
         roll = self.attitude[1] + self.sway * np.sin(1.1 * frame)
@@ -44,5 +45,5 @@ class Motion:
 
 
 def attitude(rng: np.random.Generator) -> tuple[float, float]:
-    """Pitch and roll [rad] of a rig at rest: it looks a little downwards."""
+    """Draw pitch and roll [rad] of a rig at rest; it looks slightly down."""
     return float(rng.uniform(-0.05, 0.0)), float(rng.uniform(-0.03, 0.03))

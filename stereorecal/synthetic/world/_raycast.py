@@ -1,4 +1,4 @@
-"""What rays see of a world: how bright it is, haze included, and at what depth."""
+"""Ray casting in a world: radiance, haze included, and depth along each ray."""
 
 import numpy as np
 from jaxtyping import Float
@@ -12,7 +12,7 @@ _ROW = 256  # rays in a row of a chunk
 
 
 def radiance(world: World, rays: Rays, time: float) -> Texture:
-    """Radiance (h, w) float32 along each ray at `time` [s]: the first patch that it meets, or else ground or sky."""
+    """Radiance (h, w) float32 along each ray at `time` [s]: of the first patch that it hits, else of ground or sky."""
     met, seen = trace(world.patches, rays)
     lengths = np.sqrt(np.einsum("ijk,ijk->ij", rays.directions, rays.directions))
     solid = np.isfinite(met)
@@ -32,14 +32,14 @@ def radiance(world: World, rays: Rays, time: float) -> Texture:
 
 
 def depth(world: World, rays: Rays) -> Texture:
-    """Depth t (h, w) float32 of what each ray meets first, patch or ground; infinite for the sky."""
+    """Depth t (h, w) float32 of the first hit, patch or ground, at `centre + t direction`; infinite for the sky."""
     met, _ = trace(world.patches, rays)
     falling = np.minimum(rays.directions[..., 1], np.float32(-1e-9))
     return np.minimum(met, np.where(falling < -1e-7, np.float32(-rays.centre[1]) / falling, np.inf))
 
 
 def _ground(world: World, rays: Rays, direction: Float[np.ndarray, "h w 3"], time: float) -> Texture:
-    """Radiance of the ground along unit directions that fall, haze included."""
+    """Radiance of the ground along downward unit directions, haze included."""
     distance = np.float32(rays.centre[1]) / -direction[..., 1]
     x = np.float32(rays.centre[0]) + distance * direction[..., 0]
     z = np.float32(rays.centre[2]) + distance * direction[..., 2]
@@ -48,6 +48,6 @@ def _ground(world: World, rays: Rays, direction: Float[np.ndarray, "h w 3"], tim
 
 
 def _hazy(world: World, light: Texture, distance: Texture) -> Texture:
-    """Beer-Lambert attenuation over `distance` [m]: what haze takes away is replaced by the light of the horizon."""
+    """Light after `distance` [m] of haze: exponential attenuation, with the radiance of the horizon scattered in."""
     clear = np.exp(distance * np.float32(-1.0 / world.haze))
     return light * clear + np.float32(world.sky.horizon) * (1.0 - clear)

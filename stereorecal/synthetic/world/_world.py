@@ -1,4 +1,4 @@
-"""A world: solid patches, what covers the ground, the sky, the haze, and how the rig travels through it."""
+"""World: the content of a scene, which is solid patches, ground, sky, haze, and the motion of the rig."""
 
 from dataclasses import dataclass
 
@@ -11,14 +11,14 @@ from stereorecal.synthetic.world._motion import Motion
 
 @dataclass(frozen=True, eq=False)
 class World:
-    """Everything there is to see.
+    """Everything that a rendered scene shows.
 
     Attributes:
-        patches: the solid things.
-        ground: what covers y = 0.
+        patches: the solid objects.
+        ground: the surface at y = 0.
         sky: the sky.
-        haze: distance [m] at which haze hides all but 1/e of the contrast.
-        motion: how the rig moves.
+        haze: distance [m] over which haze reduces contrast to 1/e.
+        motion: pose of the rig in each frame.
     """
 
     patches: tuple[Patch, ...]
