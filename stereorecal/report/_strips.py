@@ -1,4 +1,4 @@
-"""A figure for a page: one strip of values for each name, as SVG that takes the colours of the page around it."""
+"""Strip plots as SVG that takes its text colour from the page around it."""
 
 import io
 import re
@@ -11,39 +11,45 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-# Okabe and Ito: told apart by people who see fewer colours, and at least 3:1 on white and on black.
+# From the palette of Okabe and Ito, safe for colour-blind readers; contrast of at least 3:1 on white and on black.
 _COLOURS = ("#0072b2", "#d55e00", "#009e73")
 _MARKERS = ("o", "s", "^")
-_INK = "#010203"  # stands for the colour of the page's text
+_INK = "#010203"  # placeholder for the text colour of the page
 _STYLE: dict[Any, Any] = {
     "svg.fonttype": "none",
     "font.size": 11,
     **dict.fromkeys(("text.color", "axes.labelcolor", "axes.edgecolor", "xtick.color", "ytick.color"), _INK),
 }
-_MOST_POINTS = 30  # of a strip; more are drawn as a box, so that a page of thousands of trials stays small
-_MOST_LETTERS = 20
+_MOST_POINTS = 30  # of a strip; more are drawn as quartiles and range, so that a page of many trials stays small
+_MOST_LETTERS = 20  # of a name on the axis; longer ones are cut
 
 
 @dataclass(frozen=True)
 class Series:
-    """Values of one kind: a list for each strip."""
+    """Values of one quantity.
+
+    Attributes:
+        label: name of the quantity in the legend.
+        values: those of each strip.
+    """
 
     label: str
     values: Sequence[Sequence[float]]
 
 
 def strips(names: Sequence[str], series: Sequence[Series], axis: str, limits: Sequence[float], *, log: bool) -> str:
-    """The figure as an `<svg>` element: up to three series side by side on each strip, with their medians.
+    """A strip plot as an `<svg>` element: one strip for each name, with up to three series on it and their medians.
 
     Args:
-        names: of the strips, from the top; any text.
-        axis: what the values are.
-        limits: values to mark with dotted lines.
-        log: whether the axis is logarithmic; then all values are positive.
+        names: of the strips, from the top; any text, never read as a formula.
+        series: what is plotted, each with as many lists of values as there are names.
+        axis: label of the axis of values.
+        limits: values marked by dotted lines.
+        log: logarithmic axis; all values must then be positive.
     """
     step = 0.8 / len(series)
     height = 0.75 + 0.26 * (len(series) > 1) + len(names) * (0.18 + 0.16 * len(series))
-    with rc_context({**_STYLE, "svg.hashsalt": repr((names, series, axis))}):  # ids of its own on the page
+    with rc_context({**_STYLE, "svg.hashsalt": repr((names, series, axis))}):  # ids unique on the page
         figure = Figure(figsize=(4.4, height), layout="constrained")
         axes = figure.subplots()
         if log:
@@ -91,5 +97,5 @@ def _svg(figure: Figure) -> str:
     figure.savefig(file, format="svg", transparent=True, metadata=dict.fromkeys(("Creator", "Date", "Format", "Type")))
     text = file.getvalue()
     text = text[text.index("<svg") :]
-    text = re.sub(r' id="[a-z0-9]+(\.[a-z0-9]+)*_\d+"', "", text)  # "axes_1": once in a figure, not in a page
+    text = re.sub(r' id="[a-z0-9]+(\.[a-z0-9]+)*_\d+"', "", text)  # "axes_1": not unique on a page
     return re.sub(f"(fill|stroke): {_INK}", r"\1: currentColor", text)

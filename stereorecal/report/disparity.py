@@ -1,4 +1,4 @@
-"""Disparities in a figure: all on one scale, dark where there is none."""
+"""Disparity maps in figures: one colour scale for all, invalid pixels dark."""
 
 from collections.abc import Iterable
 
@@ -13,13 +13,15 @@ _INVALID = "#202020"
 
 
 def largest_disparity(shown: Iterable[tuple[Values, Valid]]) -> float:
-    """The end of the scale: the 99th percentile of the fullest of all, since the false matches of a bad calibration
-    spread over the whole range."""
+    """Upper end of the colour scale: the 99th percentile of the map with the most valid pixels.
+
+    False matches under a wrong calibration spread over the whole range, so the maximum over all maps would not do.
+    """
     fullest, valid = max(shown, key=lambda one: int(one[1].sum()))
     return float(np.quantile(fullest[valid], 0.99)) if valid.any() else 1.0
 
 
 def draw_disparity(axis: Axes, values: Values, valid: Valid, largest: float) -> AxesImage:
-    """Draw disparities between 0 and `largest`; the image is what a colour bar needs."""
+    """Draw a disparity map with colours from 0 to `largest`; returns the image, from which to make a colour bar."""
     axis.set_facecolor(_INVALID)
     return axis.imshow(np.ma.masked_where(~valid, values), cmap="viridis", vmin=0.0, vmax=largest)

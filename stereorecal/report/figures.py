@@ -1,4 +1,4 @@
-"""Figures, from plain arrays. Needs matplotlib: pip install 'stereorecal[figures]'."""
+"""Figures from plain arrays. Needs matplotlib: pip install 'stereorecal[figures]'."""
 
 import os
 from collections.abc import Sequence
@@ -16,10 +16,10 @@ class Panel:
     """One rectified pair with its disparity.
 
     Attributes:
-        title: what stands above.
+        title: heading of the row.
         left, right: (h, w) rectified grey images, 0..255.
         disparity: (h, w) in pixels.
-        valid: (h, w), where the disparity is.
+        valid: (h, w) bool, True where the disparity is valid.
     """
 
     title: str
@@ -30,9 +30,9 @@ class Panel:
 
 
 def repair_figure(panels: Sequence[Panel]) -> Figure:
-    """One row a panel: left over right image in red and cyan, and the disparity, all on one scale.
+    """One row per panel: a red-cyan overlay of the left and right image, and the disparity on a common colour scale.
 
-    In the overlay a well rectified pair shows red and cyan fringes side by side only, never above each other.
+    In the overlay of a well rectified pair the red and cyan fringes are displaced horizontally only.
     """
     largest = largest_disparity((panel.disparity, panel.valid) for panel in panels)
     height, width = panels[0].left.shape
@@ -41,10 +41,10 @@ def repair_figure(panels: Sequence[Panel]) -> Figure:
     shown = None
     for (overlay, depth), panel in zip(axes, panels, strict=True):
         overlay.imshow(np.stack([panel.left, panel.right, panel.right], axis=-1).clip(0, 255).astype(np.uint8))
-        overlay.set_title(f"{panel.title}: left (red) over right (cyan)", fontsize=10, loc="left")
+        overlay.set_title(f"{panel.title}: left (red), right (cyan)", fontsize=10, loc="left")
         shown = draw_disparity(depth, panel.disparity, panel.valid, largest)
         share = 100.0 * float(panel.valid.mean())
-        depth.set_title(f"{panel.title}: disparity on {share:.0f} % of the pixels", fontsize=10, loc="left")
+        depth.set_title(f"{panel.title}: disparity, {share:.0f} % of the pixels valid", fontsize=10, loc="left")
         for axis in (overlay, depth):
             axis.set_xticks([])
             axis.set_yticks([])
@@ -54,5 +54,5 @@ def repair_figure(panels: Sequence[Panel]) -> Figure:
 
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> None:
-    """Write a figure; the file's ending chooses the format."""
+    """Write a figure to `path`, whose suffix selects the format."""
     figure.savefig(path, dpi=100)

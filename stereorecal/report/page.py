@@ -1,4 +1,4 @@
-"""A comparison as one HTML page that needs nothing else: to pass on, to print, to read on a phone.
+"""A comparison as a self-contained HTML page, which also prints and reads well on a phone.
 
 Needs jinja2 and matplotlib: pip install 'stereorecal[figures]'.
 """
@@ -15,13 +15,13 @@ from stereorecal.report._strips import Series, strips
 from stereorecal.report.tables import REFERENCES
 
 _TEMPLATE = "comparison.html.jinja"
-_LEAST_ERROR = 1e-4  # degrees; what is less is drawn there, since a logarithmic axis has no zero
+_LEAST_ERROR = 1e-4  # degrees; smaller errors are drawn here, since a logarithmic axis has no zero
 
 Row = Mapping[str, Any]
 
 
 def comparison_page(data: Mapping[str, Any]) -> str:
-    """The page, from the plain data of a comparison's JSON. Names and messages in it are escaped."""
+    """The page as HTML text, from the plain data of a comparison's JSON; names and messages are escaped."""
     environment = Environment(
         loader=FileSystemLoader(Path(__file__).parent),
         autoescape=True,
@@ -46,7 +46,7 @@ def _names(data: Mapping[str, Any], kind: str) -> list[str]:
 
 
 def _panels(data: Mapping[str, Any], scene: str) -> list[Markup]:
-    """The figures of one scene: r, rotation errors, and the best score after so many units; those that have values."""
+    """The figures of one scene that have values: r, rotation errors, and the best score at several budgets."""
     limits = data["settings"]["thresholds"]
     names = _names(data, "strategy")
     finished = [row for row in data["trials"] if row["scene"] == scene and row["ratio"] is not None]
@@ -71,7 +71,7 @@ def _panels(data: Mapping[str, Any], scene: str) -> list[Markup]:
 
 
 def _marks(data: Mapping[str, Any]) -> list[str]:
-    """The numbers of units after which the best score is known, as far as the budget goes."""
+    """The budgets in units, within that of the comparison, at which the best score was recorded."""
     budget = data["settings"]["budget"]["evaluations"] or float("inf")
     marks = data["summary"][0]["score_at_median"] if data["summary"] else ()
     return [units for units in marks if float(units) <= budget]
@@ -83,7 +83,7 @@ def _score_at(data: Mapping[str, Any], scene: str, strategy: str, units: str) ->
 
 
 def _best(data: Mapping[str, Any]) -> dict[tuple[str, str], float]:
-    """The highest median score of each scene after so many units."""
+    """The highest median score of each scene at each budget."""
     best: dict[tuple[str, str], float] = {}
     for row in data["summary"]:
         for units, value in row["score_at_median"].items():
@@ -93,7 +93,7 @@ def _best(data: Mapping[str, Any]) -> dict[tuple[str, str], float]:
 
 
 def _troubles(trials: Sequence[Row]) -> dict[tuple[str, str, str], int]:
-    """How many trials of a strategy were skipped or failed, by reason."""
+    """Number of trials that were skipped or failed, by strategy, status and message."""
     troubles: dict[tuple[str, str, str], int] = {}
     for row in trials:
         if row["status"] in ("SKIPPED", "FAILED"):
@@ -103,7 +103,7 @@ def _troubles(trials: Sequence[Row]) -> dict[tuple[str, str, str], int]:
 
 
 def _flat(settings: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, str]]:
-    """Settings within settings as one list: "matcher block_size"."""
+    """Nested settings as a flat list of pairs: key, such as "matcher block_size", and value."""
     for key, value in settings.items():
         if isinstance(value, Mapping):
             yield from _flat(value, f"{above}{key} ")

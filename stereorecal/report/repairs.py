@@ -1,4 +1,4 @@
-"""Tables of recordings for the terminal, from the plain data of the JSON of `recalibrate` and `score`."""
+"""Terminal tables of `recalibrate` and `score`, one row for each recording, from the plain data of their JSON."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -12,13 +12,16 @@ from stereorecal.report._cells import number, percent
 
 _AXES = {"rotation_deg": ("pitch", "yaw", "roll"), "translation_percent": ("y", "z")}
 
-_LEGEND = "matched, rows px: before and after; axes: change and 95 % interval, translations in percent of the baseline"
+_LEGEND = (
+    "matched pixels and median epipolar (row) error: before and after; axes: change and half width of its 95 % "
+    "interval, translations in percent of the baseline"
+)
 
 
 def repairs_table(repairs: Sequence[Mapping[str, Any]]) -> Group:
-    """One row for each recording: the verdict, before and after, and the change with its 95 % interval."""
+    """One row for each recording: verdict, matched pixels and row error before and after, changes with intervals."""
     axes = [f"{name} {'°' if kind == 'rotation_deg' else '%'}" for kind, names in _AXES.items() for name in names]
-    table = _table(("scene", "verdict"), ("matched", "rows px", *axes, "s"))
+    table = _table(("scene", "verdict"), ("matched", "row\nerror\npx", *axes, "s"))
     for repair in repairs:
         cells = [repair["scene"], *(_found(repair) if repair["error"] is None else [f"failed ({repair['fault']})"])]
         table.add_row(*map(Text, cells))
@@ -26,8 +29,8 @@ def repairs_table(repairs: Sequence[Mapping[str, Any]]) -> Group:
 
 
 def scores_table(scenes: Sequence[Mapping[str, Any]]) -> Table:
-    """One row for each recording: how much of it matches, how far the rows are apart, and the verdict."""
-    table = _table(("scene",), ("matched", "rows px", "covered"), ("verdict",))
+    """One row for each recording: matched pixels, median epipolar (row) error, covered share of the image, verdict."""
+    table = _table(("scene",), ("matched", "row error px", "covered"), ("verdict",))
     for scene in scenes:
         rows, verdict = number(scene["row_error_px"], 2), scene["verdict"]
         cells = (scene["scene"], percent(scene["fraction"]), rows, percent(scene["covered"]), verdict)

@@ -1,4 +1,4 @@
-"""Tables for the terminal, from the plain data of a comparison's JSON."""
+"""Terminal tables of a comparison, from the plain data of its JSON."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -10,14 +10,14 @@ from rich.text import Text
 
 from stereorecal.report._cells import count, number, percent
 
-WIDE = 120  # columns that scores and errors need side by side
-_SHORT = 12  # columns of a strategy's name in that
+WIDE = 120  # characters that scores and errors need side by side
+_SHORT = 12  # of them for the name of a strategy
 _ROTATIONS, _TRANSLATIONS = ("pitch", "yaw", "roll"), ("y", "z")
 _COUNTS = ("initial", "final", "reference")
 
 
 def comparison_tables(data: Mapping[str, Any], width: int, most_trials: int = 24) -> Group:
-    """The summary, and each trial if there are not too many; scores and errors side by side if `width` allows."""
+    """The summary, and all trials if `most_trials` or fewer; scores and errors side by side if `width` allows."""
     longest = max(map(len, data["settings"]["strategies"]), default=0)
     side_by_side = width >= WIDE + max(0, longest - _SHORT)
     parts = [("scores", "errors")] if side_by_side else [("scores",), ("errors",)]
@@ -68,10 +68,12 @@ def _summary_table(data: Mapping[str, Any], parts: tuple[str, ...]) -> Table:
 
 
 def _leaders_table(data: Mapping[str, Any]) -> Table:
-    """Who leads after so many units of those that the budget allows: the three best medians of the score that the
-    strategies maximised. No row where there is no such score."""
+    """The three strategies with the best median score at each budget, in units, within that of the comparison.
+
+    Empty where no scores were recorded.
+    """
     names = _short_names(data)
-    table = _table("best score (median) after so many units", data)
+    table = _table("best median score by units spent", data)
     for heading in ("scene", "units", "first", "second", "third"):
         table.add_column(heading, justify="right" if heading == "units" else "left", overflow="fold")
     for scene, name in names.items():
@@ -91,7 +93,7 @@ def _leaders_table(data: Mapping[str, Any]) -> Table:
 REFERENCES = {
     "truth": "the true rig",
     "stored": "the stored calibration",
-    "consensus": "where the default schedule ends from the stored calibration: this is repeatability, not accuracy",
+    "consensus": "the end point of the default schedule from the stored calibration: repeatability, not accuracy",
 }
 
 
@@ -99,23 +101,23 @@ def _legend(data: Mapping[str, Any]) -> str:
     limits = data["settings"]["thresholds"]
     references = dict.fromkeys(str(scene["reference"]) for scene in data["scenes"])
     return (
-        "N_i, N_o, N_GT: pixels matched before, after, at the calibration that the scene comes with.\n"
-        f"r = N_o / N_GT; ! above {limits['flagged_ratio']}: a wrong calibration may out-score the right one.\n"
-        f"errors: from {'; '.join(REFERENCES.get(r, r) for r in references)}.\n"
+        "N_i, N_o, N_GT: pixels matched with the initial, the recalibrated and the reference calibration.\n"
+        f"r = N_o / N_GT; ! above {limits['flagged_ratio']}: a wrong calibration may score higher than the right one.\n"
+        f"errors: relative to {'; '.join(REFERENCES.get(r, r) for r in references)}.\n"
         f"success: r >= {limits['ratio']}, pitch and roll within {limits['pitch_roll_deg']}°, "
         f"yaw within {limits['yaw_deg']}°.\n"
     )
 
 
 def _troubles(data: Mapping[str, Any]) -> str:
-    """Why trials were skipped or failed, each reason once."""
+    """The reasons why trials were skipped or failed, each once."""
     unfinished = [trial for trial in data["trials"] if trial["status"] in ("SKIPPED", "FAILED")]
     reasons = dict.fromkeys(f"{t['strategy']} {t['status']}: {t['message']}\n" for t in unfinished)
     return "".join(reasons)
 
 
 def _short_names(data: Mapping[str, Any]) -> dict[str, str]:
-    """Scene names without their data set, if that leaves them distinct."""
+    """Scene names without the name of their data set, if they stay distinct."""
     names = [scene["name"] for scene in data["scenes"]]
     short = [name.rpartition("/")[2] for name in names]
     return dict(zip(names, short if len(set(short)) == len(names) else names, strict=True))
