@@ -1,4 +1,11 @@
-"""Reading and writing: image pairs, calibrations, scene folders and logs of missions."""
+"""Reading and writing files: image pairs, calibrations, scenes, logs of missions, JSON.
+
+- `formats/`: calibration files, one module per format.
+- `layouts/`: data sets, one module per arrangement of folders and files.
+- `images/`: image files, and which of them are the left and right image of a pair.
+
+A module of a layout finds the files; formats and images read them.
+"""
 
 from stereorecal.io._about import about as about
 from stereorecal.io._atomic import (
@@ -6,6 +13,14 @@ from stereorecal.io._atomic import (
     write_bytes as write_bytes,
     write_text as write_text,
 )
+from stereorecal.io._json import (
+    json_line as json_line,
+    json_text as json_text,
+    parse_json as parse_json,
+    read_json as read_json,
+    write_json as write_json,
+)
+from stereorecal.io._scenes import gather_scene as gather_scene
 from stereorecal.io.formats._rigs import load_rig as load_rig, save_rig as save_rig
 from stereorecal.io.images._pairs import load_pair as load_pair, load_pairs as load_pairs
 from stereorecal.io.layouts._plain_log import (
@@ -14,4 +29,4 @@ from stereorecal.io.layouts._plain_log import (
     save_mission as save_mission,
 )
 from stereorecal.io.layouts._recognise import load_log as load_log, load_scene as load_scene
-from stereorecal.io.layouts._scene_folder import gather_scene as gather_scene, save_scene as save_scene
+from stereorecal.io.layouts._scene_folder import save_scene as save_scene

@@ -122,7 +122,7 @@ def test_what_opencv_writes(tmp_path_factory: pytest.TempPathFactory, turn, shif
         ("[ 0.99995, 0.0", "[ 0.9, 0.0", "R is not a rotation"),
         ("[ -356.", "[ 356.", "left and right are swapped"),
         ("[ 24, 16 ]", "[ 24, 16, 3 ]", "imageSize must hold 2 numbers"),
-        ("[ 24, 16 ]", "[ 24.5, 16 ]", "imageSize is 24.5, but pixels"),
+        ("[ 24, 16 ]", "[ 24.5, 16 ]", "imageSize is 24.5, but an image size"),
         ("[ 24, 16 ]", "[ 0, 16 ]", "image size"),
     ],
 )  # fmt: skip

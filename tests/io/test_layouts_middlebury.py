@@ -70,7 +70,7 @@ def test_depth_is_as_the_authors_say(tmp_path: Path):
         ("[21.5 0 12.75; 0 21.5 7.5; 0 0 1]", "[21.5 0 12.75; 0 21", "cam1 is not an array of numbers"),
         ("[21.5 0 12.75", "[0 0 12.75", "singular or negative"),
         ("width=24", "width=0", "image size"),
-        ("width=24", "width=24.5", "width is 24.5, but pixels"),
+        ("width=24", "width=24.5", "width is 24.5, but an image size"),
     ],
 )
 def test_bad_calibrations(tmp_path: Path, old: str, new: str, words: str):

@@ -11,7 +11,7 @@ from hypothesis import given, strategies as st
 
 from stereorecal._errors import InputError
 from stereorecal.io import load_pair, load_pairs
-from stereorecal.io.images._pairs import match_files
+from stereorecal.io.images._match import match_files
 
 SIZE = (24, 16)
 

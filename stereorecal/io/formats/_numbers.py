@@ -1,6 +1,6 @@
-"""Numbers out of what a text file said."""
+"""The one reader of numbers: what a calibration file says under a key, as a finite float64 array or in one sentence."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -8,44 +8,40 @@ from jaxtyping import Float
 
 from stereorecal._errors import InputError
 
+# A matrix nests two levels; some programs write a row or column around it. NumPy itself stops at 64.
+_DEEPEST = 4
+# The largest width and height of an image that OpenCV reads by default (its CV_IO_MAX_IMAGE_WIDTH).
+_WIDEST = 1 << 20
+
 
 def numbers(content: Mapping[str, Any], key: str, shape: tuple[int, ...]) -> Float[np.ndarray, "..."]:
-    """The finite float64 array under a key: nested lists of numbers, or of their text, as the file has them.
+    """The finite float64 array under a key, which holds a number or nested lists of numbers.
 
-    Rows and columns of one are dropped: (1, 5) and (5, 1) are (5,).
+    Axes of length one are dropped, so that rows and columns are vectors: (1, 5) and (5, 1) become (5,).
 
     Args:
-        shape: what it must have; (-1,) is a row of any length.
+        shape: what the array must have; (-1,) is a vector of any length.
 
     Raises:
-        InputError: naming the key, if it is missing or holds something else.
+        InputError: naming the key, if it is missing or holds anything else, such as text, true or false, null, NaN, a
+            number too large for a float64, or rows of different lengths.
     """
-    stated = value(content, key)
-    try:
-        array = np.array(stated, float).squeeze()
-    except (TypeError, ValueError):
-        raise InputError(f"{key} is not an array of numbers; correct it, or copy the file again.") from None
-    if not np.isfinite(array).all():
-        raise InputError(f"{key} contains NaN or infinite numbers, or no value; correct it.")
+    array = _array(value(content, key), key).squeeze()
     if len(shape) == 1:
         array = np.atleast_1d(array)
     if shape not in (array.shape, (-1,) * array.ndim):
-        expected = "one number" if shape == () else "a row of numbers" if -1 in shape else f"{_times(shape)} numbers"
+        expected = "one number" if shape == () else "a list of numbers" if -1 in shape else f"{_times(shape)} numbers"
         raise InputError(
             f"{key} must hold {expected}, not {_times(array.shape) or 'one'}; correct it, or copy the file again."
         )
     return array
 
 
-def _times(shape: tuple[int, ...]) -> str:
-    return "x".join(map(str, shape))
-
-
 def value(content: Mapping[str, Any], key: str) -> Any:
-    """What is under a key.
+    """The value under a key.
 
     Raises:
-        InputError: if it is missing.
+        InputError: if the key is missing.
     """
     if key not in content:
         raise InputError(f"the key {key!r} is missing; add it, or copy the file again.")
@@ -56,18 +52,66 @@ def image_size(content: Mapping[str, Any], key: str) -> tuple[int, int]:
     """The (width, height) in pixels under a key.
 
     Raises:
-        InputError: if it is missing or not two whole numbers.
+        InputError: naming the key, if it is missing or does not hold two whole numbers that can be an image's size.
     """
     width, height = numbers(content, key, (2,))
-    return whole(width, key), whole(height, key)
+    return _pixels(width, key), _pixels(height, key)
 
 
-def whole(number: float | Float[np.ndarray, ""], key: str) -> int:
-    """A number of pixels.
+def pixels(content: Mapping[str, Any], key: str) -> int:
+    """The width or height of an image under a key.
 
     Raises:
-        InputError: naming the key, if it is not whole.
+        InputError: as `image_size`.
     """
-    if number != np.rint(number):
-        raise InputError(f"{key} is {number}, but pixels come in whole numbers; correct it.")
+    return _pixels(numbers(content, key, ()), key)
+
+
+def number_or_word(word: str) -> float | str:
+    """A word of a text file as a number if it is one, else as it is."""
+    try:
+        return float(word) if word.isascii() and "_" not in word else word  # float() would read "1_0" as 10
+    except ValueError:
+        return word
+
+
+def _array(stated: Any, key: str) -> Float[np.ndarray, "..."]:
+    leaves = list(_leaves(stated))
+    if any(leaf is None for leaf in leaves):
+        raise InputError(f"{key} contains null (no value); give numbers.")
+    if not all(isinstance(leaf, int | float) and not isinstance(leaf, bool) for leaf in leaves):
+        raise _no_array(key)
+    try:
+        array = np.array(stated, float)
+    except ValueError:  # rows of different lengths
+        raise _no_array(key) from None
+    except OverflowError:  # an integer beyond float64
+        array = np.array(np.inf)
+    if not np.isfinite(array).all():
+        raise InputError(f"{key} contains NaN or infinite numbers; correct it.")
+    return array
+
+
+def _leaves(stated: Any, depth: int = 0) -> Iterator[Any]:
+    """What nested lists contain; a list that is nested too deeply is left as it is."""
+    if isinstance(stated, list) and depth < _DEEPEST:
+        for item in stated:
+            yield from _leaves(item, depth + 1)
+    else:
+        yield stated
+
+
+def _no_array(key: str) -> InputError:
+    return InputError(f"{key} is not an array of numbers; correct it, or copy the file again.")
+
+
+def _times(shape: tuple[int, ...]) -> str:
+    return "x".join(map(str, shape))
+
+
+def _pixels(number: float | Float[np.ndarray, ""], key: str) -> int:
+    if number != np.rint(number) or not 1 <= number <= _WIDEST:
+        raise InputError(
+            f"{key} is {number:g}, but an image size is a whole number of pixels from 1 to {_WIDEST}; correct it."
+        )
     return int(number)

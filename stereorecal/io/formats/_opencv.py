@@ -1,4 +1,4 @@
-"""The calibration of a rig as OpenCV's stereo_calib writes it."""
+"""OpenCV's stereo calibration: the YAML or XML file of the stereo_calib sample."""
 
 from pathlib import Path
 
@@ -9,14 +9,14 @@ from stereorecal.io.formats._numbers import image_size, numbers
 
 
 def load_opencv_stereo(path: Path, size: tuple[int, int]) -> StereoRig:
-    """The rig that `M1 D1 M2 D2 R T` describe, T in millimetres.
+    """The rig that `M1 D1 M2 D2 R T` describe, with T in millimetres.
 
     Args:
-        size: of the images, in case the file has no `imageSize`, as OpenCV's own have none.
+        size: (width, height) of the images, used if the file has no `imageSize`; OpenCV's own files have none.
 
     Raises:
-        InputError: naming the file, if it cannot be read or a value cannot be a calibration.
-        UnsupportedModelError: if the number of distortion coefficients is none of OpenCV's.
+        InputError: naming the file, if it cannot be read or does not hold a valid calibration.
+        UnsupportedModelError: if the number of distortion coefficients is not one of OpenCV's pinhole model.
     """
     content = read_file_storage(path)
     with about(path):

@@ -1,4 +1,4 @@
-"""Image files: finding them and decoding them strictly."""
+"""Image files: finding, decoding (strictly) and writing them."""
 
 import re
 import zlib
@@ -8,15 +8,16 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from jaxtyping import Num
+from jaxtyping import Float, Num
 
 from stereorecal._errors import InputError
+from stereorecal.io._atomic import make_folder, write_bytes
 
 _SUFFIXES = (".png", ".jpg", ".jpeg", ".jp2", ".tif", ".tiff", ".bmp", ".pgm", ".ppm", ".pnm", ".webp")
 
 
 def images_in(folder: Path) -> list[Path]:
-    """The image files directly in `folder`, in natural order; none if there is no such folder."""
+    """The image files directly in `folder`, hidden ones left out, in natural order; none if it does not exist."""
     if not folder.is_dir():
         return []
     return natural_order(
@@ -27,13 +28,13 @@ def images_in(folder: Path) -> list[Path]:
 
 
 def stem_of(name: str) -> str:
-    """A file's name without the suffix of an image, if it has one."""
+    """A file's name without suffix, if that is the suffix of an image; else the whole name."""
     path = Path(name)
     return path.stem if path.suffix.lower() in _SUFFIXES else path.name
 
 
 def natural_order(paths: Iterable[Path]) -> list[Path]:
-    """Sorted so that 9 comes before 10."""
+    """The paths sorted so that 9 comes before 10."""
 
     def key(path: Path) -> tuple[list[str | int], str]:
         parts = re.split(r"([0-9]+)", str(path))
@@ -46,7 +47,7 @@ def read_image(path: str) -> Num[np.ndarray, "..."]:
     """The pixels of an image file as stored, (h, w) or (h, w, c) in BGR order; EXIF orientation is ignored.
 
     Raises:
-        InputError: if the file is missing, empty, truncated or no image that OpenCV can read.
+        InputError: if the file is missing, empty, truncated or not an image that OpenCV can read.
     """
     try:
         data = Path(path).read_bytes()
@@ -68,8 +69,18 @@ def read_image(path: str) -> Num[np.ndarray, "..."]:
     return image
 
 
+def write_png(path: Path, image: Float[np.ndarray, "h w"]) -> None:
+    """Write a grey image as 8-bit PNG, values rounded and clipped to 0..255; missing folders are made.
+
+    Raises:
+        InputError: if the place cannot be written to.
+    """
+    make_folder(path.parent)
+    write_bytes(path, cv2.imencode(".png", np.clip(np.rint(image), 0, 255).astype(np.uint8))[1].tobytes())
+
+
 def _ends_properly(data: bytes) -> bool:
-    """Whether a PNG or JPEG is whole; a decoder may fill what is missing with grey."""
+    """Whether a PNG or JPEG is complete: a decoder may fill the missing part with grey. True for other formats."""
     if data.startswith(b"\x89PNG\r\n\x1a\n"):
         return _png_is_whole(data)
     if data.startswith(b"\xff\xd8"):

@@ -3,9 +3,11 @@
 from pathlib import Path
 
 from stereorecal.io._about import about
-from stereorecal.io.formats._kitti import read_kitti, rectified_rig, sides_in
+from stereorecal.io.formats._kitti import read_kitti, rectified_rig
 from stereorecal.io.images._files import natural_order
-from stereorecal.io.images._matched import load_matched, match_equal
+from stereorecal.io.images._match import match_equal
+from stereorecal.io.images._pairs import load_matched
+from stereorecal.io.layouts._kitti_sides import sides_in
 from stereorecal.io.layouts._sequences import Sequence, log_of
 from stereorecal.recordings import Log
 
@@ -20,7 +22,7 @@ def recognises(folder: Path) -> bool:
 
 
 def read(folder: Path, limit: int | None) -> Log:
-    """The sequences whose images are there.
+    """The sequences whose images have been unpacked.
 
     Raises:
         InputError: naming the file, if something is missing or damaged.

@@ -1,4 +1,4 @@
-"""KITTI raw data: one day's drives, rectified (`_sync`) or as taken (`_extract`), and that day's calibration."""
+"""KITTI raw data: one day's drives, rectified (`_sync`) or raw (`_extract`), and that day's calibration."""
 
 from pathlib import Path
 
@@ -7,18 +7,21 @@ from jaxtyping import Shaped
 
 from stereorecal._errors import InputError
 from stereorecal.io._about import about
-from stereorecal.io.formats._kitti import raw_rig, read_kitti, rectified_rig, sides_in
+from stereorecal.io._text import read_text
+from stereorecal.io.formats._kitti import raw_rig, read_kitti, rectified_rig
 from stereorecal.io.formats._numbers import image_size
-from stereorecal.io.formats._text import read_text
 from stereorecal.io.images._files import natural_order
-from stereorecal.io.images._matched import Matched, by_stem, load_matched, match_equal
+from stereorecal.io.images._match import Matched, by_stem, match_equal
+from stereorecal.io.images._pairs import load_matched
+from stereorecal.io.layouts._kitti_sides import sides_in
 from stereorecal.io.layouts._sequences import Sequence, log_of
 from stereorecal.recordings import Log
 
 LAYOUT = "KITTI raw data (DATE/calib_cam_to_cam.txt, DATE/DATE_drive_NNNN_sync or _extract), or one drive of it"
 _CALIBRATION, _TIMES, _RECTIFIED, _RAW = "calib_cam_to_cam.txt", "timestamps.txt", "_sync", "_extract"
 _GREY_BEFORE_COLOUR = (("image_00", "image_01"), ("image_02", "image_03"))
-# The cameras are triggered together ten times a second: what is nearer than half of that is the same shot.
+# The cameras are triggered together ten times a second (KITTI's raw data paper): images less than half a period apart
+# are of the same trigger.
 _SAME_SHOT = np.timedelta64(50, "ms")
 
 
@@ -30,8 +33,9 @@ def recognises(folder: Path) -> bool:
 def read(folder: Path, limit: int | None) -> Log:
     """The drives of a day, or one drive, whose calibration lies in the folder above.
 
-    `_sync` images are rectified: their rig has P_rect, and no rotation or distortion. `_extract` images are raw: K, D,
-    R, T; their numbers do not correspond, so they are paired by time, and a shot that only one camera took is left out.
+    `_sync` images are rectified: the rig comes from P_rect and has no rotation or distortion. `_extract` images are
+    raw: the rig comes from K, D, R and T. Their numbers do not correspond between cameras, so they are paired by time,
+    and one that only one camera took is left out.
 
     Raises:
         InputError: naming the file, if something is missing or damaged.
@@ -62,7 +66,7 @@ def _sequence(drive: Path, limit: int | None) -> Sequence:
             rig, match = raw_rig(content, (first, second)), _match_by_time
         else:
             raise InputError(
-                f"the name of the drive {name} does not say whether its images are rectified; give it back the end "
+                f"the name of the drive {name} does not say whether its images are rectified; rename it to end in "
                 f"{_RECTIFIED} or {_RAW}."
             )
     return drive, rig, load_matched(match(drive / left, drive / right), limit)
@@ -85,7 +89,7 @@ def _match_by_time(left: Path, right: Path) -> Matched:
 
 
 def _shots(camera: Path) -> tuple[list[Path], Shaped[np.ndarray, "n"]]:
-    """The images of a camera and when they were taken: the number of an image is its line in the file of times."""
+    """The images of a camera and their times: the number in an image's name is its line in timestamps.txt, from 0."""
     files = by_stem(camera / "data")
     path = camera / _TIMES
     lines = read_text(path).split("\n")
@@ -94,5 +98,5 @@ def _shots(camera: Path) -> tuple[list[Path], Shaped[np.ndarray, "n"]]:
     except (IndexError, ValueError):
         times = np.array(["NaT"], "datetime64[ns]")
     if np.isnat(times).any():
-        raise InputError(f"{path}: there is not a time in it for each image in data; copy or unpack it again.")
+        raise InputError(f"{path}: not every image in data has a time in this file; copy or unpack it again.")
     return list(files.values()), times

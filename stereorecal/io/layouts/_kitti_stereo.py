@@ -5,20 +5,29 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from stereorecal.io._about import about
-from stereorecal.io.formats._kitti import Content, Sides, read_kitti, rectified_rig, sides_in
+from stereorecal.io.formats._kitti import Content, read_kitti, rectified_rig
 from stereorecal.io.formats._numbers import image_size
-from stereorecal.io.images._matched import load_matched, match_equal
+from stereorecal.io.images._match import match_equal
+from stereorecal.io.images._pairs import load_matched
+from stereorecal.io.layouts._kitti_sides import Sides, sides_in
 from stereorecal.io.layouts._sequences import Sequence, log_of
 from stereorecal.recordings import Log
 
 LAYOUT = "KITTI stereo 2012 or 2015 (the folder training or testing, with NNNNNN_10.png and the calibration files)"
-# Of each scene, "_11" is the next frame; the benchmark's frames are these.
+# The benchmark's frame of each scene; "_11" is the next one.
 _BENCHMARK = "_10"
 
 
 @dataclass(frozen=True)
 class _Kind:
-    """Where the calibration of a pair of folders is written."""
+    """The calibration files that belong to a pair of image folders.
+
+    Attributes:
+        folder: where they are.
+        projections: the keys of the left and the right projection matrix.
+        size: the key of the image size; None if the files have none.
+        archive: the download that contains them.
+    """
 
     folder: str
     projections: Sides
@@ -42,8 +51,8 @@ def recognises(folder: Path) -> bool:
 
 
 def read(folder: Path, limit: int | None) -> Log:
-    """The frames of the benchmark, those that share a calibration as one mission: they were taken on one day. It is
-    named after the number of its first frame.
+    """The frames of the benchmark. Those with equal calibrations, taken on one day, are one mission, which is named
+    after the number of its first frame.
 
     Raises:
         InputError: naming the file, if something is missing or damaged.
@@ -59,9 +68,9 @@ def _sequences(folder: Path, limit: int | None) -> Iterator[Sequence]:
         if left.stem.endswith(_BENCHMARK):
             path = folder / kind.folder / f"{left.stem.removesuffix(_BENCHMARK)}.txt"
             content = read_kitti(path, kind.archive)
-            # The words of both projections tell the days apart; when the calibration was made does not matter.
-            words = tuple(tuple(content.get(key, ())) for key in kind.projections)
-            days.setdefault(words, (path, content, []))[2].append((left, right))
+            # The projections distinguish the days; the time of the calibration does not matter.
+            values = tuple(tuple(content.get(key, ())) for key in kind.projections)
+            days.setdefault(values, (path, content, []))[2].append((left, right))
     for path, content, matched in days.values():
         pairs = load_matched(matched, limit)
         with about(path):

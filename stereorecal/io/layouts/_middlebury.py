@@ -2,14 +2,9 @@
 
 from pathlib import Path
 
-import numpy as np
-
-from stereorecal.geometry import Camera, StereoRig
-from stereorecal.io._about import about
-from stereorecal.io.formats._numbers import numbers, whole
-from stereorecal.io.formats._text import read_text
+from stereorecal.io.formats._middlebury import load_middlebury
 from stereorecal.io.images._files import natural_order
-from stereorecal.io.images._matched import load_matched
+from stereorecal.io.images._pairs import load_matched
 from stereorecal.io.layouts._sequences import Sequence, log_of
 from stereorecal.recordings import Log
 
@@ -18,7 +13,7 @@ _CALIBRATION, _LEFT, _RIGHT = "calib.txt", "im0.png", "im1.png"
 
 
 def recognises(folder: Path) -> bool:
-    """Whether the folder is a scene of Middlebury, or has some in it."""
+    """Whether the folder is a Middlebury scene or contains some."""
     return (folder / _LEFT).is_file() or any(folder.glob(f"*/{_LEFT}"))
 
 
@@ -33,15 +28,5 @@ def read(folder: Path, limit: int | None) -> Log:
 
 
 def _sequence(scene: Path, limit: int | None) -> Sequence:
-    return scene, _rig(scene / _CALIBRATION), load_matched([(scene / _LEFT, scene / _RIGHT)], limit)
-
-
-def _rig(path: Path) -> StereoRig:
-    """The cameras look the same way; their principal columns differ by doffs."""
-    lines = (line.partition("=") for line in read_text(path).splitlines())
-    content = {key.strip(): [row.split() for row in value.strip(" []").split(";")] for key, _, value in lines}
-    with about(path):
-        width, height = (whole(numbers(content, key, ()), key) for key in ("width", "height"))
-        left, right = (Camera((width, height), numbers(content, key, (3, 3))) for key in ("cam0", "cam1"))
-        baseline = float(numbers(content, "baseline", ())) / 1000.0
-        return StereoRig.from_rotation(left, right, np.eye(3), np.array([-baseline, 0.0, 0.0]))
+    rig, files = load_middlebury(scene / _CALIBRATION), (scene / _LEFT, scene / _RIGHT)
+    return scene, rig, load_matched([files], limit)

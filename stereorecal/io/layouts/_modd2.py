@@ -1,10 +1,11 @@
-"""MODD2: sequences of a boat's raw frames, each with a calibration of its own."""
+"""MODD2: raw sequences from a boat, each with its own calibration."""
 
 from pathlib import Path
 
 from stereorecal.io.formats._opencv import load_opencv_stereo
 from stereorecal.io.images._files import natural_order
-from stereorecal.io.images._matched import load_matched, match_marked
+from stereorecal.io.images._match import match_marked
+from stereorecal.io.images._pairs import load_matched
 from stereorecal.io.layouts._sequences import Sequence, log_of
 from stereorecal.recordings import Log
 
@@ -13,12 +14,12 @@ _CALIBRATION, _FRAMES, _SEQUENCES = "calibration.yaml", "frames", "video_data"
 
 
 def recognises(folder: Path) -> bool:
-    """Whether the folder is MODD2, or one of its sequences."""
+    """Whether the folder is MODD2 or one of its sequences."""
     return any((folder / _SEQUENCES).glob(f"*/{_FRAMES}")) or _is_sequence(folder)
 
 
 def read(folder: Path, limit: int | None) -> Log:
-    """The raw frames of each sequence; `framesRectified` is left alone.
+    """The raw frames of each sequence; `framesRectified` is not read.
 
     Raises:
         InputError: naming the file, if something is missing or damaged.

@@ -1,10 +1,11 @@
-"""MODS: sequences of a boat's raw frames, with calibrations for many of them beside."""
+"""MODS: raw sequences from a boat, and a folder of calibrations that many of them share."""
 
 from pathlib import Path
 
 from stereorecal.io.formats._opencv import load_opencv_stereo
 from stereorecal.io.images._files import natural_order
-from stereorecal.io.images._matched import load_matched, match_marked
+from stereorecal.io.images._match import match_marked
+from stereorecal.io.images._pairs import load_matched
 from stereorecal.io.layouts._sequences import Sequence, log_of
 from stereorecal.recordings import Log
 
@@ -18,8 +19,8 @@ def recognises(folder: Path) -> bool:
 
 
 def read(folder: Path, limit: int | None) -> Log:
-    """The sequences, in folders named after their calibration: "kope100-00006790-00007090" goes with
-    calibration-kope100.yaml. The frames lie in them, or in their folder `frames`.
+    """The sequences. The name of each begins with that of its calibration: "kope100-00006790-00007090" has
+    calibration-kope100.yaml. Its images are in its folder `frames`, or in the sequence's folder itself.
 
     Raises:
         InputError: naming the file, if something is missing or damaged.

@@ -1,4 +1,4 @@
-"""The plain log: one folder per sequence, one calibration file per date."""
+"""The plain log, the layout that this library writes: one folder per sequence, one calibration file per date."""
 
 from bisect import bisect_right
 from collections.abc import Mapping
@@ -8,12 +8,14 @@ from typing import Any
 from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig
 from stereorecal.io._about import about
-from stereorecal.io._atomic import make_folder, write_text
-from stereorecal.io.formats._calib_json import calibration_text, read_calibration
+from stereorecal.io._atomic import make_folder
+from stereorecal.io._json import write_json
+from stereorecal.io._paths import AnyPath
+from stereorecal.io.formats._calib_json import read_json_object
 from stereorecal.io.formats._rigs import load_rig, save_rig
-from stereorecal.io.images._files import natural_order, stem_of
-from stereorecal.io.images._pairs import AnyPath
-from stereorecal.io.layouts._scene_folder import load_sides, name_of, write_png
+from stereorecal.io.images._files import natural_order, stem_of, write_png
+from stereorecal.io.layouts._names import name_of
+from stereorecal.io.layouts._scene_folder import load_sides
 from stereorecal.recordings import Log, Mission
 
 LAYOUT = "a plain log (calibrations/DATE.json, sequences/DATE.../left and right)"
@@ -26,11 +28,11 @@ def recognises(folder: Path) -> bool:
 
 
 def read(folder: Path, limit: int | None) -> Log:
-    """The log: `calibrations/DATE.json` with the keys of a scene's calib.json, and `sequences/NAME/` with the images of
-    a scene folder. The calibration of a sequence is the last one whose date its name does not precede.
+    """The log of `calibrations/DATE.json`, with the keys of a calib.json, and `sequences/NAME/`, with images as in a
+    scene folder. Names of sequences begin with a date; the latest calibration of that date or before it holds.
 
-    A sequence may have a mission.json: `calibration` names another one, `starred` lists the images of which little is
-    to be expected; and a truth.json, the rig as it really was.
+    A sequence may have a mission.json, in which `calibration` names another calibration and `starred` lists the images
+    from which little can be expected, and a truth.json with the true rig.
 
     Raises:
         InputError: naming the file, if something is missing or damaged.
@@ -44,9 +46,9 @@ def read(folder: Path, limit: int | None) -> Log:
 
 
 def _mission(folder: Path, dates: list[str], limit: int | None) -> Mission:
-    facts = read_calibration(folder / _FACTS) if (folder / _FACTS).exists() else {}
+    facts = read_json_object(folder / _FACTS) if (folder / _FACTS).exists() else {}
     truth = load_rig(folder / _TRUTH) if (folder / _TRUTH).exists() else None
-    pairs = tuple(load_sides(folder, limit))
+    pairs = load_sides(folder, limit)
     with about(folder / _FACTS):
         calibration, starred = _named(facts)
         unknown = starred - {pair.name for pair in pairs}
@@ -78,8 +80,11 @@ def _latest(name: str, dates: list[str]) -> str:
 def save_calibrations(calibrations: Mapping[str, StereoRig], folder: AnyPath, overwrite: bool = False) -> None:
     """Write the calibrations of a plain log, each under its name.
 
+    Args:
+        overwrite: whether existing files may be replaced.
+
     Raises:
-        InputError: if one is there already and `overwrite` is not set, or the place cannot be written to.
+        InputError: if a file exists already and may not be replaced, or the place cannot be written to.
     """
     place = Path(folder) / _CALIBRATIONS
     make_folder(place)
@@ -88,10 +93,11 @@ def save_calibrations(calibrations: Mapping[str, StereoRig], folder: AnyPath, ov
 
 
 def save_mission(mission: Mission, folder: AnyPath) -> None:
-    """Write one sequence of a plain log: 8-bit grey PNG, named as the pairs are; mission.json last.
+    """Write one sequence of a plain log: images as 8-bit grey PNG, named after the pairs, and mission.json last.
 
     Raises:
-        InputError: if the sequence is there already, two pairs would have one name, or the place cannot be written to.
+        InputError: if the sequence exists already, two pairs would have the same file name, or the place cannot be
+            written to.
     """
     place = Path(folder) / _SEQUENCES / mission.name
     if has_mission(folder, mission.name):
@@ -105,9 +111,9 @@ def save_mission(mission: Mission, folder: AnyPath) -> None:
     if mission.truth is not None:
         save_rig(mission.truth, place / _TRUTH, overwrite=True)
     facts = {"calibration": mission.calibration, "starred": sorted(names[name] for name in mission.starred)}
-    write_text(place / _FACTS, calibration_text(facts) + "\n")
+    write_json(place / _FACTS, facts)
 
 
 def has_mission(folder: AnyPath, name: str) -> bool:
-    """Whether a plain log holds a sequence of this name that `save_mission` has finished."""
+    """Whether a plain log has a sequence of this name that was written completely."""
     return (Path(folder) / _SEQUENCES / name / _FACTS).exists()

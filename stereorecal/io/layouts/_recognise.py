@@ -1,10 +1,9 @@
-"""Layouts in which people keep recordings: each is one module that recognises a folder and reads it as a log."""
+"""The list of layouts: which one a folder has, and reading it as a log or a scene."""
 
 from pathlib import Path
-from types import ModuleType
 
 from stereorecal._errors import InputError
-from stereorecal.io.images._pairs import AnyPath
+from stereorecal.io._paths import AnyPath
 from stereorecal.io.layouts import (
     _euroc,
     _kitti_odometry,
@@ -15,12 +14,13 @@ from stereorecal.io.layouts import (
     _mods,
     _plain_log,
 )
+from stereorecal.io.layouts._layout import Layout
 from stereorecal.io.layouts._scene_folder import is_scene_folder, load_scene_folder
 from stereorecal.recordings import Log, Mission, Scene
 
-# Each has `recognises(folder) -> bool` and `read(folder, limit) -> Log`, LAYOUT says what it is.
-# KITTI stereo comes before odometry: both have folders such as image_0, but its frames are named.
-_LAYOUTS: tuple[ModuleType, ...] = (
+# The first that recognises a folder reads it. KITTI stereo comes before odometry: both have folders such as image_0,
+# but only the names of its images end in _10.
+_LAYOUTS: tuple[Layout, ...] = (
     _plain_log,
     _modd2,
     _mods,
@@ -33,16 +33,16 @@ _LAYOUTS: tuple[ModuleType, ...] = (
 
 
 def load_log(folder: AnyPath, limit: int | None = None) -> Log:
-    """The log of missions in a folder, whose layout is recognised by what is in it.
+    """The log of missions in a folder; its layout is recognised by the names of folders and files in it.
 
-    A scene folder is a log of one mission; else see `docs/data.md`.
+    A scene folder is a log of one mission. `docs/data.md` describes the other layouts.
 
     Args:
-        limit: read the first `limit` pairs of each mission only.
+        limit: read only the first `limit` pairs of each mission.
 
     Raises:
-        InputError: naming the file, if the layout is none that is known, or something is missing or damaged.
-        UnsupportedModelError: if the distortion model is not OpenCV's.
+        InputError: naming the file, if no layout is recognised, or something is missing or damaged.
+        UnsupportedModelError: if a camera is not one of OpenCV's pinhole model.
     """
     folder = _existing(folder)
     if is_scene_folder(folder):
@@ -60,16 +60,16 @@ def load_scene(folder: AnyPath, limit: int | None = None) -> Scene:
     """The scene in a folder: calib.json and `left.*`, `right.*`, or folders `left`, `right` with equal names.
 
     calib.json holds `image_size` [w, h], `K_left`, `D_left`, `K_right`, `D_right` (OpenCV's order),
-    `distortion_model`, `R` and `T` [m] with `x_right = R x_left + T`. Where K is null the scene has no rig.
-    Keys that say nothing about the rig are in `Scene.info` as they stand. The name is "<parent>/<folder>".
+    `distortion_model`, `R` and `T` [m] with `x_right = R x_left + T`. If both K are null the scene has
+    no rig. Keys that do not describe the rig are in `Scene.info`, unchanged. The name is "<parent>/<folder>".
     A folder in another layout that `load_log` knows is a scene too, if it holds one sequence.
 
     Args:
-        limit: read the first `limit` pairs only.
+        limit: read only the first `limit` pairs.
 
     Raises:
         InputError: naming the file, if something is missing, unreadable, damaged or contradicts itself.
-        UnsupportedModelError: if the distortion model is not OpenCV's.
+        UnsupportedModelError: if a camera is not one of OpenCV's pinhole model.
     """
     folder = _existing(folder)
     if is_scene_folder(folder) or not any(layout.recognises(folder) for layout in _LAYOUTS):

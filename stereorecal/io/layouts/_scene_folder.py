@@ -1,27 +1,29 @@
-"""Scene folders: images and calib.json."""
+"""Scene folders: left.* and right.*, or folders of these names, beside a calib.json."""
 
 import re
-from collections.abc import Sequence
 from itertools import chain
 from pathlib import Path
 
-import cv2
 import numpy as np
 from jaxtyping import Float
 
 from stereorecal._errors import InputError
 from stereorecal.io._about import about
-from stereorecal.io._atomic import make_folder, write_bytes
-from stereorecal.io.formats._calib_json import Calibration, calibration_of, calibration_text, load_calibration
-from stereorecal.io.images._files import images_in, natural_order
-from stereorecal.io.images._pairs import AnyPath, first, load_pair, load_pairs, match_files
+from stereorecal.io._atomic import write_text
+from stereorecal.io._paths import AnyPath
+from stereorecal.io._scenes import scene_of
+from stereorecal.io.formats._calib_json import calibration_of, calibration_text, load_calibration
+from stereorecal.io.images._files import images_in, natural_order, write_png
+from stereorecal.io.images._match import match_files
+from stereorecal.io.images._pairs import load_matched
+from stereorecal.io.layouts._names import name_of
 from stereorecal.recordings import Pair, Scene, check_pairs
 
 _CALIBRATION_FILE = "calib.json"
 
 
 def is_scene_folder(folder: Path) -> bool:
-    """Whether a folder has a calibration like a scene's."""
+    """Whether a folder contains a calib.json."""
     return (folder / _CALIBRATION_FILE).is_file()
 
 
@@ -30,60 +32,32 @@ def load_scene_folder(folder: Path, limit: int | None = None) -> Scene:
     calibration = load_calibration(folder / _CALIBRATION_FILE)
     pairs = load_sides(folder, limit)
     with about(folder):
-        return _scene(name_of(folder), calibration, pairs)
+        return scene_of(name_of(folder), calibration, pairs)
 
 
-def name_of(folder: Path) -> str:
-    """A folder as people call it: "<parent>/<folder>"."""
-    return "/".join(folder.resolve().parts[-2:]).lstrip("/")
-
-
-def load_sides(folder: Path, limit: int | None) -> list[Pair]:
+def load_sides(folder: Path, limit: int | None) -> tuple[Pair, ...]:
     """The pairs of `left.*` and `right.*`, or of the folders `left` and `right` with equal names.
 
     Raises:
-        InputError: if something is missing, has no partner, is unreadable or damaged.
+        InputError: naming the file, if one is missing, has no partner, or is damaged.
     """
     matched = match_files(*(_side_files(folder, side) for side in ("left", "right")), by_order=False)
-    return [load_pair(*paths) for paths in first(matched, limit)]
-
-
-def gather_scene(left: AnyPath, right: AnyPath, calibration: AnyPath, limit: int | None = None) -> Scene:
-    """The scene of files that lie anywhere: images as `load_pairs` finds them, and a file like a scene folder's
-    calib.json. It is named after `left`.
-
-    Raises:
-        InputError, UnsupportedModelError: as `load_pairs` and `load_scene`.
-    """
-    found = load_calibration(Path(calibration))
-    pairs = load_pairs(left, right, limit)
-    with about(calibration):
-        return _scene(str(left), found, pairs)
-
-
-def _scene(name: str, calibration: Calibration, pairs: Sequence[Pair]) -> Scene:
-    """The scene, if images and calibration fit."""
-    rig, (width, height) = calibration.rig, calibration.size
-    if rig is not None:
-        check_pairs(rig, list(pairs))
-    elif any(pair.size != (width, height) for pair in pairs):
-        raise InputError(f"an image is not {width}x{height} as calib.json says; correct one of them.")
-    return Scene(name, rig, tuple(pairs), calibration.reference, calibration.info)
+    return load_matched(matched, limit)
 
 
 def save_scene(scene: Scene, folder: AnyPath, overwrite: bool = False) -> None:
     """Write a scene as a folder that `load_scene` reads back: calib.json and 8-bit grey PNG (values rounded).
 
-    One pair becomes left.png and right.png; several become left/NAME.png and right/NAME.png, numbered unless
-    their names keep them in order. Files that `scene.info` mentions are not copied. Each file is written
-    whole or not at all, calib.json last.
+    One pair becomes left.png and right.png; several become left/NAME.png and right/NAME.png, or numbered files if
+    their names are no valid file names or would change their order. Files that `scene.info` mentions are not copied.
+    Each file is written whole or not at all, calib.json last.
 
     Args:
-        overwrite: whether files of the same names may be replaced.
+        overwrite: whether existing files may be replaced.
 
     Raises:
-        InputError: if the scene cannot be written as such, files exist already, or images are there that
-            `load_scene` would take for part of the scene. Nothing is written then.
+        InputError: if the scene has no pair or does not fit its calibration, files exist already, or the folder holds
+            images that `load_scene` would take for part of the scene. Nothing is written then.
     """
     folder = Path(folder)
     if not scene.pairs:
@@ -98,20 +72,14 @@ def save_scene(scene: Scene, folder: AnyPath, overwrite: bool = False) -> None:
     _check_free(folder, {*images, folder / _CALIBRATION_FILE}, overwrite)
     for path, image in images.items():
         write_png(path, image)
-    write_bytes(folder / _CALIBRATION_FILE, text.encode())
-
-
-def write_png(path: Path, image: Float[np.ndarray, "h w"]) -> None:
-    """Write a grey image as 8-bit PNG, values rounded; folders are made."""
-    make_folder(path.parent)
-    write_bytes(path, cv2.imencode(".png", np.clip(np.rint(image), 0, 255).astype(np.uint8))[1].tobytes())
+    write_text(folder / _CALIBRATION_FILE, text)
 
 
 def _side_files(folder: Path, side: str) -> list[Path]:
     """The images of one side: the file `side.*` or those in the folder `side`.
 
     Raises:
-        InputError: if there is none, or more than one reading.
+        InputError: if there is none, or both.
     """
     single, several = _images_of(folder, side)
     if not (single or several):
@@ -127,7 +95,7 @@ def _images_of(folder: Path, side: str) -> tuple[list[Path], list[Path]]:
 
 
 def _file_names(pairs: tuple[Pair, ...]) -> list[str]:
-    """What follows "left" and "right" in the file names of each pair, without suffix."""
+    """The part of each pair's file names after "left" and "right", without suffix: "" or "/NAME"."""
     if len(pairs) == 1:
         return [""]
     names = [Path(Path(pair.name).stem) for pair in pairs]

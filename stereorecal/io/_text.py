@@ -1,4 +1,4 @@
-"""Text files of calibrations, read strictly."""
+"""Text files, read strictly."""
 
 from pathlib import Path
 
@@ -6,13 +6,13 @@ from stereorecal._errors import InputError
 
 
 def read_text(path: Path, if_missing: str = "add it.") -> str:
-    """The text of a file.
+    """The text of a UTF-8 file, without byte order mark.
 
     Args:
-        if_missing: what to do if the file is not there, the end of the message.
+        if_missing: the end of the message if the file does not exist: what to do about it.
 
     Raises:
-        InputError: if the file is missing, unreadable, empty or no text.
+        InputError: naming the file, if it is missing, unreadable, empty or not UTF-8.
     """
     try:
         text = path.read_text(encoding="utf-8-sig")

@@ -1,0 +1,91 @@
+"""Which image files belong together: left and right partners, by their names."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from stereorecal._errors import InputError
+from stereorecal.io.images._files import images_in
+
+Matched = Sequence[tuple[Path, Path]]  # the left and the right file of each pair
+
+# What may distinguish the name of a left image from that of its partner.
+_MARKERS = (("", ""), ("left", "right"), ("Left", "Right"), ("L", "R"), ("l", "r"), ("0", "1"))
+
+
+def match_files(left: Sequence[Path], right: Sequence[Path], *, by_order: bool = True) -> Matched:
+    """The files of both sides as pairs, in the order of the left ones, matched as `load_pairs` says.
+
+    Args:
+        by_order: whether files are matched in the order given if no name has a partner.
+
+    Raises:
+        InputError: naming a file without a partner.
+    """
+    for markers in _MARKERS:
+        by_key_left, by_key_right = (_by_key(files, m) for files, m in zip((left, right), markers, strict=True))
+        if by_key_left.keys() & by_key_right.keys():
+            return match_keys(by_key_left, by_key_right)
+    if len(left) != len(right) or not by_order:
+        shorter = min(len(left), len(right)) if by_order else 0
+        raise _alone(*((left[shorter], "right") if len(left) > shorter else (right[shorter], "left")))
+    return list(zip(left, right, strict=True))
+
+
+def match_equal(left: Path, right: Path) -> Matched:
+    """The images of two folders whose names without suffix are equal.
+
+    Raises:
+        InputError: if a folder has no image, or naming an image without a partner.
+    """
+    return match_keys(by_stem(left), by_stem(right))
+
+
+def match_marked(folder: Path) -> Matched:
+    """The images NAMEL.* and NAMER.* of one folder.
+
+    Raises:
+        InputError: if there is none, or naming an image without a partner.
+    """
+    files = by_stem(folder)
+    left, right = ({stem[:-1]: path for stem, path in files.items() if stem.endswith(mark)} for mark in "LR")
+    if not (left or right):
+        raise InputError(
+            f"{folder}: no image in there has a name that ends in L or R, such as 00000001L.jpg; add some."
+        )
+    return match_keys(left, right)
+
+
+def match_keys(left: Mapping[str, Path], right: Mapping[str, Path]) -> Matched:
+    """The files with equal keys, in the order of the left ones.
+
+    Raises:
+        InputError: naming a file without a partner.
+    """
+    for files, others, side in ((left, right, "right"), (right, left, "left")):
+        for key, path in files.items():
+            if key not in others:
+                raise _alone(path, side)
+    return [(path, right[key]) for key, path in left.items()]
+
+
+def by_stem(folder: Path) -> dict[str, Path]:
+    """The images of a folder by their names without suffix, in natural order.
+
+    Raises:
+        InputError: if there is none.
+    """
+    files = {path.stem: path for path in images_in(folder)}
+    if not files:
+        raise InputError(f"{folder}: there is no such folder, or no image in it; copy or unpack the images.")
+    return files
+
+
+def _by_key(files: Sequence[Path], marker: str) -> dict[str, Path]:
+    """Files by their names without `marker`; none if those names are not unique."""
+    by_key = {path.stem.replace(marker, "", 1): path for path in files if marker in path.stem}
+    return by_key if len(by_key) == len(files) else {}
+
+
+def _alone(path: Path, side: str) -> InputError:
+    """The error about an image whose partner on a side is missing."""
+    return InputError(f"{path}: this image has no partner on the {side} side; add the partner or leave it out.")

@@ -1,0 +1,118 @@
+"""JSON: one text for each content, read back as it was; every bad number, text or nesting is one sentence."""
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, strategies as st
+
+from stereorecal._errors import InputError
+from stereorecal._plain import plain
+from stereorecal.io import json_line, json_text, parse_json, read_json, write_json
+from stereorecal.io.formats._calib_json import calibration_text
+
+leaves = st.none() | st.booleans() | st.integers(-(10**308), 10**308) | st.floats() | st.text(max_size=5)
+nested = st.recursive(
+    leaves, lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=3), inner, max_size=3)
+)
+
+
+@given(nested)
+def test_what_is_written_is_read_back(content):
+    text = json_text(content)
+    assert text.endswith("\n")
+    assert parse_json(text) == plain(content)
+    assert parse_json(json_line(content)) == plain(content)
+    assert json_line(content).count("\n") == 1
+
+
+def test_the_text():
+    content = {"b": np.array([1.5, math.nan]), "a": (np.float32(0.5), math.inf), 3: np.bool_(True)}
+    assert json_text(content) == '{\n "b": [\n  1.5,\n  null\n ],\n "a": [\n  0.5,\n  null\n ],\n "3": true\n}\n'
+    assert json_text({"b": {"d": 1, "c": 2}, "a": 3}, sort_keys=True).split() == [
+        "{", '"a":', "3,", '"b":', "{", '"c":', "2,", '"d":', "1", "}", "}",
+    ]  # fmt: skip
+    assert json_line({"b": [math.nan, 1]}) == '{"b": [null, 1]}\n'
+
+
+def test_files(tmp_path: Path):
+    path = tmp_path / "a.json"
+    write_json(str(path), {"boat": "Čoln", "x": math.nan})
+    assert read_json(path) == {"boat": "Čoln", "x": None}
+    path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())  # a byte order mark
+    assert read_json(str(path)) == {"boat": "Čoln", "x": None}
+    with pytest.raises(InputError, match="cannot be written"):
+        write_json(tmp_path / "missing" / "a.json", {})
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (b"", "the file is empty"),
+        (b"\xff\xfe{", "UTF-8"),
+        (b'{"a": 1', "not valid JSON, or truncated"),
+        (b'{"a": 1} x', "not valid JSON, or truncated"),
+        (b"{'a': 1}", "not valid JSON"),
+        (b"[01]", "not valid JSON"),
+        (b'{"a": NaN}', "a contains NaN; put a finite number"),
+        (b'{"a": {"b": [1, {"c": [-Infinity]}]}}', r"a\.b\.c contains -Infinity; put a finite number"),
+        (b"[1e999]", "the file contains 1e999; put a finite number"),
+        (b'{"a": 1' + b"0" * 309 + b"}", r"a contains 10{23}… \(310 characters\); put a finite number"),
+        (b'{"a": -' + b"9" * 5000 + b"}", r"a contains -9{23}… \(5001 characters\)"),
+        (b'{"a": ' + b"9" * 5000 + b".5}", r"a contains 9{24}… \(5002 characters\)"),
+        (b"[" * 102 + b"]" * 102, "nests more than 100 levels"),
+        (b"[" * 100_000 + b"]" * 100_000, "nests more than 100 levels"),
+        (b'{"a":' * 100_000, "nests more than 100 levels"),
+    ],
+)
+def test_files_that_are_refused(tmp_path: Path, content: bytes, words: str):
+    path = tmp_path / "a.json"
+    path.write_bytes(content)
+    with pytest.raises(InputError, match=words) as error:
+        read_json(path)
+    message = str(error.value)
+    assert message.startswith(f"{path}: ")
+    assert message.endswith(".")
+    assert "\n" not in message
+    assert len(message) < 300
+
+
+def test_a_missing_file(tmp_path: Path):
+    with pytest.raises(InputError, match="no such file"):
+        read_json(tmp_path / "a.json")
+
+
+@given(st.text() | st.text(st.sampled_from('[]{}",:-+.0123456789eENaInfity \n\\u')))
+def test_any_text_is_read_or_refused(text: str):
+    try:
+        content = parse_json(text)
+    except InputError:
+        return
+    assert content == json.loads(text)
+    json.dumps(content, allow_nan=False)
+
+
+@pytest.mark.parametrize("number", ["1e308", "-0.0", "5e-324", "1e-999", "9" * 308, "0", "1E5"])
+def test_extreme_numbers_that_are_fine(number: str):
+    assert parse_json(number) == json.loads(number)
+
+
+@pytest.mark.parametrize(
+    "value", [math.nan, -math.inf, np.zeros(2), {1, 2}, 10**5000, b"x"], ids=lambda value: type(value).__name__
+)
+def test_a_calibration_is_refused_rather_than_changed(value):
+    with pytest.raises(InputError, match="cannot be written as JSON"):
+        calibration_text({"value": [value]})
+
+
+def test_a_calibration_that_contains_itself_or_nests_without_end():
+    content: dict = {}
+    content["self"] = content
+    deep: list = []
+    for _ in range(100_000):
+        deep = [deep]
+    for bad in (content, {"deep": deep}):
+        with pytest.raises(InputError, match="cannot be written as JSON"):
+            calibration_text(bad)

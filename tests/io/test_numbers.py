@@ -1,0 +1,175 @@
+"""The reader of numbers: finite arrays of the right shape, or one sentence that names the key."""
+
+import itertools
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, strategies as st
+
+from stereorecal._errors import InputError
+from stereorecal.io.formats._file_storage import read_file_storage
+from stereorecal.io.formats._numbers import image_size, number_or_word, numbers, pixels, value
+
+SHAPES = [(), (2,), (3,), (4,), (9,), (-1,), (3, 3), (4, 4)]
+leaves = st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=3) | st.just(10**400)
+nested = st.recursive(
+    leaves,
+    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=1), inner, max_size=1),
+    max_leaves=10,
+)
+
+
+def read_or_refused(read: Callable[[], Any], key: str) -> Any:
+    """What is read; None if it is refused in one sentence about the key."""
+    message, found = "", None
+    try:
+        found = read()
+    except InputError as error:
+        message = str(error)
+    assert not message or (message.startswith(f"{key} ") and message.endswith(".") and "\n" not in message)
+    return found
+
+
+def nest(content: Any, levels: int) -> Any:
+    for _ in range(levels):
+        content = [content]
+    return content
+
+
+@given(nested, st.sampled_from(SHAPES))
+def test_any_value_is_read_or_refused(content, shape: tuple[int, ...]):
+    found = read_or_refused(lambda: numbers({"K": content}, "K", shape), "K")
+    if found is not None:
+        assert found.dtype == np.float64
+        assert np.isfinite(found).all()
+        assert found.shape == shape or (shape == (-1,) and found.ndim == 1)
+
+
+@given(nested)
+def test_any_size_is_read_or_refused(content):
+    for read in (image_size, pixels):
+        found = read_or_refused(lambda read=read: read({"size": content}, "size"), "size")
+        assert found is None or np.min(found) >= 1
+
+
+@given(st.lists(st.lists(st.floats(-1e300, 1e300), min_size=3, max_size=3), min_size=3, max_size=3))
+def test_a_matrix_is_itself_however_it_is_wrapped(rows):
+    for levels in range(3):
+        np.testing.assert_array_equal(numbers({"K": nest(rows, levels)}, "K", (3, 3)), rows)
+
+
+@pytest.mark.parametrize(
+    ("content", "shape", "words"),
+    [
+        (True, (), "K is not an array of numbers"),
+        ([1.0, False], (2,), "K is not an array of numbers"),
+        ("1.5", (), "K is not an array of numbers"),
+        (["1.5", 2], (2,), "K is not an array of numbers"),
+        ([[1, 2], [3]], (2, 2), "K is not an array of numbers"),
+        ([1, [2]], (2,), "K is not an array of numbers"),
+        ({"rows": 1}, (1,), "K is not an array of numbers"),
+        (nest(1.0, 5), (), "K is not an array of numbers"),
+        (nest(1.0, 100_000), (), "K is not an array of numbers"),
+        (None, (), "K contains null"),
+        ([1, None], (2,), "K contains null"),
+        (math.nan, (), "K contains NaN or infinite"),
+        ([1, -math.inf], (2,), "K contains NaN or infinite"),
+        (10**400, (), "K contains NaN or infinite"),
+        ([1, -(10**5000)], (2,), "K contains NaN or infinite"),
+        ([1, 2, 3], (2,), "K must hold 2 numbers, not 3"),
+        ([], (2,), "K must hold 2 numbers, not 0"),
+        ([1], (2,), "K must hold 2 numbers, not 1"),
+        ([[1, 2], [3, 4]], (-1,), "K must hold a list of numbers, not 2x2"),
+        ([1, 2], (), "K must hold one number, not 2"),
+        (1, (3, 3), "K must hold 3x3 numbers, not one"),
+    ],
+    ids=itertools.count(),  # such integers have no text
+)
+def test_what_is_refused(content, shape: tuple[int, ...], words: str):
+    with pytest.raises(InputError, match=words):
+        numbers({"K": content}, "K", shape)
+
+
+def test_a_missing_key():
+    for read in (value, image_size, pixels, lambda content, key: numbers(content, key, (3,))):
+        with pytest.raises(InputError, match="the key 'K' is missing"):
+            read({"k": 1}, "K")
+
+
+@pytest.mark.parametrize("size", [0, -1, 0.5, 24.5, 1e6 + 1e5, 1e300])
+def test_sizes_that_no_image_has(size: float):
+    with pytest.raises(InputError, match=r"width is .*, but an image size is a whole number of pixels"):
+        pixels({"width": size}, "width")
+    with pytest.raises(InputError, match="size is"):
+        image_size({"size": [24, size]}, "size")
+
+
+def test_sizes():
+    assert image_size({"size": [[24.0], [16]]}, "size") == (24, 16)
+    assert pixels({"width": [[1 << 20]]}, "width") == 1 << 20
+
+
+@pytest.mark.parametrize(
+    ("word", "expected"),
+    [("1.5", 1.5), ("-1e-3", -0.001), (".5", 0.5), ("1_0", "1_0"), ("٣", "٣"), ("0x10", "0x10"), ("09-Jan", "09-Jan")],
+)
+def test_words(word: str, expected: float | str):
+    assert number_or_word(word) == expected
+
+
+@pytest.mark.parametrize("word", ["1e999", "-inf", "nan", "9" * 5000])
+def test_words_of_no_finite_number(word: str):
+    with pytest.raises(InputError, match="K contains NaN or infinite"):
+        numbers({"K": [number_or_word(word)]}, "K", (-1,))
+
+
+# --- through OpenCV -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("head", ["%YAML:1.0\n---\n", ""])
+@pytest.mark.parametrize("number", ["1e999", "9" * 20, "-" + "9" * 5000, "9" * 5000 + ".5", ".nan", "-.inf"])
+def test_numbers_out_of_range_in_yaml(tmp_path: Path, head: str, number: str):
+    """OpenCV clips large integers without a word."""
+    path = tmp_path / "a.yaml"
+    path.write_text(f"{head}K: [1, {number}]\nn: {number}\n")
+    content = read_file_storage(path)
+    for key, shape in (("K", (2,)), ("n", ())):
+        with pytest.raises(InputError, match=f"{key} contains NaN or infinite"):
+            numbers(content, key, shape)
+
+
+@pytest.mark.parametrize(("text", "words"), [("K: null", "K contains null"), ('K: ["1", 2]', "K is not an array")])
+def test_yaml_values_that_are_no_numbers(tmp_path: Path, text: str, words: str):
+    path = tmp_path / "a.yaml"
+    path.write_text(f"{text}\nn: 1\n")
+    with pytest.raises(InputError, match=words):
+        numbers(read_file_storage(path), "K", (2,))
+
+
+DEEP = 100_000
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "K: " + "[" * DEEP,
+        "K: " + "[" * DEEP + "1" + "]" * DEEP,
+        "K: " + "{a: " * DEEP,
+        "K:\n  " + "- " * DEEP + "1",
+        '{"K": ' + "[" * DEEP + "]" * DEEP + "}",
+        "<?xml version='1.0'?><opencv_storage>" + "<a>" * DEEP,
+        "".join(" " * level + "a:\n" for level in range(2000)),
+        "K: " + "[" * 1500 + "1" + "]" * 1500,  # read by OpenCV, too deep for Python
+    ],
+    ids=["open", "list", "map", "items", "json", "xml", "indented", "python"],
+)
+def test_deep_nesting_does_not_crash_the_process(tmp_path: Path, text: str):
+    path = tmp_path / "a.yaml"
+    path.write_text(text if text.startswith(("<", "{")) else "%YAML:1.0\n---\n" + text)
+    with pytest.raises(InputError, match=r"too deeply nested|not a YAML file") as error:
+        read_file_storage(path)
+    assert str(error.value).startswith(f"{path}: ")
