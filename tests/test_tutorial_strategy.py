@@ -39,6 +39,7 @@ def test_the_page_from_an_empty_folder_to_a_row_of_compare(environment: dict[str
             assert done.returncode == 0, f"{line}\n{done.stdout}{done.stderr}"
             output += done.stdout
     assert re.search(r"evolution +stereorecal-evolution +0\.1\.0 +host +Evolution \(1 \+ lambda\)", output)
+    assert re.search(r"^\[0\.\d+ +0\.\d+ *\] 0\.9\d+ (CONVERGED|BUDGET) \d+\.0$", output, re.MULTILINE)
     assert "pass  repairs a stereo rig" in output
     assert "FAIL" not in output
     assert re.search(r"\d+ passed", output)

@@ -1,5 +1,6 @@
-"""The conformance checks: each takes a strategy and raises AssertionError with a sentence if it fails."""
+"""The conformance checks of strategies: each raises AssertionError with a sentence if the strategy fails it."""
 
+import inspect
 import pickle
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -18,16 +19,17 @@ from stereorecal.strategies import (
     StrategyError,
     run_strategy,
 )
+from stereorecal.strategies._contract import follows_an_older_contract
 from stereorecal.testing import _problems
 from stereorecal.testing._stereo import stereo_objective
 
 Check = Callable[[AbstractStrategy], None]
-_PLENTY = Budget(evaluations=2000)
+_PLENTY = Budget(evaluations=2000)  # our choice: ample for these problems, and every run ends
 
 
 @dataclass(frozen=True)
 class Applicable:
-    """A check, and the needs of the strategies that it is meant for."""
+    """A check, and the needs of the strategies that it applies to."""
 
     check: Check
     needs: frozenset[Need]
@@ -45,7 +47,9 @@ def _check_for(*needs: Need):
 
 
 def checks_for(strategy: AbstractStrategy) -> tuple[Check, ...]:
-    """The checks that are meant for a strategy of its need."""
+    """The checks that apply to a strategy with its need; only the first one if it was written for an older contract."""
+    if follows_an_older_contract(strategy):
+        return (follows_the_contract,)
     return tuple(entry.check for entry in CHECKS if strategy.needs in entry.needs)
 
 
@@ -53,47 +57,56 @@ _SCORES = (Need.HOST, Need.SMOOTH)
 _ANALYTIC = (*_SCORES, Need.RESIDUALS)
 
 
+@_check_for(*Need)
+def follows_the_contract(strategy: AbstractStrategy) -> None:
+    """Its method is run(objective, start, seed); the budget is the objective's."""
+    assert not follows_an_older_contract(strategy), (
+        f"it has run{inspect.signature(strategy.run)} of an older contract, not run(objective, start, seed); "
+        "the budget is objective.budget"
+    )
+
+
 @_check_for(*_ANALYTIC)
 def climbs_a_smooth_bowl(strategy: AbstractStrategy) -> None:
-    """In the fewest and the most dimensions that it takes, 1 to 6, it climbs most of a smooth bowl."""
+    """It climbs most of a smooth bowl, in the fewest and in the most dimensions (1 to 6) that it takes."""
     for dim in _dimensions(strategy):
         _assert_climbs(strategy, _bowl(strategy, dim), 0.9)
 
 
 @_check_for(*_SCORES)
 def climbs_a_staircase(strategy: AbstractStrategy) -> None:
-    """It climbs a piecewise constant bowl, as counts are (with a smooth one beside it, where it needs that)."""
+    """It climbs a piecewise constant bowl, as a count is; a strategy that needs a smooth score gets the smooth bowl."""
     for dim in _dimensions(strategy):
         _assert_climbs(strategy, _problems.staircase(dim), 0.7)
 
 
 @_check_for(*_SCORES)
 def climbs_a_tilted_ridge(strategy: AbstractStrategy) -> None:
-    """It climbs most of a ridge that lies across all axes."""
+    """It climbs most of a ridge along the diagonal, oblique to every axis."""
     _assert_climbs(strategy, _problems.tilted_ridge(_at_least(strategy, 3)), 0.7)
 
 
 @_check_for(*_SCORES)
 def keeps_off_a_cliff(strategy: AbstractStrategy) -> None:
-    """It climbs a bowl that breaks off on one side."""
+    """It climbs a bowl that drops to a plateau on one side."""
     _assert_climbs(strategy, _problems.cliff(_at_least(strategy, 2)), 0.7)
 
 
 @_check_for(*_SCORES)
 def climbs_a_noisy_bowl(strategy: AbstractStrategy) -> None:
-    """It climbs a bowl with ripples, none of them higher than a twentieth of the climb."""
+    """It climbs a bowl with ripples, none higher than a twentieth of the climb."""
     _assert_climbs(strategy, _problems.noisy_bowl(_at_least(strategy, 3)), 0.5)
 
 
 @_check_for(Need.RESIDUALS)
 def solves_a_curved_valley(strategy: AbstractStrategy) -> None:
-    """It solves Rosenbrock's valley as least squares."""
+    """It solves Rosenbrock's valley as a least-squares problem."""
     _assert_climbs(strategy, _problems.least_squares(_problems.curved, _at_least(strategy, 2)), 0.99)
 
 
 @_check_for(*_ANALYTIC)
 def survives_nan(strategy: AbstractStrategy) -> None:
-    """NaN is worse than any value and never nominated."""
+    """It treats NaN as worse than any value and never nominates such a point."""
     dim = _at_least(strategy, 2)
     least_squares = strategy.needs is Need.RESIDUALS
     problem = _problems.least_squares(_problems.broken, dim) if least_squares else _problems.nan_pocket(dim)
@@ -103,60 +116,60 @@ def survives_nan(strategy: AbstractStrategy) -> None:
 
 @_check_for(*_ANALYTIC)
 def ends_on_a_flat_score(strategy: AbstractStrategy) -> None:
-    """On a score that is the same everywhere it ends; where the core can see that, it reports NO_SIGNAL."""
+    """It ends on a constant score; where the core sees the values, the run is reported as NO_SIGNAL."""
     dim = _at_least(strategy, 2)
     if strategy.needs is Need.RESIDUALS:
-        run_strategy(strategy, Objective(_problems.least_squares(_problems.nothing, dim)), np.zeros(dim), _PLENTY)
+        run_strategy(strategy, Objective(_problems.least_squares(_problems.constant, dim), _PLENTY), np.zeros(dim))
         return
-    run = run_strategy(strategy, Objective(_problems.flat(dim)), np.zeros(dim), _PLENTY)
+    run = run_strategy(strategy, Objective(_problems.flat(dim), _PLENTY), np.zeros(dim))
     if strategy.needs is Need.HOST:
         assert run.status is Status.NO_SIGNAL, f"the run ended as {run.status.name}, not NO_SIGNAL"
 
 
 @_check_for(*_ANALYTIC)
 def stays_in_the_box(strategy: AbstractStrategy) -> None:
-    """Started in a corner, it never asks for a point outside the box; on the host the objective refuses such points."""
+    """Started in a corner, it never evaluates a point outside the box."""
     dim, meter = _at_least(strategy, 2), _problems.Meter()
     try:
         outcome = _outcome(strategy, Objective(_bowl(strategy, dim, meter), _PLENTY), np.full(dim, 1.0))
     except ValueError as error:
-        raise AssertionError(f"it left the box: {error}") from error
-    assert meter.farthest <= 1.0 + 1e-5, f"it asks a traced function about a coordinate of {meter.farthest:g}"
+        raise AssertionError(f"it leaves the box: {error}") from error
+    assert meter.farthest <= 1.0 + 1e-5, f"it evaluates a traced function at a coordinate of {meter.farthest:g}"
     assert np.abs(outcome.best).max() <= 1.0, "it nominates a point outside the box"
 
 
 @_check_for(*_ANALYTIC)
 def keeps_any_budget(strategy: AbstractStrategy) -> None:
-    """Stopped after any number of evaluations, it spends no more, lets BudgetExhausted pass and loses nothing."""
+    """Within any budget it spends no more than that, lets BudgetExhausted propagate, and the best point is kept."""
     dim = _at_least(strategy, 3)
     for limit in (1, 2, 3, 7, 20, 50):
         meter = _problems.Meter()
         watched = _Watched(_bowl(strategy, dim, meter), Budget(evaluations=limit))
         try:
-            strategy.run(watched, np.zeros(dim), watched.budget, 0)
+            strategy.run(watched, np.zeros(dim), 0)
         except BudgetExhausted:
             pass
         else:
             assert not watched.exhaustions, "it swallows BudgetExhausted"
         used = meter.total
-        assert used <= limit, f"it spent {used:g} of {limit} evaluations"
-        assert watched.spent >= used - 1e-6, f"it declares {watched.spent:g} evaluations, but made {used:g}"
-        assert watched.exhaustions <= 64, "it goes on calling after BudgetExhausted"
-        run = run_strategy(strategy, Objective(_bowl(strategy, dim)), np.zeros(dim), Budget(evaluations=limit))
+        assert used <= limit, f"it makes {used:g} evaluations with a budget of {limit}"
+        assert watched.spent >= used - 1e-6, f"it declares {watched.spent:g} evaluations, but makes {used:g}"
+        assert watched.exhaustions <= 64, "it goes on evaluating after BudgetExhausted"
+        run = run_strategy(strategy, Objective(_bowl(strategy, dim), limit), np.zeros(dim))
         seen = np.nanmax(np.append(run.trace.values, run.start_value))
         assert run.value >= seen, "the best point seen is lost"
 
 
 @_check_for(*_ANALYTIC)
 def is_honest(strategy: AbstractStrategy) -> None:
-    """What it nominates is as good as the best point that it saw."""
+    """It nominates a point that is as good as the best one that it evaluated."""
     problem = _bowl(strategy, _at_least(strategy, 3))
     objective = Objective(problem, _PLENTY)
     outcome = _outcome(strategy, objective)
     seen = objective.trace.points
     value = float(problem.values(outcome.best[None])[0])
     best = problem.values(seen).max() if len(seen) else -np.inf
-    assert value >= best - 1e-6, f"it nominates a point worth {value} after it saw {best}"
+    assert value >= best - 1e-6, f"it nominates a point of value {value} although it evaluated one of {best}"
 
 
 @_check_for(*_ANALYTIC)
@@ -174,12 +187,12 @@ def is_deterministic(strategy: AbstractStrategy) -> None:
 
 @_check_for(*_ANALYTIC)
 def lets_exceptions_pass(strategy: AbstractStrategy) -> None:
-    """An exception of the objective, Ctrl-C among them, is not swallowed: the core must see it."""
+    """It lets exceptions of the objective propagate, KeyboardInterrupt (Ctrl-C) included."""
     dim = _at_least(strategy, 3)
     for planted in (ZeroDivisionError, KeyboardInterrupt):
         objective = _Failing(_bowl(strategy, dim), planted)
         try:
-            strategy.run(objective, np.zeros(dim), _PLENTY, 0)
+            strategy.run(objective, np.zeros(dim), 0)
         except (StrategyError, planted):
             continue
         assert objective.calls < 2, f"it swallows the {planted.__name__} that the objective raised"
@@ -187,12 +200,12 @@ def lets_exceptions_pass(strategy: AbstractStrategy) -> None:
 
 @_check_for(*_SCORES, Need.IMAGES)
 def repairs_a_stereo_rig(strategy: AbstractStrategy) -> None:
-    """It wins back part of the score of a small rendered rig that is half a degree off."""
+    """It recovers part of the score of a small rendered stereo rig that is half a degree off."""
     objective, truth = stereo_objective()
-    run = run_strategy(strategy, objective, np.zeros(objective.dim), Budget(evaluations=100), seed=1)
+    run = run_strategy(strategy, objective.with_budget(100), np.zeros(objective.dim), seed=1)
     target = float(objective.problem.values(truth[None])[0])
     gained = (run.value - run.start_value) / (target - run.start_value)
-    assert gained >= 0.2, f"it wins back {gained:.2f} of the lost score, not 0.2"
+    assert gained >= 0.2, f"it recovers {gained:.2f} of the lost score, not 0.2"
 
 
 @_check_for(Need.IMAGES)
@@ -205,12 +218,12 @@ def repairs_it_the_same_way_twice(strategy: AbstractStrategy) -> None:
 
 @_check_for(*Need)
 def travels(strategy: AbstractStrategy) -> None:
-    """It pickles, and its copy is equal: trials run in other processes."""
+    """It pickles, and the copy is equal: trials run in other processes."""
     assert pickle.loads(pickle.dumps(strategy)) == strategy, "a pickled copy is not equal"
 
 
 class _Watched(Objective):
-    """Counts how often it had to say that the budget is used up."""
+    """Counts how often it raised BudgetExhausted."""
 
     exhaustions = 0
 
@@ -232,7 +245,7 @@ class _Watched(Objective):
 
 
 class _Failing(Objective):
-    """Answers once, then raises whatever is asked or declared."""
+    """Answers one call, then raises `planted` at every other."""
 
     def __init__(self, problem: Problem, planted: type[BaseException]) -> None:
         super().__init__(problem, _PLENTY)
@@ -267,16 +280,16 @@ def _bowl(strategy: AbstractStrategy, dim: int, meter: _problems.Meter | None = 
 
 
 def _assert_climbs(strategy: AbstractStrategy, problem: Problem, share: float) -> None:
-    run = run_strategy(strategy, Objective(problem), np.zeros(problem.dim), _PLENTY)
+    run = run_strategy(strategy, Objective(problem, _PLENTY), np.zeros(problem.dim))
     top = 0.0 if strategy.needs is Need.RESIDUALS else 1.0
     climbed = (run.value - run.start_value) / (top - run.start_value)
-    assert climbed >= share, f"in {problem.dim} dimensions it climbs {climbed:.2f} of the way, not {share}"
+    assert climbed >= share, f"in {problem.dim} dimensions it climbs {climbed:.2f} of the way up, not {share}"
 
 
 def _outcome(strategy: AbstractStrategy, objective: Objective, start: np.ndarray | None = None) -> Outcome:
     start = np.zeros(objective.dim) if start is None else start
     try:
-        return strategy.run(objective, start, objective.budget, 0)
+        return strategy.run(objective, start, 0)
     except BudgetExhausted:
         trace = objective.trace
         if not len(trace.values):

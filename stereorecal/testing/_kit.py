@@ -1,4 +1,4 @@
-"""The conformance kits in their two library forms: a function, and a pytest class to inherit from."""
+"""The conformance kits, each as a function and as a pytest class to inherit from."""
 
 from typing import ClassVar
 
@@ -10,20 +10,20 @@ from stereorecal.testing._report import CheckResult, add_tests, run_checks
 
 
 def check_strategy(strategy: AbstractStrategy) -> tuple[CheckResult, ...]:
-    """Run every conformance check that is meant for a strategy of its need, without pytest."""
+    """Run the conformance checks that apply to the strategy, without pytest; one result for each check."""
     return run_checks(checks_for(strategy), strategy)
 
 
 def check_matcher(matcher: AbstractMatcher) -> tuple[CheckResult, ...]:
-    """Run every conformance check that is meant for a matcher of its kind, without pytest.
+    """Run the conformance checks that apply to the matcher, without pytest; one result for each check.
 
-    The range is the kit's own: `min_disparity` and `num_disparities` are replaced.
+    The kit sets the disparity range: it replaces `min_disparity` and `num_disparities`.
     """
     return run_checks(matcher_checks_for(matcher), matcher)
 
 
 class StrategyConformance:
-    """Inherit, give `strategy`, and pytest runs every check that is meant for a strategy of its need::
+    """Inherit from it and set `strategy`; pytest then runs every check that applies as a test::
 
     class TestMine(StrategyConformance):
         strategy = Mine()
@@ -37,7 +37,7 @@ class StrategyConformance:
 
 
 class MatcherConformance:
-    """Inherit, give `matcher`, and pytest runs every check that is meant for a matcher of its kind::
+    """Inherit from it and set `matcher`; pytest then runs every check that applies as a test::
 
     class TestMine(MatcherConformance):
         matcher = Mine()

@@ -1,6 +1,6 @@
-"""The conformance checks of matchers: what a score takes for granted.
+"""The conformance checks of matchers: the properties that scores rely on.
 
-They run on texture that is smooth enough to interpolate and rich enough to match, shifted by known amounts.
+They run on random texture that is smooth enough to interpolate and rich enough to match, shifted by known disparities.
 """
 
 import pickle
@@ -17,33 +17,33 @@ from stereorecal._errors import InputError
 from stereorecal.matching import AbstractMatcher, Disparity
 
 _SIZE = (160, 96)
-_BORDER = 24  # columns and rows that a window or the range may not reach
-_COUNT = 32
+_BORDER = 24  # pixels at the border that results are not judged on: a matching window may not fit there
+_COUNT = 32  # num_disparities of most checks
 Image = Float[np.ndarray, "h w"]
 Check = Callable[[AbstractMatcher], None]
 
 
-def says_what_it_found_in_one_form(matcher: AbstractMatcher) -> None:
-    """Values (h, w) float32 and validity (h, w) bool, and its inputs are left as they were."""
+def returns_values_and_validity(matcher: AbstractMatcher) -> None:
+    """It returns values (h, w) float32 and validity (h, w) bool, and does not modify its inputs."""
     left, right = _pair(5)
     before = left.copy(), right.copy()
     found = matcher_at(matcher).match(left, right)
     shape = (_SIZE[1], _SIZE[0])
-    assert found.values.shape == found.valid.shape == shape, f"it returns {found.values.shape} for images of {shape}"
+    assert found.values.shape == found.valid.shape == shape, f"it returns {found.values.shape} for images {shape}"
     assert found.values.dtype == np.float32, f"values are {found.values.dtype}, not float32"
     assert found.valid.dtype == bool, f"validity is {found.valid.dtype}, not bool"
-    assert np.array_equal(left, before[0]), "it changes the left image"
-    assert np.array_equal(right, before[1]), "it changes the right image"
+    assert np.array_equal(left, before[0]), "it modifies the left image"
+    assert np.array_equal(right, before[1]), "it modifies the right image"
 
 
 def finds_known_shifts(matcher: AbstractMatcher) -> None:
-    """Shifted texture has the disparity of the shift, x_left - x_right, at most pixels; 0 and half pixels as well."""
+    """It finds the disparity x_left - x_right of shifted texture at most pixels, 0 and half pixels included."""
     for shift in (0, 7, 12.5):
         _assert_finds(matcher_at(matcher), shift)
 
 
 def searches_its_range(matcher: AbstractMatcher) -> None:
-    """It searches from `min_disparity`, negative ones too, and nothing outside its range is valid."""
+    """It searches from `min_disparity` on, which may be negative; no disparity outside its range is valid."""
     for lowest, shift in ((-8, -4), (4, 9)):
         ranged = matcher_at(matcher, lowest, 24)
         _assert_finds(ranged, shift)
@@ -53,16 +53,16 @@ def searches_its_range(matcher: AbstractMatcher) -> None:
 
 
 def invents_nothing(matcher: AbstractMatcher) -> None:
-    """Of two images that have nothing to do with each other far from all match, and of flat ones nothing."""
+    """Unrelated images leave a good part of the pixels invalid, and flat images all of them."""
     left, right = _texture(0), _texture(1)
     share = float(np.mean(matcher_at(matcher).match(left, right).valid))
-    assert share < 0.7, f"{100 * share:.0f} % of unrelated images match"
+    assert share < 0.7, f"{100 * share:.0f} % of the pixels of unrelated images match"
     flat = np.full_like(left, 128.0)
     assert not np.any(matcher_at(matcher).match(flat, flat).valid), "flat images match"
 
 
 def loses_matches_when_rows_do_not_align(matcher: AbstractMatcher) -> None:
-    """Six rows of misalignment cost it a quarter of its matches: what every score here rests on."""
+    """A vertical misalignment of six rows costs it a quarter of its matches: the count relies on this."""
     left, right = _pair(6)
     aligned = np.sum(matcher_at(matcher).match(left, right).valid)
     shifted = np.sum(matcher_at(matcher).match(left, np.roll(right, 6, axis=0)).valid)
@@ -77,7 +77,7 @@ def is_deterministic(matcher: AbstractMatcher) -> None:
 
 
 def asks_for_its_range(matcher: AbstractMatcher) -> None:
-    """Without `num_disparities`, or with more than the image is wide, it refuses with an InputError."""
+    """It raises InputError without `num_disparities`, or with more of them than the image has columns."""
     for count in (None, _SIZE[0] + 32):
         try:
             replace(matcher, min_disparity=0, num_disparities=count).match(*_pair(5))
@@ -87,13 +87,13 @@ def asks_for_its_range(matcher: AbstractMatcher) -> None:
 
 
 def travels(matcher: AbstractMatcher) -> None:
-    """It pickles, its copy is equal, and it can be hashed: programs are compiled once for each matcher."""
+    """It pickles, and the copy is equal and has the same hash: programs are compiled once for each matcher."""
     assert pickle.loads(pickle.dumps(matcher)) == matcher, "a pickled copy is not equal"
     assert hash(matcher) == hash(pickle.loads(pickle.dumps(matcher))), "a copy has another hash"
 
 
 def can_be_traced(matcher: AbstractMatcher) -> None:
-    """Compiled and batched it finds what it finds eagerly."""
+    """Under jit and vmap it finds what it finds eagerly."""
     traced, (left, right) = matcher_at(matcher), _pair(5)
     expected = traced.match(left, right)
     compiled = jax.jit(traced.match)(left, right)
@@ -105,7 +105,7 @@ def can_be_traced(matcher: AbstractMatcher) -> None:
 
 
 def looks_no_farther_than_its_halo(matcher: AbstractMatcher) -> None:
-    """Shown some rows and its halo around them, it finds in them what it finds in the whole image."""
+    """Given some rows with its halo around them, it finds in these rows what it finds in the whole image."""
     ranged, (left, right), halo = matcher_at(matcher), _pair(5), matcher.halo
     assert halo is not None
     whole = ranged.match(left, right)
@@ -119,21 +119,21 @@ def looks_no_farther_than_its_halo(matcher: AbstractMatcher) -> None:
 
 
 def is_smooth(matcher: AbstractMatcher) -> None:
-    """Its differentiable twin has confidences in [0, 1], a finite gradient, and tends to its validity."""
+    """`soft_match` has confidences in [0, 1] that tend to `match`'s validity, and a finite gradient other than 0."""
     smooth, (left, right) = matcher_at(matcher), _pair(5.5)
     confidence = np.asarray(smooth.soft_match(left, right, 1e-4).confidence).sum(axis=0)
     assert confidence.min() >= 0.0, "a confidence is negative"
     assert confidence.max() <= 1.0 + 1e-4, "a confidence exceeds 1"
     valid = np.asarray(smooth.match(left, right).valid)
     differs = float(np.mean(np.abs(confidence - valid)))
-    assert differs < 0.05, f"without temperature it differs from `match` at {100 * differs:.1f} % of the pixels"
+    assert differs < 0.05, f"at temperature 1e-4 it differs from `match` at {100 * differs:.1f} % of the pixels"
     gradient = jax.grad(lambda image: smooth.soft_match(left, image, 0.1).confidence.sum())(jnp.asarray(right))
     assert np.isfinite(gradient).all(), "its gradient is not finite"
     assert np.any(np.asarray(gradient) != 0), "its gradient is 0"
 
 
 _ALL: tuple[Check, ...] = (
-    says_what_it_found_in_one_form,
+    returns_values_and_validity,
     finds_known_shifts,
     searches_its_range,
     invents_nothing,
@@ -145,7 +145,7 @@ _ALL: tuple[Check, ...] = (
 
 
 def matcher_checks_for(matcher: AbstractMatcher) -> tuple[Check, ...]:
-    """The checks that are meant for a matcher of its kind."""
+    """The checks that apply to the matcher, by what it claims to be."""
     claims = (
         (can_be_traced, matcher.traceable),
         (is_smooth, matcher.smooth),
@@ -155,7 +155,7 @@ def matcher_checks_for(matcher: AbstractMatcher) -> tuple[Check, ...]:
 
 
 def matcher_at(matcher: AbstractMatcher, lowest: int = 0, count: int = _COUNT) -> AbstractMatcher:
-    """The matcher with the kit's own range."""
+    """The matcher with the kit's disparity range."""
     return replace(matcher, min_disparity=lowest, num_disparities=count)
 
 
@@ -166,9 +166,9 @@ def _texture(seed: int, width: int = _SIZE[0]) -> Image:
 
 
 def _pair(shift: float) -> tuple[Image, Image]:
-    """Left and right of a wall at disparity `shift`: what the left image shows at x, the right one shows at x - shift.
+    """Left and right image of a wall at disparity `shift`: what is at x in the left image is at x - shift in the right.
 
-    Both images move by half of it, so that neither is sharper than the other.
+    Each image is shifted by half of it, so that interpolation blurs both alike.
     """
     wide, margin = _texture(7, _SIZE[0] + 128), 64
     columns = np.arange(_SIZE[0], dtype=np.float32)[None].repeat(_SIZE[1], axis=0)
@@ -181,7 +181,7 @@ def _pair(shift: float) -> tuple[Image, Image]:
 
 def _values(found: Disparity) -> Float[np.ndarray, "n"]:
     values = np.asarray(found.values)[np.asarray(found.valid)]
-    assert values.size, "it finds nothing at all"
+    assert values.size, "it finds no valid disparity"
     return values
 
 

@@ -1,7 +1,8 @@
-"""Analytic problems on the unit box, each with one difficulty that real scores have.
+"""Analytic problems on the unit box, each with one difficulty of real scores.
 
-Every problem has both faces. The traced functions carry their data as pytrees, so one compiled program serves all
-problems of one kind and dimension, and they count how often and where they run: a strategy cannot hide inside JAX.
+Every problem has a host face and a traced face. The traced functions are pytrees that carry their data, so that one
+compiled program serves all problems of one kind and dimension, and they count how often and where they run: a strategy
+cannot hide evaluations inside JAX.
 """
 
 from collections.abc import Callable
@@ -23,9 +24,9 @@ Score = Callable[[Any], Any]  # (..., n) -> (...), NumPy or traced
 
 
 class Meter:
-    """Watches a problem on both faces: what no budget sees, and what traced functions do not refuse."""
+    """Counts the evaluations of a problem on both faces, whether a strategy declares them or not."""
 
-    _traced: dict[int, float] = {}  # noqa: RUF012  places that the callbacks of all compiled programs can reach
+    _traced: dict[int, float] = {}  # noqa: RUF012  shared: the callbacks of compiled programs look them up
     _farthest: dict[int, float] = {}  # noqa: RUF012
     _created = 0
 
@@ -37,13 +38,13 @@ class Meter:
 
     @property
     def total(self) -> float:
-        """Evaluations so far; a gradient or a Jacobian counts n + 1."""
+        """Evaluations so far; a value with its gradient, or residuals with their Jacobian, count n + 1."""
         jax.effects_barrier()
         return self.on_host + Meter._traced[self.key]
 
     @property
     def farthest(self) -> float:
-        """The largest coordinate, without its sign, at which a traced function was evaluated."""
+        """The largest absolute coordinate at which a traced function was evaluated."""
         jax.effects_barrier()
         return Meter._farthest[self.key]
 
@@ -68,14 +69,14 @@ class _Counted:
         return self.function(z)
 
     def tick(self, z: jax.Array, runs: int) -> None:
-        """Count so many runs at z."""
+        """Count this many runs at z."""
         jax.debug.callback(partial(Meter.tick, count=runs), self.key, jnp.abs(z).max())
 
 
 @register_pytree
 @dataclass(frozen=True, eq=False)
 class _Differentiable:
-    """A counted function under the rule that counts its derivatives."""
+    """A counted function with a rule for its derivatives that counts them as well."""
 
     counted: _Counted
     rule: Callable[[_Counted, Any], Any] = field(metadata={"static": True})
@@ -92,7 +93,7 @@ def _with_gradient(counted: _Counted, z: jax.Array) -> jax.Array:
     return replace(counted, runs=z.shape[0] + 1)(z)
 
 
-# As the real score: n forward derivatives under a reverse rule. Of residuals, any derivative counts as a Jacobian.
+# As the real soft count: any derivative takes n forward derivatives. Of residuals, any derivative counts as a Jacobian.
 _soft_count = forward_gradient(_plain, _with_gradient)
 _residuals = jax.custom_jvp(_plain)
 
@@ -100,7 +101,7 @@ _residuals = jax.custom_jvp(_plain)
 @_residuals.defjvp
 def _jacobian(primals: tuple, tangents: tuple) -> tuple[jax.Array, jax.Array]:
     (counted, z), (_, direction) = primals, tangents
-    counted.tick(z, z.shape[0] + 1)  # once, however many directions there are: z has no batch axis
+    counted.tick(z, z.shape[0] + 1)  # once for all directions: z has no batch axis
     return jax.jvp(counted.function, (z,), (direction,))
 
 
@@ -134,17 +135,17 @@ def _bowl(z: AnyArray) -> AnyArray:
 
 
 def bowl(dim: int, meter: Meter | None = None) -> Problem:
-    """A smooth bowl upside down; its maximum is 1."""
+    """A concave paraboloid; its maximum is 1."""
     return _problem(dim, _bowl, _bowl, meter=meter)
 
 
 def staircase(dim: int) -> Problem:
-    """The bowl in steps of 1/64, as a count is: piecewise constant. Its soft twin is the bowl."""
+    """The bowl in steps of 1/64: piecewise constant, as a count is. Its soft count is the bowl."""
     return _problem(dim, lambda points: np.floor(64.0 * _bowl(points)) / 64.0, _bowl)
 
 
 def _ridge(z: AnyArray) -> AnyArray:
-    # Along the diagonal nearly flat, across it steep: yaw against the sideways baseline is like this.
+    # Nearly flat along the diagonal, steep across it: parameters that compensate each other make such a ridge.
     offset = z - _summit(z.shape[-1])
     along = offset.mean(-1)
     across = ((offset - along[..., None]) ** 2).sum(-1)
@@ -157,18 +158,18 @@ def tilted_ridge(dim: int) -> Problem:
 
 
 def _cliff(z: AnyArray) -> AnyArray:
-    # Beyond x = -0.2 the matcher is blind: a plateau, far below the bowl.
+    # Where a matcher finds nothing any more, the count drops to a plateau far below.
     xp = namespace(z)
     return xp.where(z[..., 0] < -0.2, -4.0, 1.0 - ((z - 0.25) ** 2).sum(-1))
 
 
 def cliff(dim: int) -> Problem:
-    """A bowl that breaks off to a plateau not far from the start."""
+    """A bowl that drops to a plateau not far from the start."""
     return _problem(dim, _cliff, _cliff)
 
 
 def noisy_bowl(dim: int) -> Problem:
-    """The bowl with a fixed ripple of ±0.01: many false summits, none far from the true one. Its soft twin has none."""
+    """The bowl with a fixed ripple of ±0.01, which makes many local maxima. Its soft count has no ripple."""
 
     def values(points: AnyArray) -> AnyArray:
         return _bowl(points) + 0.01 * np.sin(997.0 * points).mean(-1)
@@ -182,7 +183,7 @@ def _pocket(z: AnyArray) -> AnyArray:
 
 
 def nan_pocket(dim: int) -> Problem:
-    """The bowl with NaN on one side, right beside the start."""
+    """The bowl with NaN on one side, close to the start."""
     return _problem(dim, _pocket, _pocket)
 
 
@@ -191,7 +192,7 @@ def _flat(z: AnyArray) -> AnyArray:
 
 
 def flat(dim: int) -> Problem:
-    """The same value everywhere: nothing to find."""
+    """The same value everywhere."""
     return _problem(dim, _flat, _flat)
 
 
@@ -205,23 +206,23 @@ def least_squares(residuals: Score, dim: int, meter: Meter | None = None) -> Pro
 
 
 def linear(z: AnyArray) -> AnyArray:
-    """Residuals of a least-squares bowl; zero at the summit."""
+    """Linear residuals; zero at the maximum of `bowl`."""
     return z - _summit(z.shape[-1])
 
 
 def curved(z: AnyArray) -> AnyArray:
-    """Rosenbrock's valley as residuals, bent along each pair of neighbours; zero at z = 0.5."""
+    """The residuals of Rosenbrock's valley, extended over each pair of neighbours; zero at z = 0.5."""
     x = 2.0 * z
     xp = namespace(z)
     return xp.concatenate([1.0 - x, 3.0 * (x[..., 1:] - x[..., :-1] ** 2)], axis=-1)
 
 
-def nothing(z: AnyArray) -> AnyArray:
+def constant(z: AnyArray) -> AnyArray:
     """Residuals that do not depend on z."""
     return 0.0 * z + 1.0
 
 
 def broken(z: AnyArray) -> AnyArray:
-    """Linear residuals, NaN beside the start."""
+    """Linear residuals, with NaN on one side, close to the start."""
     xp = namespace(z)
     return xp.where(z[..., :1] > 0.1, xp.nan, linear(z))

@@ -1,4 +1,4 @@
-"""What the kits have in common: a check is a function that raises AssertionError with a sentence."""
+"""Running checks and reporting them; a check is a function that raises AssertionError with a sentence."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -7,7 +7,7 @@ from typing import Any
 
 @dataclass(frozen=True)
 class CheckResult:
-    """One check: its name, whether it passed, and if not, why."""
+    """The result of a check: its name, whether it passed, and if not, why."""
 
     name: str
     passed: bool
@@ -15,7 +15,7 @@ class CheckResult:
 
 
 def run_checks(checks: Iterable[Callable[[Any], None]], subject: Any) -> tuple[CheckResult, ...]:
-    """Run every check on `subject`; whatever it raises is its failure, not the kit's."""
+    """Run every check on `subject`; an exception fails that check, and the others still run."""
     return tuple(_result(check, subject) for check in checks)
 
 
@@ -29,7 +29,7 @@ def _result(check: Callable[[Any], None], subject: Any) -> CheckResult:
 
 
 def add_tests(cls: type, checks: Iterable[Callable[[Any], None]], subject: Any) -> None:
-    """Give a test class one method for each check of `subject`."""
+    """Add a test method for each check of `subject` to a test class."""
     for check in checks:
         setattr(cls, f"test_{check.__name__}", _as_test(check, subject))
 

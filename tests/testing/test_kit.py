@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 
 from stereorecal.strategies import AbstractStrategy, BudgetExhausted, Need, Outcome, Status, strategy
-from stereorecal.testing import check_strategy
+from stereorecal.testing import StrategyConformance, check_strategy
 
 
 @dataclass(frozen=True)
 class Climber(AbstractStrategy):
     """A compass search that can be bent: the base of the bad ones."""
 
-    def run(self, objective, start, budget, seed):
+    def run(self, objective, start, seed):
         return Outcome(self.climb(objective, start, seed)[0], Status.CONVERGED)
 
     def climb(self, objective, start, seed):
@@ -42,7 +42,7 @@ class Climber(AbstractStrategy):
 
 @dataclass(frozen=True)
 class Liar(Climber):
-    def run(self, objective, start, budget, seed):
+    def run(self, objective, start, seed):
         self.climb(objective, start, seed)
         return Outcome(start, Status.CONVERGED)
 
@@ -51,9 +51,9 @@ class Liar(Climber):
 class Swallower(Climber):
     """Takes BudgetExhausted for an end of its own."""
 
-    def run(self, objective, start, budget, seed):
+    def run(self, objective, start, seed):
         try:
-            return super().run(objective, start, budget, seed)
+            return super().run(objective, start, seed)
         except BudgetExhausted:
             return Outcome(start, Status.CONVERGED)
 
@@ -144,7 +144,7 @@ class Stone(Climber):
 class Idle(AbstractStrategy):
     """Nominates the start."""
 
-    def run(self, objective, start, budget, seed):
+    def run(self, objective, start, seed):
         return Outcome(start, Status.STALLED)
 
 
@@ -159,7 +159,7 @@ class Ascent(AbstractStrategy):
 
     needs: ClassVar[Need] = Need.SMOOTH
 
-    def run(self, objective, start, budget, seed):
+    def run(self, objective, start, seed):
         best, (value, slope), step = start, self.ask(objective, start, start), 0.25
         while step > 1e-3:
             point = np.clip(best + step * slope / max(np.linalg.norm(slope), 1e-9), -1, 1)
@@ -178,6 +178,25 @@ class Ascent(AbstractStrategy):
 
     def pay(self, objective, best):
         objective.charge(objective.gradient_cost, best)
+
+
+@jax.jit
+def look_ahead(score, z):
+    return score(z), jax.jacfwd(lambda q: score(q))(z)
+
+
+@dataclass(frozen=True)
+class Forward(Ascent):
+    """Takes its gradient in forward mode; a value beside it is one evaluation more."""
+
+    price: int = 1
+
+    def ask(self, objective, point, best):
+        cost = objective.gradient_cost + self.price * objective.cost
+        objective.reserve(cost)
+        value, slope = look_ahead(objective.traced.soft_count, jnp.asarray(point, jnp.float32))
+        objective.charge(cost, best)
+        return (float(value), np.asarray(slope, float)) if np.isfinite(value) else (-np.inf, np.zeros(len(point)))
 
 
 @dataclass(frozen=True)
@@ -222,7 +241,7 @@ class Newton(AbstractStrategy):
 
     needs: ClassVar[Need] = Need.RESIDUALS
 
-    def run(self, objective, start, budget, seed):
+    def run(self, objective, start, seed):
         best = start
         for _ in range(30):
             objective.reserve(self.price)
@@ -238,7 +257,7 @@ def failures(bad: AbstractStrategy) -> set[str]:
     return {result.name for result in check_strategy(bad) if not result.passed}
 
 
-@pytest.mark.parametrize("good", [strategy("compass"), Climber(), Ascent()])
+@pytest.mark.parametrize("good", [strategy("compass"), Climber(), Ascent(), Forward()])
 def test_good_strategies_pass(good):
     assert not failures(good)
 
@@ -267,6 +286,7 @@ CLIMBS = {
         (Idle(), CLIMBS | {"repairs a stereo rig", "ends on a flat score"}),
         (Smuggler(), {"keeps any budget", "ends on a flat score"}),
         (Miser(), {"keeps any budget"}),
+        (Forward(price=0), {"keeps any budget"}),
         (Deaf(), {"lets exceptions pass"}),
     ],
     ids=lambda value: type(value).__name__ if isinstance(value, AbstractStrategy) else "",
@@ -286,7 +306,7 @@ def test_a_jacobian_for_the_price_of_a_value_is_seen():
 
 def test_a_result_says_what_is_wrong():
     results = {result.name: result for result in check_strategy(Liar())}
-    assert "nominates a point worth" in results["is honest"].message
+    assert "nominates a point of value" in results["is honest"].message
     assert results["climbs a smooth bowl"].passed
     assert results["climbs a smooth bowl"].message == ""
 
@@ -294,9 +314,37 @@ def test_a_result_says_what_is_wrong():
 def test_a_crash_fails_checks_instead_of_the_kit():
     @dataclass(frozen=True)
     class Crashing(AbstractStrategy):
-        def run(self, objective, start, budget, seed):
+        def run(self, objective, start, seed):
             raise KeyError("a bug")
 
     results = {result.name: result for result in check_strategy(Crashing())}
     assert not results["climbs a smooth bowl"].passed
     assert "KeyError" in results["climbs a smooth bowl"].message
+
+
+@dataclass(frozen=True)
+class Outdated(AbstractStrategy):
+    """Written when `run` was given a budget."""
+
+    def run(self, objective, start, budget, seed):
+        raise AssertionError("must not run")
+
+
+def test_an_older_contract_fails_with_one_sentence():
+    (result,) = check_strategy(Outdated())
+    assert result.name == "follows the contract"
+    assert not result.passed
+    assert result.message == (
+        "it has run(objective, start, budget, seed) of an older contract, not run(objective, start, seed); "
+        "the budget is objective.budget"
+    )
+
+
+def test_an_older_contract_fails_as_a_pytest_class():
+    class TestOutdated(StrategyConformance):
+        strategy = Outdated()
+
+    tests = [name for name in dir(TestOutdated) if name.startswith("test_")]
+    assert tests == ["test_follows_the_contract"]
+    with pytest.raises(AssertionError, match=r"the budget is objective\.budget"):
+        TestOutdated().test_follows_the_contract()

@@ -81,7 +81,7 @@ dice = Dice()
     [
         (bent(swapped_sign), {"finds known shifts", "searches its range", "loses matches when rows do not align"}),
         (bent(credulous), {"invents nothing", "loses matches when rows do not align"}),
-        (bent(wide), {"says what it found in one form"}),
+        (bent(wide), {"returns values and validity"}),
         (bent(beyond), {"searches its range"}),
         (bent(lambda self, found, left: dice(found)), {"is deterministic"}),
         (bent(lambda self, found, left: found), set()),

@@ -13,7 +13,7 @@ class TestCompass(StrategyConformance):
 
 
 class Idle(AbstractStrategy):
-    def run(self, objective, start, budget, seed):
+    def run(self, objective, start, seed):
         return Outcome(start, Status.STALLED)
 
 
