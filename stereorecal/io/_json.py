@@ -14,7 +14,7 @@ from stereorecal.io._atomic import write_text
 from stereorecal.io._paths import AnyPath
 from stereorecal.io._text import read_text
 
-# Far deeper than any file of this library, and far from the limit of Python's recursion, where nothing can be promised.
+# Far more than any file of this library has, and far below the depth at which Python's own recursion ends.
 _DEEPEST = 100
 _SHOWN = 24  # characters of a refused number in a message
 
@@ -56,13 +56,16 @@ def strict_json_text(content: Any, *, sort_keys: bool = False) -> str:
 # --- reading ------------------------------------------------------------------------------------------------
 
 
-def read_json(path: AnyPath) -> Any:
+def read_json(path: AnyPath, if_missing: str = "check the path.") -> Any:
     """The content of a JSON file.
+
+    Args:
+        if_missing: the end of the message if the file does not exist: what to do about it.
 
     Raises:
         InputError: naming the file, if it is missing, unreadable, empty, or refused by `parse_json`.
     """
-    text = read_text(Path(path))
+    text = read_text(Path(path), if_missing)
     with about(path):
         return parse_json(text)
 

@@ -12,8 +12,7 @@ from jaxtyping import Float
 from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._about import about
-from stereorecal.io._json import parse_json, strict_json_text
-from stereorecal.io._text import read_text
+from stereorecal.io._json import read_json, strict_json_text
 from stereorecal.io.formats._numbers import image_size, numbers, value
 
 # Names of OpenCV's pinhole model: its own, those of ROS (plumb_bob, rational_polynomial) and of Kalibr (radtan).
@@ -62,7 +61,7 @@ def calibration_text(content: Mapping[str, Any]) -> str:
     try:
         return strict_json_text(content)
     except (TypeError, ValueError, RecursionError) as error:
-        raise InputError(f"the scene's info cannot be written as JSON ({error}); use plain finite values.") from error
+        raise InputError(f"info cannot be written as JSON ({error}); use plain finite values.") from error
 
 
 def read_json_object(path: Path) -> dict[str, Any]:
@@ -72,11 +71,9 @@ def read_json_object(path: Path) -> dict[str, Any]:
         InputError: naming the file, if it is missing, empty, truncated, not a JSON object, or contains a number that
             is not finite.
     """
-    text = read_text(path, if_missing="a scene folder needs a calib.json.")
-    with about(path):
-        content = parse_json(text)
-        if not isinstance(content, dict):
-            raise InputError("the content is not a JSON object of named values; correct it.")
+    content = read_json(path, if_missing="check the path, or write a calib.json there.")
+    if not isinstance(content, dict):
+        raise InputError(f"{path}: there is no JSON object of named values in the file; correct it.")
     return content
 
 
