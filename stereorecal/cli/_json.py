@@ -1,17 +1,15 @@
 """JSON for a file or for a pipe."""
 
-import json
 import sys
 from collections.abc import Mapping
 from typing import Any
 
-from stereorecal._plain import plain
-from stereorecal.io import write_text
+from stereorecal.io import json_text, write_text
 
 
 def write_json(content: Mapping[str, Any], target: str) -> None:
     """Write to the file `target`, whole or not at all, or to stdout for "-". A number that is not finite is null."""
-    text = json.dumps(plain(dict(content)), indent=1, allow_nan=False) + "\n"
+    text = json_text(dict(content))
     if target == "-":
         sys.stdout.write(text)
     else:

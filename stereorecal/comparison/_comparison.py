@@ -1,6 +1,5 @@
 """The result of a comparison and its JSON form (`stereorecal.compare/1`)."""
 
-import json
 import os
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -10,7 +9,7 @@ from stereorecal._extras import extra
 from stereorecal._plain import plain
 from stereorecal.comparison._summary import Summary, Thresholds, summarise
 from stereorecal.comparison._trial import Trial
-from stereorecal.io import write_text
+from stereorecal.io import write_json, write_text
 
 SCHEMA = "stereorecal.compare/1"
 
@@ -55,7 +54,7 @@ class Comparison:
 
     def to_json(self, path: str | os.PathLike[str]) -> None:
         """Write the JSON file, whole or not at all."""
-        write_text(Path(path), json.dumps(self.as_dict(), indent=1, allow_nan=False) + "\n")
+        write_json(path, self.as_dict())
 
     def to_html(self, path: str | os.PathLike[str]) -> None:
         """Write one HTML page that needs nothing else, whole or not at all.

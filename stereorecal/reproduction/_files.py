@@ -2,14 +2,13 @@
 
 import csv
 import io
-import json
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from stereorecal.io import make_folder, write_bytes, write_text
+from stereorecal.io import json_text, make_folder, write_bytes, write_text
 from stereorecal.objectives import Reach
 from stereorecal.recordings import Log
 from stereorecal.reproduction._judge import judge_of
@@ -33,7 +32,7 @@ def write_files(found: Reproduction, log: Log, folder: Path) -> list[Path]:
     data, texts = found.as_dict(), {}
     for name, rows in data["rows"].items():
         alone = {**data, "summary": data["summary"].get(name), "rows": rows}
-        texts[f"{name}.json"] = json.dumps(alone, indent=1, allow_nan=False) + "\n"
+        texts[f"{name}.json"] = json_text(alone)
         for stem, lines in _flat(name, rows).items():
             if lines:
                 texts[f"{stem}.csv"] = _csv(lines)

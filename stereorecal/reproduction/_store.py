@@ -1,6 +1,5 @@
 """Rows that are finished, on the disk: an interrupted run continues where it stopped."""
 
-import json
 import os
 from collections.abc import Mapping
 from pathlib import Path
@@ -8,7 +7,7 @@ from typing import Any
 
 from stereorecal._errors import InputError
 from stereorecal._plain import plain
-from stereorecal.io import make_folder, write_text
+from stereorecal.io import json_line, json_text, make_folder, parse_json, write_text
 
 _SETTINGS, _ROWS = "settings.json", "rows.jsonl"
 
@@ -22,13 +21,13 @@ class Store:
 
     def __init__(self, folder: Path, settings: Mapping[str, Any]):
         self._path = folder / _ROWS
-        _agree(folder, json.dumps(plain(dict(settings)), indent=1, sort_keys=True, allow_nan=False) + "\n")
+        _agree(folder, json_text(dict(settings), sort_keys=True))
         self.rows = _read(self._path)
 
     def add(self, key: str, row: Mapping[str, Any]) -> dict[str, Any]:
         """Keep a row under a key that is new; returns it as it will be read again."""
         kept = plain(dict(row))
-        line = json.dumps({"key": key, "row": kept}, allow_nan=False) + "\n"
+        line = json_line({"key": key, "row": kept})
         with open(self._path, "ab", buffering=0) as file:  # one write: lines of two runs never mix
             file.write(line.encode())
             os.fsync(file.fileno())
@@ -57,14 +56,14 @@ def _read(path: Path) -> dict[str, dict[str, Any]]:
     lines = path.read_bytes().split(b"\n")
     found = [entry for line in lines if (entry := _entry(line)) is not None]
     if len(found) < len(lines) - 1 or lines[-1]:
-        write_text(path, "".join(json.dumps(entry) + "\n" for entry in found))
+        write_text(path, "".join(json_line(entry) for entry in found))
     return {entry["key"]: entry["row"] for entry in found}
 
 
 def _entry(line: bytes) -> dict[str, Any] | None:
     try:
-        entry = json.loads(line)
-    except ValueError:
+        entry = parse_json(line.decode())
+    except ValueError:  # InputError, or no UTF-8
         return None
     whole = isinstance(entry, dict) and isinstance(entry.get("key"), str) and isinstance(entry.get("row"), dict)
     return entry if whole else None

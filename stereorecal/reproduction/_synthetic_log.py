@@ -1,7 +1,6 @@
 """The synthetic mission log: rendered on demand, kept in the user's cache folder."""
 
 import hashlib
-import json
 from pathlib import Path
 
 from platformdirs import user_cache_path
@@ -9,7 +8,7 @@ from platformdirs import user_cache_path
 from stereorecal import geometry, synthetic
 from stereorecal._errors import InputError
 from stereorecal._run_all import Progress
-from stereorecal.io import has_mission, load_log, make_folder, save_calibrations, save_mission, write_text
+from stereorecal.io import has_mission, json_line, load_log, make_folder, save_calibrations, save_mission, write_text
 from stereorecal.recordings import Log
 from stereorecal.synthetic import default_rig, plan_missions
 
@@ -50,7 +49,7 @@ def synthetic_log(
 
 def _claim(folder: Path, plan: dict[str, object]) -> None:
     """Say in the folder which plan it holds; a folder that holds another is left alone."""
-    path, text = folder / "plan.json", json.dumps(plan) + "\n"
+    path, text = folder / "plan.json", json_line(plan)
     make_folder(folder)
     if not path.exists() and not any(folder.iterdir()):
         write_text(path, text)
