@@ -1,4 +1,4 @@
-"""Says which file an error is about."""
+"""Error messages that name their file."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -9,7 +9,7 @@ from stereorecal._errors import InputError
 
 @contextmanager
 def about(subject: Any) -> Iterator[None]:
-    """Put `subject` in front of the message of any InputError raised inside; its class stays."""
+    """Prefix the message of any InputError raised inside with `subject`, such as a path; its class is kept."""
     try:
         yield
     except InputError as error:

@@ -1,4 +1,4 @@
-"""Writing a file whole or not at all."""
+"""Writing a file completely or not at all."""
 
 import os
 import uuid
@@ -8,10 +8,10 @@ from stereorecal._errors import InputError
 
 
 def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
-    """Write `data` to `path`, replacing what is there only once everything is on the disk.
+    """Write `data` to `path`, replacing an existing file only once all data is on the disk.
 
-    An interrupted program leaves the old file or the new one, never a part. What is no regular file (a pipe,
-    /dev/null) is written to directly.
+    An interrupted program leaves the old file or the new one, never a part of it. A path that exists and is not a
+    regular file (a pipe, /dev/null) is written to directly.
 
     Raises:
         InputError: if the place cannot be written to.
@@ -27,10 +27,10 @@ def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
 
 
 def make_folder(path: Path) -> None:
-    """Make a folder and those above it, if they are not there.
+    """Make a folder and its parents, if they do not exist.
 
     Raises:
-        InputError: if that is not possible.
+        InputError: if the folder cannot be made.
     """
     try:
         path.mkdir(parents=True, exist_ok=True)
@@ -39,7 +39,7 @@ def make_folder(path: Path) -> None:
 
 
 def write_text(path: str | os.PathLike[str], text: str) -> None:
-    """Write `text` as UTF-8; otherwise as `write_bytes`."""
+    """As `write_bytes`, for text, encoded as UTF-8."""
     write_bytes(path, text.encode("utf-8"))
 
 
