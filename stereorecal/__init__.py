@@ -16,10 +16,13 @@ from stereorecal.geometry import Camera as Camera, StereoRig as StereoRig, View 
 from stereorecal.matching import BM as BM, SAD as SAD, SGBM as SGBM, Disparity as Disparity
 from stereorecal.objectives import Reach as Reach, objective as objective
 from stereorecal.recalibration import (
+    Cost as Cost,
+    Health as Health,
     Reason as Reason,
     Repair as Repair,
     Schedule as Schedule,
     Solution as Solution,
+    health as health,
     recalibrate as recalibrate,
     recalibrate_many as recalibrate_many,
     recalibrate_sequence as recalibrate_sequence,
@@ -32,9 +35,17 @@ from stereorecal.reproduction import (
     synthetic_log as synthetic_log,
 )
 from stereorecal.scoring import (
+    Correspondences as Correspondences,
     Score as Score,
+    ScoringData as ScoringData,
+    correspondences as correspondences,
+    count as count,
     disparity as disparity,
+    prepare as prepare,
     rectify as rectify,
+    row_differences as row_differences,
     score as score,
+    soft_count as soft_count,
+    with_disparity_range as with_disparity_range,
 )
 from stereorecal.strategies import Budget as Budget, Status as Status, strategies as strategies, strategy as strategy

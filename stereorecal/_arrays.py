@@ -6,7 +6,10 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jax.core import Tracer
 from jaxtyping import Float
+
+from stereorecal._errors import InputError
 
 AnyArray = jax.Array | np.ndarray
 Vec3 = Float[AnyArray, "3"]
@@ -25,3 +28,17 @@ def namespace(*arrays: Any) -> ModuleType:
 def is_host(*arrays: Any) -> bool:
     """True if no argument is a JAX array or tracer, so values may be looked at."""
     return not any(isinstance(a, jax.Array) for a in arrays)
+
+
+def refuse_tracers(name: str, instead: str, *trees: Any) -> None:
+    """Keep functions that work on the host out of traces.
+
+    Args:
+        name: of the function, as users call it.
+        instead: what to use under `jax.jit`, `jax.vmap` and `jax.grad`.
+
+    Raises:
+        InputError: if a leaf of the trees is a tracer.
+    """
+    if any(isinstance(leaf, Tracer) for leaf in jax.tree.leaves(trees)):
+        raise InputError(f"{name} works on the host and cannot be traced by jit, vmap or grad; use {instead}.")

@@ -79,4 +79,6 @@ def _outcome(future: Future[Result]) -> Result | BaseException:
         error = future.exception()
     except CancelledError:
         error = CancelledError("the executor cancelled it: it was shut down, or has lost its workers.")
+    if isinstance(error, KeyboardInterrupt):
+        raise error  # Ctrl-C reaches the workers too, and is nobody's result
     return future.result() if error is None else error

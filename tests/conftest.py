@@ -1,6 +1,8 @@
 """What all tests share."""
 
 import os
+import shutil
+import tempfile
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -12,8 +14,23 @@ from hypothesis import settings
 from stereorecal.recordings import Scene
 from stereorecal.synthetic import default_rig, render
 
-os.environ["JAX_ENABLE_COMPILATION_CACHE"] = "false"  # of commands that tests start: nothing of the user's is touched
-jax.config.update("jax_enable_compilation_cache", False)
+_CACHE = "STEREORECAL_TEST_CACHE"
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """One compilation cache for all workers of a run and the commands that they start, in a folder of the run's own (or
+    the one that STEREORECAL_TEST_CACHE names, for those who run tests again and again): nothing of the user's is
+    touched, and what one worker has compiled the others read."""
+    if hasattr(config, "workerinput"):
+        folder = os.environ[_CACHE]
+    else:
+        folder = os.environ.get(_CACHE) or tempfile.mkdtemp(prefix="stereorecal-tests-")
+        if _CACHE not in os.environ:
+            config.add_cleanup(lambda: shutil.rmtree(folder, ignore_errors=True))
+        os.environ[_CACHE] = os.environ["JAX_COMPILATION_CACHE_DIR"] = folder
+    jax.config.update("jax_compilation_cache_dir", folder)
+    jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.1)
+
 
 settings.register_profile("stereorecal", derandomize=True, deadline=None)
 settings.load_profile("stereorecal")

@@ -13,15 +13,11 @@ from stereorecal.cli._executors import EXECUTORS, executor
 from stereorecal.cli._exit_codes import FAILURE, INTERRUPTED
 from stereorecal.cli._json import write_json
 from stereorecal.cli._progress import progress_bar
-from stereorecal.comparison import (
-    SCHEDULES,
-    Comparison,
-    Drift,
-    compare_scenes,
-    load_strategies,
-)
+from stereorecal.comparison import FAILED, Comparison, Drift, compare_scenes, load_strategies
 from stereorecal.io import load_scene
+from stereorecal.matching import as_matcher
 from stereorecal.objectives import Reach
+from stereorecal.recalibration import SCHEDULES
 from stereorecal.recordings import Scene
 from stereorecal.report.tables import comparison_tables
 from stereorecal.strategies import Budget
@@ -41,12 +37,12 @@ def add_to(verbs) -> None:
     add("--synthetic", metavar="KIND", help=f"render a scene: {', '.join(KINDS)}")
     add("--frames", default="1", metavar="N|all", help="pairs of each scene to use, jointly")
     add("--matcher", default="sad", metavar="NAME", help="sad, bm or sgbm")
-    add("--strategies", default="compass", metavar="A,B|all", help="names of installed strategies")
+    add("--strategies", metavar="A,B|all", help="names of installed strategies (default: those of the schedule)")
     add(
         "--schedule",
-        default="count",
         metavar="NAME",
-        help="count (the paper's way: one scale) or default (coarse to fine)",
+        help="count (the paper's way: one scale) or default (coarse to fine); without it both, side by side, and count "
+        "where --strategies is given",
     )
     add("--scale", type=float, default=1.0, help="image scale of the count schedule")
     add("--decalibrate", default="0.5,0.01", metavar="DEG,FRACTION", help="largest drift of each axis")
@@ -72,9 +68,10 @@ def add_to(verbs) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Compare, print, save; returns the exit code."""
-    _values.known(options.schedule, list(SCHEDULES), "schedule")
-    matcher = _values.matcher(options.matcher)
-    chosen = load_strategies(_values.strategy_names(options.strategies))
+    if options.schedule is not None:
+        _values.known(options.schedule, list(SCHEDULES), "schedule")
+    matcher = as_matcher(options.matcher)
+    chosen = None if options.strategies is None else load_strategies(_values.strategy_names(options.strategies))
     drift = Drift(*_values.degrees_and_fraction(options.decalibrate, "--decalibrate"))
     reach = Reach(*_values.degrees_and_fraction(options.reach, "--reach")) if options.reach is not None else None
     budget, seed = Budget(options.budget), _values.seed(options.seed)
@@ -101,7 +98,7 @@ def run(options: argparse.Namespace) -> int:
     if comparison.interrupted:
         print(f"stereorecal: interrupted; {len(comparison.trials)} trials were finished.", file=sys.stderr)
         return INTERRUPTED
-    return FAILURE if all(trial.status == "FAILED" for trial in comparison.trials) else 0
+    return FAILURE if all(trial.status == FAILED for trial in comparison.trials) else 0
 
 
 def _check_places(options: argparse.Namespace) -> None:

@@ -4,7 +4,9 @@ import argparse
 import signal
 import sys
 import threading
+import traceback
 from collections.abc import Sequence
+from importlib.metadata import version
 from typing import NoReturn
 
 from stereorecal._errors import InputError, StrategyError
@@ -24,6 +26,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         prog="python -m stereorecal",
         description="Repair the extrinsic calibration of a stereo rig from ordinary images.",
     )
+    parser.add_argument("--version", action="version", version=f"stereorecal {version('stereorecal')}")
+    parser.add_argument("--traceback", action="store_true", help="show where an error comes from")
     verbs = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
     for command in (_recalibrate, _score, _compare, _reproduce, _strategies):
         command.add_to(verbs)
@@ -32,16 +36,26 @@ def main(arguments: Sequence[str] | None = None) -> int:
     keep_compiled_programs()
     try:
         return options.run(options)
-    except InputError as error:
-        return _say(error, BAD_INPUT)
-    except StrategyError as error:
-        return _say(error, FAILURE)
+    except Exception as error:
+        if options.traceback:
+            traceback.print_exception(error)
+        return _said(error)
     except KeyboardInterrupt:
         return _say("interrupted", INTERRUPTED)
-    except OSError as error:
-        return _say(f"{error.filename or 'output'}: {error.strerror or error}; check the path.", BAD_INPUT)
-    except Exception as error:
-        return _say(f"internal error, please report it: {error!r}", FAILURE)
+
+
+def _said(error: Exception) -> int:
+    """One sentence on stderr, and the exit code of an error."""
+    match error:
+        case InputError():
+            return _say(error, BAD_INPUT)
+        case StrategyError():
+            return _say(error, FAILURE)
+        case OSError():
+            return _say(f"{error.filename or 'output'}: {error.strerror or error}; check the path.", BAD_INPUT)
+        case _:
+            hint = "see where it comes from with --traceback, and please report it"
+            return _say(f"internal error ({error!r}); {hint}.", FAILURE)
 
 
 def _say(message: object, code: int) -> int:

@@ -2,12 +2,14 @@
 
 import argparse
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from stereorecal._errors import InputError
+from stereorecal._run_all import Progress
 from stereorecal._versions import versions
 from stereorecal.cli import _values
 from stereorecal.cli._console import table_console
@@ -16,14 +18,13 @@ from stereorecal.cli._exit_codes import BAD_INPUT, FAILURE, INTERRUPTED
 from stereorecal.cli._json import write_json
 from stereorecal.cli._progress import progress_bar
 from stereorecal.cli._recordings import add_recordings_to, recordings
-from stereorecal.comparison import SCHEDULES
 from stereorecal.io import save_rig
-from stereorecal.matching import AbstractMatcher
+from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import Reach
-from stereorecal.recalibration import Fault, Repair, Schedule, recalibrate_many
+from stereorecal.recalibration import SCHEDULES, Fault, Repair, Schedule, repairs_as_finished
 from stereorecal.recordings import Scene
 from stereorecal.report.repairs import repairs_table
-from stereorecal.strategies import Budget, origin_of, strategy
+from stereorecal.strategies import Budget, name_of, origin_of, strategy
 
 SCHEMA = "stereorecal.recalibrate/1"
 _CODES = {Fault.INTERRUPTED: INTERRUPTED, Fault.INSIDE: FAILURE, Fault.INPUT: BAD_INPUT}  # the first that occurs
@@ -60,23 +61,15 @@ def add_to(verbs) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Repair, save, print; returns the exit code."""
-    matcher, schedule = _values.matcher(options.matcher), _schedule(options)
+    matcher, schedule = as_matcher(options.matcher), _schedule(options)
     reach = Reach(*_values.degrees_and_fraction(options.reach, "--reach"))
     budget, seed = Budget(options.budget), _values.seed(options.seed)
     _check_places(options)
     with executor(options.executor) as pool:
         scenes = recordings(options)
+        arguments = {"matcher": matcher, "schedule": schedule, "reach": reach, "budget": budget, "seed": seed}
         with progress_bar(options.quiet) as progress:
-            repairs = recalibrate_many(
-                scenes,
-                matcher=matcher,
-                schedule=schedule,
-                reach=reach,
-                budget=budget,
-                seed=seed,
-                executor=pool,
-                progress=progress,
-            )
+            repairs = _finished(scenes, repairs_as_finished(scenes, executor=pool, **arguments), progress)
         # Before the workers are waited for: a second Ctrl-C must find everything saved.
         if any(repair.solution for repair in repairs):
             settings = _settings(options, matcher, schedule, reach, budget)
@@ -86,6 +79,22 @@ def run(options: argparse.Namespace) -> int:
         if repair.error is not None:
             print(f"stereorecal: {repair.name}: {repair.error}", file=sys.stderr)
     return _exit_code(repairs)
+
+
+def _finished(
+    scenes: Sequence[Scene], repairs: Iterator[tuple[int, Repair]], progress: Progress | None
+) -> tuple[Repair, ...]:
+    """All repairs, in the order of the scenes; those that Ctrl-C has left are faults."""
+    finished: dict[int, Repair] = {}
+    with suppress(KeyboardInterrupt):
+        for index, repair in repairs:
+            finished[index] = repair
+            if progress is not None:
+                progress(len(finished), len(scenes))
+    left = Fault.INTERRUPTED
+    return tuple(
+        finished.get(index) or Repair(scene.name, error=left.value, fault=left) for index, scene in enumerate(scenes)
+    )
 
 
 def _schedule(options: argparse.Namespace) -> Schedule:
@@ -119,7 +128,7 @@ def _settings(
         {
             "score": stage.score.name.lower(),
             "scale": stage.scale,
-            "strategy": type(stage.strategy).__name__,
+            "strategy": name_of(stage.strategy),
             "origin": origin_of(stage.strategy),
             "options": asdict(stage.strategy),
         }

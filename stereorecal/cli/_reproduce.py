@@ -12,9 +12,9 @@ from stereorecal.cli._executors import EXECUTORS, executor
 from stereorecal.cli._exit_codes import FAILURE, INTERRUPTED
 from stereorecal.cli._json import write_json
 from stereorecal.cli._progress import progress_bar
-from stereorecal.comparison import SCHEDULES
 from stereorecal.io import load_log
 from stereorecal.objectives import Reach
+from stereorecal.recalibration import SCHEDULES
 from stereorecal.recordings import Log
 from stereorecal.reproduction import EXPERIMENTS, QUICK, Extent, methods, reproduce, synthetic_log, write_files
 from stereorecal.reproduction._tables import experiment_tables

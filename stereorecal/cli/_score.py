@@ -13,7 +13,7 @@ from stereorecal.cli._exit_codes import INTERRUPTED
 from stereorecal.cli._json import write_json
 from stereorecal.cli._recordings import add_recordings_to, recordings
 from stereorecal.io import about
-from stereorecal.matching import AbstractMatcher
+from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.recalibration import LEAST_COVERED, ROWS_APART, Health, health
 from stereorecal.recordings import Scene
 from stereorecal.report.repairs import scores_table
@@ -39,7 +39,7 @@ def add_to(verbs) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Look, save, print; returns the exit code."""
-    matcher = _values.matcher(options.matcher)
+    matcher = as_matcher(options.matcher)
     _values.output_path(options.json, "--json")
     scenes = recordings(options)
     looked: list[Health] = []

@@ -5,18 +5,11 @@ import os
 from pathlib import Path
 
 from stereorecal._errors import InputError
-from stereorecal.matching import BM, SAD, SGBM, AbstractMatcher
 from stereorecal.strategies import strategies
 
 NONE_INSTALLED = (
     "no strategy is installed; run: pip install 'stereorecal[default]' (in a clone: pip install -e plugins/compass)"
 )
-MATCHERS: dict[str, type[AbstractMatcher]] = {"sad": SAD, "bm": BM, "sgbm": SGBM}
-
-
-def matcher(name: str) -> AbstractMatcher:
-    """A matcher with its default options."""
-    return MATCHERS[known(name, list(MATCHERS), "matcher")]()
 
 
 def known(name: str, names: list[str], what: str) -> str:

@@ -1,16 +1,15 @@
 """Comparisons: strategies x draws x scenes."""
 
 from stereorecal.comparison._compare import (
-    SCHEDULES as SCHEDULES,
     Drift as Drift,
     compare as compare,
     compare_scenes as compare_scenes,
-    load_strategies as load_strategies,
 )
 from stereorecal.comparison._comparison import SCHEMA as SCHEMA, Comparison as Comparison
+from stereorecal.comparison._entrants import load_strategies as load_strategies
 from stereorecal.comparison._summary import (
     Summary as Summary,
     Thresholds as Thresholds,
     summarise as summarise,
 )
-from stereorecal.comparison._trial import Trial as Trial
+from stereorecal.comparison._trial import FAILED as FAILED, SKIPPED as SKIPPED, Trial as Trial

@@ -7,23 +7,21 @@ from typing import Any
 
 import jax
 import numpy as np
-from jaxtyping import Float
 
 from stereorecal._errors import InputError, StrategyError
 from stereorecal._run_all import Progress, run_all
 from stereorecal._versions import versions
 from stereorecal.comparison._comparison import Comparison
+from stereorecal.comparison._entrants import entrants_of
 from stereorecal.comparison._trial import Task, Trial, failed, run_trial
-from stereorecal.geometry import StereoRig, view
-from stereorecal.matching import SAD, AbstractMatcher
+from stereorecal.geometry import StereoRig
+from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import Reach
-from stereorecal.recalibration import Schedule, recalibrate
-from stereorecal.recordings import Pair, Scene, check_pairs
-from stereorecal.scoring import prepare, with_disparity_range
-from stereorecal.strategies import AbstractStrategy, Budget, Objective, Outcome, origin_of, strategy
+from stereorecal.recalibration import recalibrate
+from stereorecal.recordings import Pairs, Scene, check_pairs
+from stereorecal.scoring import pyramid, ranged
+from stereorecal.strategies import AbstractStrategy, Budget, as_budget, origin_of
 from stereorecal.synthetic import decalibrate
-
-SCHEDULES = ("count", "default")
 
 
 @dataclass(frozen=True)
@@ -49,23 +47,23 @@ class Drift:
 
 def compare(
     rig: StereoRig,
-    pairs: Sequence[Pair],
+    pairs: Pairs,
     *,
-    strategies: Sequence[str] | Mapping[str, AbstractStrategy] = ("compass",),
-    matcher: AbstractMatcher | None = None,
+    strategies: Sequence[str] | Mapping[str, AbstractStrategy] | None = None,
+    matcher: AbstractMatcher | str | None = None,
     drift: Drift | None = None,
     reach: Reach | None = None,
-    schedule: str = "count",
+    schedule: str | None = None,
     scale: float = 1.0,
     draws: int = 20,
-    budget: Budget | None = None,
+    budget: Budget | float | None = None,
     seed: int = 0,
     executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> Comparison:
     """Compare strategies on one scene whose `rig` is the reference. Arguments and errors: see `compare_scenes`."""
     return compare_scenes(
-        [Scene("scene", rig, check_pairs(rig, list(pairs)))],
+        [Scene("scene", rig, check_pairs(rig, pairs))],
         strategies=strategies,
         matcher=matcher,
         drift=drift,
@@ -83,14 +81,14 @@ def compare(
 def compare_scenes(
     scenes: Sequence[Scene],
     *,
-    strategies: Sequence[str] | Mapping[str, AbstractStrategy] = ("compass",),
-    matcher: AbstractMatcher | None = None,
+    strategies: Sequence[str] | Mapping[str, AbstractStrategy] | None = None,
+    matcher: AbstractMatcher | str | None = None,
     drift: Drift | None = None,
     reach: Reach | None = None,
-    schedule: str = "count",
+    schedule: str | None = None,
     scale: float = 1.0,
     draws: int = 20,
-    budget: Budget | None = None,
+    budget: Budget | float | None = None,
     seed: int = 0,
     executor: Executor | None = None,
     progress: Progress | None = None,
@@ -104,31 +102,33 @@ def compare_scenes(
 
     Args:
         scenes: each with a rig, from which the drift is drawn and with which N_GT is counted.
-        strategies: names from the registry, or a mapping from names to strategies with options of their own.
-        matcher: default `SAD()`; without `num_disparities` each scene's range is measured once.
+        strategies: names from the registry, or a mapping from names to strategies with options of their own; default
+            those of the schedule.
+        matcher: a matcher, or "sad" (default), "bm" or "sgbm"; without `num_disparities` each scene's range is measured
+            once.
         drift: default 0.5 degrees and 1 % of the baseline.
         reach: default the larger of 3 degrees, 3 % and 1.2 x the drift.
         schedule: "count": the strategy maximises the count at one scale; "default": coarse to fine, with the strategy
-            in the stages of its kind.
+            in the stages of its kind. Default "count" where strategies are given, else both side by side.
         scale: image scale of the count schedule.
-        budget: of each trial, in units; default none.
+        budget: of each trial, in units or a `Budget`; default none.
         executor: any `concurrent.futures.Executor`; default one trial after the other in this process.
         progress: called with (finished, total) after each trial.
 
     Raises:
         InputError: if a scene has no rig, images do not fit, a name is unknown, or there is nothing to do.
     """
-    if draws < 1 or not scenes or not strategies:
+    if draws < 1 or not scenes or (strategies is not None and not strategies):
         raise InputError("there is nothing to compare; give at least one scene, one strategy and one draw.")
     if len({scene.name for scene in scenes}) < len(scenes):
         raise InputError("two scenes have the same name; rename a folder, or give each scene once.")
-    if schedule not in SCHEDULES:
-        raise InputError(f"unknown schedule {schedule!r}; choose one of: {', '.join(SCHEDULES)}")
-    matcher, drift, budget = matcher or SAD(), drift or Drift(), budget or Budget()
+    matcher, drift, budget = as_matcher(matcher), drift or Drift(), as_budget(budget)
     if reach is None:
         reach = Reach(max(3.0, 1.2 * drift.degrees), max(0.03, 1.2 * drift.baseline_fraction))
-    chosen = strategies if isinstance(strategies, Mapping) else load_strategies(strategies)
-    made_with = versions() | {f"strategy {name}": origin_of(plugin) for name, plugin in chosen.items()}
+    entrants = entrants_of(strategies, schedule, scale)
+    made_with = versions() | {
+        f"strategy {name}": origin_of(plugin) for entrant in entrants for name, plugin in entrant.running.items()
+    }
     planned = [_plan(scene, matcher, reach, scale) for scene in scenes]
     tasks = [
         Task(
@@ -136,17 +136,18 @@ def compare_scenes(
             reference=reference,
             start=decalibrate(_rig_of(scene), _draw_key(seed, draw), drift.degrees, drift.baseline_fraction),
             draw=draw,
-            strategy_name=name,
+            strategy_name=entrant.name,
             matcher_name=type(matcher).__name__.lower(),
             matcher=scene_matcher,
-            schedule=Schedule.count(plugin, scale) if schedule == "count" else Schedule.default().using(plugin),
+            schedule=entrant.schedule,
+            strategies=tuple(entrant.running),
             reach=reach,
             budget=budget,
             seed=seed + draw,
         )
         for scene, scene_matcher, reference in planned
         for draw in range(draws)
-        for name, plugin in chosen.items()
+        for entrant in entrants
     ]
     trials: dict[int, Trial] = {}
     interrupted = False
@@ -158,9 +159,9 @@ def compare_scenes(
     except KeyboardInterrupt:
         interrupted = True
     settings = {
-        "strategies": list(chosen),
+        "strategies": list(dict.fromkeys(entrant.name for entrant in entrants)),
         "matcher": {"name": type(matcher).__name__.lower(), **asdict(matcher)},
-        "schedule": schedule,
+        "schedule": " and ".join(dict.fromkeys(entrant.schedule.name for entrant in entrants)),
         "scale": scale,
         "decalibrate": asdict(drift),
         "reach": asdict(reach),
@@ -171,32 +172,6 @@ def compare_scenes(
     described = tuple(_describe(*plan) for plan in planned)
     finished = tuple(trials[index] for index in sorted(trials))
     return Comparison(settings, made_with, described, finished, interrupted=interrupted)
-
-
-@dataclass(frozen=True)
-class _Unloadable(AbstractStrategy):
-    """Stands for a strategy that is installed but broken, so that its rows are FAILED and the others live."""
-
-    message: str = ""
-
-    def run(self, objective: Objective, start: Float[np.ndarray, "n"], budget: Budget, seed: int) -> Outcome:
-        raise StrategyError(self.message)
-
-
-def load_strategies(names: Sequence[str]) -> dict[str, AbstractStrategy]:
-    """The strategies of these names with their default options. One that is installed but broken fails when it runs.
-
-    Raises:
-        InputError: if a name is unknown.
-    """
-    return {name: _load(name) for name in names}
-
-
-def _load(name: str) -> AbstractStrategy:
-    try:
-        return strategy(name)
-    except StrategyError as error:
-        return _Unloadable(str(error))
 
 
 def _rig_of(scene: Scene) -> StereoRig:
@@ -211,10 +186,9 @@ _Plan = tuple[Scene, AbstractMatcher, tuple[StereoRig, str]]
 def _plan(scene: Scene, matcher: AbstractMatcher, reach: Reach, scale: float) -> _Plan:
     """The scene, its matcher and its reference; what does not fit is refused now rather than trial by trial."""
     rig = _rig_of(scene)
-    pairs = check_pairs(rig, scene.pairs)
-    matcher = with_disparity_range(matcher, rig, pairs, view(rig), np.radians(reach.degrees))
-    data = prepare(rig, pairs[:1], view(rig), scale)
-    matcher.scaled(scale).disparity_range(data.view.size[0])
+    images = pyramid(rig, scene.pairs)
+    matcher = ranged(matcher, images, float(np.radians(reach.degrees)))
+    matcher.scaled(scale).disparity_range(images.at(scale, 1).view.size[0])
     return scene, matcher, _reference(scene, rig, matcher)
 
 

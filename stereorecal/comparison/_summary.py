@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stereorecal.comparison._trial import SCORE_AT, Trial
+from stereorecal.comparison._trial import FAILED, SCORE_AT, SKIPPED, Trial
 
 
 @dataclass(frozen=True)
@@ -32,6 +32,7 @@ class Summary:
     strategy: str
     matcher: str
     schedule: str
+    strategies: tuple[str, ...]
     draws: int
     failed: int
     skipped: int
@@ -74,14 +75,15 @@ def _summary(
 ) -> Summary:
     finished = [t for t in trials if t.score_final is not None]
     ratios = [t.ratio for t in finished if t.ratio is not None]
-    wanted = [t for t in trials if t.status != "SKIPPED"]
+    wanted = [t for t in trials if t.status != SKIPPED]
     return Summary(
         scene,
         strategy,
         matcher,
         schedule,
+        trials[0].strategies,
         draws=len(trials),
-        failed=sum(t.status == "FAILED" for t in trials),
+        failed=sum(t.status == FAILED for t in trials),
         skipped=len(trials) - len(wanted),
         flagged=sum(r > thresholds.flagged_ratio for r in ratios),
         success_rate=float(np.mean([succeeded(t, thresholds) for t in wanted])) if wanted else None,

@@ -5,15 +5,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from stereorecal._errors import NeedNotMet
-from stereorecal.geometry import AXES, StereoRig
+from stereorecal.geometry import StereoRig, axis_errors
 from stereorecal.matching import AbstractMatcher
-from stereorecal.objectives import Reach, chart_around, objective
+from stereorecal.objectives import Reach, count_box, objective
 from stereorecal.recalibration import Schedule, Solution, recalibrate
 from stereorecal.recordings import Scene
 from stereorecal.scoring import score
-from stereorecal.strategies import Budget, Status
+from stereorecal.strategies import Budget
 
 SCORE_AT = (100, 300, 1000)  # units
+SKIPPED, FAILED = "SKIPPED", "FAILED"  # beside the names of `Status`: what a comparison says of a trial without a run
 
 
 @dataclass(frozen=True)
@@ -26,6 +27,7 @@ class Task:
         start: the decalibrated rig.
         matcher: with its disparity range.
         schedule: with the strategy in it.
+        strategies: names of all strategies that the schedule runs.
     """
 
     scene: Scene
@@ -36,6 +38,7 @@ class Task:
     matcher_name: str
     matcher: AbstractMatcher
     schedule: Schedule
+    strategies: tuple[str, ...]
     reach: Reach
     budget: Budget
     seed: int
@@ -51,7 +54,10 @@ class Trial:
         ratio: the paper's r = N_o / N_GT.
         rotation_error_deg: |pitch|, |yaw|, |roll| error against the reference rig.
         translation_error_percent: |y|, |z| error in percent of the baseline.
-        evaluations, cost: how often the score was asked, and what that cost in units.
+        strategies: names of all strategies that ran; `strategy` is the one that was asked for.
+        evaluations, cost: how often the score was asked, and what that and the search for correspondences cost in
+            units: what the budget pays for.
+        cost_total: units of all that the repair did, the survey and the judging among it.
         score_at: best value of the stage's own score after 100, 300 and 1000 units; None where a schedule has several
             stages, whose scores do not compare.
     """
@@ -66,6 +72,7 @@ class Trial:
     accepted: bool
     reason: str | None
     reference: str
+    strategies: tuple[str, ...] = ()
     score_initial: int | None = None
     score_final: int | None = None
     score_reference: int | None = None
@@ -74,6 +81,7 @@ class Trial:
     translation_error_percent: dict[str, float] | None = None
     evaluations: int | None = None
     cost: float | None = None
+    cost_total: float | None = None
     seconds: float | None = None
     score_at: dict[str, float | None] | None = None
 
@@ -83,14 +91,14 @@ def run_trial(task: Task) -> Trial:
     try:
         return _finished(task, _repair(task))
     except NeedNotMet as error:
-        return _unfinished(task, Status.SKIPPED, str(error))
+        return _unfinished(task, SKIPPED, str(error))
     except Exception as error:
         return failed(task, error)
 
 
 def failed(task: Task, error: BaseException) -> Trial:
     """The FAILED row of a task whose worker raised."""
-    return _unfinished(task, Status.FAILED, str(error) or repr(error))
+    return _unfinished(task, FAILED, str(error) or repr(error))
 
 
 def _repair(task: Task) -> Solution:
@@ -110,8 +118,7 @@ def _finished(task: Task, solution: Solution) -> Trial:
     assert calibrated is not None
     target = score(calibrated, task.scene.pairs, matcher=task.matcher, view=solution.view).count
     final = (solution.score_after if solution.accepted else solution.score_before).count
-    error = np.abs(np.asarray(solution.rig.extrinsics) - np.asarray(reference.extrinsics))
-    degrees, percent = np.degrees(error[:3]), 100.0 * error[3:] / float(reference.baseline)
+    errors = axis_errors(solution.rig, reference)
     return Trial(
         **_key(task),
         status=solution.status.name,
@@ -122,26 +129,28 @@ def _finished(task: Task, solution: Solution) -> Trial:
         score_final=final,
         score_reference=target,
         ratio=final / target if target else None,
-        rotation_error_deg=dict(zip(AXES[:3], degrees.tolist(), strict=True)),
-        translation_error_percent={"y": float(percent[1]), "z": float(percent[2])},
+        rotation_error_deg=errors.rotation_deg,
+        translation_error_percent=errors.translation_percent,
         evaluations=solution.evaluations,
-        cost=solution.cost,
+        cost=solution.cost.budgeted,
+        cost_total=solution.cost.total,
         seconds=solution.seconds,
         score_at=_scores_at(task, solution) if len(task.schedule.stages) == 1 else None,
     )
 
 
-def _scores_at(task: Task, solution: Solution) -> dict[str, float | None]:
+def _scores_at(task: Task, solution: Solution) -> dict[str, float | None] | None:
     """What a strategy had reached at each mark. Points that it declared without a value are evaluated now; one that
     spent nothing had its candidate from the beginning."""
     trace = solution.trace
-    assert trace is not None  # a stage on the count always runs its strategy
+    if trace is None:  # the budget ended before the stage began
+        return None
     found = {cost: [trace.best_within(cost)] for cost in SCORE_AT}
     if len(trace.values):
         unvalued = {cost: trace.charged_within(cost) for cost in SCORE_AT}
     else:
-        chart = chart_around(task.start, task.reach)
-        unvalued = dict.fromkeys(SCORE_AT, np.asarray(chart.coordinates(solution.candidate.extrinsics)))
+        chart = count_box(task.start, task.reach).chart
+        unvalued = dict.fromkeys(SCORE_AT, chart.inside(np.asarray(solution.candidate.extrinsics)))
     wanted = {cost: point for cost, point in unvalued.items() if point is not None}
     if wanted:
         view, options = (
@@ -154,8 +163,8 @@ def _scores_at(task: Task, solution: Solution) -> dict[str, float | None]:
     return {str(cost): max((v for v in values if v is not None), default=None) for cost, values in found.items()}
 
 
-def _unfinished(task: Task, status: Status, message: str) -> Trial:
-    return Trial(**_key(task), status=status.name, message=message, accepted=False, reason=None)
+def _unfinished(task: Task, status: str, message: str) -> Trial:
+    return Trial(**_key(task), status=status, message=message, accepted=False, reason=None)
 
 
 def _key(task: Task) -> dict:
@@ -166,4 +175,5 @@ def _key(task: Task) -> dict:
         "schedule": task.schedule.name,
         "draw": task.draw,
         "reference": task.reference[1],
+        "strategies": task.strategies,
     }

@@ -1,5 +1,6 @@
 """Cameras, rigs, rotations, rectification, warps: pure functions and frozen pytrees."""
 
+from stereorecal.geometry._axis_errors import AxisErrors as AxisErrors, axis_errors as axis_errors
 from stereorecal.geometry._camera import Camera as Camera
 from stereorecal.geometry._distortion import distort as distort, undistort as undistort
 from stereorecal.geometry._rectification import (
@@ -7,7 +8,11 @@ from stereorecal.geometry._rectification import (
     rectifying_rotations as rectifying_rotations,
     view as view,
 )
-from stereorecal.geometry._rig import AXES as AXES, StereoRig as StereoRig
+from stereorecal.geometry._rig import (
+    AXES as AXES,
+    StereoRig as StereoRig,
+    with_unit_baseline as with_unit_baseline,
+)
 from stereorecal.geometry._so3 import (
     angle_between as angle_between,
     euler_from_rotation as euler_from_rotation,

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+from jaxtyping import Float
 
 from stereorecal._arrays import Extrinsics, Mat3, Vec3, is_host, namespace
 from stereorecal._errors import InputError
@@ -91,3 +92,9 @@ class StereoRig:
     def resized(self, size: tuple[int, int]) -> "StereoRig":
         """The rig whose images are resampled to `size` (width, height)."""
         return replace(self, left=self.left.resized(size), right=self.right.resized(size))
+
+
+def with_unit_baseline(extrinsics: Extrinsics) -> Float[np.ndarray, "6"]:
+    """The extrinsics (6,), float64, with the translation as a unit vector: what images can tell of it."""
+    extrinsics = np.asarray(extrinsics, float)
+    return np.concatenate([extrinsics[:3], extrinsics[3:] / np.linalg.norm(extrinsics[3:])])

@@ -1,5 +1,6 @@
 """Stereo matchers: SAD in JAX, OpenCV's BM and SGBM, one interface."""
 
+from stereorecal.matching._by_name import MATCHERS as MATCHERS, as_matcher as as_matcher
 from stereorecal.matching._matcher import (
     AbstractMatcher as AbstractMatcher,
     Disparity as Disparity,

@@ -1,9 +1,12 @@
 """The matcher interface: two rectified images in, a Disparity out."""
 
 import abc
+import difflib
 import math
-from dataclasses import dataclass, replace
-from typing import ClassVar, NamedTuple
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any, ClassVar, NamedTuple
 
 import jax
 from jaxtyping import Bool, Float, Int
@@ -71,6 +74,14 @@ class AbstractMatcher(abc.ABC):
     traceable: ClassVar[bool] = False
     smooth: ClassVar[bool] = False
 
+    def __new__(cls, *values: Any, **options: Any) -> "AbstractMatcher":
+        """Refuse options that it does not have, OpenCV's camel case among them, in a sentence."""
+        known = [option.name for option in fields(cls)]
+        for name in options:
+            if name not in known:
+                raise InputError(_no_option(cls.__name__, name, known))
+        return super().__new__(cls)
+
     @property
     def halo(self) -> int | None:
         """How many rows above and below a row decide what is found in it; None (the default): all of them. With a halo,
@@ -136,3 +147,11 @@ class AbstractMatcher(abc.ABC):
         lowest = math.floor(self.min_disparity * scale)
         highest = math.ceil((self.min_disparity + self.num_disparities) * scale)
         return replace(self, min_disparity=lowest, num_disparities=max(1, highest - lowest))
+
+
+def _no_option(matcher: str, name: str, known: Sequence[str]) -> str:
+    snake = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()
+    close = [snake] if snake in known else difflib.get_close_matches(snake, known, 1)
+    if close:
+        return f"{matcher} has no option {name!r}; write sr.{matcher}({close[0]}=...)."
+    return f"{matcher} has no option {name!r}; it has: {', '.join(known)}."

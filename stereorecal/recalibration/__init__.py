@@ -1,6 +1,7 @@
 """Recalibration: schedules, the repair itself, uncertainty, the verdict."""
 
 from stereorecal.recalibration._acceptance import Reason as Reason, RowErrors as RowErrors
+from stereorecal.recalibration._cost import Cost as Cost
 from stereorecal.recalibration._health import (
     LEAST_COVERED as LEAST_COVERED,
     ROWS_APART as ROWS_APART,
@@ -8,10 +9,21 @@ from stereorecal.recalibration._health import (
     Health as Health,
     health as health,
 )
-from stereorecal.recalibration._many import Fault as Fault, Repair as Repair, recalibrate_many as recalibrate_many
+from stereorecal.recalibration._many import (
+    Fault as Fault,
+    Repair as Repair,
+    recalibrate_many as recalibrate_many,
+    repairs_as_finished as repairs_as_finished,
+)
 from stereorecal.recalibration._path import Waypoint as Waypoint
 from stereorecal.recalibration._recalibrate import recalibrate as recalibrate
-from stereorecal.recalibration._schedule import Schedule as Schedule, ScoreKind as ScoreKind, Stage as Stage
+from stereorecal.recalibration._schedule import (
+    SCHEDULES as SCHEDULES,
+    Schedule as Schedule,
+    ScoreKind as ScoreKind,
+    Stage as Stage,
+    as_schedule as as_schedule,
+)
 from stereorecal.recalibration._sequence import recalibrate_sequence as recalibrate_sequence
 from stereorecal.recalibration._solution import Solution as Solution
 from stereorecal.recalibration._uncertainty import Uncertainty as Uncertainty

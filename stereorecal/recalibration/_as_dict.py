@@ -1,6 +1,7 @@
 """A solution as plain data: what the JSON of the command line holds and tables show."""
 
 from collections.abc import Sequence
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from stereorecal.objectives import FREE_AXES
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._stages import StageRun
 from stereorecal.scoring import Score
+from stereorecal.strategies import name_of
 
 
 def solution_as_dict(solution: Solution) -> dict[str, Any]:
@@ -40,7 +42,8 @@ def solution_as_dict(solution: Solution) -> dict[str, Any]:
             "num_disparities": solution.matcher.num_disparities,
             "stages": [_stage(stage) for stage in solution.stages],
             "evaluations": solution.evaluations,
-            "cost": solution.cost,
+            "cost": solution.cost.total,
+            "cost_of": asdict(solution.cost),
             "seconds": solution.seconds,
         }
     )
@@ -71,7 +74,7 @@ def _by_axis(names: Sequence[str], values: Sequence[float] | np.ndarray) -> dict
 def _stage(done: StageRun) -> dict[str, Any]:
     return {
         "score": done.stage.score.name.lower(),
-        "strategy": type(done.stage.strategy).__name__,
+        "strategy": name_of(done.stage.strategy),
         "scale": done.scale,
         "evaluations": done.evaluations,
         "cost": done.cost,

@@ -12,7 +12,8 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy.stats import norm, t as student_t
 
-from stereorecal.recalibration._stages import PRIOR, WIDER, Case, differences_at
+from stereorecal.objectives import SearchBox
+from stereorecal.recalibration._stages import differences_at
 from stereorecal.scoring import TILES, Correspondences, Loss, curvatures, precisions
 
 _STEP = 1e-4  # of the reach, for numerical derivatives of row differences in float64
@@ -34,6 +35,7 @@ class Evidence:
         weight: (m,) of the squared row differences.
         curvature: (m,) second derivatives of their losses.
         tile: (m,) which tile of which frame.
+        prior: standard deviation of the drift on each axis, in half widths of the box.
         scale: pixels at which the rows were measured, per pixel at full size.
     """
 
@@ -44,11 +46,12 @@ class Evidence:
     weight: Float[np.ndarray, "m"]
     curvature: Float[np.ndarray, "m"]
     tile: Int[np.ndarray, "m"]
+    prior: float
     scale: float = 1.0
 
     @property
     def _prior(self) -> Float[np.ndarray, "n n"]:
-        return np.eye(len(self.z)) / (PRIOR / WIDER) ** 2
+        return np.eye(len(self.z)) / self.prior**2
 
     def _normal(self, rows, weight: Float[np.ndarray, "m"]) -> Float[np.ndarray, "n n"]:
         jacobian = self.jacobian[rows]
@@ -111,9 +114,9 @@ class Evidence:
         return np.bincount(place, values, len(places)) / np.bincount(place, minlength=len(places))
 
 
-def evidence(case: Case, found: Correspondences, z: Float[np.ndarray, "n"]) -> Evidence:
-    """The evidence of correspondences at a solution z."""
-    chart, here = case.chart, np.asarray(found.weight) > 0
+def evidence(box: SearchBox, found: Correspondences, z: Float[np.ndarray, "n"]) -> Evidence:
+    """The evidence of correspondences at a solution z of the box."""
+    chart, here = box.chart, np.asarray(found.weight) > 0
     at = differences_at(found, chart, z)
     weights = precisions(found, at, Loss.WELSCH)
     scale = float(found.scale)
@@ -129,5 +132,6 @@ def evidence(case: Case, found: Correspondences, z: Float[np.ndarray, "n"]) -> E
         weight=weights[here] * scale**2,
         curvature=curvatures(found, at)[here] * scale**2,
         tile=np.asarray(found.tile)[here],
+        prior=box.prior,
         scale=scale,
     )

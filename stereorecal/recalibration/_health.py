@@ -1,27 +1,19 @@
 """Is a calibration good as it is? A look at the images through it, without any search."""
 
 import enum
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from stereorecal._arrays import refuse_tracers
 from stereorecal._plain import plain
-from stereorecal.geometry import StereoRig, view as default_view
-from stereorecal.matching import SAD, AbstractMatcher
+from stereorecal.geometry import StereoRig, with_unit_baseline
+from stereorecal.matching import AbstractMatcher
 from stereorecal.recalibration._acceptance import LEAST_COVERED, ROWS_APART
 from stereorecal.recalibration._as_dict import score_as_dict
-from stereorecal.recordings import Pair
-from stereorecal.scoring import (
-    Score,
-    correspondences,
-    counts_one_by_one,
-    median_row_error,
-    normalised,
-    prepare,
-    with_disparity_range,
-)
+from stereorecal.recordings import Pairs
+from stereorecal.scoring import Score, host, median_row_error, pyramid, ranged
 
 
 class Condition(enum.Enum):
@@ -85,19 +77,19 @@ class Health:
         )
 
 
-def health(rig: StereoRig, pairs: Sequence[Pair], *, matcher: AbstractMatcher | None = None) -> Health:
-    """Match the pairs under the rig's calibration, at full scale, and see how far apart the rows are.
+def health(rig: StereoRig, pairs: Pairs, *, matcher: AbstractMatcher | str | None = None) -> Health:
+    """Match the pairs under the rig's calibration, at full scale, and measure the epipolar (row) error.
 
     Args:
-        matcher: default `SAD()`; without `num_disparities` the range is measured.
+        matcher: a matcher, or "sad" (default), "bm" or "sgbm"; without `num_disparities` the range is measured.
 
     Raises:
         InputError: if images and calibration do not fit.
     """
-    view, extrinsics = default_view(rig), normalised(rig.extrinsics)
-    data = prepare(rig, pairs, view)
-    matcher = with_disparity_range(matcher or SAD(), rig, pairs, view)
-    found = correspondences(data, extrinsics, matcher, 1.0)
-    score = Score(int(counts_one_by_one(data, extrinsics[None], matcher)[0]), data.pixels)
+    refuse_tracers("sr.health", "sr.correspondences and sr.row_differences", rig)
+    images, extrinsics = pyramid(rig, pairs), with_unit_baseline(rig.extrinsics)
+    data, matcher = images.at(1.0), ranged(matcher, images)
+    found = host.correspondences(data, extrinsics, matcher)
+    score = Score(int(host.counts_one_by_one(data, extrinsics[None], matcher)[0]), data.pixels)
     known = found.covered >= LEAST_COVERED
     return Health(score, median_row_error(found, extrinsics) if known else float("nan"), found.covered)

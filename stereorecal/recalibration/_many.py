@@ -1,7 +1,7 @@
 """Repairing many recordings, one task each."""
 
 import enum
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import partial
@@ -10,14 +10,14 @@ from typing import Any
 from stereorecal._errors import InputError, StrategyError
 from stereorecal._run_all import Progress, run_all
 from stereorecal.geometry import View
-from stereorecal.matching import AbstractMatcher
+from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import Reach
 from stereorecal.recalibration._as_dict import solution_as_dict
 from stereorecal.recalibration._recalibrate import recalibrate
-from stereorecal.recalibration._schedule import Schedule
+from stereorecal.recalibration._schedule import Schedule, as_schedule
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recordings import Scene
-from stereorecal.strategies import Budget
+from stereorecal.strategies import Budget, as_budget
 
 
 class Fault(enum.Enum):
@@ -53,10 +53,10 @@ class Repair:
 def recalibrate_many(
     scenes: Sequence[Scene],
     *,
-    matcher: AbstractMatcher | None = None,
-    schedule: Schedule | None = None,
+    matcher: AbstractMatcher | str | None = None,
+    schedule: Schedule | str | None = None,
     reach: Reach | None = None,
-    budget: Budget | None = None,
+    budget: Budget | float | None = None,
     view: View | None = None,
     seed: int = 0,
     executor: Executor | None = None,
@@ -64,8 +64,8 @@ def recalibrate_many(
 ) -> tuple[Repair, ...]:
     """Repair the extrinsics of many recordings, each on its own; the answers come in the order of the recordings.
 
-    A recording that cannot be repaired is an answer with an error, never an exception. Ctrl-C ends it: what is finished
-    is returned, the rest has `Fault.INTERRUPTED`.
+    A recording that cannot be repaired is an answer with an error, never an exception. Ctrl-C passes; to keep what is
+    finished by then, take the answers one by one from `repairs_as_finished`.
 
     Args:
         scenes: each with a rig and its pairs. Pairs that came from files travel to the workers as paths.
@@ -78,30 +78,45 @@ def recalibrate_many(
         InputError: if there is no recording, or a strategy of the default schedule is not installed.
         StrategyError: if one of those is broken.
     """
+    options = {"schedule": schedule, "reach": reach, "budget": budget, "view": view, "seed": seed}
+    finished: dict[int, Repair] = {}
+    for index, repair in repairs_as_finished(scenes, matcher=matcher, executor=executor, **options):
+        finished[index] = repair
+        if progress is not None:
+            progress(len(finished), len(scenes))
+    return tuple(finished[index] for index in range(len(scenes)))
+
+
+def repairs_as_finished(
+    scenes: Sequence[Scene],
+    *,
+    matcher: AbstractMatcher | str | None = None,
+    schedule: Schedule | str | None = None,
+    reach: Reach | None = None,
+    budget: Budget | float | None = None,
+    view: View | None = None,
+    seed: int = 0,
+    executor: Executor | None = None,
+) -> Iterator[tuple[int, Repair]]:
+    """`recalibrate_many` for those who show or save each answer as soon as it is there: the index of a recording and
+    its repair, in the order in which they finish. Arguments and errors as there; errors are raised at once."""
     if not scenes:
         raise InputError("there is nothing to repair; give at least one recording.")
     repair = partial(
         _repair,
-        matcher=matcher,
-        schedule=schedule or Schedule.default(),
+        matcher=as_matcher(matcher),
+        schedule=as_schedule(schedule),
         reach=reach,
-        budget=budget,
+        budget=as_budget(budget),
         view=view,
         seed=seed,
     )
-    finished: dict[int, Repair] = {}
-    try:
+
+    def repairs() -> Iterator[tuple[int, Repair]]:
         for index, found in run_all(repair, scenes, executor):
-            finished[index] = found if isinstance(found, Repair) else _failed(scenes[index].name, found)
-            if progress is not None:
-                progress(len(finished), len(scenes))
-    except KeyboardInterrupt:
-        pass
-    missing = Fault.INTERRUPTED
-    return tuple(
-        finished.get(index) or Repair(scene.name, error=missing.value, fault=missing)
-        for index, scene in enumerate(scenes)
-    )
+            yield index, found if isinstance(found, Repair) else _failed(scenes[index].name, found)
+
+    return repairs()
 
 
 def _repair(scene: Scene, **options: Any) -> Repair:

@@ -1,34 +1,35 @@
 """The entry point: validate, run the schedule, judge its end."""
 
 import time
-from collections.abc import Sequence
 
 import numpy as np
 
-from stereorecal.geometry import StereoRig, View, view as default_view
-from stereorecal.matching import SAD, AbstractMatcher
+from stereorecal._arrays import refuse_tracers
+from stereorecal.geometry import StereoRig, View, with_unit_baseline
+from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import Reach
 from stereorecal.recalibration._acceptance import Reason, row_errors, verdict, verdict_on_count
+from stereorecal.recalibration._cost import Cost
 from stereorecal.recalibration._evidence import evidence
-from stereorecal.recalibration._schedule import Schedule, ScoreKind
+from stereorecal.recalibration._schedule import Schedule, ScoreKind, as_schedule
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._stages import FEWEST, Case, StageRun, better_start, remaining, run_stage
 from stereorecal.recalibration._uncertainty import uncertainty
-from stereorecal.recordings import Pair, check_pairs
-from stereorecal.scoring import Score, counts_one_by_one, normalised, prepare, survey, with_disparity_range
-from stereorecal.strategies import Budget, Status
+from stereorecal.recordings import Pairs
+from stereorecal.scoring import Score, host, pyramid, survey
+from stereorecal.strategies import Budget, Status, as_budget
 
 _YAW_LEFT = np.radians(0.25)  # what an epipolar stage leaves, where yaw is observed
 
 
 def recalibrate(
     rig: StereoRig,
-    pairs: Sequence[Pair],
+    pairs: Pairs,
     *,
-    matcher: AbstractMatcher | None = None,
-    schedule: Schedule | None = None,
+    matcher: AbstractMatcher | str | None = None,
+    schedule: Schedule | str | None = None,
     reach: Reach | None = None,
-    budget: Budget | None = None,
+    budget: Budget | float | None = None,
     view: View | None = None,
     seed: int = 0,
 ) -> Solution:
@@ -36,63 +37,69 @@ def recalibrate(
 
     Args:
         rig: the calibration to start from.
-        pairs: one or several frames, used jointly.
-        matcher: default `SAD()`; without `num_disparities` the range is measured, and again as the rig comes right.
-        schedule: default `Schedule.default()`: coarse to fine, the count and then epipolar residuals.
+        pairs: one or several frames, used jointly; a pair may be a tuple of two arrays.
+        matcher: a matcher, or "sad" (default), "bm" or "sgbm"; without `num_disparities` the range is measured, and
+            again as the rig comes right.
+        schedule: a `Schedule`, or "default" (also for None): coarse to fine, the count and then epipolar residuals; or
+            "count": compass search on the count at full scale, the paper's way.
         reach: how far the rig may have drifted; default 3 degrees and 3 % of the baseline.
-        budget: limits for the whole schedule; default none.
+        budget: units, or a `Budget`, for the whole schedule; default none.
         view: default the view of `rig`.
         seed: for strategies that draw random numbers.
 
     Raises:
-        InputError: if images and calibration do not fit, or a strategy of the default schedule is not installed.
+        InputError: if images and calibration do not fit, or a strategy of the schedule is not installed.
         StrategyError: if a strategy crashes.
     """
+    refuse_tracers("sr.recalibrate", "sr.count, sr.soft_count or sr.row_differences and an optimiser of yours", rig)
     began = time.perf_counter()
-    pairs = check_pairs(rig, list(pairs))
-    schedule = schedule or Schedule.default()
-    reach, budget = reach or Reach(), budget or Budget()
-    view = default_view(rig) if view is None else view
-    asked, radians = matcher or SAD(), np.radians(reach.degrees)
-    start, survey_cost = np.zeros(6), 0.0
-    if schedule.survey:
-        seen = survey(rig, pairs, view, radians)
-        ranged, start, survey_cost = seen.with_range(asked, radians), seen.offset, seen.cost
-    else:
-        ranged = with_disparity_range(asked, rig, pairs, view, radians)
-    case = Case(rig, pairs, ranged, view, reach)
-    case, stages = _run_schedule(case, schedule, asked, start, budget, seed)
-    return _judged(case, stages, survey_cost, began)
+    images, reach = pyramid(rig, pairs, view), reach or Reach()
+    schedule, budget, asked = as_schedule(schedule), as_budget(budget), as_matcher(matcher)
+    case, offset, surveyed = Case(images, asked, reach), np.zeros(6), 0.0
+    if schedule.survey or asked.num_disparities is None:
+        radians = float(np.radians(reach.degrees))
+        seen = survey(images, rig.extrinsics, radians)
+        case, surveyed = case.with_matcher(seen.with_range(asked, radians)), seen.cost
+        offset = seen.offset if schedule.survey else offset
+    return _run_schedule(case, schedule, asked, offset, surveyed, budget, began, seed)
 
 
 def _run_schedule(
-    case: Case, schedule: Schedule, asked: AbstractMatcher, start: np.ndarray, budget: Budget, seed: int
-) -> tuple[Case, tuple[StageRun, ...]]:
-    """All stages; the case comes back with the widest disparity range that was measured."""
-    began, stages, widest = time.perf_counter(), [], case
-    best = better_start(case, schedule.stages[0], np.asarray(case.chart.coordinates(case.rig.extrinsics + start)))
+    case: Case,
+    schedule: Schedule,
+    asked: AbstractMatcher,
+    offset: np.ndarray,
+    surveyed: float,
+    budget: Budget,
+    began: float,
+    seed: int,
+) -> Solution:
+    """All stages that the budget allows, then the verdict, with the widest disparity range that was measured."""
+    widest, stages = case, []
+    best, of_starts = better_start(case, schedule.stages[0], offset)
     for stage in schedule.stages:
-        left = remaining(budget, sum(done.cost for done in stages), began) or Budget(_TRACE_OF_A_BUDGET)
+        left = remaining(budget, sum(done.cost for done in stages), began)
+        if left is None:
+            break
         stages.append(run_stage(case, stage, best, left, seed))
         best = stages[-1].best
         if len(schedule.stages) > 1 and asked.num_disparities is None:
-            yaw_left = _YAW_LEFT if stage.score is ScoreKind.EPIPOLAR else np.radians(case.reach.degrees)
-            seen = survey(case.rig_at(best), case.pairs, case.view, yaw_left, aligned=True)
+            yaw_left = float(_YAW_LEFT if stage.score is ScoreKind.EPIPOLAR else np.radians(case.reach.degrees))
+            seen = survey(case.images, best, yaw_left, aligned=True)
+            surveyed += seen.cost
             case = case.with_matcher(seen.with_range(asked, yaw_left))
             widest = max(widest, case, key=lambda c: c.matcher.num_disparities or 0)
-    return widest, tuple(stages)
+    return _judged(widest, schedule, tuple(stages), Cost(survey=surveyed, starts=of_starts), began)
 
 
-_TRACE_OF_A_BUDGET = 1e-12  # so that a stage's judge can speak even when nothing may be spent
-
-
-def _judged(case: Case, stages: tuple[StageRun, ...], survey_cost: float, began: float) -> Solution:
-    best, runs = stages[-1].best, [run for stage in stages for run in stage.runs]
+def _judged(case: Case, schedule: Schedule, stages: tuple[StageRun, ...], cost: Cost, began: float) -> Solution:
+    best = stages[-1].best if stages else np.asarray(case.rig.extrinsics)
+    runs = [run for stage in stages for run in stage.runs]
     found = next((stage.found for stage in reversed(stages) if stage.found is not None), None)
-    candidate = case.rig_at(best)
-    before, after = _scores(case, candidate)
+    candidate = case.rig.with_extrinsics(best)
+    before, after, of_scores = _scores(case, candidate)
     status, message = (runs[-1].status, runs[-1].message) if runs else (Status.NO_SIGNAL, Status.NO_SIGNAL.value)
-    cut = any(stage.cut for stage in stages)
+    cut = len(stages) < len(schedule.stages) or any(stage.cut for stage in stages)
     if cut:
         status, message = Status.BUDGET, Status.BUDGET.value
     rows = known = None
@@ -103,9 +110,11 @@ def _judged(case: Case, stages: tuple[StageRun, ...], survey_cost: float, began:
     elif found.found < FEWEST:
         reason = Reason.TOO_LITTLE_TEXTURE
     else:
-        facts = evidence(case, found, best)
-        rows, known = row_errors(facts), uncertainty(facts.covariance(), case.chart)
-        reason = verdict(before, after, rows, best, known.observed, facts.places, found.covered, len(case.pairs))
+        box = case.box
+        z = np.asarray(box.chart.coordinates(best))
+        facts = evidence(box, found, z)
+        rows, known = row_errors(facts), uncertainty(facts.covariance(), box)
+        reason = verdict(before, after, rows, z, known.observed, facts.places, found.covered, len(case.images.pairs))
     accepted = reason in (Reason.IMPROVED, Reason.MORE_MATCHES)
     return Solution(
         rig=candidate if accepted else case.rig,
@@ -115,10 +124,16 @@ def _judged(case: Case, stages: tuple[StageRun, ...], survey_cost: float, began:
         reason=reason,
         status=status,
         message=message,
-        view=case.view,
+        view=case.images.view,
         matcher=case.matcher,
         reach=case.reach,
-        survey_cost=survey_cost,
+        cost=Cost(
+            survey=cost.survey,
+            starts=cost.starts,
+            search=sum(stage.search_cost for stage in stages),
+            correspondences=sum(stage.matching_cost for stage in stages),
+            judging=sum(stage.judging_cost for stage in stages) + of_scores,
+        ),
         score_before=before,
         score_after=after,
         row_errors=rows,
@@ -128,9 +143,9 @@ def _judged(case: Case, stages: tuple[StageRun, ...], survey_cost: float, began:
     )
 
 
-def _scores(case: Case, candidate: StereoRig) -> tuple[Score, Score]:
-    """Counts at full scale, before and after; the judge's own work, which no budget pays for."""
-    data = prepare(case.rig, case.pairs, case.view)
-    judged = counts_one_by_one(data, np.stack([normalised(r.extrinsics) for r in (case.rig, candidate)]), case.matcher)
-    before, after = (Score(int(found), data.pixels) for found in judged)
-    return before, after
+def _scores(case: Case, candidate: StereoRig) -> tuple[Score, Score, float]:
+    """Counts at full scale, before and after; and what they cost."""
+    data = case.images.at(1.0)
+    rigs = np.stack([with_unit_baseline(rig.extrinsics) for rig in (case.rig, candidate)])
+    before, after = (Score(int(n), data.pixels) for n in host.counts_one_by_one(data, rigs, case.matcher))
+    return before, after, 2 * data.cost

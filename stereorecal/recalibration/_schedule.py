@@ -2,9 +2,12 @@
 
 import enum
 from dataclasses import dataclass, replace
+from typing import Any
 
 from stereorecal._errors import InputError
-from stereorecal.strategies import AbstractStrategy, Need, strategy as named_strategy
+from stereorecal.strategies import AbstractStrategy, Need, name_of, strategy as named_strategy
+
+SCHEDULES = ("count", "default")
 
 
 class ScoreKind(enum.Enum):
@@ -69,9 +72,13 @@ class Schedule:
             raise InputError("the schedule has no stage; give at least one.")
 
     @staticmethod
-    def count(strategy: AbstractStrategy, scale: float = 1.0) -> "Schedule":
-        """The paper's way: one strategy on the count alone, at one image scale."""
-        return Schedule("count", (Stage(strategy, scale),))
+    def count(strategy: AbstractStrategy | str = "compass", scale: float = 1.0) -> "Schedule":
+        """The paper's way: one strategy, or the one of that name, on the count alone, at one image scale.
+
+        Raises:
+            InputError: if no strategy of that name is installed.
+        """
+        return Schedule("count", (Stage(as_strategy(strategy), scale),))
 
     @staticmethod
     def default() -> "Schedule":
@@ -94,8 +101,40 @@ class Schedule:
         )
         return Schedule("default", stages, survey=True)
 
+    @property
+    def strategies(self) -> tuple[str, ...]:
+        """The names of the strategies that it runs, each once."""
+        return tuple(dict.fromkeys(name_of(stage.strategy) for stage in self.stages))
+
     def using(self, strategy: AbstractStrategy) -> "Schedule":
         """The same schedule with `strategy` in every stage of its kind: one that needs residuals in the epipolar
         stages, any other in those on the count."""
         kind = ScoreKind.EPIPOLAR if strategy.needs is Need.RESIDUALS else ScoreKind.COUNT
         return replace(self, stages=tuple(replace(s, strategy=strategy) if s.score is kind else s for s in self.stages))
+
+
+def as_schedule(schedule: Any) -> Schedule:
+    """The schedule itself, or the one of that name: "default" (also for None), or "count", compass at full scale.
+
+    Raises:
+        InputError: if the name is unknown, it is no schedule, or a strategy of it is not installed.
+    """
+    if schedule is None or schedule == "default":
+        return Schedule.default()
+    if schedule == "count":
+        return Schedule.count()
+    if isinstance(schedule, Schedule):
+        return schedule
+    if isinstance(schedule, AbstractStrategy):
+        raise InputError(f"schedule is the strategy {name_of(schedule)}; give sr.Schedule.count(strategy, scale=1.0).")
+    given = repr(schedule) if isinstance(schedule, str) else f"a {type(schedule).__name__}"
+    raise InputError(f"unknown schedule {given}; choose one of: {', '.join(SCHEDULES)}, or give an sr.Schedule.")
+
+
+def as_strategy(strategy: AbstractStrategy | str) -> AbstractStrategy:
+    """The strategy itself, or the one of that name with its default options.
+
+    Raises:
+        InputError: if no strategy of that name is installed.
+    """
+    return named_strategy(strategy) if isinstance(strategy, str) else strategy

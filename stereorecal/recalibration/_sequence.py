@@ -1,25 +1,23 @@
 """One pair after the other, each repair starting where the one before it ended (paper, section 4.5)."""
 
-from collections.abc import Sequence
-
 from stereorecal.geometry import StereoRig, View, view as default_view
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import Reach
 from stereorecal.recalibration._recalibrate import recalibrate
-from stereorecal.recalibration._schedule import Schedule
+from stereorecal.recalibration._schedule import Schedule, as_schedule
 from stereorecal.recalibration._solution import Solution
-from stereorecal.recordings import Pair, check_pairs
+from stereorecal.recordings import Pairs, check_pairs
 from stereorecal.strategies import Budget
 
 
 def recalibrate_sequence(
     rig: StereoRig,
-    pairs: Sequence[Pair],
+    pairs: Pairs,
     *,
-    matcher: AbstractMatcher | None = None,
-    schedule: Schedule | None = None,
+    matcher: AbstractMatcher | str | None = None,
+    schedule: Schedule | str | None = None,
     reach: Reach | None = None,
-    budget: Budget | None = None,
+    budget: Budget | float | None = None,
     view: View | None = None,
     seed: int = 0,
 ) -> tuple[Solution, ...]:
@@ -37,9 +35,9 @@ def recalibrate_sequence(
         InputError, StrategyError: as `recalibrate`.
     """
     view = default_view(rig) if view is None else view
-    schedule = schedule or Schedule.default()
+    schedule = as_schedule(schedule)
     found: list[Solution] = []
-    for pair in check_pairs(rig, list(pairs)):
+    for pair in check_pairs(rig, pairs):
         start = found[-1].rig if found else rig
         repair = recalibrate(
             start, [pair], matcher=matcher, schedule=schedule, reach=reach, budget=budget, view=view, seed=seed

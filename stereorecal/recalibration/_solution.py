@@ -10,6 +10,7 @@ from stereorecal.geometry import AXES, StereoRig, View
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import FREE_AXES, Reach
 from stereorecal.recalibration._acceptance import Reason, RowErrors
+from stereorecal.recalibration._cost import Cost
 from stereorecal.recalibration._effects import depth_errors
 from stereorecal.recalibration._path import Waypoint, path_of
 from stereorecal.recalibration._stages import StageRun
@@ -30,7 +31,7 @@ class Solution:
         status, message: how the search of the last stage ended.
         view, matcher: with which everything was scored; the matcher carries its measured disparity range.
         reach: within which it was searched.
-        survey_cost: units that the survey before the first stage took; no budget pays for it, `cost` leaves it out.
+        cost: units that it took, by what they were spent on; `cost.total` is all of it.
         score_before, score_after: of `initial` and `candidate`, at full scale in `view`.
         row_errors: epipolar errors before and after; None if the schedule has no epipolar stage, or it found nothing.
         uncertainty: of the candidate; None in the same cases.
@@ -48,7 +49,7 @@ class Solution:
     view: View
     matcher: AbstractMatcher
     reach: Reach
-    survey_cost: float
+    cost: Cost
     score_before: Score
     score_after: Score
     row_errors: RowErrors | None
@@ -65,17 +66,12 @@ class Solution:
     @property
     def path(self) -> tuple[Waypoint, ...]:
         """Where the repair began, where each stage began and ended, and each new best of the stages on the count."""
-        return path_of(self.initial, self.reach, self.survey_cost, self.stages)
+        return path_of(self.initial, self.cost.survey + self.cost.starts, self.stages)
 
     @property
     def evaluations(self) -> int:
         """Number of evaluations over all stages."""
         return sum(stage.evaluations for stage in self.stages)
-
-    @property
-    def cost(self) -> float:
-        """Units spent over all stages (one unit: one matcher run on one full-size frame)."""
-        return sum(stage.cost for stage in self.stages)
 
     @property
     def covariance(self) -> Float[np.ndarray, "5 5"] | None:

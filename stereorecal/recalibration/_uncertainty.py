@@ -5,8 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float
 
-from stereorecal.objectives import FREE_AXES, Chart
-from stereorecal.recalibration._stages import PRIOR, WIDER
+from stereorecal.objectives import FREE_AXES, Chart, SearchBox
 
 _NORMAL_95 = 1.96
 _OBSERVED = 0.5  # of the prior's standard deviation; above it, the answer is mostly the prior
@@ -35,10 +34,10 @@ class Uncertainty:
         return tuple(name for name, seen in zip(FREE_AXES, self.observed, strict=True) if not seen)
 
 
-def uncertainty(covariance: Float[np.ndarray, "n n"], chart: Chart) -> Uncertainty:
-    """From the covariance in units of the unit box."""
-    unit = reading_units(chart)
-    observed = np.sqrt(np.diag(covariance)) < _OBSERVED * PRIOR / WIDER
+def uncertainty(covariance: Float[np.ndarray, "n n"], box: SearchBox) -> Uncertainty:
+    """The uncertainty of a solution whose covariance is `covariance`, in half widths of the box."""
+    unit = reading_units(box.chart)
+    observed = np.sqrt(np.diag(covariance)) < _OBSERVED * box.prior
     return Uncertainty(covariance * unit[:, None] * unit, observed)
 
 

@@ -5,16 +5,17 @@ import numpy as np
 from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig
 from stereorecal.recordings._pair import Pair
+from stereorecal.recordings._pairs import Pairs, as_pairs
 
 
-def check_pairs(rig: StereoRig, pairs: tuple[Pair, ...] | list[Pair]) -> tuple[Pair, ...]:
+def check_pairs(rig: StereoRig, pairs: Pairs) -> tuple[Pair, ...]:
     """The pairs as a tuple, if there is at least one, all have the size that the calibration says, and none is one
     image twice.
 
     Raises:
         InputError: otherwise.
     """
-    pairs = tuple(pairs)
+    pairs = as_pairs(pairs)
     if not pairs:
         raise InputError("no image pair was given; give at least one.")
     for pair in pairs:

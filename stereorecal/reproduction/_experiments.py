@@ -6,14 +6,13 @@ from dataclasses import dataclass, field
 import jax
 import numpy as np
 
-from stereorecal.geometry import StereoRig
+from stereorecal.geometry import StereoRig, with_unit_baseline
 from stereorecal.matching import BM, SAD, SGBM, AbstractMatcher
 from stereorecal.objectives import FREE_AXES, Reach
 from stereorecal.recalibration import Schedule
 from stereorecal.recordings import Log, Mission, Pair
 from stereorecal.reproduction._judge import Judge, ideal, judge_of, unstarred
 from stereorecal.reproduction._tasks import Counting, Method, Repairing, Sailing, Search, Shot, Sweep, Task
-from stereorecal.scoring import normalised
 from stereorecal.strategies import Budget, Need, strategy
 from stereorecal.synthetic import decalibrate
 
@@ -206,7 +205,7 @@ def _repairs(
 
 def _apart(one: StereoRig, other: StereoRig) -> float:
     """The largest difference of an angle [degrees] or of the direction of the baseline [percent]."""
-    difference = np.abs(normalised(one.extrinsics) - normalised(other.extrinsics))
+    difference = np.abs(with_unit_baseline(one.extrinsics) - with_unit_baseline(other.extrinsics))
     return float(max(np.degrees(difference[:3]).max(), 100.0 * difference[3:].max()))
 
 

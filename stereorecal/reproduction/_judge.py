@@ -5,12 +5,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stereorecal.geometry import AXES, StereoRig, View, view
+from stereorecal.geometry import StereoRig, View, axis_errors, view, with_unit_baseline
 from stereorecal.matching import SAD, AbstractMatcher
 from stereorecal.objectives import Reach
 from stereorecal.recalibration import Waypoint
 from stereorecal.recordings import Log, Mission, Pair
-from stereorecal.scoring import counts, normalised, prepare, with_disparity_range
+from stereorecal.scoring import host, prepare, with_disparity_range
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,8 +31,8 @@ class Judge:
 
     def counts(self, pair: Pair, extrinsics: Sequence[np.ndarray]) -> list[int]:
         """The count of a pair under each extrinsics (6,) [rad, m]."""
-        candidates = np.stack([normalised(one) for one in extrinsics])
-        return counts(prepare(self.rig, [pair], self.view), candidates, self.matcher).tolist()
+        candidates = np.stack([with_unit_baseline(one) for one in extrinsics])
+        return host.counts(prepare(self.rig, [pair], self.view), candidates, self.matcher).tolist()
 
     def with_matcher(self, matcher: AbstractMatcher) -> "Judge":
         """The same judge with another kind of matcher that has the same disparity range."""
@@ -46,12 +46,9 @@ class Judge:
         return self.truth or self.rig
 
     def errors(self, extrinsics: np.ndarray) -> tuple[dict[str, float], dict[str, float]]:
-        """|pitch|, |yaw|, |roll| error [degrees] and |y|, |z| error [percent of the baseline]; directions of the
-        translation are compared, since nothing sees its length."""
-        here, there = normalised(extrinsics), normalised(self.reference.extrinsics)
-        away = np.abs(here - there)
-        degrees, percent = np.degrees(away[:3]), 100.0 * away[3:]
-        return dict(zip(AXES[:3], degrees.tolist(), strict=True)), {"y": float(percent[1]), "z": float(percent[2])}
+        """|pitch|, |yaw|, |roll| error [degrees] and |y|, |z| error [percent of the baseline]."""
+        found = axis_errors(self.rig.with_extrinsics(extrinsics), self.reference)
+        return found.rotation_deg, found.translation_percent
 
     def way(self, pair: Pair, path: Sequence[Waypoint]) -> list[dict[str, float]]:
         """What a repair had reached, and at which cost: the count, and the squared errors of rotation [degrees²] and

@@ -231,7 +231,7 @@ def _found(shot: Shot, solution: Solution) -> Row:
         "accepted": solution.accepted,
         "reason": solution.reason.name.lower(),
         "evaluations": solution.evaluations,
-        "cost": solution.cost + solution.survey_cost,
+        "cost": solution.cost.total,
         "seconds": solution.seconds,
         **_errors(shot.judge, solution.rig),
         "extrinsics": {"start": solution.initial.extrinsics, "found": solution.rig.extrinsics},

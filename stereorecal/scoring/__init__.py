@@ -1,4 +1,9 @@
-"""Scores of a calibration: pure functions of images, cameras, extrinsics and matcher."""
+"""Scores of a calibration.
+
+The pure face, which users jit, batch and differentiate: `prepare` on the host, then `count`, `soft_count`,
+`correspondences` and `row_differences` (`docs/tutorials/07-the-score-in-jax.md`). `host` has the same scores for every
+matcher, on all cores.
+"""
 
 from stereorecal.scoring._bands import bands as bands
 from stereorecal.scoring._correspondences import (
@@ -6,30 +11,31 @@ from stereorecal.scoring._correspondences import (
     Correspondences as Correspondences,
     correspondences as correspondences,
 )
-from stereorecal.scoring._count import (
-    count as count,
-    counts as counts,
-    counts_one_by_one as counts_one_by_one,
-    disparities as disparities,
+from stereorecal.scoring._count import count as count, count_scaled as count_scaled
+from stereorecal.scoring._gradient import forward_gradient as forward_gradient
+from stereorecal.scoring._matchers import pure_matcher as pure_matcher
+from stereorecal.scoring._prepare import (
+    Pyramid as Pyramid,
+    ScoringData as ScoringData,
+    prepare as prepare,
+    pyramid as pyramid,
 )
-from stereorecal.scoring._epipolar import (
-    Loss as Loss,
-    curvatures as curvatures,
+from stereorecal.scoring._robust import Loss as Loss, curvatures as curvatures, precisions as precisions
+from stereorecal.scoring._row_differences import (
+    differences_of as differences_of,
     median_row_error as median_row_error,
-    precisions as precisions,
     row_differences as row_differences,
 )
-from stereorecal.scoring._gradient import forward_gradient as forward_gradient
-from stereorecal.scoring._prepare import ScoringData as ScoringData, normalised as normalised, prepare as prepare
-from stereorecal.scoring._score import (
-    Score as Score,
-    disparity as disparity,
-    rectify as rectify,
-    score as score,
+from stereorecal.scoring._score import Score as Score, disparity as disparity, rectify as rectify, score as score
+from stereorecal.scoring._soft_count import (
+    TEMPERATURE as TEMPERATURE,
+    checked_temperature as checked_temperature,
+    soft_count as soft_count,
+    soft_count_scaled as soft_count_scaled,
 )
-from stereorecal.scoring._soft_count import soft_count as soft_count
 from stereorecal.scoring._survey import (
     Survey as Survey,
+    ranged as ranged,
     survey as survey,
     with_disparity_range as with_disparity_range,
 )

@@ -6,20 +6,22 @@ fixed by the shape of the images, and neighbours whose windows overlap do not vo
 
 import math
 from dataclasses import dataclass
+from functools import partial
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float, Int
 
-from stereorecal._arrays import AnyArray, Extrinsics
+from stereorecal._arrays import AnyArray, Extrinsics, namespace
 from stereorecal._pytree import register_pytree
 from stereorecal.geometry import cubic_warp, rectifying_rotations, rotation_from_euler
 from stereorecal.matching import AbstractMatcher, Disparity
-from stereorecal.scoring._cores import on_all_cores
-from stereorecal.scoring._count import disparities
-from stereorecal.scoring._prepare import Rectified, ScoringData, rectify_frames
+from stereorecal.scoring._matchers import pure_matcher
+from stereorecal.scoring._prepare import ScoringData
+from stereorecal.scoring._rectify import Rectified, rectify_frames
 from stereorecal.scoring._subpixel import WINDOW, refine
+from stereorecal.scoring._validity import match_frame
 
 _CELLS = 4800  # in a frame: enough to cover it with windows twice over
 TILES = (8, 6)  # columns and rows of tiles in a frame, the units of resampling
@@ -62,32 +64,45 @@ class Correspondences:
 
 
 def correspondences(
-    data: ScoringData, extrinsics: Extrinsics, matcher: AbstractMatcher, scale: float
+    data: ScoringData, extrinsics: Float[AnyArray, "6"], matcher: AbstractMatcher | str
 ) -> Correspondences:
-    """The correspondences of all frames, rectified by `extrinsics` and matched by `matcher`; NumPy arrays.
+    """Dense sub-pixel correspondences of all frames, rectified by `extrinsics` and matched by `matcher`; JAX arrays.
+
+    Pure; compiled once for each image size and matcher. Composes under `jit` and `vmap` over the extrinsics; its
+    derivatives mean nothing, those of `row_differences` do.
 
     Args:
-        extrinsics: (6,): pitch, yaw, roll [rad] and the translation in any unit.
-        matcher: with its disparity range at the scale of `data`.
-        scale: of `data`.
+        data: what `prepare` made.
+        extrinsics: (6,): pitch, yaw, roll [rad] and the translation in any unit: only its direction counts.
+        matcher: one in JAX, with `num_disparities` (in full-size pixels); `with_disparity_range` measures it.
+
+    Raises:
+        InputError: if the matcher is not one in JAX, or has no `num_disparities`.
     """
-    single = np.asarray(extrinsics, np.float32)
+    return _correspondences(data, extrinsics, pure_matcher(matcher, data.scale, "sr.correspondences"))
 
-    def one(frame: ScoringData) -> tuple[np.ndarray, ...]:
-        found = jax.tree.map(lambda leaf: leaf[None], disparities(frame, single, matcher)[0])
-        return jax.tree.map(np.asarray, _refined(frame, single, found))
 
-    left, right, weight = (np.concatenate(parts) for parts in zip(*on_all_cores(one, data.frames), strict=True))
-    mean, side = np.float32(np.sum(weight) / max(np.sum(weight > 0), 1)), _side(data)
+@partial(jax.jit, static_argnames="matcher")
+def _correspondences(data: ScoringData, extrinsics: Extrinsics, matcher: AbstractMatcher) -> Correspondences:
+    disparity = rectify_frames(data, extrinsics, lambda frame: match_frame(matcher, frame))
+    return gathered(data, *refined(data, extrinsics, disparity))
+
+
+def gathered(
+    data: ScoringData, left: Float[AnyArray, "k m 3"], right: Float[AnyArray, "k m 3"], weight: Float[AnyArray, "k m"]
+) -> Correspondences:
+    """The correspondences of what `refined` says of all frames, NumPy or traced."""
+    xp, side = namespace(weight), _side(data)
     width, height = data.view.size
+    mean = xp.sum(weight) / xp.maximum(xp.sum(weight > 0), 1)
     return Correspondences(
         left,
         right,
-        weight / (mean if mean > 0 else np.float32(1.0)),
-        _tiles(len(weight), width // side, height // side),
-        np.asarray(data.view.focal, np.float32),
-        np.asarray(scale, np.float32),
-        np.asarray(min(1.0, side**2 / WINDOW**2), np.float32),
+        weight / xp.where(mean > 0, mean, 1.0).astype(np.float32),
+        xp.asarray(_tiles(len(weight), width // side, height // side)),
+        xp.asarray(data.view.focal, np.float32),
+        xp.asarray(data.scale, np.float32),
+        xp.asarray(min(1.0, side**2 / WINDOW**2), np.float32),
     )
 
 
@@ -97,9 +112,9 @@ def _side(data: ScoringData) -> int:
 
 
 @jax.jit
-def _refined(data: ScoringData, extrinsics: Extrinsics, found: Disparity) -> tuple[jax.Array, jax.Array, jax.Array]:
+def refined(data: ScoringData, extrinsics: Extrinsics, found: Disparity) -> tuple[jax.Array, jax.Array, jax.Array]:
     """Rays, left and right, and inverse variances of the cells of every frame: (k, m, 3), (k, m, 3), (k, m)."""
-    view, side = data.view, _side(data)
+    view, side, extrinsics = data.view, _side(data), jnp.asarray(extrinsics, jnp.float32)
     width, height = view.size
     columns, rows = np.meshgrid(np.arange(width, dtype=np.float32), np.arange(height, dtype=np.float32))
     to_left, to_right = rectifying_rotations(rotation_from_euler(extrinsics[:3]), extrinsics[3:])

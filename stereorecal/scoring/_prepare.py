@@ -1,36 +1,31 @@
 """What a score is computed from: images, cameras and view at one image scale, ready for the kernels."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import jax
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 
-from stereorecal._arrays import AnyArray, Extrinsics
+from stereorecal._arrays import AnyArray, refuse_tracers
 from stereorecal._errors import InputError
 from stereorecal._pytree import register_pytree
-from stereorecal.geometry import (
-    Camera,
-    StereoRig,
-    View,
-    bilinear_warp,
-    mapped_area,
-    rectifying_maps,
-    rotation_from_euler,
-)
-from stereorecal.recordings import Pair, check_pairs
+from stereorecal.geometry import Camera, StereoRig, View, view as default_view
+from stereorecal.recordings import Pair, Pairs, check_pairs
+
+_SMALLEST = 16  # pixels a side: below that no window of a matcher fits
 
 
 @register_pytree
 @dataclass(frozen=True, eq=False)
 class ScoringData:
-    """All that stays the same while extrinsics are tried.
+    """All that stays the same while extrinsics are tried. A pytree: what `prepare` makes, and pure scores take.
 
     Attributes:
-        left, right: (k, h, w) float32, the frames at the chosen scale.
+        left, right: (k, h, w) float32, the frames at the image scale.
         left_camera, right_camera: the cameras at that scale.
         view: the one View in which every candidate is judged, at that scale.
+        scale: pixels here per pixel at full size; part of the structure, so it is known while tracing.
     """
 
     left: Float[AnyArray, "k h w"]
@@ -38,6 +33,7 @@ class ScoringData:
     left_camera: Camera
     right_camera: Camera
     view: View
+    scale: float = field(default=1.0, metadata={"static": True})
 
     @property
     def frames(self) -> list["ScoringData"]:
@@ -52,18 +48,72 @@ class ScoringData:
         """Number of pixels of the view, over all frames."""
         return self.left.shape[0] * self.view.size[0] * self.view.size[1]
 
+    @property
+    def cost(self) -> float:
+        """Units of one look at all frames: k s² (one unit: one matcher run on one full-size frame)."""
+        return len(self.left) * self.scale**2
 
-def prepare(rig: StereoRig, pairs: Sequence[Pair], view: View, scale: float = 1.0) -> ScoringData:
-    """Images, cameras and view resampled to `scale` (0 < scale <= 1) and put on JAX's device.
+
+@dataclass(frozen=True, eq=False)
+class Pyramid:
+    """The images of a rig at every image scale that is asked for, each prepared once.
+
+    Attributes:
+        rig: whose cameras took them.
+        pairs: checked, at least one.
+        view: at full size.
+    """
+
+    rig: StereoRig
+    pairs: tuple[Pair, ...]
+    view: View
+    _levels: dict[tuple[float, int], ScoringData] = field(default_factory=dict, repr=False)
+
+    def at(self, scale: float, most: int | None = None) -> ScoringData:
+        """The first `most` pairs (default: all) at `scale`, on JAX's device.
+
+        Raises:
+            InputError: if the scale is not within (0, 1], or leaves less than 16 pixels a side.
+        """
+        number = len(self.pairs[:most])
+        if (scale, number) not in self._levels:
+            self._levels[scale, number] = _prepared(self.rig, self.pairs[:number], self.view, scale)
+        return self._levels[scale, number]
+
+
+def pyramid(rig: StereoRig, pairs: Pairs, view: View | None = None) -> Pyramid:
+    """The pyramid of pairs that `rig` took.
+
+    Args:
+        view: default the view of `rig`.
+
+    Raises:
+        InputError: if images and calibration do not fit.
+    """
+    return Pyramid(rig, check_pairs(rig, pairs), default_view(rig) if view is None else view)
+
+
+def prepare(rig: StereoRig, pairs: Pairs, view: View | None = None, scale: float = 1.0) -> ScoringData:
+    """Images, cameras and view resampled to `scale` and put on JAX's device, for the pure scores: `sr.count`,
+    `sr.soft_count`, `sr.correspondences`. Works on the host.
+
+    Args:
+        pairs: one or several; all are scored together.
+        view: at full size; default the view of `rig`.
+        scale: image scale, (0, 1].
 
     Raises:
         InputError: if images and calibration do not fit, or the scale leaves no image.
     """
-    pairs = check_pairs(rig, list(pairs))
+    refuse_tracers("sr.prepare", "it before tracing, and vary the extrinsics of sr.count or sr.soft_count", rig)
+    return pyramid(rig, pairs, view).at(scale)
+
+
+def _prepared(rig: StereoRig, pairs: Sequence[Pair], view: View, scale: float) -> ScoringData:
     width, height = rig.left.size
     size = (round(width * scale), round(height * scale)) if 0.0 < scale <= 1.0 else (0, 0)
-    if min(size) < 16:
-        raise InputError(f"scale is {scale}; give one within (0, 1] that leaves at least 16 pixels a side.")
+    if min(size) < _SMALLEST:
+        raise InputError(f"scale is {scale}; give one within (0, 1] that leaves at least {_SMALLEST} pixels a side.")
     frames = [pair.resized(size) for pair in pairs]
     resized = rig.resized(size)
     data = ScoringData(
@@ -72,53 +122,6 @@ def prepare(rig: StereoRig, pairs: Sequence[Pair], view: View, scale: float = 1.
         resized.left,
         resized.right,
         view.scaled(scale),
+        float(scale),
     )
     return jax.device_put(jax.tree.map(lambda leaf: np.asarray(leaf, np.float32), data))
-
-
-@register_pytree
-@dataclass(frozen=True, eq=False)
-class Rectified:
-    """One rectified frame: images and the areas that they really cover.
-
-    Attributes:
-        left, right: (h, w) float32.
-        left_area, right_area: (h, w) bool, or float32 in [0, 1] where borders are soft.
-    """
-
-    left: Float[AnyArray, "h w"]
-    right: Float[AnyArray, "h w"]
-    left_area: Bool[AnyArray, "h w"] | Float[AnyArray, "h w"]
-    right_area: Bool[AnyArray, "h w"] | Float[AnyArray, "h w"]
-
-
-def rectify_frames(data: ScoringData, extrinsics: Extrinsics, use, area=mapped_area, warp=bilinear_warp, more=()):
-    """Apply `use(Rectified, *more)` to every frame, rectified by `extrinsics` (translation in any unit); stack the
-    answers.
-
-    The maps are made once and shared by the frames; `area(map, image size)` says what they cover. `more` are arrays
-    with a leading frame axis. Pure and traceable.
-    """
-    rotation = rotation_from_euler(extrinsics[:3])
-    maps = rectifying_maps(data.left_camera, data.right_camera, rotation, extrinsics[3:], data.view)
-    maps = jax.lax.optimization_barrier(maps)  # computed once, not once for each pixel that a warp reads
-    areas = [area(m, c.size) for m, c in zip(maps, (data.left_camera, data.right_camera), strict=True)]
-
-    def frame(inputs):
-        *images, others = inputs
-        warped = [warp(i, m) for i, m in zip(images, maps, strict=True)]
-        return use(Rectified(*jax.lax.optimization_barrier(warped), *areas), *others)
-
-    return jax.lax.map(frame, (data.left, data.right, more))
-
-
-@jax.jit
-def rectified_frame(data: ScoringData, extrinsics: Float[AnyArray, "6"]) -> Rectified:
-    """The one frame of `data` rectified by `extrinsics`."""
-    return jax.tree.map(lambda leaf: leaf[0], rectify_frames(data, extrinsics, lambda frame: frame))
-
-
-def normalised(extrinsics: Extrinsics) -> Float[np.ndarray, "6"]:
-    """Extrinsics with the translation as a unit vector, float64: a count does not know the unit of the baseline."""
-    extrinsics = np.asarray(extrinsics, float)
-    return np.concatenate([extrinsics[:3], extrinsics[3:] / np.linalg.norm(extrinsics[3:])])

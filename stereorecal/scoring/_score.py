@@ -1,18 +1,19 @@
 """What a user asks of one calibration: its score, its rectified images, its disparity."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.geometry import StereoRig, View, view as default_view
-from stereorecal.matching import SAD, AbstractMatcher, Disparity
-from stereorecal.recordings import Pair
-from stereorecal.scoring._count import counts_one_by_one, disparities
-from stereorecal.scoring._prepare import normalised, prepare, rectified_frame
-from stereorecal.scoring._survey import with_disparity_range
+from stereorecal._arrays import refuse_tracers
+from stereorecal.geometry import StereoRig, View, with_unit_baseline
+from stereorecal.matching import AbstractMatcher, Disparity
+from stereorecal.recordings import Pair, Pairs
+from stereorecal.scoring import host
+from stereorecal.scoring._prepare import pyramid
+from stereorecal.scoring._rectify import rectified_frame
+from stereorecal.scoring._survey import ranged
 
 
 @dataclass(frozen=True)
@@ -42,45 +43,44 @@ def _spaced(number: int) -> str:
 
 def score(
     rig: StereoRig,
-    pairs: Sequence[Pair],
+    pairs: Pairs,
     *,
-    matcher: AbstractMatcher | None = None,
+    matcher: AbstractMatcher | str | None = None,
     view: View | None = None,
     scale: float = 1.0,
 ) -> Score:
-    """How many pixels of the pairs find a valid disparity under the rig's calibration.
+    """How many pixels of the pairs find a valid disparity under the rig's calibration. Works on the host.
 
     Args:
-        matcher: default `SAD()`; without `num_disparities` the range is measured.
+        matcher: a matcher, or "sad" (default), "bm" or "sgbm"; without `num_disparities` the range is measured.
         view: default the view of `rig`. Scores are comparable only within one view and one disparity range: to
             compare calibrations, give both (a `Solution` carries its own).
         scale: image scale, (0, 1].
 
     Raises:
-        InputError: if images and calibration do not fit.
+        InputError: if images and calibration do not fit, or it is called under `jit`, `vmap` or `grad`.
     """
-    view = default_view(rig) if view is None else view
-    matcher = with_disparity_range(matcher or SAD(), rig, pairs, view)
-    data = prepare(rig, pairs, view, scale)
-    found = counts_one_by_one(data, normalised(rig.extrinsics)[None], matcher.scaled(scale))
+    refuse_tracers("sr.score", "sr.count(data, extrinsics, matcher) on data = sr.prepare(rig, pairs)", rig)
+    images = pyramid(rig, pairs, view)
+    data = images.at(scale)
+    found = host.counts_one_by_one(data, with_unit_baseline(rig.extrinsics)[None], ranged(matcher, images))
     return Score(int(found[0]), data.pixels)
 
 
 def rectify(
-    rig: StereoRig, pair: Pair, *, view: View | None = None
+    rig: StereoRig, pair: Pair | Pairs, *, view: View | None = None
 ) -> tuple[Float[np.ndarray, "h w"], Float[np.ndarray, "h w"]]:
     """Left and right image rectified, float32 in the view (default: the rig's own); borders are repeated."""
-    frame = rectified_frame(
-        prepare(rig, [pair], default_view(rig) if view is None else view),
-        jnp.asarray(normalised(rig.extrinsics), jnp.float32),
-    )
+    refuse_tracers("sr.rectify", "sr.prepare before tracing, and a score of its data", rig)
+    data = pyramid(rig, pair, view).at(1.0, 1)
+    frame = rectified_frame(data, jnp.asarray(with_unit_baseline(rig.extrinsics), jnp.float32))
     return np.asarray(frame.left), np.asarray(frame.right)
 
 
 def disparity(
-    rig: StereoRig, pair: Pair, *, matcher: AbstractMatcher | None = None, view: View | None = None
+    rig: StereoRig, pair: Pair | Pairs, *, matcher: AbstractMatcher | str | None = None, view: View | None = None
 ) -> Disparity:
     """The disparity of one pair, NumPy arrays; `valid` is what `score` counts with the same view and matcher."""
-    view = default_view(rig) if view is None else view
-    matcher = with_disparity_range(matcher or SAD(), rig, [pair], view)
-    return disparities(prepare(rig, [pair], view), normalised(rig.extrinsics), matcher)[0]
+    refuse_tracers("sr.disparity", "matcher.match on rectified images", rig)
+    images = pyramid(rig, pair, view)
+    return host.disparities(images.at(1.0, 1), with_unit_baseline(rig.extrinsics), ranged(matcher, images))[0]

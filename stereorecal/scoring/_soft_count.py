@@ -1,32 +1,88 @@
 """The differentiable twin of the count."""
 
+from dataclasses import dataclass, field
 from functools import partial
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Float
 
-from stereorecal._arrays import Extrinsics
+from stereorecal._arrays import AnyArray, Extrinsics
+from stereorecal._errors import InputError
+from stereorecal._pytree import register_pytree
 from stereorecal.geometry import PixelMap
 from stereorecal.matching import AbstractMatcher
-from stereorecal.scoring._prepare import Rectified, ScoringData, rectify_frames
+from stereorecal.scoring._gradient import forward_gradient
+from stereorecal.scoring._matchers import pure_matcher
+from stereorecal.scoring._prepare import ScoringData
+from stereorecal.scoring._rectify import Rectified, rectify_frames
 
+TEMPERATURE = 0.1  # default width of the gates: at a tenth, the gradient is of use some pixels of drift away
 _BORDER = 5.0  # pixels for a temperature of 1
 
 
 def soft_count(
-    data: ScoringData, extrinsics: Extrinsics, matcher: AbstractMatcher, temperature: float | Float[jax.Array, ""]
+    data: ScoringData,
+    extrinsics: Float[AnyArray, "6"],
+    matcher: AbstractMatcher | str,
+    temperature: float | Float[AnyArray, ""] = TEMPERATURE,
 ) -> Float[jax.Array, ""]:
     """The number of valid pixels with smooth gates in place of the hard ones: uniqueness, left-right consistency,
-    texture, and the area that the images cover. Pure, traceable and differentiable; for `smooth` matchers.
+    texture, and the area that the images cover.
 
-    As the temperature goes to 0 it becomes the count, but for the rounding of the images, which it does not do.
+    Pure; compiled once for each image size and matcher. Composes under `jit`, `vmap`, `grad`, `jvp` and `jacfwd` with
+    respect to the extrinsics: a derivative takes six forward derivatives side by side, and keeps no tape. As the
+    temperature goes to 0 it becomes the count, but for the rounding of the images, which it does not do.
 
     Args:
-        extrinsics: (6,) float32: pitch, yaw, roll [rad] and the translation in any unit: only its direction counts.
-        matcher: with its disparity range at the scale of `data`.
+        data: what `prepare` made; it counts as constant, and cannot be differentiated.
+        extrinsics: (6,): pitch, yaw, roll [rad] and the translation in any unit: only its direction counts.
+        matcher: a smooth one (SAD), with `num_disparities` (in full-size pixels).
         temperature: width of the gates, dimensionless (`SAD.soft_match`); a border is 5 temperature pixels wide.
+
+    Raises:
+        InputError: if the matcher has no differentiable twin or no `num_disparities`, or the temperature is not
+            positive.
     """
+    matcher = pure_matcher(matcher, data.scale, "sr.soft_count", smooth=True)
+    return _soft_count(_Gates(data, checked_temperature(temperature), matcher), extrinsics)
+
+
+def checked_temperature(temperature: float | Float[AnyArray, ""]) -> float | Float[AnyArray, ""]:
+    """The temperature; where its value is known, it must be positive.
+
+    Raises:
+        InputError: if it is not.
+    """
+    if isinstance(temperature, jax.Array):
+        return temperature
+    if not temperature > 0:
+        raise InputError(f"a temperature of {temperature} makes no sense; give a positive number, such as 0.1.")
+    return np.asarray(temperature, np.float32)
+
+
+@register_pytree
+@dataclass(frozen=True, eq=False)
+class _Gates:
+    """What a soft count depends on beside the extrinsics."""
+
+    data: ScoringData
+    temperature: float | Float[AnyArray, ""]
+    matcher: AbstractMatcher = field(metadata={"static": True})
+
+
+@jax.jit
+@forward_gradient
+def _soft_count(gates: _Gates, extrinsics: Float[jax.Array, "6"]) -> Float[jax.Array, ""]:
+    return soft_count_scaled(gates.data, extrinsics, gates.matcher, gates.temperature)
+
+
+def soft_count_scaled(
+    data: ScoringData, extrinsics: Extrinsics, matcher: AbstractMatcher, temperature: float | Float[AnyArray, ""]
+) -> Float[jax.Array, ""]:
+    """`soft_count`, not compiled by itself and without its rule for derivatives, with a matcher whose disparity range
+    is at the scale of `data`."""
 
     def confidence(frame: Rectified) -> jax.Array:
         found = matcher.soft_match(frame.left, frame.right, temperature)

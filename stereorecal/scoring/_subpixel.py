@@ -17,7 +17,7 @@ from jaxtyping import Bool, Float
 
 from stereorecal.geometry import cubic_sampler
 from stereorecal.matching import Disparity, box_sum
-from stereorecal.scoring._prepare import Rectified
+from stereorecal.scoring._rectify import Rectified
 
 WINDOW = 11  # pixels
 _ITERATIONS = 4

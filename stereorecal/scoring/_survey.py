@@ -1,6 +1,5 @@
 """A survey of the images at a coarse scale: roughly how the rig stands, and how wide the disparity search must be."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 
@@ -12,12 +11,13 @@ from jaxtyping import Float, Int
 
 from stereorecal._arrays import Extrinsics
 from stereorecal._errors import InputError
-from stereorecal.geometry import StereoRig, View
-from stereorecal.matching import SAD, AbstractMatcher, Disparity
-from stereorecal.recordings import Pair
-from stereorecal.scoring._in_turn import in_turn
-from stereorecal.scoring._prepare import Rectified, ScoringData, normalised, prepare, rectify_frames
+from stereorecal.geometry import StereoRig, View, with_unit_baseline
+from stereorecal.matching import SAD, AbstractMatcher, Disparity, as_matcher
+from stereorecal.recordings import Pairs
+from stereorecal.scoring._prepare import Pyramid, ScoringData, pyramid
+from stereorecal.scoring._rectify import Rectified, rectify_frames
 from stereorecal.scoring._validity import match_frame
+from stereorecal.scoring.host._in_turn import in_turn
 
 _COARSE_WIDTH = 128  # pixels: a few degrees of drift are a few rows here, which a window forgives
 _COARSE_HEIGHT = 24  # pixels, at least, for panoramic images
@@ -66,58 +66,77 @@ class Survey:
         return replace(matcher, num_disparities=int(min(wanted, limit // 16 * 16)))
 
 
-def survey(
-    rig: StereoRig, pairs: Sequence[Pair], view: View, reach: float = _DEFAULT_REACH, *, aligned: bool = False
-) -> Survey:
+def survey(images: Pyramid, extrinsics: Extrinsics, reach: float = _DEFAULT_REACH, *, aligned: bool = False) -> Survey:
     """Match the images at a coarse scale over a grid of pitch and roll, since the rig may be decalibrated; over yaw too
     where the reach is 4.5 degrees or more: then far things may lie beyond the edge of what is searched.
 
     Args:
+        extrinsics: (6,) of the rig, the middle of the grid.
         reach: largest rotation error expected, radians.
         aligned: the rows are known to be aligned, only the yaw is not: the rig is taken as it is.
 
     Raises:
         InputError: if the images look swapped (near things lie on the wrong side, beyond what the reach explains).
     """
-    scale = min(1.0, max(_COARSE_WIDTH / view.size[0], _COARSE_HEIGHT / view.size[1]))
-    data = prepare(rig, list(pairs)[:_FRAMES], view, scale)
-    coarse = SAD(num_disparities=data.view.size[0] // 2, block_size=7)
+    size = images.view.size
+    scale = min(1.0, max(_COARSE_WIDTH / size[0], _COARSE_HEIGHT / size[1]))
+    data = images.at(scale, _FRAMES)
+    coarse = SAD(num_disparities=data.view.size[0] // 2, block_size=7)  # at the scale of the data
     offsets = np.zeros((1, 6)) if aligned else _grid(data.view, reach)
-    candidates = np.asarray(normalised(rig.extrinsics) + offsets, np.float32)
+    candidates = np.asarray(with_unit_baseline(extrinsics) + offsets, np.float32)
+    looks = 0
 
     @cache
     def look(candidate: int) -> tuple[Disparity, Disparity]:
+        nonlocal looks
+        looks += 1
         return jax.tree.map(np.asarray, _compiled_look(data, candidates[candidate], coarse))
 
     winner = 0
     if not aligned:
         matched = in_turn(_counted, [data], candidates, coarse)[0]
+        looks += len(candidates)
         winner = int(np.argmax(matched[:, 0]))
         # A yaw that the images do not determine must not look like swapped sides later on.
         unturned = np.flatnonzero(offsets[:, 1] == 0.0)
         as_is, swapped = (look(int(unturned[np.argmax(matched[unturned, side])]))[side] for side in (0, 1))
         _refuse_swapped(as_is, swapped, float(data.view.focal) * np.tan(reach), int(matched[winner, 0]))
     straight, _ = look(winner)
-    cost = 2.0 * len(offsets) * len(data.left) * scale**2
-    return Survey(offsets[winner], _surfaces(straight), data.view, scale, cost)
+    # Each look matches the images as they are and with their sides swapped.
+    return Survey(offsets[winner], _surfaces(straight), data.view, scale, 2.0 * looks * data.cost)
 
 
-def with_disparity_range(
-    matcher: AbstractMatcher,
-    rig: StereoRig,
-    pairs: Sequence[Pair],
-    view: View,
-    reach: float = _DEFAULT_REACH,
-) -> AbstractMatcher:
+def ranged(matcher: AbstractMatcher | str | None, images: Pyramid, reach: float = _DEFAULT_REACH) -> AbstractMatcher:
     """The matcher with its number of disparities: its own, or measured by a `survey`, with a margin for a yaw error of
     `reach` [rad].
 
     Raises:
         InputError: if, while measuring, the images look swapped.
     """
+    matcher = as_matcher(matcher)
     if matcher.num_disparities is not None:
         return matcher
-    return survey(rig, pairs, view, reach).with_range(matcher, reach)
+    return survey(images, images.rig.extrinsics, reach).with_range(matcher, reach)
+
+
+def with_disparity_range(
+    matcher: AbstractMatcher | str | None,
+    rig: StereoRig,
+    pairs: Pairs,
+    view: View | None = None,
+    reach: float = _DEFAULT_REACH,
+) -> AbstractMatcher:
+    """The matcher with its number of disparities: its own, or measured on the images, whose rig may be decalibrated.
+
+    Args:
+        matcher: a matcher, or "sad" (also for None), "bm" or "sgbm".
+        view: default the view of `rig`.
+        reach: largest rotation error expected, radians; a yaw error moves far things by up to `focal * tan(reach)`.
+
+    Raises:
+        InputError: if images and calibration do not fit, or, while measuring, the images look swapped.
+    """
+    return ranged(matcher, pyramid(rig, pairs, view), reach)
 
 
 def _grid(view: View, reach: float) -> Float[np.ndarray, "n 6"]:

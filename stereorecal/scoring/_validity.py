@@ -2,7 +2,7 @@
 
 from stereorecal._arrays import namespace
 from stereorecal.matching import AbstractMatcher, Disparity
-from stereorecal.scoring._prepare import Rectified
+from stereorecal.scoring._rectify import Rectified
 
 
 def match_frame(matcher: AbstractMatcher, frame: Rectified) -> Disparity:

@@ -13,9 +13,10 @@ import numpy as np
 import pytest
 
 import stereorecal as sr
-from stereorecal.scoring import correspondences, counts, normalised, prepare, soft_count
-from stereorecal.scoring._blocks import match_in_blocks
-from stereorecal.scoring._prepare import rectified_frame
+from stereorecal.scoring import prepare, soft_count
+from stereorecal.scoring._rectify import rectified_frame
+from stereorecal.scoring.host import correspondences, counts
+from stereorecal.scoring.host._blocks import match_in_blocks
 
 SIZE, MATCHER = (741, 500), sr.SAD(num_disparities=80)
 
@@ -24,7 +25,7 @@ def kernels() -> dict[str, Callable[[], object]]:
     """Calls that take all they need with them, on one rendered street."""
     scene = sr.synthetic.render("street", 0, rig=sr.synthetic.default_rig().resized(SIZE))
     assert scene.rig is not None
-    view, extrinsics = sr.view(scene.rig), normalised(scene.rig.extrinsics)
+    view, extrinsics = sr.view(scene.rig), with_unit_baseline(scene.rig.extrinsics)
     full, quarter = (prepare(scene.rig, scene.pairs, view, scale) for scale in (1.0, 0.25))
     frame = rectified_frame(full, np.float32(extrinsics))
     small = MATCHER.scaled(0.25)

@@ -28,13 +28,14 @@ from rich.console import Console
 from rich.table import Table
 
 import stereorecal as sr
-from stereorecal.geometry import bilinear_warp, pixel_map, rectifying_rotations
-from stereorecal.objectives import Reach, chart_around
+from stereorecal.geometry import bilinear_warp, pixel_map, rectifying_rotations, with_unit_baseline
+from stereorecal.objectives import Reach, count_box
 from stereorecal.recordings import Scene
-from stereorecal.scoring import counts, normalised, prepare
-from stereorecal.scoring._blocks import match_in_blocks
-from stereorecal.scoring._cores import on_all_cores
-from stereorecal.scoring._prepare import rectified_frame
+from stereorecal.scoring import prepare
+from stereorecal.scoring._rectify import rectified_frame
+from stereorecal.scoring.host import counts
+from stereorecal.scoring.host._blocks import match_in_blocks
+from stereorecal.scoring.host._cores import on_all_cores
 from stereorecal.strategies import Budget, Objective, Problem, run_strategy, strategy
 
 MATCHER = sr.SAD(num_disparities=80)
@@ -139,7 +140,7 @@ def matching(threads: int, rounds: int) -> Iterator[Figure]:
     assert scene.rig is not None
     view = sr.view(scene.rig)
     data = prepare(scene.rig, scene.pairs, view)
-    frames = [rectified_frame(frame, np.float32(normalised(scene.rig.extrinsics))) for frame in data.frames]
+    frames = [rectified_frame(frame, np.float32(with_unit_baseline(scene.rig.extrinsics))) for frame in data.frames]
     bytes_of = [[np.asarray(side).round().astype(np.uint8) for side in (f.left, f.right)] for f in frames]
     bm, sgbm = block_matcher(80), block_matcher(80, cv2.StereoSGBM)
     ours, theirs, slower = timed(
@@ -199,7 +200,7 @@ def counting(threads: int, rounds: int) -> Iterator[Figure]:
     matcher = sr.SAD(num_disparities=128)  # a quarter of it is a number that BM takes
     candidates = around(rig, 10)
     others = spread(threads, lambda: opencv_counter(*resized, 32), list(candidates))
-    stacked = np.stack([normalised(c) for c in candidates])
+    stacked = np.stack([with_unit_baseline(c) for c in candidates])
     ours, theirs = timed(rounds, lambda: counts(quarter, stacked, matcher.scaled(0.25)), others)
     cv2.setNumThreads(threads)
     yield Figure(
@@ -209,7 +210,7 @@ def counting(threads: int, rounds: int) -> Iterator[Figure]:
         start = sr.synthetic.decalibrate(rig, jax.random.key(0), 1.0, 0.01)
         compass, budget = strategy("compass", min_step=1e-12), Budget(500)
         full = opencv_counter(start, scene.pairs[0], sr.view(start), 80)
-        chart = chart_around(start, Reach())
+        chart = count_box(start, Reach()).chart
 
         def by_opencv():
             asked = Objective(
@@ -247,7 +248,7 @@ def growing(threads: int, rounds: int) -> Iterator[Figure]:
         scene = scene_of(size, frames)
         assert scene.rig is not None
         data = prepare(scene.rig, scene.pairs, sr.view(scene.rig))
-        stacked = np.stack([normalised(c) for c in around(scene.rig, candidates)])
+        stacked = np.stack([with_unit_baseline(c) for c in around(scene.rig, candidates)])
         yield Figure(name, threads, timed(rounds, lambda d=data, s=stacked, m=asked: counts(d, s, m))[0], None, "")
 
 
@@ -255,7 +256,7 @@ def evaluations_per_second() -> None:
     """Print the platform, and how many of 256 candidates at quarter scale it counts in a second."""
     scene = scene_of((741, 500))
     assert scene.rig is not None
-    stacked, matcher = np.stack([normalised(c) for c in around(scene.rig, 256)]), MATCHER.scaled(0.25)
+    stacked, matcher = np.stack([with_unit_baseline(c) for c in around(scene.rig, 256)]), MATCHER.scaled(0.25)
     data = prepare(scene.rig, scene.pairs, sr.view(scene.rig), 0.25)
     print(json.dumps([jax.default_backend(), 256e3 / timed(5, lambda: counts(data, stacked, matcher))[0]]))
 
@@ -274,7 +275,7 @@ def peak_memory() -> None:
     scene = scene_of((1280, 720))
     assert scene.rig is not None
     data = prepare(scene.rig, scene.pairs, sr.view(scene.rig))
-    stacked, matcher = normalised(scene.rig.extrinsics)[None], sr.SAD(num_disparities=128)
+    stacked, matcher = with_unit_baseline(scene.rig.extrinsics)[None], sr.SAD(num_disparities=128)
     counts(data, stacked, matcher)  # compiles
     status, clear = Path("/proc/self/status"), Path("/proc/self/clear_refs")
 

@@ -46,7 +46,7 @@ def command(capsys: pytest.CaptureFixture[str]) -> Callable[..., Answer]:
 
 @dataclass(frozen=True)
 class Crashing(AbstractStrategy):
-    def run(self, objective, start, budget, seed):
+    def run(self, objective, start, seed):
         raise KeyError("a bug")
 
 

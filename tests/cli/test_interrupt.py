@@ -21,7 +21,7 @@ runs = []
 
 @dataclass(frozen=True)
 class Slow(AbstractStrategy):
-    def run(self, objective, start, budget, seed):
+    def run(self, objective, start, seed):
         objective.value(start)
         runs.append(seed)
         if len(runs) > int(os.environ["SLOW_RUNS"]):

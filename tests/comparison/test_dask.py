@@ -29,7 +29,7 @@ class Deadly(AbstractStrategy):
     draw: int
     memory: str | None = None
 
-    def run(self, objective, start, budget, seed):
+    def run(self, objective, start, seed):
         if seed == self.draw and not (self.memory and Path(self.memory).exists()):
             if self.memory:
                 Path(self.memory).touch()

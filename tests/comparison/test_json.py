@@ -18,7 +18,7 @@ NUMBERS = {"score_initial", "score_final", "score_reference", "ratio", "evaluati
 
 @dataclass(frozen=True)
 class Crashing(AbstractStrategy):
-    def run(self, objective, start, budget, seed):
+    def run(self, objective, start, seed):
         raise KeyError("a bug")
 
 

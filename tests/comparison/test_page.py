@@ -17,7 +17,7 @@ VOID = {"meta", "br", "link", "img", "hr"}
 
 @dataclass(frozen=True)
 class Crashing(AbstractStrategy):
-    def run(self, objective, start, budget, seed):
+    def run(self, objective, start, seed):
         raise KeyError(EVIL)
 
 

@@ -14,7 +14,7 @@ SMALL = {"matcher": SAD(num_disparities=24), "draws": 2, "scale": 0.5, "budget":
 
 @dataclass(frozen=True)
 class Idle(AbstractStrategy):
-    def run(self, objective, start, budget, seed):
+    def run(self, objective, start, seed):
         objective.value(start)
         return Outcome(start, Status.STALLED, "it has no wish to move")
 
@@ -23,7 +23,7 @@ class Idle(AbstractStrategy):
 class Inside(AbstractStrategy):
     """Works inside JAX: declares two points and what they cost, and asks for no value."""
 
-    def run(self, objective, start, budget, seed):
+    def run(self, objective, start, seed):
         objective.charge(150.0, start)
         objective.charge(200.0, start + 0.5)
         return Outcome(start, Status.CONVERGED)
@@ -37,7 +37,7 @@ class Needy(Idle):
 class Interrupted(AbstractStrategy):
     """Ctrl-C arrives in the second draw."""
 
-    def run(self, objective, start, budget, seed):
+    def run(self, objective, start, seed):
         if seed == 1:
             raise KeyboardInterrupt
         return Outcome(start, Status.STALLED)
@@ -83,7 +83,7 @@ def test_points_declared_without_a_value_are_valued_for_the_marks(scene):
 class Free(AbstractStrategy):
     """Asks nothing, and nominates a point."""
 
-    def run(self, objective, start, budget, seed):
+    def run(self, objective, start, seed):
         return Outcome(start + 0.25, Status.CONVERGED)
 
 
@@ -139,7 +139,7 @@ def test_a_name_asked_twice_runs_once(scene, names):
 def test_budget_and_seed_reach_the_strategy(scene):
     @dataclass(frozen=True)
     class Curious(Idle):
-        def run(self, objective, start, budget, seed):
+        def run(self, objective, start, seed):
             return Outcome(start, Status.STALLED, f"{budget.evaluations:g} {seed}")
 
     table = run(scene, {"curious": Curious()}, seed=7)

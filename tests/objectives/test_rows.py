@@ -7,13 +7,13 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from stereorecal.geometry import Camera, StereoRig, rotation_from_euler
-from stereorecal.objectives import Reach, chart_around, epipolar_objective
+from stereorecal.objectives import Reach, count_box, epipolar_objective
 from stereorecal.scoring import Correspondences, row_differences
 from stereorecal.strategies import Budget, Status, run_strategy, strategy
 
 CAMERA = Camera((640, 480), np.array([[500.0, 0, 320], [0, 500.0, 240], [0, 0, 1]]))
 RIG = StereoRig(CAMERA, CAMERA, np.array([0.005, -0.008, 0.004, -0.36, 0.004, -0.003]))
-CHART = chart_around(RIG, Reach(3.0, 0.03))
+CHART = count_box(RIG, Reach(3.0, 0.03)).chart
 PRIOR = 1 / 6
 FRAMES, CELLS = 2, 400
 in_box = st.tuples(*[st.floats(-1, 1)] * 5).map(np.array)

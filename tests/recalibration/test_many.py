@@ -29,7 +29,7 @@ OPTIONS = {
 
 @dataclass(frozen=True)
 class Crashing(AbstractStrategy):
-    def run(self, objective, start, budget, seed):
+    def run(self, objective, start, seed):
         raise KeyError("a bug")
 
 
@@ -85,7 +85,7 @@ def test_every_option_arrives(scenes, serial):
 
 
 class Seeded(AbstractStrategy):
-    def run(self, objective, start, budget, seed):
+    def run(self, objective, start, seed):
         raise KeyError(f"the seed is {seed}")
 
 

@@ -16,7 +16,7 @@ COMPASS = strategy("compass")
 class Solver(AbstractStrategy):
     needs = Need.RESIDUALS
 
-    def run(self, objective, start, budget, seed):
+    def run(self, objective, start, seed):
         raise AssertionError("must not run")
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from stereorecal.objectives import FREE_AXES, Reach, chart_around
+from stereorecal.objectives import FREE_AXES, Reach, count_box
 from stereorecal.recalibration._uncertainty import reading_units, uncertainty
 from stereorecal.synthetic import default_rig
 
@@ -17,11 +17,11 @@ def test_units(degrees, fraction, unit):
     """Degrees, and percent of the baseline, whatever the baseline is measured in."""
     rig = RIG.with_extrinsics(np.concatenate([RIG.extrinsics[:3], unit * RIG.extrinsics[3:]]))
     expected = [degrees, degrees, degrees, 100 * fraction, 100 * fraction]
-    np.testing.assert_allclose(reading_units(chart_around(rig, Reach(degrees, fraction))), expected)
+    np.testing.assert_allclose(reading_units(count_box(rig, Reach(degrees, fraction)).chart), expected)
 
 
 def test_covariance_and_interval():
-    chart = chart_around(RIG, Reach(6.0, 0.06))
+    chart = count_box(RIG, Reach(6.0, 0.06)).chart
     deviation = np.array([0.01, 0.02, 0.03, 0.04, 0.05])
     correlation = np.full((5, 5), 0.3) + 0.7 * np.eye(5)
     known = uncertainty(deviation[:, None] * correlation * deviation, chart)
@@ -35,7 +35,7 @@ def test_covariance_and_interval():
 
 @pytest.mark.parametrize("axis", range(5))
 def test_what_is_mostly_prior_is_not_observed(axis):
-    chart = chart_around(RIG, Reach(6.0, 0.06))
+    chart = count_box(RIG, Reach(6.0, 0.06)).chart
     for share, seen in ((0.49, True), (0.51, False), (1.0, False)):
         variance = np.full(5, 0.01**2)
         variance[axis] = (share * PRIOR) ** 2

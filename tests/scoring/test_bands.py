@@ -7,10 +7,11 @@ from hypothesis import given, strategies as st
 
 import stereorecal as sr
 from stereorecal._errors import InputError
-from stereorecal.geometry import view
+from stereorecal.geometry import view, with_unit_baseline
 from stereorecal.matching import SAD
-from stereorecal.scoring import bands, counts, normalised, prepare
-from stereorecal.scoring._prepare import rectified_frame
+from stereorecal.scoring import bands, prepare
+from stereorecal.scoring._rectify import rectified_frame
+from stereorecal.scoring.host import counts
 
 SAD_32 = SAD(num_disparities=32)
 
@@ -23,7 +24,7 @@ def prepared(scene):
 
 @pytest.fixture(scope="module")
 def extrinsics(scene):
-    return np.asarray(normalised(scene("street", 0, (320, 240)).rig.extrinsics), np.float32)
+    return np.asarray(with_unit_baseline(scene("street", 0, (320, 240)).rig.extrinsics), np.float32)
 
 
 @given(share=st.floats(0.001, 1.0))
@@ -63,7 +64,7 @@ def test_an_objective_adds_its_bands_up_and_costs_less(scene, prepared):
     few = sr.objective(given_scene.rig, given_scene.pairs, matcher=SAD_32, rows=0.4)
     points = np.stack([np.zeros(few.dim), np.full(few.dim, 0.02)])
     expected = [
-        counts(band, np.stack([normalised(few.images.chart.extrinsics(p)) for p in points]), SAD_32)
+        counts(band, np.stack([with_unit_baseline(few.images.chart.extrinsics(p)) for p in points]), SAD_32)
         for band in bands(prepared, 0.4)
     ]
     found = few.batch(points)

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from stereorecal.geometry import view
+from stereorecal.geometry import view, with_unit_baseline
 from stereorecal.matching import BM, SAD
-from stereorecal.scoring import _blocks, _count, counts, normalised, prepare
-from stereorecal.scoring._count import counts_at_once, disparities
+from stereorecal.scoring import prepare
+from stereorecal.scoring.host import _blocks, counts, disparities
+from stereorecal.scoring.host._counts import counts_at_once
 
 SAD_32 = SAD(num_disparities=32)
 angles = st.floats(-0.05, 0.05)
@@ -25,7 +26,7 @@ def test_batch_size_and_order_do_not_matter(scene, offsets, size, data):
     """Small frames share a call of one program, larger ones have each candidate on its own."""
     given_scene = scene("harbour", 0, size)
     prepared = prepare(given_scene.rig, given_scene.pairs, view(given_scene.rig))
-    points = normalised(given_scene.rig.extrinsics) + np.array(offsets)
+    points = with_unit_baseline(given_scene.rig.extrinsics) + np.array(offsets)
     order = np.array(data.draw(st.permutations(range(len(points)))))
     cut = data.draw(st.integers(0, len(points)))
     together = counts(prepared, points, SAD_32)
@@ -41,7 +42,7 @@ def test_candidates_differ(scene):
     """Else the property above would hold for a constant."""
     given_scene = scene()
     prepared = prepare(given_scene.rig, given_scene.pairs, view(given_scene.rig))
-    points = normalised(given_scene.rig.extrinsics) + np.array([[0.002 * i, 0, 0, 0, 0, 0] for i in range(4)])
+    points = with_unit_baseline(given_scene.rig.extrinsics) + np.array([[0.002 * i, 0, 0, 0, 0, 0] for i in range(4)])
     assert len(set(counts(prepared, points, SAD_32))) == 4
 
 
@@ -54,10 +55,10 @@ def test_no_candidates_no_counts(scene, matcher):
 
 def test_all_at_once_as_one_by_one(scene, monkeypatch):
     """The way of a GPU: the last of three batches is padded."""
-    monkeypatch.setattr(_count, "_AT_ONCE", 3)
+    monkeypatch.setattr(_counts, "_AT_ONCE", 3)
     given_scene = scene()
     prepared = prepare(given_scene.rig, given_scene.pairs, view(given_scene.rig))
-    points = normalised(given_scene.rig.extrinsics) + np.array([[0.002 * i, 0, 0, 0, 0, 0] for i in range(7)])
+    points = with_unit_baseline(given_scene.rig.extrinsics) + np.array([[0.002 * i, 0, 0, 0, 0, 0] for i in range(7)])
     at_once, one_by_one = (f(prepared, points, SAD_32) for f in (counts_at_once, counts))
     assert at_once.shape == (7,)
     np.testing.assert_allclose(at_once, one_by_one, rtol=2e-3)  # two programs round differently
@@ -105,7 +106,7 @@ def test_a_matcher_that_looks_everywhere_sees_the_frame_whole():
 def test_blocks_change_nothing(scene, cores):
     given_scene = scene("harbour", 0, (320, 480))
     prepared = prepare(given_scene.rig, given_scene.pairs, view(given_scene.rig))
-    extrinsics = normalised(given_scene.rig.extrinsics)
+    extrinsics = with_unit_baseline(given_scene.rig.extrinsics)
     found = []
     for number in (1, cores):
         with mock.patch.object(_blocks, "cores", return_value=number):

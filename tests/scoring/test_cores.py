@@ -4,8 +4,8 @@ import threading
 
 import pytest
 
-from stereorecal.scoring import _cores
-from stereorecal.scoring._cores import on_all_cores
+from stereorecal.scoring.host import _cores
+from stereorecal.scoring.host._cores import on_all_cores
 
 
 @pytest.fixture(autouse=True)

@@ -6,15 +6,16 @@ import pytest
 from stereorecal.geometry import rectifying_rotations, view
 from stereorecal.matching import SAD
 from stereorecal.recordings import Pair
-from stereorecal.scoring import TILES, correspondences, median_row_error, normalised, prepare, row_differences
+from stereorecal.scoring import TILES, median_row_error, prepare, row_differences
+from stereorecal.scoring.host import correspondences
 
 SAD_48 = SAD(num_disparities=48)
 FIELDS = ("left", "right", "weight", "tile")
 
 
 def found_in(rig, pairs, turn=(0.0, 0.0, 0.0), own_view=None):
-    extrinsics = normalised(rig.extrinsics) + np.array([*np.radians(turn), 0.0, 0.0, 0.0])
-    return correspondences(prepare(rig, pairs, own_view or view(rig)), extrinsics, SAD_48, 1.0)
+    extrinsics = with_unit_baseline(rig.extrinsics) + np.array([*np.radians(turn), 0.0, 0.0, 0.0])
+    return correspondences(prepare(rig, pairs, own_view or view(rig)), extrinsics, SAD_48)
 
 
 @pytest.fixture(scope="module")
@@ -52,7 +53,7 @@ def test_weights_are_one_in_the_mean_of_those_found(found, in_fog):
     assert found.weight[here].std() > 0.1
     assert in_fog.found == 0
     np.testing.assert_array_equal(in_fog.weight, 0)
-    assert np.isnan(median_row_error(in_fog, normalised(np.array([0, 0, 0, -1.0, 0, 0]))))
+    assert np.isnan(median_row_error(in_fog, with_unit_baseline(np.array([0, 0, 0, -1.0, 0, 0]))))
 
 
 def pixels_of(found, rig):
@@ -72,13 +73,13 @@ def pixels_of(found, rig):
 
 def test_at_the_truth_rays_meet_in_one_row(harbour, found):
     here = found.weight > 0
-    differences = row_differences(found, normalised(harbour.rig.extrinsics))
+    differences = row_differences(found, with_unit_baseline(harbour.rig.extrinsics))
     left, right = pixels_of(found, harbour.rig)
     np.testing.assert_allclose(differences, left[..., 1] - right[..., 1], atol=1e-4)
     assert abs(np.median(differences[here])) < 0.02
     assert np.median(np.abs(differences[here])) < 0.2
     assert np.median(np.abs(differences[here])) == pytest.approx(
-        median_row_error(found, normalised(harbour.rig.extrinsics))
+        median_row_error(found, with_unit_baseline(harbour.rig.extrinsics))
     )
     disparity = (left - right)[here][:, 0]
     assert disparity.min() > -1.5
@@ -89,7 +90,7 @@ def test_at_the_truth_rays_meet_in_one_row(harbour, found):
 def test_precise_cells_are_closer(harbour, found):
     """The weight says something: the better half is better."""
     here = found.weight > 0
-    differences = np.abs(row_differences(found, normalised(harbour.rig.extrinsics)))
+    differences = np.abs(row_differences(found, with_unit_baseline(harbour.rig.extrinsics)))
     better = found.weight > np.median(found.weight[here])
     assert np.median(differences[better]) < 0.8 * np.median(differences[here & ~better])
 
@@ -110,7 +111,7 @@ def test_cells_lie_on_their_grid_and_tiles_count_them_in_rows(harbour, found):
 @pytest.mark.parametrize("turn", [(0.05, 0.0, 0.0), (0.0, 0.3, -0.05), (-0.08, -0.2, 0.03)])
 def test_rays_do_not_depend_on_the_extrinsics_they_were_found_under(harbour, found, turn):
     """A rig a little off sees other rows, but the rays that it finds lie in one row at the truth all the same."""
-    truth = normalised(harbour.rig.extrinsics)
+    truth = with_unit_baseline(harbour.rig.extrinsics)
     other = found_in(harbour.rig, harbour.pairs, turn)
     here, there = found.weight > 0, other.weight > 0
     assert abs(np.median(row_differences(found, truth)[here]) - np.median(row_differences(other, truth)[there])) < 0.01
@@ -125,13 +126,12 @@ def test_rays_do_not_depend_on_the_extrinsics_they_were_found_under(harbour, fou
 
 def test_frames_keep_their_own_and_half_scale_sees_the_same_rays(harbour, scene):
     """Two frames at half scale: tiles are numbered on, and the first frame does not hear of the second."""
-    truth, own = normalised(harbour.rig.extrinsics), view(harbour.rig)
+    truth, own = with_unit_baseline(harbour.rig.extrinsics), view(harbour.rig)
     both, other = (
         correspondences(
             prepare(harbour.rig, [*harbour.pairs, *scene("harbour", seed).pairs], own, 0.5),
             truth,
-            SAD_48.scaled(0.5),
-            0.5,
+            SAD_48,
         )
         for seed in (1, 2)
     )

@@ -5,10 +5,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from stereorecal.geometry import view
+from stereorecal.geometry import view, with_unit_baseline
 from stereorecal.matching import SAD
-from stereorecal.scoring import _cores, _in_turn, counts, counts_one_by_one, disparities, normalised, prepare
-from stereorecal.scoring._in_turn import in_turn
+from stereorecal.scoring import prepare
+from stereorecal.scoring.host import _cores, _in_turn, counts, counts_one_by_one, disparities
+from stereorecal.scoring.host._in_turn import in_turn
 
 SAD_32 = SAD(num_disparities=32)
 
@@ -72,7 +73,7 @@ def test_counts_what_disparities_show(scene, kind, size, offsets):
     """Pixel for pixel: `score` and a search must mean the same by a count."""
     given_scene = scene(kind, 0, size)
     data = prepared(given_scene)
-    candidates = np.repeat(normalised(given_scene.rig.extrinsics)[None], len(offsets), axis=0)
+    candidates = np.repeat(with_unit_baseline(given_scene.rig.extrinsics)[None], len(offsets), axis=0)
     candidates[:, :3] += offsets
     shown = [sum(d.valid.sum() for d in disparities(data, one.astype(np.float32), SAD_32)) for one in candidates]
     np.testing.assert_array_equal(counts(data, candidates, SAD_32), shown)

@@ -10,6 +10,7 @@ import pytest
 from stereorecal._errors import InputError, NeedNotMet
 from stereorecal.matching import BM, SAD
 from stereorecal.objectives import Reach, objective
+from stereorecal.scoring import soft_count_scaled
 from stereorecal.strategies import AbstractStrategy, Need, run_strategy
 
 REACH = Reach(1.0, 0.01)
@@ -52,9 +53,7 @@ def test_reverse_rule_is_forward_mode(scene):
 
 
 def _undecorated(score, z):
-    from stereorecal.scoring import soft_count
-
-    return soft_count(score.data[0], score.chart.extrinsics(z), score.matcher, score.temperature)
+    return soft_count_scaled(score.data[0], score.chart.extrinsics(z), score.matcher, score.temperature)
 
 
 def test_it_tends_to_the_count_as_the_temperature_falls(scene):
@@ -102,7 +101,7 @@ def test_programs_are_shared_by_objectives_of_equal_shape(scene):
 class Smooth(AbstractStrategy):
     needs = Need.SMOOTH
 
-    def run(self, objective, start, budget, seed):
+    def run(self, objective, start, seed):
         raise AssertionError("must not run")
 
 

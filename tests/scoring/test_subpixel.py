@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from stereorecal.matching import Disparity
-from stereorecal.scoring._prepare import Rectified
+from stereorecal.scoring._rectify import Rectified
 from stereorecal.scoring._subpixel import WINDOW, _uneven, refine
 
 SIZE = HEIGHT, WIDTH = 72, 96

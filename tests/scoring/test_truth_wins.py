@@ -3,17 +3,18 @@
 import numpy as np
 import pytest
 
-from stereorecal.geometry import view
+from stereorecal.geometry import view, with_unit_baseline
 from stereorecal.io import load_scene
 from stereorecal.matching import SAD
-from stereorecal.scoring import counts, normalised, prepare
+from stereorecal.scoring import prepare
+from stereorecal.scoring.host import counts
 
 TURNS = {"pitch": (0, 0.3), "roll": (2, 1.0)}
 
 
 def turned(rig):
     """The rig's extrinsics, then with each turn, both ways."""
-    points = np.repeat(normalised(rig.extrinsics)[None], 5, axis=0)
+    points = np.repeat(with_unit_baseline(rig.extrinsics)[None], 5, axis=0)
     for row, (axis, degrees) in enumerate(
         (axis, sign * degrees) for axis, degrees in TURNS.values() for sign in (1, -1)
     ):

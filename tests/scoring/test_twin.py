@@ -4,9 +4,10 @@ import cv2
 import numpy as np
 import pytest
 
-from stereorecal.geometry import rectifying_rotations, rotation_from_euler, view
+from stereorecal.geometry import rectifying_rotations, rotation_from_euler, view, with_unit_baseline
 from stereorecal.matching import SAD, reference
-from stereorecal.scoring import counts, normalised, prepare
+from stereorecal.scoring import prepare
+from stereorecal.scoring.host import counts
 
 
 def slow_count(rig, pair, extrinsics, own_view, matcher):
@@ -35,7 +36,7 @@ def slow_count(rig, pair, extrinsics, own_view, matcher):
 def test_twin(scene, kind, turn, matcher):
     given_scene = scene(kind, 3, (160, 120))
     rig, own_view = given_scene.rig, view(given_scene.rig)
-    extrinsics = normalised(rig.extrinsics) + np.radians([*turn, 0.0, 0.0, 0.0])
+    extrinsics = with_unit_baseline(rig.extrinsics) + np.radians([*turn, 0.0, 0.0, 0.0])
     fast = int(counts(prepare(rig, given_scene.pairs, own_view), extrinsics[None], matcher)[0])
     slow = slow_count(rig, given_scene.pairs[0], extrinsics, own_view, matcher)
     assert slow > 500

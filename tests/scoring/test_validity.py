@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from stereorecal.geometry import view
+from stereorecal.geometry import view, with_unit_baseline
 from stereorecal.matching import BM, SAD, SGBM
-from stereorecal.scoring import counts, disparities, disparity, normalised, prepare, score
+from stereorecal.scoring import disparity, prepare, score
+from stereorecal.scoring.host import counts, disparities
 
 MATCHERS = [cls(num_disparities=32) for cls in (SAD, BM, SGBM)]
 
@@ -14,7 +15,7 @@ MATCHERS = [cls(num_disparities=32) for cls in (SAD, BM, SGBM)]
 def test_count_is_the_sum_of_valid(scene, matcher):
     given_scene = scene("street", 0, frames=2)
     prepared = prepare(given_scene.rig, given_scene.pairs, view(given_scene.rig))
-    extrinsics = normalised(given_scene.rig.extrinsics)
+    extrinsics = with_unit_baseline(given_scene.rig.extrinsics)
     found = disparities(prepared, extrinsics, matcher)
     assert len(found) == 2
     assert sum(d.valid.sum() for d in found) == counts(prepared, extrinsics[None], matcher)[0]

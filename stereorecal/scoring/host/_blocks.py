@@ -6,9 +6,9 @@ import jax
 import numpy as np
 
 from stereorecal.matching import AbstractMatcher, Disparity
-from stereorecal.scoring._cores import cores, on_all_cores
-from stereorecal.scoring._prepare import Rectified
+from stereorecal.scoring._rectify import Rectified
 from stereorecal.scoring._validity import match_frame
+from stereorecal.scoring.host._cores import cores, on_all_cores
 
 _DEAREST_HALO = 0.1  # of the rows of a block
 

@@ -1,12 +1,10 @@
-"""Epipolar residuals: how far the two rays of a correspondence lie apart across the rows, under given extrinsics."""
+"""How much each correspondence counts: the noise of its window, and robust losses of its row difference."""
 
 import enum
 
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal._arrays import AnyArray, Extrinsics, namespace
-from stereorecal.geometry import rectifying_rotations, rotation_from_euler
 from stereorecal.scoring._correspondences import Correspondences
 
 _SMALLEST_SPREAD = 0.05  # pixels; matching is never better than that
@@ -19,23 +17,6 @@ class Loss(enum.Enum):
 
     SOFT_L1 = "1 / sqrt(1 + (r / s)²): from afar, where all residuals are large"
     WELSCH = "exp(-(r / s)² / 2): at the end; what is wrong has no vote at all"
-
-
-def row_differences(found: Correspondences, extrinsics: Extrinsics) -> Float[AnyArray, "k m"]:
-    """Row in the rectified left image less the row in the rectified right one, in pixels. Pure and differentiable.
-
-    Args:
-        extrinsics: (6,): pitch, yaw, roll [rad] and the translation in any unit.
-    """
-    xp = namespace(found.left, extrinsics)
-    first, second = rectifying_rotations(rotation_from_euler(extrinsics[:3]), extrinsics[3:])
-
-    def rows(rays, rotation):
-        x, y, z = rays[..., 0], rays[..., 1], rays[..., 2]  # written out: a GPU would multiply matrices with ten bits
-        (a, b, c), (d, e, f) = rotation[1], rotation[2]
-        return (a * x + b * y + c * z) / (d * x + e * y + f * z)
-
-    return xp.asarray(found.focal) * (rows(found.left, first) - rows(found.right, second))
 
 
 def robust_spread(found: Correspondences, differences: Float[np.ndarray, "k m"]) -> float:
@@ -64,10 +45,3 @@ def curvatures(found: Correspondences, differences: Float[np.ndarray, "k m"]) ->
 
 def _welsch_scale(spread: float) -> float:
     return max(_WELSCH, _WIDEST_WELSCH * spread)
-
-
-def median_row_error(found: Correspondences, extrinsics: Extrinsics) -> float:
-    """Median |row difference| in pixels at full size; NaN if nothing was found."""
-    here = np.asarray(found.weight) > 0
-    differences = row_differences(found, extrinsics)
-    return float(np.median(np.abs(differences[here])) / float(found.scale)) if here.any() else float("nan")

@@ -11,8 +11,8 @@ from jaxtyping import Float, Int
 
 from stereorecal._arrays import AnyArray, Extrinsics
 from stereorecal.matching import AbstractMatcher
-from stereorecal.scoring._cores import cores, on_all_cores
 from stereorecal.scoring._prepare import ScoringData
+from stereorecal.scoring.host._cores import cores, on_all_cores
 
 _ROOM = 32  # candidates in a call, at most
 

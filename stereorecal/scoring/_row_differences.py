@@ -1,0 +1,50 @@
+"""Epipolar residuals: how far the two rays of a correspondence lie apart across the rows, under given extrinsics."""
+
+import jax
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal._arrays import AnyArray, Extrinsics, is_host, namespace
+from stereorecal.geometry import rectifying_rotations, rotation_from_euler
+from stereorecal.scoring._correspondences import Correspondences
+
+
+def row_differences(found: Correspondences, extrinsics: Float[AnyArray, "6"]) -> Float[AnyArray, "k m"]:
+    """Row in the rectified left image less the row in the rectified right one, in pixels of the scale of `found`.
+
+    Pure; composes under `jit`, `vmap` over the extrinsics, `grad` and `jacfwd`. Where nothing was found
+    (`found.weight` is 0) the number means nothing.
+
+    Args:
+        found: what `correspondences` returned.
+        extrinsics: (6,): pitch, yaw, roll [rad] and the translation in any unit: only its direction counts.
+
+    Returns:
+        (k, m); NumPy in float64 if both arguments are NumPy's, else JAX in float32.
+    """
+    if is_host(*jax.tree.leaves(found), extrinsics):
+        return differences_of(found, extrinsics)
+    return _compiled(found, extrinsics)
+
+
+def differences_of(found: Correspondences, extrinsics: Extrinsics) -> Float[AnyArray, "k m"]:
+    """`row_differences`, not compiled by itself."""
+    xp = namespace(found.left, extrinsics)
+    first, second = rectifying_rotations(rotation_from_euler(extrinsics[:3]), extrinsics[3:])
+
+    def rows(rays, rotation):
+        x, y, z = rays[..., 0], rays[..., 1], rays[..., 2]  # written out: a GPU would multiply matrices with ten bits
+        (a, b, c), (d, e, f) = rotation[1], rotation[2]
+        return (a * x + b * y + c * z) / (d * x + e * y + f * z)
+
+    return xp.asarray(found.focal) * (rows(found.left, first) - rows(found.right, second))
+
+
+_compiled = jax.jit(differences_of)
+
+
+def median_row_error(found: Correspondences, extrinsics: Extrinsics) -> float:
+    """Median |row difference| in pixels at full size; NaN if nothing was found."""
+    here = np.asarray(found.weight) > 0
+    differences = row_differences(found, extrinsics)
+    return float(np.median(np.abs(differences[here])) / float(found.scale)) if here.any() else float("nan")

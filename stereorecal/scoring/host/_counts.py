@@ -1,0 +1,64 @@
+"""The counts of many candidates."""
+
+from functools import partial
+
+import jax
+import numpy as np
+from jaxtyping import Float, Int
+
+from stereorecal._arrays import AnyArray
+from stereorecal.matching import AbstractMatcher
+from stereorecal.scoring._count import count_scaled
+from stereorecal.scoring._prepare import ScoringData
+from stereorecal.scoring.host._cores import on_all_cores
+from stereorecal.scoring.host._disparities import disparities
+from stereorecal.scoring.host._in_turn import in_turn
+
+_SMALL = 2**16  # pixels of a frame: its programs are then so short that candidates share a call of one
+_AT_ONCE = 64  # candidates in one call of a GPU, at most
+_PIXELS_AT_ONCE = 2**22  # of them together, which take some hundred bytes each
+
+
+def counts(data: ScoringData, candidates: Float[AnyArray, "n 6"], matcher: AbstractMatcher) -> Int[np.ndarray, "n"]:
+    """The count of each candidate, (n,) int64, for any matcher with `num_disparities` (in full-size pixels).
+
+    A count never depends on how a batch was split. On a CPU each candidate is looked at alone, on one core if there are
+    several: on small frames many in a call of one program, on large ones by the programs of `disparities`. Elsewhere so
+    many are looked at together, in one program.
+    """
+    if matcher.traceable and jax.default_backend() != "cpu":
+        return counts_at_once(data, candidates, matcher)
+    if not matcher.traceable or data.view.size[0] * data.view.size[1] > _SMALL:
+        return counts_one_by_one(data, candidates, matcher)
+    return in_turn(count_scaled, data.frames, candidates, matcher.scaled(data.scale)).sum(axis=0, dtype=np.int64)
+
+
+def counts_one_by_one(
+    data: ScoringData, candidates: Float[AnyArray, "n 6"], matcher: AbstractMatcher
+) -> Int[np.ndarray, "n"]:
+    """`counts` by the programs of `disparities`: nothing more to compile where those are wanted as well."""
+
+    def one(extrinsics: np.ndarray) -> int:
+        return sum(int(found.valid.sum()) for found in disparities(data, extrinsics, matcher))
+
+    return np.array(on_all_cores(one, list(np.asarray(candidates, np.float32))), np.int64)
+
+
+def counts_at_once(
+    data: ScoringData, candidates: Float[AnyArray, "n 6"], matcher: AbstractMatcher
+) -> Int[np.ndarray, "n"]:
+    """`counts` in batches of one size, padded: one program, wide enough for a GPU."""
+    candidates, matcher = np.asarray(candidates, np.float32).reshape(-1, 6), matcher.scaled(data.scale)
+    width, height = data.view.size
+    size = max(1, min(_AT_ONCE, _PIXELS_AT_ONCE // (width * height)))
+    found = [np.zeros(0, np.int64)]
+    for first in range(0, len(candidates), size):
+        batch = candidates[first : first + size]
+        padded = np.concatenate([batch, np.repeat(batch[-1:], size - len(batch), axis=0)])
+        found.append(np.asarray(_compiled_counts(data, padded, matcher), np.int64)[: len(batch)])
+    return np.concatenate(found)
+
+
+@partial(jax.jit, static_argnames="matcher")
+def _compiled_counts(data: ScoringData, candidates: Float[jax.Array, "n 6"], matcher: AbstractMatcher):
+    return jax.vmap(lambda extrinsics: count_scaled(data, extrinsics, matcher))(candidates)
