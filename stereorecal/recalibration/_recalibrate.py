@@ -1,6 +1,7 @@
 """The entry point: validate, run the schedule, judge its end."""
 
 import time
+from dataclasses import replace
 
 import numpy as np
 
@@ -86,7 +87,7 @@ def _run_schedule(
         if len(schedule.stages) > 1 and asked.num_disparities is None:
             yaw_left = float(_YAW_LEFT if stage.score is ScoreKind.EPIPOLAR else np.radians(case.reach.degrees))
             seen = survey(case.images, best, yaw_left, aligned=True)
-            surveyed += seen.cost
+            stages[-1] = replace(stages[-1], survey_cost=seen.cost)
             case = case.with_matcher(seen.with_range(asked, yaw_left))
             widest = max(widest, case, key=lambda c: c.matcher.num_disparities or 0)
     return _judged(widest, schedule, tuple(stages), Cost(survey=surveyed, starts=of_starts), began)
@@ -128,7 +129,7 @@ def _judged(case: Case, schedule: Schedule, stages: tuple[StageRun, ...], cost: 
         matcher=case.matcher,
         reach=case.reach,
         cost=Cost(
-            survey=cost.survey,
+            survey=cost.survey + sum(stage.survey_cost for stage in stages),
             starts=cost.starts,
             search=sum(stage.search_cost for stage in stages),
             correspondences=sum(stage.matching_cost for stage in stages),

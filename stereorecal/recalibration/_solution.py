@@ -66,7 +66,8 @@ class Solution:
     @property
     def path(self) -> tuple[Waypoint, ...]:
         """Where the repair began, where each stage began and ended, and each new best of the stages on the count."""
-        return path_of(self.initial, self.cost.survey + self.cost.starts, self.stages)
+        before = self.cost.survey + self.cost.starts - sum(stage.survey_cost for stage in self.stages)
+        return path_of(self.initial, before, self.stages)
 
     @property
     def evaluations(self) -> int:

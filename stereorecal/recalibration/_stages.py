@@ -68,6 +68,7 @@ class StageRun:
         matching_cost: units that went into finding correspondences.
         found: the last correspondences; None in a stage on the count, and where the budget allowed none.
         cut: the budget ended an epipolar stage before a round was solved.
+        survey_cost: units of the survey that measured the disparity range anew after it.
     """
 
     stage: Stage
@@ -79,6 +80,7 @@ class StageRun:
     matching_cost: float = 0.0
     found: Correspondences | None = None
     cut: bool = False
+    survey_cost: float = 0.0
 
     @property
     def search_cost(self) -> float:

@@ -34,7 +34,7 @@ def problem(seed=0, frames=1, per_tile=12, common=0.0, noise=0.2, truth=None) ->
     target = errors - jacobian @ z
     weight = rng.uniform(0.5, 1.5, len(tile)) / (noise**2 + common**2)
     best = solve(jacobian, target, weight)
-    return Evidence(best, jacobian, target + jacobian @ best, target, weight, weight, tile), target
+    return Evidence(best, jacobian, target + jacobian @ best, target, weight, weight, tile, 1 / 6), target
 
 
 # --- covariance ---------------------------------------------------------------------------------------------

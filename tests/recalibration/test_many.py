@@ -16,7 +16,7 @@ import stereorecal as sr
 from stereorecal._errors import InputError
 from stereorecal.io import load_scene, save_scene
 from stereorecal.objectives import Reach
-from stereorecal.recalibration import Fault, recalibrate_many
+from stereorecal.recalibration import Fault, recalibrate_many, repairs_as_finished
 from stereorecal.strategies import AbstractStrategy, Budget, _registry, strategy
 
 OPTIONS = {
@@ -183,11 +183,25 @@ def stop_after(number):
     return progress
 
 
-def test_ctrl_c_keeps_what_is_finished(scenes, serial):
-    found = recalibrate_many(scenes, progress=stop_after(2), **OPTIONS)
-    assert what(found[:2]) == what(serial[:2])
-    assert (found[2].name, found[2].solution, found[2].fault) == ("three", None, Fault.INTERRUPTED)
-    assert found[2].error == Fault.INTERRUPTED.value
+def test_ctrl_c_passes(scenes):
+    with pytest.raises(KeyboardInterrupt):
+        recalibrate_many(scenes, progress=stop_after(2), **OPTIONS)
+
+
+def test_who_takes_them_one_by_one_has_what_is_finished(scenes, serial):
+    finished = []
+    with pytest.raises(KeyboardInterrupt):
+        for index, repair in repairs_as_finished(scenes, **OPTIONS):
+            finished.append((index, repair))
+            if len(finished) == 2:
+                raise KeyboardInterrupt
+    assert [index for index, _ in finished] == [0, 1]
+    assert what([repair for _, repair in finished]) == what(serial[:2])
+
+
+def test_bad_arguments_are_said_before_the_first_is_taken():
+    with pytest.raises(InputError, match="nothing to repair"):
+        repairs_as_finished([])
 
 
 def test_ctrl_c_cancels_what_waits(scenes, monkeypatch):
@@ -203,9 +217,9 @@ def test_ctrl_c_cancels_what_waits(scenes, monkeypatch):
     monkeypatch.setattr(Crashing, "run", run)
     options = {**OPTIONS, "schedule": sr.Schedule.count(Crashing())}
     with ThreadPoolExecutor(1) as pool:
-        found = recalibrate_many(scenes, executor=pool, progress=stop_after(1), **options)
+        with pytest.raises(KeyboardInterrupt):
+            recalibrate_many(scenes, executor=pool, progress=stop_after(1), **options)
         interrupted.set()
-    assert [repair.fault for repair in found] == [Fault.INSIDE, Fault.INTERRUPTED, Fault.INTERRUPTED]
     assert len(begun) <= 2
 
 

@@ -3,13 +3,12 @@
 import numpy as np
 import pytest
 
-from stereorecal.geometry import view
 from stereorecal.matching import SAD
 from stereorecal.objectives import Reach
-from stereorecal.recalibration import _stage_run
+from stereorecal.recalibration import _stages
 from stereorecal.recalibration._schedule import ScoreKind, Stage
 from stereorecal.recalibration._stages import Case, run_stage
-from stereorecal.scoring import Correspondences
+from stereorecal.scoring import Correspondences, pyramid
 from stereorecal.strategies import Budget, Objective, Problem, Run, Status, strategy
 from stereorecal.synthetic import default_rig, render
 
@@ -32,18 +31,19 @@ def staged(monkeypatch):
             end[0] = next(told)
             return FOUND
 
-        def solved(strategy, objective, start, budget, seed):
-            return Run(end.copy(), 0.0, 0.0, status, status.value, NOTHING_DONE)
+        def solved(strategy, objective, start, seed):
+            return Run(end.copy(), 0.0, 0.0, status, status.value, NOTHING_DONE, 0.0)
 
-        monkeypatch.setattr(_stage_run, "correspondences", correspondences)
-        monkeypatch.setattr(_stage_run, "run_strategy", solved)
-        monkeypatch.setattr(_stage_run, "differences_at", lambda found, chart, z: np.full((1, 80), z[0]))
-        monkeypatch.setattr(_stage_run, "precisions", lambda *given: None)
-        monkeypatch.setattr(_stage_run, "epipolar_objective", lambda *given: None)
-        monkeypatch.setattr(_stage_run, "remaining", lambda *given: None if next(asked) == cut_at else Budget())
-        case = Case(RIG, render("harbour", 0, rig=RIG).pairs, SAD(num_disparities=16), view(RIG), Reach())
+        monkeypatch.setattr(_stages.host, "correspondences", correspondences)
+        monkeypatch.setattr(_stages, "run_strategy", solved)
+        monkeypatch.setattr(_stages, "differences_at", lambda found, chart, z: np.full((1, 80), z[0]))
+        monkeypatch.setattr(_stages, "precisions", lambda *given: None)
+        monkeypatch.setattr(_stages, "epipolar_objective", lambda *given: None)
+        monkeypatch.setattr(_stages, "remaining", lambda *given: None if next(asked) == cut_at else Budget())
+        case = Case(pyramid(RIG, render("harbour", 0, rig=RIG).pairs), SAD(num_disparities=16), Reach())
         stage = Stage(SOLVE, 1.0, ScoreKind.EPIPOLAR, rounds=rounds)
-        return run_stage(case, stage, np.zeros(5), Budget(), 0)
+        done = run_stage(case, stage, np.asarray(RIG.extrinsics), Budget(), 0)
+        return done, case.box.chart.coordinates(done.best)
 
     return run
 
@@ -60,14 +60,14 @@ def staged(monkeypatch):
     ],
 )
 def test_the_mean_of_near_rounds_counts(staged, ends, rounds, best):
-    done = staged([*ends, 100.0])
+    done, end = staged([*ends, 100.0])
     assert len(done.runs) == 3 + 2 * (rounds - 1)
-    assert done.best[0] == pytest.approx(best)
+    assert end[0] == pytest.approx(best)
     assert not done.cut
 
 
 def test_rounds_are_bounded(staged):
-    assert len(staged([1.0, 2.0, 3.0], rounds=1).runs) == 3
+    assert len(staged([1.0, 2.0, 3.0], rounds=1)[0].runs) == 3
 
 
 @pytest.mark.parametrize(
@@ -81,9 +81,9 @@ def test_rounds_are_bounded(staged):
     ],
 )
 def test_a_budget_that_ends_in_a_round_is_noticed(staged, cut_at, runs, cut):
-    done = staged([1.0, 2.0, 3.0], cut_at)
+    done, _ = staged([1.0, 2.0, 3.0], cut_at)
     assert (len(done.runs), done.cut) == (runs, cut)
 
 
 def test_a_run_that_spent_the_budget_is_noticed(staged):
-    assert staged([1.0, 2.0], status=Status.BUDGET).cut
+    assert staged([1.0, 2.0], status=Status.BUDGET)[0].cut

@@ -55,7 +55,7 @@ def test_a_pair_that_shows_nothing_leaves_the_rig(scene, drifted):
 
 def test_the_budget_is_that_of_each_pair(scene, drifted):
     found = sr.recalibrate_sequence(drifted, scene(frames=3).pairs[:2], budget=Budget(evaluations=3), **OPTIONS)
-    assert all(0 < one.cost <= 3 for one in found)
+    assert all(0 < one.cost.budgeted <= 3 for one in found)
 
 
 def test_no_pair(drifted):
@@ -69,7 +69,7 @@ def test_the_path_climbs_from_the_start_to_the_end(scene, solutions, drifted):
     np.testing.assert_allclose(path[-1].extrinsics, solutions[0].candidate.extrinsics, atol=1e-12)
     assert path[0].cost == 0
     assert all(a.cost < b.cost for a, b in pairwise(path))
-    assert path[-1].cost <= solutions[0].cost
+    assert path[-1].cost <= solutions[0].cost.total
     matcher, pairs = OPTIONS["matcher"], scene(frames=3).pairs[:1]
     counts = [
         sr.score(drifted.with_extrinsics(p.extrinsics), pairs, matcher=matcher, view=solutions[0].view, scale=0.5).count
@@ -85,9 +85,10 @@ def test_the_path_of_the_default_schedule_has_the_end_of_every_stage(scene):
     solution = sr.recalibrate(start, scene(size=(320, 240)).pairs)
     path = solution.path
     np.testing.assert_allclose(path[-1].extrinsics, solution.candidate.extrinsics, atol=1e-12)
-    assert solution.survey_cost > 1
-    np.testing.assert_allclose(path[-1].cost, solution.survey_cost + solution.cost)
-    np.testing.assert_allclose(path[-2].cost, path[-1].cost - solution.stages[-1].cost)
+    cost, last = solution.cost, solution.stages[-1]
+    assert cost.survey > 1
+    np.testing.assert_allclose(path[-1].cost, cost.total - cost.judging - last.survey_cost)
+    np.testing.assert_allclose(path[-2].cost + solution.stages[-2].survey_cost, path[-1].cost - last.cost)
 
 
 @pytest.mark.parametrize("name", ["optimistix-bfgs", "nlopt-lbfgs", "features"])

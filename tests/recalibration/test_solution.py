@@ -59,7 +59,8 @@ def test_change(solution, drifted):
 
 def test_trace_cost_and_evaluations(solution):
     assert solution.evaluations == len(solution.trace.values)
-    assert solution.cost == pytest.approx(solution.evaluations)
+    assert solution.cost.search == pytest.approx(solution.evaluations)
+    assert solution.cost.total == pytest.approx(solution.evaluations + 2)  # and judged: before and after
     assert solution.trace.values.max() == solution.score_after.count
     assert solution.seconds > 0
 
@@ -124,7 +125,7 @@ def test_the_same_again(scene, drifted, solution):
 def test_budget(scene, drifted, solution, limit):
     found = recalibrate(drifted, scene().pairs, matcher=SAD_24, schedule=COUNT, budget=Budget(evaluations=limit))
     assert found.evaluations == int(limit)
-    assert found.cost <= limit
+    assert found.cost.budgeted <= limit
     assert found.status is Status.BUDGET
     np.testing.assert_array_equal(found.trace.points, solution.trace.points[: int(limit)])
     assert found.score_after.count == found.trace.values.max()
@@ -133,10 +134,10 @@ def test_budget(scene, drifted, solution, limit):
 def test_stages_share_the_budget(scene, drifted):
     stages = Schedule("two", (Stage(COMPASS, 0.5), Stage(COMPASS, 1.0)))
     found = recalibrate(drifted, scene().pairs, matcher=SAD_24, schedule=stages, budget=Budget(evaluations=60))
-    assert found.cost <= 60 + 1e-9
+    assert found.cost.budgeted <= 60 + 1e-9
     coarse = found.evaluations - len(found.trace.values)
     assert coarse > 40
-    assert found.cost == pytest.approx(0.25 * coarse + len(found.trace.values))
+    assert found.cost.search == pytest.approx(0.25 * coarse + len(found.trace.values))
     assert found.score_after.count > found.score_before.count
 
 
@@ -149,7 +150,7 @@ def test_several_pairs_are_repaired_jointly(scene):
     assert found.score_after.pixels == 2 * 160 * 120
     single = [score(found.rig, [pair], matcher=SAD_24, view=found.view).count for pair in pairs]
     assert found.score_after.count == sum(single)
-    assert found.cost == 2 * found.evaluations
+    assert found.cost.search == 2 * found.evaluations
 
 
 def test_reach_is_the_limit(scene, drifted):

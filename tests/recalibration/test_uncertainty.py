@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from stereorecal.objectives import FREE_AXES, Reach, count_box
+from stereorecal.objectives import FREE_AXES, Reach, count_box, row_box
 from stereorecal.recalibration._uncertainty import reading_units, uncertainty
 from stereorecal.synthetic import default_rig
 
@@ -21,10 +21,10 @@ def test_units(degrees, fraction, unit):
 
 
 def test_covariance_and_interval():
-    chart = count_box(RIG, Reach(6.0, 0.06)).chart
+    box = row_box(RIG, Reach(3.0, 0.03))
     deviation = np.array([0.01, 0.02, 0.03, 0.04, 0.05])
     correlation = np.full((5, 5), 0.3) + 0.7 * np.eye(5)
-    known = uncertainty(deviation[:, None] * correlation * deviation, chart)
+    known = uncertainty(deviation[:, None] * correlation * deviation, box)
     np.testing.assert_allclose(np.sqrt(np.diag(known.covariance)), 6.0 * deviation)
     np.testing.assert_allclose(known.interval, 1.96 * 6.0 * deviation)
     scale = np.sqrt(np.diag(known.covariance))
@@ -35,10 +35,10 @@ def test_covariance_and_interval():
 
 @pytest.mark.parametrize("axis", range(5))
 def test_what_is_mostly_prior_is_not_observed(axis):
-    chart = count_box(RIG, Reach(6.0, 0.06)).chart
+    box = row_box(RIG, Reach(3.0, 0.03))
     for share, seen in ((0.49, True), (0.51, False), (1.0, False)):
         variance = np.full(5, 0.01**2)
         variance[axis] = (share * PRIOR) ** 2
-        known = uncertainty(np.diag(variance), chart)
+        known = uncertainty(np.diag(variance), box)
         assert known.observed[axis] == seen
         assert known.unobserved == (() if seen else (FREE_AXES[axis],))
