@@ -1,6 +1,7 @@
 """The stereo rig: two cameras and the six extrinsic parameters between them."""
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
@@ -11,6 +12,7 @@ from stereorecal._pytree import register_pytree
 from stereorecal.geometry._camera import Camera
 from stereorecal.geometry._so3 import euler_from_rotation, rotation_from_euler
 
+_FROM_ROTATION = "write sr.StereoRig.from_rotation(left, right, R, T), with T in metres."
 AXES = ("pitch", "yaw", "roll", "x", "y", "z")
 
 
@@ -33,12 +35,21 @@ class StereoRig:
     right: Camera
     extrinsics: Extrinsics
 
+    def __new__(cls, *values: Any, **named: Any) -> "StereoRig":
+        """Show those who bring R and T the right call."""
+        if {"R", "T"} & set(named):
+            raise InputError(_FROM_ROTATION)
+        return super().__new__(cls)
+
     def __post_init__(self) -> None:
         if not is_host(self.extrinsics):
             return
-        extrinsics = np.array(self.extrinsics, float)
+        extrinsics = _as_numbers(self.extrinsics)
         if extrinsics.shape != (6,) or not np.isfinite(extrinsics).all():
-            raise InputError("the extrinsics must be six finite numbers (pitch, yaw, roll, x, y, z); correct them.")
+            raise InputError(
+                "the extrinsics must be six finite numbers (pitch, yaw, roll [rad], x, y, z [m]); correct them, or, if "
+                f"you have a rotation and a translation: {_FROM_ROTATION}"
+            )
         x, y, z = extrinsics[3:]
         if not np.any(extrinsics[3:]):
             raise InputError("the baseline is zero: the translation T from left to right must not vanish; correct it.")
@@ -98,3 +109,11 @@ def with_unit_baseline(extrinsics: Extrinsics) -> Float[np.ndarray, "6"]:
     """The extrinsics (6,), float64, with the translation as a unit vector: what images can tell of it."""
     extrinsics = np.asarray(extrinsics, float)
     return np.concatenate([extrinsics[:3], extrinsics[3:] / np.linalg.norm(extrinsics[3:])])
+
+
+def _as_numbers(value: Any) -> Float[np.ndarray, "..."]:
+    """An array of float64; an empty one if it cannot be one, as a tuple of R and T."""
+    try:
+        return np.array(value, float)
+    except (TypeError, ValueError):
+        return np.zeros(0)

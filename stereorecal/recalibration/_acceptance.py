@@ -9,10 +9,10 @@ from jaxtyping import Bool, Float
 from stereorecal.recalibration._evidence import Evidence
 from stereorecal.scoring import Score
 
-_COUNT_LOSS = 0.01  # of the count; the count is flat to half of that around the optimum
-_COUNT_GAIN = 0.01
-_ROW_LOSS = 0.02  # pixels
-_ROW_GAIN = 0.01  # pixels
+_COUNT_LOSS = 0.01  # of the count, which is flat to half of that around the optimum (measured on real scenes)
+_COUNT_GAIN = 0.01  # likewise
+_ROW_LOSS = 0.02  # pixels: what a repair that ends well may lose by noise
+_ROW_GAIN = 0.01  # pixels: less than that no matcher notices
 _SIGNIFICANT = 3.0  # standard errors, over the places of tiles
 _FEWEST_PLACES = 6
 _EDGE = 0.98  # of the box of the epipolar stages, which is twice the reach
@@ -23,14 +23,14 @@ ROWS_APART = 0.3  # pixels; 0.03 degrees of pitch at a focal length of 600 pixel
 class Reason(enum.Enum):
     """Why a candidate was accepted or not; the value is the message."""
 
-    IMPROVED = "the candidate is better, on data that it has not seen too"
+    IMPROVED = "the candidate is better, also on image regions that were held out"
     MORE_MATCHES = "the candidate matches more pixels"
-    ALREADY_GOOD = "the calibration that was given is already good; nothing to gain beyond noise"
-    NOT_IMPROVED = "no candidate matches more pixels than the calibration that was given"
-    FEWER_MATCHES = "the candidate matches fewer pixels than the calibration that was given"
-    WORSE_ON_HELD_OUT = "the candidate is no better on the parts of the images that it has not seen"
+    ALREADY_GOOD = "the initial calibration is already good; there is nothing to gain beyond noise"
+    NOT_IMPROVED = "no candidate matches more pixels than the initial calibration"
+    FEWER_MATCHES = "the candidate matches fewer pixels than the initial calibration"
+    WORSE_ON_HELD_OUT = "the candidate is no better on image regions that were held out"
     TOO_LITTLE_TEXTURE = "too little of the images matches: too little texture, or a drift beyond the reach"
-    OUT_OF_BUDGET = "the budget ended before the rows of a candidate could be judged; give a larger one"
+    OUT_OF_BUDGET = "the budget ended before the row error of a candidate could be judged; give a larger one"
     REACH_EDGE = "the search ended at twice the reach; the drift may be larger: give a larger reach"
 
     @property
@@ -44,7 +44,7 @@ class RowErrors:
     """|Row difference| of the correspondences, pixels at full size: the mean over the tiles of a tile's median.
 
     Attributes:
-        before: under the calibration that was given.
+        before: under the initial calibration.
         after: under the candidate, each part of the images judged by a solution that has not seen it.
         significance: of the gain, in standard errors over the places of tiles in the frames.
     """
@@ -81,8 +81,8 @@ def verdict(
 ) -> Reason:
     """The verdict on a candidate with correspondences.
 
-    Accepted: a significant gain in count or in row error on held-out parts, and no loss beyond 1 % of the count and
-    0.02 pixels (architecture, section 6). The counts of equally good calibrations scatter: by about 1 over the root of
+    Accepted: a significant gain in count or in row error on held-out regions, and no loss beyond 1 % of the count and
+    0.02 pixels. The counts of equally good calibrations scatter: by about 1 over the root of
     the count of a frame, measured on rendered scenes; frames that repeat each other prove nothing twice.
 
     Args:

@@ -31,7 +31,7 @@ class Evidence:
         z: (n,) the solution.
         jacobian: (m, n) of the row differences, pixels at full size.
         residual: (m,) row differences at the solution, pixels at full size.
-        start_residual: (m,) the same under the calibration that was given.
+        start_residual: (m,) the same under the initial calibration.
         weight: (m,) of the squared row differences.
         curvature: (m,) second derivatives of their losses.
         tile: (m,) which tile of which frame.
@@ -95,7 +95,7 @@ class Evidence:
         return (column + 2 * row) % _FOLDS
 
     def held_out(self) -> tuple[Float[np.ndarray, "t"], Float[np.ndarray, "t"]]:
-        """Median |row difference| in each tile, pixels: under the calibration that was given, and under solutions that
+        """Median |row difference| in each tile, pixels: under the initial calibration, and under solutions that
         did not see the tile, nor any at its place in another frame."""
         fold = self._fold()
         unseen = np.empty_like(self.residual)

@@ -20,7 +20,7 @@ class Condition(enum.Enum):
     """The verdict on a calibration; the value is the message."""
 
     HEALTHY = "healthy: the rows are aligned"
-    ROWS_APART = "unhealthy: the rows are out of line; recalibrate"
+    ROWS_APART = "unhealthy: the rows are misaligned; recalibrate"
     TOO_FEW_MATCHES = (
         "unhealthy: too little of the images matches; the rig is far out of calibration, or there is too little texture"
     )
@@ -32,8 +32,8 @@ class Health:
 
     Attributes:
         score: the count, in the rig's own view.
-        row_error: median |row difference| of the correspondences, pixels; NaN if they cover less than a tenth, since
-            false matches lie on the rows that they were searched on.
+        row_error: epipolar (row) error, the median |row difference| of the correspondences, pixels at full size; NaN if
+            they cover less than a tenth, since false matches lie on the rows that they were searched on.
         covered: share of the image in which correspondences were found that are good to a fraction of a pixel, of the
             frame that shows most. False matches count as pixels, but hardly here.
     """
@@ -69,10 +69,10 @@ class Health:
         )
 
     def __str__(self) -> str:
-        apart = "not known" if np.isnan(self.row_error) else f"{self.row_error:.2f} px apart (median)"
+        apart = "not known" if np.isnan(self.row_error) else f"{self.row_error:.2f} px (median)"
         return (
-            f"matched  {self.score}\n"
-            f"rows     {apart}, seen on {100 * self.covered:.0f} % of the image\n"
+            f"matched    {self.score}\n"
+            f"row error  {apart}, measured on {100 * self.covered:.0f} % of the image\n"
             f"{self.condition.value}"
         )
 

@@ -56,41 +56,42 @@ def recalibrate(
     began = time.perf_counter()
     images, reach = pyramid(rig, pairs, view), reach or Reach()
     schedule, budget, asked = as_schedule(schedule), as_budget(budget), as_matcher(matcher)
-    case, offset, surveyed = Case(images, asked, reach), np.zeros(6), 0.0
+    case, offset, of_survey = Case(images, asked, reach), np.zeros(6), 0.0
     if schedule.survey or asked.num_disparities is None:
         radians = float(np.radians(reach.degrees))
         seen = survey(images, rig.extrinsics, radians)
-        case, surveyed = case.with_matcher(seen.with_range(asked, radians)), seen.cost
+        case, of_survey = case.with_matcher(seen.with_range(asked, radians)), seen.cost
         offset = seen.offset if schedule.survey else offset
-    return _run_schedule(case, schedule, asked, offset, surveyed, budget, began, seed)
+    start, of_starts = better_start(case, schedule.stages[0], offset)
+    widest, stages = _run_schedule(case, schedule, asked, start, budget, began, seed)
+    return _judged(widest, schedule, stages, Cost(survey=of_survey, starts=of_starts), began)
 
 
 def _run_schedule(
     case: Case,
     schedule: Schedule,
     asked: AbstractMatcher,
-    offset: np.ndarray,
-    surveyed: float,
+    start: np.ndarray,
     budget: Budget,
     began: float,
     seed: int,
-) -> Solution:
-    """All stages that the budget allows, then the verdict, with the widest disparity range that was measured."""
-    widest, stages = case, []
-    best, of_starts = better_start(case, schedule.stages[0], offset)
+) -> tuple[Case, tuple[StageRun, ...]]:
+    """All stages that the budget allows; the case comes back with the widest disparity range that was measured."""
+    widest, best, stages = case, start, []
     for stage in schedule.stages:
         left = remaining(budget, sum(done.cost for done in stages), began)
         if left is None:
             break
-        stages.append(run_stage(case, stage, best, left, seed))
-        best = stages[-1].best
+        done = run_stage(case, stage, best, left, seed)
+        best = done.best
         if len(schedule.stages) > 1 and asked.num_disparities is None:
             yaw_left = float(_YAW_LEFT if stage.score is ScoreKind.EPIPOLAR else np.radians(case.reach.degrees))
             seen = survey(case.images, best, yaw_left, aligned=True)
-            stages[-1] = replace(stages[-1], survey_cost=seen.cost)
+            done = replace(done, survey_cost=seen.cost)
             case = case.with_matcher(seen.with_range(asked, yaw_left))
             widest = max(widest, case, key=lambda c: c.matcher.num_disparities or 0)
-    return _judged(widest, schedule, tuple(stages), Cost(survey=surveyed, starts=of_starts), began)
+        stages.append(done)
+    return widest, tuple(stages)
 
 
 def _judged(case: Case, schedule: Schedule, stages: tuple[StageRun, ...], cost: Cost, began: float) -> Solution:

@@ -60,7 +60,7 @@ class Schedule:
         name: what tables call it.
         stages: at least one.
         survey: whether the first stage may start where a coarse survey of the rotation finds more matches than at the
-            calibration that was given.
+            initial calibration.
     """
 
     name: str

@@ -24,9 +24,9 @@ class Solution:
     """What a recalibration found.
 
     Attributes:
-        rig: the calibration to use: the candidate if accepted, else the one that was given.
+        rig: the calibration to use: the candidate if accepted, else the initial one.
         candidate: the best calibration found, accepted or not.
-        initial: the calibration that was given.
+        initial: the calibration that the repair started from.
         accepted, reason: the verdict.
         status, message: how the search of the last stage ended.
         view, matcher: with which everything was scored; the matcher carries its measured disparity range.
@@ -86,12 +86,12 @@ class Solution:
 
     @property
     def depth_error_percent(self) -> Mapping[int, float]:
-        """By how many percent the given calibration is wrong in depth, if the candidate is right, at 5, 10, 30 and
-        100 baselines."""
+        """The depth error of the initial calibration in percent, if the candidate is right, at 5, 10, 30 and 100
+        baselines."""
         return depth_errors(self.initial, self.candidate)
 
     def __str__(self) -> str:
-        verdict = "accepted" if self.accepted else "the old calibration stays"
+        verdict = "accepted" if self.accepted else "not accepted, the initial calibration stays"
         lines = [
             f"{verdict}: {self.reason.value}",
             f"search   {self.message} ({self.evaluations} evaluations, {self.seconds:.1f} s)",
@@ -107,7 +107,7 @@ class Solution:
         return "\n".join(lines)
 
     def _rows(self, when: str) -> str:
-        return "" if self.row_errors is None else f", rows {getattr(self.row_errors, when):.2f} px apart"
+        return "" if self.row_errors is None else f", row error {getattr(self.row_errors, when):.2f} px"
 
     def _axis(self, index: int, name: str) -> str:
         before, change = self.initial.extrinsics[index], self.change[index]

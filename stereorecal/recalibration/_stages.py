@@ -27,7 +27,7 @@ class Case:
     """What is repaired, and with what.
 
     Attributes:
-        images: of the rig that was given, whose extrinsics are the centre of the search box and of the prior.
+        images: taken by the rig whose extrinsics, the initial ones, are the centre of the search box and of the prior.
         matcher: with its disparity range at full size.
     """
 

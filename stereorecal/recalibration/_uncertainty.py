@@ -17,7 +17,7 @@ class Uncertainty:
 
     Attributes:
         covariance: (5, 5), the prior on the drift included.
-        observed: (5,) which parameters the data determine; the others stay near the calibration that was given.
+        observed: (5,) which parameters the data determine; the others stay near the initial calibration.
     """
 
     covariance: Float[np.ndarray, "5 5"]

@@ -15,6 +15,11 @@ def check_pairs(rig: StereoRig, pairs: Pairs) -> tuple[Pair, ...]:
     Raises:
         InputError: otherwise.
     """
+    if not isinstance(rig, StereoRig):
+        raise InputError(
+            f"the rig is a {type(rig).__name__}; give an sr.StereoRig, such as scene.rig, sr.io.load_rig(path) or "
+            "sr.StereoRig.from_rotation(left, right, R, T)."
+        )
     pairs = as_pairs(pairs)
     if not pairs:
         raise InputError("no image pair was given; give at least one.")

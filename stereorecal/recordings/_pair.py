@@ -34,6 +34,12 @@ class Pair:
     origin: tuple[Callable[..., "Pair"], tuple[Any, ...]] | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
+        for image in (self.left, self.right):
+            if np.ndim(image) != 2:
+                raise InputError(
+                    f"{self.name}: an image of shape {np.shape(image)} is not grey; write sr.make_pair(left, right), "
+                    "which takes colour and up to 16 bit."
+                )
         if self.left.shape != self.right.shape:
             raise InputError(
                 f"{self.name}: the left image is {_size_text(self.left)} and the right one {_size_text(self.right)}; "

@@ -97,7 +97,7 @@ def test_text(repaired):
     assert lines[0] == f"accepted: {Reason.IMPROVED.value}"
     for when, line in (("before", lines[2]), ("after", lines[3])):
         assert line.startswith(when)
-        assert line.endswith(f"rows {getattr(repaired.row_errors, when):.2f} px apart")
+        assert line.endswith(f", row error {getattr(repaired.row_errors, when):.2f} px")
     axes = {line.split()[0]: line for line in lines[4:10]}
     assert list(axes) == ["pitch", "yaw", "roll", "x", "y", "z"]
     assert "±" not in axes.pop("x")
@@ -136,7 +136,7 @@ def test_what_is_right_is_left_alone(harbour):
     assert not solution.accepted
     assert solution.rig is solution.initial is RIG
     assert errors(solution.candidate)[[0, 2]].max() < 0.01
-    assert "the old calibration stays" in str(solution)
+    assert "the initial calibration stays" in str(solution)
     assert "depth was off" not in str(solution)
 
 

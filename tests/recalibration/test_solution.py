@@ -90,7 +90,7 @@ def test_the_old_calibration_stays_when_nothing_is_better(scene, solution):
     assert again.rig is solution.rig
     assert again.reason is Reason.NOT_IMPROVED
     assert again.score_after.count <= again.score_before.count
-    assert str(again).startswith("the old calibration stays: no candidate matches more pixels")
+    assert str(again).startswith("not accepted, the initial calibration stays: no candidate matches more pixels")
 
 
 def test_nothing_to_match(scene):
