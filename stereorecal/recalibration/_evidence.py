@@ -7,10 +7,10 @@ unit of resampling, and are held out together.
 """
 
 from dataclasses import dataclass
+from statistics import NormalDist
 
 import numpy as np
 from jaxtyping import Float, Int
-from scipy.stats import norm, t as student_t
 
 from stereorecal.objectives import SearchBox
 from stereorecal.recalibration._stages import differences_at
@@ -79,7 +79,7 @@ class Evidence:
         moves -= moves.mean(0)
         inverse = np.linalg.inv(normal)
         others = len(left_out) - 1
-        few = (student_t.ppf(0.975, others) / norm.ppf(0.975)) ** 2  # so that ±1.96 σ means 95 % of few places too
+        few = (_student_975(others) / NormalDist().inv_cdf(0.975)) ** 2  # so that ±1.96 σ means 95 % of few places too
         shared = _SHARED / self.scale * inverse @ (self.jacobian.T @ self.curvature)
         of_places = few * moves.T @ moves * others / len(left_out)
         return of_places + inverse @ self._prior @ inverse + np.outer(shared, shared)
@@ -112,6 +112,13 @@ class Evidence:
         """The mean over the frames of what `held_out` says of each tile: at each place that shows something."""
         places, place = np.unique(np.unique(self.tile) % TILES_OF_A_FRAME, return_inverse=True)
         return np.bincount(place, values, len(places)) / np.bincount(place, minlength=len(places))
+
+
+def _student_975(degrees: int) -> float:
+    """The quantile of Student's t for two-sided 95 %."""
+    from scipy.special import stdtrit  # a third of a second to import, for one number of a repair
+
+    return float(stdtrit(degrees, 0.975))
 
 
 def evidence(box: SearchBox, found: Correspondences, z: Float[np.ndarray, "n"]) -> Evidence:

@@ -1,5 +1,8 @@
 """Strategies: the contract of a plug-in, objectives and budgets, the registry, and how a strategy is run and judged."""
 
+import sys
+from types import ModuleType
+
 from stereorecal._errors import BudgetExhausted as BudgetExhausted, StrategyError as StrategyError
 from stereorecal.strategies._budget import Budget as Budget, as_budget as as_budget
 from stereorecal.strategies._contract import (
@@ -20,3 +23,13 @@ from stereorecal.strategies._registry import (
 )
 from stereorecal.strategies._run import Run as Run, run_strategy as run_strategy
 from stereorecal.strategies._trace import Trace as Trace
+
+
+class _Callable(ModuleType):
+    """`sr.strategies` is this package and the function of that name in one, so it can be called."""
+
+    def __call__(self) -> tuple[str, ...]:
+        return strategies()
+
+
+sys.modules[__name__].__class__ = _Callable

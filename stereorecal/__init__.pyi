@@ -1,0 +1,51 @@
+"""All public names; `__init__.py` imports each when it is first asked for."""
+
+from . import geometry as geometry, io as io, synthetic as synthetic, testing as testing
+from ._errors import (
+    InputError as InputError,
+    StrategyError as StrategyError,
+    UnsupportedModelError as UnsupportedModelError,
+)
+from .comparison import (
+    Comparison as Comparison,
+    Drift as Drift,
+    compare as compare,
+    compare_scenes as compare_scenes,
+)
+from .geometry import Camera as Camera, StereoRig as StereoRig, View as View, view as view
+from .matching import BM as BM, SAD as SAD, SGBM as SGBM, Disparity as Disparity
+from .objectives import Reach as Reach, objective as objective
+from .recalibration import (
+    Cost as Cost,
+    Health as Health,
+    Reason as Reason,
+    Repair as Repair,
+    Schedule as Schedule,
+    Solution as Solution,
+    health as health,
+    recalibrate as recalibrate,
+    recalibrate_many as recalibrate_many,
+    recalibrate_sequence as recalibrate_sequence,
+)
+from .recordings import Log as Log, Mission as Mission, Pair as Pair, Scene as Scene, make_pair as make_pair
+from .reproduction import (
+    Extent as Extent,
+    Reproduction as Reproduction,
+    reproduce as reproduce,
+    synthetic_log as synthetic_log,
+)
+from .scoring import (
+    Correspondences as Correspondences,
+    Score as Score,
+    ScoringData as ScoringData,
+    correspondences as correspondences,
+    count as count,
+    disparity as disparity,
+    prepare as prepare,
+    rectify as rectify,
+    row_differences as row_differences,
+    score as score,
+    soft_count as soft_count,
+    with_disparity_range as with_disparity_range,
+)
+from .strategies import Budget as Budget, Status as Status, strategies as strategies, strategy as strategy

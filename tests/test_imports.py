@@ -1,0 +1,57 @@
+"""What an import costs: nothing is loaded before it is asked for, and names mean the same after any order of imports."""
+
+import subprocess
+import sys
+
+import pytest
+
+HEAVY = ("jax", "cv2", "scipy", "numpy", "rich", "matplotlib", "distributed", "stereorecal.scoring")
+
+
+def said(code: str) -> str:
+    done = subprocess.run([sys.executable, "-W", "error", "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return done.stdout.strip()
+
+
+def test_importing_the_library_loads_nothing_heavy():
+    loaded = said("import sys, stereorecal; print(*sys.modules)").split()
+    assert not set(HEAVY) & set(loaded)
+
+
+def test_a_repair_loads_no_statistics_and_no_reports():
+    loaded = said("import sys, stereorecal; stereorecal.recalibrate; print(*sys.modules)").split()
+    assert "jax" in loaded
+    unwanted = (
+        "scipy.stats",
+        "matplotlib",
+        "rich",
+        "jinja2",
+        "distributed",
+        "stereorecal.comparison",
+        "stereorecal.cli",
+    )
+    assert not set(unwanted) & set(loaded)
+
+
+@pytest.mark.parametrize(
+    "imports",
+    [
+        "import stereorecal as sr",
+        "import stereorecal.strategies; import stereorecal as sr",
+        "import stereorecal as sr; sr.strategies(); import stereorecal.strategies",
+        "import stereorecal.strategies as s; s(); import stereorecal as sr",
+        "from stereorecal import strategies; strategies(); import stereorecal as sr",
+        "from stereorecal.strategies import strategies; import stereorecal as sr",
+    ],
+)
+def test_strategies_is_a_function_and_a_package(imports: str):
+    """Whatever was imported before it."""
+    code = f"{imports}; print(sr.strategies()); import stereorecal.strategies as t; t.Budget; sr.strategies.Budget; t()"
+    assert "compass" in said(code)
+
+
+def test_every_public_name_is_there():
+    names = said("import stereorecal as sr; print(*[n for n in dir(sr) if getattr(sr, n) is not None])").split()
+    assert {"recalibrate", "count", "prepare", "io", "synthetic", "testing", "Budget", "strategies"} <= set(names)
+    assert "no attribute" in said("import stereorecal as sr\ntry: sr.recalibrat\nexcept AttributeError as e: print(e)")
