@@ -120,6 +120,8 @@ def compare_scenes(
     """
     if draws < 1 or not scenes or (strategies is not None and not strategies):
         raise InputError("there is nothing to compare; give at least one scene, one strategy and one draw.")
+    if not 0.0 < scale <= 1.0:
+        raise InputError(f"scale is {scale}; give one within (0, 1].")
     if len({scene.name for scene in scenes}) < len(scenes):
         raise InputError("two scenes have the same name; rename a folder, or give each scene once.")
     matcher, drift, budget = as_matcher(matcher), drift or Drift(), as_budget(budget)
@@ -160,8 +162,9 @@ def compare_scenes(
         interrupted = True
     settings = {
         "strategies": list(dict.fromkeys(entrant.name for entrant in entrants)),
+        "entrants": [entrant.as_dict() for entrant in entrants],
         "matcher": {"name": type(matcher).__name__.lower(), **asdict(matcher)},
-        "schedule": " and ".join(dict.fromkeys(entrant.schedule.name for entrant in entrants)),
+        "schedule": " and ".join(sorted({entrant.schedule.name for entrant in entrants})),
         "scale": scale,
         "decalibrate": asdict(drift),
         "reach": asdict(reach),

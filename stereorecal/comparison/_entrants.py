@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
@@ -10,7 +11,7 @@ from stereorecal._errors import InputError, StrategyError
 from stereorecal.recalibration import SCHEDULES, Schedule
 from stereorecal.strategies import AbstractStrategy, Objective, Outcome, name_of, strategy
 
-_CLIMBER = "compass"  # the strategy of the paper
+_PAPERS = "compass"  # what the paper found to work best (section 3.3)
 
 
 @dataclass(frozen=True)
@@ -20,36 +21,56 @@ class Entrant:
     Attributes:
         name: of the strategy that was asked for.
         schedule: with it in the stages of its kind.
-        running: every strategy that the schedule runs, by name.
+        running: every strategy that the schedule runs, by name, in the order of its stages.
     """
 
     name: str
     schedule: Schedule
     running: Mapping[str, AbstractStrategy]
 
+    def as_dict(self) -> dict[str, Any]:
+        """Plain data for JSON and tables."""
+        return {"strategy": self.name, "schedule": self.schedule.name, "strategies": list(self.running)}
 
-def entrants_of(
-    strategies: Sequence[str] | Mapping[str, AbstractStrategy] | None, schedule: str | None, scale: float
-) -> tuple[Entrant, ...]:
-    """The entrants that the arguments of `compare` ask for.
+
+def entrants_of(strategies: Any, schedule: Any, scale: float) -> tuple[Entrant, ...]:
+    """The entrants that the arguments of `compare` ask for, those of the default schedule first.
 
     Raises:
-        InputError: if a name is unknown.
+        InputError: if a name is unknown, or something else stands where a name belongs.
     """
-    if schedule is None:
-        schedules = SCHEDULES if strategies is None else ("count",)
-    elif schedule in SCHEDULES:
-        schedules = (schedule,)
-    else:
-        raise InputError(f"unknown schedule {schedule!r}; choose one of: {', '.join(SCHEDULES)}.")
-    if isinstance(strategies, str):
-        raise InputError(f"strategies is the text {strategies!r}; give a list of names, such as [{strategies!r}].")
-    named = strategies if isinstance(strategies, Mapping) else load_strategies(strategies or (_CLIMBER,))
+    named = _named(strategies)
     return tuple(
         _entrant(name, plugin, kind, scale, kept=strategies is None)
-        for kind in schedules
+        for kind in _schedules(schedule, given=strategies is not None)
         for name, plugin in named.items()
     )
+
+
+def _named(strategies: Any) -> Mapping[str, AbstractStrategy]:
+    match strategies:
+        case None:
+            return load_strategies((_PAPERS,))
+        case str():
+            raise InputError(f"strategies is the text {strategies!r}; give a list of names, such as [{strategies!r}].")
+        case AbstractStrategy():
+            raise InputError(f"strategies is one strategy; give a mapping, such as {{'mine': {strategies!r}}}.")
+        case Mapping():
+            return strategies
+    for one in strategies:
+        if not isinstance(one, str):
+            raise InputError(f"strategies is a list with {one!r} in it; give names, or a mapping: {{'mine': {one!r}}}.")
+    return load_strategies(strategies)
+
+
+def _schedules(schedule: Any, *, given: bool) -> Sequence[str]:
+    if schedule is None:
+        return ("count",) if given else sorted(SCHEDULES, key=lambda name: name != "default")
+    if isinstance(schedule, str) and schedule in SCHEDULES:
+        return (schedule,)
+    if isinstance(schedule, Schedule):
+        raise InputError("schedule is an sr.Schedule; compare takes a name (count or default), and the strategies.")
+    raise InputError(f"unknown schedule {schedule!r}; choose one of: {', '.join(SCHEDULES)}.")
 
 
 def _entrant(name: str, plugin: AbstractStrategy, kind: str, scale: float, *, kept: bool) -> Entrant:

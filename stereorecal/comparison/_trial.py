@@ -72,7 +72,7 @@ class Trial:
     accepted: bool
     reason: str | None
     reference: str
-    strategies: tuple[str, ...] = ()
+    strategies: tuple[str, ...]
     score_initial: int | None = None
     score_final: int | None = None
     score_reference: int | None = None

@@ -3,7 +3,7 @@
 Needs jinja2 and matplotlib: pip install 'stereorecal[figures]'.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +11,9 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from stereorecal.report._cells import count, number, percent
+from stereorecal.report._entrants import strategies_of, title_of
 from stereorecal.report._strips import Series, strips
-from stereorecal.report.tables import REFERENCES
+from stereorecal.report.tables import REFERENCES, schedules_legend
 
 _TEMPLATE = "comparison.html.jinja"
 _LEAST_ERROR = 1e-4  # degrees; smaller errors are drawn here, since a logarithmic axis has no zero
@@ -35,9 +36,12 @@ def comparison_page(data: Mapping[str, Any]) -> str:
         figures={scene: panels for scene in _names(data, "scene") if (panels := _panels(data, scene))},
         marks=_marks(data),
         best=_best(data),
-        troubles=_troubles(data["trials"]),
+        troubles=_troubles(data),
         settings=list(_flat(data["settings"])),
         references=REFERENCES,
+        schedules=schedules_legend(data),
+        planned=len(data["scenes"]) * data["settings"]["draws"] * len(data["settings"]["entrants"]),
+        strategies_of=strategies_of,
     )
 
 
@@ -48,11 +52,11 @@ def _names(data: Mapping[str, Any], kind: str) -> list[str]:
 def _panels(data: Mapping[str, Any], scene: str) -> list[Markup]:
     """The figures of one scene that have values: r, rotation errors, and the best score at several budgets."""
     limits = data["settings"]["thresholds"]
-    names = _names(data, "strategy")
+    names = list(dict.fromkeys(title_of(row, data) for row in data["summary"]))
     finished = [row for row in data["trials"] if row["scene"] == scene and row["ratio"] is not None]
     if not finished:
         return []
-    trials = [[row for row in finished if row["strategy"] == name] for name in names]
+    trials = [[row for row in finished if title_of(row, data) == name] for name in names]
     ratio = Series("r", [[row["ratio"] for row in rows] for rows in trials])
     errors = [
         Series(axis, [[max(row["rotation_error_deg"][axis], _LEAST_ERROR) for row in rows] for rows in trials])
@@ -77,8 +81,8 @@ def _marks(data: Mapping[str, Any]) -> list[str]:
     return [units for units in marks if float(units) <= budget]
 
 
-def _score_at(data: Mapping[str, Any], scene: str, strategy: str, units: str) -> list[float]:
-    rows = (row for row in data["summary"] if (row["scene"], row["strategy"]) == (scene, strategy))
+def _score_at(data: Mapping[str, Any], scene: str, name: str, units: str) -> list[float]:
+    rows = (row for row in data["summary"] if (row["scene"], title_of(row, data)) == (scene, name))
     return [value for row in rows if (value := row["score_at_median"][units]) is not None]
 
 
@@ -92,12 +96,12 @@ def _best(data: Mapping[str, Any]) -> dict[tuple[str, str], float]:
     return best
 
 
-def _troubles(trials: Sequence[Row]) -> dict[tuple[str, str, str], int]:
-    """Number of trials that were skipped or failed, by strategy, status and message."""
+def _troubles(data: Mapping[str, Any]) -> dict[tuple[str, str, str], int]:
+    """Number of trials that were skipped or failed, by entrant, status and message."""
     troubles: dict[tuple[str, str, str], int] = {}
-    for row in trials:
+    for row in data["trials"]:
         if row["status"] in ("SKIPPED", "FAILED"):
-            key = row["strategy"], row["status"], row["message"]
+            key = title_of(row, data), row["status"], row["message"]
             troubles[key] = troubles.get(key, 0) + 1
     return troubles
 
@@ -107,6 +111,9 @@ def _flat(settings: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, s
     for key, value in settings.items():
         if isinstance(value, Mapping):
             yield from _flat(value, f"{above}{key} ")
+        elif key == "entrants":
+            for entrant in value:
+                yield f"schedule {entrant['schedule']}, {entrant['strategy']}", strategies_of(entrant)
         elif isinstance(value, list):
             yield above + key, ", ".join(map(str, value))
         else:

@@ -1,43 +1,60 @@
 """Terminal tables of a comparison, from the plain data of its JSON."""
 
-from collections.abc import Mapping
+import textwrap
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from rich import box
-from rich.console import Group
+from rich.console import Console, Group
 from rich.table import Table
 from rich.text import Text
 
 from stereorecal.report._cells import count, number, percent
+from stereorecal.report._entrants import several_schedules, strategies_of, title_of
 
-WIDE = 120  # characters that scores and errors need side by side
-_SHORT = 12  # of them for the name of a strategy
+WIDE = 120  # columns of a table that is not printed to a terminal
+_FOLDS = (40, 21, 12)  # characters a line of "compass + optimistix-levenberg-marquardt": in one line, in two, in four
+_LEAST = {"strategy": 12, "schedule": 8}  # characters of a column, however narrow the terminal
+_SIDE_BY_SIDE, _APART = (("scores", "errors"),), (("scores",), ("errors",))
 _ROTATIONS, _TRANSLATIONS = ("pitch", "yaw", "roll"), ("y", "z")
 _COUNTS = ("initial", "final", "reference")
 
+Row = Mapping[str, Any]
+
 
 def comparison_tables(data: Mapping[str, Any], width: int, most_trials: int = 24) -> Group:
-    """The summary, and all trials if `most_trials` or fewer; scores and errors side by side if `width` allows."""
-    longest = max(map(len, data["settings"]["strategies"]), default=0)
-    side_by_side = width >= WIDE + max(0, longest - _SHORT)
-    parts = [("scores", "errors")] if side_by_side else [("scores",), ("errors",)]
+    """All trials if `most_trials` or fewer, then their medians; scores and errors side by side if `width` allows."""
     tables = []
     if 1 < len(data["trials"]) <= most_trials:
-        tables += [_trials_table(data, columns) for columns in parts]
-    tables += [_summary_table(data, columns) for columns in parts]
+        tables += _fitted(_trials_table, data, width)
+    tables += _fitted(_summary_table, data, width)
     leaders = _leaders_table(data)
     if len(data["settings"]["strategies"]) > 1 and leaders.row_count:
         tables.append(leaders)
     return Group(*tables, Text(_legend(data) + _troubles(data)))
 
 
-def _trials_table(data: Mapping[str, Any], parts: tuple[str, ...]) -> Table:
+def _fitted(
+    make: Callable[[Mapping[str, Any], Sequence[str], int], Table], data: Mapping[str, Any], width: int
+) -> list[Table]:
+    """The widest layout of a table, in one part or in two, that fits; else the narrowest."""
+    unbounded = Console(width=10_000)
+    layouts = [(_SIDE_BY_SIDE, fold) for fold in _FOLDS[:2]] + [(_APART, fold) for fold in _FOLDS]
+    tables: list[Table] = []
+    for parts, fold in layouts:
+        tables = [make(data, part, fold) for part in parts]
+        if all(unbounded.measure(table).maximum <= width for table in tables):
+            break
+    return tables
+
+
+def _trials_table(data: Mapping[str, Any], parts: Sequence[str], fold: int) -> Table:
     flagged_ratio = data["settings"]["thresholds"]["flagged_ratio"]
-    names = _short_names(data)
     table = _table("trials", data)
-    _add_columns(table, parts, ("draw",), ("status",))
+    heads, about = _about(data, fold, short=True)
+    _add_columns(table, heads, parts, ["draw"], ["status"])
     for trial in data["trials"]:
-        cells = [names[trial["scene"]], trial["strategy"], str(trial["draw"])]
+        cells = [*about(trial), str(trial["draw"])]
         if "scores" in parts:
             cells += [count(trial[f"score_{when}"]) for when in _COUNTS]
             cells += [_ratio(trial["ratio"], flagged_ratio)]
@@ -49,20 +66,27 @@ def _trials_table(data: Mapping[str, Any], parts: tuple[str, ...]) -> Table:
     return table
 
 
-def _summary_table(data: Mapping[str, Any], parts: tuple[str, ...]) -> Table:
-    flagged_ratio = data["settings"]["thresholds"]["flagged_ratio"]
-    names = _short_names(data)
-    table = _table("medians", data)
-    _add_columns(table, parts, ("draws", "success"), ("evals", "s"))
+def _summary_table(data: Mapping[str, Any], parts: Sequence[str], fold: int) -> Table:
+    settings = data["settings"]
+    flagged_ratio, draws = settings["thresholds"]["flagged_ratio"], settings["draws"]
+    unequal = any(row["draws"] != draws for row in data["summary"])
+    draws = "the finished draws" if unequal else "1 draw" if draws == 1 else f"{draws} draws"
+    table = _table(f"medians over {draws}", data)
+    evaluations = not several_schedules(data)  # those of different scores do not compare
+    first = (["draws"] if unequal else []) + (["success"] if "errors" in parts else [])
+    heads, about = _about(data, fold)
+    _add_columns(table, heads, parts, first, ["evals", "s"] if evaluations else ["s"])
     for row in data["summary"]:
-        cells = [names[row["scene"]], row["strategy"], str(row["draws"]), percent(row["success_rate"])]
+        cells = [*about(row), *([str(row["draws"])] if unequal else [])]
+        cells += [percent(row["success_rate"])] if "errors" in parts else []
         if "scores" in parts:
             cells += [count(row[f"score_{when}_median"]) for when in _COUNTS]
             cells += [_ratio(row["ratio_median"], flagged_ratio)]
         if "errors" in parts:
             cells += _errors(row["rotation_error_deg_median"], row["translation_error_percent_median"])
         if "scores" in parts:
-            cells += [count(row["evaluations_median"]), number(row["seconds_median"], 1)]
+            cells += [count(row["evaluations_median"])] if evaluations else []
+            cells.append(number(row["seconds_median"], 1))
         table.add_row(*map(Text, cells))
     return table
 
@@ -97,11 +121,23 @@ REFERENCES = {
 }
 
 
+def schedules_legend(data: Mapping[str, Any]) -> dict[str, str]:
+    """What the schedules are, by name, where several stand side by side."""
+    if not several_schedules(data):
+        return {}
+    return {
+        "default": "coarse to fine, first the count, then the epipolar (row) error; what recalibrate does",
+        "count": f"the paper's way, the count alone, at scale {data['settings']['scale']:g}",
+    }
+
+
 def _legend(data: Mapping[str, Any]) -> str:
     limits = data["settings"]["thresholds"]
     references = dict.fromkeys(str(scene["reference"]) for scene in data["scenes"])
+    schedules = (f"schedule {name}: {meaning}.\n" for name, meaning in schedules_legend(data).items())
     return (
-        "N_i, N_o, N_GT: pixels matched with the initial, the recalibrated and the reference calibration.\n"
+        "".join(schedules)
+        + "N_i, N_o, N_GT: pixels matched with the initial, the recalibrated and the reference calibration.\n"
         f"r = N_o / N_GT; ! above {limits['flagged_ratio']}: a wrong calibration may score higher than the right one.\n"
         f"errors: relative to {'; '.join(REFERENCES.get(r, r) for r in references)}.\n"
         f"success: r >= {limits['ratio']}, pitch and roll within {limits['pitch_roll_deg']}°, "
@@ -112,7 +148,7 @@ def _legend(data: Mapping[str, Any]) -> str:
 def _troubles(data: Mapping[str, Any]) -> str:
     """The reasons why trials were skipped or failed, each once."""
     unfinished = [trial for trial in data["trials"] if trial["status"] in ("SKIPPED", "FAILED")]
-    reasons = dict.fromkeys(f"{t['strategy']} {t['status']}: {t['message']}\n" for t in unfinished)
+    reasons = dict.fromkeys(f"{title_of(t, data)} {t['status']}: {t['message']}\n" for t in unfinished)
     return "".join(reasons)
 
 
@@ -124,16 +160,36 @@ def _short_names(data: Mapping[str, Any]) -> dict[str, str]:
 
 
 def _table(title: str, data: Mapping[str, Any]) -> Table:
-    matcher = data["settings"]["matcher"]["name"]
-    schedule, scale = data["settings"]["schedule"], data["settings"]["scale"]
-    at_scale = f" at scale {scale:g}" if schedule == "count" else ""
-    title = f"{title} ({matcher}, schedule {schedule}{at_scale})"
-    return Table(box=box.SIMPLE_HEAD, title=title, title_justify="left", padding=(0, 1, 0, 0), pad_edge=False)
+    settings, names = data["settings"], list(_short_names(data).values())
+    about = [f"matcher {settings['matcher']['name']}"]
+    if len(names) == 1:
+        about.insert(0, names[0])
+    if not several_schedules(data):
+        schedule = settings["schedule"]
+        about.append(f"schedule {schedule}" + (f" at scale {settings['scale']:g}" if schedule == "count" else ""))
+    text = Text(f"{title} ({', '.join(about)})")
+    return Table(box=box.SIMPLE_HEAD, title=text, title_justify="left", padding=(0, 1, 0, 0), pad_edge=False)
 
 
-def _add_columns(table: Table, parts: tuple[str, ...], first: tuple[str, ...], last: tuple[str, ...]) -> None:
-    table.add_column("scene", overflow="fold")
-    table.add_column("strategy", overflow="fold")
+def _about(data: Mapping[str, Any], fold: int, *, short: bool = False) -> tuple[list[str], Callable[[Row], list[str]]]:
+    """The heads of the columns that say what a row is about, and its cells: the scene and the schedule, where there are
+    several, and the strategies that ran (`short`: not where the schedule says which)."""
+    names = _short_names(data)
+    columns: dict[str, Callable[[Row], str]] = {}
+    if len(names) > 1:
+        columns["scene"] = lambda row: names[row["scene"]]
+    if several_schedules(data):
+        columns["schedule"] = lambda row: row["schedule"]
+    if not (short and several_schedules(data)):
+        columns["strategy"] = lambda row: "\n".join(textwrap.wrap(strategies_of(row), fold))
+    return list(columns), lambda row: [cell(row) for cell in columns.values()]
+
+
+def _add_columns(
+    table: Table, about: Sequence[str], parts: Sequence[str], first: Sequence[str], last: Sequence[str]
+) -> None:
+    for heading in about:
+        table.add_column(heading, overflow="fold", min_width=_LEAST.get(heading))
     headings = list(first)
     if "scores" in parts:
         headings += ["N_i", "N_o", "N_GT", "r"]

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-SMALL = ("--draws", 2, "--scale", 0.5, "--budget", 5)
+SMALL = ("--schedule", "count", "--draws", 2, "--scale", 0.5, "--budget", 5)
 
 
 def test_table_and_json(command, clean_scene: Path, tmp_path: Path):
@@ -19,6 +19,21 @@ def test_table_and_json(command, clean_scene: Path, tmp_path: Path):
     assert content["schema"] == "stereorecal.compare/1"
     assert len(content["trials"]) == 2
     assert content["scenes"][0]["name"].endswith("/clean")
+
+
+def test_both_schedules_side_by_side(command, clean_scene: Path, tmp_path: Path):
+    page = tmp_path / "out.html"
+    answer = command("compare", "--scene", clean_scene, "--draws", 1, "--budget", 5, "--html", page)
+    assert (answer.code, answer.err) == (0, "")
+    rows = [line.split() for line in answer.out.splitlines() if line.split()[:1] in (["default"], ["count"])]
+    names = [(row[0], row[1]) for row in rows if row[1] == "compass"]
+    assert names == [("default", "compass"), ("count", "compass")]
+    assert "levenberg-marquardt" in answer.out
+    assert "schedule count: the paper's way" in answer.out
+    assert all(len(line) <= 120 for line in answer.out.splitlines())
+    text = page.read_text(encoding="utf-8")
+    assert "2 schedules on 1 scene" in text
+    assert "compass + optimistix-levenberg-marquardt" in text
 
 
 def test_json_on_stdout_and_nothing_else(command, clean_scene: Path):

@@ -7,7 +7,7 @@ import pytest
 
 from stereorecal.cli import _compare
 
-SMALL = ("--draws", 2, "--scale", 0.5, "--budget", 5)
+SMALL = ("--schedule", "count", "--draws", 2, "--scale", 0.5, "--budget", 5)
 
 
 @pytest.fixture

@@ -10,11 +10,12 @@ from distributed import LocalCluster
 
 from stereorecal.cli import _cluster
 from stereorecal.comparison import compare_scenes
-from stereorecal.io import _pairs, load_scene, save_scene
+from stereorecal.io import load_scene, save_scene
+from stereorecal.io.images import _pairs
 from stereorecal.matching import SAD
 from stereorecal.strategies import Budget, strategy
 
-SMALL = {"matcher": SAD(num_disparities=24), "scale": 0.5, "budget": Budget(evaluations=10)}
+SMALL = {"schedule": "count", "matcher": SAD(num_disparities=24), "scale": 0.5, "budget": Budget(evaluations=10)}
 
 DEADLY = """
 import os, signal
@@ -34,7 +35,7 @@ class Deadly(AbstractStrategy):
             if self.memory:
                 Path(self.memory).touch()
             os.kill(os.getpid(), signal.SIGKILL)
-        return strategy("compass").run(objective, start, budget, seed)
+        return strategy("compass").run(objective, start, seed)
 """
 
 

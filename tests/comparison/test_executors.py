@@ -15,7 +15,13 @@ from stereorecal.objectives import Reach
 from stereorecal.recalibration import Schedule
 from stereorecal.strategies import Budget, strategy
 
-SMALL = {"matcher": SAD(num_disparities=24), "draws": 3, "scale": 0.5, "budget": Budget(evaluations=10)}
+SMALL = {
+    "schedule": "count",
+    "matcher": SAD(num_disparities=24),
+    "draws": 3,
+    "scale": 0.5,
+    "budget": Budget(evaluations=10),
+}
 
 
 def rows(table):
@@ -78,6 +84,7 @@ def task_of(scene):
         matcher_name="sad",
         matcher=SAD(num_disparities=24),
         schedule=Schedule.count(strategy("compass")),
+        strategies=("compass",),
         reach=Reach(),
         budget=Budget(),
         seed=0,

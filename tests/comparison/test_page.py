@@ -91,6 +91,28 @@ def test_numbers_are_those_of_the_comparison(table: Comparison, page: str):
     assert table.versions["jax"] in cells
 
 
+def test_schedules_side_by_side(table: Comparison):
+    """Each schedule has its rows, its strip in each figure and its meaning."""
+    ran = {"default": ("compass", "solver"), "count": ("compass",)}
+    trials = tuple(
+        replace(trial, strategy="compass", schedule=schedule, strategies=names)
+        for schedule, names in ran.items()
+        for trial in table.trials
+        if trial.strategy == "compass"
+    )
+    entrants = [{"strategy": "compass", "schedule": name, "strategies": list(ran[name])} for name in ran]
+    settings = {**table.settings, "strategies": ["compass"], "entrants": entrants, "schedule": "count and default"}
+    read = Reader(comparison_page(replace(table, trials=trials, settings=settings).as_dict()))
+    assert [text.strip() for text in read.texts["h1"]] == ["2 schedules on 1 scene"]
+    assert "schedules default and count" in " ".join(read.texts["p"])
+    assert "Trials by schedule" in read.texts["h2"]
+    assert {"compass + solver", "default", "count"} <= set(read.texts["td"])
+    assert {"schedule default", "schedule count"} <= set(read.texts["dt"])
+    drawn = " ".join(read.texts["text"])
+    assert "default" in drawn
+    assert "count" in drawn
+
+
 def test_it_needs_nothing_else(page: str):
     read = Reader(page)
     assert not {"script", "link", "img", "iframe", "object"} & set(read.names)
@@ -111,7 +133,7 @@ def test_foreign_text_is_text(page: str):
 
 
 def test_names_in_figures_are_no_formulas(table: Comparison):
-    trials = tuple(replace(trial, strategy="a$b_{$c") for trial in table.trials)
+    trials = tuple(replace(trial, strategy="a$b_{$c", strategies=("a$b_{$c",)) for trial in table.trials)
     page = comparison_page(replace(table, trials=trials).as_dict())
     assert any("a$b_{$c" in text for text in Reader(page).texts["text"])
 

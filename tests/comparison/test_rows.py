@@ -140,7 +140,7 @@ def test_budget_and_seed_reach_the_strategy(scene):
     @dataclass(frozen=True)
     class Curious(Idle):
         def run(self, objective, start, seed):
-            return Outcome(start, Status.STALLED, f"{budget.evaluations:g} {seed}")
+            return Outcome(start, Status.STALLED, f"{objective.budget.evaluations:g} {seed}")
 
     table = run(scene, {"curious": Curious()}, seed=7)
     assert [t.message for t in table.trials] == ["5 7", "5 8"]

@@ -5,10 +5,10 @@ import pytest
 
 from stereorecal._errors import InputError
 from stereorecal.comparison import Drift, compare, compare_scenes
+from stereorecal.comparison._entrants import entrants_of
 from stereorecal.matching import SAD
-from stereorecal.recalibration import Schedule
-from stereorecal.recordings import Scene
-from stereorecal.strategies import Budget
+from stereorecal.recalibration import Schedule, recalibrate
+from stereorecal.strategies import Budget, strategy
 
 MATCHER = SAD(num_disparities=48)
 SIZE = (320, 240)
@@ -54,9 +54,8 @@ def test_without_the_default_strategies_errors_are_against_the_stored_calibratio
 
     monkeypatch.setattr(Schedule, "default", missing)
     given_scene = scene()
-    comparison = compare(
-        given_scene.rig, given_scene.pairs, matcher=SAD(num_disparities=24), draws=1, budget=Budget(evaluations=2)
-    )
+    options = {"matcher": SAD(num_disparities=24), "schedule": "count", "draws": 1, "budget": Budget(evaluations=2)}
+    comparison = compare(given_scene.rig, given_scene.pairs, **options)
     assert comparison.trials[0].reference == "stored"
 
 
@@ -64,16 +63,80 @@ def test_a_known_truth_is_the_reference(scene):
     given_scene = scene()
     assert given_scene.reference == "truth"
     budget = Budget(evaluations=1)
-    comparison = compare_scenes([given_scene], matcher=SAD(num_disparities=24), draws=1, budget=budget)
+    options = {"matcher": SAD(num_disparities=24), "schedule": "count", "draws": 1, "budget": budget}
+    comparison = compare_scenes([given_scene], **options)
     [trial] = comparison.trials
     assert trial.reference == "truth"
     assert max(trial.rotation_error_deg.values()) <= 0.5 + 1e-9
 
 
-def test_an_unknown_schedule(scene):
-    given_scene = Scene("one", scene().rig, scene().pairs)
-    with pytest.raises(InputError, match="unknown schedule 'fast'; choose one of: count, default"):
-        compare_scenes([given_scene], schedule="fast")
+BUDGETED = {"matcher": SAD(num_disparities=24), "draws": 1, "scale": 0.5, "budget": Budget(evaluations=3)}
+LEVENBERG = "optimistix-levenberg-marquardt"
+
+
+def test_without_schedule_and_strategies_both_schedules_run_the_default_one_first(scene):
+    comparison = compare_scenes([scene()], **(BUDGETED | {"draws": 2}))
+    ran = {"default": ("compass", LEVENBERG), "count": ("compass",)}
+    rows = [(draw, schedule) for draw in (0, 1) for schedule in ("default", "count")]
+    assert [(t.draw, t.schedule) for t in comparison.trials] == rows
+    assert all(t.strategies == ran[t.schedule] for t in comparison.trials)
+    assert [(row.schedule, row.strategies, row.draws) for row in comparison.summary] == [
+        ("default", ran["default"], 2),
+        ("count", ran["count"], 2),
+    ]
+    settings = comparison.as_dict()["settings"]
+    assert settings["schedule"] == "count and default"
+    assert settings["strategies"] == ["compass"]
+    assert settings["entrants"] == [
+        {"strategy": "compass", "schedule": name, "strategies": list(ran[name])} for name in ("default", "count")
+    ]
+    assert {"strategy compass", f"strategy {LEVENBERG}"} <= comparison.versions.keys()
+
+
+def test_a_strategy_takes_its_place_in_the_default_schedule(scene):
+    given = scene()
+    [trial] = compare(given.rig, given.pairs, schedule="default", strategies=["secant"], **BUDGETED).trials
+    assert (trial.schedule, trial.strategy, trial.strategies) == ("default", "secant", ("secant", LEVENBERG))
+
+
+def test_strategies_alone_run_in_the_count_schedule(scene):
+    comparison = compare_scenes([scene()], strategies=["compass"], **BUDGETED)
+    assert [(t.schedule, t.strategies) for t in comparison.trials] == [("count", ("compass",))]
+    assert comparison.settings["schedule"] == "count"
+
+
+def test_names_and_numbers_are_taken_as_on_the_command_line(scene):
+    given, options = scene(size=(320, 240)), {"matcher": "bm", "schedule": "default", "budget": 10, "draws": 1}
+    comparison = compare(given.rig, given.pairs, **options)
+    [trial] = comparison.trials
+    assert (trial.matcher, trial.schedule) == ("bm", "default")
+    assert trial.cost <= 10 < trial.cost_total
+    assert comparison.settings["budget"] == {"evaluations": 10, "seconds": None}
+    solution = recalibrate(given.rig, given.pairs, schedule="count", matcher="bm", budget=2)
+    assert [stage.stage.score.name for stage in solution.stages] == ["COUNT"]
+    assert solution.cost.budgeted <= 2
+
+
+def test_a_text_in_place_of_a_list_is_refused_at_once(scene):
+    with pytest.raises(InputError, match="strategies is the text 'compass'"):
+        compare(scene().rig, scene().pairs, strategies="compass")
+
+
+REFUSED = {
+    "a text": ({"strategies": "compass"}, r"strategies is the text 'compass'; give a list of names"),
+    "a strategy": ({"strategies": strategy("compass")}, "strategies is one strategy; give a mapping"),
+    "a list of strategies": ({"strategies": [strategy("compass")]}, "give names, or a mapping"),
+    "a schedule": ({"schedule": Schedule.count()}, "schedule is an sr.Schedule; compare takes a name"),
+    "an unknown schedule": ({"schedule": "fast"}, "unknown schedule 'fast'; choose one of: count, default"),
+    "a number": ({"schedule": 1}, "unknown schedule 1; choose one of"),
+}
+
+
+@pytest.mark.parametrize(("options", "said"), REFUSED.values(), ids=REFUSED.keys())
+def test_what_stands_in_the_place_of_a_name_is_refused_in_one_sentence(options, said):
+    with pytest.raises(InputError, match=said) as refusal:
+        entrants_of(**({"strategies": None, "schedule": None, "scale": 1.0} | options))
+    assert "\n" not in str(refusal.value)
 
 
 def test_errors_are_absolute(table):
