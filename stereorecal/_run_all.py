@@ -1,7 +1,7 @@
 """Many tasks, one after the other or through an executor; a worker that is lost is a value, not an exception."""
 
 import pickle
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, as_completed
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
@@ -16,16 +16,22 @@ def run_all(
 ) -> Iterator[tuple[int, Result | BaseException]]:
     """The index of each task with what `function` makes of it, as they finish; an exception where the executor lost it.
 
-    Without an executor, `function` runs here, and what it raises passes. Closing the iterator, or an exception of its
-    consumer, cancels the tasks that wait.
+    Without an executor, `function` runs here, and what it raises passes. A KeyboardInterrupt in a worker passes too,
+    once what is finished by then has been handed out: Ctrl-C reaches workers as well, and is nobody's result. Closing
+    the iterator, or an exception of its consumer, cancels the tasks that wait.
     """
     if executor is None:
         yield from ((index, function(task)) for index, task in enumerate(tasks))
         return
     futures = {_submitted(executor, _Parcel(function, task)): index for index, task in enumerate(tasks)}
+    left = dict(futures)
     try:
         for future in as_completed(futures):
-            yield futures[future], _outcome(future)
+            found = _outcome(future)
+            if isinstance(found, KeyboardInterrupt):
+                yield from _finished(left)
+                raise found
+            yield left.pop(future), found
     finally:
         for future in futures:
             future.cancel()
@@ -74,11 +80,15 @@ def _submitted(executor: Executor, parcel: _Parcel[Task, Result]) -> Future[Resu
         return lost
 
 
+def _finished(futures: Mapping[Future[Result], int]) -> Iterator[tuple[int, Result | BaseException]]:
+    for future, index in futures.items():
+        if future.done() and not isinstance(found := _outcome(future), KeyboardInterrupt):
+            yield index, found
+
+
 def _outcome(future: Future[Result]) -> Result | BaseException:
     try:
         error = future.exception()
     except CancelledError:
         error = CancelledError("the executor cancelled it: it was shut down, or has lost its workers.")
-    if isinstance(error, KeyboardInterrupt):
-        raise error  # Ctrl-C reaches the workers too, and is nobody's result
     return future.result() if error is None else error

@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -115,3 +116,21 @@ def test_nothing_is_written_when_nothing_is_finished(planted: dict[str, str], dr
     out, _ = interrupted(before, signal.SIGINT, "recalibrate", drifted_scene, *SLOWLY, *places)
     assert out == ""
     assert not any(path.exists() for path in places[1::2])
+
+
+@pytest.mark.parametrize("executor", ["serial", "threads:1", "processes:1"])
+def test_ctrl_c_inside_a_worker(planted: dict[str, str], clean_scene: Path, tmp_path: Path, executor: str):
+    """The second recording's worker is interrupted: the first is printed and saved."""
+    strategy = Path(planted["PYTHONPATH"]) / "slow_strategy.py"
+    strategy.write_text(strategy.read_text().replace("time.sleep(600)", "raise KeyboardInterrupt"))
+    target, again = tmp_path / "out.json", shutil.copytree(clean_scene, tmp_path / "again")
+    words = ["recalibrate", clean_scene, again, *SLOWLY, "--executor", executor, "--json", target]
+    run = [sys.executable, "-c", PROGRAM, *map(str, words)]
+    ended = subprocess.run(run, env=planted, capture_output=True, text=True, timeout=300, check=False)
+    assert ended.returncode == 130, ended.stderr
+    assert "Traceback" not in ended.stderr
+    assert "internal error" not in ended.stderr
+    assert "again: interrupted before it was finished" in ended.stderr
+    assert "not improved" in ended.stdout
+    faults = [repair["fault"] for repair in json.loads(target.read_text())["repairs"]]
+    assert faults == [None, "interrupted"]

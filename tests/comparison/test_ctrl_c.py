@@ -1,0 +1,110 @@
+"""Ctrl-C that reaches a worker: it passes, it is no internal error, and what is finished is kept."""
+
+import importlib
+import sys
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from dataclasses import replace
+from multiprocessing import get_context
+from types import ModuleType
+
+import pytest
+
+from stereorecal._run_all import run_all
+from stereorecal.comparison import compare_scenes
+from stereorecal.matching import SAD
+from stereorecal.recalibration import Schedule, recalibrate_many
+
+SMALL = {"matcher": SAD(num_disparities=24), "draws": 2, "scale": 0.5}
+
+INTERRUPTED = """
+from dataclasses import dataclass
+from stereorecal.strategies import AbstractStrategy, Outcome, Status
+
+def run(task):
+    if task == "interrupt":
+        raise KeyboardInterrupt
+    return task
+
+@dataclass(frozen=True)
+class Interrupted(AbstractStrategy):
+    '''Ctrl-C arrives while it runs with this seed.'''
+
+    seed: int = 0
+
+    def run(self, objective, start, seed):
+        if seed == self.seed:
+            raise KeyboardInterrupt
+        objective.value(start)
+        return Outcome(start, Status.STALLED)
+"""
+
+
+@pytest.fixture(scope="module")
+def module(tmp_path_factory) -> Iterator[ModuleType]:
+    """A module that workers can import."""
+    folder = tmp_path_factory.mktemp("modules")
+    (folder / "interrupted_strategy.py").write_text(INTERRUPTED)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(folder)
+        yield importlib.import_module("interrupted_strategy")
+    del sys.modules["interrupted_strategy"]
+
+
+@pytest.fixture(scope="module", params=["threads", "processes"])
+def pool(request, module) -> Iterator[Executor]:
+    """A pool of the user's own, with one worker."""
+    made = (
+        ThreadPoolExecutor(1) if request.param == "threads" else ProcessPoolExecutor(1, mp_context=get_context("spawn"))
+    )
+    with made:
+        yield made
+
+
+def until_interrupted(function: Callable, tasks: list[str], pool: Executor) -> set[tuple[int, object]]:
+    """What is handed out before Ctrl-C passes."""
+    found = set()
+    try:
+        for answer in run_all(function, tasks, pool):
+            found.add(answer)
+    except KeyboardInterrupt:
+        return found
+    pytest.fail("it did not pass")
+
+
+def test_what_is_finished_comes_first(module, pool):
+    found = until_interrupted(module.run, ["a", "b", "interrupt", "c"], pool)
+    assert {(0, "a"), (1, "b")} <= found <= {(0, "a"), (1, "b"), (3, "c")}
+
+
+class Done(ThreadPoolExecutor):
+    """All tasks are finished before the first answer is looked at."""
+
+    def submit(self, fn, /, *args, **kwargs) -> Future:
+        future = super().submit(fn, *args, **kwargs)
+        future.exception()
+        return future
+
+
+def test_nothing_that_is_finished_is_lost(module):
+    with Done(1) as pool:
+        found = until_interrupted(module.run, ["a", "interrupt", "b", "interrupt", "c"], pool)
+    assert found == {(0, "a"), (2, "b"), (4, "c")}
+
+
+def test_recalibrate_many(scene, module, pool):
+    scenes = [replace(scene(), name=name) for name in ("one", "two")]
+    schedule = Schedule.count(module.Interrupted(seed=0), 0.5)
+    with pytest.raises(KeyboardInterrupt):
+        recalibrate_many(scenes, matcher=SAD(num_disparities=24), schedule=schedule, executor=pool)
+
+
+def test_recalibrate_many_without_an_executor(scene, module):
+    with pytest.raises(KeyboardInterrupt):
+        recalibrate_many([scene()], matcher=SAD(num_disparities=24), schedule=Schedule.count(module.Interrupted()))
+
+
+def test_compare_keeps_what_is_finished(scene, module, pool):
+    table = compare_scenes([scene()], strategies={"slow": module.Interrupted(seed=1)}, executor=pool, **SMALL)
+    assert table.interrupted
+    assert [(trial.draw, trial.status) for trial in table.trials] == [(0, "STALLED")]
