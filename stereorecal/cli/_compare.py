@@ -20,14 +20,14 @@ from stereorecal.objectives import Reach
 from stereorecal.recalibration import SCHEDULES
 from stereorecal.recordings import Scene
 from stereorecal.report.tables import comparison_tables
-from stereorecal.strategies import Budget
 from stereorecal.synthetic import KINDS, render
 
 
-def add_to(verbs) -> None:
-    """Add the command to an argparse subparsers object."""
+def add_to(verbs, common: argparse.ArgumentParser) -> None:
+    """Add the command, with the options that are `common` to all, to an argparse subparsers object."""
     parser = verbs.add_parser(
         "compare",
+        parents=[common],
         help="decalibrate rigs and let strategies repair them",
         description="Decalibrate the rig of each scene many times and let every strategy repair it. Without a scene, "
         "one is rendered.",
@@ -74,7 +74,7 @@ def run(options: argparse.Namespace) -> int:
     chosen = None if options.strategies is None else load_strategies(_values.strategy_names(options.strategies))
     drift = Drift(*_values.degrees_and_fraction(options.decalibrate, "--decalibrate"))
     reach = Reach(*_values.degrees_and_fraction(options.reach, "--reach")) if options.reach is not None else None
-    budget, seed = Budget(options.budget), _values.seed(options.seed)
+    budget, seed = _values.budget(options.budget), _values.seed(options.seed)
     _check_places(options)
     with executor(options.executor) as pool:
         scenes = _scenes(options)

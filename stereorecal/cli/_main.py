@@ -27,10 +27,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         description="Repair the extrinsic calibration of a stereo rig from ordinary images.",
     )
     parser.add_argument("--version", action="version", version=f"stereorecal {version('stereorecal')}")
-    parser.add_argument("--traceback", action="store_true", help="show where an error comes from")
+    # Before the command or after it: a default there would undo what was said before.
+    common = argparse.ArgumentParser(add_help=False)
+    for place, default in ((parser, False), (common, argparse.SUPPRESS)):
+        help_text = "show where an error comes from"
+        place.add_argument("--traceback", action="store_true", default=default, help=help_text)
     verbs = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
     for command in (_recalibrate, _score, _compare, _reproduce, _strategies):
-        command.add_to(verbs)
+        command.add_to(verbs, common)
     options = parser.parse_args(arguments)
     _interrupt_on_sigterm()
     keep_compiled_programs()

@@ -34,9 +34,11 @@ parts of the images that the search has not seen. Exit code: 0 repaired, or good
 stays); 2 bad input; 3 failure inside; 130 interrupted. Of several recordings, the worst one decides."""
 
 
-def add_to(verbs) -> None:
-    """Add the command to an argparse subparsers object."""
-    parser = verbs.add_parser("recalibrate", help="repair the calibration of a rig", description=_DESCRIPTION)
+def add_to(verbs, common: argparse.ArgumentParser) -> None:
+    """Add the command, with the options that are `common` to all, to an argparse subparsers object."""
+    parser = verbs.add_parser(
+        "recalibrate", parents=[common], help="repair the calibration of a rig", description=_DESCRIPTION
+    )
     add_recordings_to(parser)
     add = parser.add_argument
     add("--matcher", default="sad", metavar="NAME", help="sad, bm or sgbm")
@@ -63,7 +65,7 @@ def run(options: argparse.Namespace) -> int:
     """Repair, save, print; returns the exit code."""
     matcher, schedule = as_matcher(options.matcher), _schedule(options)
     reach = Reach(*_values.degrees_and_fraction(options.reach, "--reach"))
-    budget, seed = Budget(options.budget), _values.seed(options.seed)
+    budget, seed = _values.budget(options.budget), _values.seed(options.seed)
     _check_places(options)
     with executor(options.executor) as pool:
         scenes = recordings(options)

@@ -27,9 +27,11 @@ generalise from one pair to the others, repair from nothing but the baseline (ex
 Without a log, one is rendered. A run that was interrupted continues where it stopped."""
 
 
-def add_to(verbs) -> None:
-    """Add the command to an argparse subparsers object."""
-    parser = verbs.add_parser("reproduce", help="run the paper's experiments", description=_DESCRIPTION)
+def add_to(verbs, common: argparse.ArgumentParser) -> None:
+    """Add the command, with the options that are `common` to all, to an argparse subparsers object."""
+    parser = verbs.add_parser(
+        "reproduce", parents=[common], help="run the paper's experiments", description=_DESCRIPTION
+    )
     add = parser.add_argument
     names = ", ".join((*EXPERIMENTS, _ALL))
     add("experiments", nargs="*", default=[_ALL], metavar="EXPERIMENT", help=f"{names} (default: {_ALL})")

@@ -27,9 +27,9 @@ pixel. A rig is called healthy if those cover at least {100 * LEAST_COVERED:.0f}
 code: 0 all healthy; 1 not; 2 bad input; 3 failure inside; 130 interrupted."""
 
 
-def add_to(verbs) -> None:
-    """Add the command to an argparse subparsers object."""
-    parser = verbs.add_parser("score", help="say how good a calibration is", description=_DESCRIPTION)
+def add_to(verbs, common: argparse.ArgumentParser) -> None:
+    """Add the command, with the options that are `common` to all, to an argparse subparsers object."""
+    parser = verbs.add_parser("score", parents=[common], help="say how good a calibration is", description=_DESCRIPTION)
     add_recordings_to(parser)
     parser.add_argument("--matcher", default="sad", metavar="NAME", help="sad, bm or sgbm")
     parser.add_argument("--json", metavar="FILE|-", help="write everything as JSON")

@@ -14,12 +14,14 @@ from stereorecal.strategies import describe, strategies, strategy
 from stereorecal.testing import check_strategy
 
 
-def add_to(verbs) -> None:
-    """Add the command to an argparse subparsers object."""
-    parser = verbs.add_parser("strategies", help="list the installed strategies, or check one")
+def add_to(verbs, common: argparse.ArgumentParser) -> None:
+    """Add the command, with the options that are `common` to all, to an argparse subparsers object."""
+    shared = [common]
+    parser = verbs.add_parser("strategies", parents=shared, help="list the installed strategies, or check one")
     actions = parser.add_subparsers(metavar="ACTION")
-    actions.add_parser("list", help="list the installed strategies (the default)").set_defaults(run=_list)
-    check = actions.add_parser("check", help="run the conformance kit on a strategy")
+    every = actions.add_parser("list", parents=shared, help="list the installed strategies (the default)")
+    every.set_defaults(run=_list)
+    check = actions.add_parser("check", parents=shared, help="run the conformance kit on a strategy")
     check.add_argument("name")
     check.set_defaults(run=_check)
     parser.set_defaults(run=_list)

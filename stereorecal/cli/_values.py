@@ -1,11 +1,12 @@
 """Values of options, parsed with sentences that say what is wrong."""
 
 import difflib
+import math
 import os
 from pathlib import Path
 
 from stereorecal._errors import InputError
-from stereorecal.strategies import strategies
+from stereorecal.strategies import Budget, strategies
 
 NONE_INSTALLED = (
     "no strategy is installed; run: pip install 'stereorecal[default]' (in a clone: pip install -e plugins/compass)"
@@ -42,6 +43,15 @@ def degrees_and_fraction(text: str, option: str) -> tuple[float, float]:
             f"{option} is {text!r}; give degrees and a fraction of the baseline, such as 0.5,0.01."
         ) from None
     return degrees, fraction
+
+
+def budget(units: float | None) -> Budget:
+    """Of `--budget`: so many units; none, or inf, is no limit.
+
+    Raises:
+        InputError: if it is not positive.
+    """
+    return Budget(None if units == math.inf else units)
 
 
 def seed(number: int) -> int:

@@ -20,7 +20,10 @@ def test_healthy(command, clean_scene: Path, tmp_path: Path):
     found = health(scene.rig, scene.pairs)
     assert answer.out == f"{found}\n"
     assert str(sr.score(scene.rig, scene.pairs)) in answer.out
-    assert f"{found.row_error:.2f} px apart" in answer.out
+    assert (
+        f"row error  {found.row_error:.2f} px (median), measured on {100 * found.covered:.0f} % of the image"
+        in answer.out
+    )
     content = json.loads(target.read_text())
     assert content["schema"] == "stereorecal.score/1"
     assert {"python", "stereorecal", "jax", "numpy", "opencv"} <= content["versions"].keys()
