@@ -232,6 +232,7 @@ def _found(shot: Shot, solution: Solution) -> Row:
         "reason": solution.reason.name.lower(),
         "evaluations": solution.evaluations,
         "cost": solution.cost.total,
+        "cost_budgeted": solution.cost.budgeted,
         "seconds": solution.seconds,
         **_errors(shot.judge, solution.rig),
         "extrinsics": {"start": solution.initial.extrinsics, "found": solution.rig.extrinsics},

@@ -136,7 +136,7 @@ def test_sequences_carry_over(serial):
     for steps in orders.values():
         for before, after in pairwise(steps):
             assert after["extrinsics"]["start"] == before["extrinsics"]["found"]
-        assert all(step["cost"] <= TINY.iterations * 10 for step in steps)
+        assert all(step["cost_budgeted"] <= TINY.iterations * 10 for step in steps)
 
 
 def test_any_executor_gives_the_same_rows(log, serial):
