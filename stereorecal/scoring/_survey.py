@@ -9,10 +9,10 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float, Int
 
-from stereorecal._arrays import Extrinsics
+from stereorecal._arrays import Extrinsics, refuse_tracers
 from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig, View, with_unit_baseline
-from stereorecal.matching import SAD, AbstractMatcher, Disparity, as_matcher
+from stereorecal.matching import SAD, AbstractMatcher, as_matcher
 from stereorecal.recordings import Pairs
 from stereorecal.scoring._prepare import Pyramid, ScoringData, pyramid
 from stereorecal.scoring._rectify import Rectified, rectify_frames
@@ -87,23 +87,22 @@ def survey(images: Pyramid, extrinsics: Extrinsics, reach: float = _DEFAULT_REAC
     looks = 0
 
     @cache
-    def look(candidate: int) -> tuple[Disparity, Disparity]:
+    def look(candidate: int) -> Float[np.ndarray, "k 2 h w"]:
         nonlocal looks
         looks += 1
-        return jax.tree.map(np.asarray, _compiled_look(data, candidates[candidate], coarse))
+        return in_turn(_look, data.frames, candidates[candidate], coarse)[:, 0]
 
     winner = 0
     if not aligned:
-        matched = in_turn(_counted, [data], candidates, coarse)[0]
+        matched = in_turn(_look, data.frames, candidates, coarse, _matched).sum(axis=0)
         looks += len(candidates)
         winner = int(np.argmax(matched[:, 0]))
         # A yaw that the images do not determine must not look like swapped sides later on.
         unturned = np.flatnonzero(offsets[:, 1] == 0.0)
-        as_is, swapped = (look(int(unturned[np.argmax(matched[unturned, side])]))[side] for side in (0, 1))
+        as_is, swapped = (look(int(unturned[np.argmax(matched[unturned, side])]))[:, side] for side in (0, 1))
         _refuse_swapped(as_is, swapped, float(data.view.focal) * np.tan(reach), int(matched[winner, 0]))
-    straight, _ = look(winner)
     # Each look matches the images as they are and with their sides swapped.
-    return Survey(offsets[winner], _surfaces(straight), data.view, scale, 2.0 * looks * data.cost)
+    return Survey(offsets[winner], _surfaces(look(winner)[:, 0]), data.view, scale, 2.0 * looks * data.cost)
 
 
 def ranged(matcher: AbstractMatcher | str | None, images: Pyramid, reach: float = _DEFAULT_REACH) -> AbstractMatcher:
@@ -134,8 +133,10 @@ def with_disparity_range(
         reach: largest rotation error expected, radians; a yaw error moves far things by up to `focal * tan(reach)`.
 
     Raises:
-        InputError: if images and calibration do not fit, or, while measuring, the images look swapped.
+        InputError: if images and calibration do not fit, while measuring the images look swapped, or it is called under
+            `jit`, `vmap` or `grad`.
     """
+    refuse_tracers("sr.with_disparity_range", "it before tracing", rig, pairs, view)
     return ranged(matcher, pyramid(rig, pairs, view), reach)
 
 
@@ -159,41 +160,47 @@ def _either_way(farthest: float, steps: int) -> Float[np.ndarray, "n"]:
     return np.arange(-steps, steps + 1) * (farthest / max(steps, 1))
 
 
-def _look(data: ScoringData, extrinsics: Extrinsics, matcher: AbstractMatcher) -> tuple[Disparity, Disparity]:
-    """The disparities (k, h, w) under one set of extrinsics, as the images are and with the sides swapped."""
+def _look(data: ScoringData, extrinsics: Extrinsics, matcher: AbstractMatcher) -> Float[jax.Array, "2 h w"]:
+    """The disparity of the one frame under one set of extrinsics, as the images are and with the sides swapped; NaN
+    where none is valid."""
 
-    def both(frame: Rectified):
+    def either(rectified: Rectified) -> Float[jax.Array, "h w"]:
+        found = match_frame(matcher, rectified)
+        return jnp.where(found.valid, found.values, jnp.nan)
+
+    def both(frame: Rectified) -> Float[jax.Array, "2 h w"]:
         swapped = Rectified(frame.right, frame.left, frame.right_area, frame.left_area)
-        return match_frame(matcher, frame), match_frame(matcher, swapped)
+        # One after the other in a loop: the matcher is compiled once.
+        return jax.lax.map(either, jax.tree.map(lambda *sides: jnp.stack(sides), frame, swapped))
 
-    return rectify_frames(data, extrinsics, both)
-
-
-_compiled_look = jax.jit(_look, static_argnames="matcher")
+    return rectify_frames(data, extrinsics, both)[0]
 
 
-def _counted(data: ScoringData, extrinsics: Extrinsics, matcher: AbstractMatcher) -> Int[jax.Array, "2"]:
-    """How many pixels match in each way."""
-    return jnp.stack([jnp.sum(found.valid, dtype=jnp.int32) for found in _look(data, extrinsics, matcher)])
+def _matched(disparities: Float[np.ndarray, "n 2 h w"]) -> Int[np.ndarray, "n 2"]:
+    """How many pixels match under each candidate, in each order of the sides."""
+    return np.isfinite(disparities).sum(axis=(2, 3))
 
 
-def _surfaces(found: Disparity) -> Float[np.ndarray, "n"]:
+def _surfaces(disparities: Float[np.ndarray, "k h w"]) -> Float[np.ndarray, "n"]:
     """The disparities that form patches, not the lone pixels of false matches."""
     patches = []
-    for values, valid in zip(np.asarray(found.values), np.asarray(found.valid), strict=True):
-        fixed_point = np.where(valid, 16 * values, -16).astype(np.int16)
+    for values in disparities:
+        valid = np.isfinite(values)
+        fixed_point = np.where(valid, 16 * np.where(valid, values, 0), -16).astype(np.int16)
         cv2.filterSpeckles(fixed_point, -16, maxSpeckleSize=_SPECKLE, maxDiff=16)
         patches.append(values[fixed_point >= 0])
     return np.concatenate(patches)
 
 
-def _refuse_swapped(straight: Disparity, swapped: Disparity, margin: float, matched: int) -> None:
+def _refuse_swapped(
+    straight: Float[np.ndarray, "k h w"], swapped: Float[np.ndarray, "k h w"], margin: float, matched: int
+) -> None:
     """Refuse images that match better with their sides swapped than the `matched` pixels that they match as they are.
 
     Disparities within the margin may be infinity seen through a yaw error; beyond it they tell the sides apart.
     """
     here, there = (int(np.sum(_surfaces(found) > margin + 1.0)) for found in (straight, swapped))
-    if there > 4 * here and there > 0.1 * straight.values.size and int(np.sum(swapped.valid)) > matched:
+    if there > 4 * here and there > 0.1 * straight.size and int(np.isfinite(swapped).sum()) > matched:
         raise InputError(
             "the left and right images look swapped (near things lie on the wrong side); exchange left and right."
         )

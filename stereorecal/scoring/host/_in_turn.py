@@ -7,7 +7,7 @@ from functools import partial
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float, Shaped
 
 from stereorecal._arrays import AnyArray, Extrinsics
 from stereorecal.matching import AbstractMatcher
@@ -20,26 +20,30 @@ Look = Callable[[ScoringData, Extrinsics, AbstractMatcher], jax.Array]
 
 
 def in_turn(
-    look: Look, frames: Sequence[ScoringData], candidates: Float[AnyArray, "n 6"], matcher: AbstractMatcher
-) -> Int[np.ndarray, "k n ..."]:
+    look: Look,
+    frames: Sequence[ScoringData],
+    candidates: Float[AnyArray, "*n 6"],
+    matcher: AbstractMatcher,
+    keep: Callable[[np.ndarray], np.ndarray] = np.asarray,
+) -> Shaped[np.ndarray, "k n ..."]:
     """`look(frame, extrinsics, matcher)` of each frame and candidate, on the host. One program serves any number of
     them.
 
     Args:
-        look: pure and traceable; its answer is an array of whole numbers. A function of a module: each new one is
-            compiled.
+        look: pure and traceable; its answer is an array. A function of a module: each new one is compiled.
         frames: of one shape.
+        keep: what is kept of the answers to some candidates (n, ...), one row for each of them.
     """
     candidates = np.asarray(candidates, np.float32).reshape(-1, 6)
     calls = -(-cores() // len(frames))  # for each frame
     calls *= max(1, -(-len(candidates) // (calls * _ROOM)))
     parts = [part for part in np.array_split(candidates, calls) if len(part)] or [candidates]
 
-    def seen(work: tuple[ScoringData, Float[np.ndarray, "m 6"]]) -> Int[np.ndarray, "m ..."]:
+    def seen(work: tuple[ScoringData, Float[np.ndarray, "m 6"]]) -> Shaped[np.ndarray, "m ..."]:
         frame, part = work
         padded = np.zeros((_ROOM, 6), np.float32)
         padded[: len(part)] = part
-        return np.asarray(_seen(look, frame, padded, np.int32(len(part)), matcher))[: len(part)]
+        return keep(np.asarray(_seen(look, frame, padded, np.int32(len(part)), matcher))[: len(part)])
 
     answers = on_all_cores(seen, [(frame, part) for frame in frames for part in parts])
     return np.stack([np.concatenate(answers[i : i + len(parts)]) for i in range(0, len(answers), len(parts))])
