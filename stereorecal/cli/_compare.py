@@ -28,9 +28,9 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
     parser = verbs.add_parser(
         "compare",
         parents=[common],
-        help="decalibrate rigs and let strategies repair them",
-        description="Decalibrate the rig of each scene many times and let every strategy repair it. Without a scene, "
-        "one is rendered.",
+        help="decalibrate rigs, and compare how strategies repair them",
+        description="Decalibrate the rig of each scene several times, let every strategy repair each of them, and "
+        "compare. Without a scene, one is rendered.",
     )
     add = parser.add_argument
     add("--scene", action="append", default=[], metavar="PATH", help="scene folder (repeatable)")
@@ -41,17 +41,22 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
     add(
         "--schedule",
         metavar="NAME",
-        help="count (the paper's way: one scale) or default (coarse to fine); without it both, side by side, and count "
-        "where --strategies is given",
+        help="count (the paper's way: the count alone, at one scale) or default (coarse to fine); by default both, "
+        "side by side, or count where --strategies is given",
     )
-    add("--scale", type=float, default=1.0, help="image scale of the count schedule")
-    add("--decalibrate", default="0.5,0.01", metavar="DEG,FRACTION", help="largest drift of each axis")
+    add("--scale", type=float, default=1.0, help="image scale of the count schedule (default: 1)")
+    add(
+        "--decalibrate",
+        default="0.5,0.01",
+        metavar="DEG,FRACTION",
+        help="largest drift of each axis (default: 0.5,0.01)",
+    )
     add(
         "--reach",
         metavar="DEG,FRACTION",
-        help="half width of the search box (default: 3,0.03 or 1.2 x the drift)",
+        help="half width of the search box (default: 3,0.03, or 1.2 x the drift if that is more)",
     )
-    add("--draws", type=int, default=2, help="decalibrations of each scene")
+    add("--draws", type=int, default=2, help="decalibrations of each scene (default: 2)")
     add("--seed", type=int, default=0, help="same seed, same result")
     add(
         "--budget",

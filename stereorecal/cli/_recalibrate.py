@@ -29,9 +29,10 @@ from stereorecal.strategies import Budget, name_of, origin_of, strategy
 SCHEMA = "stereorecal.recalibrate/1"
 _CODES = {Fault.INTERRUPTED: INTERRUPTED, Fault.INSIDE: FAILURE, Fault.INPUT: BAD_INPUT}  # the first that occurs
 _DESCRIPTION = """\
-Repair the extrinsics of the rig of each recording from its images. The new calibration is used only if it is better on
-parts of the images that the search has not seen. Exit code: 0 repaired, or good already; 1 not (the old calibration
-stays); 2 bad input; 3 failure inside; 130 interrupted. Of several recordings, the worst one decides."""
+Repair the extrinsic calibration of the rig of each recording from its images. The candidate is accepted only if it is
+better on parts of the images that the search has not seen. Exit code: 0 repaired, or already good; 1 not (the
+initial calibration stays); 2 bad input; 3 internal failure; 130 interrupted. Of several recordings, the worst one
+decides."""
 
 
 def add_to(verbs, common: argparse.ArgumentParser) -> None:
@@ -43,7 +44,7 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("--matcher", default="sad", metavar="NAME", help="sad, bm or sgbm")
     add("--schedule", default="default", metavar="NAME", help="default (coarse to fine) or count (the paper's way)")
-    add("--strategy", metavar="NAME", help="in the stages of the schedule that it can do (count: default compass)")
+    add("--strategy", metavar="NAME", help="for the stages of its kind (default: those of the schedule)")
     add("--scale", type=float, metavar="SCALE", help="image scale of the count schedule (default: 1)")
     add("--reach", default="3,0.03", metavar="DEG,FRACTION", help="how far the rig may have drifted (default: 3,0.03)")
     add(
@@ -54,7 +55,7 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
     )
     add("--seed", type=int, default=0, help="same seed, same result")
     add("--executor", default="serial", metavar="SPEC", help=EXECUTORS)
-    add("--output", metavar="FILE", help="write the calibration there, as calib.json, if it was repaired")
+    add("--output", metavar="FILE", help="write the calibration there, as a calib.json, if it was accepted")
     add("--force", action="store_true", help="--output may replace a file")
     add("--json", metavar="FILE|-", help="write everything as JSON")
     add("--quiet", action="store_true", help="no progress and no report")
@@ -178,7 +179,7 @@ def _show(repairs: Sequence[Repair], options: argparse.Namespace) -> None:
     print(solution)
     if options.output is not None:
         accepted = solution is not None and solution.accepted
-        print(f"{options.output}: {'written' if accepted else 'not written, since there is nothing better'}")
+        print(f"{options.output}: {'written' if accepted else 'not written, since the initial calibration stays'}")
 
 
 def _exit_code(repairs: Sequence[Repair]) -> int:

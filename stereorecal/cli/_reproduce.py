@@ -22,9 +22,10 @@ from stereorecal.reproduction._tables import experiment_tables
 _ALL, _BOTH = "all", "both"
 _WIDE = 150  # columns of the widest table
 _DESCRIPTION = """\
-Run the paper's experiments on a log of missions: which calibration matches most (validity), repair from a wrong one,
-generalise from one pair to the others, repair from nothing but the baseline (ex-nihilo), pair after pair (sequential).
-Without a log, one is rendered. A run that was interrupted continues where it stopped."""
+Run the paper's experiments on a log of missions: is the count highest under the right calibration (validity); repair
+from a wrong one (repair); does a repair on one pair hold for the others (generalise); repair from the baseline alone
+(ex-nihilo); repair pair after pair (sequential). Without a log, one is rendered. An interrupted run continues where it
+stopped."""
 
 
 def add_to(verbs, common: argparse.ArgumentParser) -> None:

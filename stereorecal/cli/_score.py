@@ -20,16 +20,18 @@ from stereorecal.report.repairs import scores_table
 
 SCHEMA = "stereorecal.score/1"
 _DESCRIPTION = f"""\
-Say how well the images of each recording fit together under its calibration, without changing anything: the pixels that
-match, how far apart the rows are (median), and how much of the image is covered by matches good to a fraction of a
-pixel. A rig is called healthy if those cover at least {100 * LEAST_COVERED:.0f} % of the image and the rows lie within
-{ROWS_APART} pixels. That hardly sees yaw: rows stay aligned where depth is already wrong; recalibrate sees more. Exit
-code: 0 all healthy; 1 not; 2 bad input; 3 failure inside; 130 interrupted."""
+Check the calibration of each recording against its images, without changing anything: how many pixels match, the median
+epipolar (row) error, and how much of the image is covered by correspondences good to a fraction of a pixel. A rig is
+healthy if these cover at least {100 * LEAST_COVERED:.0f} % of the image and the row error is at most {ROWS_APART} px. A
+yaw error hardly shows, since it leaves the rows aligned while depth is already wrong; recalibrate sees more. Exit code:
+0 all healthy; 1 not; 2 bad input; 3 internal failure; 130 interrupted."""
 
 
 def add_to(verbs, common: argparse.ArgumentParser) -> None:
     """Add the command, with the options that are `common` to all, to an argparse subparsers object."""
-    parser = verbs.add_parser("score", parents=[common], help="say how good a calibration is", description=_DESCRIPTION)
+    parser = verbs.add_parser(
+        "score", parents=[common], help="check a calibration against images", description=_DESCRIPTION
+    )
     add_recordings_to(parser)
     parser.add_argument("--matcher", default="sad", metavar="NAME", help="sad, bm or sgbm")
     parser.add_argument("--json", metavar="FILE|-", help="write everything as JSON")
@@ -38,7 +40,7 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Look, save, print; returns the exit code."""
+    """Check, save, print; returns the exit code."""
     matcher = as_matcher(options.matcher)
     _values.output_path(options.json, "--json")
     scenes = recordings(options)

@@ -19,7 +19,7 @@ class Comparison:
     """A table of trials.
 
     Attributes:
-        settings: what was asked, thresholds of success included.
+        settings: the arguments, and who took part (`entrants`).
         versions: of Python, stereorecal, its dependencies and each strategy's distribution.
         scenes: name, size, frames, reference and disparity range of each scene.
         trials: the finished ones, in the order in which they were asked for.
@@ -35,7 +35,7 @@ class Comparison:
 
     @property
     def summary(self) -> tuple[Summary, ...]:
-        """Medians and success rates by scene, strategy and matcher."""
+        """Medians and success rates by scene, strategy, matcher and schedule."""
         return summarise(self.trials, self.thresholds)
 
     def as_dict(self) -> dict[str, Any]:

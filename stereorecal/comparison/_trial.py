@@ -13,8 +13,8 @@ from stereorecal.recordings import Scene
 from stereorecal.scoring import score
 from stereorecal.strategies import Budget
 
-SCORE_AT = (100, 300, 1000)  # units
-SKIPPED, FAILED = "SKIPPED", "FAILED"  # beside the names of `Status`: what a comparison says of a trial without a run
+SCORE_AT = (100, 300, 1000)  # units, at which the best score is noted: spread evenly over a logarithmic axis
+SKIPPED, FAILED = "SKIPPED", "FAILED"  # the status of a trial that did not run, or crashed; else the name of a `Status`
 
 
 @dataclass(frozen=True)
@@ -55,9 +55,9 @@ class Trial:
         rotation_error_deg: |pitch|, |yaw|, |roll| error against the reference rig.
         translation_error_percent: |y|, |z| error in percent of the baseline.
         strategies: names of all strategies that ran; `strategy` is the one that was asked for.
-        evaluations, cost: how often the score was asked, and what that and the search for correspondences cost in
-            units: what the budget pays for.
-        cost_total: units of all that the repair did, the survey and the judging among it.
+        evaluations: number of evaluations of the score.
+        cost: units spent on them and on finding correspondences, which is what a budget pays for.
+        cost_total: units of the whole repair, with the survey, the choice of a start and the judging.
         score_at: best value of the stage's own score after 100, 300 and 1000 units; None where a schedule has several
             stages, whose scores do not compare.
     """

@@ -12,18 +12,21 @@ from stereorecal.objectives import FREE_AXES, Reach
 from stereorecal.recalibration import Schedule
 from stereorecal.recordings import Log, Mission, Pair
 from stereorecal.reproduction._judge import Judge, ideal, judge_of, unstarred
-from stereorecal.reproduction._tasks import Counting, Method, Repairing, Sailing, Search, Shot, Sweep, Task
+from stereorecal.reproduction._tasks import Counting, InTurn, Method, Repairing, Search, Shot, Sweep, Task
 from stereorecal.strategies import Budget, Need, strategy
 from stereorecal.synthetic import decalibrate
 
 _AXES = {"pitch": 0, "yaw": 1, "roll": 2, "y": 4, "z": 5}
 _UNITS_PER_ITERATION = 2 * len(FREE_AXES)  # the paper's iteration tries a step either way along each axis
-_DRAWN, _DRIFT = 4, (2.5, 0.0225)  # wrong calibrations of a log that has one only: degrees, share of the baseline
-_FAR = 3.0  # degrees, and percent of the baseline, at the ends of a sweep
-# Of compass on the count, in reaches; the paper does not say. With the default for a small drift, 1/16, two of 17 pairs
-# ex nihilo never left their start; with 1/8 all came to r >= 0.99, with 1/4 the least to 0.97.
+_DRAWN = 4  # wrong calibrations of a log that has one only
+_DRIFT = 2.5, 0.0225  # degrees and fraction of the baseline: theirs, as far apart as those of the rendered log
+_FAR = 3.0  # degrees, and percent of the baseline, at the ends of a sweep: the default reach
+# Of compass on the count, as a fraction of the reach; the paper does not say. With 1/16, the default, two of the 17
+# pairs of ex-nihilo never left their start; with 1/8 all ended at r >= 0.99, with 1/4 the lowest at 0.97.
 _FIRST_STEP = 1.0 / 8.0
-_APART = 0.1  # degrees or percent of the baseline: calibrations nearer than that are the same
+_APART = (
+    0.1  # degrees or percent of the baseline: three times the error of a chessboard; what is nearer is the same state
+)
 
 
 @dataclass(frozen=True)
@@ -55,8 +58,8 @@ QUICK = Extent(missions=2, images=1, starts=1, sweeps=1, points=11, matchers=(SA
 
 
 def methods(names: tuple[str, ...], strategy_name: str | None = None) -> tuple[Method, ...]:
-    """The paper's ("count": compass on the count at one scale) and the default schedule. A strategy of that name takes
-    the place of theirs in the stages that it can do: one that needs residuals that of Levenberg-Marquardt only.
+    """The methods of these names: "count" (the paper's way: compass on the count at one scale) and "default" (the
+    default schedule). A strategy that is named replaces compass, or Levenberg-Marquardt if it needs residuals.
 
     Raises:
         InputError: if a strategy is not installed.
@@ -89,7 +92,7 @@ class Setting:
 
     @property
     def missions(self) -> tuple[Mission, ...]:
-        """Those that are looked at."""
+        """The first ones, as many as the extent says."""
         return self.log.missions[: self.extent.missions]
 
     def judge(self, mission: Mission) -> Judge:
@@ -111,9 +114,9 @@ class Setting:
         return np.random.default_rng([self.seed, *what])
 
     def wrong(self, mission: Mission) -> dict[str, StereoRig]:
-        """Calibrations that do not hold for a mission: those of other dates that differ from its own, or drawn ones
-        where there are none, as in a log of rectified images. The cameras are always those of the mission: intrinsics
-        are known (paper, section 3.2)."""
+        """Wrong calibrations of a mission: those of other dates that differ from its own, or drawn ones where there are
+        none, as in a log of rectified images. The intrinsics are always those of the mission, since they are taken as
+        known (paper, section 3.2)."""
         rig = self.log.calibration_of(mission)
         others = {name: rig.with_extrinsics(c.extrinsics) for name, c in self.log.calibrations.items()}
         wrong = {name: other for name, other in others.items() if _apart(rig, other) > _APART}
@@ -191,7 +194,7 @@ def sequential(setting: Setting) -> Iterator[Task]:
         for method in setting.methods:
             limit = float(extent.iterations * _UNITS_PER_ITERATION) if method.name == "count" else None
             shots = tuple(setting.shot(mission, pair) for pair in pairs)
-            yield Sailing(name, start, setting.search(method, limit), shots)
+            yield InTurn(name, start, setting.search(method, limit), shots)
 
 
 def _repairs(

@@ -65,12 +65,14 @@ def _validity(rows: Sequence[Row]) -> Figure:
         axis.set_title(sequence, fontsize=9, loc="left")
         axis.set_ylim(bottom=0)
         axis.set_ylabel("valid pixels [10³]", fontsize=8)
-    figure.supxlabel("manual calibration (grey: the one that holds); dotted: little to be expected", fontsize=8)
+    figure.supxlabel(
+        "manual calibration (grey: that of the sequence); dotted: starred pairs, with little to match", fontsize=8
+    )
     return figure
 
 
 def _sweeps(rows: Sequence[Row]) -> Figure:
-    """The count along each axis, for each matcher, relative to its summit."""
+    """The count along each axis, for each matcher, relative to its peak."""
     axes_names = list(dict.fromkeys(row["axis"] for row in rows))
     matchers = list(dict.fromkeys(row["matcher"] for row in rows))
     figure, axes = _grid(len(axes_names), 3.0, 2.4, most=len(axes_names))
@@ -82,7 +84,7 @@ def _sweeps(rows: Sequence[Row]) -> Figure:
         axis.axvline(0.0, color="0.6", linewidth=0.7, zorder=0)
         axis.set_xlabel(f"offset of {_UNIT[name]}", fontsize=8)
         axis.set_ylim(0.0, 1.05)
-    axes[0].set_ylabel("count, relative to its summit", fontsize=8)
+    axes[0].set_ylabel("count, relative to its peak", fontsize=8)
     _legend(axes[-1], matchers)
     return figure
 
@@ -111,7 +113,7 @@ def _generalise(rows: Sequence[Row]) -> Figure:
 
 
 def _ex_nihilo(rows: Sequence[Row]) -> Figure:
-    """Score and squared error on the way, for every pair without a star (paper, figures 6 and 8)."""
+    """Score and squared error against cost, for every pair without a star (paper, figures 6 and 8)."""
     methods = _by([row for row in rows if not row["starred"]] or rows, "schedule")
     figure = Figure(figsize=(4.6 * len(methods), 6.4), layout="constrained")
     axes = figure.subplots(3, len(methods), squeeze=False, sharex="col", sharey="row")
@@ -137,7 +139,7 @@ def _ex_nihilo(rows: Sequence[Row]) -> Figure:
 
 
 def _sequential(rows: Sequence[Row]) -> Figure:
-    """r on the pair at hand while the images change; a line at each change, grey where a pair is starred (paper,
+    """r on the current pair, from pair to pair; a line where the next pair begins, grey where it is starred (paper,
     figure 9)."""
     methods = list(dict.fromkeys(row["schedule"] for row in rows))
     orders = list(dict.fromkeys(row["order"] for row in rows))

@@ -1,4 +1,4 @@
-"""What a reproduction leaves in its folder: JSON, CSV and figures."""
+"""The files of a reproduction: JSON, CSV and figures."""
 
 import csv
 import io

@@ -1,4 +1,4 @@
-"""How calibrations are counted in the experiments: one view and one disparity range for all that is compared."""
+"""How the experiments count pixels: in one view and one disparity range for all calibrations that are compared."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -18,7 +18,7 @@ class Judge:
     """Counts pixels with a valid disparity, as one stereo system with fixed settings would.
 
     Attributes:
-        rig: whose cameras took the images; the manual calibration.
+        rig: the manual calibration of the rig that took the images.
         matcher: with its disparity range.
         view: the rectified cameras.
         truth: the rig as it really was, where that is known.
@@ -51,7 +51,7 @@ class Judge:
         return found.rotation_deg, found.translation_percent
 
     def way(self, pair: Pair, path: Sequence[Waypoint]) -> list[dict[str, float]]:
-        """What a repair had reached, and at which cost: the count, and the squared errors of rotation [degrees²] and
+        """What a repair had reached at which cost: the count, and the squared errors of rotation [degrees²] and
         of the direction of the translation [percent²]."""
         found = self.counts(pair, [point.extrinsics for point in path])
         rows = []
@@ -63,8 +63,8 @@ class Judge:
 
 
 def judge_of(log: Log, mission: Mission, reach: Reach) -> Judge:
-    """The judge of a mission: SAD, whose range is measured with the manual calibration on the first pairs that are not
-    starred, in the view of the ideal rig: it favours no calibration."""
+    """The judge of a mission: SAD, whose disparity range is measured with the manual calibration on the first pairs
+    without a star, in the view of the ideal rig, which favours no calibration."""
     rig = log.calibration_of(mission)
     neutral = view(ideal(rig, float(rig.baseline)))
     pairs = unstarred(mission)
@@ -78,5 +78,5 @@ def ideal(rig: StereoRig, baseline: float) -> StereoRig:
 
 
 def unstarred(mission: Mission) -> tuple[Pair, ...]:
-    """The pairs of which something is to be expected; all of them, if there are no others."""
+    """The pairs without a star; all of them, if all are starred."""
     return tuple(pair for pair in mission.pairs if pair.name not in mission.starred) or mission.pairs

@@ -1,4 +1,4 @@
-"""What the paper itself reports: its tables 1 and 2."""
+"""Tables 1 and 2 of Muhovič and Perš, "Correcting Decalibration of Stereo Cameras in Self-Driving Vehicles"."""
 
 from typing import NamedTuple
 

@@ -1,4 +1,4 @@
-"""`reproduce`: run the experiments, keep what is finished."""
+"""`reproduce`: run the experiments; what is finished is kept."""
 
 import hashlib
 import os
@@ -31,15 +31,15 @@ SCHEMA = "stereorecal.reproduce/1"
 
 @dataclass(frozen=True)
 class Reproduction:
-    """What the experiments gave.
+    """The results of the experiments.
 
     Attributes:
         settings: what was asked.
         versions: of Python, stereorecal, its dependencies and each strategy's distribution.
         rows: by the name of what planned them: validity, sweeps, repair, generalise, ex_nihilo, sequential.
-        errors: why a task has no row, by its key.
-        unfinished: how many tasks an interruption, or the loss of a worker, left.
-        lost: what was said when workers were lost.
+        errors: of tasks that failed, by their keys.
+        unfinished: number of tasks left by an interruption, or by the loss of a worker.
+        lost: messages of the executor about workers that were lost.
     """
 
     settings: dict[str, Any]
@@ -51,7 +51,7 @@ class Reproduction:
 
     @property
     def summary(self) -> dict[str, Any]:
-        """What the rows say together, the paper's own tables beside ours."""
+        """Medians and shares over the rows, with those of the paper's own tables beside them."""
         made = {
             "validity": summaries.of_validity,
             "sweeps": summaries.of_sweeps,
@@ -113,9 +113,9 @@ def reproduce(
     """
     for name in experiments:
         if name not in EXPERIMENTS:
-            raise InputError(f"unknown experiment {name!r}; choose of: {', '.join(EXPERIMENTS)}.")
+            raise InputError(f"unknown experiment {name!r}; choose from: {', '.join(EXPERIMENTS)}.")
     if not experiments or not set(schedules) <= {"count", "default"} or not schedules:
-        raise InputError("there is nothing to run; give at least one experiment, and schedules of: count, default.")
+        raise InputError("there is nothing to run; give at least one experiment, and schedules from: count, default.")
     reach, extent = reach or Reach(), extent or Extent()
     chosen = methods(tuple(schedules), strategy)
     installed = versions()

@@ -1,4 +1,4 @@
-"""What the rows of an experiment say together."""
+"""Summaries of the rows of each experiment."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
@@ -49,7 +49,7 @@ def of_repairs(rows: Iterable[Row]) -> list[dict[str, Any]]:
 
 
 def is_worse(row: Row) -> bool:
-    """Whether a repair was accepted and left an angle farther from the reference than it was, by more than 0.02°."""
+    """Whether a repair was accepted although an angle is farther from the reference than before, by more than 0.02°."""
     before, after = row["start_error"]["rotation_error_deg"], row["rotation_error_deg"]
     return row["accepted"] and any(after[axis] > before[axis] + 0.02 for axis in after)
 
@@ -75,7 +75,7 @@ def of_validity(rows: Iterable[Row]) -> list[dict[str, Any]]:
 
 
 def of_sweeps(rows: Iterable[Row]) -> list[dict[str, Any]]:
-    """For each axis and matcher: where the summit lies, over which width more than half of its count remains, and over
+    """For each axis and matcher: where the peak lies, over which width more than half of its count remains, and over
     which 99 %. Medians over the pairs; degrees, or percent of the baseline. `half_cut`: the sweep ends before half of
     the count is lost, the width is that of the sweep there."""
     found = []
@@ -135,13 +135,13 @@ def of_sequences(rows: Iterable[Row]) -> list[dict[str, Any]]:
 
 
 def _shape(offsets: Sequence[float], counts: Sequence[int]) -> tuple[float, float, float]:
-    """Offset of the summit, width at half its height, width where it loses less than 1 %."""
+    """Offset of the peak, width at half its height, width where it loses less than 1 %."""
     x, y = np.array(offsets), np.array(counts, float)
     return float(x[np.argmax(y)]), _width(x, y, 0.5 * y.max()), _width(x, y, 0.99 * y.max())
 
 
 def _width(x: np.ndarray, y: np.ndarray, level: float) -> float:
-    """How long y stays above a level on both sides of its summit; as far as x goes where it never falls."""
+    """How long y stays above a level on both sides of its peak; as far as x goes where it never falls."""
     top = int(np.argmax(y))
     ends = []
     for side in (range(top, len(x)), range(top, -1, -1)):

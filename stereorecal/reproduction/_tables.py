@@ -14,21 +14,23 @@ Row = Mapping[str, Any]
 _ROTATIONS, _TRANSLATIONS = ("pitch", "yaw", "roll"), ("y", "z")
 _ERRORS = [f"{axis}°" for axis in _ROTATIONS] + [f"{axis} %" for axis in _TRANSLATIONS]
 _LEGEND = """\
-N_i, N_o, N_GT: pixels matched before, after, and under the manual calibration, in one view; r = N_o / N_GT.
-errors: from the true rig where it is known, else from the manual calibration. *: little is to be expected of the pair.
-schedule: count (the paper's way: one score, one scale, the disparity range of the manual calibration) and default
-(coarse to fine, with a range of its own); medians of pairs without a star. s: seconds; first repairs compile."""
+N_i, N_o, N_GT: pixels matched with the initial, the recalibrated and the manual calibration, in one view.
+r = N_o / N_GT. Errors: relative to the true rig where it is known, else to the manual calibration.
+*: a pair with little to match, such as open sea.
+schedule: count (the paper's way: the count alone, at one scale, with the disparity range of the manual calibration) and
+default (coarse to fine, with a range of its own). Medians are over pairs without a star.
+s: seconds; the first repairs compile."""
 
 
 def experiment_tables(data: Mapping[str, Any]) -> Group:
-    """All that was run, with the paper's own summary where it has one."""
+    """The tables of all experiments that ran, with the paper's own summary where it has one."""
     parts = [make(data) for name, make in _TABLES.items() if data["rows"].get(name)]
     return Group(*[table for tables in parts for table in tables], Text(_LEGEND))
 
 
 def _validity(data: Mapping[str, Any]) -> list[Table]:
-    table = _table("validity: pairs whose highest count is under the calibration that holds (paper 4.1)")
-    _columns(table, ("sequence", "calibration"), ("pairs", "own is highest", "next best: share of the count"))
+    table = _table("validity: on how many pairs is the count highest under their own calibration? (paper 4.1)")
+    _columns(table, ("sequence", "calibration"), ("pairs", "own is highest", "next best / own"))
     for row in data["summary"]["validity"]:
         _add(
             table,
@@ -42,8 +44,10 @@ def _validity(data: Mapping[str, Any]) -> list[Table]:
 
 
 def _sweeps(data: Mapping[str, Any]) -> list[Table]:
-    table = _table("sweeps of one axis through the reference: medians over pairs, degrees or percent of the baseline")
-    _columns(table, ("axis", "matcher"), ("summit at", "width at half height", "width within 1 % of the summit"))
+    table = _table(
+        "sweeps: the count along one axis through the reference; medians, degrees or % of the baseline (paper 4.1)"
+    )
+    _columns(table, ("axis", "matcher"), ("peak at", "width at half height", "width within 1 % of the peak"))
     for row in data["summary"]["sweeps"]:
         _add(
             table,
@@ -101,7 +105,7 @@ def _summary(title: str, rows: Sequence[Row]) -> Table:
 def _generalise(data: Mapping[str, Any]) -> list[Table]:
     first = data["rows"]["generalise"][0]
     table = _table(f"generalise: {first['sequence']}, optimised on {first['image']}, judged on the others (paper 4.3)")
-    numbers = ("start off by", "r", "others before", "others after", "improved", "of")
+    numbers = ("initial error", "r", "others before", "others after", "improved", "of")
     _columns(table, ("from", "schedule"), numbers)
     for row in data["summary"]["generalise"]:
         _add(

@@ -1,4 +1,4 @@
-"""What the experiments ask of a worker: four kinds of task, each with the row that answers it."""
+"""The tasks of the experiments, of four kinds; each runs in a worker and returns its row."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -19,10 +19,10 @@ Row = dict[str, Any]
 
 @dataclass(frozen=True, eq=False)
 class Shot:
-    """One pair of a mission, and who counts it.
+    """One pair of a mission, and the judge that counts it.
 
     Attributes:
-        starred: whether little is to be expected of it.
+        starred: whether it shows little to match, such as open sea.
     """
 
     sequence: str
@@ -56,10 +56,10 @@ class Method:
     """A way to repair.
 
     Attributes:
-        name: what tables call it.
+        name: in tables.
         schedule: what is run.
-        ranged: whether it is given the judge's disparity range, as the paper's stereo settings are fixed, or measures
-            its own.
+        ranged: whether it takes the judge's disparity range, like the paper's fixed stereo settings, instead of
+            measuring its own.
     """
 
     name: str
@@ -148,11 +148,11 @@ class Sweep:
 
 @dataclass(frozen=True, eq=False)
 class Repairing:
-    """One pair repaired from one start; N_i, N_o, N_GT and the way there.
+    """One pair repaired from one start: N_i, N_o, N_GT, and what was reached at which cost.
 
     Attributes:
         start_name, start: the calibration to begin with.
-        others: more pairs of the sequence, counted before and after.
+        others: other pairs of the sequence, counted before and after.
     """
 
     shot: Shot
@@ -184,8 +184,8 @@ class Repairing:
 
 
 @dataclass(frozen=True, eq=False)
-class Sailing:
-    """Pairs of a sequence repaired one after the other, each from where the one before ended.
+class InTurn:
+    """Pairs of a sequence repaired one after the other, each from the calibration that the one before left.
 
     Attributes:
         order: what the order of the pairs is called.
@@ -219,12 +219,12 @@ class Sailing:
         }
 
 
-Task = Counting | Sweep | Repairing | Sailing
+Task = Counting | Sweep | Repairing | InTurn
 _WHEN = ("score_initial", "score_final", "score_reference")
 
 
 def _found(shot: Shot, solution: Solution) -> Row:
-    """What a repair made of its pair; the way leads to the rig that is used: a refused repair has gone nowhere."""
+    """What a repair made of its pair. The way ends at the rig that is used: that of a rejected repair is its start."""
     path = solution.path if solution.accepted else solution.path[:1]
     return {
         **shot.counted(solution.initial, solution.rig),
