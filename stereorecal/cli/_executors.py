@@ -11,8 +11,6 @@ from stereorecal.cli._cluster import cluster
 from stereorecal.cli._compiled import keep_compiled_programs
 from stereorecal.cli._values import known
 
-EXECUTORS = "serial, threads:N, processes:N or dask:ADDRESS (of the scheduler of a Dask cluster)"
-
 
 def executor(text: str) -> AbstractContextManager[Executor | None]:
     """A context with the executor that one of EXECUTORS stands for; None for serial.

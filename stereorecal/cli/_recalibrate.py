@@ -13,11 +13,11 @@ from stereorecal._run_all import Progress
 from stereorecal._versions import versions
 from stereorecal.cli import _values
 from stereorecal.cli._console import table_console
-from stereorecal.cli._executors import EXECUTORS, executor
+from stereorecal.cli._executors import executor
 from stereorecal.cli._exit_codes import BAD_INPUT, FAILURE, INTERRUPTED
 from stereorecal.cli._json import write_json
 from stereorecal.cli._progress import progress_bar
-from stereorecal.cli._recordings import add_recordings_to, recordings
+from stereorecal.cli._recordings import recordings
 from stereorecal.io import save_rig
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import Reach
@@ -28,38 +28,6 @@ from stereorecal.strategies import Budget, name_of, origin_of, strategy
 
 SCHEMA = "stereorecal.recalibrate/1"
 _CODES = {Fault.INTERRUPTED: INTERRUPTED, Fault.INSIDE: FAILURE, Fault.INPUT: BAD_INPUT}  # the first that occurs
-_DESCRIPTION = """\
-Repair the extrinsic calibration of the rig of each recording from its images. The candidate is accepted only if it is
-better on parts of the images that the search has not seen. Exit code: 0 repaired, or already good; 1 not (the
-initial calibration stays); 2 bad input; 3 internal failure; 130 interrupted. Of several recordings, the worst one
-decides."""
-
-
-def add_to(verbs, common: argparse.ArgumentParser) -> None:
-    """Add the command, with the options that are `common` to all, to an argparse subparsers object."""
-    parser = verbs.add_parser(
-        "recalibrate", parents=[common], help="repair the calibration of a rig", description=_DESCRIPTION
-    )
-    add_recordings_to(parser)
-    add = parser.add_argument
-    add("--matcher", default="sad", metavar="NAME", help="sad, bm or sgbm")
-    add("--schedule", default="default", metavar="NAME", help="default (coarse to fine) or count (the paper's way)")
-    add("--strategy", metavar="NAME", help="for the stages of its kind (default: those of the schedule)")
-    add("--scale", type=float, metavar="SCALE", help="image scale of the count schedule (default: 1)")
-    add("--reach", default="3,0.03", metavar="DEG,FRACTION", help="how far the rig may have drifted (default: 3,0.03)")
-    add(
-        "--budget",
-        type=float,
-        metavar="UNITS",
-        help="of each recording; one unit: one matcher run on a full-size frame",
-    )
-    add("--seed", type=int, default=0, help="same seed, same result")
-    add("--executor", default="serial", metavar="SPEC", help=EXECUTORS)
-    add("--output", metavar="FILE", help="write the calibration there, as a calib.json, if it was accepted")
-    add("--force", action="store_true", help="--output may replace a file")
-    add("--json", metavar="FILE|-", help="write everything as JSON")
-    add("--quiet", action="store_true", help="no progress and no report")
-    parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:

@@ -8,7 +8,7 @@ from stereorecal._errors import InputError
 from stereorecal._extras import extra
 from stereorecal.cli import _values
 from stereorecal.cli._console import table_console
-from stereorecal.cli._executors import EXECUTORS, executor
+from stereorecal.cli._executors import executor
 from stereorecal.cli._exit_codes import FAILURE, INTERRUPTED
 from stereorecal.cli._json import write_json
 from stereorecal.cli._progress import progress_bar
@@ -21,33 +21,6 @@ from stereorecal.reproduction._tables import experiment_tables
 
 _ALL, _BOTH = "all", "both"
 _WIDE = 150  # columns of the widest table
-_DESCRIPTION = """\
-Run the paper's experiments on a log of missions: is the count highest under the right calibration (validity); repair
-from a wrong one (repair); does a repair on one pair hold for the others (generalise); repair from the baseline alone
-(ex-nihilo); repair pair after pair (sequential). Without a log, one is rendered. An interrupted run continues where it
-stopped."""
-
-
-def add_to(verbs, common: argparse.ArgumentParser) -> None:
-    """Add the command, with the options that are `common` to all, to an argparse subparsers object."""
-    parser = verbs.add_parser(
-        "reproduce", parents=[common], help="run the paper's experiments", description=_DESCRIPTION
-    )
-    add = parser.add_argument
-    names = ", ".join((*EXPERIMENTS, _ALL))
-    add("experiments", nargs="*", default=[_ALL], metavar="EXPERIMENT", help=f"{names} (default: {_ALL})")
-    add("--log", metavar="DIR", help="folder of missions, in any layout of docs/data.md")
-    add("--frames", metavar="N|all", help="first pairs of each sequence of --log (default: 10)")
-    add("--schedule", default=_BOTH, metavar="NAME", help="count (the paper's way), default (coarse to fine), or both")
-    add("--strategy", metavar="NAME", help="in place of compass, or of Levenberg-Marquardt if it needs residuals")
-    add("--quick", action="store_true", help="a small log, few pairs: does everything work?")
-    add("--reach", default="3,0.03", metavar="DEG,FRACTION", help="how far the rig may have drifted (default: 3,0.03)")
-    add("--seed", type=int, default=0, help="same seed, same result")
-    add("--executor", default="serial", metavar="SPEC", help=EXECUTORS)
-    add("--output", metavar="DIR", help="folder for tables and figures (default: reproduced/LOG)")
-    add("--json", metavar="FILE|-", help="write everything as JSON there too")
-    add("--quiet", action="store_true", help="no progress and no tables")
-    parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:

@@ -1,0 +1,34 @@
+"""What can be said on the command line, one module a command.
+
+Nothing here imports JAX, OpenCV or NumPy: help, the version and mistyped options are answered at once.
+"""
+
+import argparse
+from importlib.metadata import version
+from typing import NoReturn
+
+from stereorecal.cli._exit_codes import BAD_INPUT
+from stereorecal.cli.arguments import _compare, _recalibrate, _reproduce, _score, _strategies
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        self.exit(BAD_INPUT, f"{self.prog}: {message}; see {self.prog} --help\n")
+
+
+def parser() -> argparse.ArgumentParser:
+    """The parser of the command line; `verb` of what it returns names the command's module in `stereorecal.cli`."""
+    made = _Parser(
+        prog="python -m stereorecal",
+        description="Repair the extrinsic calibration of a stereo rig from ordinary images.",
+    )
+    made.add_argument("--version", action="version", version=f"stereorecal {version('stereorecal')}")
+    # Before the command or after it: a default there would undo what was said before.
+    common = argparse.ArgumentParser(add_help=False)
+    for place, default in ((made, False), (common, argparse.SUPPRESS)):
+        help_text = "show where an error comes from"
+        place.add_argument("--traceback", action="store_true", default=default, help=help_text)
+    verbs = made.add_subparsers(title="commands", required=True, metavar="COMMAND")
+    for command in (_recalibrate, _score, _compare, _reproduce, _strategies):
+        command.add_to(verbs, common)
+    return made

@@ -1,0 +1,53 @@
+"""The arguments of `python -m stereorecal compare`."""
+
+import argparse
+
+from stereorecal.cli.arguments._executors import EXECUTORS
+
+
+def add_to(verbs, common: argparse.ArgumentParser) -> None:
+    """Add the command, with the options that are `common` to all, to an argparse subparsers object."""
+    parser = verbs.add_parser(
+        "compare",
+        parents=[common],
+        help="decalibrate rigs, and compare how strategies repair them",
+        description="Decalibrate the rig of each scene several times, let every strategy repair each of them, and "
+        "compare. Without a scene, one is rendered.",
+    )
+    add = parser.add_argument
+    add("--scene", action="append", default=[], metavar="PATH", help="scene folder (repeatable)")
+    add("--synthetic", metavar="KIND", help="render a scene: harbour, coast, open-sea, street")
+    add("--frames", default="1", metavar="N|all", help="pairs of each scene to use, jointly")
+    add("--matcher", default="sad", metavar="NAME", help="sad, bm or sgbm")
+    add("--strategies", metavar="A,B|all", help="names of installed strategies (default: those of the schedule)")
+    add(
+        "--schedule",
+        metavar="NAME",
+        help="count (the paper's way: the count alone, at one scale) or default (coarse to fine); by default both, "
+        "side by side, or count where --strategies is given",
+    )
+    add("--scale", type=float, default=1.0, help="image scale of the count schedule (default: 1)")
+    add(
+        "--decalibrate",
+        default="0.5,0.01",
+        metavar="DEG,FRACTION",
+        help="largest drift of each axis (default: 0.5,0.01)",
+    )
+    add(
+        "--reach",
+        metavar="DEG,FRACTION",
+        help="half width of the search box (default: 3,0.03, or 1.2 x the drift if that is more)",
+    )
+    add("--draws", type=int, default=2, help="decalibrations of each scene (default: 2)")
+    add("--seed", type=int, default=0, help="same seed, same result")
+    add(
+        "--budget",
+        type=float,
+        metavar="UNITS",
+        help="of each trial; one unit: one matcher run on a full-size frame",
+    )
+    add("--executor", default="serial", metavar="SPEC", help=EXECUTORS)
+    add("--json", metavar="FILE|-", help="write everything as JSON")
+    add("--html", metavar="FILE", help="write one HTML page with tables and figures, to pass on")
+    add("--quiet", action="store_true", help="no progress and no table")
+    parser.set_defaults(verb="compare")

@@ -1,0 +1,57 @@
+"""Help, the version and mistyped options do not wait for JAX; and the help, written without it, says what there is."""
+
+import subprocess
+import sys
+
+import pytest
+
+from stereorecal.cli.arguments import parser
+from stereorecal.recalibration import LEAST_COVERED, ROWS_APART, SCHEDULES
+from stereorecal.reproduction import EXPERIMENTS
+from stereorecal.synthetic import KINDS
+
+LOADED = """
+import sys
+from stereorecal.cli import main
+try:
+    main(sys.argv[1:])
+except SystemExit as end:
+    code = end.code
+print(code, *(name for name in ("jax", "cv2", "numpy", "rich") if name in sys.modules))
+"""
+VERBS = ("recalibrate", "score", "compare", "reproduce", "strategies")
+
+
+@pytest.mark.parametrize(
+    ("words", "code"),
+    [
+        (["--version"], 0),
+        (["--help"], 0),
+        *(([verb, "--help"], 0) for verb in VERBS),
+        (["strategies", "check", "--help"], 0),
+        ([], 2),
+        (["repair"], 2),
+        (["score", "--nonsense"], 2),
+        (["compare", "--draws", "many"], 2),
+    ],
+    ids=lambda value: " ".join(value) or "nothing" if isinstance(value, list) else str(value),
+)
+def test_answers_at_once(words: list[str], code: int):
+    done = subprocess.run([sys.executable, "-c", LOADED, *words], capture_output=True, text=True, check=False)
+    assert done.stdout.splitlines()[-1] == str(code), done.stdout + done.stderr
+    assert ("stereorecal" in done.stdout) == (code == 0)
+    assert ("see python -m stereorecal" in done.stderr) == (code == 2)
+
+
+def help_of(verb: str, capsys) -> str:
+    with pytest.raises(SystemExit):
+        parser().parse_args([verb, "--help"])
+    return " ".join(capsys.readouterr().out.split())
+
+
+def test_help_says_what_there_is(capsys):
+    assert f"render a scene: {', '.join(KINDS)}" in help_of("compare", capsys)
+    assert f"{', '.join(EXPERIMENTS)}, all" in help_of("reproduce", capsys)
+    assert all(name in help_of("recalibrate", capsys) for name in SCHEDULES)
+    text = help_of("score", capsys)
+    assert f"at least {100 * LEAST_COVERED:.0f} % of the image and the row error is at most {ROWS_APART} px" in text
