@@ -27,6 +27,8 @@ def run(options: argparse.Namespace) -> int:
     """Compare, print, save; returns the exit code."""
     if options.schedule is not None:
         _values.known(options.schedule, list(SCHEDULES), "schedule")
+    if options.schedule == "default" and options.scale is not None:
+        raise InputError("--scale belongs to --schedule count; leave it out.")
     matcher = as_matcher(options.matcher)
     chosen = None if options.strategies is None else load_strategies(_values.strategy_names(options.strategies))
     drift = Drift(*_values.degrees_and_fraction(options.decalibrate, "--decalibrate"))
@@ -43,7 +45,7 @@ def run(options: argparse.Namespace) -> int:
                 drift=drift,
                 reach=reach,
                 schedule=options.schedule,
-                scale=options.scale,
+                scale=1.0 if options.scale is None else options.scale,
                 draws=options.draws,
                 budget=budget,
                 seed=seed,

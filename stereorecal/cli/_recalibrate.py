@@ -48,6 +48,8 @@ def run(options: argparse.Namespace) -> int:
             _show(repairs, options)
     for repair in repairs:
         if repair.error is not None:
+            if options.traceback and repair.traceback is not None:
+                print(repair.traceback, file=sys.stderr)
             print(f"stereorecal: {repair.name}: {repair.error}", file=sys.stderr)
     return _exit_code(repairs)
 

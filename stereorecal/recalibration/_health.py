@@ -69,10 +69,12 @@ class Health:
         )
 
     def __str__(self) -> str:
-        apart = "not known" if np.isnan(self.row_error) else f"{self.row_error:.2f} px (median)"
+        rows = f"{self.row_error:.2f} px (median), measured on {100 * self.covered:.0f} % of the image"
+        if np.isnan(self.row_error):
+            rows = f"not measured: correspondences cover {100 * self.covered:.0f} % of the image"
         return (
             f"matched    {self.score}\n"
-            f"row error  {apart}, measured on {100 * self.covered:.0f} % of the image\n"
+            f"row error  {rows}\n"
             f"{self.condition.value}"
         )
 

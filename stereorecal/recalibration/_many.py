@@ -3,8 +3,9 @@
 import enum
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
+from traceback import format_exception
 from typing import Any
 
 from stereorecal._errors import InputError, StrategyError
@@ -37,12 +38,14 @@ class Repair:
         solution: None if there is none.
         error: None, or one sentence that says why there is no solution.
         fault: whose fault that is; None with a solution.
+        traceback: of a failure inside, as text; else None.
     """
 
     name: str
     solution: Solution | None = None
     error: str | None = None
     fault: Fault | None = None
+    traceback: str | None = field(default=None, repr=False)
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data for JSON and tables; what is missing is None."""
@@ -132,5 +135,6 @@ def _repair(scene: Scene, **options: Any) -> Repair:
 def _failed(name: str, error: BaseException) -> Repair:
     if isinstance(error, InputError):
         return Repair(name, error=str(error), fault=Fault.INPUT)
-    message = str(error) if isinstance(error, StrategyError) else f"internal error, please report it: {error!r}"
-    return Repair(name, error=message, fault=Fault.INSIDE)
+    hint = "see where it comes from with --traceback (or in Repair.traceback), and please report it"
+    message = str(error) if isinstance(error, StrategyError) else f"internal error ({error!r}); {hint}."
+    return Repair(name, error=message, fault=Fault.INSIDE, traceback="".join(format_exception(error)))

@@ -108,3 +108,8 @@ def test_progress_only_on_a_terminal(command, clean_scene: Path, monkeypatch: py
 def test_quiet_has_no_progress_on_a_terminal_either(command, clean_scene: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     assert command("compare", "--scene", clean_scene, *SMALL, "--quiet").err == ""
+
+
+def test_a_scale_for_the_default_schedule_is_refused(command):
+    answer = command("compare", "--schedule", "default", "--scale", "0.5")
+    assert (answer.code, answer.err) == (2, "stereorecal: --scale belongs to --schedule count; leave it out.\n")

@@ -147,6 +147,9 @@ def test_3_when_a_strategy_crashes(command, drifted_scene: Path, tmp_path: Path,
     assert "drifted: strategy crashing" in answer.err
     assert "Traceback" not in answer.err
     assert list(tmp_path.iterdir()) == []
+    asked = command("--traceback", "recalibrate", drifted_scene, *COUNT, "--strategy", "crashing")
+    assert 'raise KeyError("a bug")' in asked.err
+    assert asked.err.splitlines()[-1] == answer.err.strip()
 
 
 def test_2_when_one_of_several_turns_out_bad(command, folder: Path, drifted_scene: Path, tmp_path: Path):

@@ -26,7 +26,7 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
         help="count (the paper's way: the count alone, at one scale) or default (coarse to fine); by default both, "
         "side by side, or count where --strategies is given",
     )
-    add("--scale", type=float, default=1.0, help="image scale of the count schedule (default: 1)")
+    add("--scale", type=float, help="image scale of the count schedule (default: 1)")
     add(
         "--decalibrate",
         default="0.5,0.01",
