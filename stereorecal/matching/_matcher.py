@@ -77,9 +77,9 @@ class AbstractMatcher(abc.ABC):
     def __new__(cls, *values: Any, **options: Any) -> "AbstractMatcher":
         """Refuse options that it does not have, OpenCV's camel case among them, in a sentence."""
         known = [option.name for option in fields(cls)]
-        for name in options:
+        for name, value in options.items():
             if name not in known:
-                raise InputError(_no_option(cls.__name__, name, known))
+                raise InputError(_no_option(cls.__name__, name, value, known))
         return super().__new__(cls)
 
     @property
@@ -149,9 +149,9 @@ class AbstractMatcher(abc.ABC):
         return replace(self, min_disparity=lowest, num_disparities=max(1, highest - lowest))
 
 
-def _no_option(matcher: str, name: str, known: Sequence[str]) -> str:
+def _no_option(matcher: str, name: str, value: Any, known: Sequence[str]) -> str:
     snake = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()
     close = [snake] if snake in known else difflib.get_close_matches(snake, known, 1)
     if close:
-        return f"{matcher} has no option {name!r}; write sr.{matcher}({close[0]}=...)."
+        return f"{matcher} has no option {name!r}; write sr.{matcher}({close[0]}={value!r})."
     return f"{matcher} has no option {name!r}; it has: {', '.join(known)}."

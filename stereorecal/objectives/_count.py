@@ -109,7 +109,7 @@ def objective(
     Raises:
         InputError: if images and calibration do not fit, the temperature is not positive, or `rows` is not a share.
     """
-    refuse_tracers("sr.objective", "its traced face, objective.traced.count, or sr.count", rig)
+    refuse_tracers("sr.objective", "its traced face, objective.traced.count, or sr.count", rig, pairs, view)
     images, reach = pyramid(rig, pairs, view), reach or Reach()
     matcher = ranged(matcher, images, float(np.radians(reach.degrees)))
     options = {"scale": scale, "rows": rows, "temperature": temperature, "budget": as_budget(budget)}

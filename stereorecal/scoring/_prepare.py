@@ -105,7 +105,8 @@ def prepare(rig: StereoRig, pairs: Pairs, view: View | None = None, scale: float
     Raises:
         InputError: if images and calibration do not fit, or the scale leaves no image.
     """
-    refuse_tracers("sr.prepare", "it before tracing, and vary the extrinsics of sr.count or sr.soft_count", rig)
+    instead = "it before tracing, and vary the extrinsics of sr.count or sr.soft_count"
+    refuse_tracers("sr.prepare", instead, rig, pairs, view)
     return pyramid(rig, pairs, view).at(scale)
 
 

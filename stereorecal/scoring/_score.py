@@ -60,7 +60,7 @@ def score(
     Raises:
         InputError: if images and calibration do not fit, or it is called under `jit`, `vmap` or `grad`.
     """
-    refuse_tracers("sr.score", "sr.count(data, extrinsics, matcher) on data = sr.prepare(rig, pairs)", rig)
+    refuse_tracers("sr.score", "sr.count(data, extrinsics, matcher) on data = sr.prepare(rig, pairs)", rig, pairs, view)
     images = pyramid(rig, pairs, view)
     data = images.at(scale)
     found = host.counts_one_by_one(data, with_unit_baseline(rig.extrinsics)[None], ranged(matcher, images))
@@ -71,7 +71,7 @@ def rectify(
     rig: StereoRig, pair: Pair | Pairs, *, view: View | None = None
 ) -> tuple[Float[np.ndarray, "h w"], Float[np.ndarray, "h w"]]:
     """Left and right image rectified, float32 in the view (default: the rig's own); borders are repeated."""
-    refuse_tracers("sr.rectify", "sr.prepare before tracing, and a score of its data", rig)
+    refuse_tracers("sr.rectify", "sr.prepare before tracing, and a score of its data", rig, pair, view)
     data = pyramid(rig, pair, view).at(1.0, 1)
     frame = rectified_frame(data, jnp.asarray(with_unit_baseline(rig.extrinsics), jnp.float32))
     return np.asarray(frame.left), np.asarray(frame.right)
@@ -81,6 +81,6 @@ def disparity(
     rig: StereoRig, pair: Pair | Pairs, *, matcher: AbstractMatcher | str | None = None, view: View | None = None
 ) -> Disparity:
     """The disparity of one pair, NumPy arrays; `valid` is what `score` counts with the same view and matcher."""
-    refuse_tracers("sr.disparity", "matcher.match on rectified images", rig)
+    refuse_tracers("sr.disparity", "matcher.match on rectified images", rig, pair, view)
     images = pyramid(rig, pair, view)
     return host.disparities(images.at(1.0, 1), with_unit_baseline(rig.extrinsics), ranged(matcher, images))[0]

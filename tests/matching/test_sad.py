@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from stereorecal._errors import InputError
-from stereorecal.matching import BM, SAD, SGBM, reference, sad
+from stereorecal.matching import BM, SAD, SGBM, reference
 from stereorecal.matching._texture import quantise, x_sobel
 from stereorecal.matching.sad._planes import winners as winners_by_planes
-from stereorecal.matching.sad._sad import winners_by_rows
+from stereorecal.matching.sad._sad import _sum_type, winners_by_rows
 from stereorecal.matching.sad._stream import NEVER
 from stereorecal.matching.sad._winners import dearest_rival
 
@@ -84,7 +84,7 @@ def test_twice_a_cost_may_not_fit_where_the_cost_does():
     matcher = SAD(num_disparities=16, block_size=21, uniqueness_ratio=100, disp12_max_diff=-1, texture_threshold=0)
     left = np.tile(3.0 * np.arange(80), (48, 1)).astype(np.float32)
     fast, plain = matcher.match(left, 255.0 - left), reference.match(left, 255.0 - left, matcher)
-    assert sad._sum_type(matcher) == np.int16
+    assert _sum_type(matcher) == np.int16
     np.testing.assert_array_equal(np.asarray(fast.valid), plain.valid)
 
 

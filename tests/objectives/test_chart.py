@@ -9,7 +9,6 @@ from hypothesis import given, strategies as st
 from stereorecal._errors import InputError
 from stereorecal.geometry import AXES
 from stereorecal.objectives import Reach, count_box
-from stereorecal.objectives._chart import dimensionless
 from stereorecal.synthetic import default_rig
 
 RIG = default_rig()
@@ -44,9 +43,9 @@ def test_the_centre_is_the_rig_exactly():
 
 
 @given(z=points)
-def test_dimensionless_has_the_baseline_as_unit(z):
+def test_with_unit_baseline_the_baseline_is_the_unit(z):
     chart = count_box(RIG, Reach()).chart
-    plain, unit = chart.extrinsics(z), dimensionless(chart).extrinsics(z)
+    plain, unit = chart.extrinsics(z), chart.with_unit_baseline().extrinsics(z)
     np.testing.assert_allclose(unit[:3], plain[:3], rtol=1e-12)
     np.testing.assert_allclose(unit[3:] * RIG.baseline, plain[3:], rtol=1e-12)
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from stereorecal.geometry import Camera, StereoRig, rotation_from_euler
-from stereorecal.objectives import Reach, count_box, epipolar_objective
+from stereorecal.objectives import Reach, SearchBox, count_box, epipolar_objective
 from stereorecal.scoring import Correspondences, row_differences
 from stereorecal.strategies import Budget, Status, run_strategy, strategy
 
@@ -33,9 +33,10 @@ def exact(z, seed=0, found=1.0) -> Correspondences:
     )
 
 
-def made(z=(0.1, -0.2, 0.05, 0.3, -0.1), seed=0, precision=4.0, prior=PRIOR):
+def made(z=(0.1, -0.2, 0.05, 0.3, -0.1), seed=0, precision=4.0, prior=PRIOR, budget=None):
     found = exact(z, seed)
-    return epipolar_objective(found, np.full(found.weight.shape, precision), CHART, prior)
+    box = SearchBox(CHART, prior)
+    return epipolar_objective(found, np.full(found.weight.shape, precision), box, budget)
 
 
 @settings(max_examples=25)
@@ -53,7 +54,7 @@ def test_the_value_is_that_of_the_residuals(z):
 
 def test_weights_of_zero_leave_the_prior_alone():
     found = exact([0.5] * 5)
-    problem = epipolar_objective(found, np.zeros(found.weight.shape), CHART, 0.25)
+    problem = epipolar_objective(found, np.zeros(found.weight.shape), SearchBox(CHART, 0.25))
     z = np.array([0.5, -0.25, 0.0, 1.0, -1.0])
     assert problem.value(z) == pytest.approx(-8.0 * np.sum(z**2), rel=1e-6)
     assert problem.value(np.zeros(5)) == 0.0
@@ -62,7 +63,7 @@ def test_weights_of_zero_leave_the_prior_alone():
 def test_each_row_has_its_own_weight():
     found = exact([0.1, 0.2, 0.3, 0.4, 0.5])
     precision = np.random.default_rng(0).uniform(0, 9, found.weight.shape)
-    residuals = epipolar_objective(found, precision, CHART, PRIOR).traced.residuals(jnp.zeros(5))[:-5]
+    residuals = epipolar_objective(found, precision, SearchBox(CHART, PRIOR)).traced.residuals(jnp.zeros(5))[:-5]
     rows = np.asarray(row_differences(found, CHART.extrinsics(np.zeros(5)))).ravel()
     np.testing.assert_allclose(residuals, np.sqrt(precision).ravel() * rows, atol=5e-3)
 
@@ -75,7 +76,9 @@ def test_cost_is_that_of_the_rows():
     assert problem.spent == pytest.approx(7 * problem.cost)
     found = exact([0.0] * 5)
     half = Correspondences(*(leaf[:1] if np.ndim(leaf) else leaf for leaf in vars(found).values()))
-    assert epipolar_objective(half, np.ones((1, CELLS)), CHART, PRIOR).cost == pytest.approx(problem.cost / 2)
+    assert epipolar_objective(half, np.ones((1, CELLS)), SearchBox(CHART, PRIOR)).cost == pytest.approx(
+        problem.cost / 2
+    )
 
 
 def test_programs_are_shared_by_objectives_of_equal_shape():
@@ -111,9 +114,9 @@ def test_derivatives():
 def test_levenberg_marquardt_finds_the_truth(seed):
     """From the centre, 1.8 degrees and 1.8 % off at most: exact rays and a prior of no weight lead back to 0.001°."""
     truth = np.random.default_rng(seed).uniform(-0.6, 0.6, 5)
-    problem = made(truth, seed, precision=400.0, prior=100.0)
+    problem = made(truth, seed, precision=400.0, prior=100.0, budget=Budget(evaluations=1.0))
     solver = strategy("optimistix-levenberg-marquardt", rtol=1e-5, atol=1e-5)
-    run = run_strategy(solver, problem, np.zeros(5), Budget(evaluations=1.0))
+    run = run_strategy(solver, problem, np.zeros(5))
     assert run.status is Status.CONVERGED
     error = np.abs(run.best - truth) * [3, 3, 3, 3, 3]  # degrees and percent of the baseline
     assert error[[0, 2]].max() < 1e-3

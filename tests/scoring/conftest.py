@@ -1,10 +1,16 @@
-"""Scenes large enough for counts to mean something."""
+"""Scenes large enough for counts to mean something; how often JAX traces and compiles."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
+import jax
 import pytest
 
 from stereorecal.recordings import Scene
+
+_EVENTS = {
+    "/jax/core/compile/jaxpr_trace_duration": "traced",
+    "/jax/core/compile/backend_compile_duration": "compiled",
+}
 
 
 @pytest.fixture(scope="session")
@@ -15,3 +21,17 @@ def scene(scene: Callable[..., Scene]) -> Callable[..., Scene]:
         return scene(kind, seed, size, frames)
 
     return make
+
+
+@pytest.fixture
+def compilations() -> Iterator[list[str]]:
+    """A list that grows by "traced" and "compiled", until the test is over."""
+    seen: list[str] = []
+
+    def heard(name: str, seconds: float, **_: object) -> None:
+        if name in _EVENTS:
+            seen.append(_EVENTS[name])
+
+    jax.monitoring.register_event_duration_secs_listener(heard)
+    yield seen
+    jax.monitoring.unregister_event_duration_listener(heard)

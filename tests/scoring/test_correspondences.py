@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stereorecal.geometry import rectifying_rotations, view
+from stereorecal.geometry import rectifying_rotations, view, with_unit_baseline
 from stereorecal.matching import SAD
 from stereorecal.recordings import Pair
 from stereorecal.scoring import TILES, median_row_error, prepare, row_differences

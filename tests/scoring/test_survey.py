@@ -5,7 +5,7 @@ import pytest
 
 from stereorecal.geometry import view
 from stereorecal.matching import SAD
-from stereorecal.scoring import score, survey
+from stereorecal.scoring import pyramid, score, survey
 
 REACH = np.radians(3.0)
 
@@ -17,7 +17,7 @@ def test_finds_pitch_and_roll(scene, kind, signs):
     rig = given_scene.rig
     drift = np.radians([2.4 * signs[0], 0.0, 2.0 * signs[1], 0.0, 0.0, 0.0])
     bad = rig.with_extrinsics(rig.extrinsics + drift)
-    found = survey(bad, given_scene.pairs, view(bad), REACH)
+    found = survey(pyramid(bad, given_scene.pairs), bad.extrinsics, REACH)
     assert np.abs(found.offset + drift)[[0, 2]].max() < np.radians(1.0)
     assert not found.offset[[1, 3, 4, 5]].any()
     better = bad.with_extrinsics(bad.extrinsics + found.offset)
@@ -33,20 +33,20 @@ def test_a_wider_reach_looks_at_yaw_too(scene, kind, signs):
     rig = given_scene.rig
     drift = np.radians([*(np.array([4.5, 5.0, 4.0]) * signs), 0.0, 0.0, 0.0])
     bad = rig.with_extrinsics(rig.extrinsics + drift)
-    found = survey(bad, given_scene.pairs, view(bad), 2.0 * REACH)
+    found = survey(pyramid(bad, given_scene.pairs), bad.extrinsics, 2.0 * REACH)
     assert np.abs(found.offset + drift)[[0, 2]].max() < np.radians(1.5)
     assert np.abs(found.offset + drift)[1] < np.radians(2.5)
 
 
 def test_a_rig_that_is_right_is_left_alone(scene):
     given_scene = scene()
-    found = survey(given_scene.rig, given_scene.pairs, view(given_scene.rig), REACH)
+    found = survey(pyramid(given_scene.rig, given_scene.pairs), given_scene.rig.extrinsics, REACH)
     assert np.abs(found.offset).max() < np.radians(0.8)
 
 
 def test_aligned_takes_the_rig_as_it_is(scene):
     given_scene = scene()
-    found = survey(given_scene.rig, given_scene.pairs, view(given_scene.rig), REACH, aligned=True)
+    found = survey(pyramid(given_scene.rig, given_scene.pairs), given_scene.rig.extrinsics, REACH, aligned=True)
     assert not found.offset.any()
     assert found.with_range(SAD(), 0.0).num_disparities < found.with_range(SAD(), REACH).num_disparities
     assert found.with_range(SAD(num_disparities=7), REACH).num_disparities == 7
@@ -54,7 +54,7 @@ def test_aligned_takes_the_rig_as_it_is(scene):
 
 def test_a_range_is_never_negative(scene):
     given_scene = scene()
-    found = survey(given_scene.rig, given_scene.pairs, view(given_scene.rig), REACH)
+    found = survey(pyramid(given_scene.rig, given_scene.pairs), given_scene.rig.extrinsics, REACH)
     assert found.with_range(SAD(min_disparity=90), 0.0).num_disparities == 16
 
 
@@ -62,4 +62,4 @@ def test_a_yaw_that_is_off_does_not_look_like_swapped_sides(scene):
     """Later in a repair, all disparities may still lie below 0, if the images do not determine the yaw."""
     far = scene("coast", 0)
     bad = far.rig.with_extrinsics(far.rig.extrinsics + np.radians([0.0, -1.5, 0.0, 0.0, 0.0, 0.0]))
-    survey(bad, far.pairs, view(far.rig), np.radians(0.25), aligned=True)
+    survey(pyramid(bad, far.pairs, view(far.rig)), bad.extrinsics, np.radians(0.25), aligned=True)

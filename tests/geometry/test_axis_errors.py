@@ -1,0 +1,70 @@
+"""The error of each axis, which tables, JSON files and reports share."""
+
+import numpy as np
+import pytest
+from hypothesis import given, strategies as st
+
+from stereorecal.geometry import axis_errors
+from stereorecal.synthetic import default_rig
+
+RIG = default_rig()
+B = float(RIG.baseline)
+angles = st.tuples(*[st.floats(-0.3, 0.3)] * 3)
+shifts = st.tuples(*[st.floats(-0.3, 0.3)] * 2)  # of y and z, in baselines
+rigs = st.builds(lambda turn, shift: RIG.with_extrinsics(np.array([*turn, -B, *(B * np.array(shift))])), angles, shifts)
+factors = st.floats(1e-3, 1e4)
+
+
+def in_unit(rig, factor):
+    return rig.with_extrinsics(np.concatenate([rig.extrinsics[:3], factor * rig.extrinsics[3:]]))
+
+
+def numbers(errors) -> np.ndarray:
+    return np.array([*errors.rotation_deg.values(), *errors.translation_percent.values()])
+
+
+def test_names_units_and_signs():
+    """Pitch 1° too large, roll half a degree too small, y a hundredth of the baseline off."""
+    step = np.array([np.radians(1.0), 0, -np.radians(0.5), 0, 0.01 * B, 0])
+    errors = axis_errors(RIG.with_extrinsics(RIG.extrinsics + step), RIG)
+    assert list(errors.rotation_deg) == ["pitch", "yaw", "roll"]
+    assert list(errors.translation_percent) == ["y", "z"]
+    assert errors.rotation_deg == pytest.approx({"pitch": 1.0, "yaw": 0.0, "roll": 0.5}, abs=1e-9)
+    assert errors.translation_percent == pytest.approx({"y": 1.0, "z": 0.0}, abs=1e-3)
+    assert all(type(v) is float for v in (errors.rotation_deg | errors.translation_percent).values())
+
+
+@given(rig=rigs)
+def test_none_of_a_rig_from_itself(rig):
+    np.testing.assert_array_equal(numbers(axis_errors(rig, rig)), 0.0)
+
+
+@given(rig=rigs, reference=rigs)
+def test_errors_are_never_negative_and_the_same_both_ways(rig, reference):
+    there, back = numbers(axis_errors(rig, reference)), numbers(axis_errors(reference, rig))
+    assert (there >= 0).all()
+    np.testing.assert_array_equal(there, back)
+
+
+@given(rig=rigs, reference=rigs, unit=factors, longer=factors)
+def test_neither_the_unit_nor_the_length_of_the_baseline_matters(rig, reference, unit, longer):
+    """Images do not show the length: a rig in millimetres, or one that is twice as wide, has the same errors."""
+    expected = numbers(axis_errors(rig, reference))
+    for first, second in ((unit, unit), (1.0, longer), (longer, 1.0)):
+        errors = axis_errors(in_unit(rig, first), in_unit(reference, second))
+        np.testing.assert_allclose(numbers(errors), expected, rtol=1e-9, atol=1e-9)
+
+
+@given(first=rigs, second=rigs, third=rigs)
+def test_a_detour_is_no_shorter(first, second, third):
+    direct = numbers(axis_errors(first, third))
+    detour = numbers(axis_errors(first, second)) + numbers(axis_errors(second, third))
+    assert (direct <= detour + 1e-9).all()
+
+
+@given(rig=rigs, turn=angles)
+def test_a_turn_is_seen_on_its_own_axes_only(rig, turn):
+    moved = rig.with_extrinsics(rig.extrinsics + np.array([*turn, 0, 0, 0]))
+    errors = axis_errors(moved, rig)
+    np.testing.assert_allclose(list(errors.rotation_deg.values()), np.abs(np.degrees(turn)), atol=1e-9)
+    assert list(errors.translation_percent.values()) == [0.0, 0.0]

@@ -1,0 +1,104 @@
+"""Matchers by name; what OpenCV's habits lead to is refused in one sentence with the right call."""
+
+import dataclasses
+import pickle
+import re
+
+import pytest
+
+from stereorecal._errors import InputError
+from stereorecal.matching import BM, MATCHERS, SAD, SGBM, as_matcher
+
+CLASSES = (SAD, BM, SGBM)
+CAMEL = {
+    "minDisparity": ("min_disparity", -4),
+    "numDisparities": ("num_disparities", 128),
+    "blockSize": ("block_size", 9),
+    "uniquenessRatio": ("uniqueness_ratio", 5),
+    "textureThreshold": ("texture_threshold", 20),
+    "disp12MaxDiff": ("disp12_max_diff", 2),
+    "preFilterCap": ("pre_filter_cap", 40),
+}
+
+
+@pytest.mark.parametrize("name", MATCHERS)
+def test_a_name_is_the_matcher_with_its_default_options(name):
+    assert as_matcher(name) == MATCHERS[name]()
+
+
+def test_nothing_is_sad_and_a_matcher_is_itself():
+    assert as_matcher(None) == SAD()
+    given = SGBM(num_disparities=32)
+    assert as_matcher(given) is given
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ("sgmb", "unknown matcher 'sgmb'; did you mean sgbm?"),
+        ("census", "unknown matcher 'census'; choose one of: sad, bm, sgbm."),
+        ("", "unknown matcher ''; choose one of: sad, bm, sgbm."),
+        (SGBM, "matcher is the class SGBM; make one of it, such as sr.SGBM()."),
+        (BM, "matcher is the class BM; make one of it, such as sr.BM()."),
+        (64, "matcher is a int; give a name (sad, bm, sgbm) or a matcher such as sr.SGBM(num_disparities=128)."),
+        (
+            {"num_disparities": 64},
+            "matcher is a dict; give a name (sad, bm, sgbm) or a matcher such as sr.SGBM(num_disparities=128).",
+        ),
+    ],
+)
+def test_what_is_none_is_refused_in_a_sentence(given, said):
+    with pytest.raises(InputError, match=f"^{re.escape(said)}$"):
+        as_matcher(given)
+
+
+def test_all_seven_options_are_looked_at():
+    for cls in CLASSES:
+        assert [snake for snake, _ in CAMEL.values()] == [option.name for option in dataclasses.fields(cls)]
+
+
+@pytest.mark.parametrize("cls", CLASSES)
+@pytest.mark.parametrize("camel", CAMEL)
+def test_opencvs_spelling_is_answered_with_the_right_call(cls, camel):
+    snake, value = CAMEL[camel]
+    with pytest.raises(InputError) as refusal:
+        cls(**{camel: value})
+    name = cls.__name__
+    assert str(refusal.value) == f"{name} has no option {camel!r}; write sr.{name}({snake}={value})."
+    assert getattr(eval(f"{name}({snake}={value})"), snake) == value  # what it says works
+
+
+@pytest.mark.parametrize("cls", CLASSES)
+def test_one_wrong_option_among_right_ones(cls):
+    with pytest.raises(InputError, match=r"has no option 'numDisparities'; write .*num_disparities=64\)"):
+        cls(block_size=9, numDisparities=64)
+    with pytest.raises(InputError, match="has no option 'preFilterCap'"):
+        dataclasses.replace(cls(), preFilterCap=30)
+
+
+@pytest.mark.parametrize(
+    ("option", "close"), [("num_disparity", "num_disparities"), ("blocksize", "block_size"), ("min_disp", None)]
+)
+def test_typing_errors(option, close):
+    with pytest.raises(InputError, match=f"has no option '{option}'") as refusal:
+        SAD(**{option: 5})
+    if close:
+        assert f"write sr.SAD({close}=5)." in str(refusal.value)
+
+
+@pytest.mark.parametrize("option", ["P1", "speckleWindowSize", "mode", "roi"])
+def test_options_that_it_does_not_have_list_those_that_it_has(option):
+    with pytest.raises(InputError) as refusal:
+        SGBM(**{option: 1})
+    assert f"SGBM has no option {option!r}" in str(refusal.value)
+    assert str(refusal.value).count(". ") == 0
+
+
+@pytest.mark.parametrize("cls", CLASSES)
+def test_the_check_is_in_nobodys_way(cls):
+    """Positional options, copies and pickles are as of any dataclass."""
+    matcher = cls(-2, 48)
+    assert (matcher.min_disparity, matcher.num_disparities) == (-2, 48)
+    assert pickle.loads(pickle.dumps(matcher)) == matcher
+    assert dataclasses.replace(matcher, block_size=7).block_size == 7
+    assert hash(cls(-2, 48)) == hash(matcher)

@@ -1,0 +1,158 @@
+"""A second call of anything public compiles nothing and traces nothing."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import stereorecal as sr
+from stereorecal.geometry import with_unit_baseline
+
+MATCHER = sr.SAD(num_disparities=24)
+
+
+@pytest.fixture(scope="module")
+def given(scene):
+    return scene(size=(160, 120))
+
+
+@pytest.fixture(scope="module")
+def data(given) -> sr.ScoringData:
+    return sr.prepare(given.rig, given.pairs)
+
+
+@pytest.fixture(scope="module")
+def at(given) -> jax.Array:
+    return jnp.asarray(with_unit_baseline(given.rig.extrinsics), jnp.float32)
+
+
+@pytest.fixture(scope="module")
+def found(data, at) -> sr.Correspondences:
+    return sr.correspondences(data, at, MATCHER)
+
+
+def check(seen: list[str], call) -> None:
+    """`call(k)` for k = 0 and 1: what is new at the second call is nothing."""
+    jax.block_until_ready(call(0))
+    seen.clear()
+    jax.block_until_ready(call(1))
+    assert seen == []
+
+
+def test_the_listener_hears(compilations):
+    """Else nothing here would prove anything."""
+    jax.jit(lambda x: 3.25 * x)(np.float32(1.0))
+    assert "traced" in compilations
+    assert "compiled" in compilations
+
+
+def pure(name, data, found):
+    """The function of the extrinsics alone. Each call makes a new one."""
+    return {
+        "count": lambda e: sr.count(data, e, MATCHER),
+        "soft_count": lambda e: sr.soft_count(data, e, MATCHER),
+        "correspondences": lambda e: sr.correspondences(data, e, MATCHER),
+        "row_differences": lambda e: sr.row_differences(found, e),
+    }[name]
+
+
+@pytest.mark.parametrize("name", ["count", "soft_count", "correspondences", "row_differences"])
+@pytest.mark.parametrize("kind", ["plain", "NumPy", "vmap"])
+def test_pure_functions(compilations, data, found, at, name, kind):
+    """With a new lambda at the second call, and other extrinsics."""
+    points = [np.asarray(at), np.asarray(at) + 1e-4]
+    if kind == "plain":
+        check(compilations, lambda k: pure(name, data, found)(jnp.asarray(points[k])))
+    elif kind == "NumPy":
+        check(compilations, lambda k: pure(name, data, found)(points[k]))
+    else:
+        check(compilations, lambda k: jax.vmap(pure(name, data, found))(jnp.asarray([points[k]] * 4)))
+
+
+@pytest.mark.parametrize("mode", [jax.grad, jax.jacfwd, jax.value_and_grad])
+def test_derivatives_of_the_soft_count(compilations, data, found, at, mode):
+    check(compilations, lambda k: mode(pure("soft_count", data, found))(at + 1e-4 * k))
+
+
+def test_gradients_of_a_batch(compilations, data, found, at):
+    check(compilations, lambda k: jax.vmap(jax.grad(pure("soft_count", data, found)))(jnp.stack([at + 1e-4 * k] * 4)))
+
+
+def test_jvp_of_the_soft_count(compilations, data, found, at):
+    check(compilations, lambda k: jax.jvp(pure("soft_count", data, found), (at + 1e-4 * k,), (jnp.ones(6),)))
+
+
+def test_the_jacobian_of_row_differences(compilations, data, found, at):
+    check(compilations, lambda k: jax.jacfwd(pure("row_differences", data, found))(at + 1e-4 * k))
+
+
+def test_other_data_of_the_same_shape(compilations, scene, data, at):
+    """Other images, another rig, another temperature: programs depend on the shape, the scale and the matcher."""
+    other = scene("street", 1, (160, 120))
+    turned = other.rig.with_extrinsics(other.rig.extrinsics + 1e-3)
+    sets = [data, sr.prepare(turned, other.pairs)]
+
+    def call(k):
+        return sr.count(sets[k], at, MATCHER), sr.soft_count(sets[k], at, MATCHER, [0.1, 0.2][k])
+
+    check(compilations, call)
+
+
+def test_a_users_own_jit_traces_once(compilations, data, at):
+    """A jit of one lambda; a new lambda is a new program, as everywhere in JAX."""
+    score = jax.jit(jax.value_and_grad(lambda e: sr.soft_count(data, e, MATCHER)))
+    check(compilations, lambda k: score(at + 1e-4 * k))
+
+
+def test_the_objective(compilations, given):
+    asked = sr.objective(given.rig, given.pairs, matcher=MATCHER)
+    points = np.random.default_rng(0).uniform(-0.2, 0.2, (2, 5))
+    check(compilations, lambda k: asked.value(points[k]))
+    check(compilations, lambda k: asked.batch(points + 0.1 * k))
+    single = points.astype(np.float32)
+    check(compilations, lambda k: asked.traced.count(jnp.asarray(single[k])))
+    check(compilations, lambda k: asked.traced.soft_count(jnp.asarray(single[k])))
+    check(compilations, lambda k: jax.grad(asked.traced.soft_count)(jnp.asarray(single[k])))
+
+
+def test_objectives_of_equal_shape(compilations, scene, given):
+    other = scene("street", 1, (160, 120))
+
+    def call(k):
+        made = sr.objective((given, other)[k].rig, (given, other)[k].pairs, matcher=MATCHER)
+        z = jnp.zeros(5)
+        return made.batch(np.zeros((3, 5))), made.traced.count(z), made.traced.soft_count(z)
+
+    check(compilations, call)
+
+
+@pytest.mark.parametrize("matcher", [MATCHER, "sad", "bm"])
+def test_what_looks_once(compilations, given, matcher):
+    """Measuring the disparity range included, where it is not given."""
+    rig, pairs = given.rig, given.pairs
+
+    def call(k):
+        score = sr.score(rig, pairs, matcher=matcher)
+        sr.disparity(rig, pairs[0], matcher=matcher)
+        sr.health(rig, pairs, matcher=matcher)
+        return sr.rectify(rig, pairs[0])[0], score.count
+
+    check(compilations, call)
+
+
+@pytest.mark.parametrize("schedule", ["count", "default"])
+def test_a_repair(compilations, given, schedule):
+    bad = given.rig.with_extrinsics(given.rig.extrinsics + np.radians([0.4, -0.2, 0.3, 0, 0, 0]))
+    kept = {"matcher": MATCHER, "budget": 40} if schedule == "count" else {}
+
+    def call(k):
+        return sr.recalibrate(bad, given.pairs, schedule=schedule, **kept).score_after.count
+
+    check(compilations, call)
+
+
+def test_a_comparison(compilations, given):
+    def call(k):
+        sr.compare(given.rig, given.pairs, strategies=["compass"], draws=1, seed=0, matcher=MATCHER, budget=20)
+
+    check(compilations, call)

@@ -1,0 +1,77 @@
+"""What the host's count and the traced one may differ by, as `sr.count` states it: nothing for the same extrinsics, and
+for the same point of a box what float32 makes of it."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import stereorecal as sr
+from stereorecal.geometry import with_unit_baseline
+from stereorecal.scoring import host
+
+KINDS = ("harbour", "street", "coast")
+REAL = {"boofcv_bumblebee2/garden01": 96, "kitti2015/000001_10": 96}
+on_a_cpu = pytest.mark.skipif(jax.default_backend() != "cpu", reason="other devices round otherwise")
+
+
+def candidates_of(rig, number=4) -> np.ndarray:
+    """The rig and some a little off, (n, 6) float32."""
+    steps = np.random.default_rng(0).uniform(-1, 1, (number, 6)) * [0.01, 0.01, 0.01, 0, 0.01, 0.01]
+    steps[0] = 0.0
+    return (with_unit_baseline(rig.extrinsics) + steps).astype(np.float32)
+
+
+def check_scene(given, matcher, scale=1.0):
+    data, candidates = sr.prepare(given.rig, given.pairs, scale=scale), candidates_of(given.rig)
+    expected = host.counts_one_by_one(data, candidates, matcher)
+    np.testing.assert_array_equal(host.counts(data, candidates, matcher), expected)
+    assert expected[0] == sr.score(given.rig, given.pairs, matcher=matcher, scale=scale).count
+    np.testing.assert_array_equal([sr.count(data, e, matcher) for e in candidates], expected)
+    closed_over = jax.jit(lambda e: sr.count(data, e, matcher))
+    np.testing.assert_array_equal([closed_over(e) for e in candidates], expected)
+    together = jax.vmap(lambda e: sr.count(data, e, matcher))(jnp.asarray(candidates))
+    np.testing.assert_array_equal(together, expected)
+    assert len(set(expected.tolist())) == len(expected)
+
+
+@on_a_cpu
+@pytest.mark.parametrize("kind", KINDS)
+def test_equal_on_rendered_scenes(scene, kind):
+    """Small frames are counted by one program in `host.counts`, by two in `counts_one_by_one`; a user's jit knows the
+    cameras as constants."""
+    check_scene(scene(kind, 0, (160, 120)), sr.SAD(num_disparities=24))
+
+
+@on_a_cpu
+def test_equal_at_another_scale_and_with_several_frames(scene):
+    check_scene(scene("street", 0, (320, 240), 2), sr.SAD(num_disparities=48), 0.5)
+
+
+@on_a_cpu
+@pytest.mark.parametrize("name", REAL)
+def test_equal_on_real_scenes(data_dir, name):
+    """With lenses."""
+    check_scene(sr.io.load_scene(data_dir / name, limit=1), sr.SAD(num_disparities=REAL[name]))
+
+
+def check_objective(given, disparities):
+    asked = sr.objective(given.rig, given.pairs, matcher=sr.SAD(num_disparities=disparities))
+    points = np.random.default_rng(0).uniform(-0.4, 0.4, (8, 5))
+    by_host, traced = asked.batch(points), [float(asked.traced.count(jnp.asarray(p, jnp.float32))) for p in points]
+    width, height = given.rig.left.size
+    assert np.abs(by_host - traced).max() <= 2 + width * height / 100_000
+    # What differs is the way to the extrinsics alone.
+    chart = jax.tree.map(lambda leaf: jnp.asarray(leaf, jnp.float32), asked.images.chart.with_unit_baseline())
+    single = np.stack([chart.extrinsics(jnp.asarray(p, jnp.float32)) for p in points])
+    np.testing.assert_allclose(single, asked.images.chart.with_unit_baseline().extrinsics(points), atol=2e-7)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_an_objective_on_rendered_scenes(scene, kind):
+    check_objective(scene(kind, 0, (320, 240)), 48)
+
+
+@pytest.mark.parametrize("name", REAL)
+def test_an_objective_on_real_scenes(data_dir, name):
+    check_objective(sr.io.load_scene(data_dir / name, limit=1), REAL[name])

@@ -1,0 +1,342 @@
+"""The pure face: it composes with JAX, every mode gives the same derivative, and what it cannot take it refuses in a
+sentence."""
+
+import re
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import stereorecal as sr
+from stereorecal._errors import InputError
+from stereorecal.geometry import with_unit_baseline
+from stereorecal.scoring import host
+
+MATCHER = sr.SAD(num_disparities=24)
+UNIT = np.array([*np.radians([1.0, 1.0, 1.0]), 0.01, 0.01, 0.01])  # a degree, and a hundredth of the baseline
+
+
+@pytest.fixture(scope="module")
+def data(scene) -> sr.ScoringData:
+    given = scene(size=(160, 120))
+    return sr.prepare(given.rig, given.pairs)
+
+
+@pytest.fixture(scope="module")
+def truth(scene) -> np.ndarray:
+    return with_unit_baseline(scene(size=(160, 120)).rig.extrinsics)
+
+
+@pytest.fixture(scope="module")
+def candidates(truth) -> jax.Array:
+    steps = np.random.default_rng(0).uniform(-0.4, 0.4, (4, 6)) * UNIT
+    return jnp.asarray(truth + steps, jnp.float32)
+
+
+@pytest.fixture(scope="module")
+def found(data, truth) -> sr.Correspondences:
+    return sr.correspondences(data, truth, MATCHER)
+
+
+# --- it composes --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("score", [sr.count, sr.soft_count])
+def test_scores_under_jit_and_vmap(data, candidates, score):
+    alone = np.array([float(score(data, e, MATCHER)) for e in candidates])
+    compiled = jax.jit(lambda e: score(data, e, MATCHER))
+    passed = jax.jit(lambda d, e: score(d, e, MATCHER))
+    ways = {
+        "jit": [compiled(e) for e in candidates],
+        "jit, data passed": [passed(data, e) for e in candidates],
+        "vmap": jax.vmap(lambda e: score(data, e, MATCHER))(candidates),
+        "jit of vmap": jax.jit(jax.vmap(lambda e: score(data, e, MATCHER)))(candidates),
+    }
+    assert len(set(alone)) == len(alone)
+    for name, values in ways.items():
+        assert np.asarray(values).shape == (4,), name
+        np.testing.assert_allclose(np.asarray(values, float), alone, rtol=1e-5, err_msg=name)
+
+
+def test_what_the_scores_return(data, truth):
+    counted, soft = sr.count(data, truth, MATCHER), sr.soft_count(data, truth, MATCHER)
+    assert (counted.shape, counted.dtype) == ((), jnp.int32)
+    assert (soft.shape, soft.dtype) == ((), jnp.float32)
+    assert 0.25 * data.pixels < counted < data.pixels
+    assert abs(soft - counted) < 0.2 * counted
+
+
+@pytest.mark.parametrize("score", [sr.count, sr.soft_count])
+def test_any_kind_of_numbers_will_do_for_extrinsics(data, truth, score):
+    """float64 and float32, NumPy and JAX: one program, one answer; and the unit of the baseline does not matter."""
+    expected = float(score(data, np.float32(truth), MATCHER))
+    for extrinsics in (truth, jnp.asarray(truth, jnp.float32), truth * np.array([1, 1, 1, 1024, 1024, 1024])):
+        assert float(score(data, extrinsics, MATCHER)) == expected
+
+
+def test_frames_add_up(scene):
+    given = scene("street", 0, (160, 120), 2)
+    both, *each = (sr.prepare(given.rig, pairs) for pairs in (given.pairs, given.pairs[:1], given.pairs[1:]))
+    at = with_unit_baseline(given.rig.extrinsics)
+    assert sr.count(both, at, MATCHER) == sum(sr.count(one, at, MATCHER) for one in each)
+    soft = sum(float(sr.soft_count(one, at, MATCHER)) for one in each)
+    assert float(sr.soft_count(both, at, MATCHER)) == pytest.approx(soft, rel=1e-5)
+    assert sr.correspondences(both, at, MATCHER).weight.shape[0] == 2
+
+
+def test_correspondences_under_jit_and_vmap(data, truth, found):
+    compiled = jax.jit(lambda e: sr.correspondences(data, e, MATCHER))(jnp.asarray(truth, jnp.float32))
+    several = jax.vmap(lambda e: sr.correspondences(data, e, MATCHER))(jnp.asarray([truth, truth], jnp.float32))
+    for name in ("left", "right", "weight", "tile", "focal", "scale", "independent"):
+        here = np.asarray(getattr(found, name), float)
+        near = np.asarray(getattr(compiled, name), float)
+        assert getattr(several, name).shape == (2, *here.shape)
+        # A pixel that another program rounds otherwise changes its cell.
+        assert (np.abs(near - here) <= 1e-3 + 1e-3 * np.abs(here)).mean() > 0.999, name
+    assert sr.correspondences(data, truth, MATCHER).found == found.found > 300
+
+
+def test_they_are_those_of_the_host(data, truth, found):
+    by_host = host.correspondences(data, truth, MATCHER)
+    assert isinstance(by_host.left, np.ndarray)
+    assert by_host.found == pytest.approx(found.found, rel=1e-3)
+    rows = [np.asarray(sr.row_differences(f, truth))[np.asarray(f.weight) > 0] for f in (by_host, found)]
+    assert np.median(rows[0]) == pytest.approx(np.median(rows[1]), abs=1e-3)
+
+
+def test_row_differences_under_jit_and_vmap(found, candidates):
+    alone = np.stack([np.asarray(sr.row_differences(found, e)) for e in candidates])
+    here = np.asarray(found.weight) > 0
+    for values in (
+        jax.vmap(lambda e: sr.row_differences(found, e))(candidates),
+        jax.jit(jax.vmap(sr.row_differences, in_axes=(None, 0)))(found, candidates),
+        [jax.jit(lambda e: sr.row_differences(found, e))(e) for e in candidates],
+    ):
+        assert np.shape(values) == alone.shape
+        np.testing.assert_allclose(np.asarray(values)[:, here], alone[:, here], atol=2e-3)
+
+
+# --- derivatives --------------------------------------------------------------------------------------------
+
+
+def soft(data):
+    return lambda e: sr.soft_count(data, e, MATCHER)
+
+
+def modes(function, at) -> dict[str, np.ndarray]:
+    """The gradient of a scalar function by every way that JAX has."""
+    jvp = [jax.jvp(function, (at,), (unit,))[1] for unit in jnp.eye(6)]
+    _, pull = jax.vjp(function, at)
+    _, push = jax.linearize(function, at)
+    return {
+        "grad": jax.grad(function)(at),
+        "jvp": np.stack(jvp),
+        "jacfwd": jax.jacfwd(function)(at),
+        "jacrev": jax.jacrev(function)(at),
+        "vjp": pull(jnp.float32(1.0))[0],
+        "linearize": np.stack([push(unit) for unit in jnp.eye(6)]),
+        "value_and_grad": jax.value_and_grad(function)(at)[1],
+    }
+
+
+def test_all_modes_give_one_gradient(data, candidates):
+    at = candidates[1]
+    gradients = modes(soft(data), at)
+    expected = np.asarray(gradients["grad"]) * UNIT
+    assert np.linalg.norm(expected) > 10.0  # pixels for a step of UNIT
+    for name, gradient in gradients.items():
+        assert np.shape(gradient) == (6,), name
+        np.testing.assert_allclose(gradient * UNIT, expected, atol=1e-3 * np.linalg.norm(expected), err_msg=name)
+
+
+def test_the_value_beside_a_gradient_is_the_soft_count(data, candidates):
+    plain = float(sr.soft_count(data, candidates[0], MATCHER))
+    for value in (
+        jax.value_and_grad(soft(data))(candidates[0])[0],
+        jax.jvp(soft(data), (candidates[0],), (jnp.ones(6),))[0],
+        jax.linearize(soft(data), candidates[0])[0],
+    ):
+        assert float(value) == pytest.approx(plain, rel=1e-5)
+
+
+def test_gradients_of_a_batch_are_those_of_its_members(data, candidates):
+    batch = np.asarray(jax.jit(jax.vmap(jax.grad(soft(data))))(candidates))
+    alone = np.stack([np.asarray(jax.grad(soft(data))(e)) for e in candidates])
+    np.testing.assert_allclose(batch * UNIT, alone * UNIT, atol=1e-3 * np.linalg.norm(alone * UNIT))
+
+
+def test_chains_go_through(data, candidates):
+    """The gradient of a function of the soft count of a function of something else."""
+
+    def outer(z):
+        return jnp.sqrt(sr.soft_count(data, candidates[0] + z * jnp.asarray(UNIT, jnp.float32), MATCHER))
+
+    z = jnp.zeros(6)
+    inner = np.asarray(jax.grad(soft(data))(candidates[0])) * UNIT
+    expected = 0.5 * inner / np.sqrt(float(sr.soft_count(data, candidates[0], MATCHER)))
+    for gradient in (jax.grad(outer)(z), jax.jacfwd(outer)(z)):
+        np.testing.assert_allclose(gradient, expected, atol=1e-3 * np.linalg.norm(expected))
+
+
+def test_the_gradient_is_that_of_finite_differences(scene):
+    given = scene("harbour", 0)
+    large, matcher = sr.prepare(given.rig, given.pairs), sr.SAD(num_disparities=48)
+    gradient, step = jax.grad(lambda e: sr.soft_count(large, e, matcher)), 5e-3
+    actual, expected = [], []
+    for offset in np.random.default_rng(0).uniform(-0.3, 0.3, (3, 6)):
+        at = with_unit_baseline(given.rig.extrinsics) + offset * UNIT
+        actual.append(np.asarray(gradient(jnp.asarray(at, jnp.float32))) * UNIT)
+        ends = [[float(sr.soft_count(large, at + s * d, matcher)) for s in (step, -step)] for d in np.diag(UNIT)]
+        expected.append(-np.diff(ends)[:, 0] / (2 * step))
+    assert np.linalg.norm(np.subtract(actual, expected)) < 0.1 * np.linalg.norm(expected)
+
+
+def test_a_longer_baseline_changes_nothing(data, candidates):
+    """Only the direction of the translation counts, so the gradient along it vanishes."""
+    at = candidates[2]
+    gradient = np.asarray(jax.grad(soft(data))(at))
+    along = np.array([0, 0, 0, *np.asarray(at)[3:]])
+    assert abs(gradient @ along) < 1e-3 * np.linalg.norm(gradient)
+
+
+def test_the_count_has_no_slope(data, candidates):
+    tangent = jax.jvp(lambda e: sr.count(data, e, MATCHER), (candidates[0],), (jnp.ones(6),))[1]
+    assert tangent.dtype == jax.dtypes.float0
+
+
+def test_row_differences_have_derivatives_in_every_mode(found, truth):
+    """Against central differences in float64, on the host."""
+    on_host, at = jax.tree.map(lambda leaf: np.asarray(leaf), found), jnp.asarray(truth, jnp.float32)
+    here, step = np.asarray(found.weight) > 0, 1e-6
+    ends = [[sr.row_differences(on_host, truth + s * e)[here] for s in (step, -step)] for e in np.eye(6)]
+    expected = np.stack([(a - b) / (2 * step) for a, b in ends], axis=-1)
+    for mode in (jax.jacfwd, jax.jit, jax.vmap):
+        if mode is jax.jacfwd:
+            jacobian = jax.jacfwd(lambda e: sr.row_differences(found, e))(at)
+        elif mode is jax.jit:
+            jacobian = jax.jit(jax.jacfwd(sr.row_differences, argnums=1))(found, at)
+        else:
+            jacobian = jax.vmap(jax.jacfwd(lambda e: sr.row_differences(found, e)))(at[None])[0]
+        np.testing.assert_allclose(np.asarray(jacobian)[here], expected, atol=2e-3 * np.abs(expected).max())
+
+    def cost(e):
+        return 0.5 * jnp.sum(found.weight * sr.row_differences(found, e) ** 2)
+
+    weighted = np.asarray(found.weight)[here] * sr.row_differences(on_host, truth)[here]
+    slope = weighted @ expected
+    for gradient in modes(cost, at).values():
+        np.testing.assert_allclose(gradient, slope, atol=5e-3 * np.linalg.norm(slope))
+
+
+# --- refusals -----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("mode", [jax.grad, jax.value_and_grad, jax.jacrev])
+@pytest.mark.parametrize("wrapped", [lambda f: f, jax.jit])
+def test_data_have_no_derivative(data, truth, mode, wrapped):
+    with pytest.raises(InputError, match=r"its point only; differentiate with respect to the extrinsics, and close"):
+        mode(wrapped(lambda d: sr.soft_count(d, truth, MATCHER)))(data)
+
+
+PURE = (sr.count, sr.soft_count, sr.correspondences)
+
+
+@pytest.mark.parametrize("function", PURE)
+@pytest.mark.parametrize("matcher", [sr.BM(num_disparities=32), sr.SGBM(num_disparities=32), "sgbm"])
+def test_opencv_matchers_are_refused(data, truth, function, matcher):
+    name = f"sr.{function.__name__} needs a matcher in JAX"
+    with pytest.raises(InputError, match=name + r".*use sr\.SAD\(\.\.\.\), or sr\.score, which takes every matcher\.$"):
+        function(data, truth, matcher)
+
+
+@pytest.mark.parametrize("function", PURE)
+@pytest.mark.parametrize("matcher", [sr.SAD(), "sad"])
+def test_matchers_without_a_range_are_refused(data, truth, function, matcher):
+    with pytest.raises(InputError, match=r"as in sr\.SAD\(num_disparities=96\).*sr\.with_disparity_range"):
+        function(data, truth, matcher)
+
+
+@pytest.mark.parametrize("function", PURE)
+@pytest.mark.parametrize(
+    ("matcher", "words"),
+    [
+        ("sadd", "unknown matcher 'sadd'; did you mean sad?"),
+        ("SAD", "unknown matcher 'SAD'"),
+    ],
+)
+def test_what_is_no_matcher_is_refused(data, truth, function, matcher, words):
+    with pytest.raises(InputError, match=re.escape(words)):
+        function(data, truth, matcher)
+
+
+def test_refused_while_tracing_too(data, truth):
+    with pytest.raises(InputError, match="needs a matcher in JAX"):
+        jax.jit(lambda e: sr.count(data, e, sr.BM(num_disparities=32)))(truth)
+
+
+@pytest.mark.parametrize("temperature", [0.0, -0.1, float("nan")])
+def test_temperatures_that_make_no_sense(data, truth, temperature):
+    with pytest.raises(InputError, match="temperature"):
+        sr.soft_count(data, truth, MATCHER, temperature)
+
+
+def test_a_traced_temperature_is_taken(data, truth):
+    """So that it may be lowered inside a program."""
+    cooled = jax.jit(lambda t: sr.soft_count(data, truth, MATCHER, t))
+    for temperature in (0.3, 0.05):
+        expected = float(sr.soft_count(data, truth, MATCHER, temperature))
+        assert float(cooled(temperature)) == pytest.approx(expected, rel=1e-5)
+
+
+def test_a_range_wider_than_the_image(data, truth):
+    with pytest.raises(InputError, match="wider than the image"):
+        sr.count(data, truth, sr.SAD(num_disparities=170))
+
+
+def test_scaled_data_scale_the_range(scene, truth):
+    """The matcher is always given at full size."""
+    given = scene(size=(160, 120))
+    half = sr.prepare(given.rig, given.pairs, scale=0.5)
+    assert half.scale == 0.5
+    assert half.left.shape == (1, 60, 80)
+    small, own = [pair.resized((80, 60)) for pair in given.pairs], sr.view(given.rig).scaled(0.5)
+    resized = sr.prepare(given.rig.resized((80, 60)), small, own)
+    counted = [int(sr.count(data, truth, sr.SAD(num_disparities=n))) for data, n in ((half, 24), (resized, 12))]
+    assert counted[0] == counted[1] > 2000
+
+
+# --- the host's functions under a trace ---------------------------------------------------------------------
+
+HOST = {
+    "sr.score": (lambda rig, pairs: sr.score(rig, pairs, matcher=MATCHER), "sr.count"),
+    "sr.prepare": (sr.prepare, "sr.soft_count"),
+    "sr.rectify": (lambda rig, pairs: sr.rectify(rig, pairs[0]), "sr.prepare"),
+    "sr.disparity": (lambda rig, pairs: sr.disparity(rig, pairs[0], matcher=MATCHER), "matcher.match"),
+    "sr.objective": (lambda rig, pairs: sr.objective(rig, pairs, matcher=MATCHER), "objective.traced.count"),
+    "sr.health": (lambda rig, pairs: sr.health(rig, pairs, matcher=MATCHER), "sr.row_differences"),
+    "sr.recalibrate": (lambda rig, pairs: sr.recalibrate(rig, pairs, matcher=MATCHER), "sr.soft_count"),
+    "sr.with_disparity_range": (lambda rig, pairs: sr.with_disparity_range(None, rig, pairs), "it before tracing"),
+}
+
+
+@pytest.mark.parametrize("name", HOST)
+@pytest.mark.parametrize("transform", [jax.jit, jax.vmap, jax.grad, jax.jacfwd])
+def test_host_functions_say_what_to_use_under_a_trace(scene, name, transform):
+    given = scene(size=(160, 120))
+    function, instead = HOST[name]
+    at = jnp.asarray(given.rig.extrinsics, jnp.float32)
+    at = at[None] if transform is jax.vmap else at
+    with pytest.raises(InputError) as refusal:
+        transform(lambda e: function(given.rig.with_extrinsics(e), given.pairs))(at)
+    said = str(refusal.value)
+    assert said.startswith(f"{name} works on the host and cannot be traced by jit, vmap or grad; use ")
+    assert instead in said
+    assert said.count(". ") == 0  # one sentence
+
+
+def test_a_traced_view_is_refused_as_well(scene):
+    given = scene(size=(160, 120))
+    own = sr.view(given.rig)
+    with pytest.raises(InputError, match=r"sr\.score works on the host"):
+        jax.jit(lambda view: sr.score(given.rig, given.pairs, matcher=MATCHER, view=view).count)(own)
