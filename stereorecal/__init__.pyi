@@ -1,6 +1,18 @@
 """All public names; `__init__.py` imports each when it is first asked for."""
 
-from . import geometry as geometry, io as io, synthetic as synthetic, testing as testing
+from . import (
+    comparison as comparison,
+    geometry as geometry,
+    io as io,
+    matching as matching,
+    objectives as objectives,
+    recalibration as recalibration,
+    recordings as recordings,
+    reproduction as reproduction,
+    scoring as scoring,
+    synthetic as synthetic,
+    testing as testing,
+)
 from ._errors import (
     InputError as InputError,
     StrategyError as StrategyError,
@@ -26,6 +38,7 @@ from .recalibration import (
     recalibrate as recalibrate,
     recalibrate_many as recalibrate_many,
     recalibrate_sequence as recalibrate_sequence,
+    repairs_as_finished as repairs_as_finished,
 )
 from .recordings import Log as Log, Mission as Mission, Pair as Pair, Scene as Scene, make_pair as make_pair
 from .reproduction import (
@@ -36,16 +49,18 @@ from .reproduction import (
 )
 from .scoring import (
     Correspondences as Correspondences,
-    Score as Score,
     ScoringData as ScoringData,
     correspondences as correspondences,
     count as count,
-    disparity as disparity,
     prepare as prepare,
-    rectify as rectify,
     row_differences as row_differences,
-    score as score,
     soft_count as soft_count,
+)
+from .scoring.host import (
+    Score as Score,
+    disparity as disparity,
+    rectify as rectify,
+    score as score,
     with_disparity_range as with_disparity_range,
 )
 from .strategies import Budget as Budget, Status as Status, strategies as strategies, strategy as strategy

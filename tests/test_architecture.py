@@ -64,7 +64,7 @@ def test_imports_are_read():
     )
     found = set(imports_in(code, "p.q"))
     assert found == {"a.b", "d.e", "d.f", "p.q.h", "p.q.i.j", "p.k.l", "m.n.o"}
-    assert "stereorecal.scoring.score" in imports_of(CORE / "comparison" / "_trial.py")
+    assert "stereorecal.scoring.host.score" in imports_of(CORE / "comparison" / "_trial.py")
 
 
 def test_every_package_has_its_place():
@@ -108,6 +108,33 @@ def test_there_is_no_circle():
         TopologicalSorter(graph).prepare()
     del graph["a"], graph["b"]
     TopologicalSorter(graph).prepare()
+
+
+def test_no_circle_between_packages():
+    """A package is read before those that are imported from within it."""
+    packages = {module_name(path.parent / "__init__.py") for path in CORE.rglob("__init__.py")} - {"stereorecal"}
+
+    def package_of(name: str) -> str | None:
+        while name and name not in packages:
+            name = name.rpartition(".")[0]
+        return name or None
+
+    graph: dict[str, set[str]] = {}
+    for path in modules(CORE):
+        here = package_of(module_name(path))
+        if here is not None:
+            graph.setdefault(here, set()).update({package_of(name) for name in imports_of(path)} - {here, None})
+    inside = {name: {other for other in found if not other.startswith(f"{name}.")} for name, found in graph.items()}
+    TopologicalSorter(inside).prepare()
+
+
+@pytest.mark.parametrize("package", MAY_IMPORT)
+def test_private_modules_stay_in_their_package(package: str):
+    for path in modules(CORE / package):
+        for name in imports_of(path):
+            parts = name.split(".")
+            hidden = [part for part in parts[1:] if part.startswith("_")]
+            assert parts[0] != "stereorecal" or not hidden or parts[1] in (package, hidden[0]), f"{path}: {name}"
 
 
 def test_private_modules_at_the_top_know_no_package():

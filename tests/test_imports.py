@@ -1,4 +1,4 @@
-"""What an import costs: nothing is loaded before it is asked for, and names mean the same after any order of imports."""
+"""What an import costs: nothing is loaded before it is asked for; names mean the same after any order of imports."""
 
 import subprocess
 import sys

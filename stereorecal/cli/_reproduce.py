@@ -16,8 +16,16 @@ from stereorecal.io import load_log
 from stereorecal.objectives import Reach
 from stereorecal.recalibration import SCHEDULES
 from stereorecal.recordings import Log
-from stereorecal.reproduction import EXPERIMENTS, QUICK, Extent, methods, reproduce, synthetic_log, write_files
-from stereorecal.reproduction._tables import experiment_tables
+from stereorecal.reproduction import (
+    EXPERIMENTS,
+    QUICK,
+    Extent,
+    experiment_tables,
+    methods,
+    reproduce,
+    synthetic_log,
+    write_files,
+)
 
 _ALL, _BOTH = "all", "both"
 _WIDE = 150  # columns of the widest table

@@ -19,7 +19,8 @@ from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import Reach
 from stereorecal.recalibration import recalibrate
 from stereorecal.recordings import Pairs, Scene, check_pairs
-from stereorecal.scoring import pyramid, ranged
+from stereorecal.scoring import pyramid
+from stereorecal.scoring.host import ranged
 from stereorecal.strategies import AbstractStrategy, Budget, as_budget, origin_of
 from stereorecal.synthetic import decalibrate
 

@@ -47,6 +47,7 @@ class Summary:
     translation_error_percent_median: dict[str, float] | None
     evaluations_median: float | None
     cost_median: float | None
+    cost_total_median: float | None
     seconds_median: float | None
     score_at_median: dict[str, float | None]
 
@@ -96,6 +97,7 @@ def _summary(
         translation_error_percent_median=_median_of_each([t.translation_error_percent for t in finished]),
         evaluations_median=_median([t.evaluations for t in finished]),
         cost_median=_median([t.cost for t in finished]),
+        cost_total_median=_median([t.cost_total for t in finished]),
         seconds_median=_median([t.seconds for t in finished]),
         score_at_median={str(cost): _median_at(finished, str(cost)) for cost in SCORE_AT},
     )

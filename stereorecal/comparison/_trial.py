@@ -10,7 +10,7 @@ from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import Reach, count_box, objective
 from stereorecal.recalibration import Schedule, Solution, recalibrate
 from stereorecal.recordings import Scene
-from stereorecal.scoring import score
+from stereorecal.scoring.host import score
 from stereorecal.strategies import Budget
 
 SCORE_AT = (100, 300, 1000)  # units, at which the best score is noted: spread evenly over a logarithmic axis

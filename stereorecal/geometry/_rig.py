@@ -37,7 +37,7 @@ class StereoRig:
 
     def __new__(cls, *values: Any, **named: Any) -> "StereoRig":
         """Show those who bring R and T the right call."""
-        if {"R", "T"} & set(named):
+        if {"R", "T"} & set(named) or len(values) == 4:
             raise InputError(_FROM_ROTATION)
         return super().__new__(cls)
 

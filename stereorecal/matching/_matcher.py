@@ -51,7 +51,7 @@ class AbstractMatcher(abc.ABC):
     Attributes:
         min_disparity: smallest disparity searched, in full-size pixels; may be negative.
         num_disparities: how many are searched, in full-size pixels; None: measured from the images by
-            `stereorecal.objective` and everything above it.
+            whatever takes images and a rig (`sr.score`, `sr.recalibrate`, `sr.with_disparity_range`).
         block_size: width of the square window in pixels (odd); does not scale with the image.
         uniqueness_ratio: percent by which the best cost must beat every other that is not its neighbour; 0: off.
         texture_threshold: least sum over the window of the absolute x-Sobel response, clipped at `pre_filter_cap`.
@@ -77,6 +77,8 @@ class AbstractMatcher(abc.ABC):
     def __new__(cls, *values: Any, **options: Any) -> "AbstractMatcher":
         """Refuse options that it does not have, OpenCV's camel case among them, in a sentence."""
         known = [option.name for option in fields(cls)]
+        if values:
+            raise InputError(f"name the options of {cls.__name__}, as in sr.{cls.__name__}(num_disparities=64).")
         for name, value in options.items():
             if name not in known:
                 raise InputError(_no_option(cls.__name__, name, value, known))
@@ -132,7 +134,9 @@ class AbstractMatcher(abc.ABC):
             InputError: if the number is not known, or the range is wider than the image.
         """
         if self.num_disparities is None:
-            raise InputError("num_disparities is not set; give it, or let stereorecal.objective measure it.")
+            raise InputError(
+                "num_disparities is not set; give it, or measure it: sr.with_disparity_range(matcher, rig, pairs)."
+            )
         if max(abs(self.min_disparity), abs(self.min_disparity + self.num_disparities)) >= width:
             raise InputError(
                 f"the disparity range [{self.min_disparity}, {self.min_disparity + self.num_disparities}) is wider "

@@ -12,6 +12,7 @@ from stereorecal.objectives._search_box import (
     FREE_AXES as FREE_AXES,
     Reach as Reach,
     SearchBox as SearchBox,
+    as_reach as as_reach,
     count_box as count_box,
     row_box as row_box,
 )

@@ -13,7 +13,7 @@ from stereorecal.geometry import StereoRig, View
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives._chart import Chart
 from stereorecal.objectives._images import Images
-from stereorecal.objectives._search_box import Reach, count_box
+from stereorecal.objectives._search_box import Reach, as_reach, count_box
 from stereorecal.recordings import Pairs
 from stereorecal.scoring import (
     TEMPERATURE,
@@ -25,9 +25,9 @@ from stereorecal.scoring import (
     forward_gradient,
     host,
     pyramid,
-    ranged,
     soft_count_scaled,
 )
+from stereorecal.scoring.host import ranged
 from stereorecal.strategies import Budget, Objective, Problem, Traced, as_budget
 
 
@@ -86,7 +86,7 @@ def objective(
     pairs: Pairs,
     *,
     matcher: AbstractMatcher | str | None = None,
-    reach: Reach | None = None,
+    reach: Reach | tuple[float, float] | None = None,
     view: View | None = None,
     scale: float = 1.0,
     rows: float = 1.0,
@@ -110,7 +110,7 @@ def objective(
         InputError: if images and calibration do not fit, the temperature is not positive, or `rows` is not a share.
     """
     refuse_tracers("sr.objective", "its traced face, objective.traced.count, or sr.count", rig, pairs, view)
-    images, reach = pyramid(rig, pairs, view), reach or Reach()
+    images, reach = pyramid(rig, pairs, view), as_reach(reach)
     matcher = ranged(matcher, images, float(np.radians(reach.degrees)))
     options = {"scale": scale, "rows": rows, "temperature": temperature, "budget": as_budget(budget)}
     return count_objective(images, matcher, reach, **options)

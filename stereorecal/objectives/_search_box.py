@@ -1,6 +1,8 @@
 """The search box: which extrinsics are free, how far they may have drifted, and how likely that is."""
 
 from dataclasses import dataclass
+from numbers import Real
+from typing import Any
 
 import numpy as np
 
@@ -37,6 +39,19 @@ class Reach:
                 f"a reach of {self.degrees} degrees and {self.baseline_fraction} of the baseline makes no sense; "
                 "give up to 20 degrees and up to 0.5."
             )
+
+
+def as_reach(reach: Any) -> Reach:
+    """The reach itself, one of (degrees, fraction of the baseline), or the default for None.
+
+    Raises:
+        InputError: if it is something else.
+    """
+    if reach is None or isinstance(reach, Reach):
+        return reach or Reach()
+    if isinstance(reach, tuple | list) and len(reach) == 2 and all(isinstance(v, Real) for v in reach):
+        return Reach(float(reach[0]), float(reach[1]))
+    raise InputError(f"reach is {reach!r}; give sr.Reach(degrees=3.0, baseline_fraction=0.03), or a tuple (3.0, 0.03).")
 
 
 @dataclass(frozen=True, eq=False)

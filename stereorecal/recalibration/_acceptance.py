@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from stereorecal.recalibration._evidence import Evidence
-from stereorecal.scoring import Score
+from stereorecal.scoring.host import Score
 
 _COUNT_LOSS = 0.01  # of the count, which is flat to half of that around the optimum (measured on real scenes)
 _COUNT_GAIN = 0.01  # likewise
@@ -34,9 +34,14 @@ class Reason(enum.Enum):
     REACH_EDGE = "the search ended at twice the reach; the drift may be larger: give a larger reach"
 
     @property
+    def accepted(self) -> bool:
+        """True if the candidate replaces the initial calibration."""
+        return self in (Reason.IMPROVED, Reason.MORE_MATCHES)
+
+    @property
     def healthy(self) -> bool:
         """True if the calibration to use is good: repaired, or good from the start."""
-        return self in (Reason.IMPROVED, Reason.MORE_MATCHES, Reason.ALREADY_GOOD)
+        return self.accepted or self is Reason.ALREADY_GOOD
 
 
 @dataclass(frozen=True, eq=False)

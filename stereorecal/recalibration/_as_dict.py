@@ -11,7 +11,7 @@ from stereorecal.geometry import AXES, StereoRig
 from stereorecal.objectives import FREE_AXES
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._stages import StageRun
-from stereorecal.scoring import Score
+from stereorecal.scoring.host import Score
 from stereorecal.strategies import name_of
 
 
@@ -42,7 +42,8 @@ def solution_as_dict(solution: Solution) -> dict[str, Any]:
             "num_disparities": solution.matcher.num_disparities,
             "stages": [_stage(stage) for stage in solution.stages],
             "evaluations": solution.evaluations,
-            "cost": solution.cost.total,
+            "cost": solution.cost.budgeted,
+            "cost_total": solution.cost.total,
             "cost_of": asdict(solution.cost),
             "seconds": solution.seconds,
         }

@@ -13,7 +13,8 @@ from stereorecal.matching import AbstractMatcher
 from stereorecal.recalibration._acceptance import LEAST_COVERED, ROWS_APART
 from stereorecal.recalibration._as_dict import score_as_dict
 from stereorecal.recordings import Pairs
-from stereorecal.scoring import Score, host, median_row_error, pyramid, ranged
+from stereorecal.scoring import host, median_row_error, pyramid
+from stereorecal.scoring.host import Score, ranged
 
 
 class Condition(enum.Enum):
@@ -72,11 +73,7 @@ class Health:
         rows = f"{self.row_error:.2f} px (median), measured on {100 * self.covered:.0f} % of the image"
         if np.isnan(self.row_error):
             rows = f"not measured: correspondences cover {100 * self.covered:.0f} % of the image"
-        return (
-            f"matched    {self.score}\n"
-            f"row error  {rows}\n"
-            f"{self.condition.value}"
-        )
+        return f"matched    {self.score}\nrow error  {rows}\n{self.condition.value}"
 
 
 def health(rig: StereoRig, pairs: Pairs, *, matcher: AbstractMatcher | str | None = None) -> Health:

@@ -54,11 +54,11 @@ class Repair:
 
 
 def recalibrate_many(
-    scenes: Sequence[Scene],
+    scenes: Scene | Sequence[Scene],
     *,
     matcher: AbstractMatcher | str | None = None,
     schedule: Schedule | str | None = None,
-    reach: Reach | None = None,
+    reach: Reach | tuple[float, float] | None = None,
     budget: Budget | float | None = None,
     view: View | None = None,
     seed: int = 0,
@@ -81,6 +81,7 @@ def recalibrate_many(
         InputError: if there is no recording, or a strategy of the default schedule is not installed.
         StrategyError: if one of those is broken.
     """
+    scenes = (scenes,) if isinstance(scenes, Scene) else tuple(scenes)
     options = {"schedule": schedule, "reach": reach, "budget": budget, "view": view, "seed": seed}
     finished: dict[int, Repair] = {}
     for index, repair in repairs_as_finished(scenes, matcher=matcher, executor=executor, **options):
@@ -91,11 +92,11 @@ def recalibrate_many(
 
 
 def repairs_as_finished(
-    scenes: Sequence[Scene],
+    scenes: Scene | Sequence[Scene],
     *,
     matcher: AbstractMatcher | str | None = None,
     schedule: Schedule | str | None = None,
-    reach: Reach | None = None,
+    reach: Reach | tuple[float, float] | None = None,
     budget: Budget | float | None = None,
     view: View | None = None,
     seed: int = 0,
@@ -103,6 +104,7 @@ def repairs_as_finished(
 ) -> Iterator[tuple[int, Repair]]:
     """`recalibrate_many` for those who show or save each answer as soon as it is there: the index of a recording and
     its repair, in the order in which they finish. Arguments and errors as there; errors are raised at once."""
+    scenes = (scenes,) if isinstance(scenes, Scene) else tuple(scenes)
     if not scenes:
         raise InputError("there is nothing to repair; give at least one recording.")
     repair = partial(

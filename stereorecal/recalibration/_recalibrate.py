@@ -8,7 +8,7 @@ import numpy as np
 from stereorecal._arrays import refuse_tracers
 from stereorecal.geometry import StereoRig, View, with_unit_baseline
 from stereorecal.matching import AbstractMatcher, as_matcher
-from stereorecal.objectives import Reach
+from stereorecal.objectives import Reach, as_reach
 from stereorecal.recalibration._acceptance import Reason, row_errors, verdict, verdict_on_count
 from stereorecal.recalibration._cost import Cost
 from stereorecal.recalibration._evidence import evidence
@@ -17,7 +17,8 @@ from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._stages import FEWEST, Case, StageRun, better_start, remaining, run_stage
 from stereorecal.recalibration._uncertainty import uncertainty
 from stereorecal.recordings import Pairs
-from stereorecal.scoring import Score, host, pyramid, survey
+from stereorecal.scoring import host, pyramid
+from stereorecal.scoring.host import Score, survey
 from stereorecal.strategies import Budget, Status, as_budget
 
 _YAW_LEFT = np.radians(0.25)  # what an epipolar stage leaves, where yaw is observed
@@ -29,7 +30,7 @@ def recalibrate(
     *,
     matcher: AbstractMatcher | str | None = None,
     schedule: Schedule | str | None = None,
-    reach: Reach | None = None,
+    reach: Reach | tuple[float, float] | None = None,
     budget: Budget | float | None = None,
     view: View | None = None,
     seed: int = 0,
@@ -43,7 +44,8 @@ def recalibrate(
             again as the rig comes right.
         schedule: a `Schedule`, or "default" (also for None): coarse to fine, the count and then epipolar residuals; or
             "count": compass search on the count at full scale, the paper's way.
-        reach: how far the rig may have drifted; default 3 degrees and 3 % of the baseline.
+        reach: how far the rig may have drifted, a `Reach` or (degrees, fraction of the baseline); default 3 degrees and
+            3 % of the baseline.
         budget: units, or a `Budget`, for the whole schedule; default none.
         view: default the view of `rig`.
         seed: for strategies that draw random numbers.
@@ -54,7 +56,7 @@ def recalibrate(
     """
     refuse_tracers("sr.recalibrate", "sr.count, sr.soft_count or sr.row_differences and an optimiser of yours", rig)
     began = time.perf_counter()
-    images, reach = pyramid(rig, pairs, view), reach or Reach()
+    images, reach = pyramid(rig, pairs, view), as_reach(reach)
     schedule, budget, asked = as_schedule(schedule), as_budget(budget), as_matcher(matcher)
     case, offset, of_survey = Case(images, asked, reach), np.zeros(6), 0.0
     if schedule.survey or asked.num_disparities is None:
@@ -117,12 +119,11 @@ def _judged(case: Case, schedule: Schedule, stages: tuple[StageRun, ...], cost: 
         facts = evidence(box, found, z)
         rows, known = row_errors(facts), uncertainty(facts.covariance(), box)
         reason = verdict(before, after, rows, z, known.observed, facts.places, found.covered, len(case.images.pairs))
-    accepted = reason in (Reason.IMPROVED, Reason.MORE_MATCHES)
     return Solution(
-        rig=candidate if accepted else case.rig,
+        rig=candidate if reason.accepted else case.rig,
         candidate=candidate,
         initial=case.rig,
-        accepted=accepted,
+        accepted=reason.accepted,
         reason=reason,
         status=status,
         message=message,

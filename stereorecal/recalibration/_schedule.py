@@ -37,6 +37,7 @@ class Stage:
     pixels: tuple[int, int] | None = None
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "strategy", as_strategy(self.strategy))
         if not 0.0 < self.scale <= 1.0:
             raise InputError(f"the scale {self.scale} makes no sense; give one within (0, 1].")
         if self.rounds < 1:
@@ -137,4 +138,9 @@ def as_strategy(strategy: AbstractStrategy | str) -> AbstractStrategy:
     Raises:
         InputError: if no strategy of that name is installed.
     """
-    return named_strategy(strategy) if isinstance(strategy, str) else strategy
+    if isinstance(strategy, str):
+        return named_strategy(strategy)
+    if not isinstance(strategy, AbstractStrategy):
+        given = f"the class {strategy.__name__}" if isinstance(strategy, type) else f"a {type(strategy).__name__}"
+        raise InputError(f"the strategy is {given}; give a name, or make one: sr.strategy('compass', step=0.25).")
+    return strategy

@@ -16,7 +16,7 @@ def recalibrate_sequence(
     *,
     matcher: AbstractMatcher | str | None = None,
     schedule: Schedule | str | None = None,
-    reach: Reach | None = None,
+    reach: Reach | tuple[float, float] | None = None,
     budget: Budget | float | None = None,
     view: View | None = None,
     seed: int = 0,

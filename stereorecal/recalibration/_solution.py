@@ -15,7 +15,7 @@ from stereorecal.recalibration._effects import depth_errors
 from stereorecal.recalibration._path import Waypoint, path_of
 from stereorecal.recalibration._stages import StageRun
 from stereorecal.recalibration._uncertainty import Uncertainty
-from stereorecal.scoring import Score
+from stereorecal.scoring.host import Score
 from stereorecal.strategies import Status, Trace
 
 

@@ -10,7 +10,8 @@ from stereorecal.recordings._pair import Pair, make_pair
 
 Images = tuple[np.ndarray, np.ndarray]  # left and right
 Pairs = Pair | Images | Sequence[Pair | Images]
-"""One pair or several; a pair may be a tuple of two arrays, (left, right), grey or RGB."""
+"""One pair or several; a pair may be a tuple of two arrays, (left, right): grey levels up to 255 (uint8 or float) stay
+as they are, anything else, RGB among it, is converted by `make_pair`."""
 
 _CALL = "give pairs such as sr.io.load_pairs('left/*.png', 'right/*.png'), or tuples (left, right) of arrays"
 
@@ -33,6 +34,9 @@ def _as_pair(pair: Any, index: int) -> Pair:
         return pair
     if not _is_images(pair):
         raise InputError(f"pair {index} is {_described(pair)}; {_CALL}.")
+    if all(image.ndim == 2 and image.dtype.kind == "f" and 1.0 < image.max(initial=0.0) <= 255.0 for image in pair):
+        left, right = (image.astype(np.float32) for image in pair)  # grey levels, as a Pair has them
+        return Pair(left, right, f"pair {index}")
     return make_pair(*pair, name=f"pair {index}")
 
 

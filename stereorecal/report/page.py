@@ -10,9 +10,9 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
-from stereorecal.report._cells import count, number, percent
 from stereorecal.report._entrants import strategies_of, title_of
 from stereorecal.report._strips import Series, strips
+from stereorecal.report.cells import count, number, percent
 from stereorecal.report.tables import REFERENCES, schedules_legend
 
 _TEMPLATE = "comparison.html.jinja"

@@ -8,7 +8,7 @@ from rich.console import Group
 from rich.table import Table
 from rich.text import Text
 
-from stereorecal.report._cells import number, percent
+from stereorecal.report.cells import number, percent
 
 _AXES = {"rotation_deg": ("pitch", "yaw", "roll"), "translation_percent": ("y", "z")}
 

@@ -9,8 +9,8 @@ from rich.console import Console, Group
 from rich.table import Table
 from rich.text import Text
 
-from stereorecal.report._cells import count, number, percent
 from stereorecal.report._entrants import several_schedules, strategies_of, title_of
+from stereorecal.report.cells import count, number, percent
 
 WIDE = 120  # columns of a table that is not printed to a terminal
 _FOLDS = (40, 21, 12)  # characters a line of "compass + optimistix-levenberg-marquardt": in one line, in two, in four

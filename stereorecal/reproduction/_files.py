@@ -13,7 +13,7 @@ from stereorecal.objectives import Reach
 from stereorecal.recordings import Log
 from stereorecal.reproduction._judge import judge_of
 from stereorecal.reproduction._reproduce import Reproduction
-from stereorecal.scoring import disparity, rectify
+from stereorecal.scoring.host import disparity, rectify
 
 Row = Mapping[str, Any]
 _SUFFIXES = ("png", "pdf")

@@ -10,7 +10,8 @@ from stereorecal.matching import SAD, AbstractMatcher
 from stereorecal.objectives import Reach
 from stereorecal.recalibration import Waypoint
 from stereorecal.recordings import Log, Mission, Pair
-from stereorecal.scoring import host, prepare, with_disparity_range
+from stereorecal.scoring import host, prepare
+from stereorecal.scoring.host import with_disparity_range
 
 
 @dataclass(frozen=True, eq=False)

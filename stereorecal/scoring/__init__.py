@@ -26,16 +26,9 @@ from stereorecal.scoring._row_differences import (
     median_row_error as median_row_error,
     row_differences as row_differences,
 )
-from stereorecal.scoring._score import Score as Score, disparity as disparity, rectify as rectify, score as score
 from stereorecal.scoring._soft_count import (
     TEMPERATURE as TEMPERATURE,
     checked_temperature as checked_temperature,
     soft_count as soft_count,
     soft_count_scaled as soft_count_scaled,
-)
-from stereorecal.scoring._survey import (
-    Survey as Survey,
-    ranged as ranged,
-    survey as survey,
-    with_disparity_range as with_disparity_range,
 )

@@ -17,6 +17,7 @@ from stereorecal._arrays import AnyArray, Extrinsics, namespace
 from stereorecal._pytree import register_pytree
 from stereorecal.geometry import cubic_warp, rectifying_rotations, rotation_from_euler
 from stereorecal.matching import AbstractMatcher, Disparity
+from stereorecal.scoring._extrinsics import checked_extrinsics
 from stereorecal.scoring._matchers import pure_matcher
 from stereorecal.scoring._prepare import ScoringData
 from stereorecal.scoring._rectify import Rectified, rectify_frames
@@ -68,7 +69,8 @@ def correspondences(
 ) -> Correspondences:
     """Dense sub-pixel correspondences of all frames, rectified by `extrinsics` and matched by `matcher`; JAX arrays.
 
-    Pure; compiled once for each image size and matcher. Composes under `jit` and `vmap` over the extrinsics; its
+    Pure; compiled once for each matcher and shape of the data (image size, frames, lens model, scale). Composes under
+    `jit` and `vmap` over the extrinsics; its
     derivatives mean nothing, those of `row_differences` do.
 
     Args:
@@ -79,7 +81,9 @@ def correspondences(
     Raises:
         InputError: if the matcher is not one in JAX, or has no `num_disparities`.
     """
-    return _correspondences(data, extrinsics, pure_matcher(matcher, data.scale, "sr.correspondences"))
+    return _correspondences(
+        data, checked_extrinsics(extrinsics), pure_matcher(matcher, data.scale, "sr.correspondences")
+    )
 
 
 @partial(jax.jit, static_argnames="matcher")

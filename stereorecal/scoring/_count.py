@@ -8,6 +8,7 @@ from jaxtyping import Float, Int
 
 from stereorecal._arrays import AnyArray, Extrinsics
 from stereorecal.matching import AbstractMatcher
+from stereorecal.scoring._extrinsics import checked_extrinsics
 from stereorecal.scoring._matchers import pure_matcher
 from stereorecal.scoring._prepare import ScoringData
 from stereorecal.scoring._rectify import Rectified, rectify_frames
@@ -17,7 +18,8 @@ from stereorecal.scoring._validity import match_frame
 def count(data: ScoringData, extrinsics: Float[AnyArray, "6"], matcher: AbstractMatcher | str) -> Int[jax.Array, ""]:
     """f(I_l, I_r, Υ) of the paper (eq. 2), summed over the frames: the number of pixels with a valid disparity.
 
-    Pure; compiled once for each image size and matcher. Composes under `jit` and `vmap` over the extrinsics; its
+    Pure; compiled once for each matcher and shape of the data (image size, frames, lens model, scale). Composes under
+    `jit` and `vmap` over the extrinsics; its
     derivative is 0 almost everywhere, see `soft_count`. On a CPU it is the host's count of the same float32 extrinsics,
     pixel for pixel, in whatever it is composed. `sr.score` and an objective's `value` come to these six numbers in
     float64, and may so differ by up to 2 pixels and one in 100 000; a GPU rounds otherwise, there one in 1 000.
@@ -30,7 +32,7 @@ def count(data: ScoringData, extrinsics: Float[AnyArray, "6"], matcher: Abstract
     Raises:
         InputError: if the matcher is not one in JAX, or has no `num_disparities`.
     """
-    return _count(data, extrinsics, pure_matcher(matcher, data.scale, "sr.count"))
+    return _count(data, checked_extrinsics(extrinsics), pure_matcher(matcher, data.scale, "sr.count"))
 
 
 def count_scaled(data: ScoringData, extrinsics: Extrinsics, matcher: AbstractMatcher) -> Int[jax.Array, ""]:

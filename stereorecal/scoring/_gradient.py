@@ -32,7 +32,7 @@ def forward_gradient(score: TracedScore, with_derivatives: TracedScore | None = 
         if any(not isinstance(leaf, SymbolicZero) for leaf in jax.tree.leaves(of_data)):
             raise InputError(
                 "the score has derivatives with respect to its point only; differentiate with respect to the "
-                "extrinsics, and close over the data."
+                "extrinsics, and close over data, matcher and temperature."
             )
 
         def along(unit):
@@ -41,7 +41,7 @@ def forward_gradient(score: TracedScore, with_derivatives: TracedScore | None = 
         value, gradient = jax.vmap(along, out_axes=(None, 0))(jnp.eye(z.shape[0], dtype=z.dtype))
         if isinstance(direction, SymbolicZero):
             return value, jnp.zeros_like(value)
-        return value, jnp.dot(gradient, direction)
+        return value, jnp.dot(gradient, direction).astype(value.dtype)
 
     differentiable.defjvp(rule, symbolic_zeros=True)
     return differentiable

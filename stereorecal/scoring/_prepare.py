@@ -90,6 +90,8 @@ def pyramid(rig: StereoRig, pairs: Pairs, view: View | None = None) -> Pyramid:
     Raises:
         InputError: if images and calibration do not fit.
     """
+    if not isinstance(view, View | None):
+        raise InputError(f"the view is a {type(view).__name__}; give an sr.View, such as sr.view(rig), or None.")
     return Pyramid(rig, check_pairs(rig, pairs), default_view(rig) if view is None else view)
 
 

@@ -38,8 +38,8 @@ def rectify_frames(data: ScoringData, extrinsics: Extrinsics, use, area=mapped_a
     # Numbers that a caller's jit closes over would be folded into the formulas, and pixels rounded otherwise; where it
     # closes over the extrinsics, XLA would warp and match while it compiles.
     numbers = (jnp.asarray(extrinsics, jnp.float32), data.left_camera, data.right_camera, data.view)
-    extrinsics, *cameras, view = jax.lax.optimization_barrier(numbers)
-    maps = rectifying_maps(*cameras, rotation_from_euler(extrinsics[:3]), extrinsics[3:], view)
+    extrinsics, left, right, view = jax.lax.optimization_barrier(numbers)
+    maps = rectifying_maps(left, right, rotation_from_euler(extrinsics[:3]), extrinsics[3:], view)
     maps = jax.lax.optimization_barrier(maps)  # computed once, not once for each pixel that a warp reads
     areas = [area(m, c.size) for m, c in zip(maps, (data.left_camera, data.right_camera), strict=True)]
 

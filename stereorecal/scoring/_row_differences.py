@@ -7,6 +7,7 @@ from jaxtyping import Float
 from stereorecal._arrays import AnyArray, Extrinsics, is_host, namespace
 from stereorecal.geometry import rectifying_rotations, rotation_from_euler
 from stereorecal.scoring._correspondences import Correspondences
+from stereorecal.scoring._extrinsics import checked_extrinsics
 
 
 def row_differences(found: Correspondences, extrinsics: Float[AnyArray, "6"]) -> Float[AnyArray, "k m"]:
@@ -22,6 +23,7 @@ def row_differences(found: Correspondences, extrinsics: Float[AnyArray, "6"]) ->
     Returns:
         (k, m); NumPy in float64 if both arguments are NumPy's, else JAX in float32.
     """
+    extrinsics = checked_extrinsics(extrinsics)
     if is_host(*jax.tree.leaves(found), extrinsics):
         return differences_of(found, extrinsics)
     return _compiled(found, extrinsics)
@@ -40,7 +42,8 @@ def differences_of(found: Correspondences, extrinsics: Extrinsics) -> Float[AnyA
     return xp.asarray(found.focal) * (rows(found.left, first) - rows(found.right, second))
 
 
-_compiled = jax.jit(differences_of)
+# Factors of the derivative are found anew: in reverse, some seventy small ones would each cost time in Python.
+_compiled = jax.jit(jax.checkpoint(differences_of))
 
 
 def median_row_error(found: Correspondences, extrinsics: Extrinsics) -> float:

@@ -6,6 +6,7 @@ from functools import partial
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jax.core import Tracer
 from jaxtyping import Float
 
 from stereorecal._arrays import AnyArray, Extrinsics
@@ -13,6 +14,7 @@ from stereorecal._errors import InputError
 from stereorecal._pytree import register_pytree
 from stereorecal.geometry import PixelMap
 from stereorecal.matching import AbstractMatcher
+from stereorecal.scoring._extrinsics import checked_extrinsics
 from stereorecal.scoring._gradient import forward_gradient
 from stereorecal.scoring._matchers import pure_matcher
 from stereorecal.scoring._prepare import ScoringData
@@ -31,8 +33,9 @@ def soft_count(
     """The number of valid pixels with smooth gates in place of the hard ones: uniqueness, left-right consistency,
     texture, and the area that the images cover.
 
-    Pure; compiled once for each image size and matcher. Composes under `jit`, `vmap`, `grad`, `jvp` and `jacfwd` with
-    respect to the extrinsics: a derivative takes six forward derivatives side by side, and keeps no tape. As the
+    Pure; compiled once for each matcher and shape of the data (image size, frames, lens model, scale). Composes under
+    `jit`, `vmap`, `grad`, `jvp` and `jacfwd` with respect to the extrinsics: a derivative takes six forward derivatives
+    side by side, and keeps no tape. Second derivatives mean nothing: which disparity wins is decided hard. As the
     temperature goes to 0 it becomes the count, but for the rounding of the images, which it does not do.
 
     Args:
@@ -46,7 +49,7 @@ def soft_count(
             positive.
     """
     matcher = pure_matcher(matcher, data.scale, "sr.soft_count", smooth=True)
-    return _soft_count(_Gates(data, checked_temperature(temperature), matcher), extrinsics)
+    return _soft_count(_Gates(data, checked_temperature(temperature), matcher), checked_extrinsics(extrinsics))
 
 
 def checked_temperature(temperature: float | Float[AnyArray, ""]) -> float | Float[AnyArray, ""]:
@@ -55,7 +58,7 @@ def checked_temperature(temperature: float | Float[AnyArray, ""]) -> float | Flo
     Raises:
         InputError: if it is not.
     """
-    if isinstance(temperature, jax.Array):
+    if isinstance(temperature, Tracer):
         return temperature
     if not temperature > 0:
         raise InputError(f"a temperature of {temperature} makes no sense; give a positive number, such as 0.1.")

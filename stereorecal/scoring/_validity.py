@@ -1,4 +1,5 @@
-"""The one rule for which pixels have a valid disparity, whatever the matcher."""
+"""Which pixels of a rectified frame have a valid disparity: those that pass `AbstractMatcher.match` (the matcher's own
+rules, then texture and range, the same for all) and that both images really show."""
 
 from stereorecal._arrays import namespace
 from stereorecal.matching import AbstractMatcher, Disparity

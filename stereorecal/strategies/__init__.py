@@ -9,6 +9,7 @@ from stereorecal.strategies._contract import (
     AbstractStrategy as AbstractStrategy,
     Outcome as Outcome,
     Status as Status,
+    follows_an_older_contract as follows_an_older_contract,
 )
 from stereorecal.strategies._need import Need as Need
 from stereorecal.strategies._objective import Objective as Objective, Problem as Problem, Traced as Traced

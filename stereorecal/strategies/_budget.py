@@ -48,7 +48,7 @@ def as_budget(value: Any) -> Budget:
     if isinstance(value, np.generic):
         value = value.item()
     if _is_number(value):
-        return Budget(evaluations=value)
+        return Budget(evaluations=None if value == np.inf else value)
     raise InputError(
         f"budget is {reprlib.repr(value)}; give a number of units, such as budget=500, "
         "or sr.Budget(evaluations=500, seconds=20)."

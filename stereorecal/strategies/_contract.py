@@ -66,4 +66,4 @@ def follows_an_older_contract(strategy: AbstractStrategy) -> bool:
     """Whether `run` still takes a budget: by that name, or as a fourth argument that is required."""
     parameters = inspect.signature(strategy.run).parameters.values()
     given = [p for p in parameters if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD) and p.default is p.empty]
-    return len(given) > 3 or any(p.name == "budget" for p in parameters)
+    return len(given) > 3 or any(p.name == "budget" and p.default is p.empty for p in parameters)

@@ -13,6 +13,8 @@ from stereorecal.strategies._need import Need
 from stereorecal.strategies._recorder import Recorder
 from stereorecal.strategies._trace import Trace
 
+_BETWEEN_LOOKS = 16  # points between two looks at the clock, where a limit in seconds holds
+
 TracedFunction = Callable[[jax.Array], jax.Array]
 
 
@@ -123,11 +125,14 @@ class Objective:
             ValueError: if a point lies outside the unit box or is not finite.
         """
         points = self._checked(points)
-        fits = self._recorder.affordable(len(points), self.cost)
-        values = self.problem.values(points[:fits]) if fits else np.zeros(0)
-        self._recorder.record(points[:fits], values, self.cost)
-        self._recorder.raise_if_exhausted()
-        return values
+        values = [np.zeros(0)]
+        size = max(1, len(points) if self.budget.seconds is None else _BETWEEN_LOOKS)
+        for part in (points[first : first + size] for first in range(0, max(1, len(points)), size)):
+            fits = self._recorder.affordable(len(part), self.cost)
+            values.append(self.problem.values(part[:fits]) if fits else np.zeros(0))
+            self._recorder.record(part[:fits], values[-1], self.cost)
+            self._recorder.raise_if_exhausted()
+        return np.concatenate(values)
 
     def charge(self, cost: float, best: Float[np.ndarray, "n"]) -> None:
         """Declare work done through `traced`: its cost in units and the best point so far.

@@ -17,9 +17,9 @@ from stereorecal.strategies import (
     Problem,
     Status,
     StrategyError,
+    follows_an_older_contract,
     run_strategy,
 )
-from stereorecal.strategies._contract import follows_an_older_contract
 from stereorecal.testing import _problems
 from stereorecal.testing._stereo import stereo_objective
 

@@ -22,10 +22,10 @@ from rich.console import Console
 from rich.table import Table
 
 import stereorecal as sr
-from stereorecal.geometry import rectifying_rotations, rotation_from_euler
+from stereorecal.geometry import rectifying_rotations, rotation_from_euler, with_unit_baseline
 from stereorecal.objectives import Reach
 from stereorecal.recordings import Scene
-from stereorecal.scoring import score
+from stereorecal.scoring.host import score
 
 RENDERED = ("harbour", "coast", "street", "open-sea")
 MOVING = RENDERED[:3]  # those that enter with ten frames too
@@ -151,8 +151,8 @@ def median_row_offset(rig: sr.StereoRig, rays: tuple[np.ndarray, np.ndarray]) ->
 
 def errors(rig: sr.StereoRig, reference: sr.StereoRig) -> np.ndarray:
     """(5,) pitch, yaw, roll [degrees], y, z [percent of the baseline]."""
-    difference = np.asarray(rig.extrinsics) - np.asarray(reference.extrinsics)
-    return np.concatenate([np.degrees(difference[:3]), 100.0 * difference[4:] / float(reference.baseline)])
+    difference = with_unit_baseline(rig.extrinsics) - with_unit_baseline(reference.extrinsics)
+    return np.concatenate([np.degrees(difference[:3]), 100.0 * difference[4:]])
 
 
 def run(scene: Scene, draws: int, degrees: float, seed: int) -> Iterator[Row]:

@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 
 import stereorecal as sr
-from stereorecal.scoring import prepare, soft_count
+from stereorecal.geometry import with_unit_baseline
+from stereorecal.scoring import prepare
 from stereorecal.scoring._rectify import rectified_frame
 from stereorecal.scoring.host import correspondences, counts
 from stereorecal.scoring.host._blocks import match_in_blocks
@@ -28,15 +29,17 @@ def kernels() -> dict[str, Callable[[], object]]:
     view, extrinsics = sr.view(scene.rig), with_unit_baseline(scene.rig.extrinsics)
     full, quarter = (prepare(scene.rig, scene.pairs, view, scale) for scale in (1.0, 0.25))
     frame = rectified_frame(full, np.float32(extrinsics))
-    small = MATCHER.scaled(0.25)
-    soft = jax.jit(lambda e: soft_count(quarter, e, small, 0.1))
+    gradient = jax.jit(jax.grad(lambda e: sr.soft_count(quarter, e, MATCHER)))
+    single, found = np.float32(extrinsics), sr.correspondences(full, extrinsics, MATCHER)
     return {
-        "rectify": lambda: jax.block_until_ready(rectified_frame(full, np.float32(extrinsics))),
+        "rectify": lambda: jax.block_until_ready(rectified_frame(full, single)),
         "match": lambda: match_in_blocks(MATCHER, frame),
-        "count at quarter scale": lambda: counts(quarter, extrinsics[None], small),
-        "ten counts at quarter scale": lambda: counts(quarter, np.repeat(extrinsics[None], 10, axis=0), small),
-        "soft count at quarter scale": lambda: jax.block_until_ready(soft(np.float32(extrinsics))),
-        "correspondences": lambda: correspondences(full, extrinsics, MATCHER, 1.0),
+        "count at quarter scale": lambda: counts(quarter, extrinsics[None], MATCHER),
+        "ten counts at quarter scale": lambda: counts(quarter, np.repeat(extrinsics[None], 10, axis=0), MATCHER),
+        "soft count at quarter scale": lambda: jax.block_until_ready(sr.soft_count(quarter, single, MATCHER)),
+        "its gradient": lambda: jax.block_until_ready(gradient(single)),
+        "correspondences": lambda: correspondences(full, extrinsics, MATCHER),
+        "row differences": lambda: jax.block_until_ready(sr.row_differences(found, single)),
         "repair": lambda: sr.recalibrate(scene.rig, scene.pairs),
     }
 

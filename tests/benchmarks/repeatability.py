@@ -26,9 +26,9 @@ from stereorecal_features._matches import matched_pixels, seen_by_both
 
 import stereorecal as sr
 from stereorecal.objectives import Reach, epipolar_objective
-from stereorecal.recalibration._stages import PRIOR, WIDER, Case, differences_at
+from stereorecal.recalibration._stages import Case, differences_at
 from stereorecal.recordings import Scene
-from stereorecal.scoring import TILES, Loss, precisions
+from stereorecal.scoring import TILES, Loss, precisions, pyramid
 from stereorecal.strategies import Budget, run_strategy
 
 SEQUENCES = {"kitti_odometry/suburb_seq": 8, "euroc/vicon_room_seq": 7}
@@ -76,18 +76,19 @@ def over_tiles(scene: Scene, samples: int) -> list[np.ndarray]:
 def dense_solver(rig: sr.StereoRig, pair: sr.Pair):
     """times -> rig: the last correspondences of `recalibrate`, each as often as its tile was drawn."""
     solution = sr.recalibrate(rig, [pair])
-    case = Case(rig, [pair], solution.matcher, solution.view, Reach())
+    box = Case(pyramid(rig, [pair], solution.view), solution.matcher, Reach()).box
     last = solution.stages[-1]
     found = last.found
     assert found is not None
 
     def solve(times):
-        sample, best = replace(found, weight=np.asarray(found.weight) * times[np.asarray(found.tile)]), last.best
+        sample = replace(found, weight=np.asarray(found.weight) * times[np.asarray(found.tile)])
+        best = np.asarray(box.chart.coordinates(last.best))
         for _ in range(_ROUNDS):
-            weights = precisions(sample, differences_at(sample, case.chart, best), Loss.WELSCH)
-            asked = epipolar_objective(sample, weights, case.chart, PRIOR / WIDER)
-            best = run_strategy(last.stage.strategy, asked, best, Budget(1000), 0).best
-        return case.rig_at(best)
+            weights = precisions(sample, differences_at(sample, box.chart, best), Loss.WELSCH)
+            asked = epipolar_objective(sample, weights, box, Budget(1000))
+            best = run_strategy(last.stage.strategy, asked, best, 0).best
+        return rig.with_extrinsics(box.chart.extrinsics(best))
 
     return solve
 

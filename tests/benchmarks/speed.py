@@ -201,7 +201,7 @@ def counting(threads: int, rounds: int) -> Iterator[Figure]:
     candidates = around(rig, 10)
     others = spread(threads, lambda: opencv_counter(*resized, 32), list(candidates))
     stacked = np.stack([with_unit_baseline(c) for c in candidates])
-    ours, theirs = timed(rounds, lambda: counts(quarter, stacked, matcher.scaled(0.25)), others)
+    ours, theirs = timed(rounds, lambda: counts(quarter, stacked, matcher), others)
     cv2.setNumThreads(threads)
     yield Figure(
         "10 counts at quarter scale, 32 disparities / OpenCV", threads, ours, theirs, "1.2" if threads == 2 else ""
@@ -213,14 +213,12 @@ def counting(threads: int, rounds: int) -> Iterator[Figure]:
         chart = count_box(start, Reach()).chart
 
         def by_opencv():
-            asked = Objective(
-                Problem(chart.dim, lambda z: np.array([full(chart.extrinsics(p)) for p in z], float), 1.0)
-            )
-            return run_strategy(compass, asked, np.zeros(chart.dim), budget, 0)
+            problem = Problem(chart.dim, lambda z: np.array([full(chart.extrinsics(p)) for p in z], float), 1.0)
+            return run_strategy(compass, Objective(problem, budget), np.zeros(chart.dim), 0)
 
         def by_us():
-            asked = sr.objective(start, scene.pairs, matcher=MATCHER, reach=Reach())
-            return run_strategy(compass, asked, np.zeros(chart.dim), budget, 0)
+            asked = sr.objective(start, scene.pairs, matcher=MATCHER, reach=Reach(), budget=budget)
+            return run_strategy(compass, asked, np.zeros(chart.dim), 0)
 
         yield Figure("compass, 500 evaluations, full scale / OpenCV", 2, *timed(1, by_us, by_opencv), "2.0")
 
@@ -256,9 +254,9 @@ def evaluations_per_second() -> None:
     """Print the platform, and how many of 256 candidates at quarter scale it counts in a second."""
     scene = scene_of((741, 500))
     assert scene.rig is not None
-    stacked, matcher = np.stack([with_unit_baseline(c) for c in around(scene.rig, 256)]), MATCHER.scaled(0.25)
+    stacked = np.stack([with_unit_baseline(c) for c in around(scene.rig, 256)])
     data = prepare(scene.rig, scene.pairs, sr.view(scene.rig), 0.25)
-    print(json.dumps([jax.default_backend(), 256e3 / timed(5, lambda: counts(data, stacked, matcher))[0]]))
+    print(json.dumps([jax.default_backend(), 256e3 / timed(5, lambda: counts(data, stacked, MATCHER))[0]]))
 
 
 PARTS = {1: (matching, warping, counting, repairing, growing), 2: (matching, counting, repairing, growing)}

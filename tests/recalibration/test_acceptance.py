@@ -8,7 +8,7 @@ from hypothesis import given, settings, strategies as st
 
 from stereorecal.recalibration import Reason, RowErrors
 from stereorecal.recalibration._acceptance import row_errors, verdict, verdict_on_count
-from stereorecal.scoring import Score
+from stereorecal.scoring.host import Score
 
 ALL = np.ones(5, bool)
 NONE = np.zeros(5, bool)

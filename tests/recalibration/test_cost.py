@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import stereorecal as sr
-from stereorecal.scoring import _survey
+from stereorecal.scoring.host import _survey
 
 SIZE = (320, 240)
 AREAS: list[int] = []

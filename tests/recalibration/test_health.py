@@ -8,7 +8,7 @@ import pytest
 from stereorecal.matching import SAD, SGBM
 from stereorecal.recalibration import Condition, Health, health
 from stereorecal.recordings import Pair
-from stereorecal.scoring import Score, score
+from stereorecal.scoring.host import Score, score
 
 SAD_48 = SAD(num_disparities=48)
 

@@ -9,7 +9,7 @@ from hypothesis import Phase, given, settings, strategies as st
 from stereorecal.geometry import view
 from stereorecal.matching import SAD
 from stereorecal.recalibration import Reason, Schedule, recalibrate
-from stereorecal.scoring import score
+from stereorecal.scoring.host import score
 from stereorecal.strategies import strategy
 
 COMPASS = Schedule.count(strategy("compass"), scale=1.0)

@@ -9,7 +9,7 @@ from stereorecal.matching import SAD
 from stereorecal.objectives import Reach
 from stereorecal.recalibration import Reason, Schedule, Stage, recalibrate
 from stereorecal.recordings import Pair
-from stereorecal.scoring import score
+from stereorecal.scoring.host import score
 from stereorecal.strategies import Budget, Status, strategy
 
 SAD_24 = SAD(num_disparities=24)

@@ -5,7 +5,7 @@ from hypothesis import example, given, settings, strategies as st
 
 from stereorecal.matching import SAD
 from stereorecal.objectives import objective
-from stereorecal.scoring import score
+from stereorecal.scoring.host import score
 
 SAD_32 = SAD(num_disparities=32)
 

@@ -5,7 +5,7 @@ import pytest
 
 from stereorecal.geometry import view
 from stereorecal.matching import BM, SAD
-from stereorecal.scoring import with_disparity_range
+from stereorecal.scoring.host import with_disparity_range
 from stereorecal.synthetic import ground_truth
 
 SOLID = [(kind, seed) for kind in ("harbour", "coast", "street") for seed in (0, 1, 2)]

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from stereorecal.matching import SAD
-from stereorecal.scoring import score
+from stereorecal.scoring.host import score
 
 SAD_80 = SAD(num_disparities=80)
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from stereorecal.matching import BM, SAD, SGBM
-from stereorecal.scoring import score
+from stereorecal.scoring.host import score
 
 
 @pytest.mark.parametrize("cls", [SAD, BM, SGBM])

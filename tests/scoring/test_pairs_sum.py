@@ -5,8 +5,8 @@ import pytest
 
 from stereorecal.geometry import view, with_unit_baseline
 from stereorecal.matching import BM, SAD
-from stereorecal.scoring import prepare, score
-from stereorecal.scoring.host import counts
+from stereorecal.scoring import prepare
+from stereorecal.scoring.host import counts, score
 
 
 @pytest.mark.parametrize("matcher", [SAD(num_disparities=32), BM(num_disparities=32)])

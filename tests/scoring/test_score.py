@@ -5,7 +5,7 @@ import pytest
 
 from stereorecal._errors import InputError
 from stereorecal.matching import SAD
-from stereorecal.scoring import Score, disparity, rectify, score
+from stereorecal.scoring.host import Score, disparity, rectify, score
 
 SAD_32 = SAD(num_disparities=32)
 

@@ -5,7 +5,8 @@ import pytest
 
 from stereorecal.geometry import view
 from stereorecal.matching import SAD
-from stereorecal.scoring import pyramid, score, survey
+from stereorecal.scoring import pyramid
+from stereorecal.scoring.host import score, survey
 
 REACH = np.radians(3.0)
 

@@ -8,7 +8,7 @@ import pytest
 from stereorecal._errors import InputError
 from stereorecal.geometry import view
 from stereorecal.matching import SAD
-from stereorecal.scoring import score, with_disparity_range
+from stereorecal.scoring.host import score, with_disparity_range
 from stereorecal.synthetic import KINDS
 
 

@@ -5,8 +5,8 @@ import pytest
 
 from stereorecal.geometry import view, with_unit_baseline
 from stereorecal.matching import BM, SAD, SGBM
-from stereorecal.scoring import disparity, prepare, score
-from stereorecal.scoring.host import counts, disparities
+from stereorecal.scoring import prepare
+from stereorecal.scoring.host import counts, disparities, disparity, score
 
 MATCHERS = [cls(num_disparities=32) for cls in (SAD, BM, SGBM)]
 

@@ -7,7 +7,7 @@ import pytest
 
 from stereorecal.geometry import view
 from stereorecal.matching import SAD
-from stereorecal.scoring import rectify, score
+from stereorecal.scoring.host import rectify, score
 
 SAD_32 = SAD(num_disparities=32)
 

@@ -3,3 +3,15 @@
 from stereorecal.scoring.host._correspondences import correspondences as correspondences
 from stereorecal.scoring.host._counts import counts as counts, counts_one_by_one as counts_one_by_one
 from stereorecal.scoring.host._disparities import disparities as disparities
+from stereorecal.scoring.host._score import (
+    Score as Score,
+    disparity as disparity,
+    rectify as rectify,
+    score as score,
+)
+from stereorecal.scoring.host._survey import (
+    Survey as Survey,
+    ranged as ranged,
+    survey as survey,
+    with_disparity_range as with_disparity_range,
+)

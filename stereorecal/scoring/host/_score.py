@@ -7,13 +7,15 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal._arrays import refuse_tracers
+from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig, View, with_unit_baseline
 from stereorecal.matching import AbstractMatcher, Disparity
-from stereorecal.recordings import Pair, Pairs
-from stereorecal.scoring import host
-from stereorecal.scoring._prepare import pyramid
+from stereorecal.recordings import Pairs
+from stereorecal.scoring._prepare import Pyramid, pyramid
 from stereorecal.scoring._rectify import rectified_frame
-from stereorecal.scoring._survey import ranged
+from stereorecal.scoring.host._counts import counts_one_by_one
+from stereorecal.scoring.host._disparities import disparities
+from stereorecal.scoring.host._survey import ranged
 
 
 @dataclass(frozen=True)
@@ -63,24 +65,30 @@ def score(
     refuse_tracers("sr.score", "sr.count(data, extrinsics, matcher) on data = sr.prepare(rig, pairs)", rig, pairs, view)
     images = pyramid(rig, pairs, view)
     data = images.at(scale)
-    found = host.counts_one_by_one(data, with_unit_baseline(rig.extrinsics)[None], ranged(matcher, images))
+    found = counts_one_by_one(data, with_unit_baseline(rig.extrinsics)[None], ranged(matcher, images))
     return Score(int(found[0]), data.pixels)
 
 
 def rectify(
-    rig: StereoRig, pair: Pair | Pairs, *, view: View | None = None
+    rig: StereoRig, pair: Pairs, *, view: View | None = None
 ) -> tuple[Float[np.ndarray, "h w"], Float[np.ndarray, "h w"]]:
     """Left and right image rectified, float32 in the view (default: the rig's own); borders are repeated."""
     refuse_tracers("sr.rectify", "sr.prepare before tracing, and a score of its data", rig, pair, view)
-    data = pyramid(rig, pair, view).at(1.0, 1)
+    data = _only(pyramid(rig, pair, view)).at(1.0)
     frame = rectified_frame(data, jnp.asarray(with_unit_baseline(rig.extrinsics), jnp.float32))
     return np.asarray(frame.left), np.asarray(frame.right)
 
 
 def disparity(
-    rig: StereoRig, pair: Pair | Pairs, *, matcher: AbstractMatcher | str | None = None, view: View | None = None
+    rig: StereoRig, pair: Pairs, *, matcher: AbstractMatcher | str | None = None, view: View | None = None
 ) -> Disparity:
     """The disparity of one pair, NumPy arrays; `valid` is what `score` counts with the same view and matcher."""
     refuse_tracers("sr.disparity", "matcher.match on rectified images", rig, pair, view)
-    images = pyramid(rig, pair, view)
-    return host.disparities(images.at(1.0, 1), with_unit_baseline(rig.extrinsics), ranged(matcher, images))[0]
+    images = _only(pyramid(rig, pair, view))
+    return disparities(images.at(1.0), with_unit_baseline(rig.extrinsics), ranged(matcher, images))[0]
+
+
+def _only(images: Pyramid) -> Pyramid:
+    if len(images.pairs) > 1:
+        raise InputError(f"{len(images.pairs)} pairs were given, and one is taken; give one after the other.")
+    return images
