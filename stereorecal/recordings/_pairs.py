@@ -34,10 +34,17 @@ def _as_pair(pair: Any, index: int) -> Pair:
         return pair
     if not _is_images(pair):
         raise InputError(f"pair {index} is {_described(pair)}; {_CALL}.")
-    if all(image.ndim == 2 and image.dtype.kind == "f" and 1.0 < image.max(initial=0.0) <= 255.0 for image in pair):
+    if all(_grey_levels(image) for image in pair):
         left, right = (image.astype(np.float32) for image in pair)  # grey levels, as a Pair has them
         return Pair(left, right, f"pair {index}")
     return make_pair(*pair, name=f"pair {index}")
+
+
+def _grey_levels(image: np.ndarray) -> bool:
+    """Whether these are grey levels already: floats up to 255, and not just up to 1; never with NaN among them."""
+    if image.ndim != 2 or image.dtype.kind != "f":
+        return False
+    return bool(image.min(initial=0.0) >= 0.0 and 1.0 < image.max(initial=0.0) <= 255.0)
 
 
 def _is_images(value: Any) -> bool:

@@ -96,9 +96,16 @@ def test_options_that_it_does_not_have_list_those_that_it_has(option):
 
 @pytest.mark.parametrize("cls", CLASSES)
 def test_the_check_is_in_nobodys_way(cls):
-    """Positional options, copies and pickles are as of any dataclass."""
-    matcher = cls(-2, 48)
+    """Copies and pickles are as of any dataclass."""
+    matcher = cls(min_disparity=-2, num_disparities=48)
     assert (matcher.min_disparity, matcher.num_disparities) == (-2, 48)
     assert pickle.loads(pickle.dumps(matcher)) == matcher
     assert dataclasses.replace(matcher, block_size=7).block_size == 7
-    assert hash(cls(-2, 48)) == hash(matcher)
+    assert hash(cls(min_disparity=-2, num_disparities=48)) == hash(matcher)
+
+
+@pytest.mark.parametrize("cls", CLASSES)
+def test_options_have_names(cls):
+    """OpenCV's order is another for each of its matchers."""
+    with pytest.raises(InputError, match=rf"name the options of {cls.__name__}, as in sr\.{cls.__name__}\(num_disp"):
+        cls(0, 64)

@@ -34,11 +34,20 @@ def test_pairs_are_themselves(given):
 def test_tuples_of_arrays_are_pairs(dtype, channels, wrap):
     left, right = image(0, dtype, channels), image(1, dtype, channels)
     (pair,) = as_pairs(wrap((left, right)))
-    expected = make_pair(left, right)
+    grey_levels = dtype in (np.float32, np.float64) and not channels  # up to 255: they stay as they are
+    expected = Pair(left.astype(np.float32), right.astype(np.float32)) if grey_levels else make_pair(left, right)
     np.testing.assert_array_equal(pair.left, expected.left)
     np.testing.assert_array_equal(pair.right, expected.right)
     assert pair.left.dtype == np.float32
     assert pair.name == "pair 0"
+
+
+def test_the_arrays_of_a_pair_are_that_pair():
+    """And darker ones are not made brighter."""
+    (again,) = as_pairs((PAIR.left / 2, PAIR.right / 2))
+    np.testing.assert_array_equal(again.left, PAIR.left / 2)
+    (unit,) = as_pairs((PAIR.left / 255, PAIR.right / 255))  # floats up to 1 are no grey levels
+    assert max(unit.left.max(), unit.right.max()) == 255.0
 
 
 def test_a_list_of_two_arrays_is_one_pair_and_two_tuples_are_two():
@@ -89,6 +98,7 @@ def test_what_is_none_is_refused_in_one_sentence(given, what):
         ((np.zeros(5, np.uint8), RIGHT), "pair 0, left: an array of shape (5,) is no image"),
         ((LEFT.astype(float) * np.nan, RIGHT.astype(float)), "pair 0, left: the image contains NaN"),
         ((-1.0 * LEFT, 1.0 * RIGHT), "pair 0, left: the image contains negative values"),
+        ((LEFT - 20.0, 1.0 * RIGHT), "pair 0, left: the image contains negative values"),
     ],
 )
 def test_arrays_that_are_no_images(images, words):
