@@ -220,7 +220,7 @@ def main() -> None:
     """Run all scenes, print the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--draws", type=int, default=20)
-    parser.add_argument("--degrees", type=float, default=2.5, help="largest drift; 0.9 % of the baseline per degree")
+    parser.add_argument("--degrees", type=float, default=2.5, help="largest drift; 0.9 %% of the baseline per degree")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--only", default="", help="parts of names, comma separated")
     parser.add_argument("--json", type=Path)
