@@ -19,10 +19,10 @@ def count(data: ScoringData, extrinsics: Float[AnyArray, "6"], matcher: Abstract
     """f(I_l, I_r, Υ) of the paper (eq. 2), summed over the frames: the number of pixels with a valid disparity.
 
     Pure; compiled once for each matcher and shape of the data (image size, frames, lens model, scale). Composes under
-    `jit` and `vmap` over the extrinsics; its
-    derivative is 0 almost everywhere, see `soft_count`. On a CPU it is the host's count of the same float32 extrinsics,
-    pixel for pixel, in whatever it is composed. `sr.score` and an objective's `value` come to these six numbers in
-    float64, and may so differ by up to 2 pixels and one in 100 000; a GPU rounds otherwise, there one in 1 000.
+    `jit` and `vmap` over the extrinsics; its derivative is 0 almost everywhere, see `soft_count`. On a CPU it is the
+    host's count of the same float32 extrinsics, pixel for pixel, in whatever it is composed. `sr.score` and an
+    objective's `value` come to these six numbers in float64, and may so differ by up to 2 pixels and one in 100 000.
+    What a GPU rounds otherwise was not measured.
 
     Args:
         data: what `prepare` made.

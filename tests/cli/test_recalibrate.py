@@ -82,7 +82,8 @@ def test_default_schedule(command, clean_scene: Path, drifted_scene: Path, tmp_p
     np.testing.assert_allclose(repair["covariance"]["matrix"], solution.covariance)
     assert list(repair["depth_error_percent"]) == ["5", "10", "30", "100"]
     assert repair["evaluations"] == solution.evaluations
-    assert repair["cost"] == pytest.approx(solution.cost.total)
+    assert repair["cost"] == pytest.approx(solution.cost.budgeted)
+    assert repair["cost_total"] == pytest.approx(solution.cost.total)
     assert repair["cost_of"] == pytest.approx(asdict(solution.cost))
     assert repair["seconds"] > 0
     assert sum(stage["evaluations"] for stage in repair["stages"]) == repair["evaluations"]

@@ -47,7 +47,7 @@ def test_a_number_limits_the_evaluations(number):
         object(),
         Budget,
     ],
-    ids=repr,
+    ids=lambda value: type(value).__name__,
 )
 def test_anything_else_is_refused_and_the_right_call_is_shown(other):
     with pytest.raises(InputError) as caught:
@@ -68,7 +68,7 @@ def test_the_sentence_stays_short():
     assert len(str(caught.value)) < 200
 
 
-@pytest.mark.parametrize("number", [0, -1, -0.0, float("nan"), float("inf"), -float("inf"), 10**400, np.float32("nan")])
+@pytest.mark.parametrize("number", [0, -1, -0.0, float("nan"), -float("inf"), 10**400, np.float32("nan")])
 def test_numbers_that_make_no_sense(number):
     with pytest.raises(InputError, match=r"makes no sense; give a positive number, or None for no limit") as caught:
         as_budget(number)
@@ -76,7 +76,8 @@ def test_numbers_that_make_no_sense(number):
 
 
 @pytest.mark.parametrize(
-    ("given", "left"), [(None, np.inf), (3, 3), (2.5, 2.5), (Budget(7), 7), (Budget(seconds=9e9), np.inf)]
+    ("given", "left"),
+    [(None, np.inf), (np.inf, np.inf), (3, 3), (2.5, 2.5), (Budget(7), 7), (Budget(seconds=9e9), np.inf)],
 )
 def test_an_objective_takes_all_of_them(given, left):
     problem = Problem(1, lambda points: points[:, 0])

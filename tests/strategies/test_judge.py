@@ -258,7 +258,7 @@ class ByPosition(AbstractStrategy):
 
 @dataclass(frozen=True)
 class ByKeyword(AbstractStrategy):
-    def run(self, objective, start, seed, *, budget=None):
+    def run(self, objective, start, seed, *, budget):
         raise AssertionError("must not run")
 
 
