@@ -7,6 +7,7 @@ from pathlib import Path
 
 from stereorecal._errors import InputError
 from stereorecal._extras import extra
+from stereorecal._names import known
 from stereorecal.cli import _values
 from stereorecal.cli._console import table_console
 from stereorecal.cli._executors import executor
@@ -20,20 +21,21 @@ from stereorecal.objectives import Reach
 from stereorecal.recalibration import SCHEDULES
 from stereorecal.recordings import Scene
 from stereorecal.report.tables import comparison_tables
+from stereorecal.strategies import as_budget
 from stereorecal.synthetic import KINDS, render
 
 
 def run(options: argparse.Namespace) -> int:
     """Compare, print, save; returns the exit code."""
     if options.schedule is not None:
-        _values.known(options.schedule, list(SCHEDULES), "schedule")
+        known(options.schedule, list(SCHEDULES), "schedule")
     if options.schedule == "default" and options.scale is not None:
         raise InputError("--scale belongs to --schedule count; leave it out.")
     matcher = as_matcher(options.matcher)
     chosen = None if options.strategies is None else load_strategies(_values.strategy_names(options.strategies))
     drift = Drift(*_values.degrees_and_fraction(options.decalibrate, "--decalibrate"))
     reach = Reach(*_values.degrees_and_fraction(options.reach, "--reach")) if options.reach is not None else None
-    budget, seed = _values.budget(options.budget), _values.seed(options.seed)
+    budget, seed = as_budget(options.budget), _values.seed(options.seed)
     _check_places(options)
     with executor(options.executor) as pool:
         scenes = _scenes(options)
@@ -78,7 +80,7 @@ def _scenes(options: argparse.Namespace) -> list[Scene]:
     limit = _values.frame_limit(options.frames)
     scenes = [load_scene(Path(path), limit=limit) for path in options.scene]
     if options.synthetic or not scenes:
-        kind = _values.known(options.synthetic or "harbour", list(KINDS), "kind of scene")
+        kind = known(options.synthetic or "harbour", list(KINDS), "kind of scene")
         if limit is None:
             raise InputError("--frames all has no meaning for a rendered scene; give a number.")
         scenes.append(render(kind, options.seed, frames=limit))

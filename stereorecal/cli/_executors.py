@@ -7,9 +7,9 @@ from multiprocessing import get_context
 from signal import SIG_IGN, SIGINT, signal
 
 from stereorecal._errors import InputError
+from stereorecal._names import known
 from stereorecal.cli._cluster import cluster
 from stereorecal.cli._compiled import keep_compiled_programs
-from stereorecal.cli._values import known
 
 
 def executor(text: str) -> AbstractContextManager[Executor | None]:

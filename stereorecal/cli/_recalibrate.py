@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from stereorecal._errors import InputError
+from stereorecal._names import known
 from stereorecal._run_all import Progress
 from stereorecal._versions import versions
 from stereorecal.cli import _values
@@ -24,7 +25,7 @@ from stereorecal.objectives import Reach
 from stereorecal.recalibration import SCHEDULES, Fault, Repair, Schedule, repairs_as_finished
 from stereorecal.recordings import Scene
 from stereorecal.report.repairs import repairs_table
-from stereorecal.strategies import Budget, name_of, origin_of, strategy
+from stereorecal.strategies import Budget, as_budget, name_of, origin_of, strategy
 
 SCHEMA = "stereorecal.recalibrate/1"
 _CODES = {Fault.INTERRUPTED: INTERRUPTED, Fault.INSIDE: FAILURE, Fault.INPUT: BAD_INPUT}  # the first that occurs
@@ -34,7 +35,7 @@ def run(options: argparse.Namespace) -> int:
     """Repair, save, print; returns the exit code."""
     matcher, schedule = as_matcher(options.matcher), _schedule(options)
     reach = Reach(*_values.degrees_and_fraction(options.reach, "--reach"))
-    budget, seed = _values.budget(options.budget), _values.seed(options.seed)
+    budget, seed = as_budget(options.budget), _values.seed(options.seed)
     _check_places(options)
     with executor(options.executor) as pool:
         scenes = recordings(options)
@@ -71,7 +72,7 @@ def _finished(
 
 
 def _schedule(options: argparse.Namespace) -> Schedule:
-    _values.known(options.schedule, list(SCHEDULES), "schedule")
+    known(options.schedule, list(SCHEDULES), "schedule")
     chosen = None if options.strategy is None else strategy(options.strategy)
     if options.schedule == "count":
         return Schedule.count(chosen or strategy("compass"), 1.0 if options.scale is None else options.scale)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from stereorecal._errors import InputError
 from stereorecal._extras import extra
+from stereorecal._names import known
 from stereorecal.cli import _values
 from stereorecal.cli._console import table_console
 from stereorecal.cli._executors import executor
@@ -33,9 +34,9 @@ _WIDE = 150  # columns of the widest table
 
 def run(options: argparse.Namespace) -> int:
     """Run, save, print; returns the exit code."""
-    chosen = [_values.known(name, [*EXPERIMENTS, _ALL], "experiment") for name in options.experiments]
+    chosen = [known(name, [*EXPERIMENTS, _ALL], "experiment") for name in options.experiments]
     experiments = list(EXPERIMENTS) if _ALL in chosen else list(dict.fromkeys(chosen))
-    schedule = _values.known(options.schedule, [_BOTH, *SCHEDULES], "schedule")
+    schedule = known(options.schedule, [_BOTH, *SCHEDULES], "schedule")
     reach = Reach(*_values.degrees_and_fraction(options.reach, "--reach"))
     seed, limit = _values.seed(options.seed), _values.frame_limit("10" if options.frames is None else options.frames)
     if options.frames is not None and options.log is None:

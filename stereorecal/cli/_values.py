@@ -1,29 +1,14 @@
 """Values of options, parsed with sentences that say what is wrong."""
 
-import difflib
-import math
 import os
 from pathlib import Path
 
 from stereorecal._errors import InputError
-from stereorecal.strategies import Budget, strategies
+from stereorecal.strategies import strategies
 
 NONE_INSTALLED = (
     "no strategy is installed; run: pip install 'stereorecal[default]' (in a clone: pip install -e plugins/compass)"
 )
-
-
-def known(name: str, names: list[str], what: str) -> str:
-    """`name` if it is one of `names`.
-
-    Raises:
-        InputError: otherwise; names the nearest.
-    """
-    if name in names:
-        return name
-    close = difflib.get_close_matches(name, names, 1)
-    hint = f"did you mean {close[0]}?" if close else f"choose one of: {', '.join(names)}."
-    raise InputError(f"unknown {what} {name!r}; {hint}")
 
 
 def strategy_names(text: str) -> list[str]:
@@ -43,15 +28,6 @@ def degrees_and_fraction(text: str, option: str) -> tuple[float, float]:
             f"{option} is {text!r}; give degrees and a fraction of the baseline, such as 0.5,0.01."
         ) from None
     return degrees, fraction
-
-
-def budget(units: float | None) -> Budget:
-    """Of `--budget`: so many units; none, or inf, is no limit.
-
-    Raises:
-        InputError: if it is not positive.
-    """
-    return Budget(None if units == math.inf else units)
 
 
 def seed(number: int) -> int:

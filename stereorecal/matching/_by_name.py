@@ -1,9 +1,9 @@
 """Matchers by name."""
 
-import difflib
 from typing import Any
 
 from stereorecal._errors import InputError
+from stereorecal._names import known
 from stereorecal.matching._matcher import AbstractMatcher
 from stereorecal.matching.opencv import BM, SGBM
 from stereorecal.matching.sad import SAD
@@ -22,11 +22,7 @@ def as_matcher(matcher: Any) -> AbstractMatcher:
     if isinstance(matcher, AbstractMatcher):
         return matcher
     if isinstance(matcher, str):
-        if matcher not in MATCHERS:
-            close = difflib.get_close_matches(matcher, MATCHERS, 1)
-            hint = f"did you mean {close[0]}?" if close else f"choose one of: {', '.join(MATCHERS)}."
-            raise InputError(f"unknown matcher {matcher!r}; {hint}")
-        return MATCHERS[matcher]()
+        return MATCHERS[known(matcher, MATCHERS, "matcher")]()
     if isinstance(matcher, type) and issubclass(matcher, AbstractMatcher):
         raise InputError(f"matcher is the class {matcher.__name__}; make one of it, such as sr.{matcher.__name__}().")
     raise InputError(

@@ -81,7 +81,7 @@ def recalibrate_many(
         InputError: if there is no recording, or a strategy of the default schedule is not installed.
         StrategyError: if one of those is broken.
     """
-    scenes = (scenes,) if isinstance(scenes, Scene) else tuple(scenes)
+    scenes = _as_scenes(scenes)
     options = {"schedule": schedule, "reach": reach, "budget": budget, "view": view, "seed": seed}
     finished: dict[int, Repair] = {}
     for index, repair in repairs_as_finished(scenes, matcher=matcher, executor=executor, **options):
@@ -104,7 +104,7 @@ def repairs_as_finished(
 ) -> Iterator[tuple[int, Repair]]:
     """`recalibrate_many` for those who show or save each answer as soon as it is there: the index of a recording and
     its repair, in the order in which they finish. Arguments and errors as there; errors are raised at once."""
-    scenes = (scenes,) if isinstance(scenes, Scene) else tuple(scenes)
+    scenes = _as_scenes(scenes)
     if not scenes:
         raise InputError("there is nothing to repair; give at least one recording.")
     repair = partial(
@@ -122,6 +122,10 @@ def repairs_as_finished(
             yield index, found if isinstance(found, Repair) else _failed(scenes[index].name, found)
 
     return repairs()
+
+
+def _as_scenes(scenes: Scene | Sequence[Scene]) -> tuple[Scene, ...]:
+    return (scenes,) if isinstance(scenes, Scene) else tuple(scenes)
 
 
 def _repair(scene: Scene, **options: Any) -> Repair:

@@ -10,7 +10,8 @@ def pure_matcher(matcher: AbstractMatcher | str, scale: float, score: str, *, sm
     Raises:
         InputError: if it runs on the host, is not smooth where it must be, or its disparity range is not known.
     """
-    matcher, name = as_matcher(matcher), type(as_matcher(matcher)).__name__
+    matcher = as_matcher(matcher)
+    name = type(matcher).__name__
     if not (matcher.smooth if smooth else matcher.traceable):
         raise InputError(
             f"{score} needs a matcher in JAX{' with a differentiable twin' if smooth else ''}, and {name} is none; "
