@@ -27,7 +27,7 @@ MAY_IMPORT["testing"] = MAY_IMPORT["objectives"] | {"objectives", "synthetic"}
 MAY_IMPORT["comparison"] |= {"report", "io", "synthetic"}
 MAY_IMPORT["reproduction"] = MAY_IMPORT["comparison"]
 MAY_IMPORT["cli"] |= {"reproduction", "report", "io", "synthetic", "testing"}
-NOT_IN_CORE = ("nlopt", "optimistix")
+NOT_IN_CORE = ("nlopt", "optimistix", "equinox")
 
 
 def imports_in(code: str, package: str) -> Iterator[str]:

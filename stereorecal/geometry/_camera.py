@@ -2,9 +2,7 @@
 
 from dataclasses import dataclass, field
 
-import jax.numpy as jnp
 import numpy as np
-from jax.core import Tracer
 from jaxtyping import Float
 
 from stereorecal._arrays import AnyArray, Mat3, is_host, namespace
@@ -74,10 +72,8 @@ class Camera:
         return distorted * focal + self.matrix[:2, 2]
 
     def rays(self, pixels: Float[AnyArray, "*n 2"]) -> Float[AnyArray, "*n 3"]:
-        """Pixels to rays (x/z, y/z, 1) in the camera frame, float32."""
+        """Pixels to rays (x/z, y/z, 1) in the camera frame; float64 for NumPy arrays, else float32."""
         focal = self.matrix[(0, 1), (0, 1)]
         normalised = undistort((pixels - self.matrix[:2, 2]) / focal, self.distortion)
-        traced = isinstance(normalised, Tracer)
-        xp = jnp if traced else namespace(pixels, self.matrix, self.distortion)
-        normalised = xp.asarray(normalised)
+        xp = namespace(normalised)
         return xp.concatenate([normalised, xp.ones_like(normalised[..., :1])], axis=-1)

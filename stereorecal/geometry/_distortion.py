@@ -5,20 +5,20 @@ from functools import partial
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Inexact
 
-from stereorecal._arrays import AnyArray, namespace
+from stereorecal._arrays import AnyArray, is_host, namespace
 
 COEFFICIENT_COUNTS = (0, 4, 5, 8, 12, 14)
 
 
-def distort(points: Float[AnyArray, "*n 2"], coefficients: Float[AnyArray, "c"]) -> Float[AnyArray, "*n 2"]:
+def distort(points: Inexact[AnyArray, "*n 2"], coefficients: Float[AnyArray, "c"]) -> Inexact[AnyArray, "*n 2"]:
     """Distort normalised image points (x/z, y/z), as OpenCV's `projectPoints` does."""
     xp = namespace(points, coefficients)
     return xp.stack(distort_planes(points[..., 0], points[..., 1], coefficients), axis=-1)
 
 
-def distort_planes(x: Float[AnyArray, "*n"], y: Float[AnyArray, "*n"], coefficients: Float[AnyArray, "c"]) -> tuple:
+def distort_planes(x: Inexact[AnyArray, "*n"], y: Inexact[AnyArray, "*n"], coefficients: Float[AnyArray, "c"]) -> tuple:
     """`distort` with x and y apart, as maps of whole images want them: pairs in memory cost four times the time."""
     count = coefficients.shape[0]
     if count == 0:
@@ -60,11 +60,33 @@ def _tilt_matrix(tau_x, tau_y):
 
 def undistort(
     points: Float[AnyArray, "*n 2"], coefficients: Float[AnyArray, "c"], iterations: int = 12
-) -> Float[jax.Array, "*n 2"]:
-    """Invert `distort` by Newton's method; exact to float32 where the model is monotone."""
+) -> Float[AnyArray, "*n 2"]:
+    """Invert `distort` by Newton's method, where the model is monotone: float64 for NumPy arrays, else exact to
+    float32."""
+    if is_host(points, coefficients):
+        return _undistort_on_host(np.asarray(points, float), np.asarray(coefficients, float), iterations)
     if coefficients.shape[0] == 0:
         return jnp.asarray(points, jnp.float32)
     return _undistort(jnp.asarray(points, jnp.float32), jnp.asarray(coefficients, jnp.float32), iterations)
+
+
+_LONGEST = 0.25  # of a step: far corners of wide lenses must not jump over the model's turning point
+
+
+def _undistort_on_host(
+    goals: Float[np.ndarray, "*n 2"], coefficients: Float[np.ndarray, "c"], iterations: int
+) -> Float[np.ndarray, "*n 2"]:
+    points, tiny = goals.copy(), 1e-30
+    for _ in range(iterations if coefficients.size else 0):
+        error = distort(points, coefficients) - goals
+        # Complex steps (Squire & Trapp 1998): derivatives without a difference, exact.
+        ends = (np.asarray(distort(points + direction, coefficients)) for direction in tiny * 1j * np.eye(2))
+        by_x, by_y = (end.imag / tiny for end in ends)
+        (a, c), (b, d) = np.moveaxis(by_x, -1, 0), np.moveaxis(by_y, -1, 0)
+        update = np.stack([d * error[..., 0] - b * error[..., 1], a * error[..., 1] - c * error[..., 0]], axis=-1)
+        update /= (a * d - b * c)[..., None]
+        points -= update / np.maximum(1.0, np.linalg.norm(update, axis=-1, keepdims=True) / _LONGEST)
+    return points
 
 
 @partial(jax.jit, static_argnums=2)  # or else every call outside a trace compiles the loop again
@@ -77,8 +99,7 @@ def _undistort(
             (a, b), (c, d) = jax.jacfwd(lambda q: distort(q, coefficients))(p)
             determinant = a * d - b * c
             update = jnp.stack([d * error[0] - b * error[1], a * error[1] - c * error[0]]) / determinant
-            # A bounded step keeps the far corners of wide lenses from jumping over the model's turning point.
-            return p - update / jnp.maximum(1.0, 4.0 * jnp.linalg.norm(update))
+            return p - update / jnp.maximum(1.0, jnp.linalg.norm(update) / _LONGEST)
 
         return jax.lax.fori_loop(0, iterations, step, goal)
 

@@ -123,11 +123,13 @@ def count_objective(
     *,
     scale: float = 1.0,
     rows: float = 1.0,
+    frames: int | None = None,
     temperature: float = TEMPERATURE,
     budget: Budget | None = None,
 ) -> Objective:
-    """`objective` of images that are prepared once, and a matcher whose disparity range is known."""
-    whole = images.at(scale)
+    """`objective` of images that are prepared once, and a matcher whose disparity range is known; of at most so many
+    frames."""
+    whole = images.at(scale, frames)
     data = bands(whole, rows)
     cost = whole.cost * sum(band.pixels for band in data) / whole.pixels
     metric_chart = count_box(images.rig, reach).chart

@@ -1,17 +1,14 @@
-"""Least squares on epipolar residuals: one round, with its correspondences and weights frozen."""
+"""Least squares on epipolar residuals: one run, linear, with its correspondences and weights frozen."""
 
 from dataclasses import dataclass
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
 from stereorecal._arrays import AnyArray
 from stereorecal._pytree import register_pytree
-from stereorecal.objectives._chart import Chart
+from stereorecal.objectives._linearised import LinearRows
 from stereorecal.objectives._search_box import SearchBox
-from stereorecal.scoring import Correspondences, differences_of
 from stereorecal.strategies import Budget, Objective, Problem, Traced
 
 _COST_OF_A_ROW = 1e-7  # units: some sixty operations, where a matcher run on a full-size frame takes some 10^9
@@ -19,42 +16,48 @@ _COST_OF_A_ROW = 1e-7  # units: some sixty operations, where a matcher run on a 
 
 @register_pytree
 @dataclass(frozen=True, eq=False)
-class EpipolarResiduals:
-    """Residuals as a function of a point of the unit box: (k m + n,), row differences over their standard deviation,
-    then the way from the centre of the box (the initial calibration) over that of the drift."""
+class LinearResiduals:
+    """Residuals as a function of a point of the unit box, NumPy or traced: (2 n + 1,), n + 1 rows that stand for all
+    row differences over their standard deviations, then the way from the centre of the box (the initial calibration)
+    over that of the drift.
 
-    found: Correspondences
-    root_precision: Float[AnyArray, "k m"]
-    chart: Chart
-    prior: Float[AnyArray, ""]
+    Attributes:
+        jacobian: (2 n + 1, n).
+        at_centre: (2 n + 1,) the residuals at z = 0.
+    """
 
-    def __call__(self, z: jax.Array) -> jax.Array:
-        differences = differences_of(self.found, self.chart.extrinsics(z))
-        return jnp.concatenate([(self.root_precision * differences).reshape(-1), z / self.prior])
+    jacobian: Float[AnyArray, "m n"]
+    at_centre: Float[AnyArray, "m"]
 
-
-@jax.jit
-def _value(residuals: EpipolarResiduals, z: Float[jax.Array, "n"]) -> Float[jax.Array, ""]:
-    return -0.5 * jnp.sum(residuals(z) ** 2)
+    def __call__(self, z: Float[AnyArray, "n"]) -> Float[AnyArray, "m"]:
+        return (self.jacobian * z).sum(-1) + self.at_centre  # a GPU would multiply matrices with ten bits
 
 
 def epipolar_objective(
-    found: Correspondences, precision: Float[np.ndarray, "k m"], box: SearchBox, budget: Budget | None = None
+    rows: LinearRows, precision: Float[np.ndarray, "k m"], box: SearchBox, budget: Budget | None = None
 ) -> Objective:
-    """The value is -½ |residuals|². An evaluation looks at the correspondences, not at the pixels, and costs little.
+    """The value is -½ |residuals|². However many correspondences there are, an evaluation looks at 2 n + 1 numbers.
 
     Args:
+        rows: the row differences, linear around the start of the run.
         precision: weight of each squared row difference, 1 / pixels².
         box: centred on the initial calibration.
         budget: default unlimited.
     """
-    chart = jax.tree.map(lambda leaf: np.asarray(leaf, np.float32), box.chart.with_unit_baseline())
-    root = np.sqrt(precision).astype(np.float32)
-    residuals = jax.device_put(EpipolarResiduals(found, root, chart, np.asarray(box.prior, np.float32)))
+    dim = rows.z.size
+    few = _few_rows(np.vstack([rows.jacobian.reshape(dim, -1), rows.differences.reshape(-1)]), precision.reshape(-1))
+    jacobian = np.vstack([few[:, :-1], np.eye(dim) / box.prior])
+    at_centre = np.concatenate([few[:, -1] - few[:, :-1] @ rows.z, np.zeros(dim)])
+    residuals = LinearResiduals(jacobian, at_centre)
 
-    def values(points: np.ndarray) -> np.ndarray:
-        return np.array([float(_value(residuals, p)) for p in np.asarray(points, np.float32)])
+    def values(points: Float[np.ndarray, "k n"]) -> Float[np.ndarray, "k"]:
+        return -0.5 * np.sum((points @ jacobian.T + at_centre) ** 2, axis=-1)
 
-    frames, cells = found.weight.shape
-    cost = frames * cells * _COST_OF_A_ROW
-    return Objective(Problem(chart.dim, values, cost, Traced(residuals=residuals)), budget)
+    return Objective(Problem(dim, values, len(at_centre) * _COST_OF_A_ROW, Traced(residuals=residuals)), budget)
+
+
+def _few_rows(columns: Float[np.ndarray, "c m"], precision: Float[np.ndarray, "m"]) -> Float[np.ndarray, "c c"]:
+    """As many rows as columns that have the same weighted scalar products as all m: every sum of squares over them is
+    the same. From the normal matrix, which in float64 loses nothing here that a solver sees."""
+    spread, axes = np.linalg.eigh((columns * precision) @ columns.T)
+    return np.sqrt(np.maximum(spread, 0.0))[:, None] * axes.T

@@ -12,11 +12,9 @@ from statistics import NormalDist
 import numpy as np
 from jaxtyping import Float, Int
 
-from stereorecal.objectives import SearchBox
-from stereorecal.recalibration._stages import differences_at
+from stereorecal.objectives import SearchBox, differences_at, linearised
 from stereorecal.scoring import TILES, Correspondences, Loss, curvatures, precisions
 
-_STEP = 1e-4  # of the reach, for numerical derivatives of row differences in float64
 _FOLDS = 4
 # Standard deviation of an offset that all rows share, pixels of the images that were measured: no resampling sees it.
 _SHARED = 0.005
@@ -123,21 +121,15 @@ def _student_975(degrees: int) -> float:
 
 def evidence(box: SearchBox, found: Correspondences, z: Float[np.ndarray, "n"]) -> Evidence:
     """The evidence of correspondences at a solution z of the box."""
-    chart, here = box.chart, np.asarray(found.weight) > 0
-    at = differences_at(found, chart, z)
-    weights = precisions(found, at, Loss.WELSCH)
-    scale = float(found.scale)
-    columns = [
-        (differences_at(found, chart, z + step) - differences_at(found, chart, z - step))[here] / (2.0 * _STEP)
-        for step in _STEP * np.eye(len(z))
-    ]
+    here, scale = np.asarray(found.weight) > 0, float(found.scale)
+    rows = linearised(found, box.chart, z)
     return Evidence(
         z=z,
-        jacobian=np.stack(columns, axis=-1) / scale,
-        residual=at[here] / scale,
-        start_residual=differences_at(found, chart, np.zeros_like(z))[here] / scale,
-        weight=weights[here] * scale**2,
-        curvature=curvatures(found, at)[here] * scale**2,
+        jacobian=rows.jacobian[:, here].T / scale,
+        residual=rows.differences[here] / scale,
+        start_residual=differences_at(found, box.chart, np.zeros_like(z))[here] / scale,
+        weight=precisions(found, rows.differences, Loss.WELSCH)[here] * scale**2,
+        curvature=curvatures(found, rows.differences)[here] * scale**2,
         tile=np.asarray(found.tile)[here],
         prior=box.prior,
         scale=scale,

@@ -28,6 +28,8 @@ class Stage:
         rounds: of an epipolar stage: how often the images are matched again, at most.
         pixels: least and most pixels of a frame: the scale bends to stay between them (but not above 1); None: it
             stays as it is.
+        frames: at most so many are looked at, those with the most texture, spread over the recording; None: all.
+        rows: share of the rows that a stage on the count counts, (0, 1], see `objective`.
     """
 
     strategy: AbstractStrategy
@@ -35,6 +37,8 @@ class Stage:
     score: ScoreKind = ScoreKind.COUNT
     rounds: int = 1
     pixels: tuple[int, int] | None = None
+    frames: int | None = None
+    rows: float = 1.0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "strategy", as_strategy(self.strategy))
@@ -44,6 +48,8 @@ class Stage:
             raise InputError(f"{self.rounds} rounds make no sense; give at least 1.")
         if self.pixels is not None and not 0 < self.pixels[0] <= self.pixels[1]:
             raise InputError(f"pixels within {self.pixels} make no sense; give the least and the most, or None.")
+        if self.frames is not None and self.frames < 1:
+            raise InputError(f"{self.frames} frames make no sense; give at least 1, or None for all.")
 
     def scale_for(self, size: tuple[int, int]) -> float:
         """The scale at which images of `size` (width, height) are looked at."""
@@ -89,15 +95,14 @@ class Schedule:
         Raises:
             InputError: if one of the two strategies is not installed; it says the install line.
         """
-        # From afar to half a pixel of the next stage (at the default reach): nearer, rows know better than the count.
-        climb = named_strategy("compass", step=1.0 / 8.0, min_step=1.0 / 32.0)
-        # Near the solution almost from the start: with more damping the weakest axes creep, with less the rounding of
-        # the residuals refuses good steps. The last step is one of about a quarter of a standard deviation or less.
-        solve = named_strategy("optimistix-levenberg-marquardt", damping=1e-6, atol=0.1)
+        # From afar to a pixel of the next stage (at the default reach), on half of the rows: nearer, correspondences
+        # know better than the count.
+        climb = named_strategy("compass", step=1.0 / 8.0, min_step=1.0 / 16.0)
+        solve = named_strategy("levenberg-marquardt")
         # Half scale is a stepping stone: it need not settle, and rounds at full scale tell more.
         stages = (
-            Stage(climb, 0.25, ScoreKind.COUNT, pixels=(16_000, 30_000)),
-            Stage(solve, 0.5, ScoreKind.EPIPOLAR, rounds=1, pixels=(60_000, 120_000)),
+            Stage(climb, 0.25, ScoreKind.COUNT, pixels=(16_000, 30_000), frames=2, rows=0.5),
+            Stage(solve, 0.5, ScoreKind.EPIPOLAR, rounds=1, pixels=(60_000, 120_000), frames=2),
             Stage(solve, 1.0, ScoreKind.EPIPOLAR, rounds=4, pixels=(60_000, 480_000)),
         )
         return Schedule("default", stages, survey=True)

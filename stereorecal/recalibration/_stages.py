@@ -8,9 +8,9 @@ from jaxtyping import Float
 
 from stereorecal.geometry import StereoRig, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
-from stereorecal.objectives import Chart, Reach, SearchBox, count_objective, epipolar_objective, row_box
+from stereorecal.objectives import Chart, Reach, SearchBox, count_objective, epipolar_objective, linearised, row_box
 from stereorecal.recalibration._schedule import ScoreKind, Stage
-from stereorecal.scoring import Correspondences, Loss, Pyramid, host, precisions, row_differences
+from stereorecal.scoring import Correspondences, Loss, Pyramid, host, precisions
 from stereorecal.strategies import Budget, Objective, Run, Status, run_strategy
 
 FEWEST = 60  # correspondences; five parameters from fewer would be guessing
@@ -119,19 +119,19 @@ def better_start(case: Case, stage: Stage, offset: Extrinsics) -> tuple[Extrinsi
     initial = np.asarray(case.rig.extrinsics, float)
     if not offset.any():
         return initial, 0.0
-    asked = _count_objective(case, case.scale_of(stage), Budget())
+    asked = _count_objective(case, stage, Budget())
     chart = asked.images.chart
     here, there = asked.problem.values(np.stack([chart.inside(initial), chart.inside(initial + offset)]))
     return (initial + offset if there > here else initial), 2 * asked.cost
 
 
-def _count_objective(case: Case, scale: float, budget: Budget) -> Objective:
-    return count_objective(case.images, case.matcher, case.reach, scale=scale, budget=budget)
+def _count_objective(case: Case, stage: Stage, budget: Budget) -> Objective:
+    options = {"scale": case.scale_of(stage), "rows": stage.rows, "frames": stage.frames, "budget": budget}
+    return count_objective(case.images, case.matcher, case.reach, **options)
 
 
 def _count_stage(case: Case, stage: Stage, start: Extrinsics, budget: Budget, seed: int) -> StageRun:
-    scale = case.scale_of(stage)
-    asked = _count_objective(case, scale, budget)
+    scale, asked = case.scale_of(stage), _count_objective(case, stage, budget)
     chart = asked.images.chart
     run = run_strategy(stage.strategy, asked, chart.inside(start), seed)
     return StageRun(stage, scale, start, chart.extrinsics(run.best), (run,), _climb(run, chart))
@@ -153,7 +153,7 @@ def _epipolar_stage(case: Case, stage: Stage, start: Extrinsics, budget: Budget,
     longer approach, the mean of their ends counts, and the next begins there (Robbins & Monro 1951, gains of 1 / n).
     """
     scale, box = case.scale_of(stage), case.box
-    data, chart = case.images.at(scale), box.chart
+    data, chart = case.images.at(scale, stage.frames), box.chart
     began, found, cut = time.perf_counter(), None, False
     best, runs, rounds, near = np.asarray(chart.coordinates(start)), [], 0, 0
 
@@ -169,29 +169,23 @@ def _epipolar_stage(case: Case, stage: Stage, start: Extrinsics, budget: Budget,
         rounds += 1
         if found.found < FEWEST:
             break
-        before = differences = differences_at(found, chart, best)
-        end = best
+        at_start = rows = linearised(found, chart, best)
         for loss in losses:
             allowed = left()
             if allowed is None:
                 break
-            asked = epipolar_objective(found, precisions(found, differences, loss), box, allowed)
-            runs.append(run_strategy(stage.strategy, asked, end, seed))
-            end = runs[-1].best
-            differences = differences_at(found, chart, end)
-        moved = float(np.median(np.abs(differences - before)[np.asarray(found.weight) > 0]))
+            asked = epipolar_objective(rows, precisions(found, rows.differences, loss), box, allowed)
+            runs.append(run_strategy(stage.strategy, asked, rows.z, seed))
+            rows = rows.moved(found, chart, runs[-1].best)
+        way = np.abs(rows.differences - at_start.differences)[np.asarray(found.weight) > 0]
+        moved = float(np.median(way))
         near = near + 1 if moved < _FAR else 0
-        best = best + (end - best) / max(near, 1)
+        best = best + (rows.z - best) / max(near, 1)
         cut = allowed is None or runs[-1].status is Status.BUDGET
         if cut or (near and moved / near < _SETTLED):
             break
     end, nothing = np.asarray(chart.extrinsics(best)), np.zeros((0, 7))
     return StageRun(stage, scale, start, end, tuple(runs), nothing, rounds * data.cost, found, cut)
-
-
-def differences_at(found: Correspondences, chart: Chart, z: Float[np.ndarray, "n"]) -> Float[np.ndarray, "k m"]:
-    """The row differences at a point of the unit box, in pixels of the scale of `found`."""
-    return np.asarray(row_differences(found, with_unit_baseline(chart.extrinsics(z))))
 
 
 def remaining(budget: Budget, cost: float, began: float) -> Budget | None:

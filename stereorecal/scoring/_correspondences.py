@@ -115,12 +115,12 @@ def _side(data: ScoringData) -> int:
     return max(1, round(math.sqrt(data.view.size[0] * data.view.size[1] / _CELLS)))
 
 
-@jax.jit
 def refined(data: ScoringData, extrinsics: Extrinsics, found: Disparity) -> tuple[jax.Array, jax.Array, jax.Array]:
     """Rays, left and right, and inverse variances of the cells of every frame: (k, m, 3), (k, m, 3), (k, m)."""
     view, side, extrinsics = data.view, _side(data), jnp.asarray(extrinsics, jnp.float32)
     width, height = view.size
-    columns, rows = np.meshgrid(np.arange(width, dtype=np.float32), np.arange(height, dtype=np.float32))
+    # Not NumPy's: constants of the size of an image would be part of the program, and of the file that keeps it.
+    columns, rows = jnp.meshgrid(jnp.arange(width, dtype=jnp.float32), jnp.arange(height, dtype=jnp.float32))
     to_left, to_right = rectifying_rotations(rotation_from_euler(extrinsics[:3]), extrinsics[3:])
 
     def rays(x, y, centre, rotation):

@@ -12,6 +12,7 @@ from stereorecal._errors import InputError
 from stereorecal._pytree import register_pytree
 from stereorecal.geometry import Camera, StereoRig, View, view as default_view
 from stereorecal.recordings import Pair, Pairs, check_pairs
+from stereorecal.scoring._informative import informative
 
 _SMALLEST = 16  # pixels a side: below that no window of a matcher fits
 
@@ -70,14 +71,14 @@ class Pyramid:
     _levels: dict[tuple[float, int], ScoringData] = field(default_factory=dict, repr=False)
 
     def at(self, scale: float, most: int | None = None) -> ScoringData:
-        """The first `most` pairs (default: all) at `scale`, on JAX's device.
+        """At most `most` pairs (default: all), the informative ones, at `scale`, on JAX's device.
 
         Raises:
             InputError: if the scale is not within (0, 1], or leaves less than 16 pixels a side.
         """
-        number = len(self.pairs[:most])
+        number = min(len(self.pairs), most or len(self.pairs))
         if (scale, number) not in self._levels:
-            self._levels[scale, number] = _prepared(self.rig, self.pairs[:number], self.view, scale)
+            self._levels[scale, number] = _prepared(self.rig, informative(self.pairs, number), self.view, scale)
         return self._levels[scale, number]
 
 

@@ -49,9 +49,3 @@ def rectify_frames(data: ScoringData, extrinsics: Extrinsics, use, area=mapped_a
         return use(Rectified(*jax.lax.optimization_barrier(warped), *areas), *others)
 
     return jax.lax.map(frame, (data.left, data.right, more))
-
-
-@jax.jit
-def rectified_frame(data: ScoringData, extrinsics: Float[AnyArray, "6"]) -> Rectified:
-    """The one frame of `data` rectified by `extrinsics`."""
-    return jax.tree.map(lambda leaf: leaf[0], rectify_frames(data, extrinsics, lambda frame: frame))

@@ -118,7 +118,7 @@ def _contrast(images: Float[jax.Array, "n h w"]) -> Float[jax.Array, "n h w"]:
     """Grey levels less their local mean, over the local contrast: exposure and vignetting leave it as it is."""
     sums = jax.vmap(partial(box_sum, block_size=_CONTRAST_WINDOW))
     across, down = (np.convolve(np.ones(n), np.ones(_CONTRAST_WINDOW), "same") for n in images.shape[:0:-1])
-    pixels = np.outer(down, across).astype(np.float32)
+    pixels = jnp.outer(jnp.asarray(down, jnp.float32), jnp.asarray(across, jnp.float32))
     centred = images - sums(images) / pixels
     return centred / jnp.sqrt(sums(centred**2) / pixels + _CONTRAST_FLOOR)
 

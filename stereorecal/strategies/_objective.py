@@ -29,12 +29,12 @@ class Traced:
         count: z -> (), the score that `Objective.value` returns on the host.
         soft_count: z -> (), its differentiable approximation, in forward and in reverse mode; a value with its gradient
             costs `Objective.gradient_cost`.
-        residuals: z -> (m,), for least squares; the score is then -½ |residuals|².
+        residuals: z -> (m,), for least squares; the score is then -½ |residuals|². Takes NumPy points as well.
     """
 
     count: TracedFunction | None = None
     soft_count: TracedFunction | None = None
-    residuals: TracedFunction | None = None
+    residuals: Callable[[Any], Any] | None = None
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,8 @@ _KNOWN = {
     "compass": ("'stereorecal[default]'", "compass"),
     "gradient-descent": ("'stereorecal[default]'", "compass"),
     "secant": ("'stereorecal[default]'", "compass"),
-    "optimistix-": ("'stereorecal[default]'", "optimistix"),
+    "levenberg-marquardt": ("'stereorecal[default]'", "levenberg-marquardt"),
+    "optimistix-": ("stereorecal-optimistix", "optimistix"),
     "nlopt-": ("stereorecal-nlopt", "nlopt"),
     "features": ("stereorecal-features", "features"),
 }

@@ -64,11 +64,11 @@ class _Counted:
     function: Score = field(metadata={"static": True})
     runs: int = field(metadata={"static": True})
 
-    def __call__(self, z: jax.Array) -> jax.Array:
+    def __call__(self, z: Any) -> Any:
         self.tick(z, self.runs)
         return self.function(z)
 
-    def tick(self, z: jax.Array, runs: int) -> None:
+    def tick(self, z: Any, runs: int) -> None:
         """Count this many runs at z."""
         jax.debug.callback(partial(Meter.tick, count=runs), self.key, jnp.abs(z).max())
 
@@ -81,15 +81,15 @@ class _Differentiable:
     counted: _Counted
     rule: Callable[[_Counted, Any], Any] = field(metadata={"static": True})
 
-    def __call__(self, z: jax.Array) -> jax.Array:
+    def __call__(self, z: Any) -> Any:
         return self.rule(self.counted, z)
 
 
-def _plain(counted: _Counted, z: jax.Array) -> jax.Array:
+def _plain(counted: _Counted, z: Any) -> Any:
     return counted(z)
 
 
-def _with_gradient(counted: _Counted, z: jax.Array) -> jax.Array:
+def _with_gradient(counted: _Counted, z: Any) -> Any:
     return replace(counted, runs=z.shape[0] + 1)(z)
 
 

@@ -30,12 +30,12 @@ def runs():
 
 @pytest.fixture
 def looks(monkeypatch):
-    """Looks of surveys, each at one frame at the survey's own scale, with both orders of the sides."""
+    """Looks of surveys, each at one frame at the survey's own scale."""
     seen = []
     in_turn = _survey.in_turn
 
     def counted(look, frames, candidates, *more):
-        seen.append(2 * np.atleast_2d(candidates).shape[0] * sum(frame.cost for frame in frames))
+        seen.append(np.atleast_2d(candidates).shape[0] * sum(frame.cost for frame in frames))
         return in_turn(look, frames, candidates, *more)
 
     monkeypatch.setattr(_survey, "in_turn", counted)

@@ -1,5 +1,7 @@
 """The rounds of an epipolar stage, with their ends told beforehand: which of them count, and when it is enough."""
 
+from typing import NamedTuple
+
 import numpy as np
 import pytest
 
@@ -13,10 +15,20 @@ from stereorecal.strategies import Budget, Objective, Problem, Run, Status, stra
 from stereorecal.synthetic import default_rig, render
 
 RIG = default_rig().resized((64, 48))
-SOLVE = strategy("optimistix-levenberg-marquardt")
+SOLVE = strategy("levenberg-marquardt")
 NOTHING_DONE = Objective(Problem(5, lambda points: np.zeros(len(points)))).trace
 RAYS, ONES, ONE = np.zeros((1, 80, 3), np.float32), np.ones((1, 80), np.float32), np.ones(())
 FOUND = Correspondences(RAYS, RAYS, ONES, np.zeros((1, 80), np.int32), ONE, ONE, ONE)
+
+
+class Told(NamedTuple):
+    """Rows that are as far apart as the first coordinate says."""
+
+    z: np.ndarray
+    differences: np.ndarray
+
+    def moved(self, found, chart, z):
+        return Told(z, np.full((1, 80), z[0]))
 
 
 @pytest.fixture
@@ -36,7 +48,7 @@ def staged(monkeypatch):
 
         monkeypatch.setattr(_stages.host, "correspondences", correspondences)
         monkeypatch.setattr(_stages, "run_strategy", solved)
-        monkeypatch.setattr(_stages, "differences_at", lambda found, chart, z: np.full((1, 80), z[0]))
+        monkeypatch.setattr(_stages, "linearised", lambda found, chart, z: Told(z, np.full((1, 80), z[0])))
         monkeypatch.setattr(_stages, "precisions", lambda *given: None)
         monkeypatch.setattr(_stages, "epipolar_objective", lambda *given: None)
         monkeypatch.setattr(_stages, "remaining", lambda *given: None if next(asked) == cut_at else Budget())

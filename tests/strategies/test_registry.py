@@ -70,7 +70,8 @@ def test_nothing_installed(installed):
     [
         ("compass", r"'stereorecal\[default\]'", "compass"),
         ("secant", r"'stereorecal\[default\]'", "compass"),
-        ("optimistix-bfgs", r"'stereorecal\[default\]'", "optimistix"),
+        ("levenberg-marquardt", r"'stereorecal\[default\]'", "levenberg-marquardt"),
+        ("optimistix-bfgs", "stereorecal-optimistix", "optimistix"),
         ("nlopt-bobyqa", "stereorecal-nlopt", "nlopt"),
         ("features", "stereorecal-features", "features"),
     ],

@@ -1,10 +1,13 @@
 """Matching a rectified frame in blocks of rows, on all cores."""
 
+from functools import partial
 from typing import NamedTuple
 
 import jax
 import numpy as np
 
+from stereorecal._arrays import AnyArray
+from stereorecal._kept import kept
 from stereorecal.matching import AbstractMatcher, Disparity
 from stereorecal.scoring._rectify import Rectified
 from stereorecal.scoring._validity import match_frame
@@ -52,7 +55,10 @@ def blocks(height: int, matcher: AbstractMatcher) -> list[Block]:
 
 
 def _match(matcher: AbstractMatcher, frame: Rectified) -> Disparity:
-    return _compiled_match(matcher, frame) if matcher.traceable else match_frame(matcher, frame)
+    return Disparity(*_compiled_match(frame, matcher=matcher)) if matcher.traceable else match_frame(matcher, frame)
 
 
-_compiled_match = jax.jit(match_frame, static_argnames="matcher")
+@partial(kept, static=("matcher",))
+def _compiled_match(frame: Rectified, *, matcher: AbstractMatcher) -> tuple[AnyArray, ...]:
+    found = match_frame(matcher, frame)
+    return found.values, found.valid

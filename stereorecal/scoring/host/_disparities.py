@@ -6,9 +6,9 @@ from jaxtyping import Float
 from stereorecal._arrays import AnyArray
 from stereorecal.matching import AbstractMatcher, Disparity
 from stereorecal.scoring._prepare import ScoringData
-from stereorecal.scoring._rectify import rectified_frame
 from stereorecal.scoring.host._blocks import match_in_blocks
 from stereorecal.scoring.host._cores import on_all_cores
+from stereorecal.scoring.host._rectified import rectified_frame
 
 
 def disparities(data: ScoringData, extrinsics: Float[AnyArray, "6"], matcher: AbstractMatcher) -> list[Disparity]:

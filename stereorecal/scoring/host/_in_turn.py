@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Float, Shaped
 
 from stereorecal._arrays import AnyArray, Extrinsics
+from stereorecal._kept import kept
 from stereorecal.matching import AbstractMatcher
 from stereorecal.scoring._prepare import ScoringData
 from stereorecal.scoring.host._cores import cores, on_all_cores
@@ -43,14 +44,19 @@ def in_turn(
         frame, part = work
         padded = np.zeros((_ROOM, 6), np.float32)
         padded[: len(part)] = part
-        return keep(np.asarray(_seen(look, frame, padded, np.int32(len(part)), matcher))[: len(part)])
+        (answer,) = _seen(frame, padded, np.int32(len(part)), look=look, matcher=matcher)
+        return keep(np.asarray(answer)[: len(part)])
 
     answers = on_all_cores(seen, [(frame, part) for frame in frames for part in parts])
     return np.stack([np.concatenate(answers[i : i + len(parts)]) for i in range(0, len(answers), len(parts))])
 
 
-@partial(jax.jit, static_argnames=("look", "matcher"))
-def _seen(look: Look, frame: ScoringData, candidates: Float[jax.Array, "m 6"], number, matcher: AbstractMatcher):
+@partial(kept, static=("look", "matcher"))
+def _seen(frame: ScoringData, candidates: Float[jax.Array, "m 6"], number, *, look: Look, matcher: AbstractMatcher):
     answer = jax.eval_shape(lambda extrinsics: look(frame, extrinsics, matcher), candidates[0])
     nothing = jnp.zeros((len(candidates), *answer.shape), answer.dtype)
-    return jax.lax.fori_loop(0, number, lambda i, seen: seen.at[i].set(look(frame, candidates[i], matcher)), nothing)
+
+    def step(i, seen):
+        return seen.at[i].set(look(frame, candidates[i], matcher))
+
+    return (jax.lax.fori_loop(0, number, step, nothing),)

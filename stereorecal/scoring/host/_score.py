@@ -12,9 +12,9 @@ from stereorecal.geometry import StereoRig, View, with_unit_baseline
 from stereorecal.matching import AbstractMatcher, Disparity
 from stereorecal.recordings import Pairs
 from stereorecal.scoring._prepare import Pyramid, pyramid
-from stereorecal.scoring._rectify import rectified_frame
 from stereorecal.scoring.host._counts import counts_one_by_one
 from stereorecal.scoring.host._disparities import disparities
+from stereorecal.scoring.host._rectified import rectified_frame
 from stereorecal.scoring.host._survey import ranged
 
 

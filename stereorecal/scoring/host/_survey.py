@@ -1,7 +1,6 @@
 """A survey of the images at a coarse scale: roughly how the rig stands, and how wide the disparity search must be."""
 
 from dataclasses import dataclass, replace
-from functools import cache
 
 import cv2
 import jax
@@ -27,6 +26,7 @@ _DEFAULT_REACH = np.radians(3.0)
 _INSIDE = 0.7  # of the reach: where the outermost steps of yaw and roll lie
 _FRAMES = 4
 _FEWEST = 50  # pixels of surfaces; fewer say nothing about the range
+_SURELY_NOT_SWAPPED = 0.5  # share of the pixels that match: swapped, no more than that would
 _SPECKLE = 100  # pixels of the coarse image: about a hundredth of it
 
 
@@ -84,25 +84,19 @@ def survey(images: Pyramid, extrinsics: Extrinsics, reach: float = _DEFAULT_REAC
     coarse = SAD(num_disparities=data.view.size[0] // 2, block_size=7)  # at the scale of the data
     offsets = np.zeros((1, 6)) if aligned else _grid(data.view, reach)
     candidates = np.asarray(with_unit_baseline(extrinsics) + offsets, np.float32)
-    looks = 0
-
-    @cache
-    def look(candidate: int) -> Float[np.ndarray, "k 2 h w"]:
-        nonlocal looks
-        looks += 1
-        return in_turn(_look, data.frames, candidates[candidate], coarse)[:, 0]
-
-    winner = 0
+    looks, matched = 1, np.array([data.pixels])  # aligned: there is nothing to choose from
     if not aligned:
         matched = in_turn(_look, data.frames, candidates, coarse, _matched).sum(axis=0)
         looks += len(candidates)
-        winner = int(np.argmax(matched[:, 0]))
+    winner = int(np.argmax(matched))
+    seen = in_turn(_look, data.frames, candidates[winner], coarse)[:, 0]
+    if matched[winner] < _SURELY_NOT_SWAPPED * data.pixels:
         # A yaw that the images do not determine must not look like swapped sides later on.
-        unturned = np.flatnonzero(offsets[:, 1] == 0.0)
-        as_is, swapped = (look(int(unturned[np.argmax(matched[unturned, side])]))[:, side] for side in (0, 1))
-        _refuse_swapped(as_is, swapped, float(data.view.focal) * np.tan(reach), int(matched[winner, 0]))
-    # Each look matches the images as they are and with their sides swapped.
-    return Survey(offsets[winner], _surfaces(look(winner)[:, 0]), data.view, scale, 2.0 * looks * data.cost)
+        unturned = offsets[:, 1] == 0.0
+        straight = candidates[unturned][np.argmax(matched[unturned])]
+        looks += 2 + int(unturned.sum())
+        _refuse_swapped(data, coarse, straight, candidates[unturned], reach, int(matched[winner]))
+    return Survey(offsets[winner], _surfaces(seen), data.view, scale, looks * data.cost)
 
 
 def ranged(matcher: AbstractMatcher | str | None, images: Pyramid, reach: float = _DEFAULT_REACH) -> AbstractMatcher:
@@ -160,25 +154,27 @@ def _either_way(farthest: float, steps: int) -> Float[np.ndarray, "n"]:
     return np.arange(-steps, steps + 1) * (farthest / max(steps, 1))
 
 
-def _look(data: ScoringData, extrinsics: Extrinsics, matcher: AbstractMatcher) -> Float[jax.Array, "2 h w"]:
-    """The disparity of the one frame under one set of extrinsics, as the images are and with the sides swapped; NaN
-    where none is valid."""
+def _look(
+    data: ScoringData, extrinsics: Extrinsics, matcher: AbstractMatcher, swapped: bool = False
+) -> Float[jax.Array, "h w"]:
+    """The disparity of the one frame under one set of extrinsics, NaN where none is valid."""
 
-    def either(rectified: Rectified) -> Float[jax.Array, "h w"]:
-        found = match_frame(matcher, rectified)
+    def disparity(frame: Rectified) -> Float[jax.Array, "h w"]:
+        exchanged = Rectified(frame.right, frame.left, frame.right_area, frame.left_area)
+        found = match_frame(matcher, exchanged if swapped else frame)
         return jnp.where(found.valid, found.values, jnp.nan)
 
-    def both(frame: Rectified) -> Float[jax.Array, "2 h w"]:
-        swapped = Rectified(frame.right, frame.left, frame.right_area, frame.left_area)
-        # One after the other in a loop: the matcher is compiled once.
-        return jax.lax.map(either, jax.tree.map(lambda *sides: jnp.stack(sides), frame, swapped))
-
-    return rectify_frames(data, extrinsics, both)[0]
+    return rectify_frames(data, extrinsics, disparity)[0]
 
 
-def _matched(disparities: Float[np.ndarray, "n 2 h w"]) -> Int[np.ndarray, "n 2"]:
-    """How many pixels match under each candidate, in each order of the sides."""
-    return np.isfinite(disparities).sum(axis=(2, 3))
+def _look_swapped(data: ScoringData, extrinsics: Extrinsics, matcher: AbstractMatcher) -> Float[jax.Array, "h w"]:
+    """The same with the sides exchanged, once they are rectified: rows that are aligned stay so."""
+    return _look(data, extrinsics, matcher, swapped=True)
+
+
+def _matched(disparities: Float[np.ndarray, "n h w"]) -> Int[np.ndarray, "n"]:
+    """How many pixels match under each candidate."""
+    return np.isfinite(disparities).sum(axis=(1, 2))
 
 
 def _surfaces(disparities: Float[np.ndarray, "k h w"]) -> Float[np.ndarray, "n"]:
@@ -193,14 +189,27 @@ def _surfaces(disparities: Float[np.ndarray, "k h w"]) -> Float[np.ndarray, "n"]
 
 
 def _refuse_swapped(
-    straight: Float[np.ndarray, "k h w"], swapped: Float[np.ndarray, "k h w"], margin: float, matched: int
+    data: ScoringData,
+    matcher: AbstractMatcher,
+    straight: Float[np.ndarray, "6"],
+    candidates: Float[np.ndarray, "n 6"],
+    reach: float,
+    matched: int,
 ) -> None:
     """Refuse images that match better with their sides swapped than the `matched` pixels that they match as they are.
 
-    Disparities within the margin may be infinity seen through a yaw error; beyond it they tell the sides apart.
+    Disparities that a yaw error of `reach` explains may be infinity; beyond it they tell the sides apart.
+
+    Args:
+        straight: the candidate under which most pixels match as they are.
+        candidates: under which they are matched swapped.
     """
-    here, there = (int(np.sum(_surfaces(found) > margin + 1.0)) for found in (straight, swapped))
-    if there > 4 * here and there > 0.1 * straight.size and int(np.isfinite(swapped).sum()) > matched:
+    there = in_turn(_look_swapped, data.frames, candidates, matcher, _matched).sum(axis=0)
+    swapped = in_turn(_look_swapped, data.frames, candidates[np.argmax(there)], matcher)[:, 0]
+    as_is = in_turn(_look, data.frames, straight, matcher)[:, 0]
+    margin = float(data.view.focal) * np.tan(reach)
+    here, there = (int(np.sum(_surfaces(found) > margin + 1.0)) for found in (as_is, swapped))
+    if there > 4 * here and there > 0.1 * as_is.size and int(np.isfinite(swapped).sum()) > matched:
         raise InputError(
             "the left and right images look swapped (near things lie on the wrong side); exchange left and right."
         )
