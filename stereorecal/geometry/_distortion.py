@@ -80,8 +80,8 @@ def _undistort_on_host(
     for _ in range(iterations if coefficients.size else 0):
         error = distort(points, coefficients) - goals
         # Complex steps (Squire & Trapp 1998): derivatives without a difference, exact.
-        ends = (np.asarray(distort(points + direction, coefficients)) for direction in tiny * 1j * np.eye(2))
-        by_x, by_y = (end.imag / tiny for end in ends)
+        ends = (distort(points + direction, coefficients) for direction in tiny * 1j * np.eye(2))
+        by_x, by_y = (np.imag(end) / tiny for end in ends)
         (a, c), (b, d) = np.moveaxis(by_x, -1, 0), np.moveaxis(by_y, -1, 0)
         update = np.stack([d * error[..., 0] - b * error[..., 1], a * error[..., 1] - c * error[..., 0]], axis=-1)
         update /= (a * d - b * c)[..., None]
