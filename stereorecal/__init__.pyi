@@ -39,6 +39,7 @@ from .recalibration import (
     recalibrate_many as recalibrate_many,
     recalibrate_sequence as recalibrate_sequence,
     repairs_as_finished as repairs_as_finished,
+    warm_up as warm_up,
 )
 from .recordings import Log as Log, Mission as Mission, Pair as Pair, Scene as Scene, make_pair as make_pair
 from .reproduction import (

@@ -6,6 +6,7 @@ package's files, versions, platform, structure, shapes and static arguments; whe
 """
 
 import hashlib
+import logging
 import os
 import threading
 import uuid
@@ -21,6 +22,7 @@ import numpy as np
 
 from stereorecal._arrays import AnyArray
 
+LOG = logging.getLogger("stereorecal")
 _FOLDER = "stereorecal-traced"
 Leaves = tuple[AnyArray, ...]
 
@@ -61,6 +63,8 @@ def _program(function: Callable, structure: Any, leaves: list, statics: dict[str
     path = folder / f"{function.__name__.strip('_')}-{hashlib.sha256(repr(known).encode()).hexdigest()[:32]}"
     with suppress(Exception):  # missing, cut short, of another format: whatever it is, it is traced anew
         return jax.jit(jax.export.deserialize(bytearray(path.read_bytes())).call)
+
+    LOG.info("compiling %s; it is kept in %s", function.__name__.strip("_"), folder)
 
     def flat(*leaves: jax.Array) -> Leaves:
         return function(*jax.tree.unflatten(structure, leaves), **statics)

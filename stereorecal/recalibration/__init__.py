@@ -27,3 +27,4 @@ from stereorecal.recalibration._schedule import (
 from stereorecal.recalibration._sequence import recalibrate_sequence as recalibrate_sequence
 from stereorecal.recalibration._solution import Solution as Solution
 from stereorecal.recalibration._uncertainty import Uncertainty as Uncertainty
+from stereorecal.recalibration._warm_up import warm_up as warm_up

@@ -57,10 +57,10 @@ def test_all_cores_have_work(scene, some_cores, monkeypatch, frames, number):
 def test_one_program_serves_any_number(scene):
     frames = prepared(scene()).frames
     in_turn(first_two, frames, np.zeros((1, 6)), SAD_32)
-    before = _in_turn._seen._cache_size()
+    before = _in_turn._seen.compiled._cache_size()
     for number in (0, 2, 7, 50):
         in_turn(first_two, frames, np.zeros((number, 6)), SAD_32)
-    assert _in_turn._seen._cache_size() == before
+    assert _in_turn._seen.compiled._cache_size() == before
 
 
 @settings(max_examples=8, deadline=None)

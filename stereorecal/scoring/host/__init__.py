@@ -10,6 +10,7 @@ from stereorecal.scoring.host._score import (
     score as score,
 )
 from stereorecal.scoring.host._survey import (
+    RANGES as RANGES,
     Survey as Survey,
     ranged as ranged,
     survey as survey,

@@ -20,7 +20,7 @@ from stereorecal.scoring.host._in_turn import in_turn
 
 _COARSE_WIDTH = 128  # pixels: a few degrees of drift are a few rows here, which a window forgives
 _COARSE_HEIGHT = 24  # pixels, at least, for panoramic images
-_RANGES = (16, 32, 48, 64, 96, 128, 192, 256, 384, 512)  # few, since each is a program of its own to compile
+RANGES = (16, 32, 48, 64, 96, 128, 192, 256, 384, 512)  # few, since each is a program of its own to compile
 _MARGIN = 1.25  # the nearest surface may be small, or seen closer in another frame
 _DEFAULT_REACH = np.radians(3.0)
 _INSIDE = 0.7  # of the reach: where the outermost steps of yaw and roll lie
@@ -62,7 +62,7 @@ class Survey:
         widest = (_MARGIN * nearest + float(self.view.focal) * np.tan(yaw)) / self.scale
         width = round(self.view.size[0] / self.scale)
         limit = width - 1 - abs(matcher.min_disparity)
-        wanted = max(16, next((n for n in _RANGES if n >= widest), widest) - matcher.min_disparity)
+        wanted = max(16, next((n for n in RANGES if n >= widest), widest) - matcher.min_disparity)
         return replace(matcher, num_disparities=int(min(wanted, limit // 16 * 16)))
 
 

@@ -1,0 +1,56 @@
+"""Compiling before the first repair has to wait for it."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import cv2
+import numpy as np
+
+from stereorecal._errors import InputError
+from stereorecal.geometry import StereoRig
+from stereorecal.matching import AbstractMatcher, as_matcher
+from stereorecal.recalibration._recalibrate import recalibrate
+from stereorecal.recalibration._schedule import Schedule
+from stereorecal.recordings import Pair
+from stereorecal.scoring.host import RANGES
+
+_USUAL = (64, 96, 128)
+
+
+def warm_up(
+    rig: StereoRig,
+    *,
+    matcher: AbstractMatcher | str | None = None,
+    schedule: Schedule | str | None = None,
+    disparities: Sequence[int] = _USUAL,
+) -> None:
+    """Compile what repairs of this rig need, so that none of them waits: some ten seconds, and a few for each range.
+
+    What is compiled depends on the size of the images, on how many lens coefficients there are, and on the disparity
+    range; neither on their contents, nor on how many there are, nor on the numbers of the calibration. It stays in this
+    process; where JAX's compilation cache is switched on (`jax.config.update("jax_compilation_cache_dir", folder)`, as
+    the command line does), later processes find it there.
+
+    Args:
+        matcher: a matcher, or "sad" (default), "bm" or "sgbm"; with `num_disparities`, that range alone is compiled.
+        schedule: as `recalibrate` has it.
+        disparities: the ranges that are compiled. Measured ranges are one of 16, 32, 48, 64, 96, 128, 192, 256, 384
+            and 512 (`Solution.matcher` tells).
+
+    Raises:
+        InputError: if a range is none of those, or wider than the images; or as `recalibrate`.
+    """
+    asked, pair = as_matcher(matcher), _noise(rig.left.size)
+    if asked.num_disparities is None and (unknown := [n for n in disparities if n not in RANGES]):
+        raise InputError(f"disparities {unknown[0]} is no range that is measured; choose from {RANGES}.")
+    for number in disparities if asked.num_disparities is None else (asked.num_disparities,):
+        recalibrate(rig, [pair], matcher=replace(asked, num_disparities=number), schedule=schedule)
+
+
+def _noise(size: tuple[int, int]) -> Pair:
+    """Images that match: smooth noise, the right one shifted a little."""
+    width, height = size
+    coarse = np.random.default_rng(0).uniform(0, 255, (height // 3 + 1, width // 3 + 4)).astype(np.float32)
+    wide = cv2.resize(coarse, (width + 8, height), interpolation=cv2.INTER_CUBIC)
+    left, right = (np.ascontiguousarray(np.clip(side, 0, 255)) for side in (wide[:, :width], wide[:, 8:]))
+    return Pair(left, right, "noise")

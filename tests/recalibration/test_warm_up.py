@@ -1,0 +1,25 @@
+"""Warmed up, a repair compiles nothing, whatever the images show and however many there are."""
+
+import jax
+import pytest
+
+import stereorecal as sr
+from stereorecal.matching import SAD
+
+SIZE = (160, 120)
+
+
+def test_nothing_is_left_to_compile(scene, caplog):
+    two = scene("street", 0, SIZE, 2)
+    matcher = SAD(num_disparities=32)
+    sr.warm_up(two.rig, matcher=matcher)
+    bad = sr.synthetic.decalibrate(two.rig, jax.random.key(1), 1.0, 0.01)
+    with jax.log_compiles(), caplog.at_level("WARNING"):
+        sr.recalibrate(bad, two.pairs[:1], matcher=matcher)
+        sr.recalibrate(bad, two.pairs, matcher=matcher)
+    assert [record.message for record in caplog.records if "ompil" in record.message] == []
+
+
+def test_a_range_that_is_never_measured():
+    with pytest.raises(sr.InputError, match="disparities 70 is no range that is measured; choose from"):
+        sr.warm_up(sr.synthetic.default_rig(), disparities=(64, 70))
