@@ -1,8 +1,16 @@
 """Cameras, rigs, rotations, rectification, warps: pure functions and frozen pytrees."""
 
-from stereorecal.geometry._axis_errors import AxisErrors as AxisErrors, axis_errors as axis_errors
+from stereorecal.geometry._axis_errors import (
+    AxisErrors as AxisErrors,
+    axis_changes as axis_changes,
+    axis_errors as axis_errors,
+)
 from stereorecal.geometry._camera import Camera as Camera
-from stereorecal.geometry._distortion import distort as distort, undistort as undistort
+from stereorecal.geometry._distortion import (
+    distort as distort,
+    undistort as undistort,
+    undistort_on_host as undistort_on_host,
+)
 from stereorecal.geometry._rectification import (
     View as View,
     rectifying_rotations as rectifying_rotations,

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Float
 
 from stereorecal.geometry._rig import AXES, StereoRig, with_unit_baseline
 
@@ -23,7 +24,13 @@ class AxisErrors:
 
 def axis_errors(rig: StereoRig, reference: StereoRig) -> AxisErrors:
     """The errors of `rig` when `reference` is right."""
-    apart = np.abs(with_unit_baseline(rig.extrinsics) - with_unit_baseline(reference.extrinsics))
-    readable = np.concatenate([np.degrees(apart[:3]), 100.0 * apart[3:]])
-    by_name = {str(name): float(value) for name, value in zip(AXES, readable, strict=True)}
+    apart = np.abs(axis_changes(reference, rig))
+    by_name = {str(name): float(value) for name, value in zip(AXES, apart, strict=True)}
     return AxisErrors(*({name: by_name[name] for name in names} for names in (AXES[:3], ("y", "z"))))
+
+
+def axis_changes(before: StereoRig, after: StereoRig) -> Float[np.ndarray, "6"]:
+    """What `after` changes against `before`, with its sign: pitch, yaw, roll [degrees], x, y, z of the direction of the
+    baseline [percent]. The definition that `axis_errors` rests on."""
+    change = with_unit_baseline(after.extrinsics) - with_unit_baseline(before.extrinsics)
+    return np.concatenate([np.degrees(change[:3]), 100.0 * change[3:]])

@@ -106,6 +106,28 @@ def _undistort(
     return jax.vmap(newton)(points.reshape(-1, 2)).reshape(points.shape)
 
 
+def undistort_on_host(
+    points: Float[np.ndarray, "*n 2"], coefficients: Float[np.ndarray, "c"], iterations: int = 20
+) -> Float[np.ndarray, "*n 2"]:
+    """As `undistort`, in NumPy and float64: exact to its rounding, and slower. NaN where the model folds."""
+    found, step = points, 1e-6
+    with np.errstate(all="ignore"):
+        for _ in range(iterations if len(coefficients) else 0):
+            error = distort(found, coefficients) - points
+            by_x, by_y = (
+                (distort(found + move, coefficients) - distort(found - move, coefficients)) / (2.0 * step)
+                for move in (np.array([step, 0.0]), np.array([0.0, step]))
+            )
+            update = np.concatenate([_cross(error, by_y), _cross(by_x, error)], axis=-1) / _cross(by_x, by_y)
+            found = found - update / np.maximum(1.0, 4.0 * np.linalg.norm(update, axis=-1, keepdims=True))
+    return found
+
+
+def _cross(a: Float[AnyArray, "*n 2"], b: Float[AnyArray, "*n 2"]) -> Float[np.ndarray, "*n 1"]:
+    a, b = np.asarray(a), np.asarray(b)
+    return a[..., :1] * b[..., 1:] - a[..., 1:] * b[..., :1]
+
+
 def field_radius(coefficients: Float[np.ndarray, "c"], limit: float = 8.0) -> float:
     """Largest undistorted radius (tan of the angle off axis) up to which the radial model is monotone.
 
