@@ -1,28 +1,95 @@
-"""What a change of the extrinsics means to a user: errors of depth."""
+"""What a wrong calibration means to a user: rows that lie apart, and errors of depth.
+
+Both follow a point of the world: the better rig says in which pixels it appears, and the one that is used reads those
+pixels in its own way. Everything is NumPy in float64.
+"""
 
 from collections.abc import Mapping
 
 import numpy as np
+from jaxtyping import Float
 
-from stereorecal.geometry import StereoRig
+from stereorecal._arrays import AnyArray
+from stereorecal.geometry import Camera, StereoRig, View, rectifying_rotations
 
 DISTANCES = (5, 10, 30, 100)  # baselines
+ROW_DISTANCES = (10.0, np.inf)  # baselines
 
 
 def depth_errors(used: StereoRig, better: StereoRig) -> Mapping[int, float]:
     """By how many percent the depth is wrong that `used` reports, if `better` is right, at some distances.
 
     For a point straight ahead of the rig at 5, 10, 30 and 100 baselines: projected into both cameras through `better`,
-    triangulated through `used` (the nearest point to both rays, on the left one). Positive: reported too far. Infinite
-    where the rays of `used` do not meet in front of the cameras.
+    rectified by `used`, whose disparity gives the depth. Positive: reported too far. Infinite where that disparity is
+    not positive; NaN where a lens model ends before the point.
     """
     return {distance: _depth_error(used, better, distance * float(better.baseline)) for distance in DISTANCES}
 
 
 def _depth_error(used: StereoRig, better: StereoRig, depth: float) -> float:
-    ray = np.array([0.0, 0.0, 1.0])
-    from_right = better.rotation @ (depth * ray) + better.translation
-    # depth * R ray + T is parallel to what the right camera sees: least squares for the two lengths.
-    sides = np.stack([used.rotation @ ray, -from_right / np.linalg.norm(from_right)], axis=-1)
-    found, _ = np.linalg.lstsq(sides, -np.asarray(used.translation), rcond=None)[0]
-    return float(100.0 * (found / depth - 1.0)) if found > 0 else float("inf")
+    ahead = np.array([0.0, 0.0, 1.0])
+    to_left, to_right = rectifying_rotations(used.rotation, used.translation)
+    left = _at_depth_1(to_left @ _reread(ahead, better.left, used.left))
+    from_right = better.rotation @ (depth * ahead) + better.translation
+    right = _at_depth_1(to_right @ _reread(from_right, better.right, used.right))
+    disparity = left[0] - right[0]
+    if disparity <= 0.0:
+        return float("inf")
+    point = to_left.T @ left * float(used.baseline) / disparity
+    return float(100.0 * (point[2] / depth - 1.0))
+
+
+def rows_apart(
+    used: StereoRig, better: StereoRig, view: View, columns: Float[np.ndarray, "w"], rows: Float[np.ndarray, "h"]
+) -> Float[np.ndarray, "distances h w"]:
+    """Row of a point in the left image rectified by `used` less its row in the right one, if `better` is right.
+
+    Args:
+        view: in which `used` rectifies.
+        columns, rows: of the points in the left image of the view, in its pixels.
+
+    Returns:
+        pixels of the view, for points at each of ROW_DISTANCES from the left camera, in baselines along its axis; NaN
+        where not both cameras see the point.
+    """
+    to_left, to_right = rectifying_rotations(used.rotation, used.translation)
+    x, y = np.meshgrid((columns - view.centre_left) / view.focal, (rows - view.centre_row) / view.focal)
+    shown = np.stack([x, y, np.ones_like(x)], axis=-1) @ to_left
+    true = _reread(_seen(shown, used.left), used.left, better.left)
+    apart = []
+    for distance in ROW_DISTANCES:
+        from_right = true @ better.rotation.T + better.translation / (distance * float(better.baseline))
+        read = _reread(_seen(from_right, better.right), better.right, used.right) @ to_right.T
+        apart.append(view.focal * (y - _at_depth_1(read)[..., 1]))
+    return np.stack(apart)
+
+
+def _reread(rays: Float[AnyArray, "*n 3"], true: Camera, read: Camera) -> Float[np.ndarray, "*n 3"]:
+    """Where `read` takes points to lie that `true` sees along `rays`: the rays themselves if the cameras are equal."""
+    if same_camera(true, read):
+        return np.asarray(rays)
+    return _within_lens(read.rays_on_host(true.project(_at_depth_1(rays))), read)
+
+
+def _seen(rays: Float[AnyArray, "*n 3"], camera: Camera) -> Float[np.ndarray, "*n 3"]:
+    """The rays, NaN where they miss the camera's image."""
+    rays = _within_lens(_at_depth_1(rays), camera)
+    pixels = camera.project(rays)
+    inside = (pixels >= 0.0) & (pixels <= np.array(camera.size) - 1.0)
+    return np.where(inside.all(axis=-1, keepdims=True), rays, np.nan)
+
+
+def _at_depth_1(rays: Float[AnyArray, "*n 3"]) -> Float[np.ndarray, "*n 3"]:
+    """(x/z, y/z, 1); NaN behind the camera."""
+    rays = np.asarray(rays)
+    return rays / np.where(rays[..., 2:] > 0.0, rays[..., 2:], np.nan)
+
+
+def _within_lens(rays: Float[AnyArray, "*n 3"], camera: Camera) -> Float[np.ndarray, "*n 3"]:
+    """Rays at depth 1, NaN beyond the radius that the lens model is good for."""
+    return np.where(np.hypot(rays[..., :1], rays[..., 1:2]) < float(camera.lens_radius), rays, np.nan)
+
+
+def same_camera(one: Camera, other: Camera) -> bool:
+    """Whether two cameras have equal intrinsics."""
+    return np.array_equal(one.matrix, other.matrix) and np.array_equal(one.distortion, other.distortion)
