@@ -29,11 +29,13 @@ from .matching import BM as BM, SAD as SAD, SGBM as SGBM, Disparity as Disparity
 from .objectives import Reach as Reach, objective as objective
 from .recalibration import (
     Cost as Cost,
+    Difference as Difference,
     Health as Health,
     Reason as Reason,
     Repair as Repair,
     Schedule as Schedule,
     Solution as Solution,
+    difference as difference,
     health as health,
     recalibrate as recalibrate,
     recalibrate_many as recalibrate_many,

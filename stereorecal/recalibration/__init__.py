@@ -2,6 +2,7 @@
 
 from stereorecal.recalibration._acceptance import Reason as Reason, RowErrors as RowErrors
 from stereorecal.recalibration._cost import Cost as Cost
+from stereorecal.recalibration._difference import Difference as Difference, difference as difference
 from stereorecal.recalibration._health import (
     LEAST_COVERED as LEAST_COVERED,
     ROWS_APART as ROWS_APART,

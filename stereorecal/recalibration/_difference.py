@@ -1,0 +1,138 @@
+"""What one calibration changes against another, in the units in which people read it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal._arrays import refuse_tracers
+from stereorecal._errors import InputError
+from stereorecal._plain import plain
+from stereorecal.geometry import AXES, StereoRig, View, angle_between, axis_changes, view as default_view
+from stereorecal.recalibration._effects import depth_errors, rows_apart, same_camera
+from stereorecal.report.cells import change, depths
+
+_GRID = (32, 24)  # columns and rows: as many as show what a lens or a roll does
+
+
+@dataclass(frozen=True, eq=False)
+class Difference:
+    """What a calibration `after` changes against a calibration `before`.
+
+    Rows and depth say what goes wrong for those who use `before` if `after` is right; different intrinsics enter there.
+
+    Attributes:
+        rotation_deg: change of pitch, yaw and roll, in degrees, by name.
+        angle_deg: of the rotation that leads from one to the other, in degrees.
+        translation_percent: change of y and z, in percent of the baseline, by name: of its direction, as in
+            `AxisErrors`.
+        baseline_percent: by how much the baseline is longer.
+        same_intrinsics: whether the cameras are the same.
+        depth_error_percent: of `before`, in percent, at 5, 10, 30 and 100 baselines; positive: too far; infinite where
+            the rays of a point do not meet.
+        columns, rows: of the grid of points, in pixels of the view of `before`.
+        row_differences: row in the left rectified image less the row in the right one, in pixels of that view, for
+            points at 10 baselines (the first plane) and at infinity (the second); NaN where not both cameras see the
+            point.
+    """
+
+    rotation_deg: Mapping[str, float]
+    angle_deg: float
+    translation_percent: Mapping[str, float]
+    baseline_percent: float
+    same_intrinsics: bool
+    depth_error_percent: Mapping[int, float]
+    columns: Float[np.ndarray, "w"]
+    rows: Float[np.ndarray, "h"]
+    row_differences: Float[np.ndarray, "2 h w"]
+
+    @property
+    def row_map(self) -> Float[np.ndarray, "h w"]:
+        """The row differences, with their signs, at whichever distance they are larger."""
+        larger = np.argmax(np.nan_to_num(np.abs(self.row_differences), nan=-1.0), axis=0)
+        return np.take_along_axis(self.row_differences, larger[None], axis=0)[0]
+
+    @property
+    def row_error_median(self) -> float:
+        """Median |row difference| over the grid and both distances, in pixels; NaN if nothing is seen."""
+        return float(np.median(self._row_errors)) if self._row_errors.size else float("nan")
+
+    @property
+    def row_error_worst(self) -> float:
+        """Largest |row difference|, in pixels; NaN if nothing is seen."""
+        return float(np.max(self._row_errors)) if self._row_errors.size else float("nan")
+
+    @property
+    def _row_errors(self) -> Float[np.ndarray, "m"]:
+        return np.abs(self.row_differences[np.isfinite(self.row_differences)])
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain data for JSON; None for what is infinite or unknown."""
+        return plain(
+            {
+                "rotation_deg": dict(self.rotation_deg),
+                "angle_deg": self.angle_deg,
+                "translation_percent": dict(self.translation_percent),
+                "baseline_percent": self.baseline_percent,
+                "same_intrinsics": self.same_intrinsics,
+                "row_error_px": {"median": self.row_error_median, "worst": self.row_error_worst},
+                "row_map": {"columns": self.columns, "rows": self.rows, "difference_px": self.row_map},
+                "depth_error_percent": dict(self.depth_error_percent),
+            }
+        )
+
+    def __str__(self) -> str:
+        angles = ", ".join(f"{name} {value:+z.3f}" for name, value in self.rotation_deg.items())
+        shifts = ", ".join(f"{name} {value:+z.2f} %" for name, value in self.translation_percent.items())
+        rows = "no point of the view is seen by both cameras"
+        if self._row_errors.size:
+            rows = (
+                f"{self.row_error_median:.2f} px apart (median over the view), {self.row_error_worst:.2f} px at worst"
+            )
+        lines = [
+            f"rotation  {self.angle_deg:.3f} deg: {angles}",
+            f"baseline  {shifts}, length {change(self.baseline_percent, 'long')}",
+            f"rows      {rows}",
+            f"depth     {depths(self.depth_error_percent)}",
+        ]
+        return "\n".join(lines if self.same_intrinsics else [*lines, "cameras   the intrinsics differ too"])
+
+
+def difference(before: StereoRig, after: StereoRig, *, view: View | None = None) -> Difference:
+    """What a calibration changes against another one of the same rig.
+
+    Args:
+        before, after: the calibrations; intrinsics may differ, the size of the images may not.
+        view: in which rows are compared; default the view of `before`.
+
+    Raises:
+        InputError: if the calibrations are for images of different sizes.
+    """
+    refuse_tracers("sr.difference", "differences of the extrinsics", before, after)
+    _check_sizes(before, after)
+    view = default_view(before) if view is None else view
+    changes = dict(zip(AXES, axis_changes(before, after).tolist(), strict=True))
+    columns, rows = (np.linspace(0.0, size - 1.0, count) for size, count in zip(view.size, _GRID, strict=True))
+    return Difference(
+        rotation_deg={name: changes[name] for name in AXES[:3]},
+        angle_deg=float(np.degrees(angle_between(before.rotation, after.rotation))),
+        translation_percent={name: changes[name] for name in ("y", "z")},
+        baseline_percent=float(100.0 * (after.baseline / before.baseline - 1.0)),
+        same_intrinsics=same_camera(before.left, after.left) and same_camera(before.right, after.right),
+        depth_error_percent=depth_errors(before, after),
+        columns=columns,
+        rows=rows,
+        row_differences=rows_apart(before, after, view, columns, rows),
+    )
+
+
+def _check_sizes(before: StereoRig, after: StereoRig) -> None:
+    for side in ("left", "right"):
+        sizes = ["x".join(map(str, getattr(rig, side).size)) for rig in (before, after)]
+        if sizes[0] != sizes[1]:
+            raise InputError(
+                f"the calibrations are for {side} images of {sizes[0]} and of {sizes[1]}; resize one with "
+                "`StereoRig.resized`."
+            )
