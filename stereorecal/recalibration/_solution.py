@@ -11,10 +11,11 @@ from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import FREE_AXES, Reach
 from stereorecal.recalibration._acceptance import Reason, RowErrors
 from stereorecal.recalibration._cost import Cost
-from stereorecal.recalibration._effects import depth_errors
+from stereorecal.recalibration._difference import Difference, difference
 from stereorecal.recalibration._path import Waypoint, path_of
 from stereorecal.recalibration._stages import StageRun
 from stereorecal.recalibration._uncertainty import Uncertainty
+from stereorecal.report.cells import depths
 from stereorecal.scoring.host import Score
 from stereorecal.strategies import Status, Trace
 
@@ -76,7 +77,8 @@ class Solution:
 
     @property
     def covariance(self) -> Float[np.ndarray, "5 5"] | None:
-        """Of pitch, yaw, roll [degrees], y, z [percent of the baseline]; None without an epipolar stage."""
+        """Of pitch, yaw, roll [degrees], y, z [percent of the baseline], around the candidate; None without an epipolar
+        stage."""
         return None if self.uncertainty is None else self.uncertainty.covariance
 
     @property
@@ -85,10 +87,15 @@ class Solution:
         return np.asarray(self.candidate.extrinsics) - np.asarray(self.initial.extrinsics)
 
     @property
+    def difference(self) -> Difference:
+        """What the candidate changes against the initial calibration: axes, rows over the view, depth."""
+        return difference(self.initial, self.candidate, view=self.view)
+
+    @property
     def depth_error_percent(self) -> Mapping[int, float]:
         """The depth error of the initial calibration in percent, if the candidate is right, at 5, 10, 30 and 100
-        baselines."""
-        return depth_errors(self.initial, self.candidate)
+        baselines; infinite where a point seems to lie beyond infinity."""
+        return self.difference.depth_error_percent
 
     def __str__(self) -> str:
         verdict = "accepted" if self.accepted else "not accepted, the initial calibration stays"
@@ -102,8 +109,7 @@ class Solution:
         if self.uncertainty is not None and self.uncertainty.unobserved:
             lines.append(f"not determined by these images: {', '.join(self.uncertainty.unobserved)}")
         if self.accepted:
-            wrong = ", ".join(f"{error:+.1f} % at {distance} B" for distance, error in self.depth_error_percent.items())
-            lines.append(f"depth was off: {wrong}")
+            lines.append(f"depth was off: {depths(self.depth_error_percent)}")
         return "\n".join(lines)
 
     def _rows(self, when: str) -> str:
@@ -116,8 +122,8 @@ class Solution:
         line = (
             f"{name:<6} {factor * before:+9.3f} -> {factor * after:+9.3f} {unit:<3} changed by {factor * change:+8.3f}"
         )
-        if self.uncertainty is None or name not in FREE_AXES:
-            return line
+        if self.uncertainty is None or name not in FREE_AXES or not self.reason.healthy:
+            return line  # no interval: it would be that of an answer that was found wrong
         half_width = self.uncertainty.interval[FREE_AXES.index(name)]
         if index >= 3:
             half_width *= 10.0 * float(self.initial.baseline)  # percent of the baseline to mm

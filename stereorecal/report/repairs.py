@@ -13,8 +13,8 @@ from stereorecal.report.cells import number, percent
 _AXES = {"rotation_deg": ("pitch", "yaw", "roll"), "translation_percent": ("y", "z")}
 
 _LEGEND = (
-    "matched pixels and median epipolar (row) error: before and after; axes: change and half width of its 95 % "
-    "interval, translations in percent of the baseline"
+    "matched pixels and median epipolar (row) error: before and after; axes: change and, unless it was rejected, half "
+    "width of its 95 % interval, translations in percent of the baseline"
 )
 
 
@@ -49,7 +49,7 @@ def _table(words: Sequence[str], numbers: Sequence[str], last: Sequence[str] = (
 
 
 def _found(repair: Mapping[str, Any]) -> list[str]:
-    rows, widths = repair["row_error_px"], repair["interval_95"]
+    rows, widths = repair["row_error_px"], repair["interval_95"] if repair["healthy"] else None
     changes = [
         f"{repair['change'][kind][name]:+.3f}" + (f"\n±{widths[kind][name]:.3f}" if widths else "")
         for kind, names in _AXES.items()

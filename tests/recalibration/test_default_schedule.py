@@ -1,12 +1,17 @@
 """The default schedule end to end: the geometry comes right, and what is right or invisible is left alone."""
 
+from dataclasses import replace
+from io import StringIO
+
 import numpy as np
 import pytest
+from rich.console import Console
 
 from stereorecal.geometry import StereoRig
 from stereorecal.matching import SAD
-from stereorecal.recalibration import Reason, Schedule, Solution, recalibrate
+from stereorecal.recalibration import Reason, Repair, Schedule, Solution, recalibrate
 from stereorecal.recordings import Pair
+from stereorecal.report.repairs import repairs_table
 from stereorecal.strategies import Budget, Status
 from stereorecal.synthetic import default_rig, render
 
@@ -107,6 +112,34 @@ def test_text(repaired):
         assert float(line.rpartition("± ")[2]) == pytest.approx(in_unit, abs=0.00051)
     assert lines[-1].startswith("depth was off: ")
     assert [part.rpartition(" at ")[2] for part in lines[-1].split(", ")] == ["5 B", "10 B", "30 B", "100 B"]
+
+
+def test_what_the_candidate_changes(repaired):
+    found = repaired.difference
+    np.testing.assert_allclose(list(found.rotation_deg.values()), np.degrees(repaired.change[:3]))
+    assert found.depth_error_percent == repaired.depth_error_percent
+    assert found.columns[-1] == repaired.view.size[0] - 1
+    # Over the whole view, not only where rows were measured.
+    assert found.row_error_median == pytest.approx(repaired.row_errors.before, rel=0.5)
+
+
+def test_covariance_is_in_the_units_of_differences(repaired):
+    """Degrees and percent of the baseline, as conventions.md says."""
+    half_widths = 1.96 * np.sqrt(np.diag(repaired.covariance))
+    np.testing.assert_allclose(half_widths, repaired.uncertainty.interval)
+    assert (errors(repaired.candidate) < 3 * half_widths).all()
+    assert half_widths.max() < 1.0
+
+
+def test_no_interval_of_what_was_rejected(repaired):
+    rejected = replace(repaired, rig=repaired.initial, accepted=False, reason=Reason.WORSE_ON_HELD_OUT)
+    assert "±" in str(repaired)
+    assert "±" not in str(rejected)
+    assert "depth was off" not in str(rejected)
+    for solution, shown in ((repaired, True), (rejected, False)):
+        page = StringIO()
+        Console(width=120, file=page).print(repairs_table([Repair("harbour", solution).as_dict()]))
+        assert ("±" in page.getvalue()) == shown
 
 
 def test_stages(repaired):
