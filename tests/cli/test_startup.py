@@ -19,7 +19,7 @@ except SystemExit as end:
     code = end.code
 print(code, *(name for name in ("jax", "cv2", "numpy", "rich") if name in sys.modules))
 """
-VERBS = ("recalibrate", "score", "compare", "reproduce", "strategies")
+VERBS = ("recalibrate", "score", "diff", "compare", "reproduce", "strategies")
 
 
 @pytest.mark.parametrize(
@@ -32,6 +32,7 @@ VERBS = ("recalibrate", "score", "compare", "reproduce", "strategies")
         ([], 2),
         (["repair"], 2),
         (["score", "--nonsense"], 2),
+        (["diff", "one"], 2),
         (["compare", "--draws", "many"], 2),
     ],
     ids=lambda value: " ".join(value) or "nothing" if isinstance(value, list) else str(value),

@@ -1,0 +1,21 @@
+"""The arguments of `python -m stereorecal diff`."""
+
+import argparse
+
+_DESCRIPTION = """\
+What calibration B changes against calibration A of the same rig: rotation, direction and length of the baseline; and,
+for those who use A if B is right, how far apart the two rows of a point lie over the view, and how wrong depth is at
+5, 10, 30 and 100 baselines. Exit code: 0 done; 2 bad input; 3 internal failure."""
+
+
+def add_to(verbs, common: argparse.ArgumentParser) -> None:
+    """Add the command, with the options that are `common` to all, to an argparse subparsers object."""
+    parser = verbs.add_parser(
+        "diff", parents=[common], help="what one calibration changes against another", description=_DESCRIPTION
+    )
+    add = parser.add_argument
+    add("before", metavar="A", help="calibration file (calib.json), scene folder, or data set in a layout of its own")
+    add("after", metavar="B", help="likewise")
+    add("--json", metavar="FILE|-", help="write everything as JSON, with a map of the rows")
+    add("--quiet", action="store_true", help="print nothing")
+    parser.set_defaults(verb="diff")

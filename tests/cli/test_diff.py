@@ -1,0 +1,111 @@
+"""`diff`: files and folders, what is printed, the JSON, and bad input."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from trees import middlebury
+
+from stereorecal.io import load_scene, save_rig
+from stereorecal.recalibration import difference
+
+
+@pytest.fixture
+def rigs(clean_scene: Path, drifted_scene: Path):
+    return [load_scene(folder).rig for folder in (clean_scene, drifted_scene)]
+
+
+def test_scene_folders(command, clean_scene: Path, drifted_scene: Path, rigs):
+    answer = command("diff", clean_scene, drifted_scene)
+    assert (answer.code, answer.err) == (0, "")
+    *block, legend = answer.out.splitlines()
+    assert block == str(difference(*rigs)).splitlines()
+    assert legend == f"rows and depth: how wrong {clean_scene} is if {drifted_scene} is right, whose baseline is B"
+    assert "pitch +0.800, yaw +0.300, roll -0.900" in answer.out
+
+
+def test_files_and_folders_without_images(command, clean_scene: Path, drifted_scene: Path, tmp_path: Path):
+    alone = tmp_path / "alone"
+    alone.mkdir()
+    (alone / "calib.json").write_bytes((drifted_scene / "calib.json").read_bytes())
+    block = command("diff", clean_scene, drifted_scene).out.splitlines()[:-1]
+    for words in (
+        (clean_scene / "calib.json", drifted_scene),
+        (clean_scene, alone / "calib.json"),
+        (clean_scene, alone),
+    ):
+        answer = command("diff", *words)
+        assert (answer.code, answer.err) == (0, "")
+        assert answer.out.splitlines()[:-1] == block
+
+
+def test_another_layout(command, tmp_path: Path):
+    """A data set without a calib.json; of several sequences it asks for one."""
+    sources = middlebury(tmp_path)
+    source = sources / "Motorcycle"
+    rig = load_scene(source).rig
+    assert rig is not None
+    turned = rig.extrinsics + np.radians([0.0, 0.1, 0.0, 0.0, 0.0, 0.0])
+    save_rig(rig.with_extrinsics(turned), tmp_path / "other.json")
+    answer = command("diff", source, tmp_path / "other.json")
+    assert (answer.code, answer.err) == (0, "")
+    assert "yaw +0.100" in answer.out
+    answer = command("diff", sources, source)
+    assert (answer.code, answer.out) == (2, "")
+    assert "2 sequences are in there" in answer.err
+
+
+def test_json(command, clean_scene: Path, drifted_scene: Path, rigs, tmp_path: Path):
+    target = tmp_path / "difference.json"
+    assert command("diff", clean_scene, drifted_scene, "--json", target).out
+    content = json.loads(target.read_text())
+    assert list(content)[:4] == ["schema", "versions", "before", "after"]
+    assert content["schema"] == "stereorecal.difference/1"
+    assert (content["before"], content["after"]) == (str(clean_scene), str(drifted_scene))
+    assert {**content, **difference(*rigs).as_dict()} == content
+    assert command("diff", clean_scene, drifted_scene, "--json", "-").out == target.read_text()
+    assert "NaN" not in target.read_text()
+
+
+def test_quiet(command, clean_scene: Path):
+
+    answer = command("diff", clean_scene, clean_scene, "--quiet")
+    assert (answer.code, answer.out, answer.err) == (0, "", "")
+
+
+def spoiled(folder: Path, **keys: object) -> Path:
+    path = folder / "calib.json"
+    path.write_text(json.dumps({**json.loads(path.read_text()), **keys}))
+    return path
+
+
+@pytest.mark.parametrize(
+    ("keys", "message"),
+    [
+        ({"image_size": [320, 240]}, "the calibrations are for left images of 160x120 and of 320x240; resize one"),
+        ({"K_left": None, "K_right": None}, "calib.json: the camera matrices are null"),
+        ({"T": [0, 0, 0]}, "the baseline is zero"),
+        ({"distortion_model": "fisheye"}, "'fisheye' is not supported"),
+    ],
+)
+def test_bad_calibrations(command, clean_scene: Path, folder: Path, tmp_path: Path, keys: dict, message: str):
+    target = tmp_path / "out.json"
+    answer = command("diff", clean_scene, spoiled(folder, **keys), "--json", target)
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err.startswith("stereorecal: ")
+    assert answer.err.count("\n") == 1
+    assert message in answer.err
+    assert not target.exists()
+
+
+def test_bad_places(command, clean_scene: Path, tmp_path: Path):
+    for words, message in (
+        ((clean_scene, tmp_path / "nowhere.json"), "nowhere.json: there is no such file"),
+        ((tmp_path, clean_scene), "calib.json: there is no such file"),
+        ((clean_scene, clean_scene, "--json", tmp_path), "cannot be written there"),
+    ):
+        answer = command("diff", *words)
+        assert (answer.code, answer.out) == (2, "")
+        assert message in answer.err
+        assert answer.err.count("\n") == 1
