@@ -14,6 +14,7 @@ from . import (
     testing as testing,
 )
 from ._errors import (
+    CalibrationWarning as CalibrationWarning,
     InputError as InputError,
     StrategyError as StrategyError,
     UnsupportedModelError as UnsupportedModelError,

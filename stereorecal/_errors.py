@@ -1,4 +1,4 @@
-"""The exceptions of stereorecal."""
+"""The exceptions and the warning of stereorecal."""
 
 
 class InputError(ValueError):
@@ -22,3 +22,10 @@ class StrategyError(RuntimeError):
 
 class BudgetExhausted(Exception):
     """Raised by an objective whose budget is spent. A strategy lets it pass."""
+
+
+class CalibrationWarning(UserWarning):
+    """A calibration can be used but looks wrong; the message is one sentence.
+
+    The command line prints it as a line and goes on.
+    """

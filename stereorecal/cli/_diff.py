@@ -23,7 +23,7 @@ def run(options: argparse.Namespace) -> int:
         write_json({"schema": SCHEMA, "versions": versions(), **names, **found.as_dict()}, options.json)
     if not options.quiet and options.json != "-":
         print(found)
-        print(f"rows and depth: how wrong {options.before} is if {options.after} is right, whose baseline is B")
+        print("rows and depth: how wrong the first is if the second is right; B: baselines of the second")
     return 0
 
 

@@ -4,10 +4,13 @@ import signal
 import sys
 import threading
 import traceback
-from collections.abc import Sequence
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from importlib import import_module
+from typing import Any
 
-from stereorecal._errors import InputError, StrategyError
+from stereorecal._errors import CalibrationWarning, InputError, StrategyError
 from stereorecal.cli._exit_codes import BAD_INPUT, FAILURE, INTERRUPTED
 from stereorecal.cli.arguments import parser
 
@@ -19,7 +22,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         # Not before: what is only asked for help, or mistyped, does not wait for JAX.
         import_module("stereorecal.cli._compiled").keep_compiled_programs()
-        return import_module(f"stereorecal.cli._{options.verb}").run(options)
+        command = import_module(f"stereorecal.cli._{options.verb}")
+        with _warnings_as_lines():
+            return command.run(options)
     except Exception as error:
         if options.traceback:
             traceback.print_exception(error)
@@ -45,6 +50,23 @@ def _said(error: Exception) -> int:
 def _say(message: object, code: int) -> int:
     print(f"stereorecal: {message}", file=sys.stderr)
     return code
+
+
+@contextmanager
+def _warnings_as_lines() -> Iterator[None]:
+    """A calibration that looks wrong is one line on stderr, without the line of code that Python would show."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", CalibrationWarning)
+        show_others = warnings.showwarning
+
+        def show(message: Warning | str, category: type[Warning], *where: Any) -> None:
+            if issubclass(category, CalibrationWarning):
+                print(f"stereorecal: {message}", file=sys.stderr)
+            else:
+                show_others(message, category, *where)
+
+        warnings.showwarning = show
+        yield
 
 
 def _interrupt_on_sigterm() -> None:

@@ -7,6 +7,7 @@ from stereorecal._errors import InputError
 from stereorecal.io._about import about
 from stereorecal.io._paths import AnyPath
 from stereorecal.io.formats._calib_json import Calibration, load_calibration
+from stereorecal.io.formats._units import warn_of_units
 from stereorecal.io.images._pairs import load_pairs
 from stereorecal.recordings import Pair, Scene, check_pairs
 
@@ -20,11 +21,16 @@ def gather_scene(left: AnyPath, right: AnyPath, calibration: AnyPath, limit: int
 
     Raises:
         InputError, UnsupportedModelError: as `load_pairs` and `load_scene`.
+
+    Warns:
+        CalibrationWarning: as `load_rig`.
     """
     found = load_calibration(Path(calibration))
     pairs = load_pairs(left, right, limit)
     with about(calibration):
-        return scene_of(str(left), found, pairs)
+        scene = scene_of(str(left), found, pairs)
+    warn_of_units(calibration, scene.rig)
+    return scene
 
 
 def scene_of(name: str, calibration: Calibration, pairs: Sequence[Pair]) -> Scene:

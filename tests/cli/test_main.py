@@ -1,5 +1,7 @@
 """What all commands share: --version, --traceback, and one sentence for every error."""
 
+import json
+import warnings
 from importlib.metadata import version
 from pathlib import Path
 
@@ -68,3 +70,39 @@ def test_traceback_of_a_strategy_that_is_checked(command):
     assert answer.code == 2
     assert "Traceback" in answer.err
     assert answer.err.splitlines()[-1] == "stereorecal: unknown strategy 'compas'; did you mean compass?"
+
+
+@pytest.fixture
+def millimetres(folder: Path) -> Path:
+    """The scene with a translation that was never converted."""
+    path = folder / "calib.json"
+    content = json.loads(path.read_text())
+    path.write_text(json.dumps({**content, "T": [1000.0 * value for value in content["T"]]}))
+    return folder
+
+
+def test_units_that_look_wrong_are_one_line(command, clean_scene: Path, millimetres: Path):
+    """On stderr; the work goes on, and its exit code is its own."""
+    answer = command("score", millimetres, "--json", "-")
+    assert answer.code == 0
+    assert answer.err == (
+        f"stereorecal: {millimetres}: the baseline is 356 m long; check that the translation is in metres.\n"
+    )
+    assert json.loads(answer.out)["scenes"][0]["healthy"]
+    for words in ((clean_scene, millimetres), (millimetres, clean_scene)):
+        answer = command("diff", *words)
+        assert answer.code == 0
+        assert answer.err.count("\n") == answer.err.count("the baseline is 356 m long") == 1
+    assert "length 1 000 times as long" in command("diff", clean_scene, millimetres).out
+    assert command("diff", clean_scene, clean_scene).err == ""
+
+
+def test_other_warnings_stay_pythons(command, clean_scene: Path, monkeypatch: pytest.MonkeyPatch):
+    def look(options):
+        warnings.warn("something else", UserWarning, stacklevel=1)
+        return 0
+
+    monkeypatch.setattr(_score, "run", look)
+    with pytest.warns(UserWarning, match="something else"):
+        answer = command("score", clean_scene)
+    assert (answer.code, answer.out, answer.err) == (0, "", "")

@@ -9,6 +9,7 @@ from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._atomic import write_text
 from stereorecal.io._paths import AnyPath
 from stereorecal.io.formats._calib_json import calibration_of, calibration_text, load_calibration
+from stereorecal.io.formats._units import warn_of_units
 
 
 def load_rig(path: AnyPath) -> StereoRig:
@@ -17,10 +18,14 @@ def load_rig(path: AnyPath) -> StereoRig:
     Raises:
         InputError: naming the file, if it cannot be read or does not hold a valid calibration.
         UnsupportedModelError: if the distortion model is not OpenCV's pinhole model.
+
+    Warns:
+        CalibrationWarning: if the baseline is longer than 5 m or shorter than 5 mm, as of a rig in other units.
     """
     rig = load_calibration(Path(path)).rig
     if rig is None:
         raise InputError(f"{path}: the camera matrices are null; give a file with a calibration.")
+    warn_of_units(path, rig)
     return rig
 
 

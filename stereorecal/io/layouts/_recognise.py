@@ -4,6 +4,7 @@ from pathlib import Path
 
 from stereorecal._errors import InputError
 from stereorecal.io._paths import AnyPath
+from stereorecal.io.formats._units import warn_of_units
 from stereorecal.io.layouts import (
     _euroc,
     _kitti_odometry,
@@ -43,17 +44,14 @@ def load_log(folder: AnyPath, limit: int | None = None) -> Log:
     Raises:
         InputError: naming the file, if no layout is recognised, or something is missing or damaged.
         UnsupportedModelError: if a camera is not one of OpenCV's pinhole model.
+
+    Warns:
+        CalibrationWarning: as `load_rig`.
     """
     folder = _existing(folder)
-    if is_scene_folder(folder):
-        return _log_of(load_scene_folder(folder, limit))
-    for layout in _LAYOUTS:
-        if layout.recognises(folder):
-            return layout.read(folder, limit)
-    known = "; ".join(layout.LAYOUT for layout in _LAYOUTS)
-    raise InputError(
-        f"{folder}: no layout that is known; expected a scene folder (calib.json, left, right), or {known}."
-    )
+    log = _read_log(folder, limit)
+    warn_of_units(folder, *log.calibrations.values())
+    return log
 
 
 def load_scene(folder: AnyPath, limit: int | None = None) -> Scene:
@@ -70,11 +68,32 @@ def load_scene(folder: AnyPath, limit: int | None = None) -> Scene:
     Raises:
         InputError: naming the file, if something is missing, unreadable, damaged or contradicts itself.
         UnsupportedModelError: if a camera is not one of OpenCV's pinhole model.
+
+    Warns:
+        CalibrationWarning: as `load_rig`.
     """
     folder = _existing(folder)
+    scene = _read_scene(folder, limit)
+    warn_of_units(folder, scene.rig)
+    return scene
+
+
+def _read_log(folder: Path, limit: int | None) -> Log:
+    if is_scene_folder(folder):
+        return _log_of(load_scene_folder(folder, limit))
+    for layout in _LAYOUTS:
+        if layout.recognises(folder):
+            return layout.read(folder, limit)
+    known = "; ".join(layout.LAYOUT for layout in _LAYOUTS)
+    raise InputError(
+        f"{folder}: no layout that is known; expected a scene folder (calib.json, left, right), or {known}."
+    )
+
+
+def _read_scene(folder: Path, limit: int | None) -> Scene:
     if is_scene_folder(folder) or not any(layout.recognises(folder) for layout in _LAYOUTS):
         return load_scene_folder(folder, limit)
-    log = load_log(folder, limit)
+    log = _read_log(folder, limit)
     mission, *others = log.missions
     if others:
         raise InputError(f"{folder}: {len(log.missions)} sequences are in there ({mission.name} …); give one of them.")
