@@ -9,7 +9,6 @@ from stereorecal.geometry._camera import Camera as Camera
 from stereorecal.geometry._distortion import (
     distort as distort,
     undistort as undistort,
-    undistort_on_host as undistort_on_host,
 )
 from stereorecal.geometry._rectification import (
     View as View,

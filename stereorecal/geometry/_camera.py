@@ -8,13 +8,7 @@ from jaxtyping import Float
 from stereorecal._arrays import AnyArray, Mat3, is_host, namespace
 from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal._pytree import register_pytree
-from stereorecal.geometry._distortion import (
-    COEFFICIENT_COUNTS,
-    distort,
-    field_radius,
-    undistort,
-    undistort_on_host,
-)
+from stereorecal.geometry._distortion import COEFFICIENT_COUNTS, distort, field_radius, undistort
 
 
 @register_pytree
@@ -83,11 +77,3 @@ class Camera:
         normalised = undistort((pixels - self.matrix[:2, 2]) / focal, self.distortion)
         xp = namespace(normalised)
         return xp.concatenate([normalised, xp.ones_like(normalised[..., :1])], axis=-1)
-
-    def rays_on_host(self, pixels: Float[AnyArray, "*n 2"]) -> Float[np.ndarray, "*n 3"]:
-        """As `rays`, in NumPy and float64."""
-        matrix = np.asarray(self.matrix)
-        ideal = undistort_on_host(
-            (np.asarray(pixels) - matrix[:2, 2]) / matrix[(0, 1), (0, 1)], np.asarray(self.distortion)
-        )
-        return np.concatenate([ideal, np.ones_like(ideal[..., :1])], axis=-1)

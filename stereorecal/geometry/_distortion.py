@@ -59,7 +59,7 @@ def _tilt_matrix(tau_x, tau_y):
 
 
 def undistort(
-    points: Float[AnyArray, "*n 2"], coefficients: Float[AnyArray, "c"], iterations: int = 12
+    points: Float[AnyArray, "*n 2"], coefficients: Float[AnyArray, "c"], iterations: int = 20
 ) -> Float[AnyArray, "*n 2"]:
     """Invert `distort` by Newton's method, where the model is monotone: float64 for NumPy arrays, else exact to
     float32."""
@@ -77,15 +77,16 @@ def _undistort_on_host(
     goals: Float[np.ndarray, "*n 2"], coefficients: Float[np.ndarray, "c"], iterations: int
 ) -> Float[np.ndarray, "*n 2"]:
     points, tiny = goals.copy(), 1e-30
-    for _ in range(iterations if coefficients.size else 0):
-        error = distort(points, coefficients) - goals
-        # Complex steps (Squire & Trapp 1998): derivatives without a difference, exact.
-        ends = (distort(points + direction, coefficients) for direction in tiny * 1j * np.eye(2))
-        by_x, by_y = (np.imag(end) / tiny for end in ends)
-        (a, c), (b, d) = np.moveaxis(by_x, -1, 0), np.moveaxis(by_y, -1, 0)
-        update = np.stack([d * error[..., 0] - b * error[..., 1], a * error[..., 1] - c * error[..., 0]], axis=-1)
-        update /= (a * d - b * c)[..., None]
-        points -= update / np.maximum(1.0, np.linalg.norm(update, axis=-1, keepdims=True) / _LONGEST)
+    with np.errstate(all="ignore"):  # NaN where the model folds
+        for _ in range(iterations if coefficients.size else 0):
+            error = distort(points, coefficients) - goals
+            # Complex steps (Squire & Trapp 1998): derivatives without a difference, exact.
+            ends = (distort(points + direction, coefficients) for direction in tiny * 1j * np.eye(2))
+            by_x, by_y = (np.imag(end) / tiny for end in ends)
+            (a, c), (b, d) = np.moveaxis(by_x, -1, 0), np.moveaxis(by_y, -1, 0)
+            update = np.stack([d * error[..., 0] - b * error[..., 1], a * error[..., 1] - c * error[..., 0]], axis=-1)
+            update /= (a * d - b * c)[..., None]
+            points -= update / np.maximum(1.0, np.linalg.norm(update, axis=-1, keepdims=True) / _LONGEST)
     return points
 
 
@@ -104,28 +105,6 @@ def _undistort(
         return jax.lax.fori_loop(0, iterations, step, goal)
 
     return jax.vmap(newton)(points.reshape(-1, 2)).reshape(points.shape)
-
-
-def undistort_on_host(
-    points: Float[np.ndarray, "*n 2"], coefficients: Float[np.ndarray, "c"], iterations: int = 20
-) -> Float[np.ndarray, "*n 2"]:
-    """As `undistort`, in NumPy and float64: exact to its rounding, and slower. NaN where the model folds."""
-    found, step = points, 1e-6
-    with np.errstate(all="ignore"):
-        for _ in range(iterations if len(coefficients) else 0):
-            error = distort(found, coefficients) - points
-            by_x, by_y = (
-                (distort(found + move, coefficients) - distort(found - move, coefficients)) / (2.0 * step)
-                for move in (np.array([step, 0.0]), np.array([0.0, step]))
-            )
-            update = np.concatenate([_cross(error, by_y), _cross(by_x, error)], axis=-1) / _cross(by_x, by_y)
-            found = found - update / np.maximum(1.0, 4.0 * np.linalg.norm(update, axis=-1, keepdims=True))
-    return found
-
-
-def _cross(a: Float[AnyArray, "*n 2"], b: Float[AnyArray, "*n 2"]) -> Float[np.ndarray, "*n 1"]:
-    a, b = np.asarray(a), np.asarray(b)
-    return a[..., :1] * b[..., 1:] - a[..., 1:] * b[..., :1]
 
 
 def field_radius(coefficients: Float[np.ndarray, "c"], limit: float = 8.0) -> float:

@@ -68,7 +68,7 @@ def _reread(rays: Float[AnyArray, "*n 3"], true: Camera, read: Camera) -> Float[
     """Where `read` takes points to lie that `true` sees along `rays`: the rays themselves if the cameras are equal."""
     if same_camera(true, read):
         return np.asarray(rays)
-    return _within_lens(read.rays_on_host(true.project(_at_depth_1(rays))), read)
+    return _within_lens(read.rays(true.project(_at_depth_1(rays))), read)
 
 
 def _seen(rays: Float[AnyArray, "*n 3"], camera: Camera) -> Float[np.ndarray, "*n 3"]:
