@@ -12,6 +12,7 @@ from stereorecal.objectives import Reach, as_reach
 from stereorecal.recalibration._acceptance import Reason, row_errors, verdict, verdict_on_count
 from stereorecal.recalibration._cost import Cost
 from stereorecal.recalibration._evidence import evidence
+from stereorecal.recalibration._misfit import misfit
 from stereorecal.recalibration._schedule import Schedule, ScoreKind, as_schedule
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._stages import FEWEST, Case, StageRun, better_start, remaining, run_stage
@@ -106,7 +107,7 @@ def _judged(case: Case, schedule: Schedule, stages: tuple[StageRun, ...], cost: 
     cut = len(stages) < len(schedule.stages) or any(stage.cut for stage in stages)
     if cut:
         status, message = Status.BUDGET, Status.BUDGET.value
-    rows = known = None
+    rows = known = left = None
     if cut:
         reason = Reason.OUT_OF_BUDGET  # the count alone would let harm through: it hardly sees a wrong yaw
     elif found is None:
@@ -118,6 +119,7 @@ def _judged(case: Case, schedule: Schedule, stages: tuple[StageRun, ...], cost: 
         z = np.asarray(box.chart.coordinates(best))
         facts = evidence(box, found, z)
         rows, known = row_errors(facts), uncertainty(facts.covariance(), box)
+        left = misfit(facts, float(found.independent))
         reason = verdict(before, after, rows, z, known.observed, facts.places, found.covered, len(case.images.pairs))
     return Solution(
         rig=candidate if reason.accepted else case.rig,
@@ -141,6 +143,7 @@ def _judged(case: Case, schedule: Schedule, stages: tuple[StageRun, ...], cost: 
         score_after=after,
         row_errors=rows,
         uncertainty=known,
+        misfit=left,
         stages=stages,
         seconds=time.perf_counter() - began,
     )

@@ -12,6 +12,7 @@ from stereorecal.objectives import FREE_AXES, Reach
 from stereorecal.recalibration._acceptance import Reason, RowErrors
 from stereorecal.recalibration._cost import Cost
 from stereorecal.recalibration._difference import Difference, difference
+from stereorecal.recalibration._misfit import Misfit
 from stereorecal.recalibration._path import Waypoint, path_of
 from stereorecal.recalibration._stages import StageRun
 from stereorecal.recalibration._uncertainty import Uncertainty
@@ -36,6 +37,7 @@ class Solution:
         score_before, score_after: of `initial` and `candidate`, at full scale in `view`.
         row_errors: epipolar errors before and after; None if the schedule has no epipolar stage, or it found nothing.
         uncertainty: of the candidate; None in the same cases.
+        misfit: of the candidate; None in the same cases.
         stages: what each stage did.
         seconds: wall time.
     """
@@ -55,6 +57,7 @@ class Solution:
     score_after: Score
     row_errors: RowErrors | None
     uncertainty: Uncertainty | None
+    misfit: Misfit | None
     stages: tuple[StageRun, ...]
     seconds: float
 

@@ -29,6 +29,10 @@ class Uncertainty:
         return _NORMAL_95 * np.sqrt(np.diag(self.covariance))
 
     @property
+    def unwidened(self) -> Float[np.ndarray, "5"]:
+        return self.interval
+
+    @property
     def unobserved(self) -> tuple[str, ...]:
         """Names of the parameters that the data do not determine."""
         return tuple(name for name, seen in zip(FREE_AXES, self.observed, strict=True) if not seen)

@@ -1,0 +1,379 @@
+"""Is a good rig ever replaced by a bad one, where five parameters cannot explain the images? Prints two tables.
+
+    python tests/benchmarks/misfit.py [--draws N] [--frames N] [--only NAME,…] [--unseen] [--part I/N] [--json FILE]
+
+Rendered and real scenes are spoiled in many ways, half of which the model explains (noise, blur, exposure, JPEG from
+20 on, glints, rain, fixed dirt) and half of which it does not, and repaired from the true rig, from 0.3° and from 2.5°
+away. Judges: rows by correspondences that were found on the CLEAN images under the true rig, rotations by the truth (on
+real scenes: the consensus of repairs of the clean images). Harmful: accepted, and rows more than 0.02 px farther apart,
+or an axis of rotation farther from the truth by more than its interval (before misfit widens it) or 0.05°, if that is
+larger.
+"""
+
+import argparse
+import json
+import os
+import zlib
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import cv2
+import jax
+import numpy as np
+from accuracy import errors
+from rich.console import Console
+from rich.table import Table
+
+import stereorecal as sr
+from stereorecal.geometry import with_unit_baseline
+from stereorecal.recordings import Scene
+from stereorecal.scoring import host, median_row_error, pyramid
+from stereorecal.scoring.host import ranged
+
+Images = tuple[np.ndarray, np.ndarray]
+Spoil = Callable[[np.ndarray, np.ndarray, np.random.Generator], Images]
+RENDERED = [(kind, seed) for kind in ("harbour", "coast", "street") for seed in (1, 2)]
+REAL = (
+    "boofcv_bumblebee2/garden01",
+    "euroc/vicon_room_seq",
+    "kitti_odometry/suburb_seq",
+    "middlebury2014/motorcycle_quarter",
+)
+STARTS = {"true": (0.0, 0.0), "0.3°": (0.3, 0.003), "2.5°": (2.5, 0.0225)}
+
+
+# --- what the model explains -------------------------------------------------------------------------------
+
+
+def noise(sigma: float) -> Spoil:
+    return lambda left, right, draw: (
+        left + draw.normal(0, sigma, left.shape),
+        right + draw.normal(0, sigma, left.shape),
+    )
+
+
+def blur(sigma: float) -> Spoil:
+    return lambda left, right, draw: (left, cv2.GaussianBlur(right, (0, 0), sigma))
+
+
+def exposure(gain: float, gamma: float) -> Spoil:
+    return lambda left, right, draw: (left, 255 * (right / 255) ** gamma * gain)
+
+
+def jpeg(quality: int) -> Spoil:
+    def coded(image: np.ndarray) -> np.ndarray:
+        bytes_ = cv2.imencode(".jpg", image.round().clip(0, 255).astype(np.uint8), [cv2.IMWRITE_JPEG_QUALITY, quality])[
+            1
+        ]
+        return cv2.imdecode(bytes_, cv2.IMREAD_GRAYSCALE).astype(float)
+
+    return lambda left, right, draw: (coded(left), coded(right))
+
+
+def spots(number: int, value: float, both: bool) -> Spoil:
+    """Glints, or dirt on a lens."""
+
+    def drawn(image: np.ndarray, draw: np.random.Generator) -> np.ndarray:
+        height, width = image.shape
+        image = image.astype(np.float32).copy()
+        for _ in range(number):
+            centre = int(draw.integers(0, width)), int(draw.integers(0, height))
+            axes = tuple(int(a) for a in draw.integers(1, max(3, width // 70), 2))
+            cv2.ellipse(image, centre, axes, 0.0, 0.0, 360.0, value, -1)
+        return image
+
+    return lambda left, right, draw: (drawn(left, draw) if both else left, drawn(right, draw))
+
+
+def rain(number: int) -> Spoil:
+    def drawn(image: np.ndarray, draw: np.random.Generator) -> np.ndarray:
+        height, width = image.shape
+        layer = np.zeros_like(image, np.float32)
+        for _ in range(number):
+            x, y, length = int(draw.integers(0, width)), int(draw.integers(0, height)), int(draw.integers(8, 25))
+            cv2.line(layer, (x, y), (x + length // 6, y + length), float(draw.uniform(20, 60)), 1)
+        return image + cv2.GaussianBlur(layer, (0, 0), 0.8)
+
+    return lambda left, right, draw: (drawn(left, draw), drawn(right, draw))
+
+
+EXPLAINED: dict[str, Spoil] = {
+    "clean": lambda left, right, draw: (left, right),
+    "noise 5": noise(5),
+    "noise 12": noise(12),
+    "blur 1": blur(1.0),
+    "blur 2": blur(2.0),
+    "darker": exposure(0.65, 1.15),
+    "brighter": exposure(1.2, 0.9),
+    "jpeg 20": jpeg(20),
+    "jpeg 60": jpeg(60),
+    "glints": spots(300, 255.0, True),
+    "rain": rain(600),
+    "dirt": spots(25, 60.0, False),
+}
+
+# --- what it does not --------------------------------------------------------------------------------------
+
+
+def warped(of_rows: Callable, of_columns: Callable) -> Spoil:
+    """The right image, taken from (x + of_columns, y + of_rows), both functions of x and y from -1 to 1, in pixels."""
+
+    def spoil(left, right, draw):
+        height, width = right.shape
+        y, x = np.mgrid[:height, :width].astype(np.float32)
+        u, v = 2 * x / (width - 1) - 1, 2 * y / (height - 1) - 1
+        there = (x + of_columns(u, v)).astype(np.float32), (y + of_rows(u, v)).astype(np.float32)
+        return left, cv2.remap(right.astype(np.float32), *there, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
+
+    return spoil
+
+
+def none(u, v):
+    return 0.0 * u
+
+
+def patch(share: float, rows: float, columns: float = 0.0, shape: str = "block") -> Spoil:
+    """A part of the right image has moved: a ship, a wave, a tree."""
+
+    def spoil(left, right, draw):
+        height, width = right.shape
+        y, x = np.mgrid[:height, :width].astype(np.float32)
+        if shape == "block":
+            h, w = int(height * share**0.5), int(width * share**0.5)
+            top, first = int(draw.integers(0, height - h + 1)), int(draw.integers(0, width - w + 1))
+            inside = (y >= top) & (y < top + h) & (x >= first) & (x < first + w)
+        elif shape == "left":
+            inside = x < share * width
+        else:
+            inside = y > (1 - share) * height
+        there = (x + np.float32(columns) * inside, y + np.float32(rows) * inside)
+        return left, cv2.remap(right.astype(np.float32), *there, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
+
+    return spoil
+
+
+def interlaced(columns: float, rows: float) -> Spoil:
+    """Every other row of the right image is of a later field."""
+
+    def spoil(left, right, draw):
+        later = warped(lambda u, v: rows + none(u, v), lambda u, v: columns + none(u, v))(left, right, draw)[1]
+        mixed = right.copy()
+        mixed[1::2] = later[1::2]
+        return left, mixed
+
+    return spoil
+
+
+def stretched(percent: float) -> Spoil:
+    return lambda left, right, draw: warped(lambda u, v: percent / 200 * right.shape[0] * v, none)(left, right, draw)
+
+
+def sheared(percent: float) -> Spoil:
+    return lambda left, right, draw: warped(none, lambda u, v: percent / 200 * right.shape[0] * v)(left, right, draw)
+
+
+def rolling(rows: float, columns: float) -> Spoil:
+    """A rolling shutter in the right camera alone, of a rig that turns: the lower, the later."""
+    return warped(lambda u, v: rows * (v + 1) / 2, lambda u, v: columns * (v + 1) / 2)
+
+
+UNEXPLAINED: dict[str, Spoil] = {
+    "patch 20 %, 1 row": patch(0.2, 1),
+    "patch 20 %, 3 rows": patch(0.2, 3),
+    "patch 40 %, 1 row": patch(0.4, 1),
+    "patch 40 %, 2 rows": patch(0.4, 2),
+    "patch 60 %, 3 rows": patch(0.6, 3),
+    "left 30 %, 2 rows": patch(0.3, 2, 0, "left"),
+    "below 40 %, 1 row": patch(0.4, 1, 0, "below"),
+    "stretched 0.1 %": stretched(0.1),
+    "stretched 0.5 %": stretched(0.5),
+    "sheared 0.3 %": sheared(0.3),
+    "sheared 1 %": sheared(1.0),
+    "rolling 1 row, 3 columns": rolling(1, 3),
+    "rolling 3 rows": rolling(3, 0),
+    "interlaced 2 columns": interlaced(2, 0),
+    "jpeg 5": jpeg(5),
+    "jpeg 10": jpeg(10),
+}
+# First run once the rules stood.
+UNSEEN: dict[str, Spoil] = {
+    "patch 30 %, 2 rows, 3 columns": patch(0.3, 2, 3),
+    "patch 50 %, 1 row": patch(0.5, 1),
+    "patch 50 %, 3 rows": patch(0.5, 3),
+    "patch 20 %, 2 rows": patch(0.2, 2),
+    "left 50 %, 1 row": patch(0.5, 1, 0, "left"),
+    "below 25 %, 3 rows": patch(0.25, 3, 4, "below"),
+    "stretched 0.3 %": stretched(0.3),
+    "stretched 1 %": stretched(1.0),
+    "sheared 0.1 %": sheared(0.1),
+    "rolling 2 rows, 6 columns": rolling(2, 6),
+    "rolling 0.5 rows, 10 columns": rolling(0.5, 10),
+    "interlaced 1 row": interlaced(0, 1),
+    "barrel": warped(lambda u, v: 1.5 * v * (u * u + v * v), lambda u, v: 1.5 * u * (u * u + v * v)),
+    "keystone": warped(lambda u, v: 1.0 * u * v, none),
+    "jpeg 15": jpeg(15),
+}
+LATE = "late right"  # of a rig that moves forward: the right image of the next frame
+
+
+@dataclass(frozen=True)
+class Row:
+    """One repair."""
+
+    scene: str
+    case: str
+    explained: bool
+    start: str
+    frames: int
+    reason: str
+    accepted: bool
+    harmful: bool
+    rotation_worse: float
+    rows_before: float
+    rows_after: float
+    seconds: float
+    features: dict
+
+
+def scenes(frames: int) -> Iterator[tuple[Scene, Scene | None]]:
+    """Clean scenes, and with them the same with a late right image where the rig moves."""
+    for kind, seed in RENDERED:
+        whole = sr.synthetic.render(kind, seed, frames=frames + 1)
+        late = [sr.Pair(a.left, b.right, a.name) for a, b in zip(whole.pairs, whole.pairs[1:], strict=False)]
+        yield replace(whole, pairs=whole.pairs[:frames]), replace(whole, pairs=tuple(late))
+    if folder := os.environ.get("STEREORECAL_DATA"):
+        for name in REAL:
+            scene = sr.io.load_scene(Path(folder) / name, limit=frames)
+            yield scene, None
+
+
+def with_truth(scene: Scene) -> Scene:
+    """A real scene with the median end point of three repairs in place of its stored rig."""
+    if scene.reference == "truth":
+        return scene
+    assert scene.rig is not None
+    starts = [sr.synthetic.decalibrate(scene.rig, jax.random.key(k), 0.3, 0.003) for k in range(3)]
+    ends = [np.asarray(sr.recalibrate(start, scene.pairs).candidate.extrinsics) for start in starts]
+    return replace(scene, rig=scene.rig.with_extrinsics(np.median(ends, axis=0)))
+
+
+def judged(scene: Scene, given: Scene, case: str, explained: bool, draws: int, judge) -> Iterator[Row]:
+    """Repair a spoiled scene from every start."""
+    rig = scene.rig
+    assert rig is not None
+    for name, (degrees, fraction) in STARTS.items():
+        for draw in range(draws if degrees else 1):
+            key = jax.random.fold_in(jax.random.key(zlib.crc32(f"{scene.name} {case}".encode())), draw)
+            start = sr.synthetic.decalibrate(rig, key, degrees, fraction) if degrees else rig
+            solution = sr.recalibrate(start, given.pairs)
+            rows = [median_row_error(judge, with_unit_baseline(r.extrinsics)) for r in (start, solution.rig)]
+            before, after = (np.abs(errors(r, rig))[:3] for r in (start, solution.rig))
+            margin = np.full(3, 0.05)
+            if solution.uncertainty is not None:
+                margin = np.maximum(margin, solution.uncertainty.unwidened[:3])
+            worse = after - before
+            harmful = solution.accepted and bool(rows[1] > rows[0] + 0.02 or np.any(worse > margin))
+            yield Row(
+                scene.name,
+                case,
+                explained,
+                name,
+                len(given.pairs),
+                solution.reason.name,
+                solution.accepted,
+                harmful,
+                float(worse.max()) if solution.accepted else 0.0,
+                *rows,
+                solution.seconds,
+                features(solution),
+            )
+
+
+def features(solution: sr.Solution) -> dict:
+    """What the verdict rests on."""
+    return {} if solution.misfit is None else solution.misfit.as_dict()
+
+
+def spoiled(scene: Scene, spoil: Spoil, case: str) -> Scene:
+    pairs = []
+    for index, pair in enumerate(scene.pairs):
+        draw = np.random.default_rng([zlib.crc32(case.encode()), index])
+        images = spoil(np.asarray(pair.left, float), np.asarray(pair.right, float), draw)
+        left, right = (np.clip(np.round(image), 0, 255).astype(np.float32) for image in images)
+        pairs.append(sr.Pair(left, right, pair.name))
+    return replace(scene, pairs=tuple(pairs))
+
+
+def main() -> None:
+    """Spoil, repair, judge, print."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--draws", type=int, default=2, help="starts at 0.3° and at 2.5°, each")
+    parser.add_argument("--frames", type=int, default=1)
+    parser.add_argument("--only", default="", help="parts of names of scenes or cases, comma separated")
+    parser.add_argument("--unseen", action="store_true", help="the kinds that no rule was chosen on")
+    parser.add_argument("--part", default="0/1", help="every N-th case from the I-th on, for several processes")
+    parser.add_argument("--json", type=Path)
+    options = parser.parse_args()
+    wanted = [part for part in options.only.split(",") if part]
+    part, parts = map(int, options.part.split("/"))
+    rows, number = [], 0
+    for clean, late in scenes(options.frames):
+        scene = judge = None
+        kinds = {**EXPLAINED, **UNEXPLAINED} if not options.unseen else UNSEEN
+        cases = [*kinds, *([LATE] if late is not None and not options.unseen else [])]
+        for case in cases:
+            if wanted and not any(w in f"{clean.name} {case}" for w in wanted):
+                continue
+            number += 1
+            if number % parts != part:
+                continue
+            if scene is None or judge is None:
+                scene = with_truth(clean)
+                assert scene.rig is not None
+                images = pyramid(scene.rig, scene.pairs)
+                judge = host.correspondences(
+                    images.at(1.0), with_unit_baseline(scene.rig.extrinsics), ranged(None, images)
+                )
+            given = spoiled(scene, kinds[case], case) if case != LATE else replace(late, rig=scene.rig)
+            for row in judged(scene, given, case, case in EXPLAINED, options.draws, judge):
+                rows.append(row)
+                print(
+                    row.scene,
+                    "|",
+                    row.case,
+                    "|",
+                    row.start,
+                    "|",
+                    row.reason,
+                    "| harmful" if row.harmful else "",
+                    flush=True,
+                )
+    if options.json:
+        options.json.write_text("\n".join(json.dumps(vars(row)) for row in rows))
+    show(rows)
+
+
+def show(rows: list[Row]) -> None:
+    table = Table(box=None)
+    heads = ("case", "repairs", "accepted: true", "0.3°", "2.5°", "harmful", "rotation worse, at most", "reasons")
+    for head in heads:
+        table.add_column(head, justify="left" if head in ("case", "reasons") else "right")
+    groups = {case: [r for r in rows if r.case == case] for case in dict.fromkeys(r.case for r in rows)}
+    groups |= {
+        f"all {word}": [r for r in rows if r.explained == e]
+        for e, word in ((True, "explained"), (False, "unexplained"))
+    }
+    for case, some in groups.items():
+        if not some:
+            continue
+        of = [[r.accepted for r in some if r.start == start] for start in STARTS]
+        worst = max(r.rotation_worse for r in some)
+        reasons = " ".join(sorted({r.reason for r in some}))
+        accepted = [f"{sum(a)}/{len(a)}" for a in of]
+        table.add_row(case, f"{len(some)}", *accepted, f"{sum(r.harmful for r in some)}", f"{worst:.2f}°", reasons)
+    Console(width=200).print(table)
+
+
+if __name__ == "__main__":
+    main()
