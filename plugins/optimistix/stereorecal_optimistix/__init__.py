@@ -3,6 +3,8 @@
 A solver never calls the objective itself: each step is given the value and the derivative at the point that the step
 before it asked for (`_step`). So the objective is compiled once for all solvers, a solver once for all objectives, and
 between two steps the host can count, stop and record.
+
+The strategies are declarations: equinox, optimistix and optax are imported by the first run (`_importing`).
 """
 
 from stereorecal_optimistix._least_squares import (

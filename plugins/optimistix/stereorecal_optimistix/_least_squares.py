@@ -1,51 +1,16 @@
 """Least-squares solvers, on the residuals."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
 import numpy as np
-import optimistix as optx
-from jaxtyping import Array, Float
+from jaxtyping import Float
 
-from stereorecal.strategies import Need, Traced
-from stereorecal_optimistix._chart import Chart
-from stereorecal_optimistix._climb import AbstractClimb, View
-from stereorecal_optimistix._step import Solver
+from stereorecal.strategies import Need
+from stereorecal_optimistix._climb import AbstractClimb
 
-_BLOCK = 128  # rows; small enough for OpenBLAS to stay on one thread
-
-
-@eqx.filter_jit
-def look_at_residuals(residuals: Callable[[jax.Array], jax.Array], chart: Chart, v: jax.Array) -> View:
-    """The residuals and their Jacobian, in forward mode: there are many more residuals than parameters.
-
-    Both are reduced by the same orthogonal transformation (QR) to n + 1 rows. That preserves lengths and angles, so a
-    solver takes the same steps on a few numbers, and is compiled once for any number of residuals above n.
-    """
-
-    def along(direction: jax.Array) -> tuple[jax.Array, jax.Array]:
-        return jax.jvp(lambda v: residuals(chart(v)), (v,), (direction,))
-
-    value, jacobian = jax.vmap(along, out_axes=(None, -1))(jnp.eye(v.size, dtype=v.dtype))
-    turned = triangle(jnp.column_stack([jacobian, value]))
-    return View(chart(v), -0.5 * (value**2).sum(), turned[:, -1], turned[:, :-1])
-
-
-def triangle(rows: Float[Array, "m k"]) -> Float[Array, "r k"]:
-    """R of the QR decomposition, with a non-negative diagonal; r = min(m, k).
-
-    Computed by blocks of rows (TSQR: Demmel et al. 2012): on all rows at once OpenBLAS starts its threads, and now and
-    then waits for them ten times as long as the work takes.
-    """
-    missing = -len(rows) % _BLOCK if len(rows) > _BLOCK else 0
-    blocks = jnp.pad(rows, ((0, missing), (0, 0))).reshape(-1, min(len(rows), _BLOCK), rows.shape[1])
-    of_blocks = jnp.linalg.qr(blocks, mode="r")
-    whole = jnp.linalg.qr(of_blocks.reshape(-1, rows.shape[1]), mode="r")
-    return jnp.where(jnp.diag(whole)[:, None] < 0.0, -whole, whole)
+if TYPE_CHECKING:
+    from stereorecal_optimistix._step import Solver
 
 
 @dataclass(frozen=True)
@@ -66,14 +31,9 @@ class AbstractLeastSquares(AbstractClimb):
 
     needs: ClassVar[Need] = Need.RESIDUALS
 
-    def look(self, traced: Traced, chart: Chart, v: Float[Array, "n"]) -> View:
-        """The residuals and their Jacobian."""
-        assert traced.residuals is not None  # the core has checked it
-        return look_at_residuals(traced.residuals, chart, v)
-
-    def scale(self, first: View) -> float:
+    def scale(self, slope: Float[np.ndarray, "m n"]) -> float:
         """The root mean square of the norms of the Jacobian's columns."""
-        return float(np.sqrt((np.asarray(first.slope, float) ** 2).sum(0).mean()))
+        return float(np.sqrt((slope**2).sum(0).mean()))
 
 
 @dataclass(frozen=True)
@@ -89,12 +49,14 @@ class LevenbergMarquardt(AbstractLeastSquares):
 
     damping: float = 0.01
 
-    def scale(self, first: View) -> float:
+    def scale(self, slope: Float[np.ndarray, "m n"]) -> float:
         """The scale of `AbstractLeastSquares` times √damping: optimistix always starts with a damping of 1."""
-        return super().scale(first) * self.damping**0.5
+        return super().scale(slope) * self.damping**0.5
 
-    def solver(self) -> Solver:
+    def solver(self) -> "Solver":
         """`optimistix.LevenbergMarquardt`."""
+        import optimistix as optx
+
         return optx.LevenbergMarquardt(self.rtol, self.atol)
 
 
@@ -106,8 +68,10 @@ class GaussNewton(AbstractLeastSquares):
         rtol, atol, steps: see `AbstractLeastSquares`.
     """
 
-    def solver(self) -> Solver:
+    def solver(self) -> "Solver":
         """`optimistix.GaussNewton`."""
+        import optimistix as optx
+
         return optx.GaussNewton(self.rtol, self.atol)
 
 
@@ -119,6 +83,8 @@ class Dogleg(AbstractLeastSquares):
         rtol, atol, steps: see `AbstractLeastSquares`.
     """
 
-    def solver(self) -> Solver:
+    def solver(self) -> "Solver":
         """`optimistix.Dogleg`."""
+        import optimistix as optx
+
         return optx.Dogleg(self.rtol, self.atol)

@@ -1,30 +1,14 @@
 """Minimisers, on the negated soft count."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
-import equinox as eqx
-import jax
-import numpy as np
-import optax
-import optimistix as optx
-from jaxtyping import Float
+from stereorecal.strategies import Need
+from stereorecal_optimistix._climb import AbstractClimb
+from stereorecal_optimistix._importing import importing
 
-from stereorecal.strategies import Need, Traced
-from stereorecal_optimistix._chart import Chart, chart_at
-from stereorecal_optimistix._climb import AbstractClimb, View
-from stereorecal_optimistix._step import Solver
-
-# Equinox compares bare functions by their source code, at every step (10 ms); a Partial it compares directly.
-_ADAM = optax.GradientTransformationExtraArgs(*map(jax.tree_util.Partial, optax.adam(1.0)))
-
-
-@eqx.filter_jit
-def look_at_score(score: Callable[[jax.Array], jax.Array], chart: Chart, v: jax.Array) -> View:
-    """Minus the score, with its gradient."""
-    value, gradient = jax.value_and_grad(lambda v: -score(chart(v)))(v)
-    return View(chart(v), -value, value, gradient)
+if TYPE_CHECKING:
+    from stereorecal_optimistix._step import Solver
 
 
 @dataclass(frozen=True)
@@ -47,14 +31,10 @@ class AbstractMinimiser(AbstractClimb):
 
     needs: ClassVar[Need] = Need.SMOOTH
 
-    def look(self, traced: Traced, chart: Chart, v: Float[jax.Array, "n"]) -> View:
-        """The soft count with its gradient."""
-        assert traced.soft_count is not None  # the core has checked it
-        return look_at_score(traced.soft_count, chart, v)
-
-    def chart(self, start: Float[np.ndarray, "n"]) -> Chart:
-        """The chart whose unit of length is the first step."""
-        return chart_at(start, self.step)
+    @property
+    def unit(self) -> float:
+        """The first step."""
+        return self.step
 
 
 @dataclass(frozen=True)
@@ -65,8 +45,10 @@ class BFGS(AbstractMinimiser):
         rtol, atol, steps, step: see `AbstractMinimiser`.
     """
 
-    def solver(self) -> Solver:
+    def solver(self) -> "Solver":
         """`optimistix.BFGS`."""
+        import optimistix as optx
+
         return optx.BFGS(self.rtol, self.atol)
 
 
@@ -78,8 +60,10 @@ class LBFGS(AbstractMinimiser):
         rtol, atol, steps, step: see `AbstractMinimiser`.
     """
 
-    def solver(self) -> Solver:
+    def solver(self) -> "Solver":
         """`optimistix.LBFGS`."""
+        import optimistix as optx
+
         return optx.LBFGS(self.rtol, self.atol)
 
 
@@ -94,8 +78,10 @@ class NonlinearCG(AbstractMinimiser):
 
     step: float = 1.0 / 8.0
 
-    def solver(self) -> Solver:
+    def solver(self) -> "Solver":
         """`optimistix.NonlinearCG`."""
+        import optimistix as optx
+
         return optx.NonlinearCG(self.rtol, self.atol)
 
 
@@ -111,8 +97,10 @@ class GradientDescent(AbstractMinimiser):
 
     steps: int = 300
 
-    def solver(self) -> Solver:
+    def solver(self) -> "Solver":
         """`optimistix.GradientDescent`."""
+        import optimistix as optx
+
         return optx.GradientDescent(1.0, self.rtol, self.atol)
 
 
@@ -128,6 +116,10 @@ class Adam(AbstractMinimiser):
     steps: int = 300
     step: float = 1.0 / 64.0
 
-    def solver(self) -> Solver:
+    def solver(self) -> "Solver":
         """`optimistix.OptaxMinimiser(optax.adam)`."""
-        return optx.OptaxMinimiser(_ADAM, self.rtol, self.atol)
+        import optimistix as optx
+
+        with importing(self):
+            from stereorecal_optimistix._adam import ADAM
+        return optx.OptaxMinimiser(ADAM, self.rtol, self.atol)

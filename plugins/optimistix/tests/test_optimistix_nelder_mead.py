@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from stereorecal_optimistix import NelderMead
 from stereorecal_optimistix._chart import chart_at
-from stereorecal_optimistix._nelder_mead import Simplex, answers, distinct, settled_step
+from stereorecal_optimistix._simplex import Simplex, answers, distinct, settled_step
 from stereorecal_optimistix._step import begin
 
 from stereorecal.strategies import Objective, Problem, Status, run_strategy

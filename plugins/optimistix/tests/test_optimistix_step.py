@@ -6,6 +6,8 @@ import numpy as np
 import optimistix as optx
 import pytest
 from stereorecal_optimistix import BFGS, Adam, NelderMead
+from stereorecal_optimistix._chart import chart_at
+from stereorecal_optimistix._look import look
 
 from stereorecal.strategies import Need, Objective, Status, run_strategy
 
@@ -15,8 +17,8 @@ def test_it_takes_the_steps_of_optimistix(climb_class, problem):
     strategy = climb_class()
     run = run_strategy(strategy, Objective(bowl), start)
 
-    chart, v = strategy.chart(start), jnp.zeros(3)
-    scale = strategy.scale(strategy.look(bowl.traced, chart, v))
+    chart, v = chart_at(start, strategy.unit), jnp.zeros(3)
+    scale = strategy.scale(np.asarray(look(strategy.needs, bowl.traced, chart, v).slope, float))
     if strategy.needs is Need.RESIDUALS:
         theirs = optx.least_squares(lambda v, _: bowl.traced.residuals(chart(v)) / scale, strategy.solver(), v)
     else:
