@@ -22,6 +22,7 @@ from accuracy import AXES, errors, scenes
 from rich.console import Console
 from rich.table import Table
 from stereorecal_features import Features
+from stereorecal_features._fit import fitted
 from stereorecal_features._matches import matched_pixels, seen_by_both
 
 import stereorecal as sr
@@ -105,7 +106,7 @@ def features_solver(rig: sr.StereoRig, pair: sr.Pair):
     def solve(times):
         chosen = np.repeat(np.arange(len(tile)), times[tile])
         left, right = seen_by_both(images.rig, [(pixels[0][chosen], pixels[1][chosen])])
-        end = how._fit(images, left, right, np.zeros(images.chart.dim), 0).best
+        end = fitted(how, images, left, right, np.zeros(images.chart.dim), 0).best
         return rig.with_extrinsics(images.chart.extrinsics(end))
 
     return solve

@@ -6,8 +6,8 @@ import cv2
 import jax
 import numpy as np
 import pytest
-from stereorecal_features import Features, _features
-from stereorecal_features._features import _five_point_pose, _sampson
+from stereorecal_features import Features, _fit
+from stereorecal_features._fit import _five_point_pose, _sampson
 from stereorecal_features._matches import matched_pixels, seen_by_both
 
 from stereorecal.geometry import Camera, StereoRig
@@ -127,7 +127,7 @@ def test_images_of_two_places_stall(coast):
 
 def test_matches_that_never_settle_stall(coast, monkeypatch):
     """One round cannot show that the next one would choose the same matches."""
-    monkeypatch.setattr(_features, "_ROUNDS", 1)
+    monkeypatch.setattr(_fit, "_ROUNDS", 1)
     images = images_around(decalibrate(RIG, jax.random.key(0), 0.5, 0.01), coast.pairs[:1])
     outcome, (pitch, *_) = repair(images)
     assert outcome.status is Status.STALLED
@@ -279,7 +279,7 @@ def test_the_better_of_two_starts_counts(coast, monkeypatch, good):
     """Only one of them leads to the rig: the other one stays where it is."""
     images = images_around(decalibrate(RIG, jax.random.key(0), 0.5, 0.01), coast.pairs[:1])
     corner, best = np.full(5, 0.9), repair(images)[0].best
-    find, refine = _features._five_point_pose, _features._refined
+    find, refine = _fit._five_point_pose, _fit._refined
 
     def found(*arguments):
         return corner if good == "start" else best, find(*arguments)[1]
@@ -290,8 +290,8 @@ def test_the_better_of_two_starts_counts(coast, monkeypatch, good):
             end.x, end.cost = corner, np.inf
         return end
 
-    monkeypatch.setattr(_features, "_five_point_pose", found)
-    monkeypatch.setattr(_features, "_refined", stuck)
+    monkeypatch.setattr(_fit, "_five_point_pose", found)
+    monkeypatch.setattr(_fit, "_refined", stuck)
     outcome, _ = repair(images, start=np.zeros(5) if good == "start" else corner)
     assert outcome.status is Status.CONVERGED
     np.testing.assert_allclose(outcome.best, best, atol=0.01)
