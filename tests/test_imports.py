@@ -36,7 +36,7 @@ def test_a_repair_loads_no_statistics_and_no_reports():
 
 def test_describing_the_strategies_loads_no_optimiser():
     """The libraries behind the plug-ins are imported by a run. nlopt may be: it takes a few milliseconds."""
-    code = "import sys, stereorecal.strategies as s; [s.describe(n) for n in s()]; print(*sys.modules)"
+    code = "import sys, stereorecal.strategies as s; s.overview(); print(*sys.modules)"
     loaded = set(said(code).split())
     assert {f"stereorecal_{name}" for name in ("compass", "features", "nlopt", "optimistix")} <= loaded
     assert not {"equinox", "optimistix", "optax", "lineax", "scipy.optimize", "stereorecal.objectives"} & loaded

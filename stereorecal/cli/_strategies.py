@@ -6,11 +6,11 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
-from stereorecal._errors import InputError, StrategyError
+from stereorecal._errors import InputError
 from stereorecal.cli._console import table_console
 from stereorecal.cli._exit_codes import FAILURE
 from stereorecal.cli._values import NONE_INSTALLED
-from stereorecal.strategies import describe, strategies, strategy
+from stereorecal.strategies import StrategyInfo, overview, strategy
 
 
 def run(options: argparse.Namespace) -> int:
@@ -19,22 +19,18 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _list() -> int:
-    if not strategies():
+    found = overview()
+    if not found:
         raise InputError(NONE_INSTALLED)
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     for heading in ("name", "distribution", "version", "needs", "what it does"):
         table.add_column(heading, overflow="fold")
-    broken = False
-    for name in strategies():
-        try:
-            info = describe(name)
-            cells = (info.name, info.distribution, info.version, info.needs, info.summary)
-        except (InputError, StrategyError) as error:
-            broken = True
-            cells = (name, "-", "-", "-", str(error))
-        table.add_row(*map(Text, cells))
+    for name, info in found.items():
+        known = isinstance(info, StrategyInfo)
+        cells = (info.distribution, info.version, info.needs, info.summary) if known else ("-", "-", "-", str(info))
+        table.add_row(*map(Text, (name, *cells)))
     table_console(124).print(table)
-    return FAILURE if broken else 0
+    return 0 if all(isinstance(info, StrategyInfo) for info in found.values()) else FAILURE
 
 
 def _check(name: str) -> int:

@@ -19,6 +19,7 @@ from stereorecal.strategies._registry import (
     describe as describe,
     name_of as name_of,
     origin_of as origin_of,
+    overview as overview,
     strategies as strategies,
     strategy as strategy,
 )

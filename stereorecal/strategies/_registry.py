@@ -5,6 +5,7 @@ import difflib
 import inspect
 import reprlib
 import sys
+from collections.abc import Collection
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, entry_points, packages_distributions, version
 from typing import Any
@@ -50,7 +51,7 @@ def strategy(name: str, /, **options: Any) -> AbstractStrategy:
         InputError: if no such strategy is installed, two distributions claim the name, or it has no such option.
         StrategyError: if it cannot be imported.
     """
-    cls = _load(name)
+    cls = _load(_entry_point(name))
     known = [field.name for field in dataclasses.fields(cls)]
     if unknown := sorted(set(options) - set(known)):
         raise InputError(f"strategy {name} has no option {unknown[0]!r}; it has: {', '.join(known) or 'none'}.")
@@ -63,9 +64,13 @@ def describe(name: str) -> StrategyInfo:
     Raises:
         InputError, StrategyError: as `strategy` does.
     """
-    cls, point = _load(name), _entry_point(name)
-    summary = (inspect.getdoc(cls) or "").partition("\n")[0]
-    return StrategyInfo(name, *_distribution(point), cls.needs.name.lower(), summary)
+    return _described(_entry_point(name))
+
+
+def overview() -> dict[str, StrategyInfo | InputError | StrategyError]:
+    """What `describe` returns or raises for each installed strategy; what is installed is looked up once for all."""
+    points = entry_points(group=GROUP)
+    return {name: _described_or_error(points.select(name=name)) for name in sorted(points.names)}
 
 
 def name_of(instance: AbstractStrategy) -> str:
@@ -106,30 +111,49 @@ def _registers(point: _EntryPoint, cls: type) -> bool:
     return found is cls
 
 
-def _load(name: str) -> type[AbstractStrategy]:
-    if not isinstance(name, str):
-        raise InputError(_no_name(name))
-    point = _entry_point(name)
+def _described(point: _EntryPoint) -> StrategyInfo:
+    cls = _load(point)
+    summary = (inspect.getdoc(cls) or "").partition("\n")[0]
+    return StrategyInfo(point.name, *_distribution(point), cls.needs.name.lower(), summary)
+
+
+def _described_or_error(points: Collection[_EntryPoint]) -> StrategyInfo | InputError | StrategyError:
+    try:
+        return _described(_the_one(points))
+    except (InputError, StrategyError) as error:
+        return error
+
+
+def _load(point: _EntryPoint) -> type[AbstractStrategy]:
     try:
         cls = point.load()
     except Exception as error:
         distribution, number = _distribution(point)
         raise StrategyError(
-            f"strategy {name} of {distribution} {number} cannot be loaded ({error!r}); reinstall or remove it."
+            f"strategy {point.name} of {distribution} {number} cannot be loaded ({error!r}); reinstall or remove it."
         ) from error
     if not (isinstance(cls, type) and issubclass(cls, AbstractStrategy)):
-        raise StrategyError(f"the entry point {name} of {' '.join(_distribution(point))} is not a strategy class.")
+        raise StrategyError(
+            f"the entry point {point.name} of {' '.join(_distribution(point))} is not a strategy class."
+        )
     return cls
 
 
 def _entry_point(name: str) -> _EntryPoint:
-    points = tuple(entry_points(group=GROUP, name=name))
+    if not isinstance(name, str):
+        raise InputError(_no_name(name))
+    points = entry_points(group=GROUP, name=name)
     if not points:
         raise InputError(_missing(name))
+    return _the_one(points)
+
+
+def _the_one(points: Collection[_EntryPoint]) -> _EntryPoint:
+    point, *_ = points
     owners = sorted({_distribution(point)[0] for point in points})
     if len(owners) > 1:
-        raise InputError(f"strategy {name} is claimed by {' and '.join(owners)}; uninstall all but one.")
-    return points[0]
+        raise InputError(f"strategy {point.name} is claimed by {' and '.join(owners)}; uninstall all but one.")
+    return point
 
 
 def _no_name(given: Any) -> str:

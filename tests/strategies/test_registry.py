@@ -9,7 +9,16 @@ from types import ModuleType
 import pytest
 
 from stereorecal._errors import InputError, StrategyError
-from stereorecal.strategies import AbstractStrategy, _registry, describe, name_of, origin_of, strategies, strategy
+from stereorecal.strategies import (
+    AbstractStrategy,
+    _registry,
+    describe,
+    name_of,
+    origin_of,
+    overview,
+    strategies,
+    strategy,
+)
 from stereorecal.strategies._registry import GROUP
 
 
@@ -113,6 +122,27 @@ def test_a_broken_one_does_not_hide_the_others(installed):
     installed(point("compass"), point("shaky", "no_such_module:Thing", "shaky-plugin"))
     assert strategies() == ("compass", "shaky")
     assert type(strategy("compass")).__name__ == "Compass"
+
+
+def test_an_overview_has_each_description_or_its_error(installed, monkeypatch):
+    """And looks up once what is installed."""
+    installed(
+        point("compass"),
+        point("shaky", "no_such_module:Thing", "shaky-plugin"),
+        point("twice", distribution="one"),
+        point("twice", distribution="two"),
+    )
+    looks, look = [], _registry.entry_points
+    monkeypatch.setattr(_registry, "entry_points", lambda **wanted: looks.append(wanted) or look(**wanted))
+    found = overview()
+    assert len(looks) == 1
+    assert list(found) == ["compass", "shaky", "twice"]
+    assert found["compass"] == describe("compass")
+    for name, kind in (("shaky", StrategyError), ("twice", InputError)):
+        with pytest.raises(kind) as error:
+            describe(name)
+        assert isinstance(found[name], kind)
+        assert str(found[name]) == str(error.value)
 
 
 def test_unknown_option():
