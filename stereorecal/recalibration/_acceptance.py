@@ -4,9 +4,10 @@ import enum
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 
 from stereorecal.recalibration._evidence import Evidence
+from stereorecal.recalibration._misfit import Misfit
 from stereorecal.scoring.host import Score
 
 _COUNT_LOSS = 0.01  # of the count, which is flat to half of that around the optimum (measured on real scenes)
@@ -16,6 +17,13 @@ _ROW_GAIN = 0.01  # pixels: less than that no matcher notices
 _SIGNIFICANT = 3.0  # standard errors, over the places of tiles
 _FEWEST_PLACES = 6
 _EDGE = 0.98  # of the box of the epipolar stages, which is twice the reach
+_PLAUSIBLE = 5.0  # standard deviations of the prior on the drift, over all axes together
+_MOST_MISFIT = 0.4  # pixels, in the worst tenth of the regions; intrinsics of real rigs leave 0.12 to 0.35
+_SOME_MISFIT = 0.2  # pixels, likewise: as much must be small beside the gain
+_BESIDE_GAIN = 0.4  # of the row differences before
+_MOST_WORSE = 0.1  # share of the regions
+_WORSE = 0.05  # pixels by which a region is worse, beyond two standard errors
+_SWAY = 0.3  # of the row differences before: what one more effect may take of the solution
 LEAST_COVERED = 0.1  # of the image; good rigs cover a half, rigs half a degree out 0 to 6 %: what false matches cover
 ROWS_APART = 0.3  # pixels; 0.03 degrees of pitch at a focal length of 600 pixels: no good calibration leaves that
 
@@ -31,6 +39,11 @@ class Reason(enum.Enum):
     WORSE_ON_HELD_OUT = "the candidate is no better on image regions that were held out"
     TOO_LITTLE_TEXTURE = "too little of the images matches: too little texture, or a drift beyond the reach"
     OUT_OF_BUDGET = "the budget ended before the row error of a candidate could be judged; give a larger one"
+    MISFIT = "the candidate leaves rows of whole regions apart, which no rotation or shift of the cameras explains"
+    FRAMES_DISAGREE = "the frames show different rigs; take them at rest, or check the synchronisation of the cameras"
+    IMPLAUSIBLE = (
+        "the candidate is farther from the initial calibration than the reach makes likely on all axes together"
+    )
     REACH_EDGE = "the search ended at twice the reach; the drift may be larger: give a larger reach"
 
     @property
@@ -74,25 +87,44 @@ def verdict_on_count(before: Score, after: Score, *, signal: bool) -> Reason:
     return Reason.MORE_MATCHES if after.count > before.count else Reason.NOT_IMPROVED
 
 
+def misfits(left: Misfit) -> bool:
+    """Whether a repair leaves, or rests on, what the parameters cannot explain: a region is worse than before, the
+    misfit is large, or large beside the gain, or an effect that is in no model would explain much of the gain as well.
+
+    No fixed number of pixels tells: good repairs of real rigs, whose intrinsics are imperfect, leave as much as some
+    harmful ones.
+    """
+    worse = np.abs(left.after) - np.abs(left.before) > _WORSE + 2.0 * left.error
+    return bool(
+        left.high > _MOST_MISFIT
+        or (left.high > _SOME_MISFIT and left.rms > _BESIDE_GAIN * left.rms_before)
+        or np.mean(worse) > _MOST_WORSE
+        or left.sway > _SWAY * left.rms_before
+    )
+
+
 def verdict(
     before: Score,
     after: Score,
     rows: RowErrors,
     z: Float[np.ndarray, "n"],
-    observed: Bool[np.ndarray, "n"],
+    prior: float,
+    left: Misfit,
     places: int,
     covered: float,
     frames: int,
 ) -> Reason:
     """The verdict on a candidate with correspondences.
 
-    Accepted: a significant gain in count or in row error on held-out regions, and no loss beyond 1 % of the count and
-    0.02 pixels. The counts of equally good calibrations scatter: by about 1 over the root of
-    the count of a frame, measured on rendered scenes; frames that repeat each other prove nothing twice.
+    Accepted: a significant gain in count or in row error on held-out regions, no loss beyond 1 % of the count and
+    0.02 pixels, plausible under the prior as a whole, and no misfit (`misfits`). The counts of equally good
+    calibrations scatter: by about 1 over the root of the count of a frame, measured on rendered scenes; frames that
+    repeat each other prove nothing twice.
 
     Args:
         z: the candidate in the unit box.
-        observed: which of its coordinates the data determine.
+        prior: standard deviation of the drift on each axis, in half widths of the box.
+        left: the misfit of the candidate.
         places: how many places of the frames hold correspondences.
         covered: by correspondences, share of the frame that shows most.
         frames: how many there are.
@@ -104,11 +136,13 @@ def verdict(
     gain = rows.before - rows.after
     if gain < -_ROW_LOSS:
         return Reason.WORSE_ON_HELD_OUT
-    if np.any(observed & (np.abs(z) > _EDGE)):
+    if np.any(np.abs(z) > _EDGE):
         return Reason.REACH_EDGE
     better_rows = gain > _ROW_GAIN and rows.significance > _SIGNIFICANT
     scatter = 1.0 / np.sqrt(max(after.count, 1) / frames)
     better_count = after.count > (1.0 + max(_COUNT_GAIN, _SIGNIFICANT * scatter)) * before.count and gain >= 0.0
-    if better_rows or better_count:
-        return Reason.IMPROVED
-    return Reason.ALREADY_GOOD if rows.before <= ROWS_APART else Reason.WORSE_ON_HELD_OUT
+    if not (better_rows or better_count):
+        return Reason.ALREADY_GOOD if rows.before <= ROWS_APART else Reason.WORSE_ON_HELD_OUT
+    if np.linalg.norm(z) > _PLAUSIBLE * prior:
+        return Reason.IMPLAUSIBLE
+    return Reason.MISFIT if misfits(left) else Reason.IMPROVED

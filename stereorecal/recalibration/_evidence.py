@@ -6,11 +6,11 @@ shows in one frame it may show in the next (a rig at rest, its own bow), so the 
 unit of resampling, and are held out together.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from statistics import NormalDist
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
 from stereorecal.objectives import SearchBox, differences_at, linearised
 from stereorecal.scoring import TILES, Correspondences, Loss, curvatures, precisions
@@ -35,6 +35,7 @@ class Evidence:
         tile: (m,) which tile of which frame.
         prior: standard deviation of the drift on each axis, in half widths of the box.
         scale: pixels at which the rows were measured, per pixel at full size.
+        independent: share of the row differences that carry independent information.
     """
 
     z: Float[np.ndarray, "n"]
@@ -46,6 +47,23 @@ class Evidence:
     tile: Int[np.ndarray, "m"]
     prior: float
     scale: float = 1.0
+    independent: float = 1.0
+
+    def of(self, rows: Bool[np.ndarray, "m"]) -> "Evidence":
+        """Some of the rows alone."""
+        names = ("jacobian", "residual", "start_residual", "weight", "curvature", "tile")
+        return replace(self, **{name: getattr(self, name)[rows] for name in names})
+
+    @property
+    def shift(self) -> Float[np.ndarray, "n"]:
+        """From z to the solution of these rows and the prior."""
+        normal, pull = self._normal(slice(None), self.weight), self._pull(slice(None))
+        return -np.linalg.solve(normal + self._prior, pull + self._prior @ self.z)
+
+    @property
+    def normal(self) -> Float[np.ndarray, "n n"]:
+        """The normal matrix with the prior's, of the curvatures of the losses."""
+        return self._normal(slice(None), self.curvature) + self._prior
 
     @property
     def _prior(self) -> Float[np.ndarray, "n n"]:
@@ -69,7 +87,7 @@ class Evidence:
         left_out = [np.flatnonzero(place == p) for p in np.unique(place)]
         if len(left_out) < 2:
             return np.linalg.inv(self._prior)
-        normal = self._normal(slice(None), self.curvature) + self._prior
+        normal = self.normal
         pull = self._pull(slice(None)) + self._prior @ self.z
         moves = np.stack(
             [np.linalg.solve(normal - self._normal(p, self.curvature), pull - self._pull(p)) for p in left_out]
@@ -133,4 +151,5 @@ def evidence(box: SearchBox, found: Correspondences, z: Float[np.ndarray, "n"]) 
         tile=np.asarray(found.tile)[here],
         prior=box.prior,
         scale=scale,
+        independent=float(found.independent),
     )

@@ -4,6 +4,7 @@ Noise averages out over a tile of a frame; what does not was in no model: a move
 image, a stretched image, wrong intrinsics, dirt.
 """
 
+import enum
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,9 +13,21 @@ from jaxtyping import Float, Int
 
 from stereorecal._plain import plain
 from stereorecal.recalibration._evidence import TILES_OF_A_FRAME, Evidence
+from stereorecal.scoring import TILES
 
 _FEWEST = 10  # correspondences in a region: below that its median is mostly noise
 _OF_A_MEDIAN = 1.2533 * 1.4826  # standard error of a median over the median deviation, times the root of the number
+_REACH = 0.25  # of the image: how far misfit stays alike; a lens, a ship
+_EXPLAINS = 0.5  # share of the misfit's square that one more effect must explain to be its likely cause
+_EFFECT = 1.0  # pixels at the edge of the image: standard deviation of an effect that is in no model
+
+
+class Cause(enum.Enum):
+    """What the misfit looks like; the value is the words for it."""
+
+    ROWS = "it grows with the row: a shutter that rolls in one image, or focal lengths that do not fit"
+    RADIAL = "it is radial: the lens distortion does not fit"
+    REGIONS = "regions lie apart: something moved between the two exposures, or the intrinsics do not fit"
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,9 +36,13 @@ class Misfit:
 
     Attributes:
         frame: (r,) of each region.
-        place: (r,) of each region in its frame, numbered by rows of tiles.
+        place: (r,) of each region in its frame, numbered by rows of 8 by 6 tiles.
         before, after: (r,) median row difference under the initial calibration, and under the candidate.
         error: (r,) standard error of `after`, by the noise of its correspondences.
+        sway: root mean square, over the regions, of the rows by which the solution would move if row differences that
+            grow with the row, or are radial, were a possibility: what the data ascribe to the rig but could as well
+            ascribe to a shutter or a lens.
+        cause: what it looks like.
     """
 
     frame: Int[np.ndarray, "r"]
@@ -33,26 +50,102 @@ class Misfit:
     before: Float[np.ndarray, "r"]
     after: Float[np.ndarray, "r"]
     error: Float[np.ndarray, "r"]
+    sway: float
+    cause: Cause
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of `after`, less what noise explains."""
+        return _beyond_noise(self.after, self.error)
+
+    @property
+    def rms_before(self) -> float:
+        """The same of `before`."""
+        return _beyond_noise(self.before, self.error)
+
+    @property
+    def high(self) -> float:
+        """The 90th percentile of |after|, less a standard error each."""
+        apart = np.maximum(np.abs(self.after) - self.error, 0.0)
+        return float(np.quantile(apart, 0.9)) if apart.size else 0.0
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data for JSON."""
-        return plain({name: getattr(self, name) for name in ("frame", "place", "before", "after", "error")})
+        names = ("frame", "place", "before", "after", "error", "rms", "rms_before", "high", "sway")
+        return plain({**{name: getattr(self, name) for name in names}, "cause": self.cause.name.lower()})
 
 
-def misfit(found: Evidence, independent: float) -> Misfit:
-    """The misfit of a solution.
+def _beyond_noise(medians: Float[np.ndarray, "r"], error: Float[np.ndarray, "r"]) -> float:
+    return float(np.sqrt(max(np.mean(medians**2 - error**2), 0.0))) if medians.size else 0.0
 
-    Args:
-        independent: share of the correspondences that carry independent information.
-    """
+
+def misfit(found: Evidence) -> Misfit:
+    """The misfit of a solution."""
     tiles, counts = np.unique(found.tile, return_counts=True)
     regions = []
     for tile, number in zip(tiles, counts, strict=True):
-        if number < _FEWEST:
-            continue
-        here = found.tile == tile
-        before, after = (float(np.median(r[here])) for r in (found.start_residual, found.residual))
-        spread = float(np.median(np.abs(found.residual[here] - after)))
-        regions.append((*divmod(tile, TILES_OF_A_FRAME), before, after, _OF_A_MEDIAN * spread / (number * independent) ** 0.5))
-    columns = np.array(regions, float).reshape(-1, 5).T
-    return Misfit(columns[0].astype(int), columns[1].astype(int), *columns[2:])
+        if number >= _FEWEST:
+            here = found.tile == tile
+            before, after = (float(np.median(r[here])) for r in (found.start_residual, found.residual))
+            spread = float(np.median(np.abs(found.residual[here] - after)))
+            error = _OF_A_MEDIAN * spread / float(number * found.independent) ** 0.5
+            regions.append((*divmod(int(tile), TILES_OF_A_FRAME), before, after, error))
+    frame, place, *medians = np.array(regions, float).reshape(-1, 5).T
+    frame, place = frame.astype(int), place.astype(int)
+    return Misfit(frame, place, *medians, sway=_sway(found), cause=_cause(place, medians[1]))
+
+
+def _sway(found: Evidence) -> float:
+    """See `Misfit.sway`: the solution is compared with that of a problem with the two effects beside the rig's axes."""
+    x, y = _centres(found.tile % TILES_OF_A_FRAME)
+    effects = np.stack([y, (x * x + y * y) * y], axis=-1)
+    jacobian = np.concatenate([found.jacobian, effects], axis=-1)
+    weighted = jacobian * found.weight[:, None]
+    dim = found.z.size
+    prior = np.concatenate([np.full(dim, found.prior**-2.0), np.full(2, _EFFECT**-2.0)])
+    here = np.concatenate([found.z, np.zeros(2)])
+    with_effects = -np.linalg.solve(jacobian.T @ weighted + np.diag(prior), weighted.T @ found.residual + prior * here)
+    moved = found.jacobian @ (with_effects[:dim] - found.shift)
+    return float(np.sqrt(found.weight @ moved**2 / max(float(found.weight.sum()), 1e-12)))
+
+
+def systematic(found: Evidence, seen: Misfit) -> Float[np.ndarray, "n n"]:
+    """What misfit adds to the covariance of the solution, in units of the box.
+
+    Over regions it is alike up to a quarter of the image, and at one place in all frames, as a lens or a rig's own bow
+    is; resampling of places takes them for independent.
+    """
+    pulls = np.stack(
+        [
+            found.jacobian[here].T @ found.curvature[here]
+            for here in (found.tile % TILES_OF_A_FRAME == place for place in range(TILES_OF_A_FRAME))
+        ]
+    )
+    x, y = _centres(np.arange(TILES_OF_A_FRAME))
+    distance2 = (x[:, None] - x) ** 2 + (y[:, None] - y) ** 2
+    moves = np.linalg.solve(found.normal, pulls.T)
+    return seen.rms**2 * moves @ np.exp(-0.5 * distance2 / (2 * _REACH) ** 2) @ moves.T
+
+
+def _centres(place: Int[np.ndarray, "r"]) -> tuple[Float[np.ndarray, "r"], Float[np.ndarray, "r"]]:
+    """Of tiles, from -1 to 1 over the image."""
+    row, column = np.divmod(place, TILES[0])
+    return (2 * column + 1) / TILES[0] - 1, (2 * row + 1) / TILES[1] - 1
+
+
+def _cause(place: Int[np.ndarray, "r"], after: Float[np.ndarray, "r"]) -> Cause:
+    """The one effect beside those of a rotation that explains at least half of the misfit, if there is one."""
+    if after.size < TILES_OF_A_FRAME // 4:
+        return Cause.REGIONS
+    x, y = _centres(place)
+    rotations = [np.ones_like(x), x, x * y, y * y]  # pitch, roll, yaw: what they may leave of themselves
+    effects = {Cause.ROWS: y, Cause.RADIAL: (x * x + y * y) * y}
+    left = max(_unexplained(after, rotations), 1e-12)
+    shares = {cause: 1.0 - _unexplained(after, [*rotations, effect]) / left for cause, effect in effects.items()}
+    best = max(shares, key=lambda cause: shares[cause])
+    return best if shares[best] >= _EXPLAINS else Cause.REGIONS
+
+
+def _unexplained(values: Float[np.ndarray, "r"], effects: list[Float[np.ndarray, "r"]]) -> float:
+    columns = np.stack(effects, axis=-1)
+    return float(np.sum((values - columns @ np.linalg.lstsq(columns, values, rcond=None)[0]) ** 2))

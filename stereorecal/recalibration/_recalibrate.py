@@ -10,9 +10,9 @@ from stereorecal.geometry import StereoRig, View, with_unit_baseline
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import Reach, as_reach
 from stereorecal.recalibration._acceptance import Reason, row_errors, verdict, verdict_on_count
+from stereorecal.recalibration._agreement import MOST_APART, agreed
 from stereorecal.recalibration._cost import Cost
-from stereorecal.recalibration._evidence import evidence
-from stereorecal.recalibration._misfit import misfit
+from stereorecal.recalibration._misfit import misfit, systematic
 from stereorecal.recalibration._schedule import Schedule, ScoreKind, as_schedule
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._stages import FEWEST, Case, StageRun, better_start, remaining, run_stage
@@ -101,10 +101,15 @@ def _judged(case: Case, schedule: Schedule, stages: tuple[StageRun, ...], cost: 
     best = stages[-1].best if stages else np.asarray(case.rig.extrinsics)
     runs = [run for stage in stages for run in stage.runs]
     found = next((stage.found for stage in reversed(stages) if stage.found is not None), None)
+    cut = len(stages) < len(schedule.stages) or any(stage.cut for stage in stages)
+    if cut or found is None or found.found < FEWEST:
+        facts, apart = None, ()
+    else:
+        facts, apart = agreed(case.box, found, np.asarray(case.box.chart.coordinates(best)))
+        best = case.box.chart.extrinsics(facts.z)
     candidate = case.rig.with_extrinsics(best)
     before, after, of_scores = _scores(case, candidate)
     status, message = (runs[-1].status, runs[-1].message) if runs else (Status.NO_SIGNAL, Status.NO_SIGNAL.value)
-    cut = len(stages) < len(schedule.stages) or any(stage.cut for stage in stages)
     if cut:
         status, message = Status.BUDGET, Status.BUDGET.value
     rows = known = left = None
@@ -112,15 +117,17 @@ def _judged(case: Case, schedule: Schedule, stages: tuple[StageRun, ...], cost: 
         reason = Reason.OUT_OF_BUDGET  # the count alone would let harm through: it hardly sees a wrong yaw
     elif found is None:
         reason = verdict_on_count(before, after, signal=status is not Status.NO_SIGNAL)
-    elif found.found < FEWEST:
+    elif facts is None:
         reason = Reason.TOO_LITTLE_TEXTURE
     else:
-        box = case.box
-        z = np.asarray(box.chart.coordinates(best))
-        facts = evidence(box, found, z)
-        rows, known = row_errors(facts), uncertainty(facts.covariance(), box)
-        left = misfit(facts, float(found.independent))
-        reason = verdict(before, after, rows, z, known.observed, facts.places, found.covered, len(case.images.pairs))
+        rows, left = row_errors(facts), misfit(facts)
+        known = uncertainty(facts.covariance(), systematic(facts, left), case.box)
+        frames = len(case.images.pairs)
+        if len(apart) > MOST_APART * frames:
+            reason = Reason.FRAMES_DISAGREE
+        else:
+            prior, places = case.box.prior, facts.places
+            reason = verdict(before, after, rows, facts.z, prior, left, places, found.covered, frames - len(apart))
     return Solution(
         rig=candidate if reason.accepted else case.rig,
         candidate=candidate,
@@ -144,6 +151,7 @@ def _judged(case: Case, schedule: Schedule, stages: tuple[StageRun, ...], cost: 
         row_errors=rows,
         uncertainty=known,
         misfit=left,
+        left_out=tuple(case.images.pairs[f].name for f in apart),
         stages=stages,
         seconds=time.perf_counter() - began,
     )

@@ -38,6 +38,7 @@ class Solution:
         row_errors: epipolar errors before and after; None if the schedule has no epipolar stage, or it found nothing.
         uncertainty: of the candidate; None in the same cases.
         misfit: of the candidate; None in the same cases.
+        left_out: names of the pairs that disagree with the others; the candidate does without them, if they are few.
         stages: what each stage did.
         seconds: wall time.
     """
@@ -58,6 +59,7 @@ class Solution:
     row_errors: RowErrors | None
     uncertainty: Uncertainty | None
     misfit: Misfit | None
+    left_out: tuple[str, ...]
     stages: tuple[StageRun, ...]
     seconds: float
 

@@ -8,6 +8,7 @@ from jaxtyping import Bool, Float
 from stereorecal.objectives import FREE_AXES, Chart, SearchBox
 
 _NORMAL_95 = 1.96
+_PART = 0.3  # of a unit direction: an axis with less is not named
 _OBSERVED = 0.5  # of the prior's standard deviation; above it, the answer is mostly the prior
 
 
@@ -16,12 +17,16 @@ class Uncertainty:
     """Of the five free parameters: pitch, yaw, roll in degrees, y, z in percent of the baseline.
 
     Attributes:
-        covariance: (5, 5), the prior on the drift included.
+        covariance: (5, 5), the prior on the drift and the misfit included.
+        by_chance: (5, 5), what of it is chance alone: without the misfit.
         observed: (5,) which parameters the data determine; the others stay near the initial calibration.
+        undetermined: directions that the data leave to the prior, in words, such as "y with pitch".
     """
 
     covariance: Float[np.ndarray, "5 5"]
+    by_chance: Float[np.ndarray, "5 5"]
     observed: Bool[np.ndarray, "5"]
+    undetermined: tuple[str, ...] = ()
 
     @property
     def interval(self) -> Float[np.ndarray, "5"]:
@@ -29,8 +34,9 @@ class Uncertainty:
         return _NORMAL_95 * np.sqrt(np.diag(self.covariance))
 
     @property
-    def unwidened(self) -> Float[np.ndarray, "5"]:
-        return self.interval
+    def interval_by_chance(self) -> Float[np.ndarray, "5"]:
+        """The same without the misfit: where every region fits, they are equal."""
+        return _NORMAL_95 * np.sqrt(np.diag(self.by_chance))
 
     @property
     def unobserved(self) -> tuple[str, ...]:
@@ -38,11 +44,27 @@ class Uncertainty:
         return tuple(name for name, seen in zip(FREE_AXES, self.observed, strict=True) if not seen)
 
 
-def uncertainty(covariance: Float[np.ndarray, "n n"], box: SearchBox) -> Uncertainty:
-    """The uncertainty of a solution whose covariance is `covariance`, in half widths of the box."""
+def uncertainty(
+    by_chance: Float[np.ndarray, "n n"], by_misfit: Float[np.ndarray, "n n"], box: SearchBox
+) -> Uncertainty:
+    """The uncertainty of a solution from its covariances, in half widths of the box."""
     unit = reading_units(box.chart)
-    observed = np.sqrt(np.diag(covariance)) < _OBSERVED * box.prior
-    return Uncertainty(covariance * unit[:, None] * unit, observed)
+    both = by_chance + by_misfit
+    observed = np.sqrt(np.diag(by_chance)) < _OBSERVED * box.prior
+    units = unit[:, None] * unit
+    return Uncertainty(both * units, by_chance * units, observed, _directions(by_chance / box.prior**2))
+
+
+def _directions(covariance: Float[np.ndarray, "n n"]) -> tuple[str, ...]:
+    """The directions that stay mostly as uncertain as the prior, in its units: their axes, the largest part first."""
+    variances, axes = np.linalg.eigh(covariance)
+    found = []
+    for variance, direction in zip(variances, axes.T, strict=True):
+        if variance > _OBSERVED**2:
+            parts = np.argsort(-np.abs(direction))
+            names = [FREE_AXES[i] for i in parts if abs(direction[i]) > _PART]
+            found.append(" with ".join(names))
+    return tuple(found)
 
 
 def reading_units(chart: Chart) -> Float[np.ndarray, "n"]:

@@ -271,9 +271,13 @@ def judged(scene: Scene, given: Scene, case: str, explained: bool, draws: int, j
             before, after = (np.abs(errors(r, rig))[:3] for r in (start, solution.rig))
             margin = np.full(3, 0.05)
             if solution.uncertainty is not None:
-                margin = np.maximum(margin, solution.uncertainty.unwidened[:3])
+                margin = np.maximum(margin, solution.uncertainty.interval_by_chance[:3])
             worse = after - before
-            harmful = solution.accepted and bool(rows[1] > rows[0] + 0.02 or np.any(worse > margin))
+            ended = solution.candidate
+            worse_end = np.abs(errors(ended, rig))[:3] - before
+            end = median_row_error(judge, with_unit_baseline(ended.extrinsics))
+            would_harm = bool(end > rows[0] + 0.02 or np.any(worse_end > margin))
+            harmful = solution.accepted and would_harm
             yield Row(
                 scene.name,
                 case,
@@ -286,13 +290,22 @@ def judged(scene: Scene, given: Scene, case: str, explained: bool, draws: int, j
                 float(worse.max()) if solution.accepted else 0.0,
                 *rows,
                 solution.seconds,
-                features(solution),
+                {**features(solution), "would_harm": would_harm, "worse_end": float(worse_end.max())},
             )
 
 
 def features(solution: sr.Solution) -> dict:
     """What the verdict rests on."""
-    return {} if solution.misfit is None else solution.misfit.as_dict()
+    if solution.misfit is None or solution.uncertainty is None or solution.row_errors is None:
+        return {}
+    known = solution.uncertainty
+    return {
+        **solution.misfit.as_dict(),
+        "row_errors": vars(solution.row_errors),
+        "change": errors(solution.candidate, solution.initial).tolist(),
+        "interval": known.interval.tolist(),
+        "counts": [solution.score_before.count, solution.score_after.count],
+    }
 
 
 def spoiled(scene: Scene, spoil: Spoil, case: str) -> Scene:
@@ -313,7 +326,7 @@ def main() -> None:
     parser.add_argument("--only", default="", help="parts of names of scenes or cases, comma separated")
     parser.add_argument("--unseen", action="store_true", help="the kinds that no rule was chosen on")
     parser.add_argument("--part", default="0/1", help="every N-th case from the I-th on, for several processes")
-    parser.add_argument("--json", type=Path)
+    parser.add_argument("--json", type=Path, help="a line for each repair, appended")
     options = parser.parse_args()
     wanted = [part for part in options.only.split(",") if part]
     part, parts = map(int, options.part.split("/"))
@@ -338,6 +351,9 @@ def main() -> None:
             given = spoiled(scene, kinds[case], case) if case != LATE else replace(late, rig=scene.rig)
             for row in judged(scene, given, case, case in EXPLAINED, options.draws, judge):
                 rows.append(row)
+                if options.json:
+                    with options.json.open("a") as file:
+                        file.write(json.dumps(vars(row)) + "\n")
                 print(
                     row.scene,
                     "|",
@@ -349,8 +365,6 @@ def main() -> None:
                     "| harmful" if row.harmful else "",
                     flush=True,
                 )
-    if options.json:
-        options.json.write_text("\n".join(json.dumps(vars(row)) for row in rows))
     show(rows)
 
 

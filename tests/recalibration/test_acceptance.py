@@ -8,10 +8,10 @@ from hypothesis import given, settings, strategies as st
 
 from stereorecal.recalibration import Reason, RowErrors
 from stereorecal.recalibration._acceptance import row_errors, verdict, verdict_on_count
+from stereorecal.recalibration._misfit import Cause, Misfit
 from stereorecal.scoring.host import Score
 
-ALL = np.ones(5, bool)
-NONE = np.zeros(5, bool)
+PRIOR = 0.2
 EDGE = np.array([0.1, -0.99, 0.0, 0.0, 0.0])
 
 
@@ -19,12 +19,27 @@ def score(count: int) -> Score:
     return Score(count, 1_000_000)
 
 
+def left_over(before=2.0, after=0.05, sway=0.0, error=0.01, regions=40) -> Misfit:
+    """Regions whose rows lie so far apart: numbers, or one for each region."""
+    place = np.arange(regions)
+    medians = [np.broadcast_to(np.asarray(v, float), regions) * (-1.0) ** place for v in (before, after)]
+    return Misfit(0 * place, place, *medians, np.full(regions, error), sway, Cause.REGIONS)
+
+
+FITS = left_over()
+
+
 def judged(
-    before=200_000, after=None, rows=(0.2, 0.2, 0.0), z=0.1, observed=ALL, places=48, covered=0.5, frames=1
+    before=200_000, after=None, rows=(0.2, 0.2, 0.0), z=0.1, left=FITS, places=48, covered=0.5, frames=1
 ) -> Reason:
     z = np.broadcast_to(np.asarray(z, float), 5).copy()
     counts = score(before), score(before if after is None else after)
-    return verdict(*counts, RowErrors(*map(float, rows)), z, observed, places, covered, frames)
+    return verdict(*counts, RowErrors(*map(float, rows)), z, PRIOR, left, places, covered, frames)
+
+
+def some(share: float, value: float, others: float) -> np.ndarray:
+    """Of forty regions."""
+    return np.where(np.arange(40) < 40 * share, value, others)
 
 
 BETTER = (0.5, 0.1, 10.0)
@@ -51,7 +66,21 @@ CASES = {
     "too few places": (Reason.TOO_LITTLE_TEXTURE, {"places": 5, "rows": BETTER, "after": 400_000}),
     "at the edge": (Reason.REACH_EDGE, {"rows": BETTER, "z": EDGE}),
     "at the other edge": (Reason.REACH_EDGE, {"rows": BETTER, "z": -EDGE}),
-    "at the edge where nothing is seen": (Reason.IMPROVED, {"rows": BETTER, "z": EDGE, "observed": ~(EDGE < -0.5)}),
+    "far on all axes together": (Reason.IMPLAUSIBLE, {"rows": BETTER, "z": 0.46}),
+    "far on one axis": (Reason.IMPROVED, {"rows": BETTER, "z": np.array([0.96, 0, 0, 0, 0])}),
+    "a misfit like that of good repairs": (Reason.IMPROVED, {"rows": BETTER, "left": left_over(after=0.3)}),
+    "a large misfit": (Reason.MISFIT, {"rows": BETTER, "left": left_over(after=0.45)}),
+    "a large misfit, in few regions": (Reason.IMPROVED, {"rows": BETTER, "left": left_over(after=some(0.05, 2, 0.1))}),
+    "a misfit, the gain small beside it": (Reason.MISFIT, {"rows": BETTER, "left": left_over(0.5, 0.28)}),
+    "a small misfit, the gain small": (Reason.IMPROVED, {"rows": BETTER, "left": left_over(0.2, 0.15)}),
+    "some regions worse": (Reason.MISFIT, {"rows": BETTER, "left": left_over(some(0.2, 0.1, 2), some(0.2, 0.2, 0.05))}),
+    "worse by noise": (
+        Reason.IMPROVED,
+        {"rows": BETTER, "left": left_over(some(0.2, 0.1, 2), some(0.2, 0.2, 0.05), error=0.05)},
+    ),
+    "another effect explains it as well": (Reason.MISFIT, {"rows": BETTER, "left": left_over(sway=0.9)}),
+    "another effect explains some of it": (Reason.IMPROVED, {"rows": BETTER, "left": left_over(sway=0.4)}),
+    "misfit, but nothing to accept": (Reason.ALREADY_GOOD, {"left": left_over(after=1.0)}),
 }
 
 
@@ -67,7 +96,10 @@ def test_every_reason_has_its_case():
         verdict_on_count(score(a), score(b), signal=s) for a, b, s in ((5, 6, True), (5, 5, True), (0, 0, False))
     }
     assert on_count == {Reason.MORE_MATCHES, Reason.NOT_IMPROVED, Reason.TOO_LITTLE_TEXTURE}
-    assert on_count | {reason for reason, _ in CASES.values()} == set(Reason) - {Reason.OUT_OF_BUDGET}
+    assert on_count | {reason for reason, _ in CASES.values()} == set(Reason) - {
+        Reason.OUT_OF_BUDGET,
+        Reason.FRAMES_DISAGREE,  # test_agreement.py
+    }
     assert {reason for reason in Reason if reason.healthy} == {
         Reason.IMPROVED,
         Reason.MORE_MATCHES,
@@ -91,20 +123,23 @@ pixels = st.one_of(st.floats(0, 5), st.floats(0.45, 0.55))
     after=counts,
     rows=st.tuples(pixels, pixels, st.floats(-50, 50)),
     z=st.tuples(*[st.floats(-1, 1)] * 5),
-    seen=st.tuples(*[st.booleans()] * 5),
+    left=st.tuples(st.floats(0, 3), st.floats(0, 1), st.floats(0, 1)),
     places=st.integers(0, 48),
     covered=st.floats(0, 1),
 )
-def test_never_accepted(before, after, rows, z, seen, places, covered):
+def test_never_accepted(before, after, rows, z, left, places, covered):
     """Nothing is accepted that loses 1 % of the count or 0.02 pixels, in too few places or too little of the image, or
-    where the reach ends; and nothing that gains neither."""
-    reason = judged(before, after, rows, z, np.array(seen), places, covered)
+    where the reach ends, or that leaves more than it takes; and nothing that gains neither."""
+    reason = judged(before, after, rows, z, left_over(*left), places, covered)
     gain = rows[0] - rows[1]
     if after < 0.99 * before or gain < -0.02 or places < 6 or covered < 0.1:
         assert not reason.healthy
     if reason is Reason.IMPROVED:
         assert (gain > 0.01 and rows[2] > 3) or (after > 1.01 * before and gain > -1e-9)
-        assert not (np.array(seen) & (np.abs(z) > 0.98)).any()
+        assert np.abs(z).max() <= 0.98
+        assert np.linalg.norm(z) <= 5 * PRIOR
+        assert left[1] <= max(left[0], 0.0) + 0.07
+        assert left[1] < 0.42
 
 
 @dataclass
