@@ -9,6 +9,7 @@ from pathlib import Path
 
 import jax
 import pytest
+import typechecking
 from hypothesis import settings
 
 from stereorecal.recordings import Scene
@@ -28,8 +29,24 @@ def pytest_configure(config: pytest.Config) -> None:
         if _CACHE not in os.environ:
             config.add_cleanup(lambda: shutil.rmtree(folder, ignore_errors=True))
         os.environ[_CACHE] = os.environ["JAX_COMPILATION_CACHE_DIR"] = folder
+        os.environ["JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS"] = "0.1"
+    config.pluginmanager.register(typechecking)  # whose tests may lie outside this folder
     jax.config.update("jax_compilation_cache_dir", folder)
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.1)
+
+
+_FIRST = (
+    "test_architecture",
+    "test_compiled_once",
+    "test_default_schedule",
+    "test_nlopt_conformance",
+    "test_tutorial_strategy",
+)
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Long files first, so that no worker is left alone with one; and those that compile what many others use."""
+    items.sort(key=lambda item: item.path.stem not in _FIRST)
 
 
 settings.register_profile("stereorecal", derandomize=True, deadline=None)
