@@ -14,14 +14,10 @@ SIZE = (120, 70)
 PLAIN = SAD(num_disparities=16, block_size=7)
 OPTIONS = {
     "default": PLAIN,
-    "grey levels": replace(PLAIN, pre_filter_cap=0),
-    "not unique": replace(PLAIN, uniqueness_ratio=0),
-    "one way": replace(PLAIN, disp12_max_diff=-1),
-    "exact": replace(PLAIN, disp12_max_diff=0),
-    "lax": replace(PLAIN, disp12_max_diff=2),
-    "any texture": replace(PLAIN, texture_threshold=0),
-    "much texture": replace(PLAIN, texture_threshold=400),
-    "negative": replace(PLAIN, min_disparity=-5, num_disparities=12),
+    "grey levels, not unique": replace(PLAIN, pre_filter_cap=0, uniqueness_ratio=0),
+    "one way, any texture": replace(PLAIN, disp12_max_diff=-1, texture_threshold=0),
+    "exact, much texture": replace(PLAIN, disp12_max_diff=0, texture_threshold=400),
+    "lax, negative": replace(PLAIN, disp12_max_diff=2, min_disparity=-5, num_disparities=12),
 }
 
 
