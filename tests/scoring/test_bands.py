@@ -3,7 +3,7 @@
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from hypothesis import given, strategies as st
+from hypothesis import given, settings, strategies as st
 
 import stereorecal as sr
 from stereorecal._errors import InputError
@@ -27,6 +27,7 @@ def extrinsics(scene):
     return np.asarray(with_unit_baseline(scene("street", 0, (320, 240)).rig.extrinsics), np.float32)
 
 
+@settings(max_examples=30)
 @given(share=st.floats(0.001, 1.0))
 def test_bands_are_apart_inside_and_of_the_share_that_was_asked_for(prepared, share):
     parts = bands(prepared, share)

@@ -9,13 +9,13 @@ from stereorecal.recordings import Pair
 from stereorecal.scoring import TILES, median_row_error, prepare, row_differences
 from stereorecal.scoring.host import correspondences
 
-SAD_48 = SAD(num_disparities=48)
+SAD_64 = SAD(num_disparities=64)
 FIELDS = ("left", "right", "weight", "tile")
 
 
 def found_in(rig, pairs, turn=(0.0, 0.0, 0.0), own_view=None):
     extrinsics = with_unit_baseline(rig.extrinsics) + np.array([*np.radians(turn), 0.0, 0.0, 0.0])
-    return correspondences(prepare(rig, pairs, own_view or view(rig)), extrinsics, SAD_48)
+    return correspondences(prepare(rig, pairs, own_view or view(rig)), extrinsics, SAD_64)
 
 
 @pytest.fixture(scope="module")
@@ -83,7 +83,7 @@ def test_at_the_truth_rays_meet_in_one_row(harbour, found):
     )
     disparity = (left - right)[here][:, 0]
     assert disparity.min() > -1.5
-    assert disparity.max() < 48
+    assert disparity.max() < 64
     assert disparity.std() > 2
 
 
@@ -131,7 +131,7 @@ def test_frames_keep_their_own_and_half_scale_sees_the_same_rays(harbour, scene)
         correspondences(
             prepare(harbour.rig, [*harbour.pairs, *scene("harbour", seed).pairs], own, 0.5),
             truth,
-            SAD_48,
+            SAD_64,
         )
         for seed in (1, 2)
     )

@@ -11,7 +11,7 @@ from stereorecal.scoring import prepare
 from stereorecal.scoring.host import _cores, _in_turn, counts, counts_one_by_one, disparities
 from stereorecal.scoring.host._in_turn import in_turn
 
-SAD_32 = SAD(num_disparities=32)
+SAD_24 = SAD(num_disparities=24)
 
 
 def prepared(given_scene):
@@ -36,7 +36,7 @@ def test_each_frame_and_candidate_gets_its_own_answer(scene, some_cores, frames,
     data = prepared(scene(frames=frames))
     candidates = np.zeros((number, 6), np.float32)
     candidates[:, 0], candidates[:, 1] = np.arange(number), -np.arange(number)
-    answers = in_turn(first_two, data.frames, candidates, SAD_32)
+    answers = in_turn(first_two, data.frames, candidates, SAD_24)
     assert answers.shape == (frames, number, 3)
     for frame, of_frame in zip(data.frames, answers, strict=True):
         np.testing.assert_array_equal(of_frame[:, :2], 1000 * candidates[:, :2])
@@ -47,7 +47,7 @@ def test_each_frame_and_candidate_gets_its_own_answer(scene, some_cores, frames,
 def test_all_cores_have_work(scene, some_cores, monkeypatch, frames, number):
     calls = []
     monkeypatch.setattr(_in_turn, "on_all_cores", lambda f, items: calls.extend(items) or list(map(f, items)))
-    in_turn(first_two, prepared(scene(frames=frames)).frames, np.zeros((number, 6)), SAD_32)
+    in_turn(first_two, prepared(scene(frames=frames)).frames, np.zeros((number, 6)), SAD_24)
     assert len(calls) >= min(some_cores, frames * number)
     sizes = [len(part) for _, part in calls]
     assert max(sizes) - min(sizes) <= 1
@@ -56,25 +56,24 @@ def test_all_cores_have_work(scene, some_cores, monkeypatch, frames, number):
 
 def test_one_program_serves_any_number(scene):
     frames = prepared(scene()).frames
-    in_turn(first_two, frames, np.zeros((1, 6)), SAD_32)
+    in_turn(first_two, frames, np.zeros((1, 6)), SAD_24)
     before = _in_turn._seen.compiled._cache_size()
     for number in (0, 2, 7, 50):
-        in_turn(first_two, frames, np.zeros((number, 6)), SAD_32)
+        in_turn(first_two, frames, np.zeros((number, 6)), SAD_24)
     assert _in_turn._seen.compiled._cache_size() == before
 
 
 @settings(max_examples=8, deadline=None)
 @given(
     kind=st.sampled_from(["harbour", "street", "coast"]),
-    size=st.sampled_from([(160, 120), (200, 130)]),
     offsets=st.lists(st.tuples(*[st.floats(-0.03, 0.03)] * 3), min_size=1, max_size=12),
 )
-def test_counts_what_disparities_show(scene, kind, size, offsets):
+def test_counts_what_disparities_show(scene, kind, offsets):
     """Pixel for pixel: `score` and a search must mean the same by a count."""
-    given_scene = scene(kind, 0, size)
+    given_scene = scene(kind, 0, (160, 120))
     data = prepared(given_scene)
     candidates = np.repeat(with_unit_baseline(given_scene.rig.extrinsics)[None], len(offsets), axis=0)
     candidates[:, :3] += offsets
-    shown = [sum(d.valid.sum() for d in disparities(data, one.astype(np.float32), SAD_32)) for one in candidates]
-    np.testing.assert_array_equal(counts(data, candidates, SAD_32), shown)
-    np.testing.assert_array_equal(counts_one_by_one(data, candidates, SAD_32), shown)
+    shown = [sum(d.valid.sum() for d in disparities(data, one.astype(np.float32), SAD_24)) for one in candidates]
+    np.testing.assert_array_equal(counts(data, candidates, SAD_24), shown)
+    np.testing.assert_array_equal(counts_one_by_one(data, candidates, SAD_24), shown)
