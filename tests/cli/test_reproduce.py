@@ -9,7 +9,7 @@ import pytest
 
 from stereorecal.io import save_calibrations, save_mission
 from stereorecal.recordings import Mission
-from stereorecal.reproduction import _reproduce
+from stereorecal.reproduction import _reproduce, _synthetic_log
 from stereorecal.reproduction._tasks import Counting, Repairing
 from stereorecal.synthetic import default_rig, render
 
@@ -127,6 +127,8 @@ def test_results_of_another_run_are_left_alone(command, words):
 
 
 def test_without_a_log_one_is_rendered_once(command, tmp_path: Path, monkeypatch):
+    monkeypatch.setattr(_synthetic_log, "_QUICK_SIZE", (160, 120))
+    monkeypatch.setattr(_synthetic_log, "_QUICK_PAIRS", 1)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     options = ["--quick", "--schedule", "count", "--output", tmp_path / "out"]
     found = command("reproduce", "validity", *options)

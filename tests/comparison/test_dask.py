@@ -51,14 +51,9 @@ def deadly(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def workers(deadly, tmp_path_factory):
-    """The cluster; a worker that starts again finds its compiled programs."""
-    cache = {
-        "JAX_ENABLE_COMPILATION_CACHE": "true",
-        "JAX_COMPILATION_CACHE_DIR": str(tmp_path_factory.mktemp("programs")),
-        "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0",
-    }
-    with LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=":0", env=cache) as cluster:
+def workers(deadly):
+    """The cluster; its workers find compiled programs where all tests do."""
+    with LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=":0") as cluster:
         yield cluster
 
 

@@ -10,7 +10,7 @@ from stereorecal.matching import SAD
 from stereorecal.recalibration import Schedule, recalibrate
 from stereorecal.strategies import Budget, strategy
 
-MATCHER = SAD(num_disparities=48)
+MATCHER = SAD(num_disparities=64)
 SIZE = (320, 240)
 
 

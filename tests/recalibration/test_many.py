@@ -73,8 +73,8 @@ def test_answers_are_those_of_recalibrate_in_the_order_given(scenes, serial):
 def test_every_option_arrives(scenes, serial):
     view = sr.view(scenes[1].rig.resized((80, 60))).scaled(1.0)
     other = {
-        "matcher": sr.SAD(num_disparities=16),
-        "schedule": sr.Schedule.count(strategy("compass"), 0.4),
+        "matcher": sr.BM(num_disparities=32),
+        "schedule": sr.Schedule.count(strategy("compass"), 1.0),
         "budget": Budget(evaluations=3),
         "reach": Reach(0.5, 0.02),
     }

@@ -48,7 +48,7 @@ def test_each_is_a_repair_of_its_own(scene, drifted, solutions):
 def test_a_pair_that_shows_nothing_leaves_the_rig(scene, drifted):
     sea = scene("open-sea", 1, (320, 240)).pairs
     rig = drifted.resized((320, 240))
-    (found,) = sr.recalibrate_sequence(rig, sea)
+    (found,) = sr.recalibrate_sequence(rig, sea, matcher=sr.SAD(num_disparities=64))
     assert not found.accepted
     assert found.rig is rig
 
@@ -91,7 +91,7 @@ def test_the_path_of_the_default_schedule_has_the_end_of_every_stage(scene):
     np.testing.assert_allclose(path[-2].cost + solution.stages[-2].survey_cost, path[-1].cost - last.cost)
 
 
-@pytest.mark.parametrize("name", ["optimistix-bfgs", "nlopt-lbfgs", "features"])
+@pytest.mark.parametrize("name", ["nlopt-lbfgs", "features"])
 def test_the_path_of_a_strategy_that_evaluates_nothing_still_ends_at_the_end(scene, drifted, name):
     schedule = sr.Schedule.count(strategy(name), 0.5)
     solution = sr.recalibrate(drifted, scene().pairs, **{**OPTIONS, "schedule": schedule}, budget=Budget(60))
