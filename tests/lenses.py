@@ -9,3 +9,4 @@ LENSES = {
     12: _ALL[:12],
     14: _ALL,
 }
+FEW = (0, 5, 14)  # where each count is a program of its own
