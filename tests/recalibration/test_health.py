@@ -10,14 +10,14 @@ from stereorecal.recalibration import Condition, Health, health
 from stereorecal.recordings import Pair
 from stereorecal.scoring.host import Score, score
 
-SAD_64 = SAD(num_disparities=64)
+SAD_48 = SAD(num_disparities=48)
 
 
 @pytest.fixture
 def under(scene):
     """under(degrees of pitch): the health of a rendered rig that is turned so far from the truth."""
 
-    def look(pitch: float, matcher=SAD_64) -> Health:
+    def look(pitch: float, matcher=SAD_48) -> Health:
         given = scene("harbour", 0, (320, 240))
         turned = given.rig.extrinsics + np.array([np.radians(pitch), 0, 0, 0, 0, 0])
         return health(given.rig.with_extrinsics(turned), given.pairs, matcher=matcher)
@@ -25,7 +25,7 @@ def under(scene):
     return look
 
 
-@pytest.mark.parametrize("matcher", [SAD_64, SGBM(num_disparities=64)], ids=["sad", "sgbm"])
+@pytest.mark.parametrize("matcher", [SAD_48, SGBM(num_disparities=48)], ids=["sad", "sgbm"])
 def test_the_truth_is_healthy(under, matcher):
     found = under(0.0, matcher)
     assert found.condition is Condition.HEALTHY
@@ -51,14 +51,14 @@ def test_far_out_many_pixels_match_and_hardly_one_is_right(under, pitch):
 
 def test_the_score_is_that_of_score(scene, under):
     given = scene("harbour", 0, (320, 240))
-    assert under(0.0).score == score(given.rig, given.pairs, matcher=SAD_64)
+    assert under(0.0).score == score(given.rig, given.pairs, matcher=SAD_48)
 
 
 def test_nothing_to_match(scene):
     fog = np.full((240, 320), 128.0, np.float32)
     fog[0, 0] = 129.0
     other = fog[::-1].copy()
-    found = health(scene("harbour", 0, (320, 240)).rig, [Pair(fog, other)], matcher=SAD_64)
+    found = health(scene("harbour", 0, (320, 240)).rig, [Pair(fog, other)], matcher=SAD_48)
     assert found.condition is Condition.TOO_FEW_MATCHES
     data = json.loads(json.dumps(found.as_dict(), allow_nan=False))
     assert data["row_error_px"] is None

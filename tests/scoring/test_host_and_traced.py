@@ -43,7 +43,8 @@ def real(data_dir, name):
     given = sr.io.load_scene(data_dir / name, limit=1)
     if REAL[name] is None:
         return given
-    return replace(given, rig=given.rig.resized(REAL[name]), pairs=[pair.resized(REAL[name]) for pair in given.pairs])
+    pairs = tuple(pair.resized(REAL[name]) for pair in given.pairs)
+    return replace(given, rig=given.rig.resized(REAL[name]), pairs=pairs)
 
 
 def disparities_of(name):

