@@ -20,10 +20,12 @@ _EDGE = 0.98  # of the box of the epipolar stages, which is twice the reach
 _PLAUSIBLE = 5.0  # standard deviations of the prior on the drift, over all axes together
 _MOST_MISFIT = 0.4  # pixels, in the worst tenth of the regions; intrinsics of real rigs leave 0.12 to 0.35
 _SOME_MISFIT = 0.2  # pixels, likewise: as much must be small beside the gain
-_BESIDE_GAIN = 0.4  # of the row differences before
+_BESIDE_GAIN = 0.5  # of the row differences before
 _MOST_WORSE = 0.1  # share of the regions
 _WORSE = 0.05  # pixels by which a region is worse, beyond two standard errors
-_SWAY = 0.3  # of the row differences before: what one more effect may take of the solution
+_MOST_LOST = 0.1  # share of the tiles
+_SWAY = 0.08  # of the row differences before: what one more effect may take of the solution; real drifts leave to 0.04
+_STRANGE = 0.005  # share of drifts in random directions that would move the rows as little
 LEAST_COVERED = 0.1  # of the image; good rigs cover a half, rigs half a degree out 0 to 6 %: what false matches cover
 ROWS_APART = 0.3  # pixels; 0.03 degrees of pitch at a focal length of 600 pixels: no good calibration leaves that
 
@@ -88,8 +90,9 @@ def verdict_on_count(before: Score, after: Score, *, signal: bool) -> Reason:
 
 
 def misfits(left: Misfit) -> bool:
-    """Whether a repair leaves, or rests on, what the parameters cannot explain: a region is worse than before, the
-    misfit is large, or large beside the gain, or an effect that is in no model would explain much of the gain as well.
+    """Whether a repair leaves, or rests on, what the parameters cannot explain: regions are worse than before or match
+    no longer, the misfit is large, or large beside the gain, or an effect that is in no model would explain much of the
+    gain as well.
 
     No fixed number of pixels tells: good repairs of real rigs, whose intrinsics are imperfect, leave as much as some
     harmful ones.
@@ -98,7 +101,8 @@ def misfits(left: Misfit) -> bool:
     return bool(
         left.high > _MOST_MISFIT
         or (left.high > _SOME_MISFIT and left.rms > _BESIDE_GAIN * left.rms_before)
-        or np.mean(worse) > _MOST_WORSE
+        or (worse.size and np.mean(worse) > _MOST_WORSE)
+        or left.lost > _MOST_LOST
         or left.sway > _SWAY * left.rms_before
     )
 
@@ -143,6 +147,6 @@ def verdict(
     better_count = after.count > (1.0 + max(_COUNT_GAIN, _SIGNIFICANT * scatter)) * before.count and gain >= 0.0
     if not (better_rows or better_count):
         return Reason.ALREADY_GOOD if rows.before <= ROWS_APART else Reason.WORSE_ON_HELD_OUT
-    if np.linalg.norm(z) > _PLAUSIBLE * prior:
+    if np.linalg.norm(z) > _PLAUSIBLE * prior or left.chance < _STRANGE:
         return Reason.IMPLAUSIBLE
     return Reason.MISFIT if misfits(left) else Reason.IMPROVED

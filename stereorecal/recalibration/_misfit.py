@@ -19,6 +19,10 @@ _FEWEST = 10  # correspondences in a region: below that its median is mostly noi
 _OF_A_MEDIAN = 1.2533 * 1.4826  # standard error of a median over the median deviation, times the root of the number
 _REACH = 0.25  # of the image: how far misfit stays alike; a lens, a ship
 _EXPLAINS = 0.5  # share of the misfit's square that one more effect must explain to be its likely cause
+_NEARLY = 0.8  # of what a lens explains
+_DIRECTIONS = 4000  # of random drifts
+_MATCHED = 0.3  # of the count of the tile that shows most: a tile that shows something
+_KEPT = 0.6  # of its count: below that, a tile has lost its matches
 _EFFECT = 1.0  # pixels at the edge of the image: standard deviation of an effect that is in no model
 
 
@@ -42,6 +46,9 @@ class Misfit:
         sway: root mean square, over the regions, of the rows by which the solution would move if row differences that
             grow with the row, or are radial, were a possibility: what the data ascribe to the rig but could as well
             ascribe to a shutter or a lens.
+        chance: share of drifts in random directions (in units of the prior) that would move the rows as little as this
+            one does. A shutter or a moved thing that poses as a drift needs a strange one.
+        lost: share of the tiles that matched under the initial calibration and no longer do.
         cause: what it looks like.
     """
 
@@ -51,6 +58,8 @@ class Misfit:
     after: Float[np.ndarray, "r"]
     error: Float[np.ndarray, "r"]
     sway: float
+    chance: float
+    lost: float
     cause: Cause
 
     @property
@@ -71,7 +80,7 @@ class Misfit:
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data for JSON."""
-        names = ("frame", "place", "before", "after", "error", "rms", "rms_before", "high", "sway")
+        names = ("frame", "place", "before", "after", "error", "rms", "rms_before", "high", "sway", "chance", "lost")
         return plain({**{name: getattr(self, name) for name in names}, "cause": self.cause.name.lower()})
 
 
@@ -79,8 +88,16 @@ def _beyond_noise(medians: Float[np.ndarray, "r"], error: Float[np.ndarray, "r"]
     return float(np.sqrt(max(np.mean(medians**2 - error**2), 0.0))) if medians.size else 0.0
 
 
-def misfit(found: Evidence) -> Misfit:
-    """The misfit of a solution."""
+def misfit(
+    found: Evidence,
+    counts_before: Int[np.ndarray, "k tiles"] | None = None,
+    counts_after: Int[np.ndarray, "k tiles"] | None = None,
+) -> Misfit:
+    """The misfit of a solution.
+
+    Args:
+        counts_before, counts_after: of the tiles, under the initial calibration and the candidate, if they are known.
+    """
     tiles, counts = np.unique(found.tile, return_counts=True)
     regions = []
     for tile, number in zip(tiles, counts, strict=True):
@@ -92,7 +109,35 @@ def misfit(found: Evidence) -> Misfit:
             regions.append((*divmod(int(tile), TILES_OF_A_FRAME), before, after, error))
     frame, place, *medians = np.array(regions, float).reshape(-1, 5).T
     frame, place = frame.astype(int), place.astype(int)
-    return Misfit(frame, place, *medians, sway=_sway(found), cause=_cause(place, medians[1]))
+    return Misfit(
+        frame,
+        place,
+        *medians,
+        sway=_sway(found),
+        chance=_chance(found),
+        lost=_lost(counts_before, counts_after),
+        cause=_cause(place, medians[1]),
+    )
+
+
+def _chance(found: Evidence) -> float:
+    """See `Misfit.chance`."""
+    rows = found.jacobian.T @ (found.weight[:, None] * found.jacobian)
+    length2 = found.z @ found.z
+    if length2 == 0.0 or not rows.any():
+        return 1.0
+    directions = np.random.default_rng(0).normal(size=(_DIRECTIONS, found.z.size))
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    moves = np.einsum("di,ij,dj->d", directions, rows, directions)
+    return float(np.mean(moves <= found.z @ rows @ found.z / length2))
+
+
+def _lost(before: Int[np.ndarray, "k tiles"] | None, after: Int[np.ndarray, "k tiles"] | None) -> float:
+    """See `Misfit.lost`."""
+    if before is None or after is None:
+        return 0.0
+    matched = before > _MATCHED * max(1, before.max())
+    return float(np.mean(after[matched] < _KEPT * before[matched])) if matched.any() else 0.0
 
 
 def _sway(found: Evidence) -> float:
@@ -134,16 +179,18 @@ def _centres(place: Int[np.ndarray, "r"]) -> tuple[Float[np.ndarray, "r"], Float
 
 
 def _cause(place: Int[np.ndarray, "r"], after: Float[np.ndarray, "r"]) -> Cause:
-    """The one effect beside those of a rotation that explains at least half of the misfit, if there is one."""
+    """The effect beside those of a rotation that explains at least half of the misfit, if there is one; the simpler one
+    where it does nearly as well."""
     if after.size < TILES_OF_A_FRAME // 4:
         return Cause.REGIONS
     x, y = _centres(place)
     rotations = [np.ones_like(x), x, x * y, y * y]  # pitch, roll, yaw: what they may leave of themselves
-    effects = {Cause.ROWS: y, Cause.RADIAL: (x * x + y * y) * y}
     left = max(_unexplained(after, rotations), 1e-12)
-    shares = {cause: 1.0 - _unexplained(after, [*rotations, effect]) / left for cause, effect in effects.items()}
-    best = max(shares, key=lambda cause: shares[cause])
-    return best if shares[best] >= _EXPLAINS else Cause.REGIONS
+    of_rows = 1.0 - _unexplained(after, [*rotations, y]) / left
+    of_lens = 1.0 - _unexplained(after, [*rotations, y, (x * x + y * y) * y]) / left
+    if of_lens < _EXPLAINS:
+        return Cause.REGIONS
+    return Cause.ROWS if of_rows >= _NEARLY * of_lens else Cause.RADIAL
 
 
 def _unexplained(values: Float[np.ndarray, "r"], effects: list[Float[np.ndarray, "r"]]) -> float:

@@ -4,6 +4,7 @@ import time
 from dataclasses import replace
 
 import numpy as np
+from jaxtyping import Int
 
 from stereorecal._arrays import refuse_tracers
 from stereorecal.geometry import StereoRig, View, with_unit_baseline
@@ -108,7 +109,8 @@ def _judged(case: Case, schedule: Schedule, stages: tuple[StageRun, ...], cost: 
         facts, apart = agreed(case.box, found, np.asarray(case.box.chart.coordinates(best)))
         best = case.box.chart.extrinsics(facts.z)
     candidate = case.rig.with_extrinsics(best)
-    before, after, of_scores = _scores(case, candidate)
+    tiles, of_scores = _scores(case, candidate)
+    before, after = (Score(int(counts.sum()), case.images.at(1.0).pixels) for counts in tiles)
     status, message = (runs[-1].status, runs[-1].message) if runs else (Status.NO_SIGNAL, Status.NO_SIGNAL.value)
     if cut:
         status, message = Status.BUDGET, Status.BUDGET.value
@@ -120,7 +122,7 @@ def _judged(case: Case, schedule: Schedule, stages: tuple[StageRun, ...], cost: 
     elif facts is None:
         reason = Reason.TOO_LITTLE_TEXTURE
     else:
-        rows, left = row_errors(facts), misfit(facts)
+        rows, left = row_errors(facts), misfit(facts, *tiles)
         known = uncertainty(facts.covariance(), systematic(facts, left), case.box)
         frames = len(case.images.pairs)
         if len(apart) > MOST_APART * frames:
@@ -157,9 +159,8 @@ def _judged(case: Case, schedule: Schedule, stages: tuple[StageRun, ...], cost: 
     )
 
 
-def _scores(case: Case, candidate: StereoRig) -> tuple[Score, Score, float]:
-    """Counts at full scale, before and after; and what they cost."""
+def _scores(case: Case, candidate: StereoRig) -> tuple[Int[np.ndarray, "2 k tiles"], float]:
+    """Counts of the tiles of all frames at full scale, before and after; and what they cost."""
     data = case.images.at(1.0)
     rigs = np.stack([with_unit_baseline(rig.extrinsics) for rig in (case.rig, candidate)])
-    before, after = (Score(int(n), data.pixels) for n in host.counts_one_by_one(data, rigs, case.matcher))
-    return before, after, 2 * data.cost
+    return host.counts_by_tile(data, rigs, case.matcher), 2 * data.cost

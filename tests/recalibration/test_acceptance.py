@@ -19,11 +19,11 @@ def score(count: int) -> Score:
     return Score(count, 1_000_000)
 
 
-def left_over(before=2.0, after=0.05, sway=0.0, error=0.01, regions=40) -> Misfit:
+def left_over(before=2.0, after=0.05, sway=0.0, error=0.01, chance=0.5, lost=0.0, regions=40) -> Misfit:
     """Regions whose rows lie so far apart: numbers, or one for each region."""
     place = np.arange(regions)
     medians = [np.broadcast_to(np.asarray(v, float), regions) * (-1.0) ** place for v in (before, after)]
-    return Misfit(0 * place, place, *medians, np.full(regions, error), sway, Cause.REGIONS)
+    return Misfit(0 * place, place, *medians, np.full(regions, error), sway, chance, lost, Cause.REGIONS)
 
 
 FITS = left_over()
@@ -71,7 +71,7 @@ CASES = {
     "a misfit like that of good repairs": (Reason.IMPROVED, {"rows": BETTER, "left": left_over(after=0.3)}),
     "a large misfit": (Reason.MISFIT, {"rows": BETTER, "left": left_over(after=0.45)}),
     "a large misfit, in few regions": (Reason.IMPROVED, {"rows": BETTER, "left": left_over(after=some(0.05, 2, 0.1))}),
-    "a misfit, the gain small beside it": (Reason.MISFIT, {"rows": BETTER, "left": left_over(0.5, 0.28)}),
+    "a misfit, the gain small beside it": (Reason.MISFIT, {"rows": BETTER, "left": left_over(0.5, 0.32)}),
     "a small misfit, the gain small": (Reason.IMPROVED, {"rows": BETTER, "left": left_over(0.2, 0.15)}),
     "some regions worse": (Reason.MISFIT, {"rows": BETTER, "left": left_over(some(0.2, 0.1, 2), some(0.2, 0.2, 0.05))}),
     "worse by noise": (
@@ -79,7 +79,10 @@ CASES = {
         {"rows": BETTER, "left": left_over(some(0.2, 0.1, 2), some(0.2, 0.2, 0.05), error=0.05)},
     ),
     "another effect explains it as well": (Reason.MISFIT, {"rows": BETTER, "left": left_over(sway=0.9)}),
-    "another effect explains some of it": (Reason.IMPROVED, {"rows": BETTER, "left": left_over(sway=0.4)}),
+    "another effect explains some of it": (Reason.IMPROVED, {"rows": BETTER, "left": left_over(sway=0.1)}),
+    "regions that match no longer": (Reason.MISFIT, {"rows": BETTER, "left": left_over(lost=0.2)}),
+    "a region that matches no longer": (Reason.IMPROVED, {"rows": BETTER, "left": left_over(lost=0.05)}),
+    "a strange drift": (Reason.IMPLAUSIBLE, {"rows": BETTER, "left": left_over(chance=0.002)}),
     "misfit, but nothing to accept": (Reason.ALREADY_GOOD, {"left": left_over(after=1.0)}),
 }
 

@@ -8,6 +8,7 @@ from jaxtyping import Float, Int
 
 from stereorecal._arrays import AnyArray
 from stereorecal.matching import AbstractMatcher
+from stereorecal.scoring._correspondences import TILES
 from stereorecal.scoring._count import count_scaled
 from stereorecal.scoring._prepare import ScoringData
 from stereorecal.scoring.host._cores import on_all_cores
@@ -42,6 +43,22 @@ def counts_one_by_one(
         return sum(int(found.valid.sum()) for found in disparities(data, extrinsics, matcher))
 
     return np.array(on_all_cores(one, list(np.asarray(candidates, np.float32))), np.int64)
+
+
+def counts_by_tile(
+    data: ScoringData, candidates: Float[AnyArray, "n 6"], matcher: AbstractMatcher
+) -> Int[np.ndarray, "n k tiles"]:
+    """`counts_one_by_one` of each tile of each frame; they add up to the counts."""
+    columns, rows = TILES
+    width, height = data.view.size
+    starts = [np.arange(number) * size // number for number, size in ((rows, height), (columns, width))]
+
+    def one(extrinsics: np.ndarray) -> Int[np.ndarray, "k tiles"]:
+        valid = (np.asarray(found.valid) for found in disparities(data, extrinsics, matcher))
+        strips = (np.add.reduceat(v, starts[0], axis=0, dtype=np.int64) for v in valid)
+        return np.stack([np.add.reduceat(strip, starts[1], axis=1).reshape(-1) for strip in strips])
+
+    return np.stack(on_all_cores(one, list(np.asarray(candidates, np.float32))))
 
 
 def counts_at_once(
