@@ -137,17 +137,22 @@ def _student_975(degrees: int) -> float:
     return float(stdtrit(degrees, 0.975))
 
 
-def evidence(box: SearchBox, found: Correspondences, z: Float[np.ndarray, "n"]) -> Evidence:
-    """The evidence of correspondences at a solution z of the box."""
+def evidence(box: SearchBox, found: Correspondences, z: Float[np.ndarray, "n"], loss: Loss = Loss.WELSCH) -> Evidence:
+    """The evidence of correspondences at a solution z of the box.
+
+    Args:
+        loss: by which rows vote; with SOFT_L1 those that lie far apart have a say as well.
+    """
     here, scale = np.asarray(found.weight) > 0, float(found.scale)
     rows = linearised(found, box.chart, z)
+    weight = precisions(found, rows.differences, loss)[here] * scale**2
     return Evidence(
         z=z,
         jacobian=rows.jacobian[:, here].T / scale,
         residual=rows.differences[here] / scale,
         start_residual=differences_at(found, box.chart, np.zeros_like(z))[here] / scale,
-        weight=precisions(found, rows.differences, Loss.WELSCH)[here] * scale**2,
-        curvature=curvatures(found, rows.differences)[here] * scale**2,
+        weight=weight,
+        curvature=curvatures(found, rows.differences)[here] * scale**2 if loss is Loss.WELSCH else weight,
         tile=np.asarray(found.tile)[here],
         prior=box.prior,
         scale=scale,

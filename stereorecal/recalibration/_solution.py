@@ -20,6 +20,8 @@ from stereorecal.report.cells import depths
 from stereorecal.scoring.host import Score
 from stereorecal.strategies import Status, Trace
 
+_WORTH_SAYING = 0.2  # pixels of misfit
+
 
 @dataclass(frozen=True, eq=False)
 class Solution:
@@ -111,8 +113,14 @@ class Solution:
             f"after    {self.score_after}" + self._rows("after"),
             *(self._axis(index, name) for index, name in enumerate(AXES)),
         ]
-        if self.uncertainty is not None and self.uncertainty.unobserved:
-            lines.append(f"not determined by these images: {', '.join(self.uncertainty.unobserved)}")
+        if self.misfit is not None and (self.misfit.high > _WORTH_SAYING or self.reason is Reason.MISFIT):
+            lines.append(
+                f"misfit   {self.misfit.high:.2f} px in the worst tenth of the regions; {self.misfit.cause.value}"
+            )
+        if self.left_out:
+            lines.append(f"left out, since they disagree with the others: {', '.join(self.left_out)}")
+        if self.uncertainty is not None and self.uncertainty.undetermined:
+            lines.append(f"not determined by these images: {'; '.join(self.uncertainty.undetermined)}")
         if self.accepted:
             lines.append(f"depth was off: {depths(self.depth_error_percent)}")
         return "\n".join(lines)

@@ -24,7 +24,7 @@ def test_covariance_and_interval():
     box = row_box(RIG, Reach(3.0, 0.03))
     deviation = np.array([0.01, 0.02, 0.03, 0.04, 0.05])
     correlation = np.full((5, 5), 0.3) + 0.7 * np.eye(5)
-    known = uncertainty(deviation[:, None] * correlation * deviation, box)
+    known = uncertainty(deviation[:, None] * correlation * deviation, np.zeros((5, 5)), box)
     np.testing.assert_allclose(np.sqrt(np.diag(known.covariance)), 6.0 * deviation)
     np.testing.assert_allclose(known.interval, 1.96 * 6.0 * deviation)
     scale = np.sqrt(np.diag(known.covariance))
@@ -39,6 +39,24 @@ def test_what_is_mostly_prior_is_not_observed(axis):
     for share, seen in ((0.49, True), (0.51, False), (1.0, False)):
         variance = np.full(5, 0.01**2)
         variance[axis] = (share * PRIOR) ** 2
-        known = uncertainty(np.diag(variance), box)
+        known = uncertainty(np.diag(variance), np.zeros((5, 5)), box)
         assert known.observed[axis] == seen
         assert known.unobserved == (() if seen else (FREE_AXES[axis],))
+        assert known.undetermined == (() if seen else (FREE_AXES[axis],))
+
+
+def test_a_direction_that_is_left_to_the_prior_is_named():
+    """Pitch against y is not known, pitch with y is: neither axis alone says so."""
+    box = row_box(RIG, Reach(3.0, 0.03))
+    covariance = np.diag(np.full(5, 0.01**2))
+    against = np.zeros(5)
+    against[[0, 3]] = 0.6, -0.8
+    known = uncertainty(covariance + np.outer(against, against) * (0.8 * PRIOR) ** 2, np.zeros((5, 5)), box)
+    assert known.undetermined == ("y with pitch",)
+
+
+def test_misfit_widens():
+    box, chance = row_box(RIG, Reach(3.0, 0.03)), np.diag(np.full(5, 0.01**2))
+    known = uncertainty(chance, 3 * chance, box)
+    np.testing.assert_allclose(known.interval, 2 * known.interval_by_chance)
+    assert known.observed.all()

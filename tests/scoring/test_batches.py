@@ -11,7 +11,7 @@ from hypothesis import given, settings, strategies as st
 from stereorecal.geometry import view, with_unit_baseline
 from stereorecal.matching import BM, SAD
 from stereorecal.scoring import prepare
-from stereorecal.scoring.host import _blocks, _counts, counts, disparities
+from stereorecal.scoring.host import _blocks, _counts, counts, counts_by_tile, disparities
 from stereorecal.scoring.host._counts import counts_at_once
 
 SAD_24, SAD_32 = SAD(num_disparities=24), SAD(num_disparities=32)
@@ -116,3 +116,17 @@ def test_blocks_change_nothing(scene):
             found += disparities(prepared, extrinsics, SAD_32)
     for name in ("values", "valid"):
         np.testing.assert_array_equal(getattr(found[0], name), getattr(found[1], name))
+
+
+@pytest.mark.parametrize("size", [(160, 120), (200, 130)])
+def test_tiles_add_up(scene, size):
+    """Of sizes that eight by six tiles divide evenly or not; and each counts its own pixels."""
+    given_scene = scene("harbour", 0, size, 2)
+    data = prepare(given_scene.rig, given_scene.pairs, view(given_scene.rig))
+    points = with_unit_baseline(given_scene.rig.extrinsics) + np.array([[0.0] * 6, [0.01, 0, 0, 0, 0, 0]])
+    tiles = counts_by_tile(data, points, BM(num_disparities=24))
+    assert tiles.shape == (2, 2, 48)
+    np.testing.assert_array_equal(tiles.sum(axis=(1, 2)), counts(data, points, BM(num_disparities=24)))
+    valid = disparities(data, points[0], BM(num_disparities=24))[1].valid
+    height, width = valid.shape
+    assert tiles[0, 1, 8 * 1 + 3] == valid[height // 6 : 2 * height // 6, 3 * width // 8 : 4 * width // 8].sum()
