@@ -79,9 +79,9 @@ CASES = {
         {"rows": BETTER, "left": left_over(some(0.2, 0.1, 2), some(0.2, 0.2, 0.05), error=0.05)},
     ),
     "another effect explains it as well": (Reason.MISFIT, {"rows": BETTER, "left": left_over(sway=0.9)}),
-    "another effect explains some of it": (Reason.IMPROVED, {"rows": BETTER, "left": left_over(sway=0.1)}),
-    "regions that match no longer": (Reason.MISFIT, {"rows": BETTER, "left": left_over(lost=0.2)}),
-    "a region that matches no longer": (Reason.IMPROVED, {"rows": BETTER, "left": left_over(lost=0.05)}),
+    "another effect explains some of it": (Reason.IMPROVED, {"rows": BETTER, "left": left_over(sway=0.08)}),
+    "regions that match no longer": (Reason.MISFIT, {"rows": BETTER, "left": left_over(lost=0.3)}),
+    "a region that matches no longer": (Reason.IMPROVED, {"rows": BETTER, "left": left_over(lost=0.15)}),
     "a strange drift": (Reason.IMPLAUSIBLE, {"rows": BETTER, "left": left_over(chance=0.002)}),
     "misfit, but nothing to accept": (Reason.ALREADY_GOOD, {"left": left_over(after=1.0)}),
 }
