@@ -1,3 +1,3 @@
 """The exit codes of every command."""
 
-BAD_INPUT, FAILURE, INTERRUPTED = 2, 3, 130
+REPAIR, BAD_INPUT, FAILURE, CANNOT_TELL, INTERRUPTED = 1, 2, 3, 4, 130

@@ -9,16 +9,17 @@ from typing import Any
 from stereorecal._versions import versions
 from stereorecal.cli import _values
 from stereorecal.cli._console import table_console
-from stereorecal.cli._exit_codes import INTERRUPTED
+from stereorecal.cli._exit_codes import CANNOT_TELL, INTERRUPTED, REPAIR
 from stereorecal.cli._json import write_json
 from stereorecal.cli._recordings import recordings
 from stereorecal.io import about
 from stereorecal.matching import AbstractMatcher, as_matcher
-from stereorecal.recalibration import LEAST_COVERED, ROWS_APART, Health, health
+from stereorecal.recalibration import HEALTH_LIMITS, Condition, Health, health
 from stereorecal.recordings import Scene
 from stereorecal.report.repairs import scores_table
 
-SCHEMA = "stereorecal.score/1"
+SCHEMA = "stereorecal.health/1"
+_CODES = {Condition.REPAIR: REPAIR, Condition.CANNOT_TELL: CANNOT_TELL, Condition.HEALTHY: 0}  # the first that occurs
 
 
 def run(options: argparse.Namespace) -> int:
@@ -45,7 +46,8 @@ def run(options: argparse.Namespace) -> int:
     if interrupted:
         print(f"stereorecal: interrupted; {len(looked)} of {len(scenes)} recordings were finished.", file=sys.stderr)
         return INTERRUPTED
-    return 0 if all(found.healthy for found in looked) else 1
+    conditions = {found.condition for found in looked}
+    return next(code for condition, code in _CODES.items() if condition in conditions)
 
 
 def _show(looked: Sequence[Health], rows: Sequence[dict[str, Any]]) -> None:
@@ -65,6 +67,6 @@ def _about_all(options: argparse.Namespace, matcher: AbstractMatcher) -> dict[st
     settings = {
         "frames": options.frames,
         "matcher": {"name": options.matcher, **asdict(matcher)},
-        "thresholds": {"row_error_px": ROWS_APART, "covered": LEAST_COVERED},
+        "thresholds": dict(HEALTH_LIMITS),
     }
     return {"schema": SCHEMA, "versions": versions(), "settings": settings}

@@ -4,8 +4,7 @@ from stereorecal.recalibration._acceptance import Reason as Reason, RowErrors as
 from stereorecal.recalibration._cost import Cost as Cost
 from stereorecal.recalibration._difference import Difference as Difference, difference as difference
 from stereorecal.recalibration._health import (
-    LEAST_COVERED as LEAST_COVERED,
-    ROWS_APART as ROWS_APART,
+    HEALTH_LIMITS as HEALTH_LIMITS,
     Condition as Condition,
     Health as Health,
     health as health,

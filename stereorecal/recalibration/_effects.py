@@ -23,20 +23,31 @@ def depth_errors(used: StereoRig, better: StereoRig) -> Mapping[int, float]:
     rectified by `used`, whose disparity gives the depth. Positive: reported too far. Infinite where that disparity is
     not positive; NaN where a lens model ends before the point.
     """
-    return {distance: _depth_error(used, better, distance * float(better.baseline)) for distance in DISTANCES}
+    return {
+        distance: depth_error(nearness)
+        for distance, nearness in zip(DISTANCES, nearnesses(used, better).tolist(), strict=True)
+    }
 
 
-def _depth_error(used: StereoRig, better: StereoRig, depth: float) -> float:
+def depth_error(nearness: float) -> float:
+    """The error of depth in percent, positive: too far; infinite where points seem to lie beyond infinity."""
+    return float("inf") if nearness <= 0.0 else 100.0 * (1.0 / nearness - 1.0)
+
+
+def nearnesses(used: StereoRig, better: StereoRig) -> Float[np.ndarray, "distances"]:
+    """The true depth over the one that `used` reports, of the points of `depth_errors`, at each of DISTANCES: 1 where
+    it is right, 0 and below where it reports infinity and beyond. Nearly linear in the extrinsics, as depth is not."""
+    return np.array([_nearness(used, better, distance * float(better.baseline)) for distance in DISTANCES])
+
+
+def _nearness(used: StereoRig, better: StereoRig, depth: float) -> float:
     ahead = np.array([0.0, 0.0, 1.0])
     to_left, to_right = rectifying_rotations(used.rotation, used.translation)
     left = _at_depth_1(to_left @ _reread(ahead, better.left, used.left))
     from_right = better.rotation @ (depth * ahead) + better.translation
     right = _at_depth_1(to_right @ _reread(from_right, better.right, used.right))
-    disparity = left[0] - right[0]
-    if disparity <= 0.0:
-        return float("inf")
-    point = to_left.T @ left * float(used.baseline) / disparity
-    return float(100.0 * (point[2] / depth - 1.0))
+    point = to_left.T @ left * float(used.baseline)  # over the disparity
+    return float(depth * (left[0] - right[0]) / point[2])
 
 
 def rows_apart(

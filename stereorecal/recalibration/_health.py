@@ -1,94 +1,196 @@
-"""Is a calibration good as it is? A look at the images through it, without any search."""
+"""Will depth be right? One look at the images through a calibration, without any search."""
 
 import enum
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from stereorecal._arrays import refuse_tracers
 from stereorecal._plain import plain
-from stereorecal.geometry import StereoRig, with_unit_baseline
+from stereorecal.geometry import StereoRig
 from stereorecal.matching import AbstractMatcher
-from stereorecal.recalibration._acceptance import LEAST_COVERED, ROWS_APART
+from stereorecal.recalibration._acceptance import LEAST_COVERED, ROWS_APART, row_errors
 from stereorecal.recalibration._as_dict import score_as_dict
+from stereorecal.recalibration._consequences import Interval
+from stereorecal.recalibration._look import look
+from stereorecal.recalibration._mending import Mending, mending
 from stereorecal.recordings import Pairs
-from stereorecal.scoring import host, median_row_error, pyramid
-from stereorecal.scoring.host import Score, ranged
+from stereorecal.report.cells import change
+from stereorecal.scoring import Legible, legible, pyramid
+from stereorecal.scoring.host import Score, ranged, refuse_mixed_up
+
+FEWEST_PLACES = 6  # of tiles: a covariance of five parameters from fewer says nothing
+LIKELY = 0.25  # of what has texture; aligned rigs cover a half of it and more, rigs a degree out a fifth at most
+FALSE = 0.4  # pixels left by the mending: false matches lie evenly within a row of where they were sought, median 0.5
+SIGNIFICANT = 3.0  # standard errors
+ROWS_MATTER = 0.1  # pixels, root mean square over the correspondences: what a matcher notices
+DEPTH_MATTERS = 5.0  # percent at FAR
+DEPTH_WRONG = 10.0  # percent at FAR: what a calibration that is called healthy may hide
+FAR = 30  # baselines
+HEALTH_LIMITS = {
+    "covered": LEAST_COVERED,
+    "covered_of_texture": LIKELY,
+    "false_rows_px": FALSE,
+    "significance": SIGNIFICANT,
+    "repair_rows_px": ROWS_MATTER,
+    "repair_depth_percent": DEPTH_MATTERS,
+    "healthy_rows_px": ROWS_APART,
+    "healthy_depth_percent": DEPTH_WRONG,
+    "at_baselines": FAR,
+}
 
 
 class Condition(enum.Enum):
     """The verdict on a calibration; the value is the message."""
 
-    HEALTHY = "healthy: the rows are aligned"
-    ROWS_APART = "unhealthy: the rows are misaligned; recalibrate"
-    TOO_FEW_MATCHES = (
-        "unhealthy: too little of the images matches; the rig is far out of calibration, or there is too little texture"
-    )
+    HEALTHY = "healthy: rows are aligned and depth is right"
+    REPAIR = "repair it"
+    CANNOT_TELL = "cannot tell"
 
 
 @dataclass(frozen=True)
 class Health:
-    """How well the images fit together under a calibration.
+    """How well the images fit together under a calibration, and what would mend it.
 
     Attributes:
         score: the count, in the rig's own view.
-        row_error: epipolar (row) error, the median |row difference| of the correspondences, pixels at full size; NaN if
-            they cover less than a tenth, since false matches lie on the rows that they were searched on.
+        row_error: epipolar (row) error, as `RowErrors.before`: the mean over tiles of a tile's median |row difference|,
+            pixels at full size; NaN if hardly anything matches, since false matches lie on the rows that they were
+            searched on.
         covered: share of the image in which correspondences were found that are good to a fraction of a pixel, of the
             frame that shows most. False matches count as pixels, but hardly here.
+        shown: light and texture of the images, of the frame that shows most.
+        mending: what would mend it; None if hardly anything matches.
     """
 
     score: Score
     row_error: float
     covered: float
+    shown: Legible
+    mending: Mending | None
 
     @property
     def condition(self) -> Condition:
-        """Healthy if a tenth of the image is covered and the rows lie within 0.3 pixels. Blind to yaw, nearly: rows
-        stay aligned where depth is already wrong."""
-        if self.covered < LEAST_COVERED:
-            return Condition.TOO_FEW_MATCHES
-        return Condition.HEALTHY if self.row_error <= ROWS_APART else Condition.ROWS_APART
+        """Repair, if hardly anything matches of images that show enough; or if a change is significant (3 standard
+        errors) and matters: 0.1 pixels of row, or 5 % of depth at 30 baselines. Healthy, if no change that matters is
+        in sight, and the 95 % intervals stay within 0.3 pixels and 10 %. Cannot tell, otherwise."""
+        return self._diagnosis[0]
 
     @property
     def healthy(self) -> bool:
         """True if the condition is."""
         return self.condition is Condition.HEALTHY
 
+    @property
+    def verdict(self) -> str:
+        """The condition, and why, in one sentence."""
+        condition, why = self._diagnosis
+        return f"{condition.value}: {why}" if why else condition.value
+
+    @property
+    def significance(self) -> float:
+        """Of the change that would mend it against none, in standard errors; NaN if it is not known."""
+        return float("nan") if self.mending is None else self.mending.significance
+
+    @property
+    def _diagnosis(self) -> tuple[Condition, str]:
+        if self.mending is None:
+            if self.shown.dark:
+                return Condition.CANNOT_TELL, "the images are too dark"
+            if not self.shown.enough:
+                return Condition.CANNOT_TELL, "the images have too little texture"
+            return Condition.REPAIR, "hardly anything matches, though the images have texture"
+        rows, depth = self.mending.consequences.rows_px, self.mending.consequences.depth_percent[FAR]
+        matters = rows.value > ROWS_MATTER or abs(depth.value) > DEPTH_MATTERS
+        if matters and self.significance > SIGNIFICANT:
+            return Condition.REPAIR, f"{_listed(self.mending.named)} ({self.significance:.0f} standard errors)"
+        if matters or rows.high > ROWS_APART or depth.farthest > DEPTH_WRONG:
+            return Condition.CANNOT_TELL, "the images do not determine it well enough; more frames may"
+        if self.mending.row_error > ROWS_APART:
+            return Condition.CANNOT_TELL, "rows lie apart, and no rotation mends that; check lenses and shutters"
+        return Condition.HEALTHY, ""
+
     def as_dict(self) -> dict[str, Any]:
-        """Plain data for JSON and tables; what is missing is None."""
+        """Plain data for JSON and tables; what is missing or infinite is None."""
+        mended = self.mending
         return plain(
             {
                 **score_as_dict(self.score),
                 "row_error_px": self.row_error,
                 "covered": self.covered,
+                "brightness": self.shown.brightness,
+                "texture": self.shown.texture,
                 "healthy": self.healthy,
                 "condition": self.condition.name.lower(),
-                "verdict": self.condition.value,
+                "verdict": self.verdict,
+                "significance": self.significance,
+                "axes": mended and (mended.named if self.condition is Condition.REPAIR else ()),
+                "mending": mended
+                and {
+                    "rotation_deg": {name: _ends(mended.axes[name]) for name in ("pitch", "yaw", "roll")},
+                    "translation_percent": {name: _ends(mended.axes[name]) for name in ("y", "z")},
+                    "row_error_px": mended.row_error,
+                },
+                "rows_apart_px": mended and _ends(mended.consequences.rows_px),
+                "depth_error_percent": mended
+                and {distance: _ends(error) for distance, error in mended.consequences.depth_percent.items()},
             }
         )
 
     def __str__(self) -> str:
-        rows = f"{self.row_error:.2f} px (median), measured on {100 * self.covered:.0f} % of the image"
-        if np.isnan(self.row_error):
-            rows = f"not measured: correspondences cover {100 * self.covered:.0f} % of the image"
-        return f"matched    {self.score}\nrow error  {rows}\n{self.condition.value}"
+        lines = [self.verdict, f"matched    {self.score}"]
+        if self.mending is None:
+            return "\n".join(
+                [*lines, f"row error  not measured: matches cover {100 * self.covered:.0f} % of the image"]
+            )
+        by, found = self.mending.axes, self.mending.consequences
+        angles = ", ".join(f"{name} {_about(by[name], 3)}" for name in ("pitch", "yaw", "roll"))
+        shifts = ", ".join(f"{name} {_about(by[name], 2)}" for name in ("y", "z"))
+        errors = "; ".join(f"{_range(error)} at {distance} B" for distance, error in found.depth_percent.items())
+        return "\n".join(
+            [
+                *lines,
+                f"row error  {self.row_error:.2f} px; {self.mending.row_error:.2f} px if mended",
+                f"to mend    {angles} deg; {shifts} % of the baseline",
+                f"rows       {found.rows_px.value:.2f} px by the calibration, at most {found.rows_px.high:.2f} px",
+                f"depth      {errors}",
+            ]
+        )
 
 
 def health(rig: StereoRig, pairs: Pairs, *, matcher: AbstractMatcher | str | None = None) -> Health:
-    """Match the pairs under the rig's calibration, at full scale, and measure the epipolar (row) error.
+    """Match the pairs under the rig's calibration and solve once for what would mend it.
 
     Args:
         matcher: a matcher, or "sad" (default), "bm" or "sgbm"; without `num_disparities` the range is measured.
 
     Raises:
-        InputError: if images and calibration do not fit.
+        InputError: if images and calibration do not fit, or the images are no left and right image of this rig.
     """
     refuse_tracers("sr.health", "sr.correspondences and sr.row_differences", rig)
-    images, extrinsics = pyramid(rig, pairs), with_unit_baseline(rig.extrinsics)
-    data, matcher = images.at(1.0), ranged(matcher, images)
-    found = host.correspondences(data, extrinsics, matcher)
-    score = Score(int(host.counts_one_by_one(data, extrinsics[None], matcher)[0]), data.pixels)
-    known = found.covered >= LEAST_COVERED
-    return Health(score, median_row_error(found, extrinsics) if known else float("nan"), found.covered)
+    images = pyramid(rig, pairs)
+    seen, shown = (
+        look(images, ranged(matcher, images)),
+        max((legible(pair) for pair in images.pairs), key=lambda one: one.texture),
+    )
+    covered, facts = seen.found.covered, seen.facts
+    rows = None if facts is None or facts.places < FEWEST_PLACES or covered < LEAST_COVERED else row_errors(facts)
+    if facts is None or rows is None or (covered < LIKELY * shown.texture and rows.after > FALSE):
+        refuse_mixed_up(images)
+        return Health(seen.score, float("nan"), covered, shown, None)
+    return Health(seen.score, rows.before, covered, shown, mending(rig, seen.box, facts, rows.after))
+
+
+def _listed(names: tuple[str, ...]) -> str:
+    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
+
+
+def _ends(found: Interval) -> dict[str, float]:
+    return {"value": found.value, "low": found.low, "high": found.high}
+
+
+def _about(found: Interval, digits: int) -> str:
+    return f"{found.value:+z.{digits}f} ± {found.high - found.value:.{digits}f}"
+
+
+def _range(error: Interval) -> str:
+    return f"{change(error.value, 'far')} ({change(error.low, 'far')} to {change(error.high, 'far')})"

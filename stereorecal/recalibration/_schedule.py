@@ -8,6 +8,7 @@ from stereorecal._errors import InputError
 from stereorecal.strategies import AbstractStrategy, Need, name_of, strategy as named_strategy
 
 SCHEDULES = ("count", "default")
+_FINEST = (60_000, 480_000)  # pixels of a frame at which rows are measured at the end
 
 
 class ScoreKind(enum.Enum):
@@ -53,10 +54,7 @@ class Stage:
 
     def scale_for(self, size: tuple[int, int]) -> float:
         """The scale at which images of `size` (width, height) are looked at."""
-        if self.pixels is None:
-            return self.scale
-        lowest, highest = ((pixels / (size[0] * size[1])) ** 0.5 for pixels in self.pixels)
-        return min(1.0, max(lowest, min(self.scale, highest)))
+        return self.scale if self.pixels is None else _within(self.pixels, self.scale, size)
 
 
 @dataclass(frozen=True)
@@ -103,7 +101,7 @@ class Schedule:
         stages = (
             Stage(climb, 0.25, ScoreKind.COUNT, pixels=(16_000, 30_000), frames=2, rows=0.5),
             Stage(solve, 0.5, ScoreKind.EPIPOLAR, rounds=1, pixels=(60_000, 120_000), frames=2),
-            Stage(solve, 1.0, ScoreKind.EPIPOLAR, rounds=4, pixels=(60_000, 480_000)),
+            Stage(solve, 1.0, ScoreKind.EPIPOLAR, rounds=4, pixels=_FINEST),
         )
         return Schedule("default", stages, survey=True)
 
@@ -117,6 +115,17 @@ class Schedule:
         stages, any other in those on the count."""
         kind = ScoreKind.EPIPOLAR if strategy.needs is Need.RESIDUALS else ScoreKind.COUNT
         return replace(self, stages=tuple(replace(s, strategy=strategy) if s.score is kind else s for s in self.stages))
+
+
+def finest_scale(size: tuple[int, int]) -> float:
+    """The scale of the last stage of the default schedule for images of `size` (width, height)."""
+    return _within(_FINEST, 1.0, size)
+
+
+def _within(pixels: tuple[int, int], scale: float, size: tuple[int, int]) -> float:
+    """The scale, bent so that an image of `size` has at least and at most so many pixels, but not above 1."""
+    lowest, highest = ((bound / (size[0] * size[1])) ** 0.5 for bound in pixels)
+    return min(1.0, max(lowest, min(scale, highest)))
 
 
 def as_schedule(schedule: Any) -> Schedule:

@@ -8,7 +8,7 @@ from rich.console import Group
 from rich.table import Table
 from rich.text import Text
 
-from stereorecal.report.cells import number, percent
+from stereorecal.report.cells import change, number, percent
 
 _AXES = {"rotation_deg": ("pitch", "yaw", "roll"), "translation_percent": ("y", "z")}
 
@@ -29,11 +29,16 @@ def repairs_table(repairs: Sequence[Mapping[str, Any]]) -> Group:
 
 
 def scores_table(scenes: Sequence[Mapping[str, Any]]) -> Table:
-    """One row for each recording: matched pixels, median epipolar (row) error, covered share of the image, verdict."""
-    table = _table(("scene",), ("matched", "row error px", "covered"), ("verdict",))
+    """One row for each recording: matched pixels, row error, yaw to mend, error of depth, verdict."""
+    table = _table(("scene",), ("matched", "row error px", "yaw to mend °", "depth at 30 B"), ("verdict",))
     for scene in scenes:
-        rows, verdict = number(scene["row_error_px"], 2), scene["verdict"]
-        cells = (scene["scene"], percent(scene["fraction"]), rows, percent(scene["covered"]), verdict)
+        rows, verdict, mending = number(scene["row_error_px"], 2), scene["verdict"], scene["mending"]
+        yaw = depth = "-"
+        if mending is not None:
+            turn, error = mending["rotation_deg"]["yaw"], scene["depth_error_percent"]["30"]["value"]
+            yaw = f"{turn['value']:+z.2f} ± {turn['high'] - turn['value']:.2f}"
+            depth = change(float("inf") if error is None else error, "far")
+        cells = (scene["scene"], percent(scene["fraction"]), rows, yaw, depth, verdict)
         table.add_row(*map(Text, cells))
     return table
 

@@ -1,25 +1,33 @@
-"""The verdict on a calibration as it is, and where its limits are."""
+"""One look at a calibration: will depth be right, what would mend it, and what is said where nothing can be."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given, strategies as st
 
+from stereorecal import recalibrate
 from stereorecal.matching import SAD, SGBM
 from stereorecal.recalibration import Condition, Health, health
+from stereorecal.recalibration._consequences import Consequences, Interval
+from stereorecal.recalibration._mending import Mending
 from stereorecal.recordings import Pair
+from stereorecal.scoring import Legible
 from stereorecal.scoring.host import Score, score
 
 SAD_48 = SAD(num_disparities=48)
+SIZE = (320, 240)
+DAYLIGHT = Legible(120.0, 0.8)
 
 
 @pytest.fixture
 def under(scene):
-    """under(degrees of pitch): the health of a rendered rig that is turned so far from the truth."""
+    """under(pitch, yaw, roll): the health of a rendered rig that is turned so many degrees from the truth."""
 
-    def look(pitch: float, matcher=SAD_48) -> Health:
-        given = scene("harbour", 0, (320, 240))
-        turned = given.rig.extrinsics + np.array([np.radians(pitch), 0, 0, 0, 0, 0])
+    def look(pitch: float = 0.0, yaw: float = 0.0, roll: float = 0.0, matcher=SAD_48) -> Health:
+        given = scene("harbour", 0, SIZE)
+        turned = given.rig.extrinsics + np.array([*np.radians([pitch, yaw, roll]), 0, 0, 0])
         return health(given.rig.with_extrinsics(turned), given.pairs, matcher=matcher)
 
     return look
@@ -27,55 +35,137 @@ def under(scene):
 
 @pytest.mark.parametrize("matcher", [SAD_48, SGBM(num_disparities=48)], ids=["sad", "sgbm"])
 def test_the_truth_is_healthy(under, matcher):
-    found = under(0.0, matcher)
+    found = under(matcher=matcher)
     assert found.condition is Condition.HEALTHY
     assert found.healthy
     assert found.row_error < 0.15
     assert found.covered > 0.4
+    for axis in found.mending.axes.values():
+        assert axis.low - 0.1 < 0 < axis.high + 0.1
 
 
-def test_rows_apart(under):
-    """0.1 degrees are half a row here."""
-    found = under(0.1)
-    assert found.condition is Condition.ROWS_APART
-    assert found.row_error == pytest.approx(np.radians(0.1) * 300, abs=0.1)
-    assert found.covered > 0.4
+@pytest.mark.parametrize("axis", ["pitch", "yaw", "roll"])
+@pytest.mark.parametrize("sign", [1, -1])
+def test_the_axis_that_is_off_is_named(under, axis, sign):
+    degrees = {"pitch": 0.1, "yaw": 0.5, "roll": 0.2}[axis]
+    found = under(**{axis: sign * degrees})
+    assert found.condition is Condition.REPAIR
+    assert axis in found.mending.named
+    assert axis in found.verdict
+    assert found.mending.axes[axis].value == pytest.approx(-sign * degrees, rel=0.15)
+
+
+def test_wrong_yaw_is_wrong_depth(under):
+    """0.5 degrees are 0.0087 focal lengths of disparity; 30 baselines show 0.033."""
+    for sign in (1, -1):
+        error = under(yaw=0.5 * sign).mending.consequences.depth_percent[30]
+        assert error.low < error.value < error.high
+        assert abs(1 / (1 + error.value / 100) - 1) == pytest.approx(30 * np.radians(0.5), rel=0.15)
 
 
 @pytest.mark.parametrize("pitch", [-2.0, 0.8, 2.0])
-def test_far_out_many_pixels_match_and_hardly_one_is_right(under, pitch):
+def test_far_out_it_is_to_be_repaired(under, pitch):
     found = under(pitch)
     assert found.score.fraction > 0.15
-    assert found.condition is Condition.TOO_FEW_MATCHES
+    assert found.condition is Condition.REPAIR
+    assert found.mending is None
+    assert np.isnan(found.row_error)
 
 
 def test_the_score_is_that_of_score(scene, under):
-    given = scene("harbour", 0, (320, 240))
-    assert under(0.0).score == score(given.rig, given.pairs, matcher=SAD_48)
+    given = scene("harbour", 0, SIZE)
+    assert under().score == score(given.rig, given.pairs, matcher=SAD_48)
+
+
+def test_the_row_error_is_that_of_a_repair(scene, under):
+    given = scene("harbour", 0, SIZE)
+    rows = recalibrate(given.rig, given.pairs, matcher=SAD_48).row_errors
+    assert rows is not None
+    assert under().row_error == pytest.approx(rows.before, abs=0.02)
+
+
+@pytest.mark.parametrize(("gain", "why"), [(0.03, "too dark"), (0.0, "too little texture")])
+def test_night_and_fog_are_no_alarm(scene, gain, why):
+    given = scene("harbour", 0, SIZE)
+    noise = np.random.default_rng(0)
+
+    def spoiled(image):
+        grey = gain * np.asarray(image) + (4.0 if gain else 128.0) + noise.normal(0, 2, image.shape)
+        return np.clip(np.round(grey), 0, 255).astype(np.float32)
+
+    (pair,) = given.pairs
+    found = health(given.rig, [Pair(spoiled(pair.left), spoiled(pair.right))], matcher=SAD_48)
+    assert found.condition is Condition.CANNOT_TELL
+    assert why in found.verdict
 
 
 def test_nothing_to_match(scene):
     fog = np.full((240, 320), 128.0, np.float32)
     fog[0, 0] = 129.0
-    other = fog[::-1].copy()
-    found = health(scene("harbour", 0, (320, 240)).rig, [Pair(fog, other)], matcher=SAD_48)
-    assert found.condition is Condition.TOO_FEW_MATCHES
+    found = health(scene("harbour", 0, SIZE).rig, [Pair(fog, fog[::-1].copy())], matcher=SAD_48)
+    assert found.condition is Condition.CANNOT_TELL
     data = json.loads(json.dumps(found.as_dict(), allow_nan=False))
     assert data["row_error_px"] is None
+    assert data["mending"] is None
     assert data["count"] == 0
 
 
+def about(value: float, half: float) -> Interval:
+    return Interval(value, value - half, value + half)
+
+
+def judged(rows: Interval, depth: Interval, significance: float, row_error: float = 0.1) -> Health:
+    axes = {name: about(0.0, 1.0) for name in ("pitch", "roll", "y", "z")} | {"yaw": about(1.0, 0.5)}
+    depths = dict.fromkeys((5, 10, 100), about(0.0, 1.0)) | {30: depth}
+    return Health(Score(1, 2), 0.2, 0.5, DAYLIGHT, Mending(axes, Consequences(rows, depths), significance, row_error))
+
+
 @pytest.mark.parametrize(
-    ("rows", "covered", "condition"),
+    ("rows", "depth", "significance", "row_error", "condition"),
     [
-        (0.3, 0.1, Condition.HEALTHY),
-        (0.31, 0.1, Condition.ROWS_APART),
-        (0.0, 0.099, Condition.TOO_FEW_MATCHES),
-        (float("nan"), 0.0, Condition.TOO_FEW_MATCHES),
+        (about(0.0, 0.29), about(0.0, 9.9), 0.0, 0.1, Condition.HEALTHY),
+        (about(0.09, 0.1), about(4.9, 1.0), 50.0, 0.1, Condition.HEALTHY),
+        (about(0.11, 0.1), about(0.0, 1.0), 3.1, 0.1, Condition.REPAIR),
+        (about(0.0, 0.1), about(-5.1, 9.0), 3.1, 0.1, Condition.REPAIR),
+        (about(0.2, 0.2), about(0.0, 1.0), 2.9, 0.1, Condition.CANNOT_TELL),
+        (about(0.0, 0.1), about(0.0, float("inf")), 0.0, 0.1, Condition.CANNOT_TELL),
+        (about(0.0, 0.1), about(0.0, 1.0), 0.0, 0.31, Condition.CANNOT_TELL),
     ],
 )
-def test_limits(rows, covered, condition):
-    found = Health(Score(1, 2), rows, covered)
+def test_limits(rows, depth, significance, row_error, condition):
+    found = judged(rows, depth, significance, row_error)
     assert found.condition is condition
     assert found.healthy == (condition is Condition.HEALTHY)
-    assert condition.value in str(found)
+    assert str(found).startswith(f"{condition.value}")
+    assert found.as_dict()["axes"] == (["yaw"] if condition is Condition.REPAIR else [])
+
+
+@pytest.mark.parametrize(
+    ("shown", "condition"),
+    [
+        (DAYLIGHT, Condition.REPAIR),
+        (Legible(19.0, 0.8), Condition.CANNOT_TELL),
+        (Legible(120.0, 0.3), Condition.CANNOT_TELL),
+    ],
+)
+def test_where_hardly_anything_matches(shown, condition):
+    assert Health(Score(1, 2), float("nan"), 0.0, shown, None).condition is condition
+
+
+small = st.floats(0, 50, allow_nan=False)
+
+
+@given(small, small, st.floats(-60, 60), small, st.floats(-4, 60), st.floats(1, 10))
+def test_a_wider_interval_never_makes_a_rig_healthy(rows, rows_half, depth, depth_half, significance, factor):
+    narrow = judged(about(rows, rows_half), about(depth, depth_half), significance)
+    wide = judged(about(rows, factor * rows_half), about(depth, factor * depth_half), significance)
+    assert narrow.healthy or not wide.healthy
+    assert (narrow.condition is Condition.REPAIR) == (wide.condition is Condition.REPAIR)
+
+
+def test_more_frames_are_one_look(scene):
+    given = scene("harbour", 0, SIZE, 2)
+    found = health(given.rig, given.pairs, matcher=SAD_48)
+    assert found.healthy
+    assert found.score.pixels == 2 * SIZE[0] * SIZE[1]
+    assert replace(found, mending=None).condition is Condition.REPAIR

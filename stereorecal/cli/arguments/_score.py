@@ -5,11 +5,13 @@ import argparse
 from stereorecal.cli.arguments._recordings import add_recordings_to
 
 _DESCRIPTION = """\
-Check the calibration of each recording against its images, without changing anything: how many pixels match, the median
-epipolar (row) error, and how much of the image is covered by correspondences good to a fraction of a pixel. A rig is
-healthy if these cover at least 10 % of the image and the row error is at most 0.3 px. A
-yaw error hardly shows, since it leaves the rows aligned while depth is already wrong; recalibrate sees more. Exit code:
-0 all healthy; 1 not; 2 bad input; 3 internal failure; 130 interrupted."""
+Check the calibration of each recording against its images, without changing anything: how many pixels match, the
+epipolar (row) error, the rotation that would mend it, and how wrong depth is without, with 95 % intervals. Repair it,
+where a change is significant and matters (0.1 px of row, or 5 % of depth at 30 baselines), or where hardly anything
+matches though there is texture; healthy, where the intervals stay within 0.3 px and 10 %; cannot tell, where it is too
+dark, there is too little texture, or the images do not determine it. Exit code: 0 all healthy; 1 repair it (one of
+them at least); 2 bad input, also images that are exchanged, upside down or of different things; 3 internal failure;
+4 cannot tell; 130 interrupted."""
 
 
 def add_to(verbs, common: argparse.ArgumentParser) -> None:

@@ -1,12 +1,16 @@
 """Scores on the host: NumPy arrays, on all cores of a CPU, for every matcher. What repairs and comparisons run on."""
 
-from stereorecal.scoring.host._correspondences import correspondences as correspondences
+from stereorecal.scoring.host._correspondences import (
+    correspondences as correspondences,
+    correspondences_and_count as correspondences_and_count,
+)
 from stereorecal.scoring.host._counts import (
     counts as counts,
     counts_by_tile as counts_by_tile,
     counts_one_by_one as counts_one_by_one,
 )
 from stereorecal.scoring.host._disparities import disparities as disparities
+from stereorecal.scoring.host._mixed_up import refuse_mixed_up as refuse_mixed_up
 from stereorecal.scoring.host._score import (
     Score as Score,
     disparity as disparity,

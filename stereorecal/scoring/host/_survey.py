@@ -9,7 +9,6 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from stereorecal._arrays import Extrinsics, refuse_tracers
-from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig, View, with_unit_baseline
 from stereorecal.matching import SAD, AbstractMatcher, as_matcher
 from stereorecal.recordings import Pairs
@@ -17,6 +16,7 @@ from stereorecal.scoring._prepare import Pyramid, ScoringData, pyramid
 from stereorecal.scoring._rectify import Rectified, rectify_frames
 from stereorecal.scoring._validity import match_frame
 from stereorecal.scoring.host._in_turn import in_turn
+from stereorecal.scoring.host._mixed_up import refuse_mixed_up
 
 _COARSE_WIDTH = 128  # pixels: a few degrees of drift are a few rows here, which a window forgives
 _COARSE_HEIGHT = 24  # pixels, at least, for panoramic images
@@ -26,7 +26,7 @@ _DEFAULT_REACH = np.radians(3.0)
 _INSIDE = 0.7  # of the reach: where the outermost steps of yaw and roll lie
 _FRAMES = 4
 _FEWEST = 50  # pixels of surfaces; fewer say nothing about the range
-_SURELY_NOT_SWAPPED = 0.5  # share of the pixels that match: swapped, no more than that would
+_SURELY_RIGHT = 0.5  # share of the pixels that match: of images that are mixed up, no more than that would
 _SPECKLE = 100  # pixels of the coarse image: about a hundredth of it
 
 
@@ -76,7 +76,7 @@ def survey(images: Pyramid, extrinsics: Extrinsics, reach: float = _DEFAULT_REAC
         aligned: the rows are known to be aligned, only the yaw is not: the rig is taken as it is.
 
     Raises:
-        InputError: if the images look swapped (near things lie on the wrong side, beyond what the reach explains).
+        InputError: if the images are surely mixed up: swapped, upside down, of different things.
     """
     size = images.view.size
     scale = min(1.0, max(_COARSE_WIDTH / size[0], _COARSE_HEIGHT / size[1]))
@@ -90,12 +90,8 @@ def survey(images: Pyramid, extrinsics: Extrinsics, reach: float = _DEFAULT_REAC
         looks += len(candidates)
     winner = int(np.argmax(matched))
     seen = in_turn(_look, data.frames, candidates[winner], coarse)[:, 0]
-    if matched[winner] < _SURELY_NOT_SWAPPED * data.pixels:
-        # A yaw that the images do not determine must not look like swapped sides later on.
-        unturned = offsets[:, 1] == 0.0
-        straight = candidates[unturned][np.argmax(matched[unturned])]
-        looks += 2 + int(unturned.sum())
-        _refuse_swapped(data, coarse, straight, candidates[unturned], reach, int(matched[winner]))
+    if matched[winner] < _SURELY_RIGHT * data.pixels:
+        refuse_mixed_up(images)
     return Survey(offsets[winner], _surfaces(seen), data.view, scale, looks * data.cost)
 
 
@@ -104,7 +100,7 @@ def ranged(matcher: AbstractMatcher | str | None, images: Pyramid, reach: float 
     `reach` [rad].
 
     Raises:
-        InputError: if, while measuring, the images look swapped.
+        InputError: if, while measuring, the images turn out to be mixed up.
     """
     matcher = as_matcher(matcher)
     if matcher.num_disparities is not None:
@@ -127,8 +123,8 @@ def with_disparity_range(
         reach: largest rotation error expected, radians; a yaw error moves far things by up to `focal * tan(reach)`.
 
     Raises:
-        InputError: if images and calibration do not fit, while measuring the images look swapped, or it is called under
-            `jit`, `vmap` or `grad`.
+        InputError: if images and calibration do not fit, while measuring the images turn out to be mixed up, or it is
+            called under `jit`, `vmap` or `grad`.
     """
     refuse_tracers("sr.with_disparity_range", "it before tracing", rig, pairs, view)
     return ranged(matcher, pyramid(rig, pairs, view), reach)
@@ -154,22 +150,14 @@ def _either_way(farthest: float, steps: int) -> Float[np.ndarray, "n"]:
     return np.arange(-steps, steps + 1) * (farthest / max(steps, 1))
 
 
-def _look(
-    data: ScoringData, extrinsics: Extrinsics, matcher: AbstractMatcher, swapped: bool = False
-) -> Float[jax.Array, "h w"]:
+def _look(data: ScoringData, extrinsics: Extrinsics, matcher: AbstractMatcher) -> Float[jax.Array, "h w"]:
     """The disparity of the one frame under one set of extrinsics, NaN where none is valid."""
 
     def disparity(frame: Rectified) -> Float[jax.Array, "h w"]:
-        exchanged = Rectified(frame.right, frame.left, frame.right_area, frame.left_area)
-        found = match_frame(matcher, exchanged if swapped else frame)
+        found = match_frame(matcher, frame)
         return jnp.where(found.valid, found.values, jnp.nan)
 
     return rectify_frames(data, extrinsics, disparity)[0]
-
-
-def _look_swapped(data: ScoringData, extrinsics: Extrinsics, matcher: AbstractMatcher) -> Float[jax.Array, "h w"]:
-    """The same with the sides exchanged, once they are rectified: rows that are aligned stay so."""
-    return _look(data, extrinsics, matcher, swapped=True)
 
 
 def _matched(disparities: Float[np.ndarray, "n h w"]) -> Int[np.ndarray, "n"]:
@@ -186,30 +174,3 @@ def _surfaces(disparities: Float[np.ndarray, "k h w"]) -> Float[np.ndarray, "n"]
         cv2.filterSpeckles(fixed_point, -16, maxSpeckleSize=_SPECKLE, maxDiff=16)
         patches.append(values[fixed_point >= 0])
     return np.concatenate(patches)
-
-
-def _refuse_swapped(
-    data: ScoringData,
-    matcher: AbstractMatcher,
-    straight: Float[np.ndarray, "6"],
-    candidates: Float[np.ndarray, "n 6"],
-    reach: float,
-    matched: int,
-) -> None:
-    """Refuse images that match better with their sides swapped than the `matched` pixels that they match as they are.
-
-    Disparities that a yaw error of `reach` explains may be infinity; beyond it they tell the sides apart.
-
-    Args:
-        straight: the candidate under which most pixels match as they are.
-        candidates: under which they are matched swapped.
-    """
-    there = in_turn(_look_swapped, data.frames, candidates, matcher, _matched).sum(axis=0)
-    swapped = in_turn(_look_swapped, data.frames, candidates[np.argmax(there)], matcher)[:, 0]
-    as_is = in_turn(_look, data.frames, straight, matcher)[:, 0]
-    margin = float(data.view.focal) * np.tan(reach)
-    here, there = (int(np.sum(_surfaces(found) > margin + 1.0)) for found in (as_is, swapped))
-    if there > 4 * here and there > 0.1 * as_is.size and int(np.isfinite(swapped).sum()) > matched:
-        raise InputError(
-            "the left and right images look swapped (near things lie on the wrong side); exchange left and right."
-        )

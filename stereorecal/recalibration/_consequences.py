@@ -1,0 +1,72 @@
+"""What a look means to those who use the calibration: rows apart and wrong depth, each with its 95 % interval."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal.geometry import StereoRig
+from stereorecal.objectives import Chart
+from stereorecal.recalibration._effects import DISTANCES, depth_error, nearnesses
+from stereorecal.recalibration._evidence import Evidence
+
+_NORMAL_95 = 1.96
+_STEP = 1e-3  # of the box: some hundredths of a degree
+
+
+@dataclass(frozen=True)
+class Interval:
+    """An estimate and the ends of its 95 % interval."""
+
+    value: float
+    low: float
+    high: float
+
+    @property
+    def farthest(self) -> float:
+        """The largest magnitude within the interval."""
+        return max(abs(self.low), abs(self.high))
+
+
+@dataclass(frozen=True, eq=False)
+class Consequences:
+    """What is wrong for those who go on with a calibration.
+
+    Attributes:
+        rows_px: root mean square, over the correspondences, of the row differences that mending takes away, pixels at
+            full size. Its interval is as wide as the root mean square of theirs.
+        depth_percent: error of depth at 5, 10, 30 and 100 baselines; positive: too far, infinite: beyond infinity.
+    """
+
+    rows_px: Interval
+    depth_percent: Mapping[int, Interval]
+
+
+def consequences(used: StereoRig, chart: Chart, facts: Evidence, covariance: Float[np.ndarray, "n n"]) -> Consequences:
+    """What is wrong with `used`, the centre of the chart, if the solution of `facts` with its covariance is right.
+
+    Both are linear in it as far as an interval reaches: depth is not, but its inverse is.
+    """
+    apart = _rms(facts.jacobian @ facts.z)
+    wide = _NORMAL_95 * _rms(_deviations(facts.jacobian, covariance))
+
+    def near(z: Float[np.ndarray, "n"]) -> Float[np.ndarray, "distances"]:
+        return nearnesses(used, used.with_extrinsics(np.asarray(chart.extrinsics(z))))
+
+    steps = _STEP * np.eye(len(facts.z))
+    slopes = np.stack([(near(facts.z + h) - near(facts.z - h)) / (2 * _STEP) for h in steps], axis=-1)
+    here, width = near(facts.z), _NORMAL_95 * _deviations(slopes, covariance)
+    ends = np.stack([here, here + width, here - width], axis=-1)
+    depths = {
+        distance: Interval(*map(depth_error, three)) for distance, three in zip(DISTANCES, ends.tolist(), strict=True)
+    }
+    return Consequences(Interval(apart, max(apart - wide, 0.0), apart + wide), depths)
+
+
+def _deviations(slopes: Float[np.ndarray, "p n"], covariance: Float[np.ndarray, "n n"]) -> Float[np.ndarray, "p"]:
+    return np.sqrt(np.maximum(np.sum(slopes @ covariance * slopes, axis=-1), 0.0))
+
+
+def _rms(values: Float[np.ndarray, "p"]) -> float:
+    return float(np.sqrt(np.mean(values**2)))

@@ -1,0 +1,140 @@
+"""Images that cannot be a left and a right image of the rig: exchanged, mirrored, upside down, or of different places.
+
+Asked only where hardly anything matches. Sparse features, which know nothing of the rig's extrinsics, then say how the
+cameras stand to each other: the same answer whatever the drift. In doubt nothing is said.
+"""
+
+import cv2
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from stereorecal._errors import InputError
+from stereorecal.geometry import StereoRig, rotation_from_euler
+from stereorecal.recordings import Pair
+from stereorecal.scoring._informative import informative
+from stereorecal.scoring._legible import legible
+from stereorecal.scoring._prepare import Pyramid
+
+_FRAMES = 2
+_WIDTH = 640  # pixels, at which features are sought
+_FEATURES = 1200  # in an image, at most
+_RATIO = 0.8  # of the distances to the best and to the second best partner
+_ENOUGH = 300  # features in each image: some of them must have partners if both show the same
+_CHANCE = 14  # pairs that agree on some rigid motion by chance: it has five degrees of freedom
+_SURE = 30  # pairs that agree
+_AGREE = 1.5  # pixels from the epipolar line
+_MOST = 0.8  # share of the pairs that agree, and of those that say the same
+_MOVED = 2.0  # of parallax, in units of _AGREE; less may be noise
+_ROUNDS = 6  # of least squares, which converge in two or three
+_NEAR = np.radians(15.0)  # from the given rotation, thrice the drift that must never be called a mistake
+
+
+def refuse_mixed_up(images: Pyramid) -> None:
+    """Refuse images that are surely no left and right image of this rig.
+
+    Raises:
+        InputError: one sentence that names what is wrong.
+    """
+    said = {_named(images.rig, pair) for pair in informative(images.pairs, _FRAMES)}
+    if len(said) == 1 and (sentence := said.pop()) is not None:
+        raise InputError(sentence)
+
+
+def _named(rig: StereoRig, pair: Pair) -> str | None:
+    if not legible(pair).enough:
+        return None
+    (left, first), (right, second) = (_features(np.asarray(image)) for image in (pair.left, pair.right))
+    if min(len(left), len(right)) < _ENOUGH // (4 if pair.size[0] < _WIDTH // 2 else 1):
+        return None
+    here, there = _partners(first, second)
+    rays = [_at_depth_1(camera.rays(points)) for camera, points in ((rig.left, left[here]), (rig.right, right[there]))]
+    tolerance = _AGREE / float(rig.left.matrix[0, 0])
+    turned, agree = _rotation(*rays, tolerance)
+    if agree.sum() <= _CHANCE:
+        return "the left and right images show different things; give images that both cameras took at the same time."
+    if agree.sum() < _SURE or agree.mean() < _MOST:
+        return None
+    given = rotation_from_euler(np.asarray(rig.extrinsics[:3], float))
+    if _angle(turned @ np.diag([-1.0, -1.0, 1.0]), given) < _NEAR:
+        return "one of the two images is upside down; turn it by 180 degrees."
+    if _angle(turned, given) > _NEAR:
+        return None
+    towards = np.asarray(rig.translation, float) / float(rig.baseline)
+    first, second = (found[agree] for found in rays)
+    turned = _aligned(first, second, turned, towards, tolerance)
+    parallax = (second - _at_depth_1(first @ turned.T)) @ towards / tolerance
+    if np.mean(parallax < -_MOVED) > _MOST:
+        return (
+            "near things lie on the wrong side: the left and right images look swapped (or both are mirrored or upside "
+            "down); exchange left and right."
+        )
+    return None
+
+
+def _features(image: np.ndarray) -> tuple[Float[np.ndarray, "n 2"], np.ndarray]:
+    """Where features are, in pixels of the image, and their descriptors."""
+    scale = _WIDTH / image.shape[1]
+    how = cv2.INTER_AREA if scale < 1.0 else cv2.INTER_CUBIC
+    grey = np.clip(np.round(cv2.resize(image, None, fx=scale, fy=scale, interpolation=how)), 0, 255).astype(np.uint8)
+    points, descriptors = cv2.SIFT.create(_FEATURES).detectAndCompute(grey, None)
+    if descriptors is None:
+        return np.zeros((0, 2)), np.zeros((0, 128), np.float32)
+    return (np.array([point.pt for point in points]) + 0.5) / scale - 0.5, descriptors
+
+
+def _partners(
+    first: Float[np.ndarray, "n c"], second: Float[np.ndarray, "m c"]
+) -> tuple[Int[np.ndarray, "p"], Int[np.ndarray, "p"]]:
+    """Indices of pairs that choose each other, each clearly above its second choice."""
+    apart = (first**2).sum(1)[:, None] + (second**2).sum(1) - 2.0 * first @ second.T
+    of_first, of_second = apart.argmin(axis=1), apart.argmin(axis=0)
+    here = np.arange(len(first))
+    best = apart[here, of_first]
+    clear = best < _RATIO**2 * np.minimum(_second_best(apart, 1)[here], _second_best(apart, 0)[of_first])
+    chosen = here[clear & (of_second[of_first] == here)]
+    return chosen, of_first[chosen]
+
+
+def _second_best(apart: Float[np.ndarray, "n m"], axis: int) -> Float[np.ndarray, "k"]:
+    return np.partition(apart, 1, axis=axis).take(1, axis=axis)
+
+
+def _rotation(
+    left: Float[np.ndarray, "n 3"], right: Float[np.ndarray, "n 3"], tolerance: float
+) -> tuple[Float[np.ndarray, "3 3"], Bool[np.ndarray, "n"]]:
+    """The rotation, left to right, of the motion on which most pairs agree, and which do."""
+    nobody = np.eye(3), np.zeros(len(left), bool)
+    if len(left) < _CHANCE:
+        return nobody
+    points = [np.ascontiguousarray(rays[:, :2]) for rays in (left, right)]
+    essential, agree = cv2.findEssentialMat(*points, np.eye(3), cv2.RANSAC, 0.999, tolerance)
+    if essential is None or essential.shape != (3, 3):
+        return nobody
+    return cv2.recoverPose(essential, *points, np.eye(3), mask=agree.copy())[1], agree.reshape(-1) > 0
+
+
+def _aligned(
+    left: Float[np.ndarray, "n 3"],
+    right: Float[np.ndarray, "n 3"],
+    turned: Float[np.ndarray, "3 3"],
+    towards: Float[np.ndarray, "3"],
+    tolerance: float,
+) -> Float[np.ndarray, "3 3"]:
+    """The rotation near `turned` that aligns the rows across a baseline, whichever way along it the right camera is."""
+    for _ in range(_ROUNDS):
+        ray = left @ turned.T
+        across = np.einsum("ni,ni->n", right, np.cross(towards, ray))
+        slopes = np.cross(ray, np.cross(right, towards))
+        vote = 1.0 / (1.0 + (across / tolerance) ** 2)
+        step = -np.linalg.lstsq(slopes * np.sqrt(vote)[:, None], across * np.sqrt(vote), rcond=1e-6)[0]
+        turned = cv2.Rodrigues(step)[0] @ turned
+    return turned
+
+
+def _at_depth_1(rays: np.ndarray) -> Float[np.ndarray, "n 3"]:
+    rays = np.asarray(rays, float)
+    return rays / rays[:, 2:]
+
+
+def _angle(one: Float[np.ndarray, "3 3"], other: Float[np.ndarray, "3 3"]) -> float:
+    return float(np.arccos(np.clip((np.trace(one.T @ other) - 1.0) / 2.0, -1.0, 1.0)))
