@@ -10,6 +10,7 @@ import pytest
 import stereorecal as sr
 from stereorecal.io import load_scene, save_scene
 from stereorecal.recalibration import health
+from stereorecal.synthetic import default_rig, render
 
 
 def test_healthy(command, clean_scene: Path, tmp_path: Path):
@@ -20,14 +21,12 @@ def test_healthy(command, clean_scene: Path, tmp_path: Path):
     found = health(scene.rig, scene.pairs)
     assert answer.out == f"{found}\n"
     assert str(sr.score(scene.rig, scene.pairs)) in answer.out
-    assert (
-        f"row error  {found.row_error:.2f} px (median), measured on {100 * found.covered:.0f} % of the image"
-        in answer.out
-    )
+    assert f"row error  {found.row_error:.2f} px; " in answer.out
     content = json.loads(target.read_text())
-    assert content["schema"] == "stereorecal.score/1"
+    assert content["schema"] == "stereorecal.health/1"
     assert {"python", "stereorecal", "jax", "numpy", "opencv"} <= content["versions"].keys()
-    assert content["settings"]["thresholds"] == {"row_error_px": 0.3, "covered": 0.1}
+    limits = content["settings"]["thresholds"]
+    assert (limits["healthy_rows_px"], limits["healthy_depth_percent"], limits["at_baselines"]) == (0.3, 10.0, 30)
     assert content["interrupted"] is False
     (said,) = content["scenes"]
     assert (said["healthy"], said["condition"]) == (True, "healthy")
@@ -37,13 +36,16 @@ def test_healthy(command, clean_scene: Path, tmp_path: Path):
         found.score.fraction,
     )
     assert (said["row_error_px"], said["covered"]) == (found.row_error, found.covered)
+    assert said["mending"]["rotation_deg"]["yaw"].keys() == {"value", "low", "high"}
+    assert said["depth_error_percent"].keys() == {"5", "10", "30", "100"}
+    assert said["significance"] == found.significance
     assert (said["frames"], said["image_size"]) == (1, [160, 120])
 
 
 def test_unhealthy(command, drifted_scene: Path):
     answer = command("score", drifted_scene)
     assert (answer.code, answer.err) == (1, "")
-    assert "unhealthy: " in answer.out
+    assert "repair it: " in answer.out
 
 
 @pytest.mark.parametrize("order", [1, -1])
@@ -54,7 +56,7 @@ def test_one_unhealthy_among_several(command, clean_scene: Path, drifted_scene: 
     (good,) = [line for line in lines if "/clean" in line]
     (bad,) = [line for line in lines if "/drifted" in line]
     assert " healthy: " in good
-    assert "unhealthy: " in bad
+    assert "repair it: " in bad
 
 
 def test_nothing_to_match_is_null(command, clean_scene: Path, tmp_path: Path):
@@ -62,11 +64,38 @@ def test_nothing_to_match_is_null(command, clean_scene: Path, tmp_path: Path):
     fog[0, 0] = 129.0
     save_scene(replace(load_scene(clean_scene), pairs=(sr.Pair(fog, fog[::-1].copy()),)), tmp_path / "fog")
     answer = command("score", tmp_path / "fog", "--json", "-")
-    assert (answer.code, answer.err) == (1, "")
+    assert (answer.code, answer.err) == (4, "")
     (said,) = json.loads(answer.out)["scenes"]
-    assert (said["count"], said["row_error_px"], said["condition"]) == (0, None, "too_few_matches")
+    assert (said["count"], said["row_error_px"], said["condition"]) == (0, None, "cannot_tell")
     assert "NaN" not in answer.out
-    assert command("score", tmp_path / "fog", tmp_path / "fog").code == 1
+    assert command("score", tmp_path / "fog", tmp_path / "fog").code == 4
+    assert command("score", tmp_path / "fog", clean_scene).code == 4
+
+
+def test_repair_is_more_urgent_than_what_cannot_be_told(command, drifted_scene: Path, tmp_path: Path):
+    grey = np.full((120, 160), 128.0, np.float32)
+    grey[0, 0] = 129.0
+    save_scene(replace(load_scene(drifted_scene), pairs=(sr.Pair(grey, grey[::-1].copy()),)), tmp_path / "grey")
+    assert command("score", tmp_path / "grey", drifted_scene).code == 1
+
+
+@pytest.mark.parametrize(
+    ("verb", "mistake", "said"),
+    [
+        ("score", lambda left, right: (left, right[::-1, ::-1]), "upside down"),
+        ("recalibrate", lambda left, right: (left[::-1, ::-1], right), "upside down"),
+        ("score", lambda left, right: (right, left), "look swapped"),
+        ("recalibrate", lambda left, right: (left[:, ::-1], right[:, ::-1]), "look swapped (or both are mirrored"),
+    ],
+)
+def test_images_that_are_mixed_up(command, tmp_path: Path, verb: str, mistake, said: str):
+    scene = render("street", 0, rig=default_rig().resized((320, 240)))
+    (pair,) = scene.pairs
+    images = (np.ascontiguousarray(image) for image in mistake(np.asarray(pair.left), np.asarray(pair.right)))
+    save_scene(replace(scene, pairs=(sr.Pair(*images),)), tmp_path / "mixed")
+    answer = command(verb, tmp_path / "mixed")
+    assert answer.code == 2
+    assert said in answer.err
 
 
 def test_files_that_lie_anywhere(command, clean_scene: Path):

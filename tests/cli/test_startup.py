@@ -6,7 +6,7 @@ import sys
 import pytest
 
 from stereorecal.cli.arguments import parser
-from stereorecal.recalibration import LEAST_COVERED, ROWS_APART, SCHEDULES
+from stereorecal.recalibration import HEALTH_LIMITS, SCHEDULES
 from stereorecal.reproduction import EXPERIMENTS
 from stereorecal.synthetic import KINDS
 
@@ -55,4 +55,6 @@ def test_help_says_what_there_is(capsys):
     assert f"{', '.join(EXPERIMENTS)}, all" in help_of("reproduce", capsys)
     assert all(name in help_of("recalibrate", capsys) for name in SCHEDULES)
     text = help_of("score", capsys)
-    assert f"at least {100 * LEAST_COVERED:.0f} % of the image and the row error is at most {ROWS_APART} px" in text
+    limits = HEALTH_LIMITS
+    assert f"({limits['repair_rows_px']} px of row, or {limits['repair_depth_percent']:.0f} % of depth" in text
+    assert f"within {limits['healthy_rows_px']} px and {limits['healthy_depth_percent']:.0f} %;" in text

@@ -1,0 +1,86 @@
+"""Images that are mixed up are refused by name; drifted rigs are not."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stereorecal._errors import InputError
+from stereorecal.geometry import view
+from stereorecal.io import load_scene
+from stereorecal.matching import SAD
+from stereorecal.recordings import Pair
+from stereorecal.scoring import legible, pyramid
+from stereorecal.scoring.host import refuse_mixed_up, score, with_disparity_range
+from stereorecal.synthetic import KINDS
+
+MISTAKES = {
+    "exchanged": (lambda left, right: (right, left), "look swapped"),
+    "mirrored": (lambda left, right: (left[:, ::-1], right[:, ::-1]), "both are mirrored"),
+    "both upside down": (lambda left, right: (left[::-1, ::-1], right[::-1, ::-1]), "or upside down"),
+    "left upside down": (lambda left, right: (left[::-1, ::-1], right), "one of the two images is upside down"),
+    "right upside down": (lambda left, right: (left, right[::-1, ::-1]), "one of the two images is upside down"),
+}
+
+
+def mixed(pair: Pair, mistake) -> list[Pair]:
+    return [Pair(*(np.ascontiguousarray(image) for image in mistake(np.asarray(pair.left), np.asarray(pair.right))))]
+
+
+@pytest.mark.parametrize("name", MISTAKES)
+@pytest.mark.parametrize("kind", ["harbour", "street"])
+def test_each_mistake_is_named(scene, kind, name):
+    given, (mistake, said) = scene(kind, 0, (320, 240)), MISTAKES[name]
+    with pytest.raises(InputError, match=said):
+        score(given.rig, mixed(given.pairs[0], mistake))
+
+
+@pytest.mark.parametrize("name", MISTAKES)
+def test_each_mistake_is_named_on_real_images(data_dir: Path, name):
+    given, (mistake, said) = load_scene(data_dir / "boofcv_bumblebee2/garden01"), MISTAKES[name]
+    with pytest.raises(InputError, match=said):
+        refuse_mixed_up(pyramid(given.rig, mixed(given.pairs[0], mistake)))
+
+
+def test_images_of_different_things(scene):
+    one, other = scene("harbour", 0, (320, 240)), scene("street", 0, (320, 240))
+    with pytest.raises(InputError, match="show different things"):
+        score(one.rig, [Pair(one.pairs[0].left, other.pairs[0].right)])
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("size", [(160, 120), (320, 240)])
+def test_no_false_alarm_however_far_off(scene, kind, size):
+    given = scene(kind, 1, size)
+    draw = np.random.default_rng(3)
+    for _ in range(6):
+        drift = np.array([*np.radians(draw.uniform(-5, 5, 3)), 0, *draw.uniform(-0.05, 0.05, 2) * given.rig.baseline])
+        refuse_mixed_up(pyramid(given.rig.with_extrinsics(given.rig.extrinsics + drift), given.pairs))
+
+
+def test_nothing_is_said_of_what_shows_nothing(scene):
+    """Noise has features too, and none has a partner."""
+    noise = np.random.default_rng(0)
+    left, right = (np.clip(noise.normal(8, 4, (240, 320)), 0, 255).round().astype(np.float32) for _ in "lr")
+    assert not legible(Pair(left, right)).enough
+    refuse_mixed_up(pyramid(scene("street", 0, (320, 240)).rig, [Pair(left, right)]))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("seed", [0, 1])
+def test_no_false_alarm(scene, kind, seed):
+    given_scene = scene(kind, seed)
+    rig = given_scene.rig
+    for signs in ((1, 1, 1), (1, -1, 1), (-1, 1, -1), (-1, -1, -1)):
+        drift = np.array([*np.radians(2.5 * np.array(signs)), 0.0, 0.025 * rig.baseline, -0.025 * rig.baseline])
+        drifted = rig.with_extrinsics(rig.extrinsics + drift)
+        assert with_disparity_range(SAD(), drifted, given_scene.pairs, view(drifted)).num_disparities
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_no_false_alarm_within_a_wider_reach(scene, kind):
+    given_scene = scene(kind, 0)
+    rig = given_scene.rig
+    for sign in (1, -1):
+        drifted = rig.with_extrinsics(rig.extrinsics + np.radians([4.0 * sign, 5.0 * sign, -4.0, 0.0, 0.0, 0.0]))
+        assert with_disparity_range(SAD(), drifted, given_scene.pairs, view(drifted), np.radians(6.0)).num_disparities
