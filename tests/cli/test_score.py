@@ -12,6 +12,25 @@ from stereorecal.io import load_scene, save_scene
 from stereorecal.recalibration import health
 from stereorecal.synthetic import default_rig, render
 
+SIZE = (320, 240)  # smaller images do not determine yaw
+
+
+@pytest.fixture(scope="module")
+def clean_scene(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("scenes") / "clean"
+    save_scene(render("harbour", 0, rig=default_rig().resized(SIZE)), folder)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def drifted_scene(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("scenes") / "drifted"
+    scene = render("harbour", 0, rig=default_rig().resized(SIZE))
+    assert scene.rig is not None
+    drift = np.array([*np.radians([0.8, 0.3, -0.9]), 0.0, 0.003, -0.003])
+    save_scene(replace(scene, rig=scene.rig.with_extrinsics(scene.rig.extrinsics + drift)), folder)
+    return folder
+
 
 def test_healthy(command, clean_scene: Path, tmp_path: Path):
     target = tmp_path / "out.json"
@@ -32,14 +51,14 @@ def test_healthy(command, clean_scene: Path, tmp_path: Path):
     assert (said["healthy"], said["condition"]) == (True, "healthy")
     assert (said["count"], said["pixels"], said["fraction"]) == (
         found.score.count,
-        160 * 120,
+        SIZE[0] * SIZE[1],
         found.score.fraction,
     )
     assert (said["row_error_px"], said["covered"]) == (found.row_error, found.covered)
     assert said["mending"]["rotation_deg"]["yaw"].keys() == {"value", "low", "high"}
     assert said["depth_error_percent"].keys() == {"5", "10", "30", "100"}
     assert said["significance"] == found.significance
-    assert (said["frames"], said["image_size"]) == (1, [160, 120])
+    assert (said["frames"], said["image_size"]) == (1, list(SIZE))
 
 
 def test_unhealthy(command, drifted_scene: Path):
@@ -60,7 +79,7 @@ def test_one_unhealthy_among_several(command, clean_scene: Path, drifted_scene: 
 
 
 def test_nothing_to_match_is_null(command, clean_scene: Path, tmp_path: Path):
-    fog = np.full((120, 160), 128.0, np.float32)
+    fog = np.full(SIZE[::-1], 128.0, np.float32)
     fog[0, 0] = 129.0
     save_scene(replace(load_scene(clean_scene), pairs=(sr.Pair(fog, fog[::-1].copy()),)), tmp_path / "fog")
     answer = command("score", tmp_path / "fog", "--json", "-")
@@ -73,7 +92,7 @@ def test_nothing_to_match_is_null(command, clean_scene: Path, tmp_path: Path):
 
 
 def test_repair_is_more_urgent_than_what_cannot_be_told(command, drifted_scene: Path, tmp_path: Path):
-    grey = np.full((120, 160), 128.0, np.float32)
+    grey = np.full(SIZE[::-1], 128.0, np.float32)
     grey[0, 0] = 129.0
     save_scene(replace(load_scene(drifted_scene), pairs=(sr.Pair(grey, grey[::-1].copy()),)), tmp_path / "grey")
     assert command("score", tmp_path / "grey", drifted_scene).code == 1
