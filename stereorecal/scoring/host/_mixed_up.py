@@ -49,12 +49,12 @@ def _named(rig: StereoRig, pair: Pair) -> str | None:
     here, there = _partners(first, second)
     rays = [_at_depth_1(camera.rays(points)) for camera, points in ((rig.left, left[here]), (rig.right, right[there]))]
     tolerance = _AGREE / float(rig.left.matrix[0, 0])
-    turned, agree = _rotation(*rays, tolerance)
+    turned, agree = _rotation(rays[0], rays[1], tolerance)
     if agree.sum() <= _CHANCE:
         return "the left and right images show different things; give images that both cameras took at the same time."
     if agree.sum() < _SURE or agree.mean() < _MOST:
         return None
-    given = rotation_from_euler(np.asarray(rig.extrinsics[:3], float))
+    given = np.asarray(rotation_from_euler(np.asarray(rig.extrinsics[:3], float)))
     if _angle(turned @ np.diag([-1.0, -1.0, 1.0]), given) < _NEAR:
         return "one of the two images is upside down; turn it by 180 degrees."
     if _angle(turned, given) > _NEAR:
@@ -106,11 +106,11 @@ def _rotation(
     nobody = np.eye(3), np.zeros(len(left), bool)
     if len(left) < _CHANCE:
         return nobody
-    points = [np.ascontiguousarray(rays[:, :2]) for rays in (left, right)]
-    essential, agree = cv2.findEssentialMat(*points, np.eye(3), cv2.RANSAC, 0.999, tolerance)
+    here, there = (np.ascontiguousarray(rays[:, :2]) for rays in (left, right))
+    essential, agree = cv2.findEssentialMat(here, there, np.eye(3), cv2.RANSAC, 0.999, tolerance)
     if essential is None or essential.shape != (3, 3):
         return nobody
-    return cv2.recoverPose(essential, *points, np.eye(3), mask=agree.copy())[1], agree.reshape(-1) > 0
+    return cv2.recoverPose(essential, here, there, np.eye(3), mask=agree.copy())[1], agree.reshape(-1) > 0
 
 
 def _aligned(
