@@ -15,14 +15,14 @@ from stereorecal._versions import versions
 from stereorecal.cli import _values
 from stereorecal.cli._console import table_console
 from stereorecal.cli._executors import executor
-from stereorecal.cli._exit_codes import BAD_INPUT, FAILURE, INTERRUPTED
+from stereorecal.cli._exit_codes import BAD_INPUT, CANNOT_TELL, FAILURE, INTERRUPTED
 from stereorecal.cli._json import write_json
 from stereorecal.cli._progress import progress_bar
 from stereorecal.cli._recordings import recordings
 from stereorecal.io import save_rig
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import Reach
-from stereorecal.recalibration import SCHEDULES, Fault, Repair, Schedule, repairs_as_finished
+from stereorecal.recalibration import SCHEDULES, Fault, Reason, Repair, Schedule, repairs_as_finished
 from stereorecal.recordings import Scene
 from stereorecal.report.repairs import repairs_table
 from stereorecal.strategies import Budget, as_budget, name_of, origin_of, strategy
@@ -158,4 +158,6 @@ def _exit_code(repairs: Sequence[Repair]) -> int:
     for fault, code in _CODES.items():
         if fault in faults:
             return code
-    return 0 if all(repair.solution and repair.solution.reason.healthy for repair in repairs) else 1
+    reasons = {repair.solution.reason for repair in repairs if repair.solution}
+    wrong = {reason for reason in reasons if not reason.healthy}
+    return 1 if wrong - {Reason.TOO_LITTLE_TEXTURE} else CANNOT_TELL if wrong else 0

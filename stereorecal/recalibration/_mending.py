@@ -45,7 +45,7 @@ def mending(used: StereoRig, box: SearchBox, facts: Evidence, remaining: float) 
         remaining: row error that it would leave.
     """
     covariance = facts.covariance()
-    values, widths = reading_units(box.chart) * facts.z, uncertainty(covariance, box).interval
+    values, widths = reading_units(box.chart) * facts.z, uncertainty(covariance, 0.0 * covariance, box).interval
     return Mending(
         axes={
             name: Interval(value, value - width, value + width)

@@ -47,7 +47,8 @@ def _named(rig: StereoRig, pair: Pair) -> str | None:
     if min(len(left), len(right)) < _ENOUGH // (4 if pair.size[0] < _WIDTH // 2 else 1):
         return None
     here, there = _partners(first, second)
-    rays = [_at_depth_1(camera.rays(points)) for camera, points in ((rig.left, left[here]), (rig.right, right[there]))]
+    sides = (rig.left, left[here]), (rig.right, right[there])
+    rays = [_at_depth_1(np.asarray(camera.rays(points))) for camera, points in sides]
     tolerance = _AGREE / float(rig.left.matrix[0, 0])
     turned, agree = _rotation(rays[0], rays[1], tolerance)
     if agree.sum() <= _CHANCE:
