@@ -33,7 +33,7 @@ def test_both_schedules_side_by_side(command, clean_scene: Path, tmp_path: Path)
     assert all(len(line) <= 120 for line in answer.out.splitlines())
     text = page.read_text(encoding="utf-8")
     assert "2 schedules on 1 scene" in text
-    assert "compass + optimistix-levenberg-marquardt" in text
+    assert "compass + levenberg-marquardt" in text
 
 
 def test_json_on_stdout_and_nothing_else(command, clean_scene: Path):

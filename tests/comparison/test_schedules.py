@@ -71,7 +71,7 @@ def test_a_known_truth_is_the_reference(scene):
 
 
 BUDGETED = {"matcher": SAD(num_disparities=24), "draws": 1, "scale": 0.5, "budget": Budget(evaluations=3)}
-LEVENBERG = "optimistix-levenberg-marquardt"
+LEVENBERG = "levenberg-marquardt"
 
 
 def test_without_schedule_and_strategies_both_schedules_run_the_default_one_first(scene):

@@ -35,8 +35,9 @@ def test_recovery(scene, seed, drift):
     assert solution.score_after.count >= 0.95 * reference.count
 
 
-# Degrees of pitch, yaw, roll: some five times the median error of the benchmark (docs/accuracy.md).
-TOLERANCE = np.array([0.01, 0.05, 0.01])
+# Degrees of pitch, yaw, roll: some five times the median error of the benchmark (docs/accuracy.md), whose images are
+# twice as large.
+TOLERANCE = np.array([0.02, 0.1, 0.02])
 
 
 @settings(max_examples=4, phases=[Phase.explicit, Phase.generate])

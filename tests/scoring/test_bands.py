@@ -10,7 +10,7 @@ from stereorecal._errors import InputError
 from stereorecal.geometry import view, with_unit_baseline
 from stereorecal.matching import SAD
 from stereorecal.scoring import bands, prepare
-from stereorecal.scoring._rectify import rectified_frame
+from stereorecal.scoring.host._rectified import rectified_frame
 from stereorecal.scoring.host import counts
 
 SAD_32 = SAD(num_disparities=32)
