@@ -10,8 +10,8 @@ from stereorecal._errors import InputError
 from stereorecal.geometry import view, with_unit_baseline
 from stereorecal.matching import SAD
 from stereorecal.scoring import bands, prepare
-from stereorecal.scoring.host._rectified import rectified_frame
 from stereorecal.scoring.host import counts
+from stereorecal.scoring.host._rectified import rectified_frame
 
 SAD_32 = SAD(num_disparities=32)
 
