@@ -25,7 +25,7 @@ _MOST_WORSE = 0.1  # share of the regions
 _WORSE = 0.05  # pixels by which a region is worse, beyond two standard errors
 _MOST_LOST = 0.2  # share of the tiles
 _SWAY = 0.05  # of the row differences before: what one more effect may take of the solution; real drifts leave to 0.04
-_STRANGE = 0.005  # share of drifts in random directions that would move the rows as little
+_STRANGE = 0.0002  # share of drifts in random directions that would move the rows as little: none of some thousands
 LEAST_COVERED = 0.1  # of the image; good rigs cover a half, rigs half a degree out 0 to 6 %: what false matches cover
 ROWS_APART = 0.3  # pixels; 0.03 degrees of pitch at a focal length of 600 pixels: no good calibration leaves that
 
@@ -43,9 +43,7 @@ class Reason(enum.Enum):
     OUT_OF_BUDGET = "the budget ended before the row error of a candidate could be judged; give a larger one"
     MISFIT = "the candidate leaves rows of whole regions apart, which no rotation or shift of the cameras explains"
     FRAMES_DISAGREE = "the frames show different rigs; take them at rest, or check the synchronisation of the cameras"
-    IMPLAUSIBLE = (
-        "the candidate is farther from the initial calibration than the reach makes likely on all axes together"
-    )
+    IMPLAUSIBLE = "the candidate is an unlikely drift: too far on all axes together, or far where rows hardly tell"
     REACH_EDGE = "the search ended at twice the reach; the drift may be larger: give a larger reach"
 
     @property

@@ -82,7 +82,7 @@ CASES = {
     "another effect explains some of it": (Reason.IMPROVED, {"rows": BETTER, "left": left_over(sway=0.08)}),
     "regions that match no longer": (Reason.MISFIT, {"rows": BETTER, "left": left_over(lost=0.3)}),
     "a region that matches no longer": (Reason.IMPROVED, {"rows": BETTER, "left": left_over(lost=0.15)}),
-    "a strange drift": (Reason.IMPLAUSIBLE, {"rows": BETTER, "left": left_over(chance=0.002)}),
+    "a strange drift": (Reason.IMPLAUSIBLE, {"rows": BETTER, "left": left_over(chance=0.0001)}),
     "misfit, but nothing to accept": (Reason.ALREADY_GOOD, {"left": left_over(after=1.0)}),
 }
 
