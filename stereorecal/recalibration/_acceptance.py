@@ -15,7 +15,7 @@ _COUNT_GAIN = 0.01  # likewise
 _ROW_LOSS = 0.02  # pixels: what a repair that ends well may lose by noise
 _ROW_GAIN = 0.01  # pixels: less than that no matcher notices
 _SIGNIFICANT = 3.0  # standard errors, over the places of tiles
-_FEWEST_PLACES = 6
+FEWEST_PLACES = 6  # of tiles: a covariance of five parameters from fewer says nothing
 _EDGE = 0.98  # of the box of the epipolar stages, which is twice the reach
 _PLAUSIBLE = 5.0  # standard deviations of the prior on the drift, over all axes together
 _MOST_MISFIT = 0.4  # pixels, in the worst tenth of the regions; intrinsics of real rigs leave 0.12 to 0.35
@@ -131,7 +131,7 @@ def verdict(
         covered: by correspondences, share of the frame that shows most.
         frames: how many there are.
     """
-    if places < _FEWEST_PLACES or covered < LEAST_COVERED:
+    if places < FEWEST_PLACES or covered < LEAST_COVERED:
         return Reason.TOO_LITTLE_TEXTURE
     if after.count < (1.0 - _COUNT_LOSS) * before.count:
         return Reason.FEWER_MATCHES

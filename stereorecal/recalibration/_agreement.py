@@ -5,7 +5,6 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Int
-from scipy.special import chdtri
 
 from stereorecal.objectives import SearchBox
 from stereorecal.recalibration._evidence import TILES_OF_A_FRAME, Evidence, evidence
@@ -26,20 +25,23 @@ def agreed(box: SearchBox, found: Correspondences, z: Float[np.ndarray, "n"]) ->
         return facts, apart
     kept = np.isin(np.arange(frames), apart, invert=True)
     found = replace(found, weight=np.asarray(found.weight) * kept[:, None])
+    facts = evidence(box, found, facts.z)
     for _ in range(_STEPS):
-        facts = evidence(box, found, facts.z + evidence(box, found, facts.z).shift)
+        facts = evidence(box, found, facts.z + facts.shift)
     return facts, apart
 
 
 def disagreeing(found: Evidence) -> tuple[int, ...]:
     """The frames whose own solution lies apart from that of the others by more than chance (the jackknife over places
     says what that is) and by rows that matter: left out one by one, the farthest first."""
-    sums = _sums(found)
+    from scipy.special import chdtri  # as in the evidence: not before it is needed
+
+    sums, limit = _sums(found), chdtri(found.z.size, _CHANCE)
     apart: list[int] = []
     while len(kept := np.setdiff1d(np.unique(sums.frame), apart)) > 1:
         distances = {f: _distance(sums, f, np.setdiff1d(kept, f), found) for f in kept.tolist()}
         farthest = max(distances, key=lambda f: distances[f])
-        if distances[farthest] <= chdtri(found.z.size, _CHANCE):
+        if distances[farthest] <= limit:
             break
         apart.append(farthest)
     return tuple(sorted(apart))

@@ -8,7 +8,7 @@ from stereorecal._arrays import refuse_tracers
 from stereorecal._plain import plain
 from stereorecal.geometry import StereoRig
 from stereorecal.matching import AbstractMatcher
-from stereorecal.recalibration._acceptance import LEAST_COVERED, ROWS_APART, row_errors
+from stereorecal.recalibration._acceptance import FEWEST_PLACES, LEAST_COVERED, ROWS_APART, row_errors
 from stereorecal.recalibration._as_dict import score_as_dict
 from stereorecal.recalibration._consequences import Interval
 from stereorecal.recalibration._look import look
@@ -18,7 +18,6 @@ from stereorecal.report.cells import change
 from stereorecal.scoring import Legible, legible, pyramid
 from stereorecal.scoring.host import Score, ranged, refuse_mixed_up
 
-FEWEST_PLACES = 6  # of tiles: a covariance of five parameters from fewer says nothing
 LIKELY = 0.25  # of what has texture; aligned rigs cover a half of it and more, rigs a degree out a fifth at most
 FALSE = 0.4  # pixels left by the mending: false matches lie evenly within a row of where they were sought, median 0.5
 SIGNIFICANT = 3.0  # standard errors
