@@ -27,11 +27,12 @@ from .comparison import (
 )
 from .geometry import Camera as Camera, StereoRig as StereoRig, View as View, view as view
 from .matching import BM as BM, SAD as SAD, SGBM as SGBM, Disparity as Disparity
-from .objectives import Reach as Reach, objective as objective
+from .objectives import Parameters as Parameters, Reach as Reach, objective as objective
 from .recalibration import (
     Cost as Cost,
     Difference as Difference,
     Health as Health,
+    Intrinsics as Intrinsics,
     Reason as Reason,
     Repair as Repair,
     Schedule as Schedule,
@@ -41,6 +42,7 @@ from .recalibration import (
     recalibrate as recalibrate,
     recalibrate_many as recalibrate_many,
     recalibrate_sequence as recalibrate_sequence,
+    repaired_together as repaired_together,
     repairs_as_finished as repairs_as_finished,
     warm_up as warm_up,
 )

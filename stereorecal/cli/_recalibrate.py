@@ -21,8 +21,17 @@ from stereorecal.cli._progress import progress_bar
 from stereorecal.cli._recordings import recordings
 from stereorecal.io import save_rig
 from stereorecal.matching import AbstractMatcher, as_matcher
-from stereorecal.objectives import Reach
-from stereorecal.recalibration import SCHEDULES, Fault, Reason, Repair, Schedule, repairs_as_finished
+from stereorecal.objectives import Parameters, Reach, as_parameters
+from stereorecal.recalibration import (
+    SCHEDULES,
+    Fault,
+    Reason,
+    Repair,
+    Schedule,
+    check_shared,
+    repaired_together,
+    repairs_as_finished,
+)
 from stereorecal.recordings import Scene
 from stereorecal.report.repairs import repairs_table
 from stereorecal.strategies import Budget, as_budget, name_of, origin_of, strategy
@@ -36,15 +45,26 @@ def run(options: argparse.Namespace) -> int:
     matcher, schedule = as_matcher(options.matcher), _schedule(options)
     reach = Reach(*_values.degrees_and_fraction(options.reach, "--reach"))
     budget, seed = as_budget(options.budget), _values.seed(options.seed)
+    free = as_parameters([name.strip() for name in options.free.split(",")])
     _check_places(options)
     with executor(options.executor) as pool:
         scenes = recordings(options)
-        arguments = {"matcher": matcher, "schedule": schedule, "reach": reach, "budget": budget, "seed": seed}
+        check_shared(scenes, free, options.extrinsics)
+        arguments = {
+            "matcher": matcher,
+            "schedule": schedule,
+            "reach": reach,
+            "budget": budget,
+            "seed": seed,
+            "free": free,
+        }
         with progress_bar(options.quiet) as progress:
             repairs = _finished(scenes, repairs_as_finished(scenes, executor=pool, **arguments), progress)
+            with suppress(KeyboardInterrupt):  # the repairs of the extrinsics are there, and are kept
+                repairs = repaired_together(scenes, repairs, free, extrinsics=options.extrinsics, executor=pool)
         # Before the workers are waited for: a second Ctrl-C must find everything saved.
         if any(repair.solution for repair in repairs):
-            settings = _settings(options, matcher, schedule, reach, budget)
+            settings = _settings(options, matcher, schedule, reach, budget, free)
             _save(scenes, repairs, settings, options)
             _show(repairs, options)
     for repair in repairs:
@@ -96,7 +116,12 @@ def _check_places(options: argparse.Namespace) -> None:
 
 
 def _settings(
-    options: argparse.Namespace, matcher: AbstractMatcher, schedule: Schedule, reach: Reach, budget: Budget
+    options: argparse.Namespace,
+    matcher: AbstractMatcher,
+    schedule: Schedule,
+    reach: Reach,
+    budget: Budget,
+    free: Parameters,
 ) -> dict[str, Any]:
     stages = [
         {
@@ -115,6 +140,8 @@ def _settings(
         "stages": stages,
         "reach": asdict(reach),
         "budget": asdict(budget),
+        "free": free.names,
+        "extrinsics": options.extrinsics,
         "seed": options.seed,
     }
 

@@ -7,7 +7,7 @@ import numpy as np
 from stereorecal._errors import NeedNotMet
 from stereorecal.geometry import StereoRig, axis_errors
 from stereorecal.matching import AbstractMatcher
-from stereorecal.objectives import Reach, count_box, objective
+from stereorecal.objectives import Reach, count_chart, objective
 from stereorecal.recalibration import Schedule, Solution, recalibrate
 from stereorecal.recordings import Scene
 from stereorecal.scoring.host import score
@@ -149,7 +149,7 @@ def _scores_at(task: Task, solution: Solution) -> dict[str, float | None] | None
     if len(trace.values):
         unvalued = {cost: trace.charged_within(cost) for cost in SCORE_AT}
     else:
-        chart = count_box(task.start, task.reach).chart
+        chart = count_chart(task.start, task.reach)
         unvalued = dict.fromkeys(SCORE_AT, chart.inside(np.asarray(solution.candidate.extrinsics)))
     wanted = {cost: point for cost, point in unvalued.items() if point is not None}
     if wanted:

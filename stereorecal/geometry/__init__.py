@@ -5,10 +5,15 @@ from stereorecal.geometry._axis_errors import (
     axis_changes as axis_changes,
     axis_errors as axis_errors,
 )
-from stereorecal.geometry._camera import Camera as Camera
+from stereorecal.geometry._camera import Camera as Camera, same_camera as same_camera
 from stereorecal.geometry._distortion import (
     distort as distort,
     undistort as undistort,
+)
+from stereorecal.geometry._intrinsics import (
+    changed_camera as changed_camera,
+    ray_slopes as ray_slopes,
+    reread as reread,
 )
 from stereorecal.geometry._rectification import (
     View as View,

@@ -77,3 +77,8 @@ class Camera:
         normalised = undistort((pixels - self.matrix[:2, 2]) / focal, self.distortion)
         xp = namespace(normalised)
         return xp.concatenate([normalised, xp.ones_like(normalised[..., :1])], axis=-1)
+
+
+def same_camera(one: Camera, other: Camera) -> bool:
+    """Whether two cameras have equal intrinsics."""
+    return np.array_equal(one.matrix, other.matrix) and np.array_equal(one.distortion, other.distortion)

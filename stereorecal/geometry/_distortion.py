@@ -59,26 +59,40 @@ def _tilt_matrix(tau_x, tau_y):
 
 
 def undistort(
-    points: Float[AnyArray, "*n 2"], coefficients: Float[AnyArray, "c"], iterations: int = 20
+    points: Float[AnyArray, "*n 2"],
+    coefficients: Float[AnyArray, "c"],
+    iterations: int = 20,
+    start: Float[np.ndarray, "*n 2"] | None = None,
 ) -> Float[AnyArray, "*n 2"]:
     """Invert `distort` by Newton's method, where the model is monotone: float64 for NumPy arrays, else exact to
-    float32."""
+    float32.
+
+    Args:
+        start: of NumPy arrays: a point near the answer, if one is known; default `points`.
+    """
     if is_host(points, coefficients):
-        return _undistort_on_host(np.asarray(points, float), np.asarray(coefficients, float), iterations)
+        goals = np.asarray(points, float)
+        return _undistort_on_host(goals, np.asarray(coefficients, float), iterations, goals if start is None else start)
     if coefficients.shape[0] == 0:
         return jnp.asarray(points, jnp.float32)
     return _undistort(jnp.asarray(points, jnp.float32), jnp.asarray(coefficients, jnp.float32), iterations)
 
 
+_SETTLED = 1e-13  # of a step, normalised image points
 _LONGEST = 0.25  # of a step: far corners of wide lenses must not jump over the model's turning point
 
 
 def _undistort_on_host(
-    goals: Float[np.ndarray, "*n 2"], coefficients: Float[np.ndarray, "c"], iterations: int
+    goals: Float[np.ndarray, "*n 2"],
+    coefficients: Float[np.ndarray, "c"],
+    iterations: int,
+    start: Float[np.ndarray, "*n 2"],
 ) -> Float[np.ndarray, "*n 2"]:
-    points, tiny = goals.copy(), 1e-30
+    if coefficients.size == 0:
+        return goals.copy()
+    points, tiny = np.array(start, float), 1e-30
     with np.errstate(all="ignore"):  # NaN where the model folds
-        for _ in range(iterations if coefficients.size else 0):
+        for _ in range(iterations):
             error = distort(points, coefficients) - goals
             # Complex steps (Squire & Trapp 1998): derivatives without a difference, exact.
             ends = (distort(points + direction, coefficients) for direction in tiny * 1j * np.eye(2))
@@ -87,6 +101,8 @@ def _undistort_on_host(
             update = np.stack([d * error[..., 0] - b * error[..., 1], a * error[..., 1] - c * error[..., 0]], axis=-1)
             update /= (a * d - b * c)[..., None]
             points -= update / np.maximum(1.0, np.linalg.norm(update, axis=-1, keepdims=True) / _LONGEST)
+            if not np.any(np.abs(update) > _SETTLED):
+                break
     return points
 
 

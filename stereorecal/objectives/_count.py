@@ -13,7 +13,8 @@ from stereorecal.geometry import StereoRig, View
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives._chart import Chart
 from stereorecal.objectives._images import Images
-from stereorecal.objectives._search_box import Reach, as_reach, count_box
+from stereorecal.objectives._names import EXTRINSICS
+from stereorecal.objectives._reach import Reach, as_reach, count_chart
 from stereorecal.recordings import Pairs
 from stereorecal.scoring import (
     TEMPERATURE,
@@ -121,6 +122,7 @@ def count_objective(
     matcher: AbstractMatcher,
     reach: Reach,
     *,
+    free: tuple[str, ...] = EXTRINSICS,
     scale: float = 1.0,
     rows: float = 1.0,
     frames: int | None = None,
@@ -132,7 +134,7 @@ def count_objective(
     whole = images.at(scale, frames)
     data = bands(whole, rows)
     cost = whole.cost * sum(band.pixels for band in data) / whole.pixels
-    metric_chart = count_box(images.rig, reach).chart
+    metric_chart = count_chart(images.rig, reach, free)
     chart = metric_chart.with_unit_baseline()
     traced_chart = jax.tree.map(lambda leaf: jnp.asarray(leaf, jnp.float32), chart)
 

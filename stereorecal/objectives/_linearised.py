@@ -5,8 +5,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.geometry import rectifying_rotations, rotation_from_euler, with_unit_baseline
-from stereorecal.objectives._chart import Chart
+from stereorecal.geometry import (
+    StereoRig,
+    ray_slopes,
+    rectifying_rotations,
+    reread,
+    rotation_from_euler,
+    same_camera,
+    with_unit_baseline,
+)
+from stereorecal.objectives._names import SIDES
+from stereorecal.objectives._rig_chart import RigChart
 from stereorecal.scoring import Correspondences, row_differences
 
 _STEP = 1e-4  # of the box, for derivatives of rotations in float64
@@ -26,33 +35,59 @@ class LinearRows:
     differences: Float[np.ndarray, "k m"]
     jacobian: Float[np.ndarray, "n k m"]
 
-    def moved(self, found: Correspondences, chart: Chart, z: Float[np.ndarray, "n"]) -> "LinearRows":
+    def moved(self, found: Correspondences, chart: RigChart, z: Float[np.ndarray, "n"]) -> "LinearRows":
         """The same derivatives with the differences at another point, near enough for them."""
         return replace(self, z=z, differences=differences_at(found, chart, z))
 
 
-def differences_at(found: Correspondences, chart: Chart, z: Float[np.ndarray, "n"]) -> Float[np.ndarray, "k m"]:
+def read_by(found: Correspondences, taken: StereoRig, rig: StereoRig) -> Correspondences:
+    """The correspondences of pixels that the cameras of `taken` gave, with the rays that those of `rig` give them."""
+
+    def rays(side: str) -> Float[np.ndarray, "k m 3"]:
+        true, read = getattr(taken, side), getattr(rig, side)
+        given = np.asarray(getattr(found, side))
+        return given if same_camera(true, read) else reread(given, true, read)
+
+    return replace(found, left=rays("left"), right=rays("right"))
+
+
+def differences_at(found: Correspondences, chart: RigChart, z: Float[np.ndarray, "n"]) -> Float[np.ndarray, "k m"]:
     """The row differences at a point of the unit box, in pixels of the scale of `found`."""
-    return np.asarray(row_differences(found, with_unit_baseline(chart.extrinsics(z))))
+    rig = chart.rig_at(z)
+    return np.asarray(row_differences(read_by(found, chart.rig, rig), with_unit_baseline(rig.extrinsics)))
 
 
-def linearised(found: Correspondences, chart: Chart, z: Float[np.ndarray, "n"]) -> LinearRows:
+def linearised(found: Correspondences, chart: RigChart, z: Float[np.ndarray, "n"]) -> LinearRows:
     """The row differences and their derivatives at z.
 
-    Only the rectifying rotations depend on z, whose derivatives are central differences of 3x3 matrices. A row is
-    f (r₁ · x) / (r₂ · x), with the rows r₁, r₂ of a rotation and a ray x, and its derivatives follow from theirs.
+    Args:
+        found: with the rays that the cameras of the chart's own rig give.
+
+    Extrinsics act through the rectifying rotations, whose derivatives are central differences of 3x3 matrices;
+    intrinsics through the rays. A row is f (r₁ · x) / (r₂ · x), with the rows r₁, r₂ of a rotation and a ray x, and its
+    derivatives follow from theirs.
     """
-    here, steps = _rotations(chart, z), _STEP * np.eye(z.size)
+    rig = chart.rig_at(z)
+    found = read_by(found, chart.rig, rig)
+    outer = [index for index, name in enumerate(chart.names) if "." not in name]
+    here, steps = _rotations(chart, z), _STEP * np.eye(z.size)[outer]
     slopes = np.stack([(_rotations(chart, z + h) - _rotations(chart, z - h)) / (2 * _STEP) for h in steps])
-    sides = [
-        _rows(np.asarray(rays, float), here[side], slopes[:, side])
-        for side, rays in enumerate((found.left, found.right))
-    ]
-    rows, jacobian = (float(found.focal) * (left - right) for left, right in zip(*sides, strict=True))
-    return LinearRows(z, rows, jacobian)
+    shape = np.shape(found.weight)
+    jacobian, rows = np.zeros((z.size, *shape)), np.zeros(shape)
+    for side, sign in enumerate((1.0, -1.0)):
+        rays, camera = np.asarray(getattr(found, SIDES[side]), float), getattr(rig, SIDES[side])
+        across, by_rotation = _rows(rays, here[side], slopes[:, side])
+        rows += sign * across
+        jacobian[outer] += sign * by_rotation
+        own = [index for index, name in enumerate(chart.names) if name.startswith(SIDES[side])]
+        if own:
+            moved = ray_slopes(camera, rays, [chart.names[index].split(".")[1] for index in own])
+            jacobian[own] = sign * _by_rays(rays, across, here[side], moved) * chart.half_width[own, None, None]
+    focal = float(found.focal)
+    return LinearRows(z, focal * rows, focal * jacobian)
 
 
-def _rotations(chart: Chart, z: Float[np.ndarray, "n"]) -> Float[np.ndarray, "2 3 3"]:
+def _rotations(chart: RigChart, z: Float[np.ndarray, "n"]) -> Float[np.ndarray, "2 3 3"]:
     """The rectifying rotations, left and right, at a point of the box."""
     extrinsics = with_unit_baseline(chart.extrinsics(z))
     return np.stack(rectifying_rotations(rotation_from_euler(extrinsics[:3]), extrinsics[3:]))
@@ -67,3 +102,14 @@ def _rows(
     rows, (across_by, along_by) = across / along, np.split(moved, 2)
     shape = rays.shape[:2]
     return rows.reshape(shape), ((across_by - rows * along_by) / along).reshape(-1, *shape)
+
+
+def _by_rays(
+    rays: Float[np.ndarray, "k m 3"],
+    rows: Float[np.ndarray, "k m"],
+    rotation: Float[np.ndarray, "3 3"],
+    moved: Float[np.ndarray, "p k m 2"],
+) -> Float[np.ndarray, "p k m"]:
+    """Derivatives of rectified rows, in focal lengths, of rays (x, y, 1) that move."""
+    points = rays / rays[..., 2:]
+    return (moved @ rotation[1, :2] - rows * (moved @ rotation[2, :2])) / (points @ rotation[2])

@@ -8,7 +8,6 @@ from jaxtyping import Float
 from stereorecal._arrays import AnyArray
 from stereorecal._pytree import register_pytree
 from stereorecal.objectives._linearised import LinearRows
-from stereorecal.objectives._search_box import SearchBox
 from stereorecal.strategies import Budget, Objective, Problem, Traced
 
 _COST_OF_A_ROW = 1e-7  # units: some sixty operations, where a matcher run on a full-size frame takes some 10^9
@@ -34,19 +33,20 @@ class LinearResiduals:
 
 
 def epipolar_objective(
-    rows: LinearRows, precision: Float[np.ndarray, "k m"], box: SearchBox, budget: Budget | None = None
+    rows: LinearRows, precision: Float[np.ndarray, "k m"], prior: float, budget: Budget | None = None
 ) -> Objective:
     """The value is -½ |residuals|². However many correspondences there are, an evaluation looks at 2 n + 1 numbers.
 
     Args:
         rows: the row differences, linear around the start of the run.
         precision: weight of each squared row difference, 1 / pixels².
-        box: centred on the initial calibration.
+        prior: standard deviation of each parameter, in half widths of the box, which the initial calibration is the
+            centre of.
         budget: default unlimited.
     """
     dim = rows.z.size
     few = _few_rows(np.vstack([rows.jacobian.reshape(dim, -1), rows.differences.reshape(-1)]), precision.reshape(-1))
-    jacobian = np.vstack([few[:, :-1], np.eye(dim) / box.prior])
+    jacobian = np.vstack([few[:, :-1], np.eye(dim) / prior])
     at_centre = np.concatenate([few[:, -1] - few[:, :-1] @ rows.z, np.zeros(dim)])
     residuals = LinearResiduals(jacobian, at_centre)
 

@@ -9,10 +9,13 @@ from stereorecal.recalibration._health import (
     Health as Health,
     health as health,
 )
+from stereorecal.recalibration._intrinsics import Intrinsics as Intrinsics, Outcome as Outcome
 from stereorecal.recalibration._many import (
     Fault as Fault,
     Repair as Repair,
+    check_shared as check_shared,
     recalibrate_many as recalibrate_many,
+    repaired_together as repaired_together,
     repairs_as_finished as repairs_as_finished,
 )
 from stereorecal.recalibration._path import Waypoint as Waypoint

@@ -4,7 +4,7 @@ import enum
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from stereorecal.recalibration._evidence import Evidence
 from stereorecal.recalibration._misfit import Misfit
@@ -17,7 +17,7 @@ _ROW_GAIN = 0.01  # pixels: less than that no matcher notices
 _SIGNIFICANT = 3.0  # standard errors, over the places of tiles
 FEWEST_PLACES = 6  # of tiles: a covariance of five parameters from fewer says nothing
 _EDGE = 0.98  # of the box of the epipolar stages, which is twice the reach
-_PLAUSIBLE = 5.0  # standard deviations of the prior on the drift, over all axes together
+_PLAUSIBLE = 1.4e-4  # chance of a drift as far or farther, over all axes together: five standard deviations of five
 _MOST_MISFIT = 0.4  # pixels, in the worst tenth of the regions; intrinsics of real rigs leave 0.12 to 0.35
 _SOME_MISFIT = 0.2  # pixels, likewise: as much must be small beside the gain
 _BESIDE_GAIN = 0.5  # of the row differences before
@@ -25,9 +25,10 @@ _MOST_WORSE = 0.1  # share of the regions
 _WORSE = 0.05  # pixels by which a region is worse, beyond two standard errors
 _MOST_LOST = 0.2  # share of the tiles
 _SWAY = 0.05  # of the row differences before: what one more effect may take of the solution; real drifts leave to 0.04
-_STRANGE = 0.0002  # share of drifts in random directions that would move the rows as little: none of some thousands
+_STRANGE = 0.0002  # share of drifts in random directions that would move the rows as little
 LEAST_COVERED = 0.1  # of the image; good rigs cover a half, rigs half a degree out 0 to 6 %: what false matches cover
 ROWS_APART = 0.3  # pixels; 0.03 degrees of pitch at a focal length of 600 pixels: no good calibration leaves that
+ROWS_MATTER = 0.1  # pixels: what a matcher notices
 
 
 class Reason(enum.Enum):
@@ -39,7 +40,8 @@ class Reason(enum.Enum):
     NOT_IMPROVED = "no candidate matches more pixels than the initial calibration"
     FEWER_MATCHES = "the candidate matches fewer pixels than the initial calibration"
     WORSE_ON_HELD_OUT = "the candidate is no better on image regions that were held out"
-    TOO_LITTLE_TEXTURE = "too little of the images matches: too little texture, or a drift beyond the reach"
+    TOO_LITTLE_TEXTURE = "too little of the images matches: too little light or texture"
+    NO_MATCHES = "hardly anything matches, though the images have texture: a drift beyond the reach, or another rig"
     OUT_OF_BUDGET = "the budget ended before the row error of a candidate could be judged; give a larger one"
     MISFIT = "the candidate leaves rows of whole regions apart, which no rotation or shift of the cameras explains"
     FRAMES_DISAGREE = "the frames show different rigs; take them at rest, or check the synchronisation of the cameras"
@@ -74,7 +76,11 @@ class RowErrors:
 
 def row_errors(found: Evidence) -> RowErrors:
     """The paired comparison of tiles that no solution has seen; frames that repeat each other prove nothing twice."""
-    before, after = found.held_out()
+    return compared(found, *found.held_out())
+
+
+def compared(found: Evidence, before: Float[np.ndarray, "t"], after: Float[np.ndarray, "t"]) -> RowErrors:
+    """The comparison of what each tile of the evidence shows, before and after."""
     gain = found.by_place(before - after)
     error = float(np.std(gain, ddof=1)) / np.sqrt(len(gain)) if len(gain) > 1 else np.inf
     return RowErrors(float(np.mean(before)), float(np.mean(after)), float(np.mean(gain)) / max(error, 1e-9))
@@ -87,64 +93,64 @@ def verdict_on_count(before: Score, after: Score, *, signal: bool) -> Reason:
     return Reason.MORE_MATCHES if after.count > before.count else Reason.NOT_IMPROVED
 
 
-def misfits(left: Misfit) -> bool:
+def misfits(left: Misfit, scale: float) -> bool:
     """Whether a repair leaves, or rests on, what the parameters cannot explain: regions are worse than before or match
     no longer, the misfit is large, or large beside the gain, or an effect that is in no model would explain much of the
     gain as well.
 
     No fixed number of pixels tells: good repairs of real rigs, whose intrinsics are imperfect, leave as much as some
     harmful ones.
+
+    Args:
+        scale: pixels in which rows were measured, per pixel at full size.
     """
-    worse = np.abs(left.after) - np.abs(left.before) > _WORSE + 2.0 * left.error
+    worse = np.abs(left.after) - np.abs(left.before) > _WORSE / scale + 2.0 * left.error
     return bool(
-        left.high > _MOST_MISFIT
-        or (left.high > _SOME_MISFIT and left.rms > _BESIDE_GAIN * left.rms_before)
+        left.high * scale > _MOST_MISFIT
+        or (left.high * scale > _SOME_MISFIT and left.rms > _BESIDE_GAIN * left.rms_before)
         or (worse.size and np.mean(worse) > _MOST_WORSE)
         or left.lost > _MOST_LOST
         or left.sway > _SWAY * left.rms_before
     )
 
 
-def verdict(
-    before: Score,
-    after: Score,
-    rows: RowErrors,
-    z: Float[np.ndarray, "n"],
-    prior: float,
-    left: Misfit,
-    places: int,
-    covered: float,
-    frames: int,
-) -> Reason:
+def chance_of_farther(deviations: Float[np.ndarray, "n"]) -> float:
+    """Of as many numbers, normal with unit variance, that lie together as far from zero or farther."""
+    from scipy.special import chdtrc  # a third of a second to import
+
+    return float(chdtrc(deviations.size, float(deviations @ deviations)))
+
+
+def verdict(counts: Int[np.ndarray, "2"], rows: RowErrors, facts: Evidence, left: Misfit, covered: float) -> Reason:
     """The verdict on a candidate with correspondences.
 
     Accepted: a significant gain in count or in row error on held-out regions, no loss beyond 1 % of the count and
     0.02 pixels, plausible under the prior as a whole, and no misfit (`misfits`). The counts of equally good
     calibrations scatter: by about 1 over the root of the count of a frame, measured on rendered scenes; frames that
-    repeat each other prove nothing twice.
+    repeat each other prove nothing twice. Pixels are those of the images in which rows were measured.
 
     Args:
-        z: the candidate in the unit box.
-        prior: standard deviation of the drift on each axis, in half widths of the box.
+        counts: of all frames, under the initial calibration and the candidate.
+        facts: the evidence of the extrinsics, at the candidate.
         left: the misfit of the candidate.
-        places: how many places of the frames hold correspondences.
         covered: by correspondences, share of the frame that shows most.
-        frames: how many there are.
     """
-    if places < FEWEST_PLACES or covered < LEAST_COVERED:
+    before, after = counts
+    if facts.places < FEWEST_PLACES or covered < LEAST_COVERED:
         return Reason.TOO_LITTLE_TEXTURE
-    if after.count < (1.0 - _COUNT_LOSS) * before.count:
+    if after < (1.0 - _COUNT_LOSS) * before:
         return Reason.FEWER_MATCHES
-    gain = rows.before - rows.after
+    gain = (rows.before - rows.after) * facts.scale
     if gain < -_ROW_LOSS:
         return Reason.WORSE_ON_HELD_OUT
-    if np.any(np.abs(z) > _EDGE):
+    if np.any(np.abs(facts.z) > _EDGE):
         return Reason.REACH_EDGE
     better_rows = gain > _ROW_GAIN and rows.significance > _SIGNIFICANT
-    scatter = 1.0 / np.sqrt(max(after.count, 1) / frames)
-    better_count = after.count > (1.0 + max(_COUNT_GAIN, _SIGNIFICANT * scatter)) * before.count and gain >= 0.0
+    scatter = 1.0 / np.sqrt(max(after / facts.frames, 1.0))
+    better_count = after > (1.0 + max(_COUNT_GAIN, _SIGNIFICANT * scatter)) * before and gain >= 0.0
+    aligned = rows.before * facts.scale <= ROWS_APART
     if not (better_rows or better_count):
-        return Reason.ALREADY_GOOD if rows.before <= ROWS_APART else Reason.WORSE_ON_HELD_OUT
-    if np.linalg.norm(z) > _PLAUSIBLE * prior or left.chance < _STRANGE:
-        return Reason.IMPLAUSIBLE
-    return Reason.MISFIT if misfits(left) else Reason.IMPROVED
+        return Reason.ALREADY_GOOD if aligned else Reason.WORSE_ON_HELD_OUT
+    if chance_of_farther(facts.z / facts.prior) < _PLAUSIBLE or left.chance < _STRANGE:
+        return Reason.ALREADY_GOOD if aligned and gain < ROWS_MATTER else Reason.IMPLAUSIBLE
+    return Reason.MISFIT if misfits(left, facts.scale) else Reason.IMPROVED

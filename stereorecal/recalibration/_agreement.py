@@ -1,90 +1,123 @@
 """Frames against each other: do they show one and the same rig?"""
 
-from dataclasses import replace
-from typing import NamedTuple
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
-from stereorecal.objectives import SearchBox
-from stereorecal.recalibration._evidence import TILES_OF_A_FRAME, Evidence, evidence
-from stereorecal.scoring import Correspondences, Loss
+from stereorecal.objectives import RigChart
+from stereorecal.recalibration._evidence import Evidence, evidence
+from stereorecal.recalibration._sums import Sums, sums
+from stereorecal.recordings import Pair
+from stereorecal.scoring import Correspondences, Loss, legible
 
 _STEPS = 3  # of Gauss-Newton, once a frame is left out; the weights follow
 _CHANCE = 1e-3  # that a frame of the same rig is taken for one of another
+_FEWEST_PLACES = 12  # of a frame that has a say: some more than parameters, or a jackknife knows no scatter
+LIKELY = 0.25  # of what has texture; aligned rigs cover a half of it and more, rigs a degree out a fifth at most
+_FEWER = 0.5  # of what the frame that matches most covers
 _ROWS_THAT_MATTER = 0.1  # pixels at full size: frames that differ by less agree well enough
 MOST_APART = 1.0 / 3.0  # of the frames; if more disagree, which of them are wrong cannot be told
 
 
-def agreed(box: SearchBox, found: Correspondences, z: Float[np.ndarray, "n"]) -> tuple[Evidence, tuple[int, ...]]:
-    """The evidence at a solution, and the frames that disagree with the others; where those are few, they are left out,
-    and the evidence is that of the others, at their own solution."""
-    facts, frames = evidence(box, found, z), len(found.weight)
-    apart = disagreeing(evidence(box, found, z, Loss.SOFT_L1)) if frames > 1 else ()
-    if not 0 < len(apart) <= MOST_APART * frames:
-        return facts, apart
+@dataclass(frozen=True, eq=False)
+class Agreement:
+    """What the frames say together.
+
+    Attributes:
+        facts: the evidence of the frames that are kept, at their solution.
+        kept: (k,) which are judged.
+        apart: frames that show another rig than most.
+        refused: they are too many to say which are wrong; all frames are kept then.
+    """
+
+    facts: Evidence
+    kept: Bool[np.ndarray, "k"]
+    apart: tuple[int, ...]
+    refused: bool
+
+
+def agreed(chart: RigChart, found: Correspondences, z: Float[np.ndarray, "n"], pairs: Sequence[Pair]) -> Agreement:
+    """The frames at a solution. One shows another rig if its own solution lies apart from the others', or if it hardly
+    matches where others do, though it has texture; where those are few, they are left out, and the evidence is that of
+    the others, at their own solution. Frames that show nothing have no say."""
+    frames = len(found.weight)
+    unmatched = _unmatched(found, pairs) if frames > 1 else ()
+    voting = without(found, unmatched)
+    others, seeing = disagreeing(evidence(chart, voting, z, Loss.SOFT_L1)) if frames > 1 else ((), 1)
+    apart = tuple(sorted((*unmatched, *others)))
     kept = np.isin(np.arange(frames), apart, invert=True)
-    found = replace(found, weight=np.asarray(found.weight) * kept[:, None])
-    facts = evidence(box, found, facts.z)
-    for _ in range(_STEPS):
-        facts = evidence(box, found, facts.z + facts.shift)
-    return facts, apart
+    if len(apart) > MOST_APART * (seeing + len(unmatched)):
+        return Agreement(evidence(chart, found, z), np.ones(frames, bool), apart, refused=True)
+    found = without(found, apart)
+    facts = evidence(chart, found, z)
+    for _ in range(_STEPS if apart else 0):
+        facts = evidence(chart, found, facts.z + facts.shift)
+    return Agreement(facts, kept, apart, refused=False)
 
 
-def disagreeing(found: Evidence) -> tuple[int, ...]:
+def without(found: Correspondences, frames: Sequence[int]) -> Correspondences:
+    """The correspondences of the other frames."""
+    if not len(frames):
+        return found
+    kept = np.isin(np.arange(len(found.weight)), frames, invert=True)
+    return replace(found, weight=np.asarray(found.weight) * kept[:, None])
+
+
+def _unmatched(found: Correspondences, pairs: Sequence[Pair]) -> tuple[int, ...]:
+    """Frames with light and texture that hardly match, where another one does match."""
+    covered = (np.asarray(found.weight) > 0).mean(axis=1)
+    best = int(covered.argmax())
+    fewer = [index for index, share in enumerate(covered) if share < _FEWER * covered[best]]
+    if not fewer or covered[best] < LIKELY * legible(pairs[best]).texture:
+        return ()
+    shown = {index: legible(pairs[index]) for index in fewer}
+    return tuple(i for i in fewer if shown[i].enough and covered[i] < LIKELY * shown[i].texture)
+
+
+def disagreeing(found: Evidence) -> tuple[tuple[int, ...], int]:
     """The frames whose own solution lies apart from that of the others by more than chance (the jackknife over places
-    says what that is) and by rows that matter: left out one by one, the farthest first."""
-    from scipy.special import chdtri  # as in the evidence: not before it is needed
-
-    sums, limit = _sums(found), chdtri(found.z.size, _CHANCE)
+    says what that is) and by rows that matter: left out one by one, the farthest first. And how many frames show enough
+    places to have a say."""
+    parts = sums(found)
+    frames, places = np.unique(parts.frame, return_counts=True)
+    frames = frames[places >= _FEWEST_PLACES]
     apart: list[int] = []
-    while len(kept := np.setdiff1d(np.unique(sums.frame), apart)) > 1:
-        distances = {f: _distance(sums, f, np.setdiff1d(kept, f), found) for f in kept.tolist()}
+    while len(kept := np.setdiff1d(frames, apart)) > 1:
+        distances = {f: _distance(parts, f, np.setdiff1d(kept, f), found) for f in kept.tolist()}
         farthest = max(distances, key=lambda f: distances[f])
-        if distances[farthest] <= limit:
+        if distances[farthest] <= 1.0:
             break
         apart.append(farthest)
-    return tuple(sorted(apart))
+    return tuple(sorted(apart)), len(frames)
 
 
-class _Sums(NamedTuple):
-    """Of the least-squares problem, for each tile of each frame that shows something."""
+def _distance(all_of_them: Sums, one: int, others: Int[np.ndarray, "f"], found: Evidence) -> float:
+    """Between the solutions of a frame and of others, squared, over what chance allows one rig; 0 where the rows would
+    hardly differ.
 
-    normal: Float[np.ndarray, "t n n"]
-    pull: Float[np.ndarray, "t n"]
-    weight: Float[np.ndarray, "t"]
-    frame: Int[np.ndarray, "t"]
-    place: Int[np.ndarray, "t"]
+    Covariances of n parameters from u places are themselves uncertain: not chi-squared but Hotelling's distribution.
+    """
+    from scipy.special import fdtri  # a third of a second to import, where frames are compared
 
-    def of(self, frames: Int[np.ndarray, "f"]) -> "_Sums":
-        return _Sums(*(part[np.isin(self.frame, frames)] for part in self))
-
-
-def _sums(found: Evidence) -> _Sums:
-    order = np.argsort(found.tile, kind="stable")
-    tiles, first = np.unique(found.tile[order], return_index=True)
-    jacobian, weight = found.jacobian[order], found.weight[order]
-    weighted = weight[:, None] * jacobian
-    normal = np.add.reduceat(weighted[:, :, None] * jacobian[:, None, :], first)
-    pull = np.add.reduceat(weighted * found.residual[order][:, None], first)
-    return _Sums(normal, pull, np.add.reduceat(weight, first), *np.divmod(tiles, TILES_OF_A_FRAME))
-
-
-def _distance(sums: _Sums, one: int, others: Int[np.ndarray, "f"], found: Evidence) -> float:
-    """Squared, in standard deviations: chi-squared where both show one rig; 0 where the rows would hardly differ."""
-    parts = sums.of(np.array([one])), sums.of(others)
+    parts = (all_of_them.of(all_of_them.frame == one), all_of_them.of(np.isin(all_of_them.frame, others)))
     (first, scatter), (second, scatter_of_others) = (_solution(part, found) for part in parts)
-    apart = first - second
+    apart, size = first - second, found.z.size
     rows2 = apart @ parts[0].normal.sum(0) @ apart / max(parts[0].weight.sum(), 1e-12)
-    return float(apart @ np.linalg.solve(scatter + scatter_of_others, apart)) if rows2 > _ROWS_THAT_MATTER**2 else 0.0
+    if rows2 <= _ROWS_THAT_MATTER**2:
+        return 0.0
+    free = max(len(np.unique(parts[0].place)) - size, 1)
+    limit = size * (free + size - 1) / free * float(fdtri(size, free, 1.0 - _CHANCE))
+    return float(apart @ np.linalg.solve(scatter + scatter_of_others, apart)) / limit
 
 
-def _solution(sums: _Sums, found: Evidence) -> tuple[Float[np.ndarray, "n"], Float[np.ndarray, "n n"]]:
+def _solution(part: Sums, found: Evidence) -> tuple[Float[np.ndarray, "n"], Float[np.ndarray, "n n"]]:
     """The solution of some tiles, from z, and its covariance by the jackknife over places, with the prior's share."""
     prior = np.eye(found.z.size) / found.prior**2
-    normal, pull = sums.normal.sum(0) + prior, sums.pull.sum(0) + prior @ found.z
-    places = np.unique(sums.place)
-    without = [(sums.normal[sums.place == p].sum(0), sums.pull[sums.place == p].sum(0)) for p in places]
+    normal, pull = part.normal.sum(0) + prior, part.pull.sum(0) + prior @ found.z
+    places = np.unique(part.place)
+    without = [(part.normal[part.place == p].sum(0), part.pull[part.place == p].sum(0)) for p in places]
     left = np.stack([-np.linalg.solve(normal - n, pull - p) for n, p in without])
     inverse, few = np.linalg.inv(normal), len(places)
     moves = left - left.mean(0)

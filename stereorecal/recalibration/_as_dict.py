@@ -8,7 +8,6 @@ import numpy as np
 
 from stereorecal._plain import plain
 from stereorecal.geometry import AXES, StereoRig
-from stereorecal.objectives import FREE_AXES
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._stages import StageRun
 from stereorecal.scoring.host import Score
@@ -35,13 +34,15 @@ def solution_as_dict(solution: Solution) -> dict[str, Any]:
                 "used": _extrinsics(solution.rig),
             },
             "change": _by_axis(AXES, [*np.degrees(solution.change[:3]), *(100 * solution.change[3:] / baseline)]),
-            "interval_95": known and _by_axis(FREE_AXES, known.interval),
-            "interval_95_by_chance": known and _by_axis(FREE_AXES, known.interval_by_chance),
-            "observed": known and dict(zip(FREE_AXES, known.observed, strict=True)),
+            "interval_95": known and _by_axis(known.names, known.interval),
+            "interval_95_by_chance": known and _by_axis(known.names, known.interval_by_chance),
+            "observed": known and dict(zip(known.names, known.observed, strict=True)),
             "undetermined": known and list(known.undetermined),
             "misfit": solution.misfit and solution.misfit.as_dict(),
+            "intrinsics": solution.intrinsics and solution.intrinsics.as_dict(),
             "left_out": list(solution.left_out),
-            "covariance": known and {"axes": FREE_AXES, "units": "deg, percent", "matrix": known.covariance},
+            "disagreeing": list(solution.disagreeing),
+            "covariance": known and {"axes": known.names, "units": "deg, percent", "matrix": known.covariance},
             "depth_error_percent": dict(solution.depth_error_percent),
             "num_disparities": solution.matcher.num_disparities,
             "stages": [_stage(stage) for stage in solution.stages],

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal.geometry import StereoRig
-from stereorecal.objectives import Chart
+from stereorecal.objectives import RigChart
 from stereorecal.recalibration._effects import DISTANCES, depth_error, nearnesses
 from stereorecal.recalibration._evidence import Evidence
 
@@ -43,28 +43,38 @@ class Consequences:
     depth_percent: Mapping[int, Interval]
 
 
-def consequences(used: StereoRig, chart: Chart, facts: Evidence, covariance: Float[np.ndarray, "n n"]) -> Consequences:
+def consequences(
+    used: StereoRig, chart: RigChart, facts: Evidence, covariance: Float[np.ndarray, "n n"]
+) -> Consequences:
     """What is wrong with `used`, the centre of the chart, if the solution of `facts` with its covariance is right.
 
     Both are linear in it as far as an interval reaches: depth is not, but its inverse is.
     """
     apart = _rms(facts.jacobian @ facts.z)
-    wide = _NORMAL_95 * _rms(_deviations(facts.jacobian, covariance))
+    wide = _NORMAL_95 * _rms(deviations(facts.jacobian, covariance))
+    rows = Interval(apart, max(apart - wide, 0.0), apart + wide)
+    return Consequences(rows, depth_intervals(used, chart, facts.z, covariance))
 
-    def near(z: Float[np.ndarray, "n"]) -> Float[np.ndarray, "distances"]:
-        return nearnesses(used, used.with_extrinsics(np.asarray(chart.extrinsics(z))))
 
-    steps = _STEP * np.eye(len(facts.z))
-    slopes = np.stack([(near(facts.z + h) - near(facts.z - h)) / (2 * _STEP) for h in steps], axis=-1)
-    here, width = near(facts.z), _NORMAL_95 * _deviations(slopes, covariance)
+def depth_intervals(
+    used: StereoRig, chart: RigChart, z: Float[np.ndarray, "n"], covariance: Float[np.ndarray, "n n"]
+) -> Mapping[int, Interval]:
+    """The error of depth in percent of `used`, if the true rig lies around the point z of the chart."""
+
+    def near(at: Float[np.ndarray, "n"]) -> Float[np.ndarray, "distances"]:
+        return nearnesses(used, chart.rig_at(at))
+
+    steps = _STEP * np.eye(len(z))
+    slopes = np.stack([(near(z + h) - near(z - h)) / (2 * _STEP) for h in steps], axis=-1)
+    here, width = near(z), _NORMAL_95 * deviations(slopes, covariance)
     ends = np.stack([here, here + width, here - width], axis=-1)
-    depths = {
+    return {
         distance: Interval(*map(depth_error, three)) for distance, three in zip(DISTANCES, ends.tolist(), strict=True)
     }
-    return Consequences(Interval(apart, max(apart - wide, 0.0), apart + wide), depths)
 
 
-def _deviations(slopes: Float[np.ndarray, "p n"], covariance: Float[np.ndarray, "n n"]) -> Float[np.ndarray, "p"]:
+def deviations(slopes: Float[np.ndarray, "p n"], covariance: Float[np.ndarray, "n n"]) -> Float[np.ndarray, "p"]:
+    """Standard deviations of what is linear in the solution, with these slopes."""
     return np.sqrt(np.maximum(np.sum(slopes @ covariance * slopes, axis=-1), 0.0))
 
 

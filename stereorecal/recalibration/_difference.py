@@ -10,8 +10,8 @@ from jaxtyping import Float
 from stereorecal._arrays import refuse_tracers
 from stereorecal._errors import InputError
 from stereorecal._plain import plain
-from stereorecal.geometry import AXES, StereoRig, View, angle_between, axis_changes, view as default_view
-from stereorecal.recalibration._effects import depth_errors, rows_apart, same_camera
+from stereorecal.geometry import AXES, StereoRig, View, angle_between, axis_changes, same_camera, view as default_view
+from stereorecal.recalibration._effects import depth_errors, rows_apart
 from stereorecal.report.cells import change, depths
 
 _GRID = (32, 24)  # columns and rows: as many as show what a lens or a roll does

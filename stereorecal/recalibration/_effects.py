@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal._arrays import AnyArray
-from stereorecal.geometry import Camera, StereoRig, View, rectifying_rotations
+from stereorecal.geometry import Camera, StereoRig, View, rectifying_rotations, reread, same_camera
 
 DISTANCES = (5, 10, 30, 100)  # baselines
 ROW_DISTANCES = (10.0, np.inf)  # baselines
@@ -79,7 +79,7 @@ def _reread(rays: Float[AnyArray, "*n 3"], true: Camera, read: Camera) -> Float[
     """Where `read` takes points to lie that `true` sees along `rays`: the rays themselves if the cameras are equal."""
     if same_camera(true, read):
         return np.asarray(rays)
-    return _within_lens(read.rays(true.project(_at_depth_1(rays))), read)
+    return _within_lens(reread(_at_depth_1(rays), true, read), read)
 
 
 def _seen(rays: Float[AnyArray, "*n 3"], camera: Camera) -> Float[np.ndarray, "*n 3"]:
@@ -99,8 +99,3 @@ def _at_depth_1(rays: Float[AnyArray, "*n 3"]) -> Float[np.ndarray, "*n 3"]:
 def _within_lens(rays: Float[AnyArray, "*n 3"], camera: Camera) -> Float[np.ndarray, "*n 3"]:
     """Rays at depth 1, NaN beyond the radius that the lens model is good for."""
     return np.where(np.hypot(rays[..., :1], rays[..., 1:2]) < float(camera.lens_radius), rays, np.nan)
-
-
-def same_camera(one: Camera, other: Camera) -> bool:
-    """Whether two cameras have equal intrinsics."""
-    return np.array_equal(one.matrix, other.matrix) and np.array_equal(one.distortion, other.distortion)

@@ -12,10 +12,10 @@ from statistics import NormalDist
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from stereorecal.objectives import SearchBox, differences_at, linearised
+from stereorecal.objectives import RigChart, differences_at, linearised
 from stereorecal.scoring import TILES, Correspondences, Loss, curvatures, precisions
 
-_FOLDS = 4
+FOLDS = 4
 # Standard deviation of an offset that all rows share, pixels of the images that were measured: no resampling sees it.
 _SHARED = 0.005
 TILES_OF_A_FRAME = TILES[0] * TILES[1]
@@ -53,6 +53,10 @@ class Evidence:
         """Some of the rows alone."""
         names = ("jacobian", "residual", "start_residual", "weight", "curvature", "tile")
         return replace(self, **{name: getattr(self, name)[rows] for name in names})
+
+    def first(self, number: int) -> "Evidence":
+        """The problem of the first parameters alone, the others held."""
+        return replace(self, z=self.z[:number], jacobian=self.jacobian[:, :number])
 
     @property
     def shift(self) -> Float[np.ndarray, "n"]:
@@ -92,42 +96,54 @@ class Evidence:
         moves = np.stack(
             [np.linalg.solve(normal - self._normal(p, self.curvature), pull - self._pull(p)) for p in left_out]
         )
-        moves -= moves.mean(0)
         inverse = np.linalg.inv(normal)
-        others = len(left_out) - 1
-        few = (_student_975(others) / NormalDist().inv_cdf(0.975)) ** 2  # so that ±1.96 σ means 95 % of few places too
         shared = _SHARED / self.scale * inverse @ (self.jacobian.T @ self.curvature)
-        of_places = few * moves.T @ moves * others / len(left_out)
-        return of_places + inverse @ self._prior @ inverse + np.outer(shared, shared)
+        return jackknife(moves) + inverse @ self._prior @ inverse + np.outer(shared, shared)
+
+    @property
+    def frames(self) -> int:
+        """How many frames show something."""
+        return len(np.unique(self.tile // TILES_OF_A_FRAME))
 
     @property
     def places(self) -> int:
         """How many places of the frames show something."""
         return len(np.unique(self.tile % TILES_OF_A_FRAME))
 
-    def _fold(self) -> Int[np.ndarray, "m"]:
-        """Places are dealt out to the folds so that no fold is without a region."""
-        row, column = np.divmod(self.tile % TILES_OF_A_FRAME, TILES[0])
-        return (column + 2 * row) % _FOLDS
-
     def held_out(self) -> tuple[Float[np.ndarray, "t"], Float[np.ndarray, "t"]]:
         """Median |row difference| in each tile, pixels: under the initial calibration, and under solutions that
         did not see the tile, nor any at its place in another frame."""
-        fold = self._fold()
+        fold = fold_of(self.tile % TILES_OF_A_FRAME)
         unseen = np.empty_like(self.residual)
         for part in np.unique(fold):
             seen = fold != part
             normal, pull = self._normal(seen, self.weight), self._pull(seen)
             shift = -np.linalg.solve(normal + self._prior, pull + self._prior @ self.z)
             unseen[~seen] = self.residual[~seen] + self.jacobian[~seen] @ shift
-        tiles = [self.tile == t for t in np.unique(self.tile)]
-        before, after = (np.array([np.median(np.abs(r[t])) for t in tiles]) for r in (self.start_residual, unseen))
-        return before, after
+        return self.medians(self.start_residual), self.medians(unseen)
+
+    def medians(self, differences: Float[np.ndarray, "m"]) -> Float[np.ndarray, "t"]:
+        """The median |difference| in each tile."""
+        return np.array([np.median(np.abs(differences[self.tile == tile])) for tile in np.unique(self.tile)])
 
     def by_place(self, values: Float[np.ndarray, "t"]) -> Float[np.ndarray, "p"]:
         """The mean over the frames of what `held_out` says of each tile: at each place that shows something."""
         places, place = np.unique(np.unique(self.tile) % TILES_OF_A_FRAME, return_inverse=True)
         return np.bincount(place, values, len(places)) / np.bincount(place, minlength=len(places))
+
+
+def fold_of(place: Int[np.ndarray, "m"]) -> Int[np.ndarray, "m"]:
+    """Places are dealt out to the folds so that no fold is without a region."""
+    row, column = np.divmod(place, TILES[0])
+    return (column + 2 * row) % FOLDS
+
+
+def jackknife(ends: Float[np.ndarray, "u n"]) -> Float[np.ndarray, "n n"]:
+    """The covariance that solutions without one of u units each show (Efron & Stein 1981), wider for few units, so that
+    1.96 standard deviations mean 95 % of them too."""
+    moves, others = ends - ends.mean(0), len(ends) - 1
+    few = (_student_975(others) / NormalDist().inv_cdf(0.975)) ** 2
+    return few * moves.T @ moves * others / len(ends)
 
 
 def _student_975(degrees: int) -> float:
@@ -137,24 +153,24 @@ def _student_975(degrees: int) -> float:
     return float(stdtrit(degrees, 0.975))
 
 
-def evidence(box: SearchBox, found: Correspondences, z: Float[np.ndarray, "n"], loss: Loss = Loss.WELSCH) -> Evidence:
+def evidence(chart: RigChart, found: Correspondences, z: Float[np.ndarray, "n"], loss: Loss = Loss.WELSCH) -> Evidence:
     """The evidence of correspondences at a solution z of the box.
 
     Args:
         loss: by which rows vote; with SOFT_L1 those that lie far apart have a say as well.
     """
     here, scale = np.asarray(found.weight) > 0, float(found.scale)
-    rows = linearised(found, box.chart, z)
+    rows = linearised(found, chart, z)
     weight = precisions(found, rows.differences, loss)[here] * scale**2
     return Evidence(
         z=z,
         jacobian=rows.jacobian[:, here].T / scale,
         residual=rows.differences[here] / scale,
-        start_residual=differences_at(found, box.chart, np.zeros_like(z))[here] / scale,
+        start_residual=differences_at(found, chart, np.zeros_like(z))[here] / scale,
         weight=weight,
         curvature=curvatures(found, rows.differences)[here] * scale**2 if loss is Loss.WELSCH else weight,
         tile=np.asarray(found.tile)[here],
-        prior=box.prior,
+        prior=chart.prior,
         scale=scale,
         independent=float(found.independent),
     )

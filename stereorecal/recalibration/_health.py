@@ -8,7 +8,8 @@ from stereorecal._arrays import refuse_tracers
 from stereorecal._plain import plain
 from stereorecal.geometry import StereoRig
 from stereorecal.matching import AbstractMatcher
-from stereorecal.recalibration._acceptance import FEWEST_PLACES, LEAST_COVERED, ROWS_APART, row_errors
+from stereorecal.recalibration._acceptance import FEWEST_PLACES, LEAST_COVERED, ROWS_APART, ROWS_MATTER, row_errors
+from stereorecal.recalibration._agreement import LIKELY, without
 from stereorecal.recalibration._as_dict import score_as_dict
 from stereorecal.recalibration._consequences import Interval
 from stereorecal.recalibration._look import look
@@ -18,10 +19,8 @@ from stereorecal.report.cells import change
 from stereorecal.scoring import Legible, legible, pyramid
 from stereorecal.scoring.host import Score, ranged, refuse_mixed_up
 
-LIKELY = 0.25  # of what has texture; aligned rigs cover a half of it and more, rigs a degree out a fifth at most
 FALSE = 0.4  # pixels left by the mending: false matches lie evenly within a row of where they were sought, median 0.5
 SIGNIFICANT = 3.0  # standard errors
-ROWS_MATTER = 0.1  # pixels, root mean square over the correspondences: what a matcher notices
 DEPTH_MATTERS = 5.0  # percent at FAR
 DEPTH_WRONG = 10.0  # percent at FAR: what a calibration that is called healthy may hide
 FAR = 30  # baselines
@@ -59,6 +58,8 @@ class Health:
             frame that shows most. False matches count as pixels, but hardly here.
         shown: light and texture of the images, of the frame that shows most.
         mending: what would mend it; None if hardly anything matches.
+        scale: pixels in which rows were measured, per pixel at full size; the limits of rows are in those.
+        disagreeing: names of frames that show another rig than others, where they are too many to be left out.
     """
 
     score: Score
@@ -66,6 +67,8 @@ class Health:
     covered: float
     shown: Legible
     mending: Mending | None
+    scale: float = 1.0
+    disagreeing: tuple[str, ...] = ()
 
     @property
     def condition(self) -> Condition:
@@ -92,6 +95,8 @@ class Health:
 
     @property
     def _diagnosis(self) -> tuple[Condition, str]:
+        if self.disagreeing:
+            return Condition.CANNOT_TELL, f"the frames show different rigs ({', '.join(self.disagreeing)})"
         if self.mending is None:
             if self.shown.dark:
                 return Condition.CANNOT_TELL, "the images are too dark"
@@ -99,12 +104,12 @@ class Health:
                 return Condition.CANNOT_TELL, "the images have too little texture"
             return Condition.REPAIR, "hardly anything matches, though the images have texture"
         rows, depth = self.mending.consequences.rows_px, self.mending.consequences.depth_percent[FAR]
-        matters = rows.value > ROWS_MATTER or abs(depth.value) > DEPTH_MATTERS
+        matters = rows.value * self.scale > ROWS_MATTER or abs(depth.value) > DEPTH_MATTERS
         if matters and self.significance > SIGNIFICANT:
             return Condition.REPAIR, f"{_listed(self.mending.named)} ({self.significance:.0f} standard errors)"
-        if matters or rows.high > ROWS_APART or depth.farthest > DEPTH_WRONG:
+        if matters or rows.high * self.scale > ROWS_APART or depth.farthest > DEPTH_WRONG:
             return Condition.CANNOT_TELL, "the images do not determine it well enough; more frames may"
-        if self.mending.row_error > ROWS_APART:
+        if self.mending.row_error * self.scale > ROWS_APART:
             return Condition.CANNOT_TELL, "rows lie apart, and no rotation mends that; check lenses and shutters"
         return Condition.HEALTHY, ""
 
@@ -122,6 +127,7 @@ class Health:
                 "condition": self.condition.name.lower(),
                 "verdict": self.verdict,
                 "significance": self.significance,
+                "disagreeing": self.disagreeing,
                 "axes": mended and (mended.named if self.condition is Condition.REPAIR else ()),
                 "mending": mended
                 and {
@@ -171,12 +177,17 @@ def health(rig: StereoRig, pairs: Pairs, *, matcher: AbstractMatcher | str | Non
         look(images, ranged(matcher, images)),
         max((legible(pair) for pair in images.pairs), key=lambda one: one.texture),
     )
-    covered, facts = seen.found.covered, seen.facts
+    frames, scale = seen.frames, float(seen.found.scale)
+    covered = seen.found.covered if frames is None else without(seen.found, frames.apart).covered
+    if frames is not None and frames.refused:
+        names = tuple(images.pairs[f].name for f in frames.apart)
+        return Health(seen.score, float("nan"), covered, shown, None, scale, names)
+    facts = None if frames is None else frames.facts
     rows = None if facts is None or facts.places < FEWEST_PLACES or covered < LEAST_COVERED else row_errors(facts)
-    if facts is None or rows is None or (covered < LIKELY * shown.texture and rows.after > FALSE):
+    if facts is None or rows is None or (covered < LIKELY * shown.texture and rows.after * scale > FALSE):
         refuse_mixed_up(images)
-        return Health(seen.score, float("nan"), covered, shown, None)
-    return Health(seen.score, rows.before, covered, shown, mending(rig, seen.box, facts, rows.after))
+        return Health(seen.score, float("nan"), covered, shown, None, scale)
+    return Health(seen.score, rows.before, covered, shown, mending(rig, seen.chart, facts, rows.after), scale)
 
 
 def _listed(names: tuple[str, ...]) -> str:

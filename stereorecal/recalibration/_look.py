@@ -7,8 +7,8 @@ from jaxtyping import Float
 
 from stereorecal.geometry import with_unit_baseline
 from stereorecal.matching import AbstractMatcher
-from stereorecal.objectives import Reach, SearchBox, linearised, row_box
-from stereorecal.recalibration._evidence import Evidence, evidence
+from stereorecal.objectives import Reach, RigChart, linearised, row_chart
+from stereorecal.recalibration._agreement import Agreement, agreed
 from stereorecal.recalibration._schedule import finest_scale
 from stereorecal.recalibration._stages import FEWEST
 from stereorecal.scoring import Correspondences, Loss, Pyramid, host, precisions
@@ -23,15 +23,15 @@ class Look:
     """What one look shows.
 
     Attributes:
-        box: around the calibration that was looked through, its centre, with the default prior on the drift.
+        chart: around the calibration that was looked through, its centre, with the default prior on the drift.
         found: the correspondences.
-        facts: the least-squares problem at its solution; None if there are too few correspondences for one.
+        frames: what they say together, at the solution; None if there are too few correspondences for one.
         score: the count, at full scale.
     """
 
-    box: SearchBox
+    chart: RigChart
     found: Correspondences
-    facts: Evidence | None
+    frames: Agreement | None
     score: Score
 
 
@@ -42,24 +42,24 @@ def look(images: Pyramid, matcher: AbstractMatcher) -> Look:
     Args:
         matcher: with its disparity range at full size.
     """
-    data, box = images.at(finest_scale(images.rig.left.size)), row_box(images.rig, Reach())
+    data, chart = images.at(finest_scale(images.rig.left.size)), row_chart(images.rig, Reach())
     extrinsics, whole = with_unit_baseline(images.rig.extrinsics), images.at(1.0)
     found, count = host.correspondences_and_count(data, extrinsics, matcher)
     if data is not whole:
         count = int(host.counts_one_by_one(whole, extrinsics[None], matcher)[0])
-    facts = evidence(box, found, solved(found, box)) if found.found >= FEWEST else None
-    return Look(box, found, facts, Score(count, whole.pixels))
+    frames = agreed(chart, found, solved(found, chart), images.pairs) if found.found >= FEWEST else None
+    return Look(chart, found, frames, Score(count, whole.pixels))
 
 
-def solved(found: Correspondences, box: SearchBox) -> Float[np.ndarray, "n"]:
+def solved(found: Correspondences, chart: RigChart) -> Float[np.ndarray, "n"]:
     """The point of the box at which the rows meet best, linear around its centre; the prior holds what rows cannot."""
-    z = np.zeros(len(box.chart.free))
-    prior = np.eye(len(z)) / box.prior**2
-    rows = linearised(found, box.chart, z)
+    z = np.zeros(chart.dim)
+    prior = np.eye(len(z)) / chart.prior**2
+    rows = linearised(found, chart, z)
     jacobian = rows.jacobian.reshape(len(z), -1)
     for loss in _LOSSES:
         weighted = jacobian * precisions(found, rows.differences, loss).reshape(-1)
         pull = weighted @ rows.differences.reshape(-1) + prior @ z
         z = z - np.linalg.solve(weighted @ jacobian.T + prior, pull)
-        rows = rows.moved(found, box.chart, z)
+        rows = rows.moved(found, chart, z)
     return z

@@ -1,22 +1,26 @@
 """Repairing many recordings, one task each."""
 
 import enum
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from traceback import format_exception
 from typing import Any
 
+import numpy as np
+
 from stereorecal._errors import InputError, StrategyError
+from stereorecal._names import known
 from stereorecal._run_all import Progress, run_all
-from stereorecal.geometry import View
+from stereorecal.geometry import View, same_camera
 from stereorecal.matching import AbstractMatcher, as_matcher
-from stereorecal.objectives import Reach
+from stereorecal.objectives import Parameters, Reach, as_parameters
 from stereorecal.recalibration._as_dict import solution_as_dict
 from stereorecal.recalibration._recalibrate import recalibrate
 from stereorecal.recalibration._schedule import Schedule, as_schedule
 from stereorecal.recalibration._solution import Solution
+from stereorecal.recalibration._together import Recording, together
 from stereorecal.recordings import Scene
 from stereorecal.strategies import Budget, as_budget
 
@@ -62,10 +66,15 @@ def recalibrate_many(
     budget: Budget | float | None = None,
     view: View | None = None,
     seed: int = 0,
+    free: Parameters | str | Sequence[str] | None = None,
+    extrinsics: str = "each",
     executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> tuple[Repair, ...]:
     """Repair the extrinsics of many recordings, each on its own; the answers come in the order of the recordings.
+
+    With intrinsics free, all recordings must be of one rig, and share what is found of them: once each is repaired, all
+    are solved together (`Solution.intrinsics` says what came of it).
 
     A recording that cannot be repaired is an answer with an error, never an exception. Ctrl-C passes; to keep what is
     finished by then, take the answers one by one from `repairs_as_finished`.
@@ -74,21 +83,83 @@ def recalibrate_many(
         scenes: each with a rig and its pairs. Pairs that came from files travel to the workers as paths.
         matcher, schedule, reach, view, seed: as `recalibrate` has them, for every recording.
         budget: of each recording.
+        free: what may move, as `recalibrate` has it.
+        extrinsics: where intrinsics are free: "each" recording has its own extrinsics, as a rig that drifts between
+            missions; or "one" for all.
         executor: any `concurrent.futures.Executor`; default one recording after the other in this process.
         progress: called with (finished, total) after each recording.
 
     Raises:
-        InputError: if there is no recording, or a strategy of the default schedule is not installed.
+        InputError: if there is no recording, a strategy of the default schedule is not installed, or intrinsics are
+            free and the recordings are of different rigs.
         StrategyError: if one of those is broken.
     """
-    scenes = _as_scenes(scenes)
-    options = {"schedule": schedule, "reach": reach, "budget": budget, "view": view, "seed": seed}
+    scenes, free = _as_scenes(scenes), as_parameters(free)
+    check_shared(scenes, free, extrinsics)
+    options = {"schedule": schedule, "reach": reach, "budget": budget, "view": view, "seed": seed, "free": free}
     finished: dict[int, Repair] = {}
     for index, repair in repairs_as_finished(scenes, matcher=matcher, executor=executor, **options):
         finished[index] = repair
         if progress is not None:
             progress(len(finished), len(scenes))
-    return tuple(finished[index] for index in range(len(scenes)))
+    repairs = tuple(finished[index] for index in range(len(scenes)))
+    return repaired_together(scenes, repairs, free, extrinsics=extrinsics, executor=executor)
+
+
+def check_shared(scenes: Sequence[Scene], free: Parameters, extrinsics: str) -> None:
+    """Refuse recordings that cannot share parameters.
+
+    Raises:
+        InputError: says which, and what to do.
+    """
+    known(extrinsics, ["each", "one"], "kind of extrinsics")
+    rigs = [scene.rig for scene in scenes if scene.rig is not None]
+    if not free.shared or not rigs:
+        return
+    first = rigs[0]
+    for scene in scenes:
+        rig = scene.rig
+        if rig is not None and not (same_camera(rig.left, first.left) and same_camera(rig.right, first.right)):
+            raise InputError(
+                f"{scene.name} has other intrinsics than {scenes[0].name}; recordings of one rig can share them: "
+                "repair those of different rigs apart."
+            )
+        if rig is not None and extrinsics == "one" and not np.array_equal(rig.extrinsics, first.extrinsics):
+            raise InputError(
+                f"{scene.name} starts from other extrinsics than {scenes[0].name}; give all the same calibration, or "
+                'write extrinsics="each".'
+            )
+
+
+def repaired_together(
+    scenes: Sequence[Scene],
+    repairs: Sequence[Repair],
+    free: Parameters,
+    *,
+    extrinsics: str = "each",
+    executor: Executor | None = None,
+) -> tuple[Repair, ...]:
+    """Finished repairs with what they share freed as well; those that failed stay as they are.
+
+    Whatever the executor loses is raised.
+    """
+    solved = [(index, repair.solution) for index, repair in enumerate(repairs) if repair.solution is not None]
+    if not free.shared or not solved:
+        return tuple(repairs)
+
+    def each(function: Callable[[Any], Any], tasks: Sequence[Any]) -> Sequence[Any]:
+        done = dict(run_all(function, tasks, executor))
+        for found in done.values():
+            if isinstance(found, BaseException):
+                raise found
+        return [done[index] for index in range(len(tasks))]
+
+    recordings = [Recording(tuple(scenes[index].pairs), solution) for index, solution in solved]
+    found = together(recordings, free, one=extrinsics == "one", each=each)
+    answers = list(repairs)
+    for (index, _), solution in zip(solved, found, strict=True):
+        answers[index] = replace(answers[index], solution=solution)
+    return tuple(answers)
 
 
 def repairs_as_finished(
@@ -100,10 +171,12 @@ def repairs_as_finished(
     budget: Budget | float | None = None,
     view: View | None = None,
     seed: int = 0,
+    free: Parameters | str | Sequence[str] | None = None,
     executor: Executor | None = None,
 ) -> Iterator[tuple[int, Repair]]:
     """`recalibrate_many` for those who show or save each answer as soon as it is there: the index of a recording and
-    its repair, in the order in which they finish. Arguments and errors as there; errors are raised at once."""
+    its repair, in the order in which they finish. Arguments and errors as there; errors are raised at once. What
+    recordings share stays as it was; `repaired_together` frees it once all are there."""
     scenes = _as_scenes(scenes)
     if not scenes:
         raise InputError("there is nothing to repair; give at least one recording.")
@@ -115,6 +188,7 @@ def repairs_as_finished(
         budget=as_budget(budget),
         view=view,
         seed=seed,
+        free=as_parameters(free).extrinsics,
     )
 
     def repairs() -> Iterator[tuple[int, Repair]]:

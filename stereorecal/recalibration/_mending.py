@@ -7,10 +7,10 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal.geometry import StereoRig
-from stereorecal.objectives import FREE_AXES, SearchBox
+from stereorecal.objectives import RigChart
 from stereorecal.recalibration._consequences import Consequences, Interval, consequences
 from stereorecal.recalibration._evidence import Evidence
-from stereorecal.recalibration._uncertainty import reading_units, uncertainty
+from stereorecal.recalibration._uncertainty import uncertainty
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,21 +37,21 @@ class Mending:
         return tuple(name for name, ratio in sure.items() if ratio > 1.0) or (max(sure, key=sure.__getitem__),)
 
 
-def mending(used: StereoRig, box: SearchBox, facts: Evidence, remaining: float) -> Mending:
+def mending(used: StereoRig, chart: RigChart, facts: Evidence, remaining: float) -> Mending:
     """The mending that the evidence asks for.
 
     Args:
-        used: the centre of the box.
+        used: the centre of the chart.
         remaining: row error that it would leave.
     """
     covariance = facts.covariance()
-    values, widths = reading_units(box.chart) * facts.z, uncertainty(covariance, 0.0 * covariance, box).interval
+    values, widths = chart.units * facts.z, uncertainty(covariance, 0.0 * covariance, chart).interval
     return Mending(
         axes={
             name: Interval(value, value - width, value + width)
-            for name, value, width in zip(FREE_AXES, values.tolist(), widths.tolist(), strict=True)
+            for name, value, width in zip(chart.names, values.tolist(), widths.tolist(), strict=True)
         },
-        consequences=consequences(used, box.chart, facts, covariance),
+        consequences=consequences(used, chart, facts, covariance),
         significance=wald(facts.z, covariance),
         row_error=remaining,
     )

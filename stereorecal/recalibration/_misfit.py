@@ -20,7 +20,7 @@ _OF_A_MEDIAN = 1.2533 * 1.4826  # standard error of a median over the median dev
 _REACH = 0.25  # of the image: how far misfit stays alike; a lens, a ship
 _EXPLAINS = 0.5  # share of the misfit's square that one more effect must explain to be its likely cause
 _NEARLY = 0.8  # of what a lens explains
-_DIRECTIONS = 4000  # of random drifts
+_IMHOF = (-12.0, 25.0, 4000)  # log of the variable of an integral: from where to where, in how many steps
 _MATCHED = 0.3  # of the count of the tile that shows most: a tile that shows something
 _KEPT = 0.6  # of its count: below that, a tile has lost its matches
 _EFFECT = 1.0  # pixels at the edge of the image: standard deviation of an effect that is in no model
@@ -123,13 +123,23 @@ def misfit(
 def _chance(found: Evidence) -> float:
     """See `Misfit.chance`."""
     rows = found.jacobian.T @ (found.weight[:, None] * found.jacobian)
-    length2 = found.z @ found.z
+    length2 = float(found.z @ found.z)
     if length2 == 0.0 or not rows.any():
         return 1.0
-    directions = np.random.default_rng(0).normal(size=(_DIRECTIONS, found.z.size))
-    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
-    moves = np.einsum("di,ij,dj->d", directions, rows, directions)
-    return float(np.mean(moves <= found.z @ rows @ found.z / length2))
+    return share_below(np.linalg.eigvalsh(rows), float(found.z @ rows @ found.z) / length2)
+
+
+def share_below(stretches: Float[np.ndarray, "n"], limit: float) -> float:
+    """The share of directions u, evenly spread, for which the sum of stretches u² stays below the limit.
+
+    It is the chance that a sum of (stretch - limit) chi² falls below zero, by the integral of Imhof (1961, eq. 3.2).
+    """
+    apart = (stretches - limit) / max(float(np.abs(stretches - limit).max()), 1e-300)
+    t = np.exp(np.linspace(*_IMHOF))[:, None]
+    angle = 0.5 * np.arctan(apart * t).sum(axis=1)
+    heights = np.sin(angle) / np.prod((1.0 + (apart * t) ** 2) ** 0.25, axis=1)  # over t, times dt = t d(log t)
+    step = (_IMHOF[1] - _IMHOF[0]) / (_IMHOF[2] - 1)
+    return float(np.clip(0.5 - np.sum(heights) * step / np.pi, 0.0, 1.0))
 
 
 def _lost(before: Int[np.ndarray, "k tiles"] | None, after: Int[np.ndarray, "k tiles"] | None) -> float:
@@ -166,10 +176,15 @@ def systematic(found: Evidence, seen: Misfit) -> Float[np.ndarray, "n n"]:
             for here in (found.tile % TILES_OF_A_FRAME == place for place in range(TILES_OF_A_FRAME))
         ]
     )
+    return spread_of_misfit(np.linalg.solve(found.normal, pulls.T), seen.rms)
+
+
+def spread_of_misfit(moves: Float[np.ndarray, "n places"], rms: float) -> Float[np.ndarray, "n n"]:
+    """The covariance of a solution that moves so much for a pixel at each place of the frames, if `rms` pixels of
+    misfit lie on them."""
     x, y = _centres(np.arange(TILES_OF_A_FRAME))
     distance2 = (x[:, None] - x) ** 2 + (y[:, None] - y) ** 2
-    moves = np.linalg.solve(found.normal, pulls.T)
-    return seen.rms**2 * moves @ np.exp(-0.5 * distance2 / (2 * _REACH) ** 2) @ moves.T
+    return rms**2 * moves @ np.exp(-0.5 * distance2 / (2 * _REACH) ** 2) @ moves.T
 
 
 def _centres(place: Int[np.ndarray, "r"]) -> tuple[Float[np.ndarray, "r"], Float[np.ndarray, "r"]]:

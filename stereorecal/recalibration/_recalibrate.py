@@ -1,25 +1,28 @@
 """The entry point: validate, run the schedule, judge its end."""
 
 import time
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Int
 
 from stereorecal._arrays import refuse_tracers
+from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig, View, with_unit_baseline
 from stereorecal.matching import AbstractMatcher, as_matcher
-from stereorecal.objectives import Reach, as_reach
+from stereorecal.objectives import Parameters, Reach, as_parameters, as_reach
 from stereorecal.recalibration._acceptance import Reason, row_errors, verdict, verdict_on_count
-from stereorecal.recalibration._agreement import MOST_APART, agreed
+from stereorecal.recalibration._agreement import agreed, without
 from stereorecal.recalibration._cost import Cost
 from stereorecal.recalibration._misfit import misfit, systematic
 from stereorecal.recalibration._schedule import Schedule, ScoreKind, as_schedule
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._stages import FEWEST, Case, StageRun, better_start, remaining, run_stage
+from stereorecal.recalibration._together import Recording, one_by_one, together
 from stereorecal.recalibration._uncertainty import uncertainty
 from stereorecal.recordings import Pairs
-from stereorecal.scoring import host, pyramid
+from stereorecal.scoring import host, legible, pyramid
 from stereorecal.scoring.host import Score, survey
 from stereorecal.strategies import Budget, Status, as_budget
 
@@ -36,6 +39,7 @@ def recalibrate(
     budget: Budget | float | None = None,
     view: View | None = None,
     seed: int = 0,
+    free: Parameters | str | Sequence[str] | None = None,
 ) -> Solution:
     """Repair the extrinsics of a rig from image pairs that it took.
 
@@ -51,6 +55,9 @@ def recalibrate(
         budget: units, or a `Budget`, for the whole schedule; default none.
         view: default the view of `rig`.
         seed: for strategies that draw random numbers.
+        free: what may move, `Parameters` or names and groups, such as ("rotation",) or ("extrinsics", "intrinsics");
+            default the extrinsics. Intrinsics need several frames of different places; they are solved for at the end,
+            and taken only if rows that took no part lie closer under them (`solution.intrinsics` says so).
 
     Raises:
         InputError: if images and calibration do not fit, or a strategy of the schedule is not installed.
@@ -60,7 +67,10 @@ def recalibrate(
     began = time.perf_counter()
     images, reach = pyramid(rig, pairs, view), as_reach(reach)
     schedule, budget, asked = as_schedule(schedule), as_budget(budget), as_matcher(matcher)
-    case, offset, of_survey = Case(images, asked, reach), np.zeros(6), 0.0
+    free = as_parameters(free)
+    if not free.axes:
+        raise InputError("no extrinsics are free; free them as well, since every drift moves them.")
+    case, offset, of_survey = Case(images, asked, reach, free.extrinsics), np.zeros(6), 0.0
     if schedule.survey or asked.num_disparities is None:
         radians = float(np.radians(reach.degrees))
         seen = survey(images, rig.extrinsics, radians)
@@ -68,7 +78,11 @@ def recalibrate(
         offset = seen.offset if schedule.survey else offset
     start, of_starts = better_start(case, schedule.stages[0], offset)
     widest, stages = _run_schedule(case, schedule, asked, start, budget, began, seed)
-    return _judged(widest, schedule, stages, Cost(survey=of_survey, starts=of_starts), began)
+    solution = _judged(widest, schedule, stages, Cost(survey=of_survey, starts=of_starts), began)
+    if not free.shared:
+        return solution
+    (solution,) = together([Recording(images.pairs, solution)], free, one=True, each=one_by_one)
+    return replace(solution, seconds=time.perf_counter() - began)
 
 
 def _run_schedule(
@@ -103,11 +117,10 @@ def _judged(case: Case, schedule: Schedule, stages: tuple[StageRun, ...], cost: 
     runs = [run for stage in stages for run in stage.runs]
     found = next((stage.found for stage in reversed(stages) if stage.found is not None), None)
     cut = len(stages) < len(schedule.stages) or any(stage.cut for stage in stages)
-    if cut or found is None or found.found < FEWEST:
-        facts, apart = None, ()
-    else:
-        facts, apart = agreed(case.box, found, np.asarray(case.box.chart.coordinates(best)))
-        best = case.box.chart.extrinsics(facts.z)
+    frames = None
+    if found is not None and found.found >= FEWEST and not cut:
+        frames = agreed(case.chart, found, case.chart.coordinates(best), case.images.pairs)
+        best = case.chart.extrinsics(frames.facts.z)
     candidate = case.rig.with_extrinsics(best)
     tiles, of_scores = _scores(case, candidate)
     before, after = (Score(int(counts.sum()), case.images.at(1.0).pixels) for counts in tiles)
@@ -119,17 +132,17 @@ def _judged(case: Case, schedule: Schedule, stages: tuple[StageRun, ...], cost: 
         reason = Reason.OUT_OF_BUDGET  # the count alone would let harm through: it hardly sees a wrong yaw
     elif found is None:
         reason = verdict_on_count(before, after, signal=status is not Status.NO_SIGNAL)
-    elif facts is None:
+    elif frames is None:
         reason = Reason.TOO_LITTLE_TEXTURE
     else:
+        facts, tiles = frames.facts, tiles[:, frames.kept]
         rows, left = row_errors(facts), misfit(facts, *tiles)
-        known = uncertainty(facts.covariance(), systematic(facts, left), case.box)
-        frames = len(case.images.pairs)
-        if len(apart) > MOST_APART * frames:
-            reason = Reason.FRAMES_DISAGREE
-        else:
-            prior, places = case.box.prior, facts.places
-            reason = verdict(before, after, rows, facts.z, prior, left, places, found.covered, frames - len(apart))
+        known = uncertainty(facts.covariance(), systematic(facts, left), case.chart)
+        counts, covered = tiles.sum(axis=(1, 2)), without(found, frames.apart).covered
+        reason = Reason.FRAMES_DISAGREE if frames.refused else verdict(counts, rows, facts, left, covered)
+    if reason is Reason.TOO_LITTLE_TEXTURE and any(legible(pair).enough for pair in case.images.pairs):
+        reason = Reason.NO_MATCHES
+    apart = () if frames is None else tuple(case.images.pairs[f].name for f in frames.apart)
     return Solution(
         rig=candidate if reason.accepted else case.rig,
         candidate=candidate,
@@ -153,7 +166,9 @@ def _judged(case: Case, schedule: Schedule, stages: tuple[StageRun, ...], cost: 
         row_errors=rows,
         uncertainty=known,
         misfit=left,
-        left_out=tuple(case.images.pairs[f].name for f in apart),
+        intrinsics=None,
+        left_out=() if reason is Reason.FRAMES_DISAGREE else apart,
+        disagreeing=apart if reason is Reason.FRAMES_DISAGREE else (),
         stages=stages,
         seconds=time.perf_counter() - began,
     )

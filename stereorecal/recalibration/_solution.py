@@ -8,10 +8,11 @@ from jaxtyping import Float
 
 from stereorecal.geometry import AXES, StereoRig, View
 from stereorecal.matching import AbstractMatcher
-from stereorecal.objectives import FREE_AXES, Reach
+from stereorecal.objectives import Reach
 from stereorecal.recalibration._acceptance import Reason, RowErrors
 from stereorecal.recalibration._cost import Cost
 from stereorecal.recalibration._difference import Difference, difference
+from stereorecal.recalibration._intrinsics import Intrinsics
 from stereorecal.recalibration._misfit import Misfit
 from stereorecal.recalibration._path import Waypoint, path_of
 from stereorecal.recalibration._stages import StageRun
@@ -40,7 +41,9 @@ class Solution:
         row_errors: epipolar errors before and after; None if the schedule has no epipolar stage, or it found nothing.
         uncertainty: of the candidate; None in the same cases.
         misfit: of the candidate; None in the same cases.
-        left_out: names of the pairs that disagree with the others; the candidate does without them, if they are few.
+        intrinsics: what became of intrinsics that were freed; None if none were.
+        left_out: names of the pairs that show another rig than the others; the candidate does without them.
+        disagreeing: the same where they are too many, and nothing is left out.
         stages: what each stage did.
         seconds: wall time.
     """
@@ -61,7 +64,9 @@ class Solution:
     row_errors: RowErrors | None
     uncertainty: Uncertainty | None
     misfit: Misfit | None
+    intrinsics: Intrinsics | None
     left_out: tuple[str, ...]
+    disagreeing: tuple[str, ...]
     stages: tuple[StageRun, ...]
     seconds: float
 
@@ -83,7 +88,7 @@ class Solution:
         return sum(stage.evaluations for stage in self.stages)
 
     @property
-    def covariance(self) -> Float[np.ndarray, "5 5"] | None:
+    def covariance(self) -> Float[np.ndarray, "n n"] | None:
         """Of pitch, yaw, roll [degrees], y, z [percent of the baseline], around the candidate; None without an epipolar
         stage."""
         return None if self.uncertainty is None else self.uncertainty.covariance
@@ -117,8 +122,12 @@ class Solution:
             lines.append(
                 f"misfit   {self.misfit.high:.2f} px in the worst tenth of the regions; {self.misfit.cause.value}"
             )
+        if self.intrinsics is not None:
+            lines.append(str(self.intrinsics))
         if self.left_out:
             lines.append(f"left out, since they disagree with the others: {', '.join(self.left_out)}")
+        if self.disagreeing:
+            lines.append(f"these disagree with others: {', '.join(self.disagreeing)}")
         if self.uncertainty is not None and self.uncertainty.undetermined:
             lines.append(f"not determined by these images: {'; '.join(self.uncertainty.undetermined)}")
         if self.accepted:
@@ -135,9 +144,9 @@ class Solution:
         line = (
             f"{name:<6} {factor * before:+9.3f} -> {factor * after:+9.3f} {unit:<3} changed by {factor * change:+8.3f}"
         )
-        if self.uncertainty is None or name not in FREE_AXES or not self.reason.healthy:
+        if self.uncertainty is None or name not in self.uncertainty.names or not self.reason.healthy:
             return line  # no interval: it would be that of an answer that was found wrong
-        half_width = self.uncertainty.interval[FREE_AXES.index(name)]
+        half_width = self.uncertainty.interval[self.uncertainty.names.index(name)]
         if index >= 3:
             half_width *= 10.0 * float(self.initial.baseline)  # percent of the baseline to mm
         return f"{line} ± {half_width:.3f}"

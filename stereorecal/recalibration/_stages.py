@@ -8,7 +8,16 @@ from jaxtyping import Float
 
 from stereorecal.geometry import StereoRig, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
-from stereorecal.objectives import Chart, Reach, SearchBox, count_objective, epipolar_objective, linearised, row_box
+from stereorecal.objectives import (
+    Chart,
+    Parameters,
+    Reach,
+    RigChart,
+    count_objective,
+    epipolar_objective,
+    linearised,
+    row_chart,
+)
 from stereorecal.recalibration._schedule import ScoreKind, Stage
 from stereorecal.scoring import Correspondences, Loss, Pyramid, host, precisions
 from stereorecal.strategies import Budget, Objective, Run, Status, run_strategy
@@ -29,11 +38,13 @@ class Case:
     Attributes:
         images: taken by the rig whose extrinsics, the initial ones, are the centre of the search box and of the prior.
         matcher: with its disparity range at full size.
+        free: of the extrinsics; the rest is held.
     """
 
     images: Pyramid
     matcher: AbstractMatcher
     reach: Reach
+    free: Parameters
 
     @property
     def rig(self) -> StereoRig:
@@ -41,9 +52,9 @@ class Case:
         return self.images.rig
 
     @property
-    def box(self) -> SearchBox:
+    def chart(self) -> RigChart:
         """The box of epipolar residuals, with the prior."""
-        return row_box(self.rig, self.reach)
+        return row_chart(self.rig, self.reach, self.free)
 
     def scale_of(self, stage: Stage) -> float:
         """The image scale at which a stage works."""
@@ -121,12 +132,19 @@ def better_start(case: Case, stage: Stage, offset: Extrinsics) -> tuple[Extrinsi
         return initial, 0.0
     asked = _count_objective(case, stage, Budget())
     chart = asked.images.chart
-    here, there = asked.problem.values(np.stack([chart.inside(initial), chart.inside(initial + offset)]))
-    return (initial + offset if there > here else initial), 2 * asked.cost
+    moved = chart.inside(initial + offset)
+    here, there = asked.problem.values(np.stack([chart.inside(initial), moved]))
+    return (np.asarray(chart.extrinsics(moved)) if there > here else initial), 2 * asked.cost
 
 
 def _count_objective(case: Case, stage: Stage, budget: Budget) -> Objective:
-    options = {"scale": case.scale_of(stage), "rows": stage.rows, "frames": stage.frames, "budget": budget}
+    options = {
+        "free": case.free.axes,
+        "scale": case.scale_of(stage),
+        "rows": stage.rows,
+        "frames": stage.frames,
+        "budget": budget,
+    }
     return count_objective(case.images, case.matcher, case.reach, **options)
 
 
@@ -152,8 +170,8 @@ def _epipolar_stage(case: Case, stage: Stage, start: Extrinsics, budget: Budget,
     Matched anew, a window meets other pixels, so each round ends about a hundredth of a pixel elsewhere. Once rounds no
     longer approach, the mean of their ends counts, and the next begins there (Robbins & Monro 1951, gains of 1 / n).
     """
-    scale, box = case.scale_of(stage), case.box
-    data, chart = case.images.at(scale, stage.frames), box.chart
+    scale, chart = case.scale_of(stage), case.chart
+    data = case.images.at(scale, stage.frames)
     began, found, cut = time.perf_counter(), None, False
     best, runs, rounds, near = np.asarray(chart.coordinates(start)), [], 0, 0
 
@@ -174,7 +192,7 @@ def _epipolar_stage(case: Case, stage: Stage, start: Extrinsics, budget: Budget,
             allowed = left()
             if allowed is None:
                 break
-            asked = epipolar_objective(rows, precisions(found, rows.differences, loss), box, allowed)
+            asked = epipolar_objective(rows, precisions(found, rows.differences, loss), chart.prior, allowed)
             runs.append(run_strategy(stage.strategy, asked, rows.z, seed))
             rows = rows.moved(found, chart, runs[-1].best)
         way = np.abs(rows.differences - at_start.differences)[np.asarray(found.weight) > 0]

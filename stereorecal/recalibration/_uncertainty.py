@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float
 
-from stereorecal.objectives import FREE_AXES, Chart, SearchBox
+from stereorecal.objectives import RigChart
 
 _NORMAL_95 = 1.96
 _PART = 0.3  # of a unit direction: an axis with less is not named
@@ -14,62 +14,58 @@ _OBSERVED = 0.5  # of the prior's standard deviation; above it, the answer is mo
 
 @dataclass(frozen=True, eq=False)
 class Uncertainty:
-    """Of the five free parameters: pitch, yaw, roll in degrees, y, z in percent of the baseline.
+    """Of the free parameters: pitch, yaw, roll in degrees, y, z in percent of the baseline.
 
     Attributes:
-        covariance: (5, 5), the prior on the drift and the misfit included.
-        by_chance: (5, 5), what of it is chance alone: without the misfit.
-        observed: (5,) which parameters the data determine; the others stay near the initial calibration.
+        names: of the parameters, n of them; five by default.
+        covariance: (n, n), the prior on the drift and the misfit included.
+        by_chance: (n, n), what of it is chance alone: without the misfit.
+        observed: (n,) which parameters the data determine; the others stay near the initial calibration.
         undetermined: directions that the data leave to the prior, in words, such as "y with pitch".
     """
 
-    covariance: Float[np.ndarray, "5 5"]
-    by_chance: Float[np.ndarray, "5 5"]
-    observed: Bool[np.ndarray, "5"]
+    names: tuple[str, ...]
+    covariance: Float[np.ndarray, "n n"]
+    by_chance: Float[np.ndarray, "n n"]
+    observed: Bool[np.ndarray, "n"]
     undetermined: tuple[str, ...] = ()
 
     @property
-    def interval(self) -> Float[np.ndarray, "5"]:
+    def interval(self) -> Float[np.ndarray, "n"]:
         """Half widths of the 95 % intervals."""
         return _NORMAL_95 * np.sqrt(np.diag(self.covariance))
 
     @property
-    def interval_by_chance(self) -> Float[np.ndarray, "5"]:
+    def interval_by_chance(self) -> Float[np.ndarray, "n"]:
         """The same without the misfit: where every region fits, they are equal."""
         return _NORMAL_95 * np.sqrt(np.diag(self.by_chance))
 
     @property
     def unobserved(self) -> tuple[str, ...]:
         """Names of the parameters that the data do not determine."""
-        return tuple(name for name, seen in zip(FREE_AXES, self.observed, strict=True) if not seen)
+        return tuple(name for name, seen in zip(self.names, self.observed, strict=True) if not seen)
 
 
 def uncertainty(
-    by_chance: Float[np.ndarray, "n n"], by_misfit: Float[np.ndarray, "n n"], box: SearchBox
+    by_chance: Float[np.ndarray, "n n"], by_misfit: Float[np.ndarray, "n n"], chart: RigChart
 ) -> Uncertainty:
     """The uncertainty of a solution from its covariances, in half widths of the box."""
-    unit = reading_units(box.chart)
+    unit = chart.units
     both = by_chance + by_misfit
-    observed = np.sqrt(np.diag(by_chance)) < _OBSERVED * box.prior
+    observed = np.sqrt(np.diag(by_chance)) < _OBSERVED * chart.prior
     units = unit[:, None] * unit
-    return Uncertainty(both * units, by_chance * units, observed, _directions(by_chance / box.prior**2))
+    return Uncertainty(
+        chart.names, both * units, by_chance * units, observed, _directions(by_chance / chart.prior**2, chart.names)
+    )
 
 
-def _directions(covariance: Float[np.ndarray, "n n"]) -> tuple[str, ...]:
+def _directions(covariance: Float[np.ndarray, "n n"], free: tuple[str, ...]) -> tuple[str, ...]:
     """The directions that stay mostly as uncertain as the prior, in its units: their axes, the largest part first."""
     variances, axes = np.linalg.eigh(covariance)
     found = []
     for variance, direction in zip(variances, axes.T, strict=True):
         if variance > _OBSERVED**2:
             parts = np.argsort(-np.abs(direction))
-            names = [FREE_AXES[i] for i in parts if abs(direction[i]) > _PART]
+            names = [free[i] for i in parts if abs(direction[i]) > _PART]
             found.append(" with ".join(names))
     return tuple(found)
-
-
-def reading_units(chart: Chart) -> Float[np.ndarray, "n"]:
-    """One half width of the box: in degrees, or in percent of the baseline."""
-    baseline = float(np.linalg.norm(chart.centre[3:]))
-    return np.array(
-        [np.degrees(chart.half_width[i]) if i < 3 else 100 * chart.half_width[i] / baseline for i in chart.free]
-    )

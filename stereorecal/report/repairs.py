@@ -56,7 +56,8 @@ def _table(words: Sequence[str], numbers: Sequence[str], last: Sequence[str] = (
 def _found(repair: Mapping[str, Any]) -> list[str]:
     rows, widths = repair["row_error_px"], repair["interval_95"] if repair["healthy"] else None
     changes = [
-        f"{repair['change'][kind][name]:+.3f}" + (f"\n±{widths[kind][name]:.3f}" if widths else "")
+        f"{repair['change'][kind][name]:+.3f}"
+        + (f"\n±{widths[kind][name]:.3f}" if widths and name in widths[kind] else "")
         for kind, names in _AXES.items()
         for name in names
     ]

@@ -8,7 +8,7 @@ import numpy as np
 
 from stereorecal.geometry import StereoRig, with_unit_baseline
 from stereorecal.matching import BM, SAD, SGBM, AbstractMatcher
-from stereorecal.objectives import FREE_AXES, Reach
+from stereorecal.objectives import EXTRINSICS, Reach
 from stereorecal.recalibration import Schedule
 from stereorecal.recordings import Log, Mission, Pair
 from stereorecal.reproduction._judge import Judge, ideal, judge_of, unstarred
@@ -17,7 +17,7 @@ from stereorecal.strategies import Budget, Need, strategy
 from stereorecal.synthetic import decalibrate
 
 _AXES = {"pitch": 0, "yaw": 1, "roll": 2, "y": 4, "z": 5}
-_UNITS_PER_ITERATION = 2 * len(FREE_AXES)  # the paper's iteration tries a step either way along each axis
+_UNITS_PER_ITERATION = 2 * len(EXTRINSICS)  # the paper's iteration tries a step either way along each axis
 _DRAWN = 4  # wrong calibrations of a log that has one only
 _DRIFT = 2.5, 0.0225  # degrees and fraction of the baseline: theirs, as far apart as those of the rendered log
 _FAR = 3.0  # degrees, and percent of the baseline, at the ends of a sweep: the default reach

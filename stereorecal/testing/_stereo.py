@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal.matching import SAD
-from stereorecal.objectives import Reach, count_box, objective
+from stereorecal.objectives import Reach, count_chart, objective
 from stereorecal.strategies import Objective
 from stereorecal.synthetic import default_rig, render
 
@@ -20,7 +20,7 @@ def stereo_objective() -> tuple[Objective, Float[np.ndarray, "n"]]:
     """The objective of a decalibrated rig, and the point of its box that is the true rig."""
     true = default_rig().resized(_SIZE)
     scene = render("harbour", 3, rig=true)
-    offset = count_box(true, _REACH).chart.extrinsics(_TRUTH) - true.extrinsics
+    offset = count_chart(true, _REACH).extrinsics(_TRUTH) - true.extrinsics
     drifted = true.with_extrinsics(true.extrinsics - offset)
-    truth = np.asarray(count_box(drifted, _REACH).chart.coordinates(true.extrinsics))
+    truth = np.asarray(count_chart(drifted, _REACH).coordinates(true.extrinsics))
     return objective(drifted, scene.pairs, matcher=SAD(num_disparities=48, block_size=7), reach=_REACH), truth

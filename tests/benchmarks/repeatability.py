@@ -84,12 +84,12 @@ def dense_solver(rig: sr.StereoRig, pair: sr.Pair):
 
     def solve(times):
         sample = replace(found, weight=np.asarray(found.weight) * times[np.asarray(found.tile)])
-        best = np.asarray(box.chart.coordinates(last.best))
+        best = np.asarray(chart.coordinates(last.best))
         for _ in range(_ROUNDS):
-            weights = precisions(sample, differences_at(sample, box.chart, best), Loss.WELSCH)
+            weights = precisions(sample, differences_at(sample, chart, best), Loss.WELSCH)
             asked = epipolar_objective(sample, weights, box, Budget(1000))
             best = run_strategy(last.stage.strategy, asked, best, 0).best
-        return rig.with_extrinsics(box.chart.extrinsics(best))
+        return rig.with_extrinsics(chart.extrinsics(best))
 
     return solve
 

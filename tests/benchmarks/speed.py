@@ -29,7 +29,7 @@ from rich.table import Table
 
 import stereorecal as sr
 from stereorecal.geometry import bilinear_warp, pixel_map, rectifying_rotations, with_unit_baseline
-from stereorecal.objectives import Reach, count_box
+from stereorecal.objectives import Reach, count_chart
 from stereorecal.recordings import Scene
 from stereorecal.scoring import prepare
 from stereorecal.scoring.host import counts
@@ -210,7 +210,7 @@ def counting(threads: int, rounds: int) -> Iterator[Figure]:
         start = sr.synthetic.decalibrate(rig, jax.random.key(0), 1.0, 0.01)
         compass, budget = strategy("compass", min_step=1e-12), Budget(500)
         full = opencv_counter(start, scene.pairs[0], sr.view(start), 80)
-        chart = count_box(start, Reach()).chart
+        chart = count_chart(start, Reach())
 
         def by_opencv():
             problem = Problem(chart.dim, lambda z: np.array([full(chart.extrinsics(p)) for p in z], float), 1.0)

@@ -8,7 +8,7 @@ from hypothesis import given, strategies as st
 
 from stereorecal._errors import InputError
 from stereorecal.geometry import AXES
-from stereorecal.objectives import Reach, count_box
+from stereorecal.objectives import Reach, count_chart
 from stereorecal.synthetic import default_rig
 
 RIG = default_rig()
@@ -18,7 +18,7 @@ reaches = st.builds(Reach, degrees=st.floats(0.01, 20), baseline_fraction=st.flo
 
 @given(z=points, reach=reaches)
 def test_round_trip(z, reach):
-    chart = count_box(RIG, reach).chart
+    chart = count_chart(RIG, reach)
     extrinsics = chart.extrinsics(z)
     assert extrinsics.dtype == np.float64
     np.testing.assert_allclose(chart.coordinates(extrinsics), z, atol=1e-9)
@@ -26,32 +26,32 @@ def test_round_trip(z, reach):
 
 @given(z=points, reach=reaches)
 def test_reach_and_the_fixed_x(z, reach):
-    change = count_box(RIG, reach).chart.extrinsics(z) - RIG.extrinsics
+    change = count_chart(RIG, reach).extrinsics(z) - RIG.extrinsics
     assert change[3] == 0.0
     assert np.all(np.abs(change[:3]) <= np.radians(reach.degrees) * (1 + 1e-9) + 1e-15)
     assert np.all(np.abs(change[4:]) <= reach.baseline_fraction * RIG.baseline * (1 + 1e-9) + 1e-15)
 
 
 def test_corner():
-    change = count_box(RIG, Reach(2.0, 0.01)).chart.extrinsics(np.ones(5)) - RIG.extrinsics
+    change = count_chart(RIG, Reach(2.0, 0.01)).extrinsics(np.ones(5)) - RIG.extrinsics
     shift = 0.01 * RIG.baseline
     np.testing.assert_allclose(change, [*[np.radians(2.0)] * 3, 0.0, shift, shift], rtol=1e-9)
 
 
 def test_the_centre_is_the_rig_exactly():
-    assert np.array_equal(count_box(RIG, Reach()).chart.extrinsics(np.zeros(5)), RIG.extrinsics)
+    assert np.array_equal(count_chart(RIG, Reach()).extrinsics(np.zeros(5)), RIG.extrinsics)
 
 
 @given(z=points)
 def test_with_unit_baseline_the_baseline_is_the_unit(z):
-    chart = count_box(RIG, Reach()).chart
+    chart = count_chart(RIG, Reach())
     plain, unit = chart.extrinsics(z), chart.with_unit_baseline().extrinsics(z)
     np.testing.assert_allclose(unit[:3], plain[:3], rtol=1e-12)
     np.testing.assert_allclose(unit[3:] * RIG.baseline, plain[3:], rtol=1e-12)
 
 
 def test_many_points_and_traces():
-    chart = count_box(RIG, Reach()).chart
+    chart = count_chart(RIG, Reach())
     z = np.random.default_rng(0).uniform(-1, 1, (7, 5))
     assert np.array_equal(chart.extrinsics(z), np.stack([chart.extrinsics(p) for p in z]))
     traced = jax.jit(lambda c, p: c.extrinsics(p))(chart, jnp.asarray(z, jnp.float32))
@@ -59,7 +59,7 @@ def test_many_points_and_traces():
 
 
 def test_other_free_axes():
-    chart = count_box(RIG, Reach(), free=("roll", "x")).chart
+    chart = count_chart(RIG, Reach(), free=("roll", "x"))
     assert chart.dim == 2
     moved = chart.extrinsics(np.ones(2)) - RIG.extrinsics
     assert [axis for axis, change in zip(AXES, moved, strict=True) if change] == ["roll", "x"]

@@ -9,13 +9,13 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from stereorecal.geometry import Camera, StereoRig, rotation_from_euler
-from stereorecal.objectives import Reach, SearchBox, count_box, differences_at, epipolar_objective, linearised
+from stereorecal.objectives import Reach, differences_at, epipolar_objective, linearised, row_chart
 from stereorecal.scoring import Correspondences
 from stereorecal.strategies import Budget, Status, run_strategy, strategy
 
 CAMERA = Camera((640, 480), np.array([[500.0, 0, 320], [0, 500.0, 240], [0, 0, 1]]))
 RIG = StereoRig(CAMERA, CAMERA, np.array([0.005, -0.008, 0.004, -0.36, 0.004, -0.003]))
-CHART = count_box(RIG, Reach(3.0, 0.03)).chart
+CHART = row_chart(RIG, Reach(1.5, 0.015))  # half a width is 3 degrees
 PRIOR = 1 / 6
 FRAMES, CELLS = 2, 400
 in_box = st.tuples(*[st.floats(-1, 1)] * 5).map(np.array)
@@ -38,7 +38,7 @@ def exact(z, seed=0, found=1.0) -> Correspondences:
 def made(z=(0.1, -0.2, 0.05, 0.3, -0.1), seed=0, precision=4.0, prior=PRIOR, budget=None, at=(0.0,) * 5):
     found = exact(z, seed)
     weights = np.broadcast_to(precision, found.weight.shape)
-    return epipolar_objective(linearised(found, CHART, np.asarray(at)), weights, SearchBox(CHART, prior), budget)
+    return epipolar_objective(linearised(found, CHART, np.asarray(at)), weights, prior, budget)
 
 
 @settings(max_examples=25)
@@ -59,7 +59,7 @@ def test_the_value_is_that_of_all_weighted_rows_and_the_prior(at, z, seed):
     found = exact([0.1, -0.2, 0.05, 0.3, -0.1], seed)
     precision = np.random.default_rng(seed).uniform(0, 9, found.weight.shape)
     rows = linearised(found, CHART, at)
-    problem = epipolar_objective(rows, precision, SearchBox(CHART, PRIOR))
+    problem = epipolar_objective(rows, precision, PRIOR)
     linear = rows.differences + np.tensordot(z - at, rows.jacobian, 1)
     expected = -0.5 * (np.sum(precision * linear**2) + np.sum((z / PRIOR) ** 2))
     assert problem.value(z) == pytest.approx(expected, rel=1e-9, abs=1e-6)
@@ -84,7 +84,7 @@ def test_an_evaluation_costs_next_to_nothing():
     assert problem.spent == pytest.approx(7 * problem.cost)
     rows = linearised(exact([0.0] * 5), CHART, np.zeros(5))
     half = replace(rows, differences=rows.differences[:1], jacobian=rows.jacobian[:, :1])
-    assert epipolar_objective(half, np.ones((1, CELLS)), SearchBox(CHART, PRIOR)).cost == problem.cost
+    assert epipolar_objective(half, np.ones((1, CELLS)), PRIOR).cost == problem.cost
 
 
 def test_one_program_for_any_number_of_rows():
@@ -98,8 +98,7 @@ def test_one_program_for_any_number_of_rows():
 
     rows = linearised(exact([0.1] * 5), CHART, np.zeros(5))
     half = replace(rows, differences=rows.differences[:1], jacobian=rows.jacobian[:, :1])
-    box = SearchBox(CHART, 0.2)
-    asked = [epipolar_objective(r, np.ones_like(r.differences), box) for r in (rows, half)]
+    asked = [epipolar_objective(r, np.ones_like(r.differences), 0.2) for r in (rows, half)]
     answers = [residuals(a.traced.residuals, jnp.zeros(5)) for a in asked]
     assert traces == 1
     assert not np.allclose(*answers)

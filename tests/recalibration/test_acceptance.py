@@ -1,13 +1,14 @@
 """The verdict: one case for each reason, and what must never be accepted."""
 
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
 from stereorecal.recalibration import Reason, RowErrors
-from stereorecal.recalibration._acceptance import row_errors, verdict, verdict_on_count
+from stereorecal.recalibration._acceptance import compared, verdict, verdict_on_count
+from stereorecal.recalibration._evidence import TILES_OF_A_FRAME, Evidence
 from stereorecal.recalibration._misfit import Cause, Misfit
 from stereorecal.scoring.host import Score
 
@@ -30,11 +31,17 @@ FITS = left_over()
 
 
 def judged(
-    before=200_000, after=None, rows=(0.2, 0.2, 0.0), z=0.1, left=FITS, places=48, covered=0.5, frames=1
+    before=200_000, after=None, rows=(0.2, 0.2, 0.0), z=0.1, left=FITS, places=48, covered=0.5, frames=1, scale=1.0
 ) -> Reason:
+    """In images that were measured at a scale, the limits are in their pixels."""
     z = np.broadcast_to(np.asarray(z, float), 5).copy()
-    counts = score(before), score(before if after is None else after)
-    return verdict(*counts, RowErrors(*map(float, rows)), z, PRIOR, left, places, covered, frames)
+    counts = np.array([before, before if after is None else after])
+    tile = (np.arange(frames)[:, None] * TILES_OF_A_FRAME + np.arange(places)).reshape(-1)
+    nothing = np.zeros(tile.size)
+    facts = Evidence(z, np.zeros((tile.size, 5)), nothing, nothing, nothing, nothing, tile, PRIOR, scale)
+    errors = RowErrors(float(rows[0]) / scale, float(rows[1]) / scale, float(rows[2]))
+    sizes = {name: getattr(left, name) / scale for name in ("before", "after", "error", "sway")}
+    return verdict(counts, errors, facts, replace(left, **sizes), covered)
 
 
 def some(share: float, value: float, others: float) -> np.ndarray:
@@ -83,14 +90,19 @@ CASES = {
     "regions that match no longer": (Reason.MISFIT, {"rows": BETTER, "left": left_over(lost=0.3)}),
     "a region that matches no longer": (Reason.IMPROVED, {"rows": BETTER, "left": left_over(lost=0.15)}),
     "a strange drift": (Reason.IMPLAUSIBLE, {"rows": BETTER, "left": left_over(chance=0.0001)}),
+    "a strange drift that hardly matters": (
+        Reason.ALREADY_GOOD,
+        {"rows": (0.18, 0.1, 10.0), "left": left_over(chance=0.0001)},
+    ),
     "misfit, but nothing to accept": (Reason.ALREADY_GOOD, {"left": left_over(after=1.0)}),
 }
 
 
+@pytest.mark.parametrize("scale", [1.0, 0.4])
 @pytest.mark.parametrize("case", CASES)
-def test_verdict(case):
+def test_verdict(case, scale):
     expected, facts = CASES[case]
-    assert judged(**facts) is expected
+    assert judged(**facts, scale=scale) is expected
 
 
 def test_every_reason_has_its_case():
@@ -102,6 +114,7 @@ def test_every_reason_has_its_case():
     assert on_count | {reason for reason, _ in CASES.values()} == set(Reason) - {
         Reason.OUT_OF_BUDGET,
         Reason.FRAMES_DISAGREE,  # test_agreement.py
+        Reason.NO_MATCHES,  # test_default_schedule.py
     }
     assert {reason for reason in Reason if reason.healthy} == {
         Reason.IMPROVED,
@@ -145,37 +158,26 @@ def test_never_accepted(before, after, rows, z, left, places, covered):
         assert left[1] < 0.42
 
 
-@dataclass
-class Tiles:
-    """Evidence that says what it is told."""
-
-    before: np.ndarray
-    after: np.ndarray
-
-    def held_out(self):
-        return self.before, self.after
-
-    def by_place(self, values):
-        return values
-
-
-# The type checker would want Evidence itself.
-compare = getattr(row_errors, "__wrapped__", row_errors)
+def paired(before: np.ndarray, after: np.ndarray) -> RowErrors:
+    """Of one frame, each tile at its own place."""
+    nothing = np.zeros(len(before))
+    facts = Evidence(np.zeros(5), np.zeros((len(before), 5)), *[nothing] * 4, np.arange(len(before)), PRIOR)
+    return compared(facts, before, after)
 
 
 def test_significance_is_that_of_a_paired_test():
     rng = np.random.default_rng(0)
     before = rng.uniform(0, 3, 48)
     after = before - 0.1 + rng.normal(0, 0.05, 48)
-    found = compare(Tiles(before, after))
+    found = paired(before, after)
     gain = before - after
     assert found.before == pytest.approx(before.mean())
     assert found.after == pytest.approx(after.mean())
     assert found.significance == pytest.approx(gain.mean() / (gain.std(ddof=1) / np.sqrt(48)))
     assert found.significance > 3
-    assert compare(Tiles(after, before)).significance == pytest.approx(-found.significance)
-    assert compare(Tiles(before, before)).significance == 0.0
+    assert paired(after, before).significance == pytest.approx(-found.significance)
+    assert paired(before, before).significance == 0.0
 
 
 def test_one_tile_proves_nothing():
-    assert compare(Tiles(np.array([5.0]), np.array([0.1]))).significance == 0.0
+    assert paired(np.array([5.0]), np.array([0.1])).significance == 0.0

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stereorecal.matching import SAD
-from stereorecal.objectives import Reach
+from stereorecal.objectives import Parameters, Reach
 from stereorecal.recalibration import _stages
 from stereorecal.recalibration._schedule import ScoreKind, Stage
 from stereorecal.recalibration._stages import Case, run_stage
@@ -52,10 +52,10 @@ def staged(monkeypatch):
         monkeypatch.setattr(_stages, "precisions", lambda *given: None)
         monkeypatch.setattr(_stages, "epipolar_objective", lambda *given: None)
         monkeypatch.setattr(_stages, "remaining", lambda *given: None if next(asked) == cut_at else Budget())
-        case = Case(pyramid(RIG, render("harbour", 0, rig=RIG).pairs), SAD(num_disparities=16), Reach())
+        case = Case(pyramid(RIG, render("harbour", 0, rig=RIG).pairs), SAD(num_disparities=16), Reach(), Parameters())
         stage = Stage(SOLVE, 1.0, ScoreKind.EPIPOLAR, rounds=rounds)
         done = run_stage(case, stage, np.asarray(RIG.extrinsics), Budget(), 0)
-        return done, case.box.chart.coordinates(done.best)
+        return done, case.chart.coordinates(done.best)
 
     return run
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from stereorecal.objectives import FREE_AXES, Reach, count_box, row_box
-from stereorecal.recalibration._uncertainty import reading_units, uncertainty
+from stereorecal.objectives import EXTRINSICS, Reach, row_chart
+from stereorecal.recalibration._uncertainty import uncertainty
 from stereorecal.synthetic import default_rig
 
 RIG = default_rig()
@@ -16,15 +16,15 @@ PRIOR = 1 / 6  # standard deviation in half widths of a box of twice the reach
 def test_units(degrees, fraction, unit):
     """Degrees, and percent of the baseline, whatever the baseline is measured in."""
     rig = RIG.with_extrinsics(np.concatenate([RIG.extrinsics[:3], unit * RIG.extrinsics[3:]]))
-    expected = [degrees, degrees, degrees, 100 * fraction, 100 * fraction]
-    np.testing.assert_allclose(reading_units(count_box(rig, Reach(degrees, fraction)).chart), expected)
+    expected = [2 * degrees, 2 * degrees, 2 * degrees, 200 * fraction, 200 * fraction]
+    np.testing.assert_allclose(row_chart(rig, Reach(degrees, fraction)).units, expected)
 
 
 def test_covariance_and_interval():
-    box = row_box(RIG, Reach(3.0, 0.03))
+    chart = row_chart(RIG, Reach(3.0, 0.03))
     deviation = np.array([0.01, 0.02, 0.03, 0.04, 0.05])
     correlation = np.full((5, 5), 0.3) + 0.7 * np.eye(5)
-    known = uncertainty(deviation[:, None] * correlation * deviation, np.zeros((5, 5)), box)
+    known = uncertainty(deviation[:, None] * correlation * deviation, np.zeros((5, 5)), chart)
     np.testing.assert_allclose(np.sqrt(np.diag(known.covariance)), 6.0 * deviation)
     np.testing.assert_allclose(known.interval, 1.96 * 6.0 * deviation)
     scale = np.sqrt(np.diag(known.covariance))
@@ -35,28 +35,28 @@ def test_covariance_and_interval():
 
 @pytest.mark.parametrize("axis", range(5))
 def test_what_is_mostly_prior_is_not_observed(axis):
-    box = row_box(RIG, Reach(3.0, 0.03))
+    chart = row_chart(RIG, Reach(3.0, 0.03))
     for share, seen in ((0.49, True), (0.51, False), (1.0, False)):
         variance = np.full(5, 0.01**2)
         variance[axis] = (share * PRIOR) ** 2
-        known = uncertainty(np.diag(variance), np.zeros((5, 5)), box)
+        known = uncertainty(np.diag(variance), np.zeros((5, 5)), chart)
         assert known.observed[axis] == seen
-        assert known.unobserved == (() if seen else (FREE_AXES[axis],))
-        assert known.undetermined == (() if seen else (FREE_AXES[axis],))
+        assert known.unobserved == (() if seen else (EXTRINSICS[axis],))
+        assert known.undetermined == (() if seen else (EXTRINSICS[axis],))
 
 
 def test_a_direction_that_is_left_to_the_prior_is_named():
     """Pitch against y is not known, pitch with y is: neither axis alone says so."""
-    box = row_box(RIG, Reach(3.0, 0.03))
+    chart = row_chart(RIG, Reach(3.0, 0.03))
     covariance = np.diag(np.full(5, 0.01**2))
     against = np.zeros(5)
     against[[0, 3]] = 0.6, -0.8
-    known = uncertainty(covariance + np.outer(against, against) * (0.8 * PRIOR) ** 2, np.zeros((5, 5)), box)
+    known = uncertainty(covariance + np.outer(against, against) * (0.8 * PRIOR) ** 2, np.zeros((5, 5)), chart)
     assert known.undetermined == ("y with pitch",)
 
 
 def test_misfit_widens():
-    box, chance = row_box(RIG, Reach(3.0, 0.03)), np.diag(np.full(5, 0.01**2))
-    known = uncertainty(chance, 3 * chance, box)
+    chart, chance = row_chart(RIG, Reach(3.0, 0.03)), np.diag(np.full(5, 0.01**2))
+    known = uncertainty(chance, 3 * chance, chart)
     np.testing.assert_allclose(known.interval, 2 * known.interval_by_chance)
     assert known.observed.all()

@@ -11,7 +11,7 @@ from stereorecal_features._fit import _five_point_pose, _sampson
 from stereorecal_features._matches import matched_pixels, seen_by_both
 
 from stereorecal.geometry import Camera, StereoRig
-from stereorecal.objectives import Images, Reach, count_box
+from stereorecal.objectives import Images, Reach, count_chart
 from stereorecal.recordings import Pair, Scene
 from stereorecal.strategies import Budget, Objective, Problem, Status, run_strategy
 from stereorecal.synthetic import decalibrate, default_rig, render
@@ -30,7 +30,7 @@ def coast() -> Scene:
 
 
 def images_around(rig: StereoRig, pairs=(), reach=None, **options) -> Images:
-    return Images(rig, tuple(pairs), count_box(rig, reach or Reach(), **options).chart)
+    return Images(rig, tuple(pairs), count_chart(rig, reach or Reach(), **options))
 
 
 def objective_of(images: Images) -> Objective:
@@ -179,7 +179,7 @@ def exact_matches(rig: StereoRig, nearest: float, farthest: float, count=400):
 
 def test_exact_matches_have_no_error():
     left, right = seen_by_both(RIG, [exact_matches(RIG, 2, 30)])
-    chart = count_box(RIG, Reach()).chart
+    chart = count_chart(RIG, Reach())
     np.testing.assert_allclose(_sampson(chart, np.zeros(5), left, right), 0.0, atol=1e-4)
     assert np.abs(_sampson(chart, np.full(5, 0.1), left, right)).min() > 0.1
 
@@ -192,9 +192,7 @@ def test_errors_are_pixels():
         rig = StereoRig(camera, camera, np.array([0, 0, 0, -0.3, 0, 0]))
         pixels, off = np.array([[320.0, 240.0], [320.0, 400.0], [320.0, 60.0]]), np.array([0.0, 1.0])
         seen = seen_by_both(rig, [(pixels, pixels + off)])
-        np.testing.assert_allclose(
-            np.abs(_sampson(count_box(rig, Reach()).chart, np.zeros(5), *seen)), 0.5**0.5, rtol=0.01
-        )
+        np.testing.assert_allclose(np.abs(_sampson(count_chart(rig, Reach()), np.zeros(5), *seen)), 0.5**0.5, rtol=0.01)
 
 
 @pytest.mark.parametrize(("nearest", "farthest", "free", "within"), [(2, 30, 5, 0.02), (18, 40, 3, 0.3)])
@@ -210,7 +208,7 @@ def test_the_pose_of_the_essential_matrix(nearest, farthest, free, within):
     pose, agree = _five_point_pose(images_around(bad), left, right, 0.5, 0)
     assert agree[~wrong].mean() > 0.9
     assert agree[wrong].mean() < 0.1  # some lie on their epipolar line by chance
-    truth = count_box(bad, Reach()).chart.coordinates(rig.extrinsics)
+    truth = count_chart(bad, Reach()).coordinates(rig.extrinsics)
     np.testing.assert_allclose(pose[:free], truth[:free], atol=within)
 
 

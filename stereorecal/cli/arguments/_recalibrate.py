@@ -25,6 +25,18 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
     add("--scale", type=float, metavar="SCALE", help="image scale of the count schedule (default: 1)")
     add("--reach", default="3,0.03", metavar="DEG,FRACTION", help="how far the rig may have drifted (default: 3,0.03)")
     add(
+        "--free",
+        default="extrinsics",
+        metavar="NAMES",
+        help="what may move: rotation, extrinsics, intrinsics (shared by all recordings), pitch, left.k1 …; by commas",
+    )
+    add(
+        "--extrinsics",
+        default="each",
+        metavar="each|one",
+        help="where intrinsics are free: each recording has extrinsics of its own, or one set is that of all",
+    )
+    add(
         "--budget",
         type=float,
         metavar="UNITS",

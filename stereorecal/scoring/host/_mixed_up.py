@@ -25,6 +25,7 @@ _SURE = 30  # pairs that agree
 _AGREE = 1.5  # pixels from the epipolar line
 _MOST = 0.8  # share of the pairs that agree, and of those that say the same
 _MOVED = 2.0  # of parallax, in units of _AGREE; less may be noise
+_DISTINCT = 150.0  # between descriptors of 512: one thing seen twice is nearer, two different things are farther
 _ROUNDS = 6  # of least squares, which converge in two or three
 _NEAR = np.radians(15.0)  # from the given rotation, thrice the drift that must never be called a mistake
 
@@ -49,9 +50,11 @@ def _named(rig: StereoRig, pair: Pair) -> str | None:
     here, there = _partners(first, second)
     sides = (rig.left, left[here]), (rig.right, right[there])
     rays = [_at_depth_1(np.asarray(camera.rays(points))) for camera, points in sides]
-    tolerance = _AGREE / float(rig.left.matrix[0, 0])
+    tolerance = _AGREE * max(1.0, pair.size[0] / _WIDTH) / float(rig.left.matrix[0, 0])
     turned, agree = _rotation(rays[0], rays[1], tolerance)
     if agree.sum() <= _CHANCE:
+        if not (_distinct(first) and _distinct(second)):
+            return None  # a texture that repeats has no unambiguous partners in the right image either
         return "the left and right images show different things; give images that both cameras took at the same time."
     if agree.sum() < _SURE or agree.mean() < _MOST:
         return None
@@ -94,6 +97,12 @@ def _partners(
     clear = best < _RATIO**2 * np.minimum(_second_best(apart, 1)[here], _second_best(apart, 0)[of_first])
     chosen = here[clear & (of_second[of_first] == here)]
     return chosen, of_first[chosen]
+
+
+def _distinct(descriptors: Float[np.ndarray, "n c"]) -> bool:
+    """Whether most features of an image differ from all others of it."""
+    apart = (descriptors**2).sum(1)[:, None] + (descriptors**2).sum(1) - 2.0 * descriptors @ descriptors.T
+    return float(np.median(_second_best(apart, 1))) > _DISTINCT**2
 
 
 def _second_best(apart: Float[np.ndarray, "n m"], axis: int) -> Float[np.ndarray, "k"]:

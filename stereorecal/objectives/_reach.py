@@ -1,4 +1,4 @@
-"""The search box: which extrinsics are free, how far they may have drifted, and how likely that is."""
+"""The reach: how far the rig may have drifted, and the box in which its count is searched."""
 
 from dataclasses import dataclass
 from numbers import Real
@@ -9,12 +9,7 @@ import numpy as np
 from stereorecal._errors import InputError
 from stereorecal.geometry import AXES, StereoRig
 from stereorecal.objectives._chart import Chart
-
-# x stays: the length of the baseline only scales depth (paper, section 3.3).
-FREE_AXES = ("pitch", "yaw", "roll", "y", "z")
-# The count must be fenced in; the rows know a prior, and a drift just beyond the reach is better found than cut off.
-_WIDER = 2.0
-_PRIOR = 1.0 / 3.0  # standard deviation of the drift, in reaches: the default reach of 3° and 3 % means 1° and 1 %
+from stereorecal.objectives._names import EXTRINSICS
 
 
 @dataclass(frozen=True)
@@ -54,32 +49,10 @@ def as_reach(reach: Any) -> Reach:
     raise InputError(f"reach is {reach!r}; give sr.Reach(degrees=3.0, baseline_fraction=0.03), or a tuple (3.0, 0.03).")
 
 
-@dataclass(frozen=True, eq=False)
-class SearchBox:
-    """Where a score is searched.
-
-    Attributes:
-        chart: unit box to extrinsics [rad, m]; the initial calibration lies at its centre.
-        prior: standard deviation of the drift on each axis, in half widths of the box.
-    """
-
-    chart: Chart
-    prior: float
-
-
-def count_box(rig: StereoRig, reach: Reach, free: tuple[str, ...] = FREE_AXES) -> SearchBox:
+def count_chart(rig: StereoRig, reach: Reach, free: tuple[str, ...] = EXTRINSICS) -> Chart:
     """The box in which counts are searched: as wide as the reach, around the rig's extrinsics."""
-    return _box(rig, reach, free, 1.0)
-
-
-def row_box(rig: StereoRig, reach: Reach, free: tuple[str, ...] = FREE_AXES) -> SearchBox:
-    """The box of epipolar residuals: twice as wide as the reach, around the rig's extrinsics."""
-    return _box(rig, reach, free, _WIDER)
-
-
-def _box(rig: StereoRig, reach: Reach, free: tuple[str, ...], wider: float) -> SearchBox:
     angle, length = np.radians(reach.degrees), reach.baseline_fraction * float(rig.baseline)
     indices = tuple(AXES.index(name) for name in free)
     half_width = np.zeros(6)
-    half_width[list(indices)] = [wider * (angle if i < 3 else length) for i in indices]
-    return SearchBox(Chart(np.array(rig.extrinsics, float), half_width, indices), _PRIOR / wider)
+    half_width[list(indices)] = [angle if i < 3 else length for i in indices]
+    return Chart(np.array(rig.extrinsics, float), half_width, indices)

@@ -1,0 +1,133 @@
+"""What is free when a rig is repaired, and how far each of it may be off: one value, with names and units of people."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from stereorecal._errors import InputError
+from stereorecal._names import known
+from stereorecal.geometry import StereoRig
+from stereorecal.objectives._names import BASELINE, EXTRINSICS, ROTATION, SIDES
+from stereorecal.objectives._reach import Reach
+
+_LENS = ("f", "cx", "cy", "k1", "k2")
+_LENS_ON_REQUEST = ("aspect", "p1", "p2", "k3")
+INTRINSICS = tuple(f"{side}.{name}" for side in SIDES for name in _LENS)
+GROUPS = {"rotation": ROTATION, "extrinsics": EXTRINSICS, "intrinsics": INTRINSICS}
+NAMES = (*EXTRINSICS, BASELINE, *(f"{side}.{name}" for side in SIDES for name in (*_LENS, *_LENS_ON_REQUEST)))
+# Standard deviations. A chessboard's focal length is good to some tenths of a percent, its centre to a pixel or two of
+# a VGA image, k1 to a hundredth (evidence: repeated calibrations of public data sets).
+_SIGMAS = {"f": 0.5, "cx": 2.0, "cy": 2.0, "k1": 0.01, "k2": 0.02, "aspect": 0.1, "p1": 5e-4, "p2": 5e-4, "k3": 0.02}
+_OF_BASELINE = 1.0  # percent
+_UNITS = {"f": "%", "aspect": "%", "cx": "px", "cy": "px"}
+_WIDTH = 640  # pixels of the image for which the centres' standard deviation is given
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One number of a rig that is free.
+
+    Attributes:
+        name: "pitch", "left.k1", …
+        unit: "deg", "%" (of the baseline, or of the focal length), "px", or "" for coefficients.
+        sigma: standard deviation of its prior, in that unit.
+        in_rig: one such unit in the units of the rig: rad, metres, a fraction, pixels, 1.
+    """
+
+    name: str
+    unit: str
+    sigma: float
+    in_rig: float
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """What is free, by names and groups, and how far it may be off.
+
+    Attributes:
+        free: of "pitch", "yaw", "roll", "y", "z", "baseline", and of each camera "left.f" (focal length), "left.cx",
+            "left.cy", "left.k1", "left.k2", on request "left.aspect", "left.p1", "left.p2", "left.k3"; or of the groups
+            "rotation", "extrinsics" (the first five) and "intrinsics" (the first five of each camera). The rest is held
+            exactly.
+        priors: standard deviations by name where they are not the default: degrees for angles, percent of the baseline
+            for y, z and the baseline, percent for focal lengths and aspects, pixels for centres. Default: a third of
+            the reach for extrinsics, 1 % for the baseline; 0.5 %, 2 px (of an image 640 wide), k1 0.01, k2 0.02.
+
+    Raises:
+        InputError: if a name is unknown, nothing is free, or a prior is not positive.
+    """
+
+    free: tuple[str, ...] = ("extrinsics",)
+    priors: Mapping[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        choices = [*GROUPS, *NAMES]
+        free = (self.free,) if isinstance(self.free, str) else tuple(self.free)
+        for name in free:
+            known(name, choices, "parameter")
+        for name, sigma in self.priors.items():
+            known(name, list(NAMES), "parameter")
+            if not (np.isfinite(sigma) and sigma > 0.0):
+                raise InputError(f"the prior of {name} is {sigma}; give a positive standard deviation.")
+        if not free:
+            raise InputError('nothing is free; name parameters or groups, such as ("extrinsics",).')
+        object.__setattr__(self, "free", free)
+        object.__setattr__(self, "priors", dict(self.priors))
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Every parameter that is free, in the order of NAMES."""
+        wanted = {name for entry in self.free for name in GROUPS.get(entry, (entry,))}
+        return tuple(name for name in NAMES if name in wanted)
+
+    @property
+    def extrinsics(self) -> "Parameters":
+        """Those that images of one rig show by themselves: the extrinsics among them."""
+        return Parameters(tuple(name for name in self.names if name in EXTRINSICS), self.priors)
+
+    @property
+    def axes(self) -> tuple[str, ...]:
+        """The extrinsics among them."""
+        return tuple(name for name in self.names if name in EXTRINSICS)
+
+    @property
+    def shared(self) -> tuple[str, ...]:
+        """What recordings of one rig share: its baseline and its intrinsics."""
+        return tuple(name for name in self.names if name not in EXTRINSICS)
+
+    def also(self, *names: str) -> "Parameters":
+        """With these free as well."""
+        return Parameters((*self.names, *names), self.priors)
+
+    def of(self, rig: StereoRig, reach: Reach) -> tuple[Parameter, ...]:
+        """Each of them, for a rig and a reach."""
+        return tuple(self._parameter(name, rig, reach) for name in self.names)
+
+    def _parameter(self, name: str, rig: StereoRig, reach: Reach) -> Parameter:
+        if name in ROTATION:
+            unit, sigma, in_rig = "deg", reach.degrees / 3.0, float(np.pi / 180.0)
+        elif name in EXTRINSICS:
+            unit, sigma, in_rig = "%", 100.0 * reach.baseline_fraction / 3.0, float(rig.baseline) / 100.0
+        elif name == BASELINE:
+            unit, sigma, in_rig = "%", _OF_BASELINE, float(rig.baseline) / 100.0
+        else:
+            kind = name.split(".")[1]
+            unit, sigma = _UNITS.get(kind, ""), _SIGMAS[kind]
+            sigma *= rig.left.size[0] / _WIDTH if unit == "px" else 1.0
+            in_rig = 0.01 if unit == "%" else 1.0
+        return Parameter(name, unit, float(self.priors.get(name, sigma)), in_rig)
+
+
+def as_parameters(free: Any) -> Parameters:
+    """The parameters themselves, those of a name or of names, or the default for None.
+
+    Raises:
+        InputError: if it is something else, or a name is unknown.
+    """
+    if free is None or isinstance(free, Parameters):
+        return free or Parameters()
+    if isinstance(free, str | tuple | list) and all(isinstance(name, str) for name in free):
+        return Parameters((free,) if isinstance(free, str) else tuple(free))
+    raise InputError(f'free is {free!r}; give names or groups, such as ("extrinsics", "intrinsics").')

@@ -1,0 +1,104 @@
+"""From the box of a solver to rigs whose intrinsics may move as well as their extrinsics."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal.geometry import AXES, StereoRig, changed_camera
+from stereorecal.objectives._names import BASELINE, EXTRINSICS, SIDES
+from stereorecal.objectives._parameters import Parameter, Parameters
+from stereorecal.objectives._reach import Reach
+
+# Standard deviations of the prior in half of the box. Rows know a prior, and a drift just beyond the reach (three of
+# them) is better found than cut off: twice the reach.
+_WIDE = 6.0
+
+
+@dataclass(frozen=True, eq=False)
+class RigChart:
+    """An affine map from the unit box [-1, 1]^n to the free parameters of a rig; float64.
+
+    Attributes:
+        rig: at z = 0.
+        parameters: one for each coordinate of z: extrinsics first.
+    """
+
+    rig: StereoRig
+    parameters: tuple[Parameter, ...]
+
+    @property
+    def prior(self) -> float:
+        """Standard deviation of the prior on each parameter, in half widths of the box."""
+        return 1.0 / _WIDE
+
+    @property
+    def dim(self) -> int:
+        """n, the number of free parameters."""
+        return len(self.parameters)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the free parameters."""
+        return tuple(parameter.name for parameter in self.parameters)
+
+    @property
+    def units(self) -> Float[np.ndarray, "n"]:
+        """One half width of the box in the units of people: degrees, percent, pixels."""
+        return np.array([_WIDE * parameter.sigma for parameter in self.parameters])
+
+    @property
+    def half_width(self) -> Float[np.ndarray, "n"]:
+        """One half width of the box in the units of a rig: rad, metres, fractions, pixels."""
+        return self.units * np.array([parameter.in_rig for parameter in self.parameters])
+
+    def extrinsics(self, z: Float[np.ndarray, "n"]) -> Float[np.ndarray, "6"]:
+        """Pitch, yaw, roll [rad], x, y, z [m] at a point of the box."""
+        values = np.array(self.rig.extrinsics, float)
+        for parameter, change in zip(self.parameters, self.half_width * z, strict=True):
+            if "." not in parameter.name:
+                # T[0] is negative: a longer baseline makes it smaller.
+                values[_axis(parameter.name)] += change if parameter.name in EXTRINSICS else -change
+        return values
+
+    def intrinsics(self, z: Float[np.ndarray, "n"]) -> dict[str, dict[str, float]]:
+        """Changes of each camera's intrinsics at a point of the box, as `changed_camera` takes them."""
+        changes: dict[str, dict[str, float]] = {side: {} for side in SIDES}
+        for parameter, change in zip(self.parameters, (self.half_width * z).tolist(), strict=True):
+            if "." in parameter.name:
+                side, name = parameter.name.split(".")
+                changes[side][name] = change
+        return changes
+
+    def rig_at(self, z: Float[np.ndarray, "n"]) -> StereoRig:
+        """The rig at a point of the box."""
+        changes, rig = self.intrinsics(z), self.rig.with_extrinsics(self.extrinsics(z))
+        if not any(changes.values()):
+            return rig
+        return replace(
+            rig, left=changed_camera(rig.left, changes["left"]), right=changed_camera(rig.right, changes["right"])
+        )
+
+    def coordinates(self, extrinsics: Float[np.ndarray, "6"]) -> Float[np.ndarray, "n"]:
+        """The point of the box with these extrinsics, beyond [-1, 1] where they lie outside of it, and intrinsics as
+        they are at its centre."""
+        change = np.asarray(extrinsics, float) - np.asarray(self.rig.extrinsics, float)
+        found = np.zeros(self.dim)
+        for index, (parameter, width) in enumerate(zip(self.parameters, self.half_width, strict=True)):
+            if "." not in parameter.name:
+                sign = 1.0 if parameter.name in EXTRINSICS else -1.0
+                found[index] = sign * change[_axis(parameter.name)] / width
+        return found
+
+
+def row_chart(rig: StereoRig, reach: Reach, free: Parameters | None = None) -> RigChart:
+    """The box of epipolar residuals: twice as wide as the reach, around the rig.
+
+    Args:
+        free: default the extrinsics.
+    """
+    return RigChart(rig, (free or Parameters()).of(rig, reach))
+
+
+def _axis(name: str) -> int:
+    return AXES.index("x" if name == BASELINE else name)

@@ -1,0 +1,136 @@
+"""Recordings of one rig together: each has extrinsics of its own, and they share intrinsics and the baseline's length.
+
+Every recording is a least-squares problem of its own and the shared parameters, linear near its solution, and is
+reduced to sums over tiles (`_sums`): what is solved here does not know how many correspondences or images there are.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from stereorecal.objectives import RigChart
+from stereorecal.recalibration._evidence import TILES_OF_A_FRAME, Evidence, evidence, jackknife
+from stereorecal.recalibration._misfit import spread_of_misfit
+from stereorecal.recalibration._sums import Sums, sums
+from stereorecal.scoring import Correspondences, Loss
+
+_LOSSES = (Loss.SOFT_L1, Loss.SOFT_L1, Loss.WELSCH, Loss.WELSCH, Loss.WELSCH, Loss.WELSCH)
+
+Keep = Callable[[int, Sums], Bool[np.ndarray, "t"]]  # which tiles of which member take part
+
+
+@dataclass(frozen=True, eq=False)
+class Member:
+    """One recording among others.
+
+    Attributes:
+        chart: its own parameters, then those that all share; its rig is what the recording started from.
+        found: correspondences, with the rays that the cameras of the chart's rig give.
+        z: (n,) its solution so far.
+    """
+
+    chart: RigChart
+    found: Correspondences
+    z: Float[np.ndarray, "n"]
+
+    def facts(self, loss: Loss = Loss.WELSCH) -> Evidence:
+        """The evidence of its rows at its solution."""
+        return evidence(self.chart, self.found, self.z, loss)
+
+
+@dataclass(frozen=True, eq=False)
+class Joint:
+    """The least-squares problem of all members: n own parameters of each, one after the other, then the shared ones.
+
+    Attributes:
+        parts: the sums of each member's rows.
+        zs: the solution of each member.
+        own: how many parameters each has for itself.
+        prior: standard deviation of each parameter, in half widths of the box.
+    """
+
+    parts: tuple[Sums, ...]
+    zs: tuple[Float[np.ndarray, "n"], ...]
+    own: int
+    prior: float
+
+    @property
+    def size(self) -> int:
+        """How many parameters there are."""
+        return self.own * len(self.parts) + len(self.zs[0]) - self.own
+
+    def where(self, member: int) -> Int[np.ndarray, "n"]:
+        """Where the parameters of a member stand among all."""
+        first = self.own * member
+        return np.concatenate([np.arange(first, first + self.own), np.arange(self.own * len(self.parts), self.size)])
+
+    @property
+    def z(self) -> Float[np.ndarray, "N"]:
+        """The solution so far."""
+        return np.concatenate([*(z[: self.own] for z in self.zs), self.zs[0][self.own :]])
+
+    def normal(self, keep: Keep | None = None, *, bent: bool = False) -> Float[np.ndarray, "N N"]:
+        """The normal matrix with the prior's, of the weights or of the curvatures of the losses."""
+        total = np.eye(self.size) / self.prior**2
+        for member, part in enumerate(self.parts):
+            here, of_tiles = self.where(member), part.bent if bent else part.normal
+            total[np.ix_(here, here)] += of_tiles[_kept(keep, member, part)].sum(0)
+        return total
+
+    def gathered(self, name: str, keep: Keep | None = None) -> Float[np.ndarray, "N"]:
+        """The sum over the tiles of "pull" or "offset"."""
+        total = np.zeros(self.size)
+        for member, part in enumerate(self.parts):
+            total[self.where(member)] += getattr(part, name)[_kept(keep, member, part)].sum(0)
+        return total
+
+    def covariance(self) -> Float[np.ndarray, "N N"]:
+        """Of the solution by chance, in units of the box: the jackknife over places, which all members share, and the
+        prior; as `Evidence.covariance`."""
+        normal, pull = self.normal(bent=True), self.gathered("pull") + self.z / self.prior**2
+        places = np.unique(np.concatenate([part.place for part in self.parts]))
+        if len(places) < 2:
+            return np.eye(self.size) * self.prior**2
+        ends = []
+        for place in places:
+
+            def there(_: int, part: Sums, place: int = place) -> Bool[np.ndarray, "t"]:
+                return part.place == place
+
+            without = normal - (self.normal(there, bent=True) - np.eye(self.size) / self.prior**2)
+            ends.append(np.linalg.solve(without, pull - self.gathered("pull", there)))
+        inverse = np.linalg.inv(normal)
+        return jackknife(np.stack(ends)) + inverse @ inverse / self.prior**2
+
+    def by_misfit(self, rms: float) -> Float[np.ndarray, "N N"]:
+        """What rows that stay together over regions, `rms` pixels of them, add to the covariance."""
+        pulls = np.zeros((TILES_OF_A_FRAME, self.size))
+        for member, part in enumerate(self.parts):
+            at = (part.place[:, None], self.where(member)[None])
+            np.add.at(pulls, at, part.offset)
+        return spread_of_misfit(np.linalg.solve(self.normal(bent=True), pulls.T), rms)
+
+    def shift(self, keep: Keep | None = None) -> Float[np.ndarray, "N"]:
+        """From `z` to the solution of the tiles that take part, and the prior."""
+        return -np.linalg.solve(self.normal(keep), self.gathered("pull", keep) + self.z / self.prior**2)
+
+
+def _kept(keep: Keep | None, member: int, part: Sums) -> Bool[np.ndarray, "t"]:
+    return np.ones(len(part.place), bool) if keep is None else keep(member, part)
+
+
+def joint(members: Sequence[Member], own: int, loss: Loss = Loss.WELSCH) -> Joint:
+    """The problem of the members at their solutions."""
+    parts = tuple(sums(member.facts(loss)).calmed for member in members)
+    return Joint(parts, tuple(member.z for member in members), own, members[0].chart.prior)
+
+
+def solved_together(members: Sequence[Member], own: int) -> tuple[Member, ...]:
+    """The members at their common solution: Gauss-Newton, the weights follow, at the end with a redescending loss."""
+    for loss in _LOSSES:
+        problem = joint(members, own, loss)
+        z = problem.z + problem.shift()
+        members = [replace(member, z=z[problem.where(index)]) for index, member in enumerate(members)]
+    return tuple(members)

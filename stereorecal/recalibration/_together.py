@@ -1,0 +1,289 @@
+"""Repairs of one rig that share intrinsics: from repairs of the extrinsics to one solution of all parameters."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from stereorecal.geometry import StereoRig, View, with_unit_baseline
+from stereorecal.matching import AbstractMatcher
+from stereorecal.objectives import Parameters, read_by, row_chart
+from stereorecal.recalibration import _unseen
+from stereorecal.recalibration._acceptance import Reason, compared, verdict
+from stereorecal.recalibration._evidence import TILES_OF_A_FRAME, Evidence
+from stereorecal.recalibration._expected import expected
+from stereorecal.recalibration._intrinsics import Intrinsics, Outcome, outcome
+from stereorecal.recalibration._joint import Member, joint, solved_together
+from stereorecal.recalibration._misfit import misfit
+from stereorecal.recalibration._solution import Solution
+from stereorecal.recalibration._stages import FEWEST
+from stereorecal.recalibration._uncertainty import uncertainty
+from stereorecal.recordings import Pair
+from stereorecal.scoring import Correspondences, host, pyramid
+from stereorecal.scoring.host import Score
+
+_MATCHED_AGAIN = 1  # times, under the rig found so far: far from it, windows at the edges of the view meet other things
+_FOLDS_OF_FRAMES = 4  # of one recording, for cross-validation
+_OBSERVED = 0.5  # of the prior's standard deviation
+_NORMAL_95 = 1.96
+_WORSE = 0.05  # pixels
+_UNUSABLE = (Reason.OUT_OF_BUDGET, Reason.TOO_LITTLE_TEXTURE)
+
+Each = Callable[[Callable[[Any], Any], Sequence[Any]], Sequence[Any]]  # does one thing to many, somewhere
+
+
+def one_by_one(function: Callable[[Any], Any], tasks: Sequence[Any]) -> Sequence[Any]:
+    """Here, one task after the other."""
+    return [function(task) for task in tasks]
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """Pairs, and the repair of their rig's extrinsics with the intrinsics as they were."""
+
+    pairs: tuple[Pair, ...]
+    repair: Solution
+
+    @property
+    def found(self) -> Correspondences | None:
+        """The last correspondences of the repair."""
+        return next((stage.found for stage in reversed(self.repair.stages) if stage.found is not None), None)
+
+    @property
+    def usable(self) -> bool:
+        """Whether it can take part."""
+        found = self.found
+        return self.repair.reason not in _UNUSABLE and found is not None and found.found >= FEWEST
+
+    def member(self, free: Parameters) -> Member:
+        """With its own solution; the intrinsics are as they were.
+
+        Raises:
+            ValueError: if it is not usable.
+        """
+        if self.found is None:
+            raise ValueError("a recording without correspondences has no part in a joint solution")
+        chart = row_chart(self.repair.initial, self.repair.reach, free)
+        return Member(chart, self.found, chart.coordinates(np.asarray(self.repair.candidate.extrinsics)))
+
+
+def together(recordings: Sequence[Recording], free: Parameters, *, one: bool, each: Each) -> tuple[Solution, ...]:
+    """The repairs with what the recordings share freed as well, or, where that is not taken, as they were.
+
+    Args:
+        one: all recordings have the same extrinsics.
+        each: runs a task for each recording.
+    """
+    taking_part = [recording for recording in recordings if recording.usable]
+    if not taking_part:
+        return tuple(replace(r.repair, intrinsics=_not_solved(r.repair, free)) for r in recordings)
+    solved = _Solved.of(taking_part, free, one=one, each=each)
+    seen = solved.judged()
+    results = iter(solved.solutions(seen, each))
+    return tuple(next(results) if r.usable else replace(r.repair, intrinsics=seen) for r in recordings)
+
+
+@dataclass(frozen=True, eq=False)
+class _Solved:
+    """The common solution.
+
+    Attributes:
+        recordings: those that take part.
+        members: one for each, or one for all.
+        own: how many parameters a member has for itself.
+    """
+
+    recordings: Sequence[Recording]
+    members: tuple[Member, ...]
+    own: int
+
+    @staticmethod
+    def of(recordings: Sequence[Recording], free: Parameters, *, one: bool, each: Each) -> "_Solved":
+        members = tuple(r.member(free) for r in recordings)
+        solved = _Solved(recordings, _merged(members) if one else members, len(free.axes))._solved_again()
+        for _ in range(_MATCHED_AGAIN):
+            rigs = solved.rigs
+            tasks = [_Task(rig, r.pairs, r.repair) for rig, r in zip(rigs, recordings, strict=True)]
+            members = tuple(
+                replace(solved.member(index), found=read_by(found, taken=rigs[index], rig=recording.repair.initial))
+                for index, (found, recording) in enumerate(zip(each(_matched, tasks), recordings, strict=True))
+            )
+            solved = replace(solved, members=_merged(members) if one else members)._solved_again()
+        return solved
+
+    def _solved_again(self) -> "_Solved":
+        return replace(self, members=solved_together(self.members, self.own))
+
+    @property
+    def rigs(self) -> list[StereoRig]:
+        """Of each recording."""
+        of_recordings = [self.member(index) for index in range(len(self.recordings))]
+        return [member.chart.rig_at(member.z) for member in of_recordings]
+
+    def member(self, index: int) -> Member:
+        """Of a recording."""
+        return self.members[0 if len(self.members) == 1 else index]
+
+    def judged(self) -> Intrinsics:
+        """The shared parameters, and whether they are taken."""
+        chart, problem = self.members[0].chart, joint(self.members, self.own)
+        shared = slice(problem.size - chart.dim + self.own, None)
+        fixed = self._fixed()
+        facts = [member.facts() for member in self.members]
+        before, after = (_unseen.by_place(members, self.own) for members in (fixed, self.members))
+        gains = [f.by_place(b - a) for f, b, a in zip(facts, before, after, strict=True)]
+        places = [np.unique(f.tile % TILES_OF_A_FRAME) for f in facts]
+        gain = _mean_by(np.concatenate(places), np.concatenate(gains))
+        here, there = self._elsewhere(fixed), self._elsewhere(self.members)
+        covariance = problem.covariance() + problem.by_misfit(_rms(facts))
+        of_member = problem.where(0)
+        spread = covariance[np.ix_(of_member, of_member)]
+        rig, view = chart.rig_at(self.members[0].z), self.recordings[0].repair.view
+        expects = expected(rig, chart, self.members[0].z, spread, view).rows_px
+        worse = float(np.mean(np.concatenate([a - b for b, a in zip(before, after, strict=True)]) > _WORSE))
+        shown = len(np.unique(np.concatenate(places))) / TILES_OF_A_FRAME
+        deviations = np.sqrt(np.diag(covariance)[shared])
+        units = chart.units[self.own :]
+        return Intrinsics(
+            outcome=outcome(gain, here - there, worse, shown, expects),
+            names=chart.names[self.own :],
+            units=tuple(parameter.unit for parameter in chart.parameters[self.own :]),
+            change=self.members[0].z[self.own :] * units,
+            interval=_NORMAL_95 * deviations * units,
+            undetermined=tuple(
+                name for name, d in zip(chart.names[self.own :], deviations, strict=True) if d > _OBSERVED * chart.prior
+            ),
+            fixed_px=float(np.mean(np.concatenate(before))),
+            freed_px=float(np.mean(np.concatenate(after))),
+            fixed_elsewhere_px=here,
+            freed_elsewhere_px=there,
+            shown=shown,
+            expected_px=expects,
+        )
+
+    def _fixed(self) -> tuple[Member, ...]:
+        """The same correspondences under the extrinsics alone, the intrinsics as they were."""
+        members = []
+        for recording, member in zip(self.recordings, self.members, strict=False):
+            chart = replace(member.chart, parameters=member.chart.parameters[: self.own])
+            start = chart.coordinates(np.asarray(recording.repair.candidate.extrinsics))
+            members.append(Member(chart, member.found, start))
+        return solved_together(members, self.own)
+
+    def _elsewhere(self, members: tuple[Member, ...]) -> float:
+        """Row error of what took no part; NaN where everything did."""
+        if len(members) == 1:
+            recording = self._of_frames()
+            if recording.max() == 0:
+                return float("nan")
+        else:
+            recording = np.arange(0)
+        return float(np.mean(np.concatenate(_unseen.by_recording(members, self.own, recording))))
+
+    def _of_frames(self) -> Int[np.ndarray, "f"]:
+        """Which recording each frame belongs to, of one member; of one recording, which stretch of it."""
+        if len(self.recordings) > 1:
+            return np.repeat(np.arange(len(self.recordings)), [len(r.pairs) for r in self.recordings])
+        frames = len(self.recordings[0].pairs)
+        return np.arange(frames) * min(_FOLDS_OF_FRAMES, frames) // frames
+
+    def solutions(self, seen: Intrinsics, each: Each) -> tuple[Solution, ...]:
+        """Of each recording; as it was, where the shared parameters are not taken."""
+        if not seen.taken:
+            return tuple(replace(r.repair, intrinsics=seen) for r in self.recordings)
+        rigs = self.rigs
+        tasks = [_Task(rig, r.pairs, r.repair) for rig, r in zip(rigs, self.recordings, strict=True)]
+        counts, problem = each(_counted, tasks), joint(self.members, self.own)
+        facts = [member.facts() for member in self.members]
+        covariance, by_misfit = problem.covariance(), problem.by_misfit(_rms(facts))
+        unseen = _unseen.by_place(self.members, self.own)
+        found = []
+        for index, (recording, rig, tiles) in enumerate(zip(self.recordings, rigs, counts, strict=True)):
+            at = 0 if len(self.members) == 1 else index
+            member, here = self.members[at], np.ix_(problem.where(at), problem.where(at))
+            own, repair = facts[at].first(self.own), recording.repair
+            left = misfit(own, *tiles)
+            rows = compared(facts[at], facts[at].medians(facts[at].start_residual), unseen[at])
+            after = Score(int(tiles[1].sum()), repair.score_before.pixels)
+            reason = verdict(tiles.sum(axis=(1, 2)), rows, own, left, member.found.covered)
+            found.append(
+                replace(
+                    repair,
+                    rig=rig if reason.accepted else repair.initial,
+                    candidate=rig,
+                    accepted=reason.accepted,
+                    reason=reason,
+                    score_after=after,
+                    row_errors=rows,
+                    misfit=left,
+                    uncertainty=uncertainty(covariance[here], by_misfit[here], member.chart),
+                    intrinsics=seen,
+                )
+            )
+        return tuple(found)
+
+
+@dataclass(frozen=True, eq=False)
+class _Task:
+    """Pairs to look at again through a candidate, as a repair looked at them."""
+
+    candidate: StereoRig
+    pairs: tuple[Pair, ...]
+    repair: Solution
+
+    @property
+    def view(self) -> View:
+        return self.repair.view
+
+    @property
+    def matcher(self) -> AbstractMatcher:
+        return self.repair.matcher
+
+
+def _matched(task: _Task) -> Correspondences:
+    """The correspondences under the candidate."""
+    data = pyramid(task.candidate, task.pairs, task.view).at(task.repair.stages[-1].scale)
+    return host.correspondences(data, with_unit_baseline(task.candidate.extrinsics), task.matcher)
+
+
+def _counted(task: _Task) -> Int[np.ndarray, "2 k tiles"]:
+    """Counts of the tiles of all frames at full scale, under the initial calibration and the candidate."""
+    counts = []
+    for rig in (task.repair.initial, task.candidate):
+        data = pyramid(rig, task.pairs, task.view).at(1.0)
+        counts.append(host.counts_by_tile(data, with_unit_baseline(rig.extrinsics)[None], task.matcher)[0])
+    return np.stack(counts)
+
+
+def _merged(members: Sequence[Member]) -> tuple[Member]:
+    """The members as one, with the correspondences of all, from the middle of their solutions."""
+    found = [member.found for member in members]
+    first = np.cumsum([0, *(len(one.weight) for one in found)])
+
+    def all_of(name: str) -> Float[np.ndarray, "..."]:
+        return np.concatenate([np.asarray(getattr(one, name)) for one in found])
+
+    tiles = [np.asarray(one.tile) + before * TILES_OF_A_FRAME for one, before in zip(found, first, strict=False)]
+    rays = {name: all_of(name) for name in ("left", "right", "weight")}
+    middle = np.median([member.z for member in members], axis=0)
+    return (Member(members[0].chart, replace(found[0], **rays, tile=np.concatenate(tiles)), middle),)
+
+
+def _mean_by(place: Int[np.ndarray, "t"], values: Float[np.ndarray, "t"]) -> Float[np.ndarray, "p"]:
+    places, where = np.unique(place, return_inverse=True)
+    return np.bincount(where, values, len(places)) / np.bincount(where, minlength=len(places))
+
+
+def _rms(facts: Sequence[Evidence]) -> float:
+    """Misfit, root mean square over all members."""
+    return float(np.sqrt(np.mean([misfit(one).rms ** 2 for one in facts])))
+
+
+def _not_solved(repair: Solution, free: Parameters) -> Intrinsics:
+    parameters = [one for one in free.of(repair.initial, repair.reach) if one.name in free.shared]
+    missing = np.full(len(parameters), np.nan)
+    names, units = tuple(one.name for one in parameters), tuple(one.unit for one in parameters)
+    nan = float("nan")
+    return Intrinsics(Outcome.NOT_SOLVED, names, units, missing, missing, names, nan, nan, nan, nan, 0.0, nan)
