@@ -4,7 +4,7 @@
 
 Rendered and real scenes are spoiled in many ways, half of which the model explains (noise, blur, exposure, JPEG from
 20 on, glints, rain, fixed dirt) and half of which it does not, and repaired from the true rig, from 0.3° and from 2.5°
-away. Judges: rows by correspondences that were found on the CLEAN images under the true rig, rotations by the truth (on
+away; with several frames, what moves does so differently in each. Judges: rows by correspondences that were found on the CLEAN images under the true rig, rotations by the truth (on
 real scenes: the consensus of repairs of the clean images). Harmful: accepted, and rows more than 0.02 px farther apart,
 or an axis of rotation farther from the truth by more than its interval (before misfit widens it) or 0.05°, if that is
 larger.
@@ -214,6 +214,8 @@ UNSEEN: dict[str, Spoil] = {
     "keystone": warped(lambda u, v: 1.0 * u * v, none),
     "jpeg 15": jpeg(15),
 }
+# What a motion makes of the images; with several frames it differs from one to the next.
+MOVING = ("patch", "left", "below", "rolling", "interlaced")
 LATE = "late right"  # of a rig that moves forward: the right image of the next frame
 
 
@@ -313,6 +315,9 @@ def spoiled(scene: Scene, spoil: Spoil, case: str) -> Scene:
     for index, pair in enumerate(scene.pairs):
         draw = np.random.default_rng([zlib.crc32(case.encode()), index])
         images = spoil(np.asarray(pair.left, float), np.asarray(pair.right, float), draw)
+        if index and case.startswith(MOVING):  # frames whose motions differ: the other way round, or at rest
+            clean = [np.asarray(image, float) for image in (pair.left, pair.right)]
+            images = (images, spoil(clean[1], clean[0], draw)[::-1], clean)[int(draw.integers(3))]
         left, right = (np.clip(np.round(image), 0, 255).astype(np.float32) for image in images)
         pairs.append(sr.Pair(left, right, pair.name))
     return replace(scene, pairs=tuple(pairs))
