@@ -107,6 +107,8 @@ def _check_places(options: argparse.Namespace) -> None:
     if options.output is None:
         return
     _values.output_path(options.output, "--output")
+    if options.output == "-" or Path(options.output).suffix.lower() not in ("", ".json"):
+        raise InputError(f"--output {options.output}: a calibration is written as JSON; give a name ending in .json.")
     if len(options.scenes) > 1:
         raise InputError("--output takes the calibration of one recording; give one, or leave --output out.")
     if Path(options.output).exists() and not options.force:

@@ -6,10 +6,11 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
+from stereorecal._errors import InputError
 from stereorecal._versions import versions
 from stereorecal.cli import _values
 from stereorecal.cli._console import table_console
-from stereorecal.cli._exit_codes import CANNOT_TELL, INTERRUPTED, REPAIR
+from stereorecal.cli._exit_codes import BAD_INPUT, CANNOT_TELL, INTERRUPTED, REPAIR
 from stereorecal.cli._json import write_json
 from stereorecal.cli._recordings import recordings
 from stereorecal.io import about
@@ -27,40 +28,52 @@ def run(options: argparse.Namespace) -> int:
     matcher = as_matcher(options.matcher)
     _values.output_path(options.json, "--json")
     scenes = recordings(options)
-    looked: list[Health] = []
+    looked: list[Health | InputError] = []
     interrupted = False
     try:
         for scene in scenes:
             looked.append(_look(scene, matcher))
     except KeyboardInterrupt:
         interrupted = True
-    if looked:
-        rows = [
-            {"scene": scene.name, "frames": len(scene.pairs), "image_size": scene.pairs[0].size, **found.as_dict()}
-            for scene, found in zip(scenes, looked, strict=False)
-        ]
-        if options.json is not None:
-            write_json({**_about_all(options, matcher), "interrupted": interrupted, "scenes": rows}, options.json)
-        if not options.quiet and options.json != "-":
-            _show(looked, rows)
+    rows = [_row(scene, found) for scene, found in zip(scenes, looked, strict=False)]
+    if options.json is not None and rows:
+        write_json({**_about_all(options, matcher), "interrupted": interrupted, "scenes": rows}, options.json)
+    if not options.quiet and options.json != "-":
+        _show(looked, rows)
+    for found in looked:
+        if isinstance(found, InputError):
+            print(f"stereorecal: {found}", file=sys.stderr)
     if interrupted:
         print(f"stereorecal: interrupted; {len(looked)} of {len(scenes)} recordings were finished.", file=sys.stderr)
         return INTERRUPTED
-    conditions = {found.condition for found in looked}
+    if any(isinstance(found, InputError) for found in looked):
+        return BAD_INPUT
+    conditions = {found.condition for found in looked if isinstance(found, Health)}
     return next(code for condition, code in _CODES.items() if condition in conditions)
 
 
-def _show(looked: Sequence[Health], rows: Sequence[dict[str, Any]]) -> None:
+def _show(looked: Sequence[Health | InputError], rows: Sequence[dict[str, Any]]) -> None:
     if len(looked) > 1:
         table_console().print(scores_table(rows))
-    else:
+    elif looked and isinstance(looked[0], Health):
         print(looked[0])
 
 
-def _look(scene: Scene, matcher: AbstractMatcher) -> Health:
+def _look(scene: Scene, matcher: AbstractMatcher) -> Health | InputError:
+    """What there is to say of a recording: one that cannot be used does not take the others with it."""
     assert scene.rig is not None
-    with about(scene.name):
-        return health(scene.rig, scene.pairs, matcher=matcher)
+    try:
+        with about(scene.name):
+            return health(scene.rig, scene.pairs, matcher=matcher)
+    except InputError as error:
+        return error
+
+
+def _row(scene: Scene, found: Health | InputError) -> dict[str, Any]:
+    about_it = {"scene": scene.name, "frames": len(scene.pairs), "image_size": scene.pairs[0].size}
+    if isinstance(found, InputError):
+        return {**about_it, "error": str(found)}
+    return {**about_it, "error": None, **found.as_dict()}
 
 
 def _about_all(options: argparse.Namespace, matcher: AbstractMatcher) -> dict[str, Any]:

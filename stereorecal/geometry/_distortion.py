@@ -12,13 +12,15 @@ from stereorecal._arrays import AnyArray, is_host, namespace
 COEFFICIENT_COUNTS = (0, 4, 5, 8, 12, 14)
 
 
-def distort(points: Inexact[AnyArray, "*n 2"], coefficients: Float[AnyArray, "c"]) -> Inexact[AnyArray, "*n 2"]:
+def distort(points: Inexact[AnyArray, "*n 2"], coefficients: Inexact[AnyArray, "c"]) -> Inexact[AnyArray, "*n 2"]:
     """Distort normalised image points (x/z, y/z), as OpenCV's `projectPoints` does."""
     xp = namespace(points, coefficients)
     return xp.stack(distort_planes(points[..., 0], points[..., 1], coefficients), axis=-1)
 
 
-def distort_planes(x: Inexact[AnyArray, "*n"], y: Inexact[AnyArray, "*n"], coefficients: Float[AnyArray, "c"]) -> tuple:
+def distort_planes(
+    x: Inexact[AnyArray, "*n"], y: Inexact[AnyArray, "*n"], coefficients: Inexact[AnyArray, "c"]
+) -> tuple:
     """`distort` with x and y apart, as maps of whole images want them: pairs in memory cost four times the time."""
     count = coefficients.shape[0]
     if count == 0:

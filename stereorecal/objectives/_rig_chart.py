@@ -73,7 +73,7 @@ class RigChart:
     def rig_at(self, z: Float[np.ndarray, "n"]) -> StereoRig:
         """The rig at a point of the box."""
         changes, rig = self.intrinsics(z), self.rig.with_extrinsics(self.extrinsics(z))
-        if not any(changes.values()):
+        if not any(change for side in changes.values() for change in side.values()):
             return rig
         return replace(
             rig, left=changed_camera(rig.left, changes["left"]), right=changed_camera(rig.right, changes["right"])

@@ -32,6 +32,9 @@ def scores_table(scenes: Sequence[Mapping[str, Any]]) -> Table:
     """One row for each recording: matched pixels, row error, yaw to mend, error of depth, verdict."""
     table = _table(("scene",), ("matched", "row error px", "yaw to mend °", "depth at 30 B"), ("verdict",))
     for scene in scenes:
+        if scene["error"] is not None:
+            table.add_row(*map(Text, (scene["scene"], "-", "-", "-", "-", "cannot be used")))
+            continue
         rows, verdict, mending = number(scene["row_error_px"], 2), scene["verdict"], scene["mending"]
         yaw = depth = "-"
         if mending is not None:

@@ -4,10 +4,10 @@
 
 Rendered and real scenes are spoiled in many ways, half of which the model explains (noise, blur, exposure, JPEG from
 20 on, glints, rain, fixed dirt) and half of which it does not, and repaired from the true rig, from 0.3° and from 2.5°
-away; with several frames, what moves does so differently in each. Judges: rows by correspondences that were found on the CLEAN images under the true rig, rotations by the truth (on
-real scenes: the consensus of repairs of the clean images). Harmful: accepted, and rows more than 0.02 px farther apart,
-or an axis of rotation farther from the truth by more than its interval (before misfit widens it) or 0.05°, if that is
-larger.
+away; with several frames, what moves does so differently in each. Judges: rows by correspondences that were found on
+the CLEAN images under the true rig, rotations by the truth (on real scenes: the consensus of repairs of the clean
+images). Harmful: accepted, and rows more than 0.02 px farther apart, or an axis of rotation farther from the truth by
+more than its interval (before misfit widens it) or 0.05°, if that is larger.
 """
 
 import argparse

@@ -117,6 +117,20 @@ def test_images_that_are_mixed_up(command, tmp_path: Path, verb: str, mistake, s
     assert said in answer.err
 
 
+def test_one_that_is_mixed_up_does_not_take_the_others_with_it(command, clean_scene: Path, tmp_path: Path):
+    scene = sr.io.load_scene(clean_scene)
+    (pair,) = scene.pairs
+    save_scene(replace(scene, pairs=(sr.Pair(pair.left, pair.right[::-1, ::-1].copy()),)), tmp_path / "mixed")
+    answer = command("score", clean_scene, tmp_path / "mixed", "--json", tmp_path / "both.json")
+    assert answer.code == 2
+    assert "upside down" in answer.err
+    assert "healthy" in answer.out
+    good, bad = json.loads((tmp_path / "both.json").read_text())["scenes"]
+    assert good["error"] is None
+    assert good["healthy"]
+    assert "upside down" in bad["error"]
+
+
 def test_files_that_lie_anywhere(command, clean_scene: Path):
     words = [f"--{side}={clean_scene}/{side}.png" for side in ("left", "right")]
     loose = command("score", *words, "--calibration", clean_scene / "calib.json")

@@ -77,11 +77,14 @@ def test_the_score_is_that_of_score(scene, under):
     assert under().score == score(given.rig, given.pairs, matcher=SAD_48)
 
 
-def test_the_row_error_is_that_of_a_repair(scene, under):
+@pytest.mark.parametrize(("yaw", "apart"), [(0.0, 0.02), (0.3, 0.1)])
+def test_the_row_error_is_measured_as_that_of_a_repair(scene, under, yaw, apart):
+    """Of the matches that each finds: the same where the rig is true, and nearly so where it is not."""
     given = scene("harbour", 0, SIZE)
-    rows = recalibrate(given.rig, given.pairs, matcher=SAD_48).row_errors
+    off = given.rig.with_extrinsics(given.rig.extrinsics + np.array([0, np.radians(yaw), 0, 0, 0, 0]))
+    rows = recalibrate(off, given.pairs, matcher=SAD_48).row_errors
     assert rows is not None
-    assert under().row_error == pytest.approx(rows.before, abs=0.02)
+    assert under(yaw=yaw).row_error == pytest.approx(rows.before, abs=apart)
 
 
 @pytest.mark.parametrize(("gain", "why"), [(0.03, "too dark"), (0.0, "too little texture")])

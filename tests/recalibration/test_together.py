@@ -1,0 +1,188 @@
+"""Freed intrinsics, shared by recordings: rows come right over the view, and nothing is taken that does not help."""
+
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings, strategies as st
+
+import stereorecal as sr
+from stereorecal.geometry import changed_camera, view
+from stereorecal.objectives import Parameters, Reach, row_chart
+from stereorecal.recalibration import Outcome, _unseen
+from stereorecal.recalibration._effects import rows_apart
+from stereorecal.recalibration._joint import Member, joint, solved_together
+from stereorecal.scoring import Correspondences
+
+SIZE = (320, 240)
+TRUE = sr.synthetic.default_rig().resized(SIZE)
+WRONG = replace(
+    TRUE,
+    left=changed_camera(TRUE.left, {"f": 0.002, "cy": 0.7, "k1": 0.012, "k2": -0.02}),
+    right=changed_camera(TRUE.right, {"f": -0.003, "cy": -0.5, "k1": -0.008, "k2": 0.02}),
+)
+BOTH = ("extrinsics", "intrinsics")
+
+
+def over_the_view(rig: sr.StereoRig) -> float:
+    """Root mean square of the rows of points at ten baselines, pixels."""
+    apart = rows_apart(rig, TRUE, view(rig), np.linspace(0, 319, 17), np.linspace(0, 239, 13))[0]
+    return float(np.sqrt(np.nanmean(apart**2)))
+
+
+@pytest.fixture(scope="module")
+def scenes() -> list[sr.Scene]:
+    kinds = [("harbour", 3), ("coast", 4), ("street", 5), ("harbour", 6), ("street", 7)]
+    return [sr.synthetic.render(kind, seed, rig=TRUE) for kind, seed in kinds]
+
+
+@pytest.fixture(scope="module")
+def given_wrong(scenes) -> list[sr.Scene]:
+    return [replace(scene, rig=WRONG) for scene in scenes]
+
+
+def test_one_rig(given_wrong):
+    """All recordings share the extrinsics too: rows come right where no correspondence was."""
+    repairs = sr.recalibrate_many(given_wrong, free=BOTH, extrinsics="one")
+    found = [repair.solution for repair in repairs]
+    assert all(solution.accepted for solution in found)
+    assert {solution.intrinsics.outcome for solution in found} == {Outcome.REFINED}
+    assert over_the_view(WRONG) > 0.4
+    for solution in found:
+        np.testing.assert_array_equal(solution.rig.extrinsics, found[0].rig.extrinsics)
+        assert over_the_view(solution.rig) < 0.08
+        assert solution.intrinsics.freed_px < 0.7 * solution.intrinsics.fixed_px
+    assert {"left.f", "right.f"} <= set(found[0].intrinsics.undetermined)  # against each other, and against depth
+    text = str(found[0])
+    assert "left.k1" in text
+    assert "px freed" in text
+
+
+def test_each_its_own_extrinsics_on_any_executor(given_wrong):
+    alone = sr.recalibrate_many(given_wrong, free=BOTH)
+    with ThreadPoolExecutor(2) as pool:
+        pooled = sr.recalibrate_many(given_wrong, free=BOTH, executor=pool)
+    for one, other in zip(alone, pooled, strict=True):
+        np.testing.assert_array_equal(one.solution.candidate.extrinsics, other.solution.candidate.extrinsics)
+        np.testing.assert_array_equal(one.solution.candidate.left.matrix, other.solution.candidate.left.matrix)
+    matrices = [repair.solution.candidate.left.matrix for repair in alone]
+    assert all(np.array_equal(matrix, matrices[0]) for matrix in matrices)
+    assert not np.array_equal(alone[0].solution.candidate.extrinsics, alone[1].solution.candidate.extrinsics)
+
+
+def test_right_intrinsics_stay(scenes):
+    """Nothing to gain: they are kept, and the repair is that of the extrinsics."""
+    off = TRUE.with_extrinsics(TRUE.extrinsics + np.radians([0.5, 0.3, -0.4, 0, 0, 0]))
+    repairs = sr.recalibrate_many([replace(s, rig=off) for s in scenes], free=BOTH, extrinsics="one")
+    for repair, alone in zip(repairs, sr.recalibrate_many([replace(s, rig=off) for s in scenes]), strict=True):
+        assert repair.solution.intrinsics.outcome is Outcome.NO_GAIN
+        assert repair.solution.rig.left is off.left
+        np.testing.assert_array_equal(repair.solution.rig.extrinsics, alone.solution.rig.extrinsics)
+
+
+def test_one_frame_is_not_enough(given_wrong):
+    solution = sr.recalibrate(WRONG, given_wrong[0].pairs, free=BOTH)
+    assert solution.intrinsics is not None
+    assert solution.intrinsics.outcome is not Outcome.NOT_SOLVED
+    assert not solution.intrinsics.taken or over_the_view(solution.rig) < 0.15
+    data = solution.intrinsics.as_dict()
+    assert data["parameters"]["left.f"]["unit"] == "%"
+
+
+def test_fog_takes_no_part(given_wrong):
+    noise = np.random.default_rng(0)
+    left, right = (noise.normal(128, 0.5, SIZE[::-1]).round() for _ in "lr")
+    fog = sr.Scene("fog", WRONG, (sr.make_pair(left, right),))
+    (alone,) = sr.recalibrate_many(fog, free=BOTH)
+    assert alone.solution.intrinsics.outcome is Outcome.NOT_SOLVED
+    *others, last = sr.recalibrate_many([*given_wrong, fog], free=BOTH, extrinsics="one")
+    assert not last.solution.accepted
+    assert others[0].solution.intrinsics.taken
+
+
+def test_rigs_that_differ_share_nothing(given_wrong):
+    with pytest.raises(sr.InputError, match="other intrinsics"):
+        sr.recalibrate_many([given_wrong[0], replace(given_wrong[1], rig=TRUE)], free=BOTH)
+    moved = replace(given_wrong[1], rig=WRONG.with_extrinsics(WRONG.extrinsics * 1.001))
+    with pytest.raises(sr.InputError, match="other extrinsics"):
+        sr.recalibrate_many([given_wrong[0], moved], free=BOTH, extrinsics="one")
+    with pytest.raises(sr.InputError, match="did you mean each"):
+        sr.recalibrate_many(given_wrong, free=BOTH, extrinsics="eac")
+
+
+def test_nothing_but_the_rotation_moves(scenes):
+    off = TRUE.with_extrinsics(TRUE.extrinsics + np.array([*np.radians([1.0, 0.5, -1.0]), 0, 0, 0]))
+    solution = sr.recalibrate(off, scenes[0].pairs, free="rotation")
+    assert solution.accepted
+    np.testing.assert_array_equal(solution.rig.extrinsics[3:], off.extrinsics[3:])
+    assert np.abs(np.degrees(solution.rig.extrinsics[:3] - TRUE.extrinsics[:3])).max() < 0.05
+    assert solution.covariance.shape == (3, 3)
+    assert solution.uncertainty.names == ("pitch", "yaw", "roll")
+
+
+def test_intrinsics_without_extrinsics(scenes):
+    with pytest.raises(sr.InputError, match="free them as well"):
+        sr.recalibrate(TRUE, scenes[0].pairs, free="intrinsics")
+
+
+# --- the linear problem ---------------------------------------------------------------------------------------
+
+
+def members(seed: int, number: int = 3, noise: float = 0.1) -> tuple[Member, ...]:
+    """Recordings of random points, under a wrong rig; each with other extrinsics."""
+    rng, chart = np.random.default_rng(seed), row_chart(WRONG, Reach(), Parameters(BOTH))
+    made = []
+    for _ in range(number):
+        rig = TRUE.with_extrinsics(TRUE.extrinsics + np.array([*rng.normal(0, 0.003, 3), 0, 0, 0]))
+        pixels = rng.uniform([10, 10], [310, 230], (2, 400, 2))
+        points = rig.left.rays(pixels) * rng.uniform(2, 20, (2, 400, 1))
+        there = rig.right.project(points @ rig.rotation.T + rig.translation) + rng.normal(0, noise, pixels.shape)
+        tile = (pixels[..., 1] // 40 * 8 + pixels[..., 0] // 40).astype(np.int32) + np.array([[0], [48]], np.int32)
+        rays = WRONG.left.rays(pixels), WRONG.right.rays(there)
+        scale = (np.asarray(n, np.float32) for n in (300.0, 1.0, 1.0))
+        found = Correspondences(*rays, np.ones(tile.shape), tile, *scale)
+        made.append(Member(chart, found, np.zeros(chart.dim)))
+    return tuple(made)
+
+
+@settings(max_examples=5)
+@given(seed=st.integers(0, 99))
+def test_the_solution_is_a_minimum_and_shared(seed):
+    solved = solved_together(members(seed), 5)
+    for member in solved[1:]:
+        np.testing.assert_array_equal(member.z[5:], solved[0].z[5:])
+    assert np.abs(joint(solved, 5).shift()).max() < 1e-3
+    again = [np.median(np.abs(m.facts().residual)) for m in solved]
+    assert max(again) < 0.12  # the median of the noise of one pixel coordinate, 0.1 px, and the fit's own
+
+
+@settings(max_examples=3)
+@given(seed=st.integers(0, 99))
+def test_cross_validation_by_hand(seed):
+    """Leaving a recording out gives what solving the others does."""
+    solved = solved_together(members(seed), 5)
+    problem = joint(solved, 5)
+    without = problem.shift(lambda m, part: np.full(len(part.place), m != 0))
+    others = joint(solved[1:], 5)
+    np.testing.assert_allclose(without[5:], others.shift(), atol=1e-9)
+    seen_by = _unseen.by_place(solved, 5), _unseen.by_recording(solved, 5, np.arange(0))
+    for place, recording, member in zip(*seen_by, solved, strict=True):
+        own = member.facts().medians(member.facts().residual)
+        assert place.mean() > 0.95 * own.mean()
+        assert recording.mean() > 0.95 * own.mean()
+
+
+def test_the_covariance_is_honest_of_noise():
+    """Shared parameters that are well determined scatter as their covariance says."""
+    ends, sigmas = [], []
+    for seed in range(12):
+        solved = solved_together(members(seed, noise=0.2), 5)
+        problem = joint(solved, 5)
+        ends.append(problem.z[-10:])
+        sigmas.append(np.sqrt(np.diag(problem.covariance()))[-10:])
+    names = solved[0].chart.names[5:]
+    for name in ("left.k1", "right.k1"):
+        index = names.index(name)
+        scatter, said = np.std([end[index] for end in ends]), np.median([s[index] for s in sigmas])
+        assert 0.3 * said < scatter < 1.6 * said
