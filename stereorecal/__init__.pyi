@@ -33,6 +33,7 @@ from .recalibration import (
     Difference as Difference,
     Health as Health,
     Intrinsics as Intrinsics,
+    Range as Range,
     Reason as Reason,
     Repair as Repair,
     Schedule as Schedule,
@@ -44,6 +45,7 @@ from .recalibration import (
     recalibrate_sequence as recalibrate_sequence,
     repaired_together as repaired_together,
     repairs_as_finished as repairs_as_finished,
+    rescale_baseline as rescale_baseline,
     warm_up as warm_up,
 )
 from .recordings import Log as Log, Mission as Mission, Pair as Pair, Scene as Scene, make_pair as make_pair

@@ -19,7 +19,9 @@ from stereorecal.recalibration._many import (
     repairs_as_finished as repairs_as_finished,
 )
 from stereorecal.recalibration._path import Waypoint as Waypoint
+from stereorecal.recalibration._ranges import Range as Range
 from stereorecal.recalibration._recalibrate import recalibrate as recalibrate
+from stereorecal.recalibration._rescale import Rescaled as Rescaled, rescale_baseline as rescale_baseline
 from stereorecal.recalibration._schedule import (
     SCHEDULES as SCHEDULES,
     Schedule as Schedule,

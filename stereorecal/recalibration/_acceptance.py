@@ -36,6 +36,7 @@ class Reason(enum.Enum):
 
     IMPROVED = "the candidate is better, also on image regions that were held out"
     MORE_MATCHES = "the candidate matches more pixels"
+    RANGES = "the candidate agrees with the ranges, which the initial calibration does not, and its rows are as good"
     ALREADY_GOOD = "the initial calibration is already good; there is nothing to gain beyond noise"
     NOT_IMPROVED = "no candidate matches more pixels than the initial calibration"
     FEWER_MATCHES = "the candidate matches fewer pixels than the initial calibration"
@@ -51,7 +52,7 @@ class Reason(enum.Enum):
     @property
     def accepted(self) -> bool:
         """True if the candidate replaces the initial calibration."""
-        return self in (Reason.IMPROVED, Reason.MORE_MATCHES)
+        return self in (Reason.IMPROVED, Reason.MORE_MATCHES, Reason.RANGES)
 
     @property
     def healthy(self) -> bool:

@@ -9,9 +9,14 @@ from jaxtyping import Float
 
 from stereorecal._plain import plain
 from stereorecal.geometry import StereoRig, View
-from stereorecal.objectives import RigChart
+from stereorecal.objectives import Parameters, Reach, RigChart, row_chart
 from stereorecal.recalibration._consequences import Interval, depth_intervals
 from stereorecal.recalibration._effects import rows_apart
+from stereorecal.recalibration._joint import Member, joint
+from stereorecal.recalibration._misfit import misfit
+from stereorecal.recalibration._uncertainty import Uncertainty
+from stereorecal.report.cells import change
+from stereorecal.scoring import Correspondences
 
 _GRID = (17, 13)  # points of the view
 _STEP = 1e-3  # of the box, for derivatives
@@ -39,6 +44,10 @@ class Expected:
         """Root mean square of the rows to expect over the view, in pixels."""
         return float(np.sqrt(np.nanmean(self.rows**2 + self.rows_deviation**2)))
 
+    def __str__(self) -> str:
+        depths = ", ".join(f"{distance} B {_from_to(self.depth_percent[distance])}" for distance in (10, 30))
+        return f"rows {self.rows_px:.2f} px apart over the view (root mean square); depth at {depths}"
+
     def as_dict(self) -> dict[str, Any]:
         """Plain data for JSON."""
         depth = {
@@ -46,6 +55,10 @@ class Expected:
             for distance, error in self.depth_percent.items()
         }
         return plain({"rows_px": self.rows_px, "depth_error_percent": depth})
+
+
+def _from_to(error: Interval) -> str:
+    return f"{change(error.low, 'far')} to {change(error.high, 'far')}"
 
 
 def expected(
@@ -61,3 +74,26 @@ def expected(
     slopes = np.stack([(apart(z + h) - apart(z - h)) / (2 * _STEP) for h in _STEP * np.eye(len(z))], axis=-1)
     spread = np.sqrt(np.maximum(np.einsum("hwi,ij,hwj->hw", slopes, covariance, slopes), 0.0))
     return Expected(apart(z), spread, depth_intervals(used, chart, z, covariance))
+
+
+def expected_of(
+    used: StereoRig, found: Correspondences, free: Parameters, reach: Reach, view: View, known: Uncertainty
+) -> Expected:
+    """What to expect of the calibration that a repair ended at.
+
+    Where it held the intrinsics, they may be off as their priors say, and the rows tell how: the true rig is sought
+    once more around `used`, linearly, with intrinsics free.
+
+    Args:
+        found: with rays that the cameras of `used` give.
+        known: of the repair.
+    """
+    if any("." in name for name in free.names):
+        chart = row_chart(used, reach, free)
+        return expected(used, chart, np.zeros(chart.dim), known.covariance / np.outer(chart.units, chart.units), view)
+    chart = row_chart(used, reach, free.also("intrinsics"))
+    member = Member(chart, found, np.zeros(chart.dim))
+    own = chart.dim  # one member shares with nobody
+    problem = joint([member], own)
+    covariance = problem.covariance() + problem.by_misfit(misfit(member.facts()).alike)
+    return expected(used, chart, problem.shift(), covariance, view)

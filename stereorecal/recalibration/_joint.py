@@ -13,6 +13,7 @@ from jaxtyping import Bool, Float, Int
 from stereorecal.objectives import RigChart
 from stereorecal.recalibration._evidence import TILES_OF_A_FRAME, Evidence, evidence, jackknife
 from stereorecal.recalibration._misfit import spread_of_misfit
+from stereorecal.recalibration._ranges import NONE, Beams
 from stereorecal.recalibration._sums import Sums, sums
 from stereorecal.scoring import Correspondences, Loss
 
@@ -29,11 +30,13 @@ class Member:
         chart: its own parameters, then those that all share; its rig is what the recording started from.
         found: correspondences, with the rays that the cameras of the chart's rig give.
         z: (n,) its solution so far.
+        beams: ranges of what it shows, with the pixels that the cameras gave.
     """
 
     chart: RigChart
     found: Correspondences
     z: Float[np.ndarray, "n"]
+    beams: Beams = NONE
 
     def facts(self, loss: Loss = Loss.WELSCH) -> Evidence:
         """The evidence of its rows at its solution."""
@@ -49,12 +52,14 @@ class Joint:
         zs: the solution of each member.
         own: how many parameters each has for itself.
         prior: standard deviation of each parameter, in half widths of the box.
+        of_ranges: normal matrix and pull of each member's ranges, which take part in every solution.
     """
 
     parts: tuple[Sums, ...]
     zs: tuple[Float[np.ndarray, "n"], ...]
     own: int
     prior: float
+    of_ranges: tuple[tuple[Float[np.ndarray, "n n"], Float[np.ndarray, "n"]], ...]
 
     @property
     def size(self) -> int:
@@ -72,11 +77,27 @@ class Joint:
         return np.concatenate([*(z[: self.own] for z in self.zs), self.zs[0][self.own :]])
 
     def normal(self, keep: Keep | None = None, *, bent: bool = False) -> Float[np.ndarray, "N N"]:
-        """The normal matrix with the prior's, of the weights or of the curvatures of the losses."""
-        total = np.eye(self.size) / self.prior**2
+        """The normal matrix with those of the ranges and the prior, of the weights or the curvatures of the losses."""
+        total = self.known
         for member, part in enumerate(self.parts):
             here, of_tiles = self.where(member), part.bent if bent else part.normal
             total[np.ix_(here, here)] += of_tiles[_kept(keep, member, part)].sum(0)
+        return total
+
+    @property
+    def known(self) -> Float[np.ndarray, "N N"]:
+        """The normal matrix of what is known beside the rows: the prior, and ranges."""
+        total = np.eye(self.size) / self.prior**2
+        for member, (normal, _) in enumerate(self.of_ranges):
+            total[np.ix_(self.where(member), self.where(member))] += normal
+        return total
+
+    @property
+    def pull_of_known(self) -> Float[np.ndarray, "N"]:
+        """The pull of what is known beside the rows."""
+        total = self.z / self.prior**2
+        for member, (_, pull) in enumerate(self.of_ranges):
+            total[self.where(member)] += pull
         return total
 
     def gathered(self, name: str, keep: Keep | None = None) -> Float[np.ndarray, "N"]:
@@ -89,7 +110,7 @@ class Joint:
     def covariance(self) -> Float[np.ndarray, "N N"]:
         """Of the solution by chance, in units of the box: the jackknife over places, which all members share, and the
         prior; as `Evidence.covariance`."""
-        normal, pull = self.normal(bent=True), self.gathered("pull") + self.z / self.prior**2
+        normal, pull = self.normal(bent=True), self.gathered("pull") + self.pull_of_known
         places = np.unique(np.concatenate([part.place for part in self.parts]))
         if len(places) < 2:
             return np.eye(self.size) * self.prior**2
@@ -99,22 +120,22 @@ class Joint:
             def there(_: int, part: Sums, place: int = place) -> Bool[np.ndarray, "t"]:
                 return part.place == place
 
-            without = normal - (self.normal(there, bent=True) - np.eye(self.size) / self.prior**2)
+            without = normal - (self.normal(there, bent=True) - self.known)
             ends.append(np.linalg.solve(without, pull - self.gathered("pull", there)))
         inverse = np.linalg.inv(normal)
-        return jackknife(np.stack(ends)) + inverse @ inverse / self.prior**2
+        return jackknife(np.stack(ends)) + inverse @ self.known @ inverse
 
-    def by_misfit(self, rms: float) -> Float[np.ndarray, "N N"]:
-        """What rows that stay together over regions, `rms` pixels of them, add to the covariance."""
+    def by_misfit(self, pixels: float) -> Float[np.ndarray, "N N"]:
+        """What misfit that neighbouring regions share, so many pixels of it, adds to the covariance."""
         pulls = np.zeros((TILES_OF_A_FRAME, self.size))
         for member, part in enumerate(self.parts):
             at = (part.place[:, None], self.where(member)[None])
             np.add.at(pulls, at, part.offset)
-        return spread_of_misfit(np.linalg.solve(self.normal(bent=True), pulls.T), rms)
+        return spread_of_misfit(np.linalg.solve(self.normal(bent=True), pulls.T), pixels)
 
     def shift(self, keep: Keep | None = None) -> Float[np.ndarray, "N"]:
         """From `z` to the solution of the tiles that take part, and the prior."""
-        return -np.linalg.solve(self.normal(keep), self.gathered("pull", keep) + self.z / self.prior**2)
+        return -np.linalg.solve(self.normal(keep), self.gathered("pull", keep) + self.pull_of_known)
 
 
 def _kept(keep: Keep | None, member: int, part: Sums) -> Bool[np.ndarray, "t"]:
@@ -124,7 +145,8 @@ def _kept(keep: Keep | None, member: int, part: Sums) -> Bool[np.ndarray, "t"]:
 def joint(members: Sequence[Member], own: int, loss: Loss = Loss.WELSCH) -> Joint:
     """The problem of the members at their solutions."""
     parts = tuple(sums(member.facts(loss)).calmed for member in members)
-    return Joint(parts, tuple(member.z for member in members), own, members[0].chart.prior)
+    of_ranges = tuple(member.beams.normal_and_pull(member.chart, member.z) for member in members)
+    return Joint(parts, tuple(member.z for member in members), own, members[0].chart.prior, of_ranges)
 
 
 def solved_together(members: Sequence[Member], own: int) -> tuple[Member, ...]:

@@ -17,6 +17,7 @@ from stereorecal.geometry import View, same_camera
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import Parameters, Reach, as_parameters
 from stereorecal.recalibration._as_dict import solution_as_dict
+from stereorecal.recalibration._ranges import Range, check_ranges, refers_to, with_ranges
 from stereorecal.recalibration._recalibrate import recalibrate
 from stereorecal.recalibration._schedule import Schedule, as_schedule
 from stereorecal.recalibration._solution import Solution
@@ -68,6 +69,7 @@ def recalibrate_many(
     seed: int = 0,
     free: Parameters | str | Sequence[str] | None = None,
     extrinsics: str = "each",
+    ranges: Sequence[Range] = (),
     executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> tuple[Repair, ...]:
@@ -86,6 +88,8 @@ def recalibrate_many(
         free: what may move, as `recalibrate` has it.
         extrinsics: where intrinsics are free: "each" recording has its own extrinsics, as a rig that drifts between
             missions; or "one" for all.
+        ranges: distances of what single pixels show, each of a pair of one recording (the pair itself, or its name);
+            they free the length of the baseline, which all share.
         executor: any `concurrent.futures.Executor`; default one recording after the other in this process.
         progress: called with (finished, total) after each recording.
 
@@ -94,8 +98,9 @@ def recalibrate_many(
             free and the recordings are of different rigs.
         StrategyError: if one of those is broken.
     """
-    scenes, free = _as_scenes(scenes), as_parameters(free)
+    scenes, free = _as_scenes(scenes), with_ranges(as_parameters(free), ranges)
     check_shared(scenes, free, extrinsics)
+    ranges = check_ranges(ranges, [pair for scene in scenes for pair in scene.pairs])
     options = {"schedule": schedule, "reach": reach, "budget": budget, "view": view, "seed": seed, "free": free}
     finished: dict[int, Repair] = {}
     for index, repair in repairs_as_finished(scenes, matcher=matcher, executor=executor, **options):
@@ -103,7 +108,7 @@ def recalibrate_many(
         if progress is not None:
             progress(len(finished), len(scenes))
     repairs = tuple(finished[index] for index in range(len(scenes)))
-    return repaired_together(scenes, repairs, free, extrinsics=extrinsics, executor=executor)
+    return repaired_together(scenes, repairs, free, extrinsics=extrinsics, ranges=ranges, executor=executor)
 
 
 def check_shared(scenes: Sequence[Scene], free: Parameters, extrinsics: str) -> None:
@@ -137,6 +142,7 @@ def repaired_together(
     free: Parameters,
     *,
     extrinsics: str = "each",
+    ranges: Sequence[Range] = (),
     executor: Executor | None = None,
 ) -> tuple[Repair, ...]:
     """Finished repairs with what they share freed as well; those that failed stay as they are.
@@ -154,7 +160,10 @@ def repaired_together(
                 raise found
         return [done[index] for index in range(len(tasks))]
 
-    recordings = [Recording(tuple(scenes[index].pairs), solution) for index, solution in solved]
+    recordings = [
+        Recording(pairs, solution, tuple(r for r in ranges if any(refers_to(r, p, i) for i, p in enumerate(pairs))))
+        for pairs, solution in ((tuple(scenes[index].pairs), solution) for index, solution in solved)
+    ]
     found = together(recordings, free, one=extrinsics == "one", each=each)
     answers = list(repairs)
     for (index, _), solution in zip(solved, found, strict=True):

@@ -73,6 +73,18 @@ class Misfit:
         return _beyond_noise(self.before, self.error)
 
     @property
+    def alike(self) -> float:
+        """Root mean product of `after` of regions side by side: the part of the misfit that neighbours share. Where
+        regions err each for itself, as windows on slants do, it is near 0, and the resampling of places knows the
+        scatter already."""
+        grids = np.full((int(self.frame.max(initial=-1)) + 1, TILES[1], TILES[0]), np.nan)
+        grids[self.frame, self.place // TILES[0], self.place % TILES[0]] = self.after
+        beside = [grids[:, 1:] * grids[:, :-1], grids[:, :, 1:] * grids[:, :, :-1]]
+        products = np.concatenate([product[np.isfinite(product)] for product in beside])
+        shared = float(np.sqrt(max(float(products.mean()), 0.0))) if products.size else self.rms
+        return min(shared, self.rms)
+
+    @property
     def high(self) -> float:
         """The 90th percentile of |after|, less a standard error each."""
         apart = np.maximum(np.abs(self.after) - self.error, 0.0)
@@ -80,7 +92,20 @@ class Misfit:
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data for JSON."""
-        names = ("frame", "place", "before", "after", "error", "rms", "rms_before", "high", "sway", "chance", "lost")
+        names = (
+            "frame",
+            "place",
+            "before",
+            "after",
+            "error",
+            "rms",
+            "rms_before",
+            "alike",
+            "high",
+            "sway",
+            "chance",
+            "lost",
+        )
         return plain({**{name: getattr(self, name) for name in names}, "cause": self.cause.name.lower()})
 
 
@@ -176,15 +201,15 @@ def systematic(found: Evidence, seen: Misfit) -> Float[np.ndarray, "n n"]:
             for here in (found.tile % TILES_OF_A_FRAME == place for place in range(TILES_OF_A_FRAME))
         ]
     )
-    return spread_of_misfit(np.linalg.solve(found.normal, pulls.T), seen.rms)
+    return spread_of_misfit(np.linalg.solve(found.normal, pulls.T), seen.alike)
 
 
-def spread_of_misfit(moves: Float[np.ndarray, "n places"], rms: float) -> Float[np.ndarray, "n n"]:
-    """The covariance of a solution that moves so much for a pixel at each place of the frames, if `rms` pixels of
-    misfit lie on them."""
+def spread_of_misfit(moves: Float[np.ndarray, "n places"], pixels: float) -> Float[np.ndarray, "n n"]:
+    """The covariance of a solution that moves so much for a pixel at each place of the frames, if so many pixels
+    of misfit lie on them."""
     x, y = _centres(np.arange(TILES_OF_A_FRAME))
     distance2 = (x[:, None] - x) ** 2 + (y[:, None] - y) ** 2
-    return rms**2 * moves @ np.exp(-0.5 * distance2 / (2 * _REACH) ** 2) @ moves.T
+    return pixels**2 * moves @ np.exp(-0.5 * distance2 / (2 * _REACH) ** 2) @ moves.T
 
 
 def _centres(place: Int[np.ndarray, "r"]) -> tuple[Float[np.ndarray, "r"], Float[np.ndarray, "r"]]:

@@ -16,6 +16,7 @@ from stereorecal.recalibration._acceptance import Reason, row_errors, verdict, v
 from stereorecal.recalibration._agreement import agreed, without
 from stereorecal.recalibration._cost import Cost
 from stereorecal.recalibration._misfit import misfit, systematic
+from stereorecal.recalibration._ranges import Range, check_ranges, with_ranges
 from stereorecal.recalibration._schedule import Schedule, ScoreKind, as_schedule
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._stages import FEWEST, Case, StageRun, better_start, remaining, run_stage
@@ -40,6 +41,7 @@ def recalibrate(
     view: View | None = None,
     seed: int = 0,
     free: Parameters | str | Sequence[str] | None = None,
+    ranges: Sequence[Range] = (),
 ) -> Solution:
     """Repair the extrinsics of a rig from image pairs that it took.
 
@@ -58,6 +60,7 @@ def recalibrate(
         free: what may move, `Parameters` or names and groups, such as ("rotation",) or ("extrinsics", "intrinsics");
             default the extrinsics. Intrinsics need several frames of different places; they are solved for at the end,
             and taken only if rows that took no part lie closer under them (`solution.intrinsics` says so).
+        ranges: distances of what single pixels show; they free the length of the baseline, and count beside the rows.
 
     Raises:
         InputError: if images and calibration do not fit, or a strategy of the schedule is not installed.
@@ -67,7 +70,7 @@ def recalibrate(
     began = time.perf_counter()
     images, reach = pyramid(rig, pairs, view), as_reach(reach)
     schedule, budget, asked = as_schedule(schedule), as_budget(budget), as_matcher(matcher)
-    free = as_parameters(free)
+    free, ranges = with_ranges(as_parameters(free), ranges), check_ranges(ranges, images.pairs)
     if not free.axes:
         raise InputError("no extrinsics are free; free them as well, since every drift moves them.")
     case, offset, of_survey = Case(images, asked, reach, free.extrinsics), np.zeros(6), 0.0
@@ -81,7 +84,7 @@ def recalibrate(
     solution = _judged(widest, schedule, stages, Cost(survey=of_survey, starts=of_starts), began)
     if not free.shared:
         return solution
-    (solution,) = together([Recording(images.pairs, solution)], free, one=True, each=one_by_one)
+    (solution,) = together([Recording(images.pairs, solution, ranges)], free, one=True, each=one_by_one)
     return replace(solution, seconds=time.perf_counter() - began)
 
 
@@ -154,6 +157,7 @@ def _judged(case: Case, schedule: Schedule, stages: tuple[StageRun, ...], cost: 
         view=case.images.view,
         matcher=case.matcher,
         reach=case.reach,
+        free=case.free,
         cost=Cost(
             survey=cost.survey + sum(stage.survey_cost for stage in stages),
             starts=cost.starts,

@@ -2,16 +2,18 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float
 
 from stereorecal.geometry import AXES, StereoRig, View
 from stereorecal.matching import AbstractMatcher
-from stereorecal.objectives import Reach
+from stereorecal.objectives import Parameters, Reach
 from stereorecal.recalibration._acceptance import Reason, RowErrors
 from stereorecal.recalibration._cost import Cost
 from stereorecal.recalibration._difference import Difference, difference
+from stereorecal.recalibration._expected import Expected, expected_of
 from stereorecal.recalibration._intrinsics import Intrinsics
 from stereorecal.recalibration._misfit import Misfit
 from stereorecal.recalibration._path import Waypoint, path_of
@@ -36,6 +38,7 @@ class Solution:
         status, message: how the search of the last stage ended.
         view, matcher: with which everything was scored; the matcher carries its measured disparity range.
         reach: within which it was searched.
+        free: what could move in the calibration to use.
         cost: units that it took, by what they were spent on; `cost.total` is all of it.
         score_before, score_after: of `initial` and `candidate`, at full scale in `view`.
         row_errors: epipolar errors before and after; None if the schedule has no epipolar stage, or it found nothing.
@@ -58,6 +61,7 @@ class Solution:
     view: View
     matcher: AbstractMatcher
     reach: Reach
+    free: Parameters
     cost: Cost
     score_before: Score
     score_after: Score
@@ -98,6 +102,15 @@ class Solution:
         """Candidate minus given extrinsics: pitch, yaw, roll [rad], x, y, z [m]."""
         return np.asarray(self.candidate.extrinsics) - np.asarray(self.initial.extrinsics)
 
+    @cached_property
+    def expected(self) -> Expected | None:
+        """What to expect of the candidate: rows over the view and depth, with what misfit and intrinsics that were held
+        may do; None without an epipolar stage."""
+        found = next((stage.found for stage in reversed(self.stages) if stage.found is not None), None)
+        if self.uncertainty is None or found is None:
+            return None
+        return expected_of(self.candidate, found, self.free, self.reach, self.view, self.uncertainty)
+
     @property
     def difference(self) -> Difference:
         """What the candidate changes against the initial calibration: axes, rows over the view, depth."""
@@ -130,6 +143,8 @@ class Solution:
             lines.append(f"these disagree with others: {', '.join(self.disagreeing)}")
         if self.uncertainty is not None and self.uncertainty.undetermined:
             lines.append(f"not determined by these images: {'; '.join(self.uncertainty.undetermined)}")
+        if self.expected is not None and self.reason.healthy:
+            lines.append(f"expect   {self.expected}")
         if self.accepted:
             lines.append(f"depth was off: {depths(self.depth_error_percent)}")
         return "\n".join(lines)

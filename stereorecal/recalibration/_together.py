@@ -17,6 +17,7 @@ from stereorecal.recalibration._expected import expected
 from stereorecal.recalibration._intrinsics import Intrinsics, Outcome, outcome
 from stereorecal.recalibration._joint import Member, joint, solved_together
 from stereorecal.recalibration._misfit import misfit
+from stereorecal.recalibration._ranges import NONE, Beams, Range, beams
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._stages import FEWEST
 from stereorecal.recalibration._uncertainty import uncertainty
@@ -29,6 +30,7 @@ _FOLDS_OF_FRAMES = 4  # of one recording, for cross-validation
 _OBSERVED = 0.5  # of the prior's standard deviation
 _NORMAL_95 = 1.96
 _WORSE = 0.05  # pixels
+_CONTRADICTS = 3.0  # standard deviations of a range
 _UNUSABLE = (Reason.OUT_OF_BUDGET, Reason.TOO_LITTLE_TEXTURE)
 
 Each = Callable[[Callable[[Any], Any], Sequence[Any]], Sequence[Any]]  # does one thing to many, somewhere
@@ -41,10 +43,11 @@ def one_by_one(function: Callable[[Any], Any], tasks: Sequence[Any]) -> Sequence
 
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """Pairs, and the repair of their rig's extrinsics with the intrinsics as they were."""
+    """Pairs, the repair of their rig's extrinsics with the intrinsics as they were, and ranges of what they show."""
 
     pairs: tuple[Pair, ...]
     repair: Solution
+    ranges: tuple[Range, ...] = ()
 
     @property
     def found(self) -> Correspondences | None:
@@ -57,7 +60,7 @@ class Recording:
         found = self.found
         return self.repair.reason not in _UNUSABLE and found is not None and found.found >= FEWEST
 
-    def member(self, free: Parameters) -> Member:
+    def member(self, free: Parameters, of_ranges: Beams) -> Member:
         """With its own solution; the intrinsics are as they were.
 
         Raises:
@@ -66,21 +69,29 @@ class Recording:
         if self.found is None:
             raise ValueError("a recording without correspondences has no part in a joint solution")
         chart = row_chart(self.repair.initial, self.repair.reach, free)
-        return Member(chart, self.found, chart.coordinates(np.asarray(self.repair.candidate.extrinsics)))
+        return Member(chart, self.found, chart.coordinates(np.asarray(self.repair.candidate.extrinsics)), of_ranges)
 
 
 def together(recordings: Sequence[Recording], free: Parameters, *, one: bool, each: Each) -> tuple[Solution, ...]:
-    """The repairs with what the recordings share freed as well, or, where that is not taken, as they were.
+    """The repairs with what the recordings share freed as well, or, where that is not taken, as they were. Ranges say
+    how long the baseline is, whether intrinsics are taken or not.
 
     Args:
         one: all recordings have the same extrinsics.
         each: runs a task for each recording.
     """
     taking_part = [recording for recording in recordings if recording.usable]
+    lenses = any("." in name for name in free.names)
     if not taking_part:
-        return tuple(replace(r.repair, intrinsics=_not_solved(r.repair, free)) for r in recordings)
-    solved = _Solved.of(taking_part, free, one=one, each=each)
-    seen = solved.judged()
+        seen = _not_solved(recordings[0].repair, free) if lenses else None
+        return tuple(replace(r.repair, intrinsics=seen) for r in recordings)
+    solved, seen = _Solved.of(taking_part, free, one=one, each=each), None
+    if lenses:
+        seen = solved.judged()
+        if not seen.taken:
+            rest = Parameters(tuple(name for name in free.names if "." not in name), free.priors)
+            found = together(recordings, rest, one=one, each=each) if rest.shared else [r.repair for r in recordings]
+            return tuple(replace(solution, intrinsics=seen) for solution in found)
     results = iter(solved.solutions(seen, each))
     return tuple(next(results) if r.usable else replace(r.repair, intrinsics=seen) for r in recordings)
 
@@ -92,17 +103,23 @@ class _Solved:
     Attributes:
         recordings: those that take part.
         members: one for each, or one for all.
-        own: how many parameters a member has for itself.
+        free: own and shared parameters.
     """
 
     recordings: Sequence[Recording]
     members: tuple[Member, ...]
-    own: int
+    free: Parameters
+
+    @property
+    def own(self) -> int:
+        return len(self.free.axes)
 
     @staticmethod
     def of(recordings: Sequence[Recording], free: Parameters, *, one: bool, each: Each) -> "_Solved":
-        members = tuple(r.member(free) for r in recordings)
-        solved = _Solved(recordings, _merged(members) if one else members, len(free.axes))._solved_again()
+        tasks = [_Task(r.repair.candidate, r.pairs, r.repair, r.ranges) for r in recordings]
+        of_ranges = each(_beams, tasks) if any(r.ranges for r in recordings) else [NONE] * len(recordings)
+        members = tuple(r.member(free, some) for r, some in zip(recordings, of_ranges, strict=True))
+        solved = _Solved(recordings, _merged(members) if one else members, free)._solved_again()
         for _ in range(_MATCHED_AGAIN):
             rigs = solved.rigs
             tasks = [_Task(rig, r.pairs, r.repair) for rig, r in zip(rigs, recordings, strict=True)]
@@ -137,7 +154,7 @@ class _Solved:
         places = [np.unique(f.tile % TILES_OF_A_FRAME) for f in facts]
         gain = _mean_by(np.concatenate(places), np.concatenate(gains))
         here, there = self._elsewhere(fixed), self._elsewhere(self.members)
-        covariance = problem.covariance() + problem.by_misfit(_rms(facts))
+        covariance = problem.covariance() + problem.by_misfit(_alike(facts))
         of_member = problem.where(0)
         spread = covariance[np.ix_(of_member, of_member)]
         rig, view = chart.rig_at(self.members[0].z), self.recordings[0].repair.view
@@ -169,7 +186,7 @@ class _Solved:
         for recording, member in zip(self.recordings, self.members, strict=False):
             chart = replace(member.chart, parameters=member.chart.parameters[: self.own])
             start = chart.coordinates(np.asarray(recording.repair.candidate.extrinsics))
-            members.append(Member(chart, member.found, start))
+            members.append(Member(chart, member.found, start, member.beams))
         return solved_together(members, self.own)
 
     def _elsewhere(self, members: tuple[Member, ...]) -> float:
@@ -189,16 +206,15 @@ class _Solved:
         frames = len(self.recordings[0].pairs)
         return np.arange(frames) * min(_FOLDS_OF_FRAMES, frames) // frames
 
-    def solutions(self, seen: Intrinsics, each: Each) -> tuple[Solution, ...]:
-        """Of each recording; as it was, where the shared parameters are not taken."""
-        if not seen.taken:
-            return tuple(replace(r.repair, intrinsics=seen) for r in self.recordings)
+    def solutions(self, seen: Intrinsics | None, each: Each) -> tuple[Solution, ...]:
+        """Of each recording, with the shared parameters taken."""
         rigs = self.rigs
         tasks = [_Task(rig, r.pairs, r.repair) for rig, r in zip(rigs, self.recordings, strict=True)]
         counts, problem = each(_counted, tasks), joint(self.members, self.own)
         facts = [member.facts() for member in self.members]
-        covariance, by_misfit = problem.covariance(), problem.by_misfit(_rms(facts))
+        covariance, by_misfit = problem.covariance(), problem.by_misfit(_alike(facts))
         unseen = _unseen.by_place(self.members, self.own)
+        by_ranges = any(_fits_ranges_better(member) for member in self.members)
         found = []
         for index, (recording, rig, tiles) in enumerate(zip(self.recordings, rigs, counts, strict=True)):
             at = 0 if len(self.members) == 1 else index
@@ -208,6 +224,8 @@ class _Solved:
             rows = compared(facts[at], facts[at].medians(facts[at].start_residual), unseen[at])
             after = Score(int(tiles[1].sum()), repair.score_before.pixels)
             reason = verdict(tiles.sum(axis=(1, 2)), rows, own, left, member.found.covered)
+            if reason is Reason.ALREADY_GOOD and by_ranges:
+                reason = Reason.RANGES
             found.append(
                 replace(
                     repair,
@@ -220,6 +238,7 @@ class _Solved:
                     misfit=left,
                     uncertainty=uncertainty(covariance[here], by_misfit[here], member.chart),
                     intrinsics=seen,
+                    free=self.free,
                 )
             )
         return tuple(found)
@@ -232,6 +251,7 @@ class _Task:
     candidate: StereoRig
     pairs: tuple[Pair, ...]
     repair: Solution
+    ranges: tuple[Range, ...] = ()
 
     @property
     def view(self) -> View:
@@ -246,6 +266,21 @@ def _matched(task: _Task) -> Correspondences:
     """The correspondences under the candidate."""
     data = pyramid(task.candidate, task.pairs, task.view).at(task.repair.stages[-1].scale)
     return host.correspondences(data, with_unit_baseline(task.candidate.extrinsics), task.matcher)
+
+
+def _beams(task: _Task) -> Beams:
+    """The ranges, matched under the candidate."""
+    data = pyramid(task.candidate, task.pairs, task.view).at(task.repair.stages[-1].scale)
+    return beams(data, task.candidate, task.matcher, task.pairs, task.ranges)
+
+
+def _fits_ranges_better(member: Member) -> bool:
+    """Whether most ranges agree with the solution, and much better than with the initial calibration."""
+    if not len(member.beams.metres):
+        return False
+    before, after = (member.beams.residuals(member.chart.rig_at(z)) for z in (np.zeros_like(member.z), member.z))
+    bounded = [float(np.minimum(r**2, _CONTRADICTS**2).sum()) for r in (before, after)]
+    return bounded[0] - bounded[1] > _CONTRADICTS**2 and float(np.mean(np.abs(after) < _CONTRADICTS)) > 0.5
 
 
 def _counted(task: _Task) -> Int[np.ndarray, "2 k tiles"]:
@@ -268,7 +303,10 @@ def _merged(members: Sequence[Member]) -> tuple[Member]:
     tiles = [np.asarray(one.tile) + before * TILES_OF_A_FRAME for one, before in zip(found, first, strict=False)]
     rays = {name: all_of(name) for name in ("left", "right", "weight")}
     middle = np.median([member.z for member in members], axis=0)
-    return (Member(members[0].chart, replace(found[0], **rays, tile=np.concatenate(tiles)), middle),)
+    seen = [member.beams for member in members]
+    names = ("left", "right", "metres", "sigma")
+    every = Beams(**{name: np.concatenate([getattr(one, name) for one in seen]) for name in names})
+    return (Member(members[0].chart, replace(found[0], **rays, tile=np.concatenate(tiles)), middle, every),)
 
 
 def _mean_by(place: Int[np.ndarray, "t"], values: Float[np.ndarray, "t"]) -> Float[np.ndarray, "p"]:
@@ -276,9 +314,9 @@ def _mean_by(place: Int[np.ndarray, "t"], values: Float[np.ndarray, "t"]) -> Flo
     return np.bincount(where, values, len(places)) / np.bincount(where, minlength=len(places))
 
 
-def _rms(facts: Sequence[Evidence]) -> float:
-    """Misfit, root mean square over all members."""
-    return float(np.sqrt(np.mean([misfit(one).rms ** 2 for one in facts])))
+def _alike(facts: Sequence[Evidence]) -> float:
+    """The misfit that neighbouring regions share, root mean square over all members."""
+    return float(np.sqrt(np.mean([misfit(one).alike ** 2 for one in facts])))
 
 
 def _not_solved(repair: Solution, free: Parameters) -> Intrinsics:

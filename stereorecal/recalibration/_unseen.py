@@ -39,17 +39,23 @@ def by_recording(members: Sequence[Member], own: int, recording: Int[np.ndarray,
     for index, (member, part) in enumerate(zip(members, problem.parts, strict=True)):
         others = problem.shift(lambda m, part, r=index: np.full(len(part.place), m != r))[problem.where(index)]
         facts, folds = member.facts(), fold_of(part.place)
-        shifts = [_own_shift(problem, part.of(folds != fold), member.z, others, own) for fold in range(FOLDS)]
+        known = problem.of_ranges[index]
+        shifts = [_own_shift(problem, part.of(folds != fold), known, member.z, others, own) for fold in range(FOLDS)]
         medians.append(_medians(facts, fold_of(facts.tile % TILES_OF_A_FRAME), shifts))
     return tuple(medians)
 
 
 def _own_shift(
-    problem: Joint, part: Sums, z: Float[np.ndarray, "n"], shift: Float[np.ndarray, "n"], own: int
+    problem: Joint,
+    part: Sums,
+    of_ranges: tuple[Float[np.ndarray, "n n"], Float[np.ndarray, "n"]],
+    z: Float[np.ndarray, "n"],
+    shift: Float[np.ndarray, "n"],
+    own: int,
 ) -> Float[np.ndarray, "n"]:
     """The shift of own parameters that some tiles ask for, with that of the shared ones as it is."""
-    normal, prior = part.normal.sum(0), np.eye(own) / problem.prior**2
-    pull = part.pull.sum(0)[:own] + normal[:own, own:] @ shift[own:] + prior @ z[:own]
+    normal, prior = part.normal.sum(0) + of_ranges[0], np.eye(own) / problem.prior**2
+    pull = (part.pull.sum(0) + of_ranges[1])[:own] + normal[:own, own:] @ shift[own:] + prior @ z[:own]
     return np.concatenate([-np.linalg.solve(normal[:own, :own] + prior, pull), shift[own:]])
 
 

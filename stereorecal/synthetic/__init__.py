@@ -7,6 +7,7 @@ from stereorecal.synthetic._missions import (
     PlannedMission as PlannedMission,
     plan_missions as plan_missions,
 )
+from stereorecal.synthetic._ranges import ranges as ranges
 from stereorecal.synthetic._render import render as render
 from stereorecal.synthetic._rig import default_rig as default_rig
 from stereorecal.synthetic.scenes import KINDS as KINDS

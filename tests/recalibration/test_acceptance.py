@@ -115,11 +115,13 @@ def test_every_reason_has_its_case():
         Reason.OUT_OF_BUDGET,
         Reason.FRAMES_DISAGREE,  # test_agreement.py
         Reason.NO_MATCHES,  # test_default_schedule.py
+        Reason.RANGES,  # test_ranges.py
     }
     assert {reason for reason in Reason if reason.healthy} == {
         Reason.IMPROVED,
         Reason.MORE_MATCHES,
         Reason.ALREADY_GOOD,
+        Reason.RANGES,
     }
 
 

@@ -193,6 +193,14 @@ def test_fog():
     assert "±" not in str(solution)
 
 
+def test_a_drift_far_beyond_the_reach(harbour):
+    """The images have texture: it is no night or fog, and worth an alarm."""
+    far = drifted((12.0, 0.0, 0.0, 0.0, 0.0))
+    solution = repair(far, harbour)
+    assert solution.reason is Reason.NO_MATCHES
+    assert solution.rig is far
+
+
 @pytest.mark.parametrize("limit", [0.01, 5, 20, 36])
 def test_a_budget_is_kept(harbour, repaired, limit):
     """Whatever of the schedule fits; without a look at the rows nothing is accepted."""

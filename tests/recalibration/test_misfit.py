@@ -77,3 +77,18 @@ def test_nothing_to_look_at():
     assert (left.rms, left.high, left.rms_before, left.sway) == (0.0, 0.0, 0.0, 0.0)
     assert left.cause is Cause.REGIONS
     assert left.as_dict()["place"] == []
+
+
+def test_only_what_neighbours_share_widens_the_intervals():
+    """Regions that err each for itself are known to the resampling of places."""
+    rng = np.random.default_rng(0)
+    alone = misfit(seen(lambda x, y: 0.3 * rng.choice([-1.0, 1.0], 48)[place_of(x, y)], noise=0.02))
+    lens = misfit(seen(lambda x, y: 0.6 * (x * x + y * y) * y, noise=0.02))
+    assert alone.rms > 0.2
+    assert alone.alike < 0.5 * alone.rms
+    assert lens.alike > 0.6 * lens.rms
+
+
+def place_of(x, y):
+    """Which of 8 by 6 places a point lies in."""
+    return (np.clip((y + 1) * 3, 0, 5).astype(int) * 8 + np.clip((x + 1) * 4, 0, 7).astype(int)).astype(int)

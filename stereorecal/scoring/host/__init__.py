@@ -11,6 +11,7 @@ from stereorecal.scoring.host._counts import (
 )
 from stereorecal.scoring.host._disparities import disparities as disparities
 from stereorecal.scoring.host._mixed_up import refuse_mixed_up as refuse_mixed_up
+from stereorecal.scoring.host._partners import partners as partners
 from stereorecal.scoring.host._score import (
     Score as Score,
     disparity as disparity,

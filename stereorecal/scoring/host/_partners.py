@@ -1,0 +1,89 @@
+"""Where single pixels of the left image appear in the right one: for what is known of them alone, such as a range."""
+
+from collections.abc import Sequence
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Bool, Float
+
+from stereorecal._arrays import Extrinsics
+from stereorecal._kept import kept
+from stereorecal.geometry import StereoRig, cubic_warp, rectifying_rotations, with_unit_baseline
+from stereorecal.matching import AbstractMatcher, Disparity
+from stereorecal.scoring._prepare import ScoringData
+from stereorecal.scoring._rectify import rectify_frames
+from stereorecal.scoring._subpixel import refine
+from stereorecal.scoring.host._disparities import disparities
+
+_WINDOW = 5  # pixels to each side: what a matcher's window saw
+_COVERED = 0.2  # of the window
+_FLAT = 0.2  # pixels of disparity off a plane: at an edge, nobody knows which side was meant
+
+
+def partners(
+    data: ScoringData, rig: StereoRig, matcher: AbstractMatcher, frames: Sequence[Float[np.ndarray, "n 2"]]
+) -> list[Float[np.ndarray, "n 2"]]:
+    """The pixels of the right image that show what pixels of the left one show, at full size; NaN where no match is
+    sure.
+
+    Args:
+        data: at any scale, with the cameras of `rig`.
+        frames: pixels (column, row) of the left image, at full size, for each frame.
+    """
+    single = with_unit_baseline(rig.extrinsics).astype(np.float32)
+    found = []
+    for frame, pixels in zip(data.frames, frames, strict=True):
+        if not len(pixels):
+            found.append(np.zeros((0, 2)))
+            continue
+        matched = disparities(frame, single, matcher)[0]
+        offsets = _offsets(frame, single, jax.tree.map(lambda leaf: leaf[None], matched))
+        found.append(_right_pixels(data, rig, [np.asarray(field)[0] for field in offsets], pixels))
+    return found
+
+
+@kept
+def _offsets(data: ScoringData, extrinsics: Extrinsics, found: Disparity) -> tuple[jax.Array, jax.Array, jax.Array]:
+    """Disparity, row offset and whether they are good, of each pixel of one frame."""
+
+    def frame(rectified, disparity):
+        offsets = refine(rectified, disparity)
+        return offsets.disparity, offsets.row, offsets.good
+
+    return rectify_frames(data, jnp.asarray(extrinsics, jnp.float32), frame, warp=cubic_warp, more=(found,))
+
+
+def _right_pixels(
+    data: ScoringData, rig: StereoRig, offsets: Sequence[np.ndarray], pixels: Float[np.ndarray, "n 2"]
+) -> Float[np.ndarray, "n 2"]:
+    view, (disparity, row, good) = data.view, offsets
+    focal, middle = float(view.focal), float(view.centre_row)
+    to_left, to_right = rectifying_rotations(rig.rotation, rig.translation)
+    ray = np.asarray(rig.left.rays(pixels)) @ to_left.T
+    column = focal * ray[:, 0] / ray[:, 2] + float(view.centre_left)
+    line = focal * ray[:, 1] / ray[:, 2] + middle
+    (d, v), sure = _planes_at(np.stack([disparity, row]), good > 0, column, line)
+    turned = np.stack([(column - d - float(view.centre_right)) / focal, (line + v - middle) / focal, 0 * d + 1], -1)
+    seen = np.asarray(rig.right.project(np.where(sure[:, None], turned, [0.0, 0.0, 1.0]) @ to_right))
+    return np.where(sure[:, None], seen, np.nan)
+
+
+def _planes_at(
+    fields: Float[np.ndarray, "2 h w"], good: Bool[np.ndarray, "h w"], x: Float[np.ndarray, "n"], y: np.ndarray
+) -> tuple[Float[np.ndarray, "2 n"], Bool[np.ndarray, "n"]]:
+    """The fields at points, by planes through what is good around them; and where the first one is a plane."""
+    step = np.stack(np.meshgrid(*[np.arange(-_WINDOW, _WINDOW + 1)] * 2), -1).reshape(-1, 2)
+    columns, rows = (np.round(p).astype(int)[:, None] + s for p, s in zip((x, y), step.T, strict=True))
+    height, width = good.shape
+    inside = (columns >= 0) & (rows >= 0) & (columns < width) & (rows < height)
+    at = np.clip(rows, 0, height - 1), np.clip(columns, 0, width - 1)
+    use = inside & good[at]
+    there = np.where(use, fields[:, *at], 0.0)
+    places = np.stack([np.ones(use.shape), columns - x[:, None], rows - y[:, None]], -1) * use[..., None]
+    normal = np.einsum("nki,nkj->nij", places, places) + 1e-6 * np.eye(3)
+    planes = np.linalg.solve(normal, np.einsum("nki,cnk->nic", places, there))
+    left = np.where(use, there[0] - np.einsum("nki,ni->nk", places, planes[..., 0]), 0.0)
+    number = use.sum(axis=1)
+    spread = np.sqrt((left**2).sum(axis=1) / np.maximum(number, 1))
+    return planes[:, 0].T, (number > _COVERED * len(step)) & (spread < _FLAT)

@@ -1,0 +1,116 @@
+"""Ranges: the length of the baseline, what they cannot harm, and what is said of those that make no sense."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings, strategies as st
+
+import stereorecal as sr
+from stereorecal.objectives import Parameters, Reach, row_chart
+from stereorecal.recalibration._ranges import Beams
+from stereorecal.synthetic import ranges as measured
+
+RIG = sr.synthetic.default_rig()
+
+
+@pytest.fixture(scope="module")
+def harbour() -> sr.Scene:
+    return sr.synthetic.render("harbour", 2)
+
+
+def longer(rig: sr.StereoRig, percent: float) -> sr.StereoRig:
+    return rig.with_extrinsics(np.concatenate([rig.extrinsics[:3], rig.extrinsics[3:] * (1 + percent / 100)]))
+
+
+def some(number: int = 60, noise: float = 0.01, draw: int = 0) -> list[sr.Range]:
+    pixels, metres = measured("harbour", 2, number=number, noise=noise, draw=draw)
+    return [
+        sr.Range(0, tuple(pixel), far, 0.01 * far) for pixel, far in zip(pixels.tolist(), metres.tolist(), strict=True)
+    ]
+
+
+@pytest.mark.parametrize("percent", [-3.0, 0.0, 1.5])
+def test_the_length_of_the_baseline(harbour, percent):
+    bad = longer(RIG, percent)
+    found = sr.rescale_baseline(bad, harbour.pairs, some())
+    error = 100 * (found.rig.baseline / RIG.baseline - 1)
+    assert abs(error) < 0.8
+    assert abs(error) < found.interval < 1.5
+    assert found.used > 10
+    np.testing.assert_array_equal(found.rig.extrinsics[:3], bad.extrinsics[:3])
+    np.testing.assert_allclose(found.rig.translation / found.rig.baseline, bad.translation / bad.baseline)
+
+
+def test_ranges_of_other_things_have_no_say(harbour):
+    """A fifth of them belongs elsewhere."""
+    ranges = some()
+    wrong = [sr.Range(0, r.left_pixel, 3 * r.metres) if i % 5 == 0 else r for i, r in enumerate(ranges)]
+    found = sr.rescale_baseline(longer(RIG, 1.0), harbour.pairs, wrong)
+    assert abs(100 * (found.rig.baseline / RIG.baseline - 1)) < 1.0
+
+
+def test_a_repair_with_ranges(harbour):
+    """Rows are as good as before; depth is what changes."""
+    bad = longer(RIG, 2.0)
+    alone = sr.recalibrate(bad, harbour.pairs)
+    solution = sr.recalibrate(bad, harbour.pairs, ranges=some())
+    assert alone.reason is sr.Reason.ALREADY_GOOD
+    assert solution.reason is sr.Reason.RANGES
+    assert solution.accepted
+    assert abs(100 * (solution.rig.baseline / RIG.baseline - 1)) < 0.8
+    assert solution.uncertainty.names[-1] == "baseline"
+    again = sr.recalibrate(RIG, harbour.pairs, ranges=some())
+    assert again.reason is sr.Reason.ALREADY_GOOD
+    assert again.rig is RIG
+
+
+def test_ranges_of_one_recording_among_others(harbour):
+    street = sr.synthetic.render("street", 3)
+    scenes = [sr.Scene(s.name, longer(RIG, 2.0), s.pairs) for s in (harbour, street)]
+    named = [sr.Range(harbour.pairs[0].name, r.left_pixel, r.metres) for r in some()]
+    repairs = sr.recalibrate_many(scenes, ranges=named)
+    for repair in repairs:
+        assert abs(100 * (repair.solution.rig.baseline / RIG.baseline - 1)) < 0.8
+
+
+@settings(max_examples=30)
+@given(seed=st.integers(0, 999), percent=st.floats(-2, 2))
+def test_exact_beams_have_no_residual(seed, percent):
+    """Of points whose pixels are exact, under the rig that saw them; and their derivative by the baseline."""
+    rng = np.random.default_rng(seed)
+    rig = longer(RIG, percent)
+    left = rng.uniform([40, 40], [600, 440], (20, 2))
+    rays = rig.left.rays(left)
+    metres = rng.uniform(2, 20, 20)
+    metres[:3] = np.inf
+    unit = rays / np.linalg.norm(rays, axis=-1, keepdims=True)
+    points = np.where(np.isfinite(metres)[:, None], unit * np.minimum(metres, 1e9)[:, None], unit * 1e12)
+    right = rig.right.project(points @ rig.rotation.T + rig.translation)
+    seen = Beams(left, right, metres, 0.01 * metres)
+    np.testing.assert_allclose(seen.residuals(rig), 0.0, atol=1e-6)
+    chart = row_chart(rig, Reach(), Parameters(("yaw", "baseline")))
+    normal, pull = seen.normal_and_pull(chart, np.zeros(2))
+    assert np.linalg.eigvalsh(normal).min() > 0
+    np.testing.assert_allclose(pull, 0.0, atol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("values", "said"),
+    [
+        ((0, (10.0, 10.0), -1.0), "metres"),
+        ((0, (10.0, 10.0), float("nan")), "metres"),
+        ((0, (10.0, 10.0), 1.0, 0.0), "positive"),
+        ((0, (10.0, float("nan")), 1.0), "column, row"),
+    ],
+)
+def test_ranges_that_make_no_sense(values, said):
+    with pytest.raises(sr.InputError, match=said):
+        sr.Range(*values)
+
+
+def test_ranges_of_nothing(harbour):
+    with pytest.raises(sr.InputError, match="not among those given"):
+        sr.rescale_baseline(RIG, harbour.pairs, [sr.Range("other", (1.0, 1.0), 3.0)])
+    with pytest.raises(sr.InputError, match="outside of the 640x480 image"):
+        sr.rescale_baseline(RIG, harbour.pairs, [sr.Range(0, (640.0, 1.0), 3.0)])
+    with pytest.raises(sr.InputError, match="sure match"):
+        sr.rescale_baseline(RIG, harbour.pairs, [])
