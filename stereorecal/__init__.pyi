@@ -33,7 +33,7 @@ from .recalibration import (
     Difference as Difference,
     Health as Health,
     Intrinsics as Intrinsics,
-    Range as Range,
+    IntrinsicsOutcome as IntrinsicsOutcome,
     Reason as Reason,
     Repair as Repair,
     Schedule as Schedule,
@@ -48,7 +48,14 @@ from .recalibration import (
     rescale_baseline as rescale_baseline,
     warm_up as warm_up,
 )
-from .recordings import Log as Log, Mission as Mission, Pair as Pair, Scene as Scene, make_pair as make_pair
+from .recordings import (
+    Log as Log,
+    Mission as Mission,
+    Pair as Pair,
+    Range as Range,
+    Scene as Scene,
+    make_pair as make_pair,
+)
 from .reproduction import (
     Extent as Extent,
     Reproduction as Reproduction,

@@ -19,7 +19,7 @@ from stereorecal.cli._exit_codes import BAD_INPUT, CANNOT_TELL, FAILURE, INTERRU
 from stereorecal.cli._json import write_json
 from stereorecal.cli._progress import progress_bar
 from stereorecal.cli._recordings import recordings
-from stereorecal.io import save_rig
+from stereorecal.io import load_ranges, save_rig
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import Parameters, Reach, as_parameters
 from stereorecal.recalibration import (
@@ -28,9 +28,12 @@ from stereorecal.recalibration import (
     Reason,
     Repair,
     Schedule,
+    check_ranges,
     check_shared,
+    looked_at,
     repaired_together,
     repairs_as_finished,
+    with_ranges,
 )
 from stereorecal.recordings import Scene
 from stereorecal.report.repairs import repairs_table
@@ -45,11 +48,13 @@ def run(options: argparse.Namespace) -> int:
     matcher, schedule = as_matcher(options.matcher), _schedule(options)
     reach = Reach(*_values.degrees_and_fraction(options.reach, "--reach"))
     budget, seed = as_budget(options.budget), _values.seed(options.seed)
-    free = as_parameters([name.strip() for name in options.free.split(",")])
+    ranges = load_ranges(options.ranges) if options.ranges is not None else ()
+    free = with_ranges(as_parameters([name.strip() for name in options.free.split(",")]), ranges)
     _check_places(options)
     with executor(options.executor) as pool:
-        scenes = recordings(options)
+        scenes = looked_at(recordings(options), free, ranges)
         check_shared(scenes, free, options.extrinsics)
+        check_ranges(ranges, [pair for scene in scenes for pair in scene.pairs])
         arguments = {
             "matcher": matcher,
             "schedule": schedule,
@@ -61,7 +66,9 @@ def run(options: argparse.Namespace) -> int:
         with progress_bar(options.quiet) as progress:
             repairs = _finished(scenes, repairs_as_finished(scenes, executor=pool, **arguments), progress)
             with suppress(KeyboardInterrupt):  # the repairs of the extrinsics are there, and are kept
-                repairs = repaired_together(scenes, repairs, free, extrinsics=options.extrinsics, executor=pool)
+                repairs = repaired_together(
+                    scenes, repairs, free, extrinsics=options.extrinsics, ranges=ranges, executor=pool
+                )
         # Before the workers are waited for: a second Ctrl-C must find everything saved.
         if any(repair.solution for repair in repairs):
             settings = _settings(options, matcher, schedule, reach, budget, free)
@@ -144,6 +151,7 @@ def _settings(
         "budget": asdict(budget),
         "free": free.names,
         "extrinsics": options.extrinsics,
+        "ranges": options.ranges,
         "seed": options.seed,
     }
 

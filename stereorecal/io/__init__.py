@@ -20,6 +20,7 @@ from stereorecal.io._json import (
     read_json as read_json,
     write_json as write_json,
 )
+from stereorecal.io._ranges import load_ranges as load_ranges
 from stereorecal.io._scenes import gather_scene as gather_scene
 from stereorecal.io.formats._rigs import load_rig as load_rig, save_rig as save_rig
 from stereorecal.io.images._pairs import load_pair as load_pair, load_pairs as load_pairs

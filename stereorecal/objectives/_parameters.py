@@ -84,7 +84,13 @@ class Parameters:
 
     @property
     def extrinsics(self) -> "Parameters":
-        """Those that images of one rig show by themselves: the extrinsics among them."""
+        """Those that images of one rig show by themselves: the extrinsics among them.
+
+        Raises:
+            InputError: if there are none.
+        """
+        if not self.axes:
+            raise InputError("no extrinsics are free; free them as well, since every drift moves them.")
         return Parameters(tuple(name for name in self.names if name in EXTRINSICS), self.priors)
 
     @property

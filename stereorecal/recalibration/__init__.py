@@ -9,17 +9,18 @@ from stereorecal.recalibration._health import (
     Health as Health,
     health as health,
 )
-from stereorecal.recalibration._intrinsics import Intrinsics as Intrinsics, Outcome as Outcome
+from stereorecal.recalibration._intrinsics import Intrinsics as Intrinsics, IntrinsicsOutcome as IntrinsicsOutcome
 from stereorecal.recalibration._many import (
     Fault as Fault,
     Repair as Repair,
     check_shared as check_shared,
+    looked_at as looked_at,
     recalibrate_many as recalibrate_many,
     repaired_together as repaired_together,
     repairs_as_finished as repairs_as_finished,
 )
 from stereorecal.recalibration._path import Waypoint as Waypoint
-from stereorecal.recalibration._ranges import Range as Range
+from stereorecal.recalibration._ranges import check_ranges as check_ranges, with_ranges as with_ranges
 from stereorecal.recalibration._recalibrate import recalibrate as recalibrate
 from stereorecal.recalibration._rescale import Rescaled as Rescaled, rescale_baseline as rescale_baseline
 from stereorecal.recalibration._schedule import (

@@ -15,7 +15,7 @@ _GAIN = 0.005  # pixels of row error, over all recordings
 _SIGNIFICANT = 3.0  # standard errors
 
 
-class Outcome(enum.Enum):
+class IntrinsicsOutcome(enum.Enum):
     """What became of freed intrinsics; the value is the message."""
 
     REFINED = "the intrinsics were refined: rows that took no part lie closer under them"
@@ -44,7 +44,7 @@ class Intrinsics:
         expected_px: root mean square of the rows to expect over the view with freed intrinsics.
     """
 
-    outcome: Outcome
+    outcome: IntrinsicsOutcome
     names: tuple[str, ...]
     units: tuple[str, ...]
     change: Float[np.ndarray, "p"]
@@ -60,7 +60,7 @@ class Intrinsics:
     @property
     def taken(self) -> bool:
         """True if the calibration to use has them."""
-        return self.outcome is Outcome.REFINED
+        return self.outcome is IntrinsicsOutcome.REFINED
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data for JSON."""
@@ -93,7 +93,9 @@ class Intrinsics:
         return "\n".join(lines)
 
 
-def outcome(gain: Float[np.ndarray, "p"], elsewhere: float, worse: float, shown: float, expected_px: float) -> Outcome:
+def outcome(
+    gain: Float[np.ndarray, "p"], elsewhere: float, worse: float, shown: float, expected_px: float
+) -> IntrinsicsOutcome:
     """What becomes of freed intrinsics.
 
     Args:
@@ -104,11 +106,11 @@ def outcome(gain: Float[np.ndarray, "p"], elsewhere: float, worse: float, shown:
     """
     error = float(np.std(gain, ddof=1)) / np.sqrt(len(gain)) if len(gain) > 1 else np.inf
     if shown < LEAST_SHOWN:
-        return Outcome.TOO_LITTLE_SHOWN
+        return IntrinsicsOutcome.TOO_LITTLE_SHOWN
     if not (gain.mean() > _GAIN and gain.mean() > _SIGNIFICANT * error):
-        return Outcome.NO_GAIN
+        return IntrinsicsOutcome.NO_GAIN
     if elsewhere < _GAIN:  # NaN says nothing against it
-        return Outcome.ELSEWHERE_WORSE
+        return IntrinsicsOutcome.ELSEWHERE_WORSE
     if worse > 0.1:
-        return Outcome.REGIONS_WORSE
-    return Outcome.TOO_UNCERTAIN if expected_px > MOST_EXPECTED else Outcome.REFINED
+        return IntrinsicsOutcome.REGIONS_WORSE
+    return IntrinsicsOutcome.TOO_UNCERTAIN if expected_px > MOST_EXPECTED else IntrinsicsOutcome.REFINED

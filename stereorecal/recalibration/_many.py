@@ -17,12 +17,13 @@ from stereorecal.geometry import View, same_camera
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import Parameters, Reach, as_parameters
 from stereorecal.recalibration._as_dict import solution_as_dict
-from stereorecal.recalibration._ranges import Range, check_ranges, refers_to, with_ranges
+from stereorecal.recalibration._frames import chosen_frames
+from stereorecal.recalibration._ranges import check_ranges, with_ranges
 from stereorecal.recalibration._recalibrate import recalibrate
 from stereorecal.recalibration._schedule import Schedule, as_schedule
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._together import Recording, together
-from stereorecal.recordings import Scene
+from stereorecal.recordings import Range, Scene, refers_to
 from stereorecal.strategies import Budget, as_budget
 
 
@@ -98,7 +99,8 @@ def recalibrate_many(
             free and the recordings are of different rigs.
         StrategyError: if one of those is broken.
     """
-    scenes, free = _as_scenes(scenes), with_ranges(as_parameters(free), ranges)
+    free = with_ranges(as_parameters(free), ranges)
+    scenes = looked_at(_as_scenes(scenes), free, ranges)
     check_shared(scenes, free, extrinsics)
     ranges = check_ranges(ranges, [pair for scene in scenes for pair in scene.pairs])
     options = {"schedule": schedule, "reach": reach, "budget": budget, "view": view, "seed": seed, "free": free}
@@ -109,6 +111,14 @@ def recalibrate_many(
             progress(len(finished), len(scenes))
     repairs = tuple(finished[index] for index in range(len(scenes)))
     return repaired_together(scenes, repairs, free, extrinsics=extrinsics, ranges=ranges, executor=executor)
+
+
+def looked_at(scenes: Sequence[Scene], free: Parameters, ranges: Sequence[Range] = ()) -> tuple[Scene, ...]:
+    """The recordings with the frames that a joint solution looks at, all of them where nothing is shared or ranges name
+    them."""
+    if not free.shared or ranges:
+        return tuple(scenes)
+    return tuple(replace(scene, pairs=chosen_frames(scene.pairs)) for scene in scenes)
 
 
 def check_shared(scenes: Sequence[Scene], free: Parameters, extrinsics: str) -> None:
@@ -186,7 +196,7 @@ def repairs_as_finished(
     """`recalibrate_many` for those who show or save each answer as soon as it is there: the index of a recording and
     its repair, in the order in which they finish. Arguments and errors as there; errors are raised at once. What
     recordings share stays as it was; `repaired_together` frees it once all are there."""
-    scenes = _as_scenes(scenes)
+    scenes, free = _as_scenes(scenes), as_parameters(free)
     if not scenes:
         raise InputError("there is nothing to repair; give at least one recording.")
     repair = partial(
@@ -197,7 +207,7 @@ def repairs_as_finished(
         budget=as_budget(budget),
         view=view,
         seed=seed,
-        free=as_parameters(free).extrinsics,
+        free=free.extrinsics,
     )
 
     def repairs() -> Iterator[tuple[int, Repair]]:

@@ -11,37 +11,12 @@ from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig, rectifying_rotations
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import BASELINE, Parameters, RigChart
-from stereorecal.recordings import Pair
+from stereorecal.recordings import Pair, Range, refers_to
 from stereorecal.scoring import ScoringData, host
 
 _MATCHING = 0.1  # pixels: standard deviation of a disparity of a single pixel
 _FAR = 3.0  # standard deviations: beyond, a range is more likely another thing's
 _STEP = 1e-4  # of the box, for derivatives
-
-
-@dataclass(frozen=True, eq=False)
-class Range:
-    """A distance that was measured of what one pixel of a left image shows.
-
-    Attributes:
-        pair: the pair, its name, or its number among the pairs (of the only recording).
-        left_pixel: (column, row) in the left image as it was taken.
-        metres: from the centre of the left camera; `inf` for the horizon or a star.
-        sigma: standard deviation, metres; default 1 % of the distance.
-    """
-
-    pair: Pair | str | int
-    left_pixel: tuple[float, float]
-    metres: float
-    sigma: float | None = None
-
-    def __post_init__(self) -> None:
-        if not self.metres > 0.0:
-            raise InputError(f"a range of {self.metres} m makes no sense; give metres, or inf for the horizon.")
-        if self.sigma is not None and not (np.isfinite(self.sigma) and self.sigma > 0.0):
-            raise InputError(f"a range's standard deviation is {self.sigma} m; give a positive one, or None for 1 %.")
-        if len(self.left_pixel) != 2 or not np.isfinite(self.left_pixel).all():
-            raise InputError(f"left_pixel is {self.left_pixel}; give (column, row) in the left image.")
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,13 +89,6 @@ def beams(
     sigma = np.array([0.01 * r.metres if r.sigma is None else r.sigma for some in by_frame for r in some], float)
     found = np.isfinite(right).all(axis=-1)
     return Beams(np.concatenate([np.zeros((0, 2)), *pixels])[found], right[found], metres[found], sigma[found])
-
-
-def refers_to(one: Range, pair: Pair, index: int) -> bool:
-    """Whether a range belongs to a pair."""
-    if isinstance(one.pair, Pair):
-        return one.pair is pair
-    return one.pair == (pair.name if isinstance(one.pair, str) else index)
 
 
 def check_ranges(ranges: Sequence[Range], pairs: Sequence[Pair]) -> tuple[Range, ...]:

@@ -8,7 +8,6 @@ import numpy as np
 from jaxtyping import Int
 
 from stereorecal._arrays import refuse_tracers
-from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig, View, with_unit_baseline
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import Parameters, Reach, as_parameters, as_reach
@@ -16,13 +15,13 @@ from stereorecal.recalibration._acceptance import Reason, row_errors, verdict, v
 from stereorecal.recalibration._agreement import agreed, without
 from stereorecal.recalibration._cost import Cost
 from stereorecal.recalibration._misfit import misfit, systematic
-from stereorecal.recalibration._ranges import Range, check_ranges, with_ranges
+from stereorecal.recalibration._ranges import check_ranges, with_ranges
 from stereorecal.recalibration._schedule import Schedule, ScoreKind, as_schedule
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._stages import FEWEST, Case, StageRun, better_start, remaining, run_stage
 from stereorecal.recalibration._together import Recording, one_by_one, together
 from stereorecal.recalibration._uncertainty import uncertainty
-from stereorecal.recordings import Pairs
+from stereorecal.recordings import Pairs, Range
 from stereorecal.scoring import host, legible, pyramid
 from stereorecal.scoring.host import Score, survey
 from stereorecal.strategies import Budget, Status, as_budget
@@ -71,8 +70,6 @@ def recalibrate(
     images, reach = pyramid(rig, pairs, view), as_reach(reach)
     schedule, budget, asked = as_schedule(schedule), as_budget(budget), as_matcher(matcher)
     free, ranges = with_ranges(as_parameters(free), ranges), check_ranges(ranges, images.pairs)
-    if not free.axes:
-        raise InputError("no extrinsics are free; free them as well, since every drift moves them.")
     case, offset, of_survey = Case(images, asked, reach, free.extrinsics), np.zeros(6), 0.0
     if schedule.survey or asked.num_disparities is None:
         radians = float(np.radians(reach.degrees))

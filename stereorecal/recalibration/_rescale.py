@@ -10,9 +10,9 @@ from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import BASELINE, Parameters, Reach, row_chart
-from stereorecal.recalibration._ranges import Range, beams, check_ranges
+from stereorecal.recalibration._ranges import beams, check_ranges
 from stereorecal.recalibration._schedule import finest_scale
-from stereorecal.recordings import Pairs
+from stereorecal.recordings import Pairs, Range
 from stereorecal.scoring import pyramid
 from stereorecal.scoring.host import ranged
 

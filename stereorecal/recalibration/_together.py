@@ -14,14 +14,14 @@ from stereorecal.recalibration import _unseen
 from stereorecal.recalibration._acceptance import Reason, compared, verdict
 from stereorecal.recalibration._evidence import TILES_OF_A_FRAME, Evidence
 from stereorecal.recalibration._expected import expected
-from stereorecal.recalibration._intrinsics import Intrinsics, Outcome, outcome
+from stereorecal.recalibration._intrinsics import Intrinsics, IntrinsicsOutcome, outcome
 from stereorecal.recalibration._joint import Member, joint, solved_together
 from stereorecal.recalibration._misfit import misfit
-from stereorecal.recalibration._ranges import NONE, Beams, Range, beams
+from stereorecal.recalibration._ranges import NONE, Beams, beams
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._stages import FEWEST
 from stereorecal.recalibration._uncertainty import uncertainty
-from stereorecal.recordings import Pair
+from stereorecal.recordings import Pair, Range
 from stereorecal.scoring import Correspondences, host, pyramid
 from stereorecal.scoring.host import Score
 
@@ -324,4 +324,4 @@ def _not_solved(repair: Solution, free: Parameters) -> Intrinsics:
     missing = np.full(len(parameters), np.nan)
     names, units = tuple(one.name for one in parameters), tuple(one.unit for one in parameters)
     nan = float("nan")
-    return Intrinsics(Outcome.NOT_SOLVED, names, units, missing, missing, names, nan, nan, nan, nan, 0.0, nan)
+    return Intrinsics(IntrinsicsOutcome.NOT_SOLVED, names, units, missing, missing, names, nan, nan, nan, nan, 0.0, nan)

@@ -13,6 +13,7 @@ from stereorecal.scoring._correspondences import (
 )
 from stereorecal.scoring._count import count as count, count_scaled as count_scaled
 from stereorecal.scoring._gradient import forward_gradient as forward_gradient
+from stereorecal.scoring._informative import informative as informative
 from stereorecal.scoring._legible import Legible as Legible, legible as legible
 from stereorecal.scoring._matchers import pure_matcher as pure_matcher
 from stereorecal.scoring._prepare import (

@@ -213,6 +213,56 @@ def test_strategy_goes_into_the_stages_of_its_kind(command, drifted_scene: Path,
     assert asked["budget"] == sr.Budget(9)
 
 
+# --- what is free -------------------------------------------------------------------------------------------
+
+
+def test_nothing_but_the_rotation_moves(command, drifted_scene: Path, tmp_path: Path):
+    target = tmp_path / "solution.json"
+    answer = command("recalibrate", drifted_scene, "--free", "rotation", "--json", target)
+    content = json.loads(target.read_text())
+    assert content["settings"]["free"] == ["pitch", "yaw", "roll"]
+    (repair,) = content["repairs"]
+    assert repair["change"]["translation_percent"] == {"x": 0.0, "y": 0.0, "z": 0.0}
+    assert list(repair["interval_95"]["rotation_deg"]) == ["pitch", "yaw", "roll"]
+    assert repair["interval_95"]["translation_percent"] == {}
+    assert repair["expected"]["rows_px"] > 0
+    assert answer.code in (0, 1)
+
+
+def test_intrinsics_of_several_recordings(command, drifted_scene: Path, tmp_path: Path):
+    """The same small scene twice tells nothing of lenses: they stay, and it is said why."""
+    target = tmp_path / "solution.json"
+    words = ["--free", "extrinsics,intrinsics", "--extrinsics", "one", "--json", target]
+    answer = command("recalibrate", drifted_scene, drifted_scene, *words)
+    assert answer.code in (0, 1)
+    for repair in json.loads(target.read_text())["repairs"]:
+        assert repair["intrinsics"]["outcome"] != "refined"
+        assert "the intrinsics stay" in repair["intrinsics"]["verdict"]
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--free", "extrinsic"], "did you mean extrinsics"),
+        (["--free", "intrinsics"], "free them as well"),
+        (["--extrinsics", "two"], "kind of extrinsics"),
+        (["--ranges", "/none.csv"], "no such file"),
+    ],
+)
+def test_what_is_free_is_checked(command, drifted_scene: Path, words, said):
+    answer = command("recalibrate", drifted_scene, *words)
+    assert answer.code == 2
+    assert said in answer.err
+
+
+def test_ranges_of_other_pairs(command, drifted_scene: Path, tmp_path: Path):
+    table = tmp_path / "ranges.csv"
+    table.write_text("pair,column,row,metres\nnobody,10,10,3.5\n")
+    answer = command("recalibrate", drifted_scene, "--ranges", table)
+    assert answer.code == 2
+    assert "nobody" in answer.err
+
+
 # --- output -------------------------------------------------------------------------------------------------
 
 

@@ -10,8 +10,9 @@ from hypothesis import given, settings, strategies as st
 import stereorecal as sr
 from stereorecal.geometry import changed_camera, view
 from stereorecal.objectives import Parameters, Reach, row_chart
-from stereorecal.recalibration import Outcome, _unseen
+from stereorecal.recalibration import IntrinsicsOutcome, _unseen, looked_at
 from stereorecal.recalibration._effects import rows_apart
+from stereorecal.recalibration._frames import MOST_FRAMES
 from stereorecal.recalibration._joint import Member, joint, solved_together
 from stereorecal.scoring import Correspondences
 
@@ -47,7 +48,7 @@ def test_one_rig(given_wrong):
     repairs = sr.recalibrate_many(given_wrong, free=BOTH, extrinsics="one")
     found = [repair.solution for repair in repairs]
     assert all(solution.accepted for solution in found)
-    assert {solution.intrinsics.outcome for solution in found} == {Outcome.REFINED}
+    assert {solution.intrinsics.outcome for solution in found} == {IntrinsicsOutcome.REFINED}
     assert over_the_view(WRONG) > 0.4
     for solution in found:
         np.testing.assert_array_equal(solution.rig.extrinsics, found[0].rig.extrinsics)
@@ -76,7 +77,7 @@ def test_right_intrinsics_stay(scenes):
     off = TRUE.with_extrinsics(TRUE.extrinsics + np.radians([0.5, 0.3, -0.4, 0, 0, 0]))
     repairs = sr.recalibrate_many([replace(s, rig=off) for s in scenes], free=BOTH, extrinsics="one")
     for repair, alone in zip(repairs, sr.recalibrate_many([replace(s, rig=off) for s in scenes]), strict=True):
-        assert repair.solution.intrinsics.outcome is Outcome.NO_GAIN
+        assert repair.solution.intrinsics.outcome is IntrinsicsOutcome.NO_GAIN
         assert repair.solution.rig.left is off.left
         np.testing.assert_array_equal(repair.solution.rig.extrinsics, alone.solution.rig.extrinsics)
 
@@ -84,7 +85,7 @@ def test_right_intrinsics_stay(scenes):
 def test_one_frame_is_not_enough(given_wrong):
     solution = sr.recalibrate(WRONG, given_wrong[0].pairs, free=BOTH)
     assert solution.intrinsics is not None
-    assert solution.intrinsics.outcome is not Outcome.NOT_SOLVED
+    assert solution.intrinsics.outcome is not IntrinsicsOutcome.NOT_SOLVED
     assert not solution.intrinsics.taken or over_the_view(solution.rig) < 0.15
     data = solution.intrinsics.as_dict()
     assert data["parameters"]["left.f"]["unit"] == "%"
@@ -95,7 +96,7 @@ def test_fog_takes_no_part(given_wrong):
     left, right = (noise.normal(128, 0.5, SIZE[::-1]).round() for _ in "lr")
     fog = sr.Scene("fog", WRONG, (sr.make_pair(left, right),))
     (alone,) = sr.recalibrate_many(fog, free=BOTH)
-    assert alone.solution.intrinsics.outcome is Outcome.NOT_SOLVED
+    assert alone.solution.intrinsics.outcome is IntrinsicsOutcome.NOT_SOLVED
     *others, last = sr.recalibrate_many([*given_wrong, fog], free=BOTH, extrinsics="one")
     assert not last.solution.accepted
     assert others[0].solution.intrinsics.taken
@@ -109,6 +110,18 @@ def test_rigs_that_differ_share_nothing(given_wrong):
         sr.recalibrate_many([given_wrong[0], moved], free=BOTH, extrinsics="one")
     with pytest.raises(sr.InputError, match="did you mean each"):
         sr.recalibrate_many(given_wrong, free=BOTH, extrinsics="eac")
+
+
+def test_long_recordings_are_looked_at_in_part():
+    pair = sr.Pair(np.eye(32, dtype=np.float32), np.eye(32, dtype=np.float32)[::-1].copy())
+    pairs = tuple(replace(pair, name=str(i)) for i in range(100))
+    scene = sr.Scene("long", WRONG, pairs)
+    (some,) = looked_at([scene], Parameters(BOTH))
+    assert len(some.pairs) == MOST_FRAMES
+    names = [int(pair.name) for pair in some.pairs]
+    assert names == sorted(names)
+    assert max(np.diff(names)) < 10
+    assert looked_at([scene], Parameters())[0] is scene
 
 
 def test_nothing_but_the_rotation_moves(scenes):

@@ -36,6 +36,7 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
         metavar="each|one",
         help="where intrinsics are free: each recording has extrinsics of its own, or one set is that of all",
     )
+    add("--ranges", metavar="FILE", help="a CSV of measured distances: pair,column,row,metres,sigma")
     add(
         "--budget",
         type=float,

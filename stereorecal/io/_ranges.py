@@ -1,0 +1,40 @@
+"""Ranges from a table."""
+
+import csv
+import math
+from pathlib import Path
+
+from stereorecal._errors import InputError
+from stereorecal.io._text import read_text
+from stereorecal.recordings import Range
+
+_COLUMNS = ("pair", "column", "row", "metres", "sigma")
+
+
+def load_ranges(path: str | Path) -> tuple[Range, ...]:
+    """Ranges from a CSV file with the header `pair,column,row,metres,sigma`: the name of the pair (or its number), the
+    pixel of the left image, metres (or `inf`), and the standard deviation, which may be empty or left out.
+
+    Raises:
+        InputError: if the file cannot be read, or names the line that makes no sense.
+    """
+    lines = list(csv.reader(read_text(Path(path)).splitlines()))
+    header = [name.strip() for name in lines[0]] if lines else []
+    if tuple(header) not in (_COLUMNS, _COLUMNS[:4]):
+        raise InputError(f"{path}: the first line is not {','.join(_COLUMNS)}; write one.")
+    found = []
+    for number, line in enumerate(lines[1:], start=2):
+        if not any(cell.strip() for cell in line):
+            continue
+        try:
+            pair, *cells = (cell.strip() for cell in line)
+            column, row, metres, sigma = (float(cell) if cell else math.nan for cell in [*cells, ""][:4])
+            if len(line) > len(header):
+                raise ValueError(f"there are {len(line)} cells under {len(header)} headings")
+            sigma = None if math.isnan(sigma) else sigma
+            found.append(Range(int(pair) if pair.isdecimal() else pair, (column, row), metres, sigma))
+        except (ValueError, InputError) as error:
+            raise InputError(f"{path}, line {number}: {error}") from None
+    if not found:
+        raise InputError(f"{path}: the table has no ranges; give at least one.")
+    return tuple(found)

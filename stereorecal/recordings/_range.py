@@ -1,0 +1,40 @@
+"""A distance that something else than the rig measured: a beam, a LIDAR, a target, the horizon."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from stereorecal._errors import InputError
+from stereorecal.recordings._pair import Pair
+
+
+@dataclass(frozen=True, eq=False)
+class Range:
+    """A distance that was measured of what one pixel of a left image shows.
+
+    Attributes:
+        pair: the pair, its name, or its number among the pairs (of the only recording).
+        left_pixel: (column, row) in the left image as it was taken.
+        metres: from the centre of the left camera; `inf` for the horizon or a star.
+        sigma: standard deviation, metres; default 1 % of the distance.
+    """
+
+    pair: Pair | str | int
+    left_pixel: tuple[float, float]
+    metres: float
+    sigma: float | None = None
+
+    def __post_init__(self) -> None:
+        if not self.metres > 0.0:
+            raise InputError(f"a range of {self.metres} m makes no sense; give metres, or inf for the horizon.")
+        if self.sigma is not None and not (np.isfinite(self.sigma) and self.sigma > 0.0):
+            raise InputError(f"a range's standard deviation is {self.sigma} m; give a positive one, or None for 1 %.")
+        if len(self.left_pixel) != 2 or not np.isfinite(self.left_pixel).all():
+            raise InputError(f"left_pixel is {self.left_pixel}; give (column, row) in the left image.")
+
+
+def refers_to(one: Range, pair: Pair, index: int) -> bool:
+    """Whether a range belongs to a pair."""
+    if isinstance(one.pair, Pair):
+        return one.pair is pair
+    return one.pair == (pair.name if isinstance(one.pair, str) else index)
