@@ -24,7 +24,12 @@ _BESIDE_GAIN = 0.5  # of the row differences before
 _MOST_WORSE = 0.1  # share of the regions
 _WORSE = 0.05  # pixels by which a region is worse, beyond two standard errors
 _MOST_LOST = 0.2  # share of the tiles
-_SWAY = 0.05  # of the row differences before: what one more effect may take of the solution; real drifts leave to 0.04
+# Of the row differences before: what one more effect may take of the solution. Where intrinsics fit it takes up to 0.04
+# of a drift; where they do not, and the drift is small, up to 0.25. A shutter that poses as a drift makes one that moves
+# the rows less than most drifts would.
+_SWAY = 0.05
+_MOST_SWAY = 0.25
+_UNUSUAL = 0.05  # share of drifts in random directions that would move the rows as little
 _STRANGE = 0.0002  # share of drifts in random directions that would move the rows as little
 LEAST_COVERED = 0.1  # of the image; good rigs cover a half, rigs half a degree out 0 to 6 %: what false matches cover
 ROWS_APART = 0.3  # pixels; 0.03 degrees of pitch at a focal length of 600 pixels: no good calibration leaves that
@@ -111,7 +116,7 @@ def misfits(left: Misfit, scale: float) -> bool:
         or (left.high * scale > _SOME_MISFIT and left.rms > _BESIDE_GAIN * left.rms_before)
         or (worse.size and np.mean(worse) > _MOST_WORSE)
         or left.lost > _MOST_LOST
-        or left.sway > _SWAY * left.rms_before
+        or left.sway > (_SWAY if left.chance < _UNUSUAL else _MOST_SWAY) * left.rms_before
     )
 
 

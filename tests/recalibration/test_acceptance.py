@@ -86,6 +86,14 @@ CASES = {
         {"rows": BETTER, "left": left_over(some(0.2, 0.1, 2), some(0.2, 0.2, 0.05), error=0.05)},
     ),
     "another effect explains it as well": (Reason.MISFIT, {"rows": BETTER, "left": left_over(sway=0.9)}),
+    "an unusual drift that another effect explains in part": (
+        Reason.MISFIT,
+        {"rows": BETTER, "left": left_over(sway=0.3, chance=0.04)},
+    ),
+    "a usual drift that another effect explains in part": (
+        Reason.IMPROVED,
+        {"rows": BETTER, "left": left_over(sway=0.3, chance=0.06)},
+    ),
     "another effect explains some of it": (Reason.IMPROVED, {"rows": BETTER, "left": left_over(sway=0.08)}),
     "regions that match no longer": (Reason.MISFIT, {"rows": BETTER, "left": left_over(lost=0.3)}),
     "a region that matches no longer": (Reason.IMPROVED, {"rows": BETTER, "left": left_over(lost=0.15)}),
