@@ -25,8 +25,8 @@ _MOST_WORSE = 0.1  # share of the regions
 _WORSE = 0.05  # pixels by which a region is worse, beyond two standard errors
 _MOST_LOST = 0.2  # share of the tiles
 # Of the row differences before: what one more effect may take of the solution. Where intrinsics fit it takes up to 0.04
-# of a drift; where they do not, and the drift is small, up to 0.25. A shutter that poses as a drift makes one that moves
-# the rows less than most drifts would.
+# of a drift; where they do not, and the drift is small, up to 0.25. A shutter that poses as a drift makes an unusual
+# one, which moves the rows less than most drifts would.
 _SWAY = 0.05
 _MOST_SWAY = 0.25
 _UNUSUAL = 0.05  # share of drifts in random directions that would move the rows as little
