@@ -42,7 +42,7 @@ class Reason(enum.Enum):
     IMPROVED = "the candidate is better, also on image regions that were held out"
     MORE_MATCHES = "the candidate matches more pixels"
     RANGES = "the candidate agrees with the ranges, which the initial calibration does not, and its rows are as good"
-    ALREADY_GOOD = "the initial calibration is already good; there is nothing to gain beyond noise"
+    ALREADY_GOOD = "the initial calibration is already good; there is nothing to gain that is sure"
     NOT_IMPROVED = "no candidate matches more pixels than the initial calibration"
     FEWER_MATCHES = "the candidate matches fewer pixels than the initial calibration"
     WORSE_ON_HELD_OUT = "the candidate is no better on image regions that were held out"
@@ -135,6 +135,9 @@ def verdict(counts: Int[np.ndarray, "2"], rows: RowErrors, facts: Evidence, left
     calibrations scatter: by about 1 over the root of the count of a frame, measured on rendered scenes; frames that
     repeat each other prove nothing twice. Pixels are those of the images in which rows were measured.
 
+    Where rows were aligned before, what is left to mend of a good calibration lies along axes that rows hardly see, as
+    what poses as a drift does: such a calibration stays, as good.
+
     Args:
         counts: of all frames, under the initial calibration and the candidate.
         facts: the evidence of the extrinsics, at the candidate.
@@ -158,5 +161,7 @@ def verdict(counts: Int[np.ndarray, "2"], rows: RowErrors, facts: Evidence, left
     if not (better_rows or better_count):
         return Reason.ALREADY_GOOD if aligned else Reason.WORSE_ON_HELD_OUT
     if chance_of_farther(facts.z / facts.prior) < _PLAUSIBLE or left.chance < _STRANGE:
-        return Reason.ALREADY_GOOD if aligned and gain < ROWS_MATTER else Reason.IMPLAUSIBLE
-    return Reason.MISFIT if misfits(left, facts.scale) else Reason.IMPROVED
+        return Reason.ALREADY_GOOD if aligned else Reason.IMPLAUSIBLE
+    if misfits(left, facts.scale):
+        return Reason.ALREADY_GOOD if aligned else Reason.MISFIT
+    return Reason.IMPROVED

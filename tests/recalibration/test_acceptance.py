@@ -98,9 +98,13 @@ CASES = {
     "regions that match no longer": (Reason.MISFIT, {"rows": BETTER, "left": left_over(lost=0.3)}),
     "a region that matches no longer": (Reason.IMPROVED, {"rows": BETTER, "left": left_over(lost=0.15)}),
     "a strange drift": (Reason.IMPLAUSIBLE, {"rows": BETTER, "left": left_over(chance=0.0001)}),
-    "a strange drift that hardly matters": (
+    "a strange drift, of rows that were aligned": (
         Reason.ALREADY_GOOD,
-        {"rows": (0.18, 0.1, 10.0), "left": left_over(chance=0.0001)},
+        {"rows": (0.28, 0.1, 10.0), "left": left_over(chance=0.0001)},
+    ),
+    "a misfit, of rows that were aligned": (
+        Reason.ALREADY_GOOD,
+        {"rows": (0.28, 0.1, 10.0), "left": left_over(after=0.45)},
     ),
     "misfit, but nothing to accept": (Reason.ALREADY_GOOD, {"left": left_over(after=1.0)}),
 }
