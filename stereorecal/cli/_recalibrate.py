@@ -28,11 +28,12 @@ from stereorecal.recalibration import (
     Reason,
     Repair,
     Schedule,
-    check_ranges,
+    check_schedule,
     check_shared,
     looked_at,
     repaired_together,
     repairs_as_finished,
+    resolved_ranges,
     with_ranges,
 )
 from stereorecal.recordings import Scene
@@ -54,7 +55,8 @@ def run(options: argparse.Namespace) -> int:
     with executor(options.executor) as pool:
         scenes = looked_at(recordings(options), free, ranges)
         check_shared(scenes, free, options.extrinsics)
-        check_ranges(ranges, [pair for scene in scenes for pair in scene.pairs])
+        check_schedule(schedule, free)
+        ranges = resolved_ranges(ranges, [(scene.name, scene.pairs) for scene in scenes])
         arguments = {
             "matcher": matcher,
             "schedule": schedule,
@@ -65,21 +67,25 @@ def run(options: argparse.Namespace) -> int:
         }
         with progress_bar(options.quiet) as progress:
             repairs = _finished(scenes, repairs_as_finished(scenes, executor=pool, **arguments), progress)
-            with suppress(KeyboardInterrupt):  # the repairs of the extrinsics are there, and are kept
-                repairs = repaired_together(
-                    scenes, repairs, free, extrinsics=options.extrinsics, ranges=ranges, executor=pool
-                )
+            interrupted = any(repair.fault is Fault.INTERRUPTED for repair in repairs)
+            if not interrupted:
+                try:
+                    how = {"extrinsics": options.extrinsics, "ranges": ranges, "executor": pool}
+                    repairs = repaired_together(scenes, repairs, free, **how)
+                except KeyboardInterrupt:  # the repairs of the extrinsics are there, and are kept
+                    interrupted = True
+                    print("stereorecal: interrupted; what recordings share was not solved.", file=sys.stderr)
         # Before the workers are waited for: a second Ctrl-C must find everything saved.
         if any(repair.solution for repair in repairs):
             settings = _settings(options, matcher, schedule, reach, budget, free)
-            _save(scenes, repairs, settings, options)
+            _save(scenes, repairs, settings, options, interrupted=interrupted)
             _show(repairs, options)
     for repair in repairs:
         if repair.error is not None:
             if options.traceback and repair.traceback is not None:
                 print(repair.traceback, file=sys.stderr)
             print(f"stereorecal: {repair.name}: {repair.error}", file=sys.stderr)
-    return _exit_code(repairs)
+    return INTERRUPTED if interrupted else _exit_code(repairs)
 
 
 def _finished(
@@ -116,7 +122,7 @@ def _check_places(options: argparse.Namespace) -> None:
     _values.output_path(options.output, "--output")
     if options.output == "-" or Path(options.output).suffix.lower() not in ("", ".json"):
         raise InputError(f"--output {options.output}: a calibration is written as JSON; give a name ending in .json.")
-    if len(options.scenes) > 1:
+    if len(options.scenes) > 1 and options.extrinsics != "one":
         raise InputError("--output takes the calibration of one recording; give one, or leave --output out.")
     if Path(options.output).exists() and not options.force:
         raise InputError(f"--output {options.output}: the file exists already; choose another or add --force.")
@@ -157,7 +163,12 @@ def _settings(
 
 
 def _save(
-    scenes: Sequence[Scene], repairs: Sequence[Repair], settings: dict[str, Any], options: argparse.Namespace
+    scenes: Sequence[Scene],
+    repairs: Sequence[Repair],
+    settings: dict[str, Any],
+    options: argparse.Namespace,
+    *,
+    interrupted: bool,
 ) -> None:
     first = repairs[0].solution
     if options.output is not None and first is not None and first.accepted:
@@ -168,7 +179,7 @@ def _save(
         "schema": SCHEMA,
         "versions": versions(),
         "settings": settings,
-        "interrupted": any(repair.fault is Fault.INTERRUPTED for repair in repairs),
+        "interrupted": interrupted,
         "repairs": [
             {**repair.as_dict(), "frames": len(scene.pairs), "image_size": scene.pairs[0].size}
             for scene, repair in zip(scenes, repairs, strict=True)

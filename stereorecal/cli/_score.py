@@ -36,9 +36,9 @@ def run(options: argparse.Namespace) -> int:
     except KeyboardInterrupt:
         interrupted = True
     rows = [_row(scene, found) for scene, found in zip(scenes, looked, strict=False)]
-    if options.json is not None and rows:
+    if options.json is not None and any(isinstance(found, Health) for found in looked):
         write_json({**_about_all(options, matcher), "interrupted": interrupted, "scenes": rows}, options.json)
-    if not options.quiet and options.json != "-":
+    if not options.quiet and options.json != "-" and any(isinstance(found, Health) for found in looked):
         _show(looked, rows)
     for found in looked:
         if isinstance(found, InputError):

@@ -32,7 +32,7 @@ def load_ranges(path: str | Path) -> tuple[Range, ...]:
             if len(line) > len(header):
                 raise ValueError(f"there are {len(line)} cells under {len(header)} headings")
             sigma = None if math.isnan(sigma) else sigma
-            found.append(Range(int(pair) if pair.isdecimal() else pair, (column, row), metres, sigma))
+            found.append(Range(pair, (column, row), metres, sigma))
         except (ValueError, InputError) as error:
             raise InputError(f"{path}, line {number}: {error}") from None
     if not found:

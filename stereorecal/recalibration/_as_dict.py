@@ -42,7 +42,7 @@ def solution_as_dict(solution: Solution) -> dict[str, Any]:
             "intrinsics": solution.intrinsics and solution.intrinsics.as_dict(),
             "left_out": list(solution.left_out),
             "disagreeing": list(solution.disagreeing),
-            "covariance": known and {"axes": known.names, "units": "deg, percent", "matrix": known.covariance},
+            "covariance": known and {"axes": known.names, "units": "deg, percent, px", "matrix": known.covariance},
             "expected": solution.expected and solution.expected.as_dict(),
             "depth_error_percent": dict(solution.depth_error_percent),
             "num_disparities": solution.matcher.num_disparities,

@@ -14,6 +14,7 @@ from stereorecal.recalibration._consequences import Interval, depth_intervals
 from stereorecal.recalibration._effects import rows_apart
 from stereorecal.recalibration._joint import Member, joint
 from stereorecal.recalibration._misfit import misfit
+from stereorecal.recalibration._ranges import Beams
 from stereorecal.recalibration._uncertainty import Uncertainty
 from stereorecal.report.cells import change
 from stereorecal.scoring import Correspondences
@@ -77,7 +78,13 @@ def expected(
 
 
 def expected_of(
-    used: StereoRig, found: Correspondences, free: Parameters, reach: Reach, view: View, known: Uncertainty
+    used: StereoRig,
+    found: Correspondences,
+    beams: Beams,
+    free: Parameters,
+    reach: Reach,
+    view: View,
+    known: Uncertainty,
 ) -> Expected:
     """What to expect of the calibration that a repair ended at.
 
@@ -86,13 +93,14 @@ def expected_of(
 
     Args:
         found: with rays that the cameras of `used` give.
+        beams: ranges.
         known: of the repair.
     """
     if any("." in name for name in free.names):
         chart = row_chart(used, reach, free)
         return expected(used, chart, np.zeros(chart.dim), known.covariance / np.outer(chart.units, chart.units), view)
     chart = row_chart(used, reach, free.also("intrinsics"))
-    member = Member(chart, found, np.zeros(chart.dim))
+    member = Member(chart, found, np.zeros(chart.dim), beams)
     own = chart.dim  # one member shares with nobody
     problem = joint([member], own)
     covariance = problem.covariance() + problem.by_misfit(misfit(member.facts()).alike)

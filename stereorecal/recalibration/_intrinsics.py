@@ -1,7 +1,7 @@
 """Whether freed intrinsics are taken: judged, like extrinsics, on what took no part."""
 
 import enum
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -24,6 +24,7 @@ class IntrinsicsOutcome(enum.Enum):
     REGIONS_WORSE = "the intrinsics stay: others leave regions of the images worse"
     TOO_LITTLE_SHOWN = "the intrinsics stay: too little of the view is covered; add scenes with texture up to the edges"
     TOO_UNCERTAIN = "the intrinsics stay: the scenes do not determine them; add scenes at other depths and places"
+    NOT_HERE = "the intrinsics were refined with other recordings, but the calibration of this one stays as it was"
     NOT_SOLVED = "the intrinsics stay: too little of the images matches"
 
 
@@ -61,6 +62,11 @@ class Intrinsics:
     def taken(self) -> bool:
         """True if the calibration to use has them."""
         return self.outcome is IntrinsicsOutcome.REFINED
+
+    @property
+    def not_here(self) -> "Intrinsics":
+        """The same for a recording whose calibration stays, where others took them."""
+        return replace(self, outcome=IntrinsicsOutcome.NOT_HERE) if self.taken else self
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data for JSON."""
@@ -102,7 +108,7 @@ def outcome(
         gain: in row error at each place, by solutions that have not seen it.
         elsewhere: gain on recordings that took no part; NaN where there are none.
         worse: share of the regions that are worse than with the intrinsics as given.
-        shown, expected_px: see `Intrinsics`.
+        shown, expected_px: see `Intrinsics`. Pixels are those of the images in which rows were measured.
     """
     error = float(np.std(gain, ddof=1)) / np.sqrt(len(gain)) if len(gain) > 1 else np.inf
     if shown < LEAST_SHOWN:

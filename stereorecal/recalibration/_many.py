@@ -18,12 +18,12 @@ from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import Parameters, Reach, as_parameters
 from stereorecal.recalibration._as_dict import solution_as_dict
 from stereorecal.recalibration._frames import chosen_frames
-from stereorecal.recalibration._ranges import check_ranges, with_ranges
+from stereorecal.recalibration._ranges import resolved_ranges, with_ranges
 from stereorecal.recalibration._recalibrate import recalibrate
 from stereorecal.recalibration._schedule import Schedule, as_schedule
 from stereorecal.recalibration._solution import Solution
-from stereorecal.recalibration._together import Recording, together
-from stereorecal.recordings import Range, Scene, refers_to
+from stereorecal.recalibration._together import Recording, check_schedule, together
+from stereorecal.recordings import Range, Scene
 from stereorecal.strategies import Budget, as_budget
 
 
@@ -102,7 +102,8 @@ def recalibrate_many(
     free = with_ranges(as_parameters(free), ranges)
     scenes = looked_at(_as_scenes(scenes), free, ranges)
     check_shared(scenes, free, extrinsics)
-    ranges = check_ranges(ranges, [pair for scene in scenes for pair in scene.pairs])
+    check_schedule(as_schedule(schedule), free)
+    ranges = resolved_ranges(ranges, [(scene.name, scene.pairs) for scene in scenes])
     options = {"schedule": schedule, "reach": reach, "budget": budget, "view": view, "seed": seed, "free": free}
     finished: dict[int, Repair] = {}
     for index, repair in repairs_as_finished(scenes, matcher=matcher, executor=executor, **options):
@@ -157,7 +158,7 @@ def repaired_together(
 ) -> tuple[Repair, ...]:
     """Finished repairs with what they share freed as well; those that failed stay as they are.
 
-    Whatever the executor loses is raised.
+    Where the joint solution fails, the repairs stand, each with an error that says so.
     """
     solved = [(index, repair.solution) for index, repair in enumerate(repairs) if repair.solution is not None]
     if not free.shared or not solved:
@@ -171,10 +172,18 @@ def repaired_together(
         return [done[index] for index in range(len(tasks))]
 
     recordings = [
-        Recording(pairs, solution, tuple(r for r in ranges if any(refers_to(r, p, i) for i, p in enumerate(pairs))))
+        Recording(pairs, solution, tuple(r for r in ranges if any(r.pair is p for p in pairs)))
         for pairs, solution in ((tuple(scenes[index].pairs), solution) for index, solution in solved)
     ]
-    found = together(recordings, free, one=extrinsics == "one", each=each)
+    try:
+        found = together(recordings, free, one=extrinsics == "one", each=each)
+    except Exception as error:
+        failed = _failed("", error)
+        said = f"the joint solution failed, and the repairs of the extrinsics stand: {failed.error}"
+        return tuple(
+            replace(r, error=r.error or said, fault=r.fault or failed.fault, traceback=failed.traceback)
+            for r in repairs
+        )
     answers = list(repairs)
     for (index, _), solution in zip(solved, found, strict=True):
         answers[index] = replace(answers[index], solution=solution)

@@ -2,7 +2,7 @@
 of the baseline, and the one offset of disparity that yaw, centres and focal lengths share."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
@@ -11,10 +11,10 @@ from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig, rectifying_rotations
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import BASELINE, Parameters, RigChart
-from stereorecal.recordings import Pair, Range, refers_to
+from stereorecal.recordings import Pair, Range
 from stereorecal.scoring import ScoringData, host
 
-_MATCHING = 0.1  # pixels: standard deviation of a disparity of a single pixel
+_MATCHING = 0.2  # pixels of the images that are matched: standard deviation of the disparity of a single pixel
 _FAR = 3.0  # standard deviations: beyond, a range is more likely another thing's
 _STEP = 1e-4  # of the box, for derivatives
 
@@ -26,12 +26,14 @@ class Beams:
     Attributes:
         left, right: (b, 2) pixels as the cameras took them, at full size.
         metres, sigma: (b,).
+        matching: standard deviation of their disparities, pixels at full size.
     """
 
     left: Float[np.ndarray, "b 2"]
     right: Float[np.ndarray, "b 2"]
     metres: Float[np.ndarray, "b"]
     sigma: Float[np.ndarray, "b"]
+    matching: float
 
     def residuals(self, rig: StereoRig) -> Float[np.ndarray, "b"]:
         """Disparity that the distance asks for less the one that was found, in standard deviations."""
@@ -45,7 +47,7 @@ class Beams:
         focal = float(rig.right.matrix[0, 0])
         apart = focal * (seen[:, 0] / seen[:, 2] - asked[:, 0] / asked[:, 2])
         by_range = focal * float(rig.baseline) * np.where(finite, self.sigma, 0.0) * near**2
-        return apart / np.hypot(_MATCHING, by_range)
+        return apart / np.hypot(self.matching, by_range)
 
     def normal_and_pull(
         self, chart: RigChart, z: Float[np.ndarray, "n"]
@@ -67,45 +69,75 @@ class Beams:
         return 1.0 / (1.0 + (residuals / scale) ** 2)
 
 
-NONE = Beams(np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0), np.zeros(0))
+NONE = Beams(np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0), np.zeros(0), _MATCHING)
 
 
 def beams(
     data: ScoringData, rig: StereoRig, matcher: AbstractMatcher, pairs: Sequence[Pair], ranges: Sequence[Range]
 ) -> Beams:
-    """The ranges of these pairs, matched under `rig`; those without a sure match are left out.
-
-    Raises:
-        InputError: if a pixel lies outside of the image.
-    """
-    width, height = rig.left.size
-    by_frame: list[list[Range]] = [[one for one in ranges if refers_to(one, pair, i)] for i, pair in enumerate(pairs)]
-    for one in (one for some in by_frame for one in some):
-        if not (0 <= one.left_pixel[0] <= width - 1 and 0 <= one.left_pixel[1] <= height - 1):
-            raise InputError(f"the range at pixel {one.left_pixel} lies outside of the {width}x{height} image.")
+    """The resolved ranges of these pairs, matched under `rig`; those without a sure match are left out."""
+    by_frame = [[one for one in ranges if one.pair is pair] for pair in pairs]
     pixels = [np.array([one.left_pixel for one in some], float).reshape(-1, 2) for some in by_frame]
     right = np.concatenate([np.zeros((0, 2)), *host.partners(data, rig, matcher, pixels)])
     metres = np.array([one.metres for some in by_frame for one in some], float)
     sigma = np.array([0.01 * r.metres if r.sigma is None else r.sigma for some in by_frame for r in some], float)
     found = np.isfinite(right).all(axis=-1)
-    return Beams(np.concatenate([np.zeros((0, 2)), *pixels])[found], right[found], metres[found], sigma[found])
+    return Beams(
+        np.concatenate([np.zeros((0, 2)), *pixels])[found],
+        right[found],
+        metres[found],
+        sigma[found],
+        _MATCHING / data.scale,
+    )
 
 
-def check_ranges(ranges: Sequence[Range], pairs: Sequence[Pair]) -> tuple[Range, ...]:
-    """The ranges, if each belongs to a pair.
+def resolved_ranges(
+    ranges: Range | Sequence[Range], recordings: Sequence[tuple[str, Sequence[Pair]]]
+) -> tuple[Range, ...]:
+    """The ranges, each with the pair that it means.
+
+    Args:
+        recordings: names and pairs.
 
     Raises:
-        InputError: names one that does not.
+        InputError: names a range that belongs to no pair, to several, or to no pixel of it.
     """
-    for one in ranges:
+    return tuple(_resolved(one, recordings) for one in as_ranges(ranges))
+
+
+def as_ranges(ranges: Range | Sequence[Range]) -> tuple[Range, ...]:
+    """One range or several.
+
+    Raises:
+        InputError: if there is something else among them.
+    """
+    several = (ranges,) if isinstance(ranges, Range) else tuple(ranges)
+    for one in several:
         if not isinstance(one, Range):
             raise InputError(f"a range is {one!r}; make it with sr.Range(pair, (column, row), metres, sigma).")
-        if not any(refers_to(one, pair, index) for index, pair in enumerate(pairs)):
-            what = one.pair.name if isinstance(one.pair, Pair) else one.pair
-            raise InputError(f"a range is of the pair {what!r}, which is not among those given; name one of them.")
-    return tuple(ranges)
+    return several
 
 
-def with_ranges(free: Parameters, ranges: Sequence[Range]) -> Parameters:
+def _resolved(one: Range, recordings: Sequence[tuple[str, Sequence[Pair]]]) -> Range:
+    named = [(f"{name}/{pair.name}", pair) for name, pairs in recordings for pair in pairs]
+    wanted = one.pair
+    if isinstance(wanted, Pair):
+        found = [pair for _, pair in named if pair is wanted]
+    else:
+        found = [pair for name, pair in named if wanted in (pair.name, name)]
+        if not found and len(recordings) == 1 and str(wanted).isdecimal():
+            found = list(recordings[0][1][int(wanted) : int(wanted) + 1])
+    if len(found) != 1:
+        what = wanted.name if isinstance(wanted, Pair) else wanted
+        which = "which is not among those given" if not found else f"and {len(found)} have that name"
+        raise InputError(f'a range is of the pair {what!r}, {which}; name one, such as "{named[0][0]}".')
+    (pair,) = found
+    if not all(0.0 <= at <= length - 1 for at, length in zip(one.left_pixel, pair.size, strict=True)):
+        size = "x".join(map(str, pair.size))
+        raise InputError(f"the range at pixel {one.left_pixel} lies outside of the {size} image.")
+    return replace(one, pair=pair)
+
+
+def with_ranges(free: Parameters, ranges: Range | Sequence[Range]) -> Parameters:
     """What is free where there are ranges: the length of the baseline as well."""
-    return free.also(BASELINE) if len(ranges) else free
+    return free.also(BASELINE) if as_ranges(ranges) else free

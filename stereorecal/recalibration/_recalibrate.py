@@ -15,11 +15,11 @@ from stereorecal.recalibration._acceptance import Reason, row_errors, verdict, v
 from stereorecal.recalibration._agreement import agreed, without
 from stereorecal.recalibration._cost import Cost
 from stereorecal.recalibration._misfit import misfit, systematic
-from stereorecal.recalibration._ranges import check_ranges, with_ranges
+from stereorecal.recalibration._ranges import resolved_ranges, with_ranges
 from stereorecal.recalibration._schedule import Schedule, ScoreKind, as_schedule
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._stages import FEWEST, Case, StageRun, better_start, remaining, run_stage
-from stereorecal.recalibration._together import Recording, one_by_one, together
+from stereorecal.recalibration._together import Recording, check_schedule, one_by_one, together
 from stereorecal.recalibration._uncertainty import uncertainty
 from stereorecal.recordings import Pairs, Range
 from stereorecal.scoring import host, legible, pyramid
@@ -69,7 +69,9 @@ def recalibrate(
     began = time.perf_counter()
     images, reach = pyramid(rig, pairs, view), as_reach(reach)
     schedule, budget, asked = as_schedule(schedule), as_budget(budget), as_matcher(matcher)
-    free, ranges = with_ranges(as_parameters(free), ranges), check_ranges(ranges, images.pairs)
+    free = with_ranges(as_parameters(free), ranges)
+    ranges = resolved_ranges(ranges, [("", images.pairs)])
+    check_schedule(schedule, free)
     case, offset, of_survey = Case(images, asked, reach, free.extrinsics), np.zeros(6), 0.0
     if schedule.survey or asked.num_disparities is None:
         radians = float(np.radians(reach.degrees))
@@ -168,6 +170,7 @@ def _judged(case: Case, schedule: Schedule, stages: tuple[StageRun, ...], cost: 
         uncertainty=known,
         misfit=left,
         intrinsics=None,
+        kept=tuple(np.flatnonzero(np.ones(len(case.images.pairs)) if frames is None else frames.kept).tolist()),
         left_out=() if reason is Reason.FRAMES_DISAGREE else apart,
         disagreeing=apart if reason is Reason.FRAMES_DISAGREE else (),
         stages=stages,

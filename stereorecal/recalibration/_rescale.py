@@ -10,7 +10,7 @@ from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import BASELINE, Parameters, Reach, row_chart
-from stereorecal.recalibration._ranges import beams, check_ranges
+from stereorecal.recalibration._ranges import beams, resolved_ranges
 from stereorecal.recalibration._schedule import finest_scale
 from stereorecal.recordings import Pairs, Range
 from stereorecal.scoring import pyramid
@@ -50,7 +50,7 @@ def rescale_baseline(
     """
     refuse_tracers("sr.rescale_baseline", "it before tracing", rig)
     images = pyramid(rig, pairs)
-    ranges = check_ranges(ranges, images.pairs)
+    ranges = resolved_ranges(ranges, [("", images.pairs)])
     data = images.at(finest_scale(rig.left.size))
     found = beams(data, rig, ranged(matcher, images), images.pairs, ranges)
     if not len(found.metres):

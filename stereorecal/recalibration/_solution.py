@@ -1,7 +1,7 @@
 """The answer of `recalibrate`."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -9,17 +9,20 @@ from jaxtyping import Float
 
 from stereorecal.geometry import AXES, StereoRig, View
 from stereorecal.matching import AbstractMatcher
-from stereorecal.objectives import Parameters, Reach
+from stereorecal.objectives import BASELINE, Parameters, Reach
 from stereorecal.recalibration._acceptance import Reason, RowErrors
 from stereorecal.recalibration._cost import Cost
 from stereorecal.recalibration._difference import Difference, difference
+from stereorecal.recalibration._evidence import TILES_OF_A_FRAME
 from stereorecal.recalibration._expected import Expected, expected_of
 from stereorecal.recalibration._intrinsics import Intrinsics
 from stereorecal.recalibration._misfit import Misfit
 from stereorecal.recalibration._path import Waypoint, path_of
+from stereorecal.recalibration._ranges import NONE, Beams
 from stereorecal.recalibration._stages import StageRun
 from stereorecal.recalibration._uncertainty import Uncertainty
 from stereorecal.report.cells import depths
+from stereorecal.scoring import Correspondences
 from stereorecal.scoring.host import Score
 from stereorecal.strategies import Status, Trace
 
@@ -45,10 +48,12 @@ class Solution:
         uncertainty: of the candidate; None in the same cases.
         misfit: of the candidate; None in the same cases.
         intrinsics: what became of intrinsics that were freed; None if none were.
+        kept: numbers of the pairs that the candidate rests on.
         left_out: names of the pairs that show another rig than the others; the candidate does without them.
         disagreeing: the same where they are too many, and nothing is left out.
         stages: what each stage did.
         seconds: wall time.
+        beams: ranges that had a sure match.
     """
 
     rig: StereoRig
@@ -69,10 +74,12 @@ class Solution:
     uncertainty: Uncertainty | None
     misfit: Misfit | None
     intrinsics: Intrinsics | None
+    kept: tuple[int, ...]
     left_out: tuple[str, ...]
     disagreeing: tuple[str, ...]
     stages: tuple[StageRun, ...]
     seconds: float
+    beams: Beams = NONE
 
     @property
     def trace(self) -> Trace | None:
@@ -93,7 +100,8 @@ class Solution:
 
     @property
     def covariance(self) -> Float[np.ndarray, "n n"] | None:
-        """Of pitch, yaw, roll [degrees], y, z [percent of the baseline], around the candidate; None without an epipolar
+        """Of the parameters of `uncertainty.names`: degrees, percent of the baseline or of the focal length, pixels;
+        of pitch, yaw, roll, y, z by default. Around the candidate; None without an epipolar
         stage."""
         return None if self.uncertainty is None else self.uncertainty.covariance
 
@@ -106,10 +114,20 @@ class Solution:
     def expected(self) -> Expected | None:
         """What to expect of the candidate: rows over the view and depth, with what misfit and intrinsics that were held
         may do; None without an epipolar stage."""
-        found = next((stage.found for stage in reversed(self.stages) if stage.found is not None), None)
+        found = self.found
         if self.uncertainty is None or found is None:
             return None
-        return expected_of(self.candidate, found, self.free, self.reach, self.view, self.uncertainty)
+        return expected_of(self.candidate, found, self.beams, self.free, self.reach, self.view, self.uncertainty)
+
+    @property
+    def found(self) -> Correspondences | None:
+        """The last correspondences, of the pairs that are kept."""
+        found = next((stage.found for stage in reversed(self.stages) if stage.found is not None), None)
+        if found is None or len(self.kept) == len(found.weight):
+            return found
+        parts = {name: np.asarray(getattr(found, name))[list(self.kept)] for name in ("left", "right", "weight")}
+        tile = np.asarray(found.tile)[list(self.kept)] % TILES_OF_A_FRAME
+        return replace(found, **parts, tile=tile + TILES_OF_A_FRAME * np.arange(len(tile), dtype=np.int32)[:, None])
 
     @property
     def difference(self) -> Difference:
@@ -159,6 +177,7 @@ class Solution:
         line = (
             f"{name:<6} {factor * before:+9.3f} -> {factor * after:+9.3f} {unit:<3} changed by {factor * change:+8.3f}"
         )
+        name = BASELINE if name == "x" else name
         if self.uncertainty is None or name not in self.uncertainty.names or not self.reason.healthy:
             return line  # no interval: it would be that of an answer that was found wrong
         half_width = self.uncertainty.interval[self.uncertainty.names.index(name)]

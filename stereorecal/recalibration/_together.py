@@ -7,17 +7,20 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float, Int
 
+from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig, View, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import Parameters, read_by, row_chart
 from stereorecal.recalibration import _unseen
 from stereorecal.recalibration._acceptance import Reason, compared, verdict
+from stereorecal.recalibration._agreement import MOST_APART, disagreeing
 from stereorecal.recalibration._evidence import TILES_OF_A_FRAME, Evidence
 from stereorecal.recalibration._expected import expected
 from stereorecal.recalibration._intrinsics import Intrinsics, IntrinsicsOutcome, outcome
 from stereorecal.recalibration._joint import Member, joint, solved_together
 from stereorecal.recalibration._misfit import misfit
 from stereorecal.recalibration._ranges import NONE, Beams, beams
+from stereorecal.recalibration._schedule import Schedule, ScoreKind
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._stages import FEWEST
 from stereorecal.recalibration._uncertainty import uncertainty
@@ -31,7 +34,7 @@ _OBSERVED = 0.5  # of the prior's standard deviation
 _NORMAL_95 = 1.96
 _WORSE = 0.05  # pixels
 _CONTRADICTS = 3.0  # standard deviations of a range
-_UNUSABLE = (Reason.OUT_OF_BUDGET, Reason.TOO_LITTLE_TEXTURE)
+_UNUSABLE = (Reason.OUT_OF_BUDGET, Reason.TOO_LITTLE_TEXTURE, Reason.NO_MATCHES)
 
 Each = Callable[[Callable[[Any], Any], Sequence[Any]], Sequence[Any]]  # does one thing to many, somewhere
 
@@ -41,9 +44,23 @@ def one_by_one(function: Callable[[Any], Any], tasks: Sequence[Any]) -> Sequence
     return [function(task) for task in tasks]
 
 
+def check_schedule(schedule: Schedule, free: Parameters) -> None:
+    """Refuse to free what the count cannot see.
+
+    Raises:
+        InputError: if a schedule without rows is asked for intrinsics, the baseline or ranges.
+    """
+    if free.shared and schedule.stages[-1].score is not ScoreKind.EPIPOLAR:
+        raise InputError(
+            "the count sees neither intrinsics nor ranges; leave the default schedule, which ends on rows."
+        )
+
+
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """Pairs, the repair of their rig's extrinsics with the intrinsics as they were, and ranges of what they show."""
+    """Pairs, the repair of their rig's extrinsics with the intrinsics as they were, and ranges of what they show; the
+    frames that the repair left out take no part.
+    """
 
     pairs: tuple[Pair, ...]
     repair: Solution
@@ -52,13 +69,19 @@ class Recording:
     @property
     def found(self) -> Correspondences | None:
         """The last correspondences of the repair."""
-        return next((stage.found for stage in reversed(self.repair.stages) if stage.found is not None), None)
+        return self.repair.found
 
     @property
-    def usable(self) -> bool:
-        """Whether it can take part."""
-        found = self.found
-        return self.repair.reason not in _UNUSABLE and found is not None and found.found >= FEWEST
+    def kept(self) -> tuple[Pair, ...]:
+        """The pairs that it rests on."""
+        return tuple(self.pairs[index] for index in self.repair.kept)
+
+    def usable(self, *, lenses: bool) -> bool:
+        """Whether it can take part: where lenses are free, frames may disagree by theirs; that is judged at the end."""
+        found, reason = self.found, self.repair.reason
+        if reason in _UNUSABLE or (reason is Reason.FRAMES_DISAGREE and not lenses):
+            return False
+        return found is not None and found.found >= FEWEST
 
     def member(self, free: Parameters, of_ranges: Beams) -> Member:
         """With its own solution; the intrinsics are as they were.
@@ -80,8 +103,8 @@ def together(recordings: Sequence[Recording], free: Parameters, *, one: bool, ea
         one: all recordings have the same extrinsics.
         each: runs a task for each recording.
     """
-    taking_part = [recording for recording in recordings if recording.usable]
     lenses = any("." in name for name in free.names)
+    taking_part = [recording for recording in recordings if recording.usable(lenses=lenses)]
     if not taking_part:
         seen = _not_solved(recordings[0].repair, free) if lenses else None
         return tuple(replace(r.repair, intrinsics=seen) for r in recordings)
@@ -93,7 +116,10 @@ def together(recordings: Sequence[Recording], free: Parameters, *, one: bool, ea
             found = together(recordings, rest, one=one, each=each) if rest.shared else [r.repair for r in recordings]
             return tuple(replace(solution, intrinsics=seen) for solution in found)
     results = iter(solved.solutions(seen, each))
-    return tuple(next(results) if r.usable else replace(r.repair, intrinsics=seen) for r in recordings)
+    not_here = None if seen is None else seen.not_here
+    return tuple(
+        next(results) if r.usable(lenses=lenses) else replace(r.repair, intrinsics=not_here) for r in recordings
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,16 +142,20 @@ class _Solved:
 
     @staticmethod
     def of(recordings: Sequence[Recording], free: Parameters, *, one: bool, each: Each) -> "_Solved":
-        tasks = [_Task(r.repair.candidate, r.pairs, r.repair, r.ranges) for r in recordings]
+        tasks = [_Task(r.repair.candidate, r.kept, r.repair, r.ranges) for r in recordings]
         of_ranges = each(_beams, tasks) if any(r.ranges for r in recordings) else [NONE] * len(recordings)
         members = tuple(r.member(free, some) for r, some in zip(recordings, of_ranges, strict=True))
         solved = _Solved(recordings, _merged(members) if one else members, free)._solved_again()
         for _ in range(_MATCHED_AGAIN):
             rigs = solved.rigs
-            tasks = [_Task(rig, r.pairs, r.repair) for rig, r in zip(rigs, recordings, strict=True)]
+            tasks = [_Task(rig, r.kept, r.repair) for rig, r in zip(rigs, recordings, strict=True)]
+            matched = [
+                read_by(found, taken=rig, rig=r.repair.initial) if found.found >= FEWEST else member.found
+                for found, rig, r, member in zip(each(_matched, tasks), rigs, recordings, members, strict=True)
+            ]
             members = tuple(
-                replace(solved.member(index), found=read_by(found, taken=rigs[index], rig=recording.repair.initial))
-                for index, (found, recording) in enumerate(zip(each(_matched, tasks), recordings, strict=True))
+                replace(solved.member(index), found=found, beams=some)
+                for index, (found, some) in enumerate(zip(matched, of_ranges, strict=True))
             )
             solved = replace(solved, members=_merged(members) if one else members)._solved_again()
         return solved
@@ -159,12 +189,13 @@ class _Solved:
         spread = covariance[np.ix_(of_member, of_member)]
         rig, view = chart.rig_at(self.members[0].z), self.recordings[0].repair.view
         expects = expected(rig, chart, self.members[0].z, spread, view).rows_px
-        worse = float(np.mean(np.concatenate([a - b for b, a in zip(before, after, strict=True)]) > _WORSE))
+        scale = facts[0].scale
+        worse = float(np.mean(scale * np.concatenate([a - b for b, a in zip(before, after, strict=True)]) > _WORSE))
         shown = len(np.unique(np.concatenate(places))) / TILES_OF_A_FRAME
         deviations = np.sqrt(np.diag(covariance)[shared])
         units = chart.units[self.own :]
         return Intrinsics(
-            outcome=outcome(gain, here - there, worse, shown, expects),
+            outcome=outcome(scale * gain, scale * (here - there), worse, shown, scale * expects),
             names=chart.names[self.own :],
             units=tuple(parameter.unit for parameter in chart.parameters[self.own :]),
             change=self.members[0].z[self.own :] * units,
@@ -202,28 +233,33 @@ class _Solved:
     def _of_frames(self) -> Int[np.ndarray, "f"]:
         """Which recording each frame belongs to, of one member; of one recording, which stretch of it."""
         if len(self.recordings) > 1:
-            return np.repeat(np.arange(len(self.recordings)), [len(r.pairs) for r in self.recordings])
-        frames = len(self.recordings[0].pairs)
+            return np.repeat(np.arange(len(self.recordings)), [len(r.kept) for r in self.recordings])
+        frames = len(self.recordings[0].kept)
         return np.arange(frames) * min(_FOLDS_OF_FRAMES, frames) // frames
 
     def solutions(self, seen: Intrinsics | None, each: Each) -> tuple[Solution, ...]:
         """Of each recording, with the shared parameters taken."""
         rigs = self.rigs
-        tasks = [_Task(rig, r.pairs, r.repair) for rig, r in zip(rigs, self.recordings, strict=True)]
+        tasks = [_Task(rig, r.kept, r.repair) for rig, r in zip(rigs, self.recordings, strict=True)]
         counts, problem = each(_counted, tasks), joint(self.members, self.own)
         facts = [member.facts() for member in self.members]
         covariance, by_misfit = problem.covariance(), problem.by_misfit(_alike(facts))
         unseen = _unseen.by_place(self.members, self.own)
+        one = len(self.members) == 1
         by_ranges = any(_fits_ranges_better(member) for member in self.members)
-        found = []
+        found: list[Solution] = []
+        all_tiles = np.concatenate(counts, axis=1) if one else None
         for index, (recording, rig, tiles) in enumerate(zip(self.recordings, rigs, counts, strict=True)):
-            at = 0 if len(self.members) == 1 else index
+            at = 0 if one else index
             member, here = self.members[at], np.ix_(problem.where(at), problem.where(at))
             own, repair = facts[at].first(self.own), recording.repair
-            left = misfit(own, *tiles)
+            judged = tiles if all_tiles is None else all_tiles  # one rig has one verdict
+            left = misfit(own, *judged)
             rows = compared(facts[at], facts[at].medians(facts[at].start_residual), unseen[at])
             after = Score(int(tiles[1].sum()), repair.score_before.pixels)
-            reason = verdict(tiles.sum(axis=(1, 2)), rows, own, left, member.found.covered)
+            reason = verdict(judged.sum(axis=(1, 2)), rows, own, left, member.found.covered)
+            if len(disagreeing(own)[0]) > MOST_APART * own.frames:
+                reason = Reason.FRAMES_DISAGREE
             if reason is Reason.ALREADY_GOOD and by_ranges:
                 reason = Reason.RANGES
             found.append(
@@ -237,8 +273,10 @@ class _Solved:
                     row_errors=rows,
                     misfit=left,
                     uncertainty=uncertainty(covariance[here], by_misfit[here], member.chart),
-                    intrinsics=seen,
+                    intrinsics=seen if seen is None or reason.accepted else seen.not_here,
                     free=self.free,
+                    beams=member.beams,
+                    disagreeing=repair.disagreeing if reason is Reason.FRAMES_DISAGREE else (),
                 )
             )
         return tuple(found)
@@ -305,7 +343,8 @@ def _merged(members: Sequence[Member]) -> tuple[Member]:
     middle = np.median([member.z for member in members], axis=0)
     seen = [member.beams for member in members]
     names = ("left", "right", "metres", "sigma")
-    every = Beams(**{name: np.concatenate([getattr(one, name) for one in seen]) for name in names})
+    parts = {name: np.concatenate([getattr(one, name) for one in seen]) for name in names}
+    every = Beams(**parts, matching=max(one.matching for one in seen))
     return (Member(members[0].chart, replace(found[0], **rays, tile=np.concatenate(tiles)), middle, every),)
 
 

@@ -13,7 +13,8 @@ class Range:
     """A distance that was measured of what one pixel of a left image shows.
 
     Attributes:
-        pair: the pair, its name, or its number among the pairs (of the only recording).
+        pair: the pair, its name ("recording/name" where several recordings have one of that name), or its number among
+            the pairs of the only recording.
         left_pixel: (column, row) in the left image as it was taken.
         metres: from the centre of the left camera; `inf` for the horizon or a star.
         sigma: standard deviation, metres; default 1 % of the distance.
@@ -31,10 +32,3 @@ class Range:
             raise InputError(f"a range's standard deviation is {self.sigma} m; give a positive one, or None for 1 %.")
         if len(self.left_pixel) != 2 or not np.isfinite(self.left_pixel).all():
             raise InputError(f"left_pixel is {self.left_pixel}; give (column, row) in the left image.")
-
-
-def refers_to(one: Range, pair: Pair, index: int) -> bool:
-    """Whether a range belongs to a pair."""
-    if isinstance(one.pair, Pair):
-        return one.pair is pair
-    return one.pair == (pair.name if isinstance(one.pair, str) else index)

@@ -11,7 +11,7 @@ def test_a_table(tmp_path):
     path.write_text("pair,column,row,metres,sigma\nfirst,10.5,20,3.5,0.1\n\n1,1,2,inf,\n", encoding="utf-8-sig")
     one, two = sr.io.load_ranges(path)
     assert (one.pair, one.left_pixel, one.metres, one.sigma) == ("first", (10.5, 20.0), 3.5, 0.1)
-    assert (two.pair, two.left_pixel, two.metres, two.sigma) == (1, (1.0, 2.0), np.inf, None)
+    assert (two.pair, two.left_pixel, two.metres, two.sigma) == ("1", (1.0, 2.0), np.inf, None)
 
 
 @pytest.mark.parametrize(

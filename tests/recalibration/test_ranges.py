@@ -85,7 +85,7 @@ def test_exact_beams_have_no_residual(seed, percent):
     unit = rays / np.linalg.norm(rays, axis=-1, keepdims=True)
     points = np.where(np.isfinite(metres)[:, None], unit * np.minimum(metres, 1e9)[:, None], unit * 1e12)
     right = rig.right.project(points @ rig.rotation.T + rig.translation)
-    seen = Beams(left, right, metres, 0.01 * metres)
+    seen = Beams(left, right, metres, 0.01 * metres, 0.2)
     np.testing.assert_allclose(seen.residuals(rig), 0.0, atol=1e-6)
     chart = row_chart(rig, Reach(), Parameters(("yaw", "baseline")))
     normal, pull = seen.normal_and_pull(chart, np.zeros(2))
@@ -105,6 +105,42 @@ def test_exact_beams_have_no_residual(seed, percent):
 def test_ranges_that_make_no_sense(values, said):
     with pytest.raises(sr.InputError, match=said):
         sr.Range(*values)
+
+
+def test_names_that_several_pairs_have(harbour):
+    """Scene folders call every pair the same."""
+    street = sr.synthetic.render("street", 3)
+    scenes = [
+        sr.Scene(s.name, longer(RIG, 2.0), tuple(sr.Pair(p.left, p.right, "left.png") for p in s.pairs))
+        for s in (harbour, street)
+    ]
+    with pytest.raises(sr.InputError, match="2 have that name"):
+        sr.recalibrate_many(scenes, ranges=[sr.Range("left.png", (50.0, 50.0), 3.0)])
+    with pytest.raises(sr.InputError, match="not among those given"):
+        sr.recalibrate_many(scenes, ranges=[sr.Range(0, (50.0, 50.0), 3.0)])
+    named = [sr.Range(f"{harbour.name}/left.png", r.left_pixel, r.metres) for r in some()]
+    one, other = sr.recalibrate_many(scenes, ranges=named, extrinsics="one")
+    assert len(one.solution.beams.metres) == len(other.solution.beams.metres) <= 60
+    for repair in (one, other):
+        assert abs(100 * (repair.solution.rig.baseline / RIG.baseline - 1)) < 0.8
+
+
+def test_ranges_do_not_hide_frames_that_disagree(harbour):
+    street = sr.synthetic.render("street", 3, rig=RIG.resized((320, 240)), frames=4)
+    rolled = [sr.Pair(p.left, np.roll(p.right, 2 * (i % 2), axis=0), p.name) for i, p in enumerate(street.pairs)]
+    far = [sr.Range(0, (160.0, 150.0), 5.0)]
+    assert sr.recalibrate(street.rig, rolled, ranges=far).reason is sr.Reason.FRAMES_DISAGREE
+
+
+def test_the_count_sees_no_ranges(harbour):
+    with pytest.raises(sr.InputError, match="the count sees neither"):
+        sr.recalibrate(RIG, harbour.pairs, schedule="count", ranges=some())
+
+
+def test_ranges_make_depth_surer(harbour):
+    alone, ranged = sr.recalibrate(RIG, harbour.pairs), sr.recalibrate(RIG, harbour.pairs, ranges=some())
+    widths = [s.expected.depth_percent[30].high - s.expected.depth_percent[30].low for s in (alone, ranged)]
+    assert widths[1] < 0.6 * widths[0]
 
 
 def test_ranges_of_nothing(harbour):

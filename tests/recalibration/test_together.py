@@ -99,6 +99,8 @@ def test_fog_takes_no_part(given_wrong):
     assert alone.solution.intrinsics.outcome is IntrinsicsOutcome.NOT_SOLVED
     *others, last = sr.recalibrate_many([*given_wrong, fog], free=BOTH, extrinsics="one")
     assert not last.solution.accepted
+    assert last.solution.intrinsics.outcome is IntrinsicsOutcome.NOT_HERE
+    assert not last.solution.intrinsics.taken
     assert others[0].solution.intrinsics.taken
 
 
