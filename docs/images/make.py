@@ -3,6 +3,7 @@
 import shutil
 from pathlib import Path
 
+import cv2
 import jax
 import matplotlib.pyplot as plt
 import numpy as np
@@ -55,6 +56,35 @@ def conventions() -> None:
     save(figure, HERE / "conventions.png")
 
 
+def misfit() -> None:
+    """What is left of the rows of each region, for images that the model explains and for two that it does not."""
+    scene = sr.synthetic.render("harbour", 0)
+    (pair,) = scene.pairs
+    left, right = np.array(pair.left), np.array(pair.right)
+    height, width = right.shape
+    moved, rolled = right.copy(), right.copy()
+    moved[:-2, : int(0.3 * width)] = right[2:, : int(0.3 * width)]
+    columns, rows = np.meshgrid(np.arange(width, dtype=np.float32), np.arange(height, dtype=np.float32))
+    rolled = cv2.remap(right, columns, rows + 3.0 * rows / height, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REFLECT)
+    cases = {"as it was taken": right, "left 30 % two rows later": moved, "a shutter that rolls by three rows": rolled}
+    bad = sr.synthetic.decalibrate(scene.rig, jax.random.key(0), 1.0, 0.01)
+    figure, axes = plt.subplots(1, 3, figsize=(11.0, 3.4), layout="constrained")
+    shown = None
+    for where, (title, image) in zip(axes, cases.items(), strict=True):
+        solution = sr.recalibrate(bad, [sr.Pair(left, image.astype(np.float32))])
+        assert solution.misfit is not None
+        regions = np.full((6, 8), np.nan)
+        regions[np.divmod(solution.misfit.place, 8)] = solution.misfit.after
+        where.imshow(left, cmap="gray", extent=(0, 8, 6, 0), alpha=0.6)
+        shown = where.imshow(regions, cmap="coolwarm", vmin=-1, vmax=1, extent=(0, 8, 6, 0), alpha=0.7)
+        where.set_title(f"{title}\n{solution.reason.name}, {solution.misfit.rms:.2f} px")
+        where.set_axis_off()
+        print(title, solution.reason.name, solution.misfit.cause.name)
+    assert shown is not None
+    figure.colorbar(shown, ax=axes, label="row difference of a region, px")
+    save(figure, HERE / "misfit.png")
+
+
 def experiments() -> None:
     """The figures of the paper's experiments on the synthetic log; ten minutes, unless it was done before."""
     log, folder = sr.synthetic_log(), HERE.parents[1] / "reproduced" / "for-docs"
@@ -67,4 +97,5 @@ def experiments() -> None:
 if __name__ == "__main__":
     repair()
     conventions()
+    misfit()
     experiments()
