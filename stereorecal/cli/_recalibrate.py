@@ -28,12 +28,9 @@ from stereorecal.recalibration import (
     Reason,
     Repair,
     Schedule,
-    check_schedule,
-    check_shared,
-    looked_at,
     repaired_together,
     repairs_as_finished,
-    resolved_ranges,
+    sharing,
     with_ranges,
 )
 from stereorecal.recordings import Scene
@@ -53,10 +50,7 @@ def run(options: argparse.Namespace) -> int:
     free = with_ranges(as_parameters([name.strip() for name in options.free.split(",")]), ranges)
     _check_places(options)
     with executor(options.executor) as pool:
-        scenes = looked_at(recordings(options), free, ranges)
-        check_shared(scenes, free, options.extrinsics)
-        check_schedule(schedule, free)
-        ranges = resolved_ranges(ranges, [(scene.name, scene.pairs) for scene in scenes])
+        scenes, ranges = sharing(recordings(options), free, ranges, options.extrinsics, schedule)
         arguments = {
             "matcher": matcher,
             "schedule": schedule,

@@ -13,14 +13,14 @@ from stereorecal.recalibration._intrinsics import Intrinsics as Intrinsics, Intr
 from stereorecal.recalibration._many import (
     Fault as Fault,
     Repair as Repair,
-    check_shared as check_shared,
     looked_at as looked_at,
     recalibrate_many as recalibrate_many,
     repaired_together as repaired_together,
     repairs_as_finished as repairs_as_finished,
+    sharing as sharing,
 )
 from stereorecal.recalibration._path import Waypoint as Waypoint
-from stereorecal.recalibration._ranges import resolved_ranges as resolved_ranges, with_ranges as with_ranges
+from stereorecal.recalibration._ranges import with_ranges as with_ranges
 from stereorecal.recalibration._recalibrate import recalibrate as recalibrate
 from stereorecal.recalibration._rescale import Rescaled as Rescaled, rescale_baseline as rescale_baseline
 from stereorecal.recalibration._schedule import (
@@ -32,6 +32,5 @@ from stereorecal.recalibration._schedule import (
 )
 from stereorecal.recalibration._sequence import recalibrate_sequence as recalibrate_sequence
 from stereorecal.recalibration._solution import Solution as Solution
-from stereorecal.recalibration._together import check_schedule as check_schedule
 from stereorecal.recalibration._uncertainty import Uncertainty as Uncertainty
 from stereorecal.recalibration._warm_up import warm_up as warm_up

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from stereorecal.objectives import RigChart
-from stereorecal.recalibration._evidence import Evidence, evidence
+from stereorecal.recalibration._evidence import Evidence, evidence, scatter
 from stereorecal.recalibration._sums import Sums, sums
 from stereorecal.recordings import Pair
 from stereorecal.scoring import Correspondences, Loss, legible
@@ -102,14 +102,14 @@ def _distance(all_of_them: Sums, one: int, others: Int[np.ndarray, "f"], found: 
     from scipy.special import fdtri  # a third of a second to import, where frames are compared
 
     parts = (all_of_them.of(all_of_them.frame == one), all_of_them.of(np.isin(all_of_them.frame, others)))
-    (first, scatter), (second, scatter_of_others) = (_solution(part, found) for part in parts)
+    (first, its_scatter), (second, their_scatter) = (_solution(part, found) for part in parts)
     apart, size = first - second, found.z.size
     rows2 = apart @ parts[0].normal.sum(0) @ apart / max(parts[0].weight.sum(), 1e-12)
     if rows2 <= _ROWS_THAT_MATTER**2:
         return 0.0
     free = max(len(np.unique(parts[0].place)) - size, 1)
     limit = size * (free + size - 1) / free * float(fdtri(size, free, 1.0 - _CHANCE))
-    return float(apart @ np.linalg.solve(scatter + scatter_of_others, apart)) / limit
+    return float(apart @ np.linalg.solve(its_scatter + their_scatter, apart)) / limit
 
 
 def _solution(part: Sums, found: Evidence) -> tuple[Float[np.ndarray, "n"], Float[np.ndarray, "n n"]]:
@@ -119,6 +119,5 @@ def _solution(part: Sums, found: Evidence) -> tuple[Float[np.ndarray, "n"], Floa
     places = np.unique(part.place)
     without = [(part.normal[part.place == p].sum(0), part.pull[part.place == p].sum(0)) for p in places]
     left = np.stack([-np.linalg.solve(normal - n, pull - p) for n, p in without])
-    inverse, few = np.linalg.inv(normal), len(places)
-    moves = left - left.mean(0)
-    return -inverse @ pull, moves.T @ moves * (few - 1) / few + inverse @ prior @ inverse
+    inverse = np.linalg.inv(normal)
+    return -inverse @ pull, scatter(left) + inverse @ prior @ inverse

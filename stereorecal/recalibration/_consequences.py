@@ -10,8 +10,8 @@ from stereorecal.geometry import StereoRig
 from stereorecal.objectives import RigChart
 from stereorecal.recalibration._effects import DISTANCES, depth_error, nearnesses
 from stereorecal.recalibration._evidence import Evidence
+from stereorecal.recalibration._uncertainty import NORMAL_95
 
-_NORMAL_95 = 1.96
 _STEP = 1e-3  # of the box: some hundredths of a degree
 
 
@@ -51,7 +51,7 @@ def consequences(
     Both are linear in it as far as an interval reaches: depth is not, but its inverse is.
     """
     apart = _rms(facts.jacobian @ facts.z)
-    wide = _NORMAL_95 * _rms(deviations(facts.jacobian, covariance))
+    wide = NORMAL_95 * _rms(deviations(facts.jacobian, covariance))
     rows = Interval(apart, max(apart - wide, 0.0), apart + wide)
     return Consequences(rows, depth_intervals(used, chart, facts.z, covariance))
 
@@ -66,7 +66,7 @@ def depth_intervals(
 
     steps = _STEP * np.eye(len(z))
     slopes = np.stack([(near(z + h) - near(z - h)) / (2 * _STEP) for h in steps], axis=-1)
-    here, width = near(z), _NORMAL_95 * deviations(slopes, covariance)
+    here, width = near(z), NORMAL_95 * deviations(slopes, covariance)
     ends = np.stack([here, here + width, here - width], axis=-1)
     return {
         distance: Interval(*map(depth_error, three)) for distance, three in zip(DISTANCES, ends.tolist(), strict=True)

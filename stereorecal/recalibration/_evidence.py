@@ -128,8 +128,7 @@ class Evidence:
 
     def by_place(self, values: Float[np.ndarray, "t"]) -> Float[np.ndarray, "p"]:
         """The mean over the frames of what `held_out` says of each tile: at each place that shows something."""
-        places, place = np.unique(np.unique(self.tile) % TILES_OF_A_FRAME, return_inverse=True)
-        return np.bincount(place, values, len(places)) / np.bincount(place, minlength=len(places))
+        return mean_by(np.unique(self.tile) % TILES_OF_A_FRAME, values)
 
 
 def fold_of(place: Int[np.ndarray, "m"]) -> Int[np.ndarray, "m"]:
@@ -138,12 +137,21 @@ def fold_of(place: Int[np.ndarray, "m"]) -> Int[np.ndarray, "m"]:
     return (column + 2 * row) % FOLDS
 
 
+def mean_by(place: Int[np.ndarray, "t"], values: Float[np.ndarray, "t"]) -> Float[np.ndarray, "p"]:
+    """The mean of the values at each place that occurs."""
+    places, where = np.unique(place, return_inverse=True)
+    return np.bincount(where, values, len(places)) / np.bincount(where, minlength=len(places))
+
+
+def scatter(ends: Float[np.ndarray, "u n"]) -> Float[np.ndarray, "n n"]:
+    """The covariance that solutions without one of u units each show (Efron & Stein 1981)."""
+    moves = ends - ends.mean(0)
+    return moves.T @ moves * (len(ends) - 1) / len(ends)
+
+
 def jackknife(ends: Float[np.ndarray, "u n"]) -> Float[np.ndarray, "n n"]:
-    """The covariance that solutions without one of u units each show (Efron & Stein 1981), wider for few units, so that
-    1.96 standard deviations mean 95 % of them too."""
-    moves, others = ends - ends.mean(0), len(ends) - 1
-    few = (_student_975(others) / NormalDist().inv_cdf(0.975)) ** 2
-    return few * moves.T @ moves * others / len(ends)
+    """`scatter`, wider for few units, so that 1.96 standard deviations mean 95 % of them too."""
+    return (_student_975(len(ends) - 1) / NormalDist().inv_cdf(0.975)) ** 2 * scatter(ends)
 
 
 def _student_975(degrees: int) -> float:

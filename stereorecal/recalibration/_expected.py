@@ -21,7 +21,6 @@ from stereorecal.scoring import Correspondences
 
 _GRID = (17, 13)  # points of the view
 _STEP = 1e-3  # of the box, for derivatives
-_NORMAL_95 = 1.96
 
 
 @dataclass(frozen=True, eq=False)

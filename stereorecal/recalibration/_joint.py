@@ -78,7 +78,11 @@ class Joint:
 
     def normal(self, keep: Keep | None = None, *, bent: bool = False) -> Float[np.ndarray, "N N"]:
         """The normal matrix with those of the ranges and the prior, of the weights or the curvatures of the losses."""
-        total = self.known
+        return self.known + self.of_rows(keep, bent=bent)
+
+    def of_rows(self, keep: Keep | None = None, *, bent: bool = False) -> Float[np.ndarray, "N N"]:
+        """The normal matrix of the rows alone."""
+        total = np.zeros((self.size, self.size))
         for member, part in enumerate(self.parts):
             here, of_tiles = self.where(member), part.bent if bent else part.normal
             total[np.ix_(here, here)] += of_tiles[_kept(keep, member, part)].sum(0)
@@ -120,7 +124,7 @@ class Joint:
             def there(_: int, part: Sums, place: int = place) -> Bool[np.ndarray, "t"]:
                 return part.place == place
 
-            without = normal - (self.normal(there, bent=True) - self.known)
+            without = normal - self.of_rows(there, bent=True)
             ends.append(np.linalg.solve(without, pull - self.gathered("pull", there)))
         inverse = np.linalg.inv(normal)
         return jackknife(np.stack(ends)) + inverse @ self.known @ inverse

@@ -100,10 +100,7 @@ def recalibrate_many(
         StrategyError: if one of those is broken.
     """
     free = with_ranges(as_parameters(free), ranges)
-    scenes = looked_at(_as_scenes(scenes), free, ranges)
-    check_shared(scenes, free, extrinsics)
-    check_schedule(as_schedule(schedule), free)
-    ranges = resolved_ranges(ranges, [(scene.name, scene.pairs) for scene in scenes])
+    scenes, ranges = sharing(_as_scenes(scenes), free, ranges, extrinsics, as_schedule(schedule))
     options = {"schedule": schedule, "reach": reach, "budget": budget, "view": view, "seed": seed, "free": free}
     finished: dict[int, Repair] = {}
     for index, repair in repairs_as_finished(scenes, matcher=matcher, executor=executor, **options):
@@ -112,6 +109,21 @@ def recalibrate_many(
             progress(len(finished), len(scenes))
     repairs = tuple(finished[index] for index in range(len(scenes)))
     return repaired_together(scenes, repairs, free, extrinsics=extrinsics, ranges=ranges, executor=executor)
+
+
+def sharing(
+    scenes: Sequence[Scene], free: Parameters, ranges: Sequence[Range], extrinsics: str, schedule: Schedule
+) -> tuple[tuple[Scene, ...], tuple[Range, ...]]:
+    """The recordings with the frames that are looked at, and the ranges with the pairs that they mean, checked before
+    any work is done.
+
+    Raises:
+        InputError: if they cannot share what is free, or a range belongs to no pair of them.
+    """
+    scenes = looked_at(scenes, free, ranges)
+    check_shared(scenes, free, extrinsics)
+    check_schedule(schedule, free)
+    return scenes, resolved_ranges(ranges, [(scene.name, scene.pairs) for scene in scenes])
 
 
 def looked_at(scenes: Sequence[Scene], free: Parameters, ranges: Sequence[Range] = ()) -> tuple[Scene, ...]:

@@ -12,12 +12,12 @@ from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import BASELINE, Parameters, Reach, row_chart
 from stereorecal.recalibration._ranges import beams, resolved_ranges
 from stereorecal.recalibration._schedule import finest_scale
+from stereorecal.recalibration._uncertainty import NORMAL_95
 from stereorecal.recordings import Pairs, Range
 from stereorecal.scoring import pyramid
 from stereorecal.scoring.host import ranged
 
 _ROUNDS = 8
-_NORMAL_95 = 1.96
 _YAW = 0.005  # degrees: what a repair leaves of yaw, which the ranges see too
 _LONGER = 10.0  # percent: standard deviation of the length, far wider than any drift: the ranges decide
 
@@ -66,4 +66,4 @@ def rescale_baseline(
     deviation = float(chart.units[1] * np.sqrt(np.linalg.inv(normal)[1, 1]))
     extrinsics = np.array(rig.extrinsics, float)
     extrinsics[3:] *= 1.0 + change / 100.0
-    return Rescaled(rig.with_extrinsics(extrinsics), change, _NORMAL_95 * deviation, int((votes > 0.5).sum()))
+    return Rescaled(rig.with_extrinsics(extrinsics), change, NORMAL_95 * deviation, int((votes > 0.5).sum()))

@@ -2,36 +2,34 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float, Int
 
 from stereorecal._errors import InputError
-from stereorecal.geometry import StereoRig, View, with_unit_baseline
-from stereorecal.matching import AbstractMatcher
+from stereorecal.geometry import StereoRig, with_unit_baseline
 from stereorecal.objectives import Parameters, read_by, row_chart
 from stereorecal.recalibration import _unseen
-from stereorecal.recalibration._acceptance import Reason, compared, verdict
+from stereorecal.recalibration._acceptance import Reason, RowErrors, compared, verdict
 from stereorecal.recalibration._agreement import MOST_APART, disagreeing
-from stereorecal.recalibration._evidence import TILES_OF_A_FRAME, Evidence
+from stereorecal.recalibration._evidence import TILES_OF_A_FRAME, Evidence, mean_by
 from stereorecal.recalibration._expected import expected
 from stereorecal.recalibration._intrinsics import Intrinsics, IntrinsicsOutcome, outcome
-from stereorecal.recalibration._joint import Member, joint, solved_together
-from stereorecal.recalibration._misfit import misfit
+from stereorecal.recalibration._joint import Joint, Member, joint, solved_together
+from stereorecal.recalibration._misfit import Misfit, misfit
 from stereorecal.recalibration._ranges import NONE, Beams, beams
 from stereorecal.recalibration._schedule import Schedule, ScoreKind
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._stages import FEWEST
-from stereorecal.recalibration._uncertainty import uncertainty
+from stereorecal.recalibration._uncertainty import NORMAL_95, OBSERVED, uncertainty
 from stereorecal.recordings import Pair, Range
-from stereorecal.scoring import Correspondences, host, pyramid
+from stereorecal.scoring import Correspondences, ScoringData, host, pyramid
 from stereorecal.scoring.host import Score
 
 _MATCHED_AGAIN = 1  # times, under the rig found so far: far from it, windows at the edges of the view meet other things
 _FOLDS_OF_FRAMES = 4  # of one recording, for cross-validation
-_OBSERVED = 0.5  # of the prior's standard deviation
-_NORMAL_95 = 1.96
 _WORSE = 0.05  # pixels
 _CONTRADICTS = 3.0  # standard deviations of a range
 _UNUSABLE = (Reason.OUT_OF_BUDGET, Reason.TOO_LITTLE_TEXTURE, Reason.NO_MATCHES)
@@ -160,6 +158,31 @@ class _Solved:
             solved = replace(solved, members=_merged(members) if one else members)._solved_again()
         return solved
 
+    @cached_property
+    def problem(self) -> Joint:
+        """At the solution."""
+        return joint(self.members, self.own)
+
+    @cached_property
+    def facts(self) -> list[Evidence]:
+        """Of each member, at the solution."""
+        return [member.facts() for member in self.members]
+
+    @cached_property
+    def by_chance(self) -> Float[np.ndarray, "N N"]:
+        """The covariance of all parameters, without the misfit."""
+        return self.problem.covariance()
+
+    @cached_property
+    def by_misfit(self) -> Float[np.ndarray, "N N"]:
+        """What the misfit adds to it."""
+        return self.problem.by_misfit(_alike(self.facts))
+
+    @cached_property
+    def unseen(self) -> tuple[Float[np.ndarray, "t"], ...]:
+        """Row errors of each member's tiles, by solutions that have not seen their place."""
+        return _unseen.by_place(self.members, self.own)
+
     def _solved_again(self) -> "_Solved":
         return replace(self, members=solved_together(self.members, self.own))
 
@@ -175,16 +198,15 @@ class _Solved:
 
     def judged(self) -> Intrinsics:
         """The shared parameters, and whether they are taken."""
-        chart, problem = self.members[0].chart, joint(self.members, self.own)
+        chart, problem, facts = self.members[0].chart, self.problem, self.facts
         shared = slice(problem.size - chart.dim + self.own, None)
         fixed = self._fixed()
-        facts = [member.facts() for member in self.members]
-        before, after = (_unseen.by_place(members, self.own) for members in (fixed, self.members))
+        before, after = _unseen.by_place(fixed, self.own), self.unseen
         gains = [f.by_place(b - a) for f, b, a in zip(facts, before, after, strict=True)]
         places = [np.unique(f.tile % TILES_OF_A_FRAME) for f in facts]
-        gain = _mean_by(np.concatenate(places), np.concatenate(gains))
+        gain = mean_by(np.concatenate(places), np.concatenate(gains))
         here, there = self._elsewhere(fixed), self._elsewhere(self.members)
-        covariance = problem.covariance() + problem.by_misfit(_alike(facts))
+        covariance = self.by_chance + self.by_misfit
         of_member = problem.where(0)
         spread = covariance[np.ix_(of_member, of_member)]
         rig, view = chart.rig_at(self.members[0].z), self.recordings[0].repair.view
@@ -199,9 +221,9 @@ class _Solved:
             names=chart.names[self.own :],
             units=tuple(parameter.unit for parameter in chart.parameters[self.own :]),
             change=self.members[0].z[self.own :] * units,
-            interval=_NORMAL_95 * deviations * units,
+            interval=NORMAL_95 * deviations * units,
             undetermined=tuple(
-                name for name, d in zip(chart.names[self.own :], deviations, strict=True) if d > _OBSERVED * chart.prior
+                name for name, d in zip(chart.names[self.own :], deviations, strict=True) if d > OBSERVED * chart.prior
             ),
             fixed_px=float(np.mean(np.concatenate(before))),
             freed_px=float(np.mean(np.concatenate(after))),
@@ -238,41 +260,29 @@ class _Solved:
         return np.arange(frames) * min(_FOLDS_OF_FRAMES, frames) // frames
 
     def solutions(self, seen: Intrinsics | None, each: Each) -> tuple[Solution, ...]:
-        """Of each recording, with the shared parameters taken."""
-        rigs = self.rigs
-        tasks = [_Task(rig, r.kept, r.repair) for rig, r in zip(rigs, self.recordings, strict=True)]
-        counts, problem = each(_counted, tasks), joint(self.members, self.own)
-        facts = [member.facts() for member in self.members]
-        covariance, by_misfit = problem.covariance(), problem.by_misfit(_alike(facts))
-        unseen = _unseen.by_place(self.members, self.own)
-        one = len(self.members) == 1
-        by_ranges = any(_fits_ranges_better(member) for member in self.members)
-        found: list[Solution] = []
-        all_tiles = np.concatenate(counts, axis=1) if one else None
-        for index, (recording, rig, tiles) in enumerate(zip(self.recordings, rigs, counts, strict=True)):
-            at = 0 if one else index
-            member, here = self.members[at], np.ix_(problem.where(at), problem.where(at))
-            own, repair = facts[at].first(self.own), recording.repair
-            judged = tiles if all_tiles is None else all_tiles  # one rig has one verdict
-            left = misfit(own, *judged)
-            rows = compared(facts[at], facts[at].medians(facts[at].start_residual), unseen[at])
-            after = Score(int(tiles[1].sum()), repair.score_before.pixels)
-            reason = verdict(judged.sum(axis=(1, 2)), rows, own, left, member.found.covered)
-            if len(disagreeing(own)[0]) > MOST_APART * own.frames:
-                reason = Reason.FRAMES_DISAGREE
-            if reason is Reason.ALREADY_GOOD and by_ranges:
-                reason = Reason.RANGES
+        """Of each recording, with the shared parameters taken; where there is one member, one verdict for all."""
+        tasks = [_Task(rig, r.kept, r.repair) for rig, r in zip(self.rigs, self.recordings, strict=True)]
+        counts, one = each(_counted, tasks), len(self.members) == 1
+        verdicts = [
+            self._verdict(index, tiles)
+            for index, tiles in enumerate([np.concatenate(counts, axis=1)] if one else counts)
+        ]
+        found = []
+        for index, (task, tiles) in enumerate(zip(tasks, counts, strict=True)):
+            at, repair = 0 if one else index, task.repair
+            member, here = self.members[at], np.ix_(self.problem.where(at), self.problem.where(at))
+            reason, rows, left = verdicts[at]
             found.append(
                 replace(
                     repair,
-                    rig=rig if reason.accepted else repair.initial,
-                    candidate=rig,
+                    rig=task.candidate if reason.accepted else repair.initial,
+                    candidate=task.candidate,
                     accepted=reason.accepted,
                     reason=reason,
-                    score_after=after,
+                    score_after=Score(int(tiles[1].sum()), repair.score_before.pixels),
                     row_errors=rows,
                     misfit=left,
-                    uncertainty=uncertainty(covariance[here], by_misfit[here], member.chart),
+                    uncertainty=uncertainty(self.by_chance[here], self.by_misfit[here], member.chart),
                     intrinsics=seen if seen is None or reason.accepted else seen.not_here,
                     free=self.free,
                     beams=member.beams,
@@ -280,6 +290,18 @@ class _Solved:
                 )
             )
         return tuple(found)
+
+    def _verdict(self, at: int, tiles: Int[np.ndarray, "2 k tiles"]) -> tuple[Reason, RowErrors, Misfit]:
+        """On a member, whose tiles have these counts before and after."""
+        facts = self.facts[at]
+        own = facts.first(self.own)
+        left, rows = misfit(own, *tiles), compared(facts, facts.medians(facts.start_residual), self.unseen[at])
+        reason = verdict(tiles.sum(axis=(1, 2)), rows, own, left, self.members[at].found.covered)
+        if len(disagreeing(own)[0]) > MOST_APART * own.frames:
+            reason = Reason.FRAMES_DISAGREE
+        if reason is Reason.ALREADY_GOOD and any(_fits_ranges_better(member) for member in self.members):
+            reason = Reason.RANGES
+        return reason, rows, left
 
 
 @dataclass(frozen=True, eq=False)
@@ -291,25 +313,21 @@ class _Task:
     repair: Solution
     ranges: tuple[Range, ...] = ()
 
-    @property
-    def view(self) -> View:
-        return self.repair.view
-
-    @property
-    def matcher(self) -> AbstractMatcher:
-        return self.repair.matcher
+    def data(self, rig: StereoRig, scale: float) -> ScoringData:
+        """The pairs with the cameras of a rig."""
+        return pyramid(rig, self.pairs, self.repair.view).at(scale)
 
 
 def _matched(task: _Task) -> Correspondences:
     """The correspondences under the candidate."""
-    data = pyramid(task.candidate, task.pairs, task.view).at(task.repair.stages[-1].scale)
-    return host.correspondences(data, with_unit_baseline(task.candidate.extrinsics), task.matcher)
+    data = task.data(task.candidate, task.repair.stages[-1].scale)
+    return host.correspondences(data, with_unit_baseline(task.candidate.extrinsics), task.repair.matcher)
 
 
 def _beams(task: _Task) -> Beams:
     """The ranges, matched under the candidate."""
-    data = pyramid(task.candidate, task.pairs, task.view).at(task.repair.stages[-1].scale)
-    return beams(data, task.candidate, task.matcher, task.pairs, task.ranges)
+    data = task.data(task.candidate, task.repair.stages[-1].scale)
+    return beams(data, task.candidate, task.repair.matcher, task.pairs, task.ranges)
 
 
 def _fits_ranges_better(member: Member) -> bool:
@@ -323,11 +341,12 @@ def _fits_ranges_better(member: Member) -> bool:
 
 def _counted(task: _Task) -> Int[np.ndarray, "2 k tiles"]:
     """Counts of the tiles of all frames at full scale, under the initial calibration and the candidate."""
-    counts = []
-    for rig in (task.repair.initial, task.candidate):
-        data = pyramid(rig, task.pairs, task.view).at(1.0)
-        counts.append(host.counts_by_tile(data, with_unit_baseline(rig.extrinsics)[None], task.matcher)[0])
-    return np.stack(counts)
+    return np.stack(
+        [
+            host.counts_by_tile(task.data(rig, 1.0), with_unit_baseline(rig.extrinsics)[None], task.repair.matcher)[0]
+            for rig in (task.repair.initial, task.candidate)
+        ]
+    )
 
 
 def _merged(members: Sequence[Member]) -> tuple[Member]:
@@ -346,11 +365,6 @@ def _merged(members: Sequence[Member]) -> tuple[Member]:
     parts = {name: np.concatenate([getattr(one, name) for one in seen]) for name in names}
     every = Beams(**parts, matching=max(one.matching for one in seen))
     return (Member(members[0].chart, replace(found[0], **rays, tile=np.concatenate(tiles)), middle, every),)
-
-
-def _mean_by(place: Int[np.ndarray, "t"], values: Float[np.ndarray, "t"]) -> Float[np.ndarray, "p"]:
-    places, where = np.unique(place, return_inverse=True)
-    return np.bincount(where, values, len(places)) / np.bincount(where, minlength=len(places))
 
 
 def _alike(facts: Sequence[Evidence]) -> float:

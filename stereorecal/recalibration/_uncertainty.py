@@ -7,9 +7,9 @@ from jaxtyping import Bool, Float
 
 from stereorecal.objectives import RigChart
 
-_NORMAL_95 = 1.96
+NORMAL_95 = 1.96
 _PART = 0.3  # of a unit direction: an axis with less is not named
-_OBSERVED = 0.5  # of the prior's standard deviation; above it, the answer is mostly the prior
+OBSERVED = 0.5  # of the prior's standard deviation; above it, the answer is mostly the prior
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,12 +33,12 @@ class Uncertainty:
     @property
     def interval(self) -> Float[np.ndarray, "n"]:
         """Half widths of the 95 % intervals."""
-        return _NORMAL_95 * np.sqrt(np.diag(self.covariance))
+        return NORMAL_95 * np.sqrt(np.diag(self.covariance))
 
     @property
     def interval_by_chance(self) -> Float[np.ndarray, "n"]:
         """The same without the misfit: where every region fits, they are equal."""
-        return _NORMAL_95 * np.sqrt(np.diag(self.by_chance))
+        return NORMAL_95 * np.sqrt(np.diag(self.by_chance))
 
     @property
     def unobserved(self) -> tuple[str, ...]:
@@ -52,7 +52,7 @@ def uncertainty(
     """The uncertainty of a solution from its covariances, in half widths of the box."""
     unit = chart.units
     both = by_chance + by_misfit
-    observed = np.sqrt(np.diag(by_chance)) < _OBSERVED * chart.prior
+    observed = np.sqrt(np.diag(by_chance)) < OBSERVED * chart.prior
     units = unit[:, None] * unit
     return Uncertainty(
         chart.names, both * units, by_chance * units, observed, _directions(by_chance / chart.prior**2, chart.names)
@@ -64,7 +64,7 @@ def _directions(covariance: Float[np.ndarray, "n n"], free: tuple[str, ...]) -> 
     variances, axes = np.linalg.eigh(covariance)
     found = []
     for variance, direction in zip(variances, axes.T, strict=True):
-        if variance > _OBSERVED**2:
+        if variance > OBSERVED**2:
             parts = np.argsort(-np.abs(direction))
             names = [free[i] for i in parts if abs(direction[i]) > _PART]
             found.append(" with ".join(names))
