@@ -1,8 +1,8 @@
 """Analytic problems on the unit box, each with one difficulty of real scores.
 
-Every problem has a host face and a traced face. The traced functions are pytrees that carry their data, so that one
-compiled program serves all problems of one kind and dimension, and they count how often and where they run: a strategy
-cannot hide evaluations inside JAX.
+Every problem has a host face and a traced face. The traced functions are pytrees that carry their data, which of a few
+scores they are among it, so that one compiled program serves all problems of one dimension; and they count how often
+and where they run: a strategy cannot hide evaluations inside JAX.
 """
 
 from collections.abc import Callable
@@ -58,15 +58,20 @@ class Meter:
 @register_pytree
 @dataclass(frozen=True, eq=False)
 class _Counted:
-    """A traced function that counts each of its runs."""
+    """A traced function that counts each of its runs: the one of `scores` that `chosen` says."""
 
     key: AnyArray
-    function: Score = field(metadata={"static": True})
+    chosen: AnyArray
+    scores: tuple[Score, ...] = field(metadata={"static": True})
     runs: int = field(metadata={"static": True})
 
     def __call__(self, z: Any) -> Any:
         self.tick(z, self.runs)
         return self.function(z)
+
+    def function(self, z: Any) -> Any:
+        """Without counting."""
+        return jax.lax.switch(self.chosen, [lambda z, f=score: f(z).astype(z.dtype) for score in self.scores], z)
 
     def tick(self, z: Any, runs: int) -> None:
         """Count this many runs at z."""
@@ -118,10 +123,13 @@ def _problem(
         meter.on_host += len(points)
         return np.asarray(values(points), float)
 
-    key = jnp.asarray(meter.key, jnp.int32)
+    def counted(score: Score) -> _Counted:
+        alike = next(scores for scores in (_SOFT, _ALIKE, (curved,)) if score in scores)
+        return _Counted(jnp.asarray(meter.key, jnp.int32), jnp.asarray(alike.index(score), jnp.int32), alike, 1)
+
     traced = Traced(
-        soft_count=_Differentiable(_Counted(key, soft, 1), _soft_count) if soft else None,
-        residuals=_Differentiable(_Counted(key, residuals, 1), _residuals) if residuals else None,
+        soft_count=_Differentiable(counted(soft), _soft_count) if soft else None,
+        residuals=_Differentiable(counted(residuals), _residuals) if residuals else None,
     )
     return Problem(dim, metered, traced=traced)
 
@@ -226,3 +234,7 @@ def broken(z: AnyArray) -> AnyArray:
     """Linear residuals, with NaN on one side, close to the start."""
     xp = namespace(z)
     return xp.where(z[..., :1] > 0.1, xp.nan, linear(z))
+
+
+_SOFT = (_bowl, _ridge, _cliff, _pocket, _flat)
+_ALIKE = (linear, constant, broken)  # as many residuals as parameters
