@@ -1,6 +1,7 @@
 """Is a good rig ever replaced by a bad one, where five parameters cannot explain the images? Prints two tables.
 
     python tests/benchmarks/misfit.py [--draws N] [--frames N] [--only NAME,…] [--unseen] [--part I/N] [--json FILE]
+    python tests/benchmarks/misfit.py --turning
 
 Rendered and real scenes are spoiled in many ways, half of which the model explains (noise, blur, exposure, JPEG from
 20 on, glints, rain, fixed dirt) and half of which it does not, and repaired from the true rig, from 0.3° and from 2.5°
@@ -8,6 +9,9 @@ away; with several frames, what moves does so differently in each. Judges: rows 
 the CLEAN images under the true rig, rotations by the truth (on real scenes: the consensus of repairs of the clean
 images). Harmful: accepted, and rows more than 0.02 px farther apart, or an axis of rotation farther from the truth by
 more than its interval (before misfit widens it) or 0.05°, if that is larger.
+
+With --turning: what no single frame can tell, a late right image on a rig that only turns, which is another pose of the
+right camera, exactly.
 """
 
 import argparse
@@ -217,6 +221,7 @@ UNSEEN: dict[str, Spoil] = {
 # What a motion makes of the images; with several frames it differs from one to the next.
 MOVING = ("patch", "left", "below", "rolling", "interlaced")
 LATE = "late right"  # of a rig that moves forward: the right image of the next frame
+TURNED = (0.1, 0.3, 1.0)  # degrees to the side, between the exposures of a rig that only turns
 
 
 @dataclass(frozen=True)
@@ -248,6 +253,18 @@ def scenes(frames: int) -> Iterator[tuple[Scene, Scene | None]]:
         for name in REAL:
             scene = sr.io.load_scene(Path(folder) / name, limit=frames)
             yield scene, None
+
+
+def turning() -> None:
+    """Repairs of true rigs that turned between the exposures."""
+    table = Table("turned", "repairs", "accepted", "yaw moved by, median", box=None)
+    rig = sr.synthetic.default_rig()
+    for degrees in TURNED:
+        seen = rig.with_extrinsics(rig.extrinsics + np.radians([0, degrees, 0, 0, 0, 0]))
+        found = [sr.recalibrate(rig, sr.synthetic.render(kind, seed, rig=seen).pairs) for kind, seed in RENDERED]
+        moved = [float(np.degrees(s.rig.extrinsics[1] - rig.extrinsics[1])) for s in found]
+        table.add_row(f"{degrees}°", f"{len(found)}", f"{sum(s.accepted for s in found)}", f"{np.median(moved):.3f}°")
+    Console().print(table)
 
 
 def with_truth(scene: Scene) -> Scene:
@@ -330,9 +347,13 @@ def main() -> None:
     parser.add_argument("--frames", type=int, default=1)
     parser.add_argument("--only", default="", help="parts of names of scenes or cases, comma separated")
     parser.add_argument("--unseen", action="store_true", help="the kinds that no rule was chosen on")
+    parser.add_argument("--turning", action="store_true", help="late on a rig that only turns, and nothing else")
     parser.add_argument("--part", default="0/1", help="every N-th case from the I-th on, for several processes")
     parser.add_argument("--json", type=Path, help="a line for each repair, appended")
     options = parser.parse_args()
+    if options.turning:
+        turning()
+        return
     wanted = [part for part in options.only.split(",") if part]
     part, parts = map(int, options.part.split("/"))
     rows, number = [], 0
