@@ -361,9 +361,8 @@ def _merged(members: Sequence[Member]) -> tuple[Member]:
     rays = {name: all_of(name) for name in ("left", "right", "weight")}
     middle = np.median([member.z for member in members], axis=0)
     seen = [member.beams for member in members]
-    names = ("left", "right", "metres", "sigma")
-    parts = {name: np.concatenate([getattr(one, name) for one in seen]) for name in names}
-    every = Beams(**parts, matching=max(one.matching for one in seen))
+    names = ("left", "right", "metres", "sigma", "matching")
+    every = Beams(*(np.concatenate([getattr(one, name) for one in seen]) for name in names))
     return (Member(members[0].chart, replace(found[0], **rays, tile=np.concatenate(tiles)), middle, every),)
 
 

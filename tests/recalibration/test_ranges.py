@@ -85,7 +85,7 @@ def test_exact_beams_have_no_residual(seed, percent):
     unit = rays / np.linalg.norm(rays, axis=-1, keepdims=True)
     points = np.where(np.isfinite(metres)[:, None], unit * np.minimum(metres, 1e9)[:, None], unit * 1e12)
     right = rig.right.project(points @ rig.rotation.T + rig.translation)
-    seen = Beams(left, right, metres, 0.01 * metres, 0.2)
+    seen = Beams(left, right, metres, 0.01 * metres, np.full(20, 0.2))
     np.testing.assert_allclose(seen.residuals(rig), 0.0, atol=1e-6)
     chart = row_chart(rig, Reach(), Parameters(("yaw", "baseline")))
     normal, pull = seen.normal_and_pull(chart, np.zeros(2))
