@@ -1,5 +1,5 @@
-"""Real scenes for `intrinsics.py`: what the intrinsics of one recording say of the rows of others, whether the intervals
-of single recordings reach the end point of all, and what freeing good intrinsics costs."""
+"""Real scenes for `intrinsics.py`: what the intrinsics of some recordings say of the rows of others, whether the
+intervals of single recordings reach the end point of all, and what freeing good intrinsics costs."""
 
 import os
 from collections.abc import Sequence

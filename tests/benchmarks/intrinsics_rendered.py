@@ -131,9 +131,9 @@ def expectations(rigs: int) -> None:
         every += told
         share, wide = 100 * np.mean(told, axis=0), np.median(widths, axis=0)
         print(
-            f"{name}, {len(told)} of {rigs // 2} healthy, {taken} with intrinsics taken: depth at 10 B {share[0]:.0f} %, "
-            f"at 30 B {share[1]:.0f} %, rows {share[2]:.0f} %; interval of depth {wide[0]:.1f}, {wide[1]:.1f} %, "
-            f"expected rows {wide[2]:.2f} px (medians)",
+            f"{name}, {len(told)} of {rigs // 2} healthy, {taken} with intrinsics taken: depth at 10 B "
+            f"{share[0]:.0f} %, at 30 B {share[1]:.0f} %, rows {share[2]:.0f} %; "
+            f"interval of depth {wide[0]:.1f}, {wide[1]:.1f} %, expected rows {wide[2]:.2f} px (medians)",
             flush=True,
         )
     share = 100 * np.mean(every, axis=0)
