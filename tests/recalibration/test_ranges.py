@@ -6,7 +6,9 @@ from hypothesis import given, settings, strategies as st
 
 import stereorecal as sr
 from stereorecal.objectives import Parameters, Reach, row_chart
-from stereorecal.recalibration._ranges import Beams
+from stereorecal.recalibration._ranges import Beams, beams
+from stereorecal.scoring import pyramid
+from stereorecal.scoring.host import ranged
 from stereorecal.synthetic import ranges as measured
 
 RIG = sr.synthetic.default_rig()
@@ -38,6 +40,20 @@ def test_the_length_of_the_baseline(harbour, percent):
     assert found.used > 10
     np.testing.assert_array_equal(found.rig.extrinsics[:3], bad.extrinsics[:3])
     np.testing.assert_allclose(found.rig.translation / found.rig.baseline, bad.translation / bad.baseline)
+
+
+def test_disparities_err_as_their_deviations_say(harbour):
+    """Of single pixels, whose ranges have no noise."""
+    pixels, metres = measured("harbour", 2, number=200, noise=0.0)
+    images = pyramid(RIG, harbour.pairs)
+    ranges = [sr.Range(images.pairs[0], tuple(p), far, 1e-9) for p, far in zip(pixels.tolist(), metres, strict=True)]
+    seen = beams(images.at(1.0), RIG, ranged(None, images), images.pairs, ranges)
+    assert len(seen.metres) > 0.5 * len(ranges)
+    apart = np.abs(seen.residuals(RIG))  # in deviations of the disparity, nothing else being uncertain
+    surer = seen.matching < np.median(seen.matching)
+    for some in (surer, ~surer):
+        assert 0.5 < 1.4826 * np.median(apart[some]) < 1.4
+    assert np.mean(apart > 4.0) < 0.05
 
 
 def test_ranges_of_other_things_have_no_say(harbour):

@@ -14,6 +14,7 @@ from stereorecal.recalibration import IntrinsicsOutcome, _unseen, looked_at
 from stereorecal.recalibration._effects import rows_apart
 from stereorecal.recalibration._frames import MOST_FRAMES
 from stereorecal.recalibration._joint import Member, joint, solved_together
+from stereorecal.recalibration._sums import Sums, calmed
 from stereorecal.scoring import Correspondences
 
 SIZE = (320, 240)
@@ -178,6 +179,20 @@ def members(seed: int, number: int = 3, noise: float = 0.1) -> tuple[Member, ...
         found = Correspondences(*rays, np.ones(tile.shape), tile, *scale)
         made.append(Member(chart, found, np.zeros(chart.dim)))
     return tuple(made)
+
+
+@pytest.mark.parametrize("frames", [1, 4, 400])
+def test_votes_are_bounded(frames):
+    """However many rows a tile has, and however many frames show its place: it tells as much as one row that errs as
+    they do together."""
+    weight = np.full(2 * frames, 1e6)
+    normal = weight[:, None, None] * np.ones((1, 1))
+    rows = np.zeros((2 * frames, 1))
+    place = np.repeat([3, 17], frames)
+    part = Sums(normal, normal, rows, rows, weight, np.tile(np.arange(frames), 2), place)
+    for parts in ([part], [part.of(part.frame % 2 == 0), part.of(part.frame % 2 == 1)]):
+        information = sum(one.normal[one.place == 3].sum() for one in calmed(parts))
+        assert information == pytest.approx(1.0 / (0.02**2 + 0.05**2 / frames), rel=0.01)
 
 
 @settings(max_examples=5)
