@@ -186,7 +186,7 @@ def _show(repairs: Sequence[Repair], options: argparse.Namespace) -> None:
     if options.quiet or options.json == "-":
         return
     if len(repairs) > 1:
-        table_console().print(repairs_table([repair.as_dict() for repair in repairs]))
+        table_console().print(repairs_table([repair.as_row() for repair in repairs]))
         return
     solution = repairs[0].solution
     print(solution)

@@ -16,7 +16,7 @@ from stereorecal.comparison._entrants import entrants_of
 from stereorecal.comparison._trial import Task, Trial, failed, run_trial
 from stereorecal.geometry import StereoRig
 from stereorecal.matching import AbstractMatcher, as_matcher
-from stereorecal.objectives import Reach
+from stereorecal.objectives import Parameters, Reach, as_parameters
 from stereorecal.recalibration import recalibrate
 from stereorecal.recordings import Pairs, Scene, check_pairs
 from stereorecal.scoring import pyramid
@@ -59,6 +59,7 @@ def compare(
     draws: int = 20,
     budget: Budget | float | None = None,
     seed: int = 0,
+    free: Parameters | str | Sequence[str] | None = None,
     executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> Comparison:
@@ -74,6 +75,7 @@ def compare(
         draws=draws,
         budget=budget,
         seed=seed,
+        free=free,
         executor=executor,
         progress=progress,
     )
@@ -91,6 +93,7 @@ def compare_scenes(
     draws: int = 20,
     budget: Budget | float | None = None,
     seed: int = 0,
+    free: Parameters | str | Sequence[str] | None = None,
     executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> Comparison:
@@ -113,6 +116,10 @@ def compare_scenes(
             in the stages of its kind. Default "count" where strategies are given, else both side by side.
         scale: image scale of the count schedule.
         budget: of each trial, in units or a `Budget`; default none.
+        free: what the strategies search, `Parameters` or names and groups, such as ("extrinsics", "intrinsics");
+            default the extrinsics. With more than those the box has more coordinates, and the count is scored on the
+            host: strategies that need more of it are skipped. Drifts and errors are those of the extrinsics all the
+            same.
         executor: any `concurrent.futures.Executor`; default one trial after the other in this process.
         progress: called with (finished, total) after each trial.
 
@@ -125,7 +132,9 @@ def compare_scenes(
         raise InputError(f"scale is {scale}; give one within (0, 1].")
     if len({scene.name for scene in scenes}) < len(scenes):
         raise InputError("two scenes have the same name; rename a folder, or give each scene once.")
-    matcher, drift, budget = as_matcher(matcher), drift or Drift(), as_budget(budget)
+    matcher, drift, budget, free = as_matcher(matcher), drift or Drift(), as_budget(budget), as_parameters(free)
+    if not free.axes:
+        raise InputError("no extrinsics are free; free them as well, since every drift moves them.")
     if reach is None:
         reach = Reach(max(3.0, 1.2 * drift.degrees), max(0.03, 1.2 * drift.baseline_fraction))
     entrants = entrants_of(strategies, schedule, scale)
@@ -147,6 +156,7 @@ def compare_scenes(
             reach=reach,
             budget=budget,
             seed=seed + draw,
+            free=free,
         )
         for scene, scene_matcher, reference in planned
         for draw in range(draws)
@@ -172,6 +182,7 @@ def compare_scenes(
         "draws": draws,
         "seed": seed,
         "budget": asdict(budget),
+        "free": list(free.names),
     }
     described = tuple(_describe(*plan) for plan in planned)
     finished = tuple(trials[index] for index in sorted(trials))

@@ -5,13 +5,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from stereorecal._errors import NeedNotMet
-from stereorecal.geometry import StereoRig, axis_errors
+from stereorecal.geometry import StereoRig, View, axis_errors
 from stereorecal.matching import AbstractMatcher
-from stereorecal.objectives import Reach, count_chart, objective
-from stereorecal.recalibration import Schedule, Solution, recalibrate
+from stereorecal.objectives import Parameters, Reach, count_objective, reach_chart, rig_count_objective
+from stereorecal.recalibration import Case, Schedule, Solution, searched
 from stereorecal.recordings import Scene
+from stereorecal.scoring import pyramid
 from stereorecal.scoring.host import score
-from stereorecal.strategies import Budget
+from stereorecal.strategies import Budget, Objective
 
 SCORE_AT = (100, 300, 1000)  # units, at which the best score is noted: spread evenly over a logarithmic axis
 SKIPPED, FAILED = "SKIPPED", "FAILED"  # the status of a trial that did not run, or crashed; else the name of a `Status`
@@ -27,6 +28,7 @@ class Task:
         start: the decalibrated rig.
         matcher: with its disparity range.
         schedule: with the strategy in it.
+        free: what the strategies search.
         strategies: names of all strategies that the schedule runs.
     """
 
@@ -42,6 +44,7 @@ class Task:
     reach: Reach
     budget: Budget
     seed: int
+    free: Parameters
 
 
 @dataclass(frozen=True)
@@ -102,15 +105,8 @@ def failed(task: Task, error: BaseException) -> Trial:
 
 
 def _repair(task: Task) -> Solution:
-    return recalibrate(
-        task.start,
-        task.scene.pairs,
-        matcher=task.matcher,
-        schedule=task.schedule,
-        reach=task.reach,
-        budget=task.budget,
-        seed=task.seed,
-    )
+    case = Case(pyramid(task.start, task.scene.pairs), task.matcher, task.reach, task.free)
+    return searched(case, task.schedule, task.budget, task.seed)
 
 
 def _finished(task: Task, solution: Solution) -> Trial:
@@ -149,18 +145,23 @@ def _scores_at(task: Task, solution: Solution) -> dict[str, float | None] | None
     if len(trace.values):
         unvalued = {cost: trace.charged_within(cost) for cost in SCORE_AT}
     else:
-        chart = count_chart(task.start, task.reach)
-        unvalued = dict.fromkeys(SCORE_AT, chart.inside(np.asarray(solution.candidate.extrinsics)))
+        point = reach_chart(task.start, task.reach, task.free).coordinates_of(solution.candidate)
+        unvalued = dict.fromkeys(SCORE_AT, np.clip(point, -1.0, 1.0))
     wanted = {cost: point for cost, point in unvalued.items() if point is not None}
     if wanted:
-        view, options = (
-            solution.view,
-            {"matcher": task.matcher, "reach": task.reach, "scale": task.schedule.stages[0].scale},
-        )
-        judge = objective(task.start, task.scene.pairs, view=view, **options)
+        judge = _judge(task, solution.view)
         for cost, point in wanted.items():
             found[cost].append(judge.value(point))
     return {str(cost): max((v for v in values if v is not None), default=None) for cost, values in found.items()}
+
+
+def _judge(task: Task, view: View) -> Objective:
+    """The score of the only stage."""
+    images, scale = pyramid(task.start, task.scene.pairs, view), task.schedule.stages[0].scale
+    if task.free.shared:
+        chart = reach_chart(task.start, task.reach, task.free)
+        return rig_count_objective(images, task.matcher, chart, scale=scale)
+    return count_objective(images, task.matcher, task.reach, free=task.free.axes, scale=scale)
 
 
 def _unfinished(task: Task, status: str, message: str) -> Trial:

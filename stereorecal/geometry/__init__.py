@@ -11,6 +11,7 @@ from stereorecal.geometry._distortion import (
     undistort as undistort,
 )
 from stereorecal.geometry._intrinsics import (
+    camera_changes as camera_changes,
     changed_camera as changed_camera,
     ray_slopes as ray_slopes,
     reread as reread,

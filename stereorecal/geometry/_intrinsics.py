@@ -32,6 +32,16 @@ def changed_camera(camera: Camera, changes: Mapping[str, float]) -> Camera:
     return Camera(camera.size, matrix, coefficients)
 
 
+def camera_changes(camera: Camera, changed: Camera) -> dict[str, float]:
+    """The changes by which `changed_camera` makes one camera from another, all of them."""
+    ratios = np.log(np.diag(changed.matrix)[:2] / np.diag(camera.matrix)[:2])
+    centre = np.asarray(changed.matrix)[:2, 2] - np.asarray(camera.matrix)[:2, 2]
+    here, there = (_long_enough(np.array(one.distortion, float), _COEFFICIENTS) for one in (camera, changed))
+    coefficients = zip(_COEFFICIENTS, there - here, strict=False)
+    named = {"f": ratios[0], "aspect": ratios[1] - ratios[0], "cx": centre[0], "cy": centre[1], **dict(coefficients)}
+    return {name: float(change) for name, change in named.items()}
+
+
 def _long_enough(coefficients: Float[np.ndarray, "n"], names: Mapping[str, float] | Sequence[str]):
     needed = max((1 + _COEFFICIENTS.index(name) for name in names if name in _COEFFICIENTS), default=0)
     length = next(count for count in COEFFICIENT_COUNTS if count >= max(needed, coefficients.size))

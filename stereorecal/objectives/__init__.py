@@ -5,7 +5,11 @@ whole rigs, and each score has a module: `_count` the paper's count, `_rows` epi
 """
 
 from stereorecal.objectives._chart import Chart as Chart
-from stereorecal.objectives._count import count_objective as count_objective, objective as objective
+from stereorecal.objectives._count import (
+    count_objective as count_objective,
+    objective as objective,
+    rig_count_objective as rig_count_objective,
+)
 from stereorecal.objectives._images import Images as Images
 from stereorecal.objectives._linearised import (
     LinearRows as LinearRows,
@@ -29,5 +33,9 @@ from stereorecal.objectives._reach import (
     as_reach as as_reach,
     count_chart as count_chart,
 )
-from stereorecal.objectives._rig_chart import RigChart as RigChart, row_chart as row_chart
+from stereorecal.objectives._rig_chart import (
+    RigChart as RigChart,
+    reach_chart as reach_chart,
+    row_chart as row_chart,
+)
 from stereorecal.objectives._rows import epipolar_objective as epipolar_objective

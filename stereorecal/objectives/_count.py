@@ -9,12 +9,13 @@ from jaxtyping import Float
 
 from stereorecal._arrays import AnyArray, refuse_tracers
 from stereorecal._pytree import register_pytree
-from stereorecal.geometry import StereoRig, View
+from stereorecal.geometry import StereoRig, View, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives._chart import Chart
 from stereorecal.objectives._images import Images
 from stereorecal.objectives._names import EXTRINSICS
 from stereorecal.objectives._reach import Reach, as_reach, count_chart
+from stereorecal.objectives._rig_chart import RigChart
 from stereorecal.recordings import Pairs
 from stereorecal.scoring import (
     TEMPERATURE,
@@ -148,3 +149,28 @@ def count_objective(
         soft_count=StereoSoftCount(data, traced_chart, soft, scaled) if matcher.smooth else None,
     )
     return Objective(Problem(chart.dim, values, cost, traced, Images(images.rig, images.pairs, metric_chart)), budget)
+
+
+def rig_count_objective(
+    images: Pyramid,
+    matcher: AbstractMatcher,
+    chart: RigChart,
+    *,
+    scale: float = 1.0,
+    rows: float = 1.0,
+    frames: int | None = None,
+    budget: Budget | None = None,
+) -> Objective:
+    """`count_objective` over a box that holds intrinsics too; on the host alone, one candidate after the other."""
+    whole = images.at(scale, frames)
+    data = bands(whole, rows)
+    cost = whole.cost * sum(band.pixels for band in data) / whole.pixels
+
+    def value(rig: StereoRig) -> int:
+        extrinsics = with_unit_baseline(rig.extrinsics)[None]
+        return sum(int(host.counts(band.through(rig), extrinsics, matcher)[0]) for band in data)
+
+    def values(points: np.ndarray) -> np.ndarray:
+        return np.array([value(chart.rig_at(z)) for z in points], float)
+
+    return Objective(Problem(chart.dim, values, cost), budget)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.geometry import AXES, StereoRig, changed_camera
+from stereorecal.geometry import AXES, StereoRig, camera_changes, changed_camera
 from stereorecal.objectives._names import BASELINE, EXTRINSICS, SIDES
 from stereorecal.objectives._parameters import Parameter, Parameters
 from stereorecal.objectives._reach import Reach
@@ -13,6 +13,7 @@ from stereorecal.objectives._reach import Reach
 # Standard deviations of the prior in half of the box. Rows know a prior, and a drift just beyond the reach (three of
 # them) is better found than cut off: twice the reach.
 _WIDE = 6.0
+_OF_REACH = 3.0  # the same where the box is as wide as the reach
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,15 +23,17 @@ class RigChart:
     Attributes:
         rig: at z = 0.
         parameters: one for each coordinate of z: extrinsics first.
+        wide: standard deviations of the prior in half of the box.
     """
 
     rig: StereoRig
     parameters: tuple[Parameter, ...]
+    wide: float = _WIDE
 
     @property
     def prior(self) -> float:
         """Standard deviation of the prior on each parameter, in half widths of the box."""
-        return 1.0 / _WIDE
+        return 1.0 / self.wide
 
     @property
     def dim(self) -> int:
@@ -45,7 +48,7 @@ class RigChart:
     @property
     def units(self) -> Float[np.ndarray, "n"]:
         """One half width of the box in the units of people: degrees, percent, pixels."""
-        return np.array([_WIDE * parameter.sigma for parameter in self.parameters])
+        return np.array([self.wide * parameter.sigma for parameter in self.parameters])
 
     @property
     def half_width(self) -> Float[np.ndarray, "n"]:
@@ -79,6 +82,16 @@ class RigChart:
             rig, left=changed_camera(rig.left, changes["left"]), right=changed_camera(rig.right, changes["right"])
         )
 
+    def coordinates_of(self, rig: StereoRig) -> Float[np.ndarray, "n"]:
+        """The point of the box at which a rig lies, of those that `rig_at` gives."""
+        found = self.coordinates(np.asarray(rig.extrinsics))
+        changes = {side: camera_changes(getattr(self.rig, side), getattr(rig, side)) for side in SIDES}
+        for index, (parameter, width) in enumerate(zip(self.parameters, self.half_width, strict=True)):
+            if "." in parameter.name:
+                side, name = parameter.name.split(".")
+                found[index] = changes[side][name] / width
+        return found
+
     def coordinates(self, extrinsics: Float[np.ndarray, "6"]) -> Float[np.ndarray, "n"]:
         """The point of the box with these extrinsics, beyond [-1, 1] where they lie outside of it, and intrinsics as
         they are at its centre."""
@@ -98,6 +111,12 @@ def row_chart(rig: StereoRig, reach: Reach, free: Parameters | None = None) -> R
         free: default the extrinsics.
     """
     return RigChart(rig, (free or Parameters()).of(rig, reach))
+
+
+def reach_chart(rig: StereoRig, reach: Reach, free: Parameters) -> RigChart:
+    """The box in which counts are searched where more than extrinsics is free: as wide as the reach, which is three
+    standard deviations, on every axis."""
+    return RigChart(rig, free.of(rig, reach), wide=_OF_REACH)
 
 
 def _axis(name: str) -> int:

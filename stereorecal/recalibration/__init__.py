@@ -21,7 +21,7 @@ from stereorecal.recalibration._many import (
 )
 from stereorecal.recalibration._path import Waypoint as Waypoint
 from stereorecal.recalibration._ranges import with_ranges as with_ranges
-from stereorecal.recalibration._recalibrate import recalibrate as recalibrate
+from stereorecal.recalibration._recalibrate import recalibrate as recalibrate, searched as searched
 from stereorecal.recalibration._rescale import Rescaled as Rescaled, rescale_baseline as rescale_baseline
 from stereorecal.recalibration._schedule import (
     SCHEDULES as SCHEDULES,
@@ -32,5 +32,6 @@ from stereorecal.recalibration._schedule import (
 )
 from stereorecal.recalibration._sequence import recalibrate_sequence as recalibrate_sequence
 from stereorecal.recalibration._solution import Solution as Solution
+from stereorecal.recalibration._stages import Case as Case
 from stereorecal.recalibration._uncertainty import Uncertainty as Uncertainty
 from stereorecal.recalibration._warm_up import warm_up as warm_up

@@ -14,8 +14,12 @@ from stereorecal.scoring.host import Score
 from stereorecal.strategies import name_of
 
 
-def solution_as_dict(solution: Solution) -> dict[str, Any]:
-    """Lists, text and finite numbers; None where a number is missing or infinite."""
+def solution_as_dict(solution: Solution, *, expected: bool = True) -> dict[str, Any]:
+    """Lists, text and finite numbers; None where a number is missing or infinite.
+
+    Args:
+        expected: whether to say what to expect, for which a covariance is solved for.
+    """
     rows, known, baseline = solution.row_errors, solution.uncertainty, float(solution.initial.baseline)
     return plain(
         {
@@ -43,7 +47,7 @@ def solution_as_dict(solution: Solution) -> dict[str, Any]:
             "left_out": list(solution.left_out),
             "disagreeing": list(solution.disagreeing),
             "covariance": known and {"axes": known.names, "units": "deg, percent, px", "matrix": known.covariance},
-            "expected": solution.expected and solution.expected.as_dict(),
+            "expected": solution.expected.as_dict() if expected and solution.expected else None,
             "depth_error_percent": dict(solution.depth_error_percent),
             "num_disparities": solution.matcher.num_disparities,
             "stages": [_stage(stage) for stage in solution.stages],

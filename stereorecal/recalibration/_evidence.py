@@ -54,9 +54,9 @@ class Evidence:
         names = ("jacobian", "residual", "start_residual", "weight", "curvature", "tile")
         return replace(self, **{name: getattr(self, name)[rows] for name in names})
 
-    def first(self, number: int) -> "Evidence":
-        """The problem of the first parameters alone, the others held."""
-        return replace(self, z=self.z[:number], jacobian=self.jacobian[:, :number])
+    def only(self, parameters: slice | Bool[np.ndarray, "n"]) -> "Evidence":
+        """The problem of some of the parameters alone, the others held."""
+        return replace(self, z=self.z[parameters], jacobian=self.jacobian[:, parameters])
 
     @property
     def shift(self) -> Float[np.ndarray, "n"]:

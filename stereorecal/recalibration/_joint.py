@@ -14,7 +14,7 @@ from stereorecal.objectives import RigChart
 from stereorecal.recalibration._evidence import TILES_OF_A_FRAME, Evidence, evidence, jackknife
 from stereorecal.recalibration._misfit import spread_of_misfit
 from stereorecal.recalibration._ranges import NONE, Beams
-from stereorecal.recalibration._sums import Sums, sums
+from stereorecal.recalibration._sums import Sums, calmed, sums
 from stereorecal.scoring import Correspondences, Loss
 
 _LOSSES = (Loss.SOFT_L1, Loss.SOFT_L1, Loss.WELSCH, Loss.WELSCH, Loss.WELSCH, Loss.WELSCH)
@@ -148,7 +148,7 @@ def _kept(keep: Keep | None, member: int, part: Sums) -> Bool[np.ndarray, "t"]:
 
 def joint(members: Sequence[Member], own: int, loss: Loss = Loss.WELSCH) -> Joint:
     """The problem of the members at their solutions."""
-    parts = tuple(sums(member.facts(loss)).calmed for member in members)
+    parts = calmed([sums(member.facts(loss)) for member in members])
     of_ranges = tuple(member.beams.normal_and_pull(member.chart, member.z) for member in members)
     return Joint(parts, tuple(member.z for member in members), own, members[0].chart.prior, of_ranges)
 

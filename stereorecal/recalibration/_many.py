@@ -54,8 +54,15 @@ class Repair:
     traceback: str | None = field(default=None, repr=False)
 
     def as_dict(self) -> dict[str, Any]:
-        """Plain data for JSON and tables; what is missing is None."""
-        found = {} if self.solution is None else solution_as_dict(self.solution)
+        """Plain data for JSON; what is missing is None."""
+        return self._as_dict(expected=True)
+
+    def as_row(self) -> dict[str, Any]:
+        """The same for a table, which does not show what to expect: that takes a while for many recordings."""
+        return self._as_dict(expected=False)
+
+    def _as_dict(self, *, expected: bool) -> dict[str, Any]:
+        found = {} if self.solution is None else solution_as_dict(self.solution, expected=expected)
         return {"scene": self.name, "error": self.error, "fault": self.fault and self.fault.name.lower(), **found}
 
 

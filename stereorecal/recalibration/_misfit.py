@@ -139,14 +139,14 @@ def misfit(
         place,
         *medians,
         sway=_sway(found),
-        chance=_chance(found),
+        chance=chance(found),
         lost=_lost(counts_before, counts_after),
         cause=_cause(place, medians[1]),
     )
 
 
-def _chance(found: Evidence) -> float:
-    """See `Misfit.chance`."""
+def chance(found: Evidence) -> float:
+    """See `Misfit.chance`; of all parameters of the evidence."""
     rows = found.jacobian.T @ (found.weight[:, None] * found.jacobian)
     length2 = float(found.z @ found.z)
     if length2 == 0.0 or not rows.any():

@@ -14,7 +14,6 @@ from stereorecal.objectives import BASELINE, Parameters, RigChart
 from stereorecal.recordings import Pair, Range
 from stereorecal.scoring import ScoringData, host
 
-_MATCHING = 0.2  # pixels of the images that are matched: standard deviation of the disparity of a single pixel
 _FAR = 3.0  # standard deviations: beyond, a range is more likely another thing's
 _STEP = 1e-4  # of the box, for derivatives
 
@@ -26,14 +25,14 @@ class Beams:
     Attributes:
         left, right: (b, 2) pixels as the cameras took them, at full size.
         metres, sigma: (b,).
-        matching: standard deviation of their disparities, pixels at full size.
+        matching: (b,) standard deviations of their disparities, pixels at full size.
     """
 
     left: Float[np.ndarray, "b 2"]
     right: Float[np.ndarray, "b 2"]
     metres: Float[np.ndarray, "b"]
     sigma: Float[np.ndarray, "b"]
-    matching: float
+    matching: Float[np.ndarray, "b"]
 
     def residuals(self, rig: StereoRig) -> Float[np.ndarray, "b"]:
         """Disparity that the distance asks for less the one that was found, in standard deviations."""
@@ -69,7 +68,7 @@ class Beams:
         return 1.0 / (1.0 + (residuals / scale) ** 2)
 
 
-NONE = Beams(np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0), np.zeros(0), _MATCHING)
+NONE = Beams(np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0), np.zeros(0), np.zeros(0))
 
 
 def beams(
@@ -78,16 +77,17 @@ def beams(
     """The resolved ranges of these pairs, matched under `rig`; those without a sure match are left out."""
     by_frame = [[one for one in ranges if one.pair is pair] for pair in pairs]
     pixels = [np.array([one.left_pixel for one in some], float).reshape(-1, 2) for some in by_frame]
-    right = np.concatenate([np.zeros((0, 2)), *host.partners(data, rig, matcher, pixels)])
+    partners = host.partners(data, rig, matcher, pixels)
+    right = np.concatenate([NONE.right, *(some.pixels for some in partners)])
     metres = np.array([one.metres for some in by_frame for one in some], float)
     sigma = np.array([0.01 * r.metres if r.sigma is None else r.sigma for some in by_frame for r in some], float)
     found = np.isfinite(right).all(axis=-1)
     return Beams(
-        np.concatenate([np.zeros((0, 2)), *pixels])[found],
+        np.concatenate([NONE.left, *pixels])[found],
         right[found],
         metres[found],
         sigma[found],
-        _MATCHING / data.scale,
+        np.concatenate([NONE.matching, *(some.deviation for some in partners)])[found],
     )
 
 

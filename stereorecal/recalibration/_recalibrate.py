@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Int
 
 from stereorecal._arrays import refuse_tracers
-from stereorecal.geometry import StereoRig, View, with_unit_baseline
+from stereorecal.geometry import StereoRig, View, same_camera, with_unit_baseline
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import Parameters, Reach, as_parameters, as_reach
 from stereorecal.recalibration._acceptance import Reason, row_errors, verdict, verdict_on_count
@@ -72,26 +72,41 @@ def recalibrate(
     free = with_ranges(as_parameters(free), ranges)
     ranges = resolved_ranges(ranges, [("", images.pairs)])
     check_schedule(schedule, free)
-    case, offset, of_survey = Case(images, asked, reach, free.extrinsics), np.zeros(6), 0.0
-    if schedule.survey or asked.num_disparities is None:
-        radians = float(np.radians(reach.degrees))
-        seen = survey(images, rig.extrinsics, radians)
-        case, of_survey = case.with_matcher(seen.with_range(asked, radians)), seen.cost
-        offset = seen.offset if schedule.survey else offset
-    start, of_starts = better_start(case, schedule.stages[0], offset)
-    widest, stages = _run_schedule(case, schedule, asked, start, budget, began, seed)
-    solution = _judged(widest, schedule, stages, Cost(survey=of_survey, starts=of_starts), began)
+    solution = searched(Case(images, asked, reach, free.extrinsics), schedule, budget, seed)
     if not free.shared:
         return solution
     (solution,) = together([Recording(images.pairs, solution, ranges)], free, one=True, each=one_by_one)
     return replace(solution, seconds=time.perf_counter() - began)
 
 
+def searched(case: Case, schedule: Schedule, budget: Budget, seed: int) -> Solution:
+    """The end of a schedule whose strategies search all that is free in the case, intrinsics too, judged like a repair.
+
+    `recalibrate` gives them the extrinsics alone, and solves for the rest with its own least squares.
+
+    Args:
+        case: its matcher may lack `num_disparities`, which is then measured.
+
+    Raises:
+        NeedNotMet: if a strategy needs what a score does not offer over this box.
+        StrategyError: if a strategy crashes.
+    """
+    began, asked, offset, of_survey = time.perf_counter(), case.matcher, np.zeros(6), 0.0
+    if schedule.survey or asked.num_disparities is None:
+        radians = float(np.radians(case.reach.degrees))
+        seen = survey(case.images, case.rig.extrinsics, radians)
+        case, of_survey = case.with_matcher(seen.with_range(asked, radians)), seen.cost
+        offset = seen.offset if schedule.survey else offset
+    start, of_starts = better_start(case, schedule.stages[0], offset)
+    widest, stages = _run_schedule(case, schedule, asked, start, budget, began, seed)
+    return _judged(widest, schedule, stages, Cost(survey=of_survey, starts=of_starts), began)
+
+
 def _run_schedule(
     case: Case,
     schedule: Schedule,
     asked: AbstractMatcher,
-    start: np.ndarray,
+    start: StereoRig,
     budget: Budget,
     began: float,
     seed: int,
@@ -103,10 +118,10 @@ def _run_schedule(
         if left is None:
             break
         done = run_stage(case, stage, best, left, seed)
-        best = done.best
+        best = done.ended
         if len(schedule.stages) > 1 and asked.num_disparities is None:
             yaw_left = float(_YAW_LEFT if stage.score is ScoreKind.EPIPOLAR else np.radians(case.reach.degrees))
-            seen = survey(case.images, best, yaw_left, aligned=True)
+            seen = survey(case.images, done.best, yaw_left, aligned=True)
             done = replace(done, survey_cost=seen.cost)
             case = case.with_matcher(seen.with_range(asked, yaw_left))
             widest = max(widest, case, key=lambda c: c.matcher.num_disparities or 0)
@@ -115,15 +130,14 @@ def _run_schedule(
 
 
 def _judged(case: Case, schedule: Schedule, stages: tuple[StageRun, ...], cost: Cost, began: float) -> Solution:
-    best = stages[-1].best if stages else np.asarray(case.rig.extrinsics)
+    candidate = stages[-1].ended if stages else case.rig
     runs = [run for stage in stages for run in stage.runs]
     found = next((stage.found for stage in reversed(stages) if stage.found is not None), None)
     cut = len(stages) < len(schedule.stages) or any(stage.cut for stage in stages)
     frames = None
     if found is not None and found.found >= FEWEST and not cut:
-        frames = agreed(case.chart, found, case.chart.coordinates(best), case.images.pairs)
-        best = case.chart.extrinsics(frames.facts.z)
-    candidate = case.rig.with_extrinsics(best)
+        frames = agreed(case.chart, found, case.chart.coordinates_of(candidate), case.images.pairs)
+        candidate = case.chart.rig_at(frames.facts.z)
     tiles, of_scores = _scores(case, candidate)
     before, after = (Score(int(counts.sum()), case.images.at(1.0).pixels) for counts in tiles)
     status, message = (runs[-1].status, runs[-1].message) if runs else (Status.NO_SIGNAL, Status.NO_SIGNAL.value)
@@ -138,10 +152,11 @@ def _judged(case: Case, schedule: Schedule, stages: tuple[StageRun, ...], cost: 
         reason = Reason.TOO_LITTLE_TEXTURE
     else:
         facts, tiles = frames.facts, tiles[:, frames.kept]
-        rows, left = row_errors(facts), misfit(facts, *tiles)
+        own = facts.only(slice(len(case.free.axes)))
+        rows, left = row_errors(facts), misfit(own, *tiles)
         known = uncertainty(facts.covariance(), systematic(facts, left), case.chart)
         counts, covered = tiles.sum(axis=(1, 2)), without(found, frames.apart).covered
-        reason = Reason.FRAMES_DISAGREE if frames.refused else verdict(counts, rows, facts, left, covered)
+        reason = Reason.FRAMES_DISAGREE if frames.refused else verdict(counts, rows, own, left, covered)
     if reason is Reason.TOO_LITTLE_TEXTURE and any(legible(pair).enough for pair in case.images.pairs):
         reason = Reason.NO_MATCHES
     apart = () if frames is None else tuple(case.images.pairs[f].name for f in frames.apart)
@@ -180,6 +195,10 @@ def _judged(case: Case, schedule: Schedule, stages: tuple[StageRun, ...], cost: 
 
 def _scores(case: Case, candidate: StereoRig) -> tuple[Int[np.ndarray, "2 k tiles"], float]:
     """Counts of the tiles of all frames at full scale, before and after; and what they cost."""
-    data = case.images.at(1.0)
-    rigs = np.stack([with_unit_baseline(rig.extrinsics) for rig in (case.rig, candidate)])
-    return host.counts_by_tile(data, rigs, case.matcher), 2 * data.cost
+    data, rigs = case.images.at(1.0), (case.rig, candidate)
+    extrinsics = np.stack([with_unit_baseline(rig.extrinsics) for rig in rigs])
+    if same_camera(candidate.left, case.rig.left) and same_camera(candidate.right, case.rig.right):
+        return host.counts_by_tile(data, extrinsics, case.matcher), 2 * data.cost
+    through = zip(rigs, extrinsics, strict=True)
+    counts = [host.counts_by_tile(data.through(rig), here[None], case.matcher) for rig, here in through]
+    return np.concatenate(counts), 2 * data.cost

@@ -16,7 +16,7 @@ from stereorecal.recalibration._difference import Difference, difference
 from stereorecal.recalibration._evidence import TILES_OF_A_FRAME
 from stereorecal.recalibration._expected import Expected, expected_of
 from stereorecal.recalibration._intrinsics import Intrinsics
-from stereorecal.recalibration._misfit import Misfit
+from stereorecal.recalibration._misfit import Cause, Misfit
 from stereorecal.recalibration._path import Waypoint, path_of
 from stereorecal.recalibration._ranges import NONE, Beams
 from stereorecal.recalibration._stages import StageRun
@@ -27,6 +27,7 @@ from stereorecal.scoring.host import Score
 from stereorecal.strategies import Status, Trace
 
 _WORTH_SAYING = 0.2  # pixels of misfit
+_SYSTEMATIC = 0.05  # pixels of radial misfit that regions share; right intrinsics leave 0.01
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,10 +150,8 @@ class Solution:
             f"after    {self.score_after}" + self._rows("after"),
             *(self._axis(index, name) for index, name in enumerate(AXES)),
         ]
-        if self.misfit is not None and (self.misfit.high > _WORTH_SAYING or self.reason is Reason.MISFIT):
-            lines.append(
-                f"misfit   {self.misfit.high:.2f} px in the worst tenth of the regions; {self.misfit.cause.value}"
-            )
+        if self.misfit is not None and (said := self._of(self.misfit)):
+            lines.append(f"misfit   {said}")
         if self.intrinsics is not None:
             lines.append(str(self.intrinsics))
         if self.left_out:
@@ -166,6 +165,15 @@ class Solution:
         if self.accepted:
             lines.append(f"depth was off: {depths(self.depth_error_percent)}")
         return "\n".join(lines)
+
+    def _of(self, left: Misfit) -> str | None:
+        """What is worth saying of the misfit."""
+        if left.cause is Cause.RADIAL and left.alike > _SYSTEMATIC:
+            remedy = "; free them with several scenes" if self.intrinsics is None else ""
+            return f"the intrinsics do not fit: {left.alike:.2f} px of the rows' error is systematic{remedy}"
+        if left.high > _WORTH_SAYING or self.reason is Reason.MISFIT:
+            return f"{left.high:.2f} px in the worst tenth of the regions; {left.cause.value}"
+        return None
 
     def _rows(self, when: str) -> str:
         return "" if self.row_errors is None else f", row error {getattr(self.row_errors, when):.2f} px"

@@ -1,25 +1,29 @@
 """Running one stage of a schedule."""
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.geometry import StereoRig, with_unit_baseline
+from stereorecal.geometry import StereoRig, same_camera, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import (
-    Chart,
     Parameters,
     Reach,
     RigChart,
     count_objective,
     epipolar_objective,
     linearised,
+    reach_chart,
+    read_by,
+    rig_count_objective,
     row_chart,
 )
 from stereorecal.recalibration._schedule import ScoreKind, Stage
-from stereorecal.scoring import Correspondences, Loss, Pyramid, host, precisions
+from stereorecal.scoring import Correspondences, Loss, Pyramid, ScoringData, host, precisions
 from stereorecal.strategies import Budget, Objective, Run, Status, run_strategy
 
 FEWEST = 60  # correspondences; five parameters from fewer would be guessing
@@ -38,7 +42,7 @@ class Case:
     Attributes:
         images: taken by the rig whose extrinsics, the initial ones, are the centre of the search box and of the prior.
         matcher: with its disparity range at full size.
-        free: of the extrinsics; the rest is held.
+        free: extrinsics, and for comparisons all else that strategies may search; the rest is held.
     """
 
     images: Pyramid
@@ -72,26 +76,37 @@ class StageRun:
     Attributes:
         stage: as asked for.
         scale: at which it worked.
-        start, best: (6,) extrinsics [rad, m] where it began and ended: the best of its run on the count, the mean of
-            the last rounds on the rows.
+        began, ended: the rigs where it began and ended: the best of its run on the count, the mean of the last rounds
+            on the rows.
         path: (m, 7) for a stage on the count: the cost [units] and the extrinsics of each new best.
         runs: of the strategy; several in an epipolar stage, where each round weighs the correspondences anew.
         matching_cost: units that went into finding correspondences.
-        found: the last correspondences; None in a stage on the count, and where the budget allowed none.
+        found: the last correspondences, with the rays that the initial calibration's cameras give; None in a stage on
+            the count, and where the budget allowed none.
         cut: the budget ended an epipolar stage before a round was solved.
         survey_cost: units of the survey that measured the disparity range anew after it.
     """
 
     stage: Stage
     scale: float
-    start: Extrinsics
-    best: Extrinsics
+    began: StereoRig
+    ended: StereoRig
     runs: tuple[Run, ...]
     path: Float[np.ndarray, "m 7"]
     matching_cost: float = 0.0
     found: Correspondences | None = None
     cut: bool = False
     survey_cost: float = 0.0
+
+    @property
+    def start(self) -> Extrinsics:
+        """(6,) extrinsics [rad, m] where it began."""
+        return np.asarray(self.began.extrinsics)
+
+    @property
+    def best(self) -> Extrinsics:
+        """(6,) extrinsics [rad, m] where it ended."""
+        return np.asarray(self.ended.extrinsics)
 
     @property
     def search_cost(self) -> float:
@@ -114,7 +129,7 @@ class StageRun:
         return sum(len(run.trace.values) for run in self.runs)
 
 
-def run_stage(case: Case, stage: Stage, start: Extrinsics, budget: Budget, seed: int) -> StageRun:
+def run_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, seed: int) -> StageRun:
     """Run a stage from `start`.
 
     Raises:
@@ -124,47 +139,63 @@ def run_stage(case: Case, stage: Stage, start: Extrinsics, budget: Budget, seed:
     return (_count_stage if stage.score is ScoreKind.COUNT else _epipolar_stage)(case, stage, start, budget, seed)
 
 
-def better_start(case: Case, stage: Stage, offset: Extrinsics) -> tuple[Extrinsics, float]:
-    """The initial extrinsics, or those with `offset` where the count at the scale of `stage` is higher; and what asking
-    cost, in units."""
+def better_start(case: Case, stage: Stage, offset: Extrinsics) -> tuple[StereoRig, float]:
+    """The initial rig, or one with `offset` where the count at the scale of `stage` is higher; and what asking cost, in
+    units."""
     initial = np.asarray(case.rig.extrinsics, float)
     if not offset.any():
-        return initial, 0.0
+        return case.rig, 0.0
     asked = _count_objective(case, stage, Budget())
     chart = asked.images.chart
     moved = chart.inside(initial + offset)
     here, there = asked.problem.values(np.stack([chart.inside(initial), moved]))
-    return (np.asarray(chart.extrinsics(moved)) if there > here else initial), 2 * asked.cost
+    return (case.rig.with_extrinsics(chart.extrinsics(moved)) if there > here else case.rig), 2 * asked.cost
 
 
 def _count_objective(case: Case, stage: Stage, budget: Budget) -> Objective:
-    options = {
-        "free": case.free.axes,
-        "scale": case.scale_of(stage),
-        "rows": stage.rows,
-        "frames": stage.frames,
-        "budget": budget,
-    }
-    return count_objective(case.images, case.matcher, case.reach, **options)
+    """Over the extrinsics."""
+    options = _options(case, stage, budget)
+    return count_objective(case.images, case.matcher, case.reach, free=case.free.axes, **options)
 
 
-def _count_stage(case: Case, stage: Stage, start: Extrinsics, budget: Budget, seed: int) -> StageRun:
+def _options(case: Case, stage: Stage, budget: Budget) -> dict[str, Any]:
+    return {"scale": case.scale_of(stage), "rows": stage.rows, "frames": stage.frames, "budget": budget}
+
+
+def _count_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, seed: int) -> StageRun:
+    if case.free.shared:
+        return _rig_count_stage(case, stage, start, budget, seed)
     scale, asked = case.scale_of(stage), _count_objective(case, stage, budget)
     chart = asked.images.chart
-    run = run_strategy(stage.strategy, asked, chart.inside(start), seed)
-    return StageRun(stage, scale, start, chart.extrinsics(run.best), (run,), _climb(run, chart))
+    run = run_strategy(stage.strategy, asked, chart.inside(np.asarray(start.extrinsics)), seed)
+    ended = case.rig.with_extrinsics(chart.extrinsics(run.best))
+    return StageRun(stage, scale, start, ended, (run,), _climb(run, chart.extrinsics))
 
 
-def _climb(run: Run, chart: Chart) -> Float[np.ndarray, "m 7"]:
+def _rig_count_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, seed: int) -> StageRun:
+    """Over all that is free."""
+    chart = reach_chart(case.rig, case.reach, case.free)
+    asked = rig_count_objective(case.images, case.matcher, chart, **_options(case, stage, budget))
+    run = run_strategy(stage.strategy, asked, np.clip(chart.coordinates_of(start), -1.0, 1.0), seed)
+
+    def extrinsics(points: Float[np.ndarray, "m n"]) -> Float[np.ndarray, "m 6"]:
+        return np.array([chart.extrinsics(z) for z in points]).reshape(-1, 6)
+
+    return StageRun(stage, case.scale_of(stage), start, chart.rig_at(run.best), (run,), _climb(run, extrinsics))
+
+
+def _climb(
+    run: Run, extrinsics: Callable[[Float[np.ndarray, "m n"]], Float[np.ndarray, "m 6"]]
+) -> Float[np.ndarray, "m 7"]:
     """The cost and the extrinsics of each new best that was evaluated; strategies inside JAX evaluate none."""
     trace = run.trace
     values = np.where(np.isnan(trace.values), -np.inf, trace.values)
     best_before = np.maximum.accumulate(np.concatenate([[run.start_value], values]))[:-1]
     better = values > best_before
-    return np.column_stack([trace.cost[better], chart.extrinsics(trace.points[better])])
+    return np.column_stack([trace.cost[better], extrinsics(trace.points[better])])
 
 
-def _epipolar_stage(case: Case, stage: Stage, start: Extrinsics, budget: Budget, seed: int) -> StageRun:
+def _epipolar_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, seed: int) -> StageRun:
     """Match, weigh, solve; the weights follow the solution a few times, then the images are matched again.
 
     Matched anew, a window meets other pixels, so each round ends about a hundredth of a pixel elsewhere. Once rounds no
@@ -173,7 +204,7 @@ def _epipolar_stage(case: Case, stage: Stage, start: Extrinsics, budget: Budget,
     scale, chart = case.scale_of(stage), case.chart
     data = case.images.at(scale, stage.frames)
     began, found, cut = time.perf_counter(), None, False
-    best, runs, rounds, near = np.asarray(chart.coordinates(start)), [], 0, 0
+    best, runs, rounds, near = chart.coordinates_of(start), [], 0, 0
 
     def left() -> Budget | None:
         return remaining(budget, rounds * data.cost + sum(run.trace.total_cost for run in runs), began)
@@ -183,7 +214,7 @@ def _epipolar_stage(case: Case, stage: Stage, start: Extrinsics, budget: Budget,
         if allowed is None or (allowed.evaluations is not None and allowed.evaluations < data.cost):
             cut = found is None
             break
-        found = host.correspondences(data, with_unit_baseline(chart.extrinsics(best)), case.matcher)
+        found = _matched(data, chart, best, case.matcher)
         rounds += 1
         if found.found < FEWEST:
             break
@@ -202,8 +233,19 @@ def _epipolar_stage(case: Case, stage: Stage, start: Extrinsics, budget: Budget,
         cut = allowed is None or runs[-1].status is Status.BUDGET
         if cut or (near and moved / near < _SETTLED):
             break
-    end, nothing = np.asarray(chart.extrinsics(best)), np.zeros((0, 7))
-    return StageRun(stage, scale, start, end, tuple(runs), nothing, rounds * data.cost, found, cut)
+    nothing = np.zeros((0, 7))
+    return StageRun(stage, scale, start, chart.rig_at(best), tuple(runs), nothing, rounds * data.cost, found, cut)
+
+
+def _matched(
+    data: ScoringData, chart: RigChart, z: Float[np.ndarray, "n"], matcher: AbstractMatcher
+) -> Correspondences:
+    """The correspondences under the rig at a point of the box, with the rays that the cameras of the chart's rig
+    give."""
+    rig, extrinsics = chart.rig_at(z), with_unit_baseline(chart.extrinsics(z))
+    if same_camera(rig.left, chart.rig.left) and same_camera(rig.right, chart.rig.right):
+        return host.correspondences(data, extrinsics, matcher)
+    return read_by(host.correspondences(data.through(rig), extrinsics, matcher), taken=rig, rig=chart.rig)
 
 
 def remaining(budget: Budget, cost: float, began: float) -> Budget | None:

@@ -1,5 +1,6 @@
 """Least-squares problems summed over tiles: what solutions, jackknives and cross-validation need of the rows."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from itertools import pairwise
 
@@ -10,7 +11,9 @@ from stereorecal.recalibration._evidence import TILES_OF_A_FRAME, Evidence
 
 # Pixels at full size: standard deviation of what the rows of a tile share. Rigs with perfect intrinsics leave 0.02 to
 # 0.04, real ones more; solutions differ little from 0.03 to 0.1.
-_TOGETHER = 0.05
+_OF_A_TILE = 0.05
+# The same of what the tiles at one place share in all frames: ground slants there always, a lens bows there always.
+_OF_A_PLACE = 0.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,19 +41,23 @@ class Sums:
         """Some of the tiles alone."""
         return Sums(*(getattr(self, part.name)[tiles] for part in fields(self)))
 
-    @property
-    def calmed(self) -> "Sums":
-        """Each tile's vote bounded: its rows err together, by some hundredths of a pixel whatever their number.
+    def scaled(self, by: Float[np.ndarray, "t"]) -> "Sums":
+        """Each tile's sums times a factor."""
+        names = ("normal", "bent", "pull", "offset", "weight")
+        sums = {name: getattr(self, name) for name in names}
+        return replace(self, **{name: by.reshape(-1, *[1] * (s.ndim - 1)) * s for name, s in sums.items()})
 
-        With a common error of standard deviation s, the information of a tile of weight w is w / (1 + s² w). Without
-        it, what windows do on slants and lenses do beyond the model would be bought with focal lengths percents away.
-        """
-        bound = 1.0 / (1.0 + _TOGETHER**2 * self.weight)
-        fewer = {
-            name: getattr(self, name) * bound.reshape(-1, *[1] * (getattr(self, name).ndim - 1))
-            for name in ("normal", "bent", "pull", "offset", "weight")
-        }
-        return replace(self, **fewer)
+
+def calmed(parts: Sequence[Sums]) -> tuple[Sums, ...]:
+    """Votes bounded, of each tile and of each place: rows that err together, by some hundredths of a pixel whatever
+    their number, tell no more for being many.
+
+    With a common error of standard deviation s, the information of weight w is w / (1 + s² w). Without it, what windows
+    do on slants and lenses do beyond the model would be bought with focal lengths percents away.
+    """
+    tiles = [part.scaled(1.0 / (1.0 + _OF_A_TILE**2 * part.weight)) for part in parts]
+    places = np.sum([np.bincount(part.place, part.weight, TILES_OF_A_FRAME) for part in tiles], axis=0)
+    return tuple(part.scaled(1.0 / (1.0 + _OF_A_PLACE**2 * places[part.place])) for part in tiles)
 
 
 def sums(found: Evidence) -> Sums:

@@ -10,7 +10,7 @@ from jaxtyping import Float, Int
 
 from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig, with_unit_baseline
-from stereorecal.objectives import Parameters, read_by, row_chart
+from stereorecal.objectives import BASELINE, Parameters, read_by, row_chart
 from stereorecal.recalibration import _unseen
 from stereorecal.recalibration._acceptance import Reason, RowErrors, compared, verdict
 from stereorecal.recalibration._agreement import MOST_APART, disagreeing
@@ -18,7 +18,7 @@ from stereorecal.recalibration._evidence import TILES_OF_A_FRAME, Evidence, mean
 from stereorecal.recalibration._expected import expected
 from stereorecal.recalibration._intrinsics import Intrinsics, IntrinsicsOutcome, outcome
 from stereorecal.recalibration._joint import Joint, Member, joint, solved_together
-from stereorecal.recalibration._misfit import Misfit, misfit
+from stereorecal.recalibration._misfit import Misfit, chance, misfit
 from stereorecal.recalibration._ranges import NONE, Beams, beams
 from stereorecal.recalibration._schedule import Schedule, ScoreKind
 from stereorecal.recalibration._solution import Solution
@@ -294,8 +294,12 @@ class _Solved:
     def _verdict(self, at: int, tiles: Int[np.ndarray, "2 k tiles"]) -> tuple[Reason, RowErrors, Misfit]:
         """On a member, whose tiles have these counts before and after."""
         facts = self.facts[at]
-        own = facts.first(self.own)
-        left, rows = misfit(own, *tiles), compared(facts, facts.medians(facts.start_residual), self.unseen[at])
+        own, seen = facts.only(slice(self.own)), facts.only(np.array([name != BASELINE for name in self.free.names]))
+        # Where a lens changes, extrinsics follow along axes that rows hardly see: a drift is strange with all of it.
+        left, rows = (
+            replace(misfit(own, *tiles), chance=chance(seen)),
+            compared(facts, facts.medians(facts.start_residual), self.unseen[at]),
+        )
         reason = verdict(tiles.sum(axis=(1, 2)), rows, own, left, self.members[at].found.covered)
         if len(disagreeing(own)[0]) > MOST_APART * own.frames:
             reason = Reason.FRAMES_DISAGREE
@@ -361,9 +365,8 @@ def _merged(members: Sequence[Member]) -> tuple[Member]:
     rays = {name: all_of(name) for name in ("left", "right", "weight")}
     middle = np.median([member.z for member in members], axis=0)
     seen = [member.beams for member in members]
-    names = ("left", "right", "metres", "sigma")
-    parts = {name: np.concatenate([getattr(one, name) for one in seen]) for name in names}
-    every = Beams(**parts, matching=max(one.matching for one in seen))
+    names = ("left", "right", "metres", "sigma", "matching")
+    every = Beams(*(np.concatenate([getattr(one, name) for one in seen]) for name in names))
     return (Member(members[0].chart, replace(found[0], **rays, tile=np.concatenate(tiles)), middle, every),)
 
 

@@ -44,6 +44,12 @@ class ScoringData:
         left, right = np.asarray(self.left), np.asarray(self.right)  # a slice of NumPy's is no program to compile
         return [replace(self, left=left[i : i + 1], right=right[i : i + 1]) for i in range(len(left))]
 
+    def through(self, rig: StereoRig) -> "ScoringData":
+        """The same frames as the cameras of another rig, given at full size, would have taken them."""
+        scaled = rig.resized(self.left_camera.size)
+        cameras = jax.tree.map(lambda leaf: np.asarray(leaf, np.float32), (scaled.left, scaled.right))
+        return replace(self, left_camera=cameras[0], right_camera=cameras[1])
+
     @property
     def pixels(self) -> int:
         """Number of pixels of the view, over all frames."""

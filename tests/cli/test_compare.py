@@ -43,6 +43,17 @@ def test_json_on_stdout_and_nothing_else(command, clean_scene: Path):
     assert len(json.loads(answer.out)["trials"]) == 2
 
 
+def test_intrinsics_in_the_box(command, clean_scene: Path):
+    answer = command("compare", "--scene", clean_scene, *SMALL, "--free", "extrinsics,left.k1", "--json", "-")
+    assert answer.code == 0
+    content = json.loads(answer.out)
+    assert content["settings"]["free"] == ["pitch", "yaw", "roll", "y", "z", "left.k1"]
+    assert {trial["status"] for trial in content["trials"]} == {"BUDGET"}
+    answer = command("compare", "--scene", clean_scene, *SMALL, "--free", "left.k")
+    assert answer.code == 2
+    assert "unknown parameter 'left.k'; did you mean left.k" in answer.err
+
+
 @pytest.mark.parametrize("to_file", [False, True])
 def test_quiet(command, clean_scene: Path, tmp_path: Path, to_file: bool):
     target = tmp_path / "out.json"

@@ -54,7 +54,7 @@ def staged(monkeypatch):
         monkeypatch.setattr(_stages, "remaining", lambda *given: None if next(asked) == cut_at else Budget())
         case = Case(pyramid(RIG, render("harbour", 0, rig=RIG).pairs), SAD(num_disparities=16), Reach(), Parameters())
         stage = Stage(SOLVE, 1.0, ScoreKind.EPIPOLAR, rounds=rounds)
-        done = run_stage(case, stage, np.asarray(RIG.extrinsics), Budget(), 0)
+        done = run_stage(case, stage, RIG, Budget(), 0)
         return done, case.chart.coordinates(done.best)
 
     return run

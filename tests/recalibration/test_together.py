@@ -14,6 +14,7 @@ from stereorecal.recalibration import IntrinsicsOutcome, _unseen, looked_at
 from stereorecal.recalibration._effects import rows_apart
 from stereorecal.recalibration._frames import MOST_FRAMES
 from stereorecal.recalibration._joint import Member, joint, solved_together
+from stereorecal.recalibration._sums import Sums, calmed
 from stereorecal.scoring import Correspondences
 
 SIZE = (320, 240)
@@ -82,13 +83,32 @@ def test_right_intrinsics_stay(scenes):
         np.testing.assert_array_equal(repair.solution.rig.extrinsics, alone.solution.rig.extrinsics)
 
 
-def test_one_frame_is_not_enough(given_wrong):
-    solution = sr.recalibrate(WRONG, given_wrong[0].pairs, free=BOTH)
+@pytest.mark.parametrize("scene", [1, 4])
+def test_one_frame_is_not_enough(given_wrong, scene):
+    """What is missing is said, and the intrinsics stay."""
+    solution = sr.recalibrate(WRONG, given_wrong[scene].pairs, free=BOTH)
     assert solution.intrinsics is not None
-    assert solution.intrinsics.outcome is not IntrinsicsOutcome.NOT_SOLVED
-    assert not solution.intrinsics.taken or over_the_view(solution.rig) < 0.15
+    assert solution.intrinsics.outcome is IntrinsicsOutcome.TOO_UNCERTAIN
+    assert solution.intrinsics.expected_px > 0.1
+    assert solution.intrinsics.freed_px < solution.intrinsics.fixed_px  # rows alone would have taken them
+    for rig in (solution.rig, solution.candidate):
+        np.testing.assert_array_equal(rig.left.matrix, WRONG.left.matrix)
+        np.testing.assert_array_equal(rig.right.distortion, WRONG.right.distortion)
+    assert "add scenes at other depths and places" in str(solution)
     data = solution.intrinsics.as_dict()
     assert data["parameters"]["left.f"]["unit"] == "%"
+
+
+def test_a_lens_that_does_not_fit_is_said(given_wrong, scenes):
+    """The misfit is radial: the way out is named, unless it was tried already."""
+    lens = changed_camera(TRUE.left, {"k1": 0.03})
+    wrong, right = (sr.recalibrate(replace(TRUE, left=left), scenes[1].pairs) for left in (lens, TRUE.left))
+    said = f"the intrinsics do not fit: {wrong.misfit.alike:.2f} px of the rows' error is systematic"
+    assert f"misfit   {said}; free them with several scenes" in str(wrong)
+    assert "intrinsics" not in str(right)
+    tried = replace(wrong, intrinsics=sr.recalibrate(WRONG, given_wrong[1].pairs, free=BOTH).intrinsics)
+    assert said in str(tried)
+    assert "free them" not in str(tried)
 
 
 def test_fog_takes_no_part(given_wrong):
@@ -159,6 +179,20 @@ def members(seed: int, number: int = 3, noise: float = 0.1) -> tuple[Member, ...
         found = Correspondences(*rays, np.ones(tile.shape), tile, *scale)
         made.append(Member(chart, found, np.zeros(chart.dim)))
     return tuple(made)
+
+
+@pytest.mark.parametrize("frames", [1, 4, 400])
+def test_votes_are_bounded(frames):
+    """However many rows a tile has, and however many frames show its place: it tells as much as one row that errs as
+    they do together."""
+    weight = np.full(2 * frames, 1e6)
+    normal = weight[:, None, None] * np.ones((1, 1))
+    rows = np.zeros((2 * frames, 1))
+    place = np.repeat([3, 17], frames)
+    part = Sums(normal, normal, rows, rows, weight, np.tile(np.arange(frames), 2), place)
+    for parts in ([part], [part.of(part.frame % 2 == 0), part.of(part.frame % 2 == 1)]):
+        information = sum(one.normal[one.place == 3].sum() for one in calmed(parts))
+        assert information == pytest.approx(1.0 / (0.02**2 + 0.05**2 / frames), rel=0.01)
 
 
 @settings(max_examples=5)

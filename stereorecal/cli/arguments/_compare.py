@@ -38,6 +38,12 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
         metavar="DEG,FRACTION",
         help="half width of the search box (default: 3,0.03, or 1.2 x the drift if that is more)",
     )
+    add(
+        "--free",
+        default="extrinsics",
+        metavar="NAME,…",
+        help="what the strategies search: rotation, extrinsics, intrinsics, or single names (default: extrinsics)",
+    )
     add("--draws", type=int, default=2, help="decalibrations of each scene (default: 2)")
     add("--seed", type=int, default=0, help="same seed, same result")
     add(

@@ -1,6 +1,7 @@
 """Where single pixels of the left image appear in the right one: for what is known of them alone, such as a range."""
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -17,15 +18,26 @@ from stereorecal.scoring._subpixel import refine
 from stereorecal.scoring.host._disparities import disparities
 
 _WINDOW = 5  # pixels to each side: what a matcher's window saw
-_COVERED = 0.2  # of the window
-_FLAT = 0.2  # pixels of disparity off a plane: at an edge, nobody knows which side was meant
+_COVERED = 0.1  # of the window
+_FLAT = 0.3  # pixels of disparity off a plane: at an edge, nobody knows which side was meant
+
+
+class Partners(NamedTuple):
+    """What single pixels of the left image meet in the right one, at full size; NaN where no match is sure.
+
+    Attributes:
+        pixels: (n, 2) column, row.
+        deviation: (n,) the standard deviation of the disparity, in pixels.
+    """
+
+    pixels: Float[np.ndarray, "n 2"]
+    deviation: Float[np.ndarray, "n"]
 
 
 def partners(
     data: ScoringData, rig: StereoRig, matcher: AbstractMatcher, frames: Sequence[Float[np.ndarray, "n 2"]]
-) -> list[Float[np.ndarray, "n 2"]]:
-    """The pixels of the right image that show what pixels of the left one show, at full size; NaN where no match is
-    sure.
+) -> list[Partners]:
+    """The pixels of the right image that show what pixels of the left one show, for each frame.
 
     Args:
         data: at any scale, with the cameras of `rig`.
@@ -35,7 +47,7 @@ def partners(
     found = []
     for frame, pixels in zip(data.frames, frames, strict=True):
         if not len(pixels):
-            found.append(np.zeros((0, 2)))
+            found.append(Partners(np.zeros((0, 2)), np.zeros(0)))
             continue
         matched = disparities(frame, single, matcher)[0]
         offsets = _offsets(frame, single, jax.tree.map(lambda leaf: leaf[None], matched))
@@ -56,23 +68,29 @@ def _offsets(data: ScoringData, extrinsics: Extrinsics, found: Disparity) -> tup
 
 def _right_pixels(
     data: ScoringData, rig: StereoRig, offsets: Sequence[np.ndarray], pixels: Float[np.ndarray, "n 2"]
-) -> Float[np.ndarray, "n 2"]:
+) -> Partners:
     view, (disparity, row, good) = data.view, offsets
     focal, middle = float(view.focal), float(view.centre_row)
     to_left, to_right = rectifying_rotations(rig.rotation, rig.translation)
     ray = np.asarray(rig.left.rays(pixels)) @ to_left.T
     column = focal * ray[:, 0] / ray[:, 2] + float(view.centre_left)
     line = focal * ray[:, 1] / ray[:, 2] + middle
-    (d, v), sure = _planes_at(np.stack([disparity, row]), good > 0, column, line)
+    (d, v), deviation = _planes_at(np.stack([disparity, row]), good > 0, column, line)
+    sure = np.isfinite(deviation)
     turned = np.stack([(column - d - float(view.centre_right)) / focal, (line + v - middle) / focal, 0 * d + 1], -1)
     seen = np.asarray(rig.right.project(np.where(sure[:, None], turned, [0.0, 0.0, 1.0]) @ to_right))
-    return np.where(sure[:, None], seen, np.nan)
+    return Partners(np.where(sure[:, None], seen, np.nan), deviation / data.scale)
 
 
 def _planes_at(
     fields: Float[np.ndarray, "2 h w"], good: Bool[np.ndarray, "h w"], x: Float[np.ndarray, "n"], y: np.ndarray
-) -> tuple[Float[np.ndarray, "2 n"], Bool[np.ndarray, "n"]]:
-    """The fields at points, by planes through what is good around them; and where the first one is a plane."""
+) -> tuple[Float[np.ndarray, "2 n"], Float[np.ndarray, "n"]]:
+    """The fields at points, by planes through what is good around them; and the standard deviation of the first one,
+    NaN where it is no plane.
+
+    A window's matches err together, so their number does not matter: a point in their midst is as uncertain as they
+    scatter, one beside them more (the leverage of a regression).
+    """
     step = np.stack(np.meshgrid(*[np.arange(-_WINDOW, _WINDOW + 1)] * 2), -1).reshape(-1, 2)
     columns, rows = (np.round(p).astype(int)[:, None] + s for p, s in zip((x, y), step.T, strict=True))
     height, width = good.shape
@@ -86,4 +104,5 @@ def _planes_at(
     left = np.where(use, there[0] - np.einsum("nki,ni->nk", places, planes[..., 0]), 0.0)
     number = use.sum(axis=1)
     spread = np.sqrt((left**2).sum(axis=1) / np.maximum(number, 1))
-    return planes[:, 0].T, (number > _COVERED * len(step)) & (spread < _FLAT)
+    deviation = spread * np.sqrt(number * np.linalg.inv(normal)[:, 0, 0])
+    return planes[:, 0].T, np.where((number > _COVERED * len(step)) & (spread < _FLAT), deviation, np.nan)

@@ -1,0 +1,110 @@
+"""Comparisons in which strategies search intrinsics too: a box with more coordinates, the same contract."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings, strategies as st
+
+import stereorecal as sr
+from stereorecal.comparison import compare
+from stereorecal.geometry import camera_changes, changed_camera
+from stereorecal.objectives import Parameters, reach_chart, rig_count_objective
+from stereorecal.scoring import pyramid
+from stereorecal.scoring.host import score
+from stereorecal.strategies import AbstractStrategy, Budget, Need, Outcome, Status, strategy
+
+BOTH = ("extrinsics", "intrinsics")
+SMALL = {"matcher": sr.SAD(num_disparities=24), "draws": 1, "scale": 0.5, "budget": Budget(evaluations=5)}
+
+
+@dataclass(frozen=True)
+class FirstAndLast(AbstractStrategy):
+    """Moves the pitch and the right camera's k2."""
+
+    def run(self, objective, start, seed):
+        best = np.zeros(objective.dim)
+        best[[0, -1]] = 0.01, 0.5
+        objective.value(best)
+        return Outcome(best, Status.CONVERGED, f"{objective.dim} coordinates")
+
+
+@dataclass(frozen=True)
+class Smooth(FirstAndLast):
+    needs = Need.SMOOTH
+
+
+def test_more_coordinates_and_the_same_errors(scene):
+    given_scene = scene()
+    both = {"mover": FirstAndLast(), "smooth": Smooth()}
+    fewer, more = (
+        compare(given_scene.rig, given_scene.pairs, strategies=both, free=free, **SMALL) for free in (None, BOTH)
+    )
+    assert [trial.message for trial in fewer.trials] == ["5 coordinates"] * 2
+    mover, smooth = more.trials
+    assert mover.message == "15 coordinates"
+    assert (smooth.status, smooth.rotation_error_deg) == ("SKIPPED", None)
+    assert mover.rotation_error_deg.keys() == fewer.trials[0].rotation_error_deg.keys()
+    assert mover.score_initial == fewer.trials[0].score_initial
+    assert fewer.as_dict()["settings"]["free"] == ["pitch", "yaw", "roll", "y", "z"]
+    assert more.as_dict()["settings"]["free"][-1] == "right.k2"
+    assert len(more.as_dict()["settings"]["free"]) == 15
+
+
+def test_rows_with_lenses_in_the_box(scene):
+    """Least squares over fifteen coordinates ends near the truth, and says so."""
+    given_scene = scene()
+    solver = {"levenberg-marquardt": strategy("levenberg-marquardt")}
+    (trial,) = compare(
+        given_scene.rig,
+        given_scene.pairs,
+        strategies=solver,
+        schedule="default",
+        free=BOTH,
+        matcher=SMALL["matcher"],
+        draws=1,
+    ).trials
+    assert trial.status == "CONVERGED"
+    assert trial.accepted
+    assert max(trial.rotation_error_deg[axis] for axis in ("pitch", "roll")) < 0.05
+
+
+def test_extrinsics_must_be_free(scene):
+    with pytest.raises(sr.InputError, match="free them as well"):
+        compare(scene().rig, scene().pairs, strategies=["compass"], free="intrinsics", **SMALL)
+    with pytest.raises(sr.InputError, match="did you mean"):
+        compare(scene().rig, scene().pairs, strategies=["compass"], free="intrinsic", **SMALL)
+
+
+def test_the_count_of_a_point_is_that_of_its_rig(scene):
+    """Of the whole rig: its lenses too."""
+    rig, pairs, matcher = scene().rig, scene().pairs, SMALL["matcher"]
+    chart = reach_chart(rig, sr.Reach(), Parameters(BOTH))
+    asked = rig_count_objective(pyramid(rig, pairs), matcher, chart)
+    bent = np.zeros(15)
+    bent[[0, 8, -3]] = 0.05, 0.9, 0.8
+    for z in (np.zeros(15), bent):
+        assert asked.value(z) == score(chart.rig_at(z), pairs, matcher=matcher, view=sr.view(rig)).count
+    assert asked.value(bent) < 0.99 * asked.value(np.zeros(15))
+
+
+CHANGE = st.floats(-0.05, 0.05)
+
+
+@settings(max_examples=30)
+@given(
+    changes=st.dictionaries(st.sampled_from(["f", "aspect", "cx", "cy", "k1", "k2", "p1", "p2", "k3"]), CHANGE),
+    bent=st.booleans(),
+)
+def test_changes_of_a_camera_there_and_back(changes, bent):
+    camera = sr.synthetic.default_rig().left
+    camera = camera if bent else replace(camera, distortion=np.zeros(0), lens_radius=np.float64(np.inf))
+    found = camera_changes(camera, changed_camera(camera, changes))
+    for name, change in found.items():
+        assert change == pytest.approx(changes.get(name, 0.0), abs=1e-9)
+
+
+def test_a_point_and_its_rig():
+    chart = reach_chart(sr.synthetic.default_rig(), sr.Reach(), Parameters(("extrinsics", "baseline", "intrinsics")))
+    z = np.random.default_rng(0).uniform(-1, 1, chart.dim)
+    np.testing.assert_allclose(chart.coordinates_of(chart.rig_at(z)), z, atol=1e-9)
