@@ -17,10 +17,6 @@ from stereorecal.synthetic import default_rig, render
 
 _CACHE = "STEREORECAL_TEST_CACHE"
 
-# XLA's older emitters compile in half the time what then runs two to three times as long: right for images of 160x120
-# that are matched once. `XLA_FLAGS= pytest …` runs the programs that users have; so does whatever is in benchmarks/.
-os.environ.setdefault("XLA_FLAGS", "--xla_cpu_use_fusion_emitters=false")
-
 
 def pytest_configure(config: pytest.Config) -> None:
     """One compilation cache for all workers of a run and the commands that they start, in a folder of the run's own (or
