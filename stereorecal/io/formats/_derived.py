@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.geometry import StereoRig
+from stereorecal.geometry import StereoRig, rectifying_rotations
 
 Array = Float[np.ndarray, "..."]
 
@@ -17,7 +17,9 @@ def rectification_of(rig: StereoRig, alpha: float) -> dict[str, Array]:
         alpha: 0 shows only pixels that are seen, 1 all of them.
     """
     left, right = rig.left, rig.right
-    R1, R2, P1, P2, Q, roi1, roi2 = cv2.stereoRectify(
+    # OpenCV's own rotations forget turns below 1e-7; some formats have no other place for the extrinsics.
+    R1, R2 = rectifying_rotations(rig.rotation, rig.translation)
+    _, _, P1, P2, Q, roi1, roi2 = cv2.stereoRectify(
         np.asarray(left.matrix, float),
         np.asarray(left.distortion, float),
         np.asarray(right.matrix, float),

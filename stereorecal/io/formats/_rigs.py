@@ -1,12 +1,13 @@
 """A rig without images: the file that holds its calibration."""
 
 from collections.abc import Mapping
+from itertools import count
 from pathlib import Path
 from typing import Any
 
 from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig
-from stereorecal.io._atomic import write_text
+from stereorecal.io._atomic import write_bytes, write_text
 from stereorecal.io._json import parse_json
 from stereorecal.io._paths import AnyPath
 from stereorecal.io.formats._format import Hints
@@ -90,6 +91,38 @@ def save_rig(
             raise InputError(f"{place}: cannot be written, there is no such folder; choose another place.")
     for place, text in zip(paths, texts, strict=True):
         write_text(place, text)
+
+
+def check_savable(rig: StereoRig, path: AnyPath | tuple[AnyPath, AnyPath], *, format: str | None = None) -> None:
+    """All that `save_rig` refuses but for files that exist; nothing is written.
+
+    Raises:
+        InputError: as `save_rig`.
+    """
+    texts_of(rig, _paths(path), source_of(rig), format)
+
+
+def calibration_files(rig: StereoRig | None) -> list[Path]:
+    """The files that a rig came from; none if it came from nowhere."""
+    source = None if rig is None else source_of(rig)
+    return [] if source is None else [Path(document.name) for document in source.documents]
+
+
+def back_up(path: AnyPath) -> Path:
+    """Copy a file beside itself, as NAME.bak, or NAME.bak2 and so on: no earlier copy is replaced.
+
+    Raises:
+        InputError: if it cannot be read, or there is no room.
+    """
+    path = Path(path)
+    names = (path.with_name(f"{path.name}.bak{number if number > 1 else ''}") for number in count(1))
+    copy = next(name for name in names if not name.exists())
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}); check the file.") from error
+    write_bytes(copy, data)
+    return copy
 
 
 def _paths(path: AnyPath | tuple[AnyPath, AnyPath]) -> list[Path]:

@@ -93,7 +93,7 @@ def _into(rig: StereoRig, format: Format, source: Source) -> tuple[str, ...]:
 def _anew(rig: StereoRig, format: Format, syntax: Syntax) -> tuple[str, ...]:
     """The texts of new files, in metres or the unit of the format."""
     blanks = tuple(document("a new file", text, syntax) for text in format.blank(rig, syntax))
-    return _checked(rig, format, Target(blanks, hints=Hints(size=rig.left.size)), format.UNIT or "m")
+    return _checked(rig, format, Target(blanks, hints=Hints(size=rig.left.size, rectified=False)), format.UNIT or "m")
 
 
 def _checked(rig: StereoRig, format: Format, target: Target, unit: str) -> tuple[str, ...]:
