@@ -1,8 +1,8 @@
 """From a calibration file and back: does `recalibrate` give every format the rig that a scene folder gets?
 
 Each raw scene's calibration is written in each format that can hold it and disturbed there by a degree; `recalibrate`
-starts from that file, beside the scene's images, and from a scene folder with the same calibration. Printed: by how much
-the rigs in the files that come back differ (radians, and parts of the baseline).
+starts from that file, beside the scene's images, and from a scene folder with the same calibration. Printed: by how
+much the rigs in the files that come back differ (radians, and parts of the baseline).
 
     STEREORECAL_DATA=folder python tests/benchmarks/files.py [--scenes A,B] [--formats A,B] [--schedule default|count]
 """

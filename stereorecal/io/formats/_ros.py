@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._about import about
 from stereorecal.io.formats._derived import Array, rectification_of
@@ -53,8 +54,12 @@ def can_read(documents: Documents) -> bool:
 
 def read(documents: Documents, hints: Hints) -> StereoRig:
     """R = R_right^T R_left, and T = R_right^T (P_right[0, 3] / P_right[0, 0], 0, 0)."""
-    (left, to_left, _), (right, to_right, shift) = (_camera(document) for document in documents)
+    (left, to_left, left_shift), (right, to_right, shift) = (_camera(document) for document in documents)
     with about(f"{documents[0].name} and {documents[1].name}"):
+        if shift[0] == 0.0 and left_shift[0] != 0.0:
+            raise InputError("left and right are swapped; give the left camera's file first.")
+        if shift[0] == 0.0:
+            raise InputError("projection_matrix has no baseline (its fourth number is 0); calibrate the two as stereo.")
         return rig_of(left, right, pose(to_right.T @ to_left, to_right.T @ shift))
 
 

@@ -20,7 +20,7 @@ def refused(call, words: str, kind: type[InputError] = InputError) -> None:
     assert type(error.value) is kind
     assert words in message
     assert "\n" not in message
-    assert message.endswith(".")
+    assert message.endswith((".", "?"))
 
 
 # --- reading ------------------------------------------------------------------------------------------------
@@ -90,7 +90,8 @@ def test_folders(tmp_path: Path):
 
 def test_left_and_right_the_wrong_way_round(tmp_path: Path):
     left, right = SAMPLES["ros"].write(tmp_path)
-    refused(lambda: load_rig(right, left), "left and right are swapped")
+    refused(lambda: load_rig(right, left), "left and right are swapped; give the left camera's file first")
+    refused(lambda: load_rig(left, left), "no baseline")
 
 
 # --- units --------------------------------------------------------------------------------------------------
@@ -149,7 +150,7 @@ def test_one_rectification_of_four_cameras(tmp_path: Path):
     path = tmp_path / "calib_cam_to_cam.txt"
     path.write_text(text)
     rig = load_rig(path)
-    moved = rig.with_extrinsics([*rig.extrinsics, 0.01, 0, 0, 0, 0, 0])
+    moved = rig.with_extrinsics(rig.extrinsics + np.array([0.01, 0, 0, 0, 0, 0]))
     refused(lambda: save_rig(moved, tmp_path / "b.txt"), "one rectification of four cameras")
     save_rig(moved, tmp_path / "b.yaml", format="opencv")
     np.testing.assert_allclose(load_rig(tmp_path / "b.yaml", unit="m").extrinsics, moved.extrinsics, atol=1e-12)
