@@ -61,12 +61,17 @@ def difference(one: sr.StereoRig, other: sr.StereoRig) -> float:
     return float(np.abs(np.concatenate([apart[:3], apart[3:] / float(other.baseline)])).max())
 
 
+def unit_of(format: str) -> str | None:
+    """New files that say none are in metres."""
+    return "m" if format in ("opencv", "boofcv") else None
+
+
 def start_of(name: str, rig: sr.StereoRig, files: list[Path]) -> str:
     """Write the disturbed rig through the format; says why not, or nothing."""
     place = files[0] if len(files) == 1 else tuple(files)
     try:
         sr.io.save_rig(rig, place, format=name)
-        kept = sr.io.load_rig(*files, unit="m")
+        kept = sr.io.load_rig(*files, unit=unit_of(name))
         sr.io.save_rig(kept.with_extrinsics(rig.extrinsics + DRIFT), place, overwrite=True)
     except sr.InputError as error:
         return str(error).rpartition(": ")[2]
@@ -97,10 +102,11 @@ def one_format(name: str, scene: Path, rig: sr.StereoRig, expected: sr.StereoRig
         sides = ("--left", images(scene, "left"), "--right", images(scene, "right"))
         new = [path.with_name(f"new-{path.name}") for path in files]
         place = ("--output", ",".join(map(str, new)))
-        found = run("recalibrate", *sides, "--calibration", *files, "--unit", "m", *place, *words)
+        unit = ("--unit", unit_of(format)) if unit_of(format) else ()
+        found = run("recalibrate", *sides, "--calibration", *files, *unit, *place, *words)
         if found != code or not new[0].exists():
             return f"exit code {found}, from the scene folder {code}"
-        again = sr.io.load_rig(*new, unit="m")
+        again = sr.io.load_rig(*new, unit=unit_of(format))
         apart = difference(again, expected)
         extra = read_by_depthai(new[0], again) if format == "depthai" else ""
         return f"{apart:.1e} {'ok' if apart < 1e-6 else 'DIFFERS'}{extra}"

@@ -44,6 +44,12 @@ def coefficients(camera: Camera, counts: Sequence[int], what: str, instead: str)
     )
 
 
+def trimmed(distortion: Float[np.ndarray, "n"]) -> Float[np.ndarray, "n"]:
+    """The distortion without the rational, prism and tilt terms, if these are all zero: the same lens, and the same
+    digits of what is computed from it, as from a format that has no place for them."""
+    return distortion[:5] if distortion.size > 5 and not np.any(distortion[5:]) else distortion
+
+
 def check_model(model: object, known: Sequence[str], camera: object = "pinhole") -> None:
     """Refuse a lens that is no pinhole.
 

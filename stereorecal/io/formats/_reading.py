@@ -60,7 +60,12 @@ def rig_in(documents: Documents, format: Format, unit: str | None, hints: Hints)
     if len(documents) < format.FILES:
         raise InputError(f"{names}: {format.NAME} has a file for each camera; give the left and the right one.")
     with about(names) if len(documents) == 1 or format.FILES == 1 else nullcontext():
-        rig = format.read(documents, hints)
+        try:
+            rig = format.read(documents, hints)
+        except (AttributeError, IndexError, KeyError, TypeError):  # a list where there should be keys, and the like
+            raise InputError(
+                f"{documents[0].name}: not arranged as {format.NAME} is ({format.ABOUT}); check the file or the format."
+            ) from None
     stated = unit or format.UNIT
     used = stated or inferred_unit(float(rig.baseline))
     source = Source(format.NAME, documents, hints, used, inferred=stated is None)
