@@ -25,7 +25,14 @@ from .comparison import (
     compare as compare,
     compare_scenes as compare_scenes,
 )
-from .geometry import Camera as Camera, StereoRig as StereoRig, View as View, view as view
+from .geometry import (
+    Camera as Camera,
+    Rectification as Rectification,
+    StereoRig as StereoRig,
+    View as View,
+    rectification as rectification,
+    view as view,
+)
 from .matching import BM as BM, SAD as SAD, SGBM as SGBM, Disparity as Disparity
 from .objectives import Parameters as Parameters, Reach as Reach, objective as objective
 from .recalibration import (

@@ -5,21 +5,20 @@ import sys
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import asdict
-from pathlib import Path
 from typing import Any
 
 from stereorecal._errors import InputError
 from stereorecal._names import known
 from stereorecal._run_all import Progress
 from stereorecal._versions import versions
-from stereorecal.cli import _values
+from stereorecal.cli import _output, _values
 from stereorecal.cli._console import table_console
 from stereorecal.cli._executors import executor
 from stereorecal.cli._exit_codes import BAD_INPUT, CANNOT_TELL, FAILURE, INTERRUPTED
 from stereorecal.cli._json import write_json
 from stereorecal.cli._progress import progress_bar
 from stereorecal.cli._recordings import recordings
-from stereorecal.io import load_ranges, save_rig
+from stereorecal.io import load_ranges
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import Parameters, Reach, as_parameters
 from stereorecal.recalibration import (
@@ -48,9 +47,11 @@ def run(options: argparse.Namespace) -> int:
     budget, seed = as_budget(options.budget), _values.seed(options.seed)
     ranges = load_ranges(options.ranges) if options.ranges is not None else ()
     free = with_ranges(as_parameters([name.strip() for name in options.free.split(",")]), ranges)
-    _check_places(options)
+    _output.checked(options)
     with executor(options.executor) as pool:
-        scenes, ranges = sharing(recordings(options), free, ranges, options.extrinsics, schedule)
+        found = recordings(options)
+        output = _output.output_of(options, found, free.names)
+        scenes, ranges = sharing(found, free, ranges, options.extrinsics, schedule)
         arguments = {
             "matcher": matcher,
             "schedule": schedule,
@@ -72,8 +73,8 @@ def run(options: argparse.Namespace) -> int:
         # Before the workers are waited for: a second Ctrl-C must find everything saved.
         if any(repair.solution for repair in repairs):
             settings = _settings(options, matcher, schedule, reach, budget, free)
-            _save(scenes, repairs, settings, options, interrupted=interrupted)
-            _show(repairs, options)
+            _save(scenes, repairs, settings, options, output, interrupted=interrupted)
+            _show(repairs, options, output)
     for repair in repairs:
         if repair.error is not None:
             if options.traceback and repair.traceback is not None:
@@ -106,22 +107,6 @@ def _schedule(options: argparse.Namespace) -> Schedule:
     if options.scale is not None:
         raise InputError("--scale belongs to --schedule count; leave it out.")
     return Schedule.default() if chosen is None else Schedule.default().using(chosen)
-
-
-def _check_places(options: argparse.Namespace) -> None:
-    """Refuse, before the work is done, what could not be written."""
-    _values.output_path(options.json, "--json")
-    if options.output is None:
-        return
-    _values.output_path(options.output, "--output")
-    if options.output == "-" or Path(options.output).suffix.lower() not in ("", ".json"):
-        raise InputError(f"--output {options.output}: a calibration is written as JSON; give a name ending in .json.")
-    if len(options.scenes) > 1 and options.extrinsics != "one":
-        raise InputError("--output takes the calibration of one recording; give one, or leave --output out.")
-    if Path(options.output).exists() and not options.force:
-        raise InputError(f"--output {options.output}: the file exists already; choose another or add --force.")
-    if options.json is not None and Path(options.json).resolve() == Path(options.output).resolve():
-        raise InputError("--output and --json name the same file; give two.")
 
 
 def _settings(
@@ -161,12 +146,13 @@ def _save(
     repairs: Sequence[Repair],
     settings: dict[str, Any],
     options: argparse.Namespace,
+    output: _output.Output,
     *,
     interrupted: bool,
 ) -> None:
     first = repairs[0].solution
-    if options.output is not None and first is not None and first.accepted:
-        save_rig(first.rig, options.output, scenes[0].info, overwrite=options.force)
+    if first is not None and first.accepted and not options.dry_run:
+        _output.save(output, first.rig, scenes[0], options)
     if options.json is None:
         return
     content = {
@@ -182,7 +168,7 @@ def _save(
     write_json(content, options.json)
 
 
-def _show(repairs: Sequence[Repair], options: argparse.Namespace) -> None:
+def _show(repairs: Sequence[Repair], options: argparse.Namespace, output: _output.Output) -> None:
     if options.quiet or options.json == "-":
         return
     if len(repairs) > 1:
@@ -190,9 +176,10 @@ def _show(repairs: Sequence[Repair], options: argparse.Namespace) -> None:
         return
     solution = repairs[0].solution
     print(solution)
-    if options.output is not None:
-        accepted = solution is not None and solution.accepted
-        print(f"{options.output}: {'written' if accepted else 'not written, since the initial calibration stays'}")
+    accepted = solution is not None and solution.accepted
+    done = "would be written" if options.dry_run else "written"
+    for name in output.names:
+        print(f"{name}: {done if accepted else 'not written, since the initial calibration stays'}")
 
 
 def _exit_code(repairs: Sequence[Repair]) -> int:

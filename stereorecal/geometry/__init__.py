@@ -21,6 +21,7 @@ from stereorecal.geometry._rectification import (
     rectifying_rotations as rectifying_rotations,
     view as view,
 )
+from stereorecal.geometry._rectified import Rectification as Rectification, rectification as rectification
 from stereorecal.geometry._rig import (
     AXES as AXES,
     StereoRig as StereoRig,

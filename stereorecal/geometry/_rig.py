@@ -1,18 +1,21 @@
 """The stereo rig: two cameras and the six extrinsic parameters between them."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal._arrays import Extrinsics, Mat3, Vec3, is_host, namespace
+from stereorecal._arrays import AnyArray, Extrinsics, Mat3, Vec3, is_host, namespace
 from stereorecal._errors import InputError
 from stereorecal._pytree import register_pytree
 from stereorecal.geometry._camera import Camera
 from stereorecal.geometry._so3 import euler_from_rotation, rotation_from_euler
 
-_FROM_ROTATION = "write sr.StereoRig.from_rotation(left, right, R, T), with T in metres."
+_FROM_ROTATION = (
+    "write sr.StereoRig.from_rotation(left, right, R, T), or sr.StereoRig.from_matrices(K1, D1, K2, D2, R, T, size), "
+    "with T in metres."
+)
 AXES = ("pitch", "yaw", "roll", "x", "y", "z")
 
 
@@ -25,6 +28,7 @@ class StereoRig:
         left, right: the cameras.
         extrinsics: (6,) float64: pitch, yaw, roll [rad], x, y, z [m];
             `R = Rz(roll) Ry(yaw) Rx(pitch)`, `T = (x, y, z)`. Kept exactly as given.
+        source: what the reader of a file keeps for the writer; None otherwise, and in what JAX makes of a rig.
 
     Raises:
         InputError: if the extrinsics are not finite, the baseline is zero, the cameras are swapped
@@ -34,6 +38,7 @@ class StereoRig:
     left: Camera
     right: Camera
     extrinsics: Extrinsics
+    source: Any = field(default=None, kw_only=True, repr=False, metadata={"aside": True})
 
     def __new__(cls, *values: Any, **named: Any) -> "StereoRig":
         """Show those who bring R and T the right call."""
@@ -79,6 +84,45 @@ class StereoRig:
         u, _, vt = np.linalg.svd(rotation)
         angles = euler_from_rotation(u @ vt)
         return StereoRig(left, right, np.concatenate([angles, np.array(translation, float).reshape(3)]))
+
+    @staticmethod
+    def from_matrices(
+        K1: Mat3,
+        D1: Float[AnyArray, "..."] | None,
+        K2: Mat3,
+        D2: Float[AnyArray, "..."] | None,
+        R: Mat3,
+        T: Float[AnyArray, "..."],
+        size: tuple[int, int],
+    ) -> "StereoRig":
+        """A rig from what `cv2.stereoCalibrate` returns.
+
+        Args:
+            K1, K2: (3, 3) camera matrices of the left and the right camera, in pixels.
+            D1, D2: distortion coefficients in OpenCV's order, of any shape; None for none.
+            R, T: (3, 3) and three numbers [m], with `x_right = R x_left + T`.
+            size: (width, height) of the images in pixels.
+
+        Raises:
+            InputError: as `Camera`, `StereoRig` and `from_rotation`.
+        """
+        left, right = (
+            Camera(size, np.asarray(K), np.zeros(0) if D is None else np.ravel(D)) for K, D in ((K1, D1), (K2, D2))
+        )
+        translation = np.ravel(np.asarray(T, float))
+        if translation.shape != (3,) or np.shape(R) != (3, 3):
+            raise InputError(f"R and T have shapes {np.shape(R)} and {np.shape(T)}; give (3, 3) and three numbers.")
+        return StereoRig.from_rotation(left, right, R, translation)
+
+    @property
+    def R(self) -> Mat3:
+        """R, (3, 3): another name of `rotation`."""
+        return self.rotation
+
+    @property
+    def T(self) -> Vec3:
+        """T, (3,) [m]: another name of `translation`."""
+        return self.translation
 
     @property
     def rotation(self) -> Mat3:

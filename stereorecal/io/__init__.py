@@ -20,14 +20,25 @@ from stereorecal.io._json import (
     read_json as read_json,
     write_json as write_json,
 )
+from stereorecal.io._maps import save_maps as save_maps
 from stereorecal.io._ranges import load_ranges as load_ranges
 from stereorecal.io._scenes import gather_scene as gather_scene
-from stereorecal.io.formats._rigs import load_rig as load_rig, save_rig as save_rig
+from stereorecal.io.formats._rigs import (
+    back_up as back_up,
+    calibration_files as calibration_files,
+    check_savable as check_savable,
+    load_rig as load_rig,
+    save_rig as save_rig,
+)
 from stereorecal.io.images._pairs import load_pair as load_pair, load_pairs as load_pairs
 from stereorecal.io.layouts._plain_log import (
     has_mission as has_mission,
     save_calibrations as save_calibrations,
     save_mission as save_mission,
 )
-from stereorecal.io.layouts._recognise import load_log as load_log, load_scene as load_scene
+from stereorecal.io.layouts._recognise import (
+    is_data_set as is_data_set,
+    load_log as load_log,
+    load_scene as load_scene,
+)
 from stereorecal.io.layouts._scene_folder import save_scene as save_scene

@@ -6,30 +6,43 @@ from pathlib import Path
 from stereorecal._errors import InputError
 from stereorecal.io._about import about
 from stereorecal.io._paths import AnyPath
-from stereorecal.io.formats._calib_json import Calibration, load_calibration
+from stereorecal.io.formats._calibration import Calibration, load_calibration
+from stereorecal.io.formats._format import Hints
 from stereorecal.io.formats._units import warn_of_units
 from stereorecal.io.images._pairs import load_pairs
 from stereorecal.recordings import Pair, Scene, check_pairs
 
 
-def gather_scene(left: AnyPath, right: AnyPath, calibration: AnyPath, limit: int | None = None) -> Scene:
-    """The scene of files in any places: images as `load_pairs` finds them, and a calibration like a scene folder's
-    calib.json. The scene is named after `left`.
+def gather_scene(
+    left: AnyPath,
+    right: AnyPath,
+    calibration: AnyPath | tuple[AnyPath, AnyPath],
+    limit: int | None = None,
+    *,
+    format: str | None = None,
+    unit: str | None = None,
+) -> Scene:
+    """The scene of files in any places: images as `load_pairs` finds them, and a calibration in any format that
+    `load_rig` reads. The scene is named after `left`. A calibration without image size is for images of this size.
 
     Args:
+        calibration: a file, a folder that holds one, or the left and the right camera's file.
         limit: read only the first `limit` pairs.
+        format, unit: as of `load_rig`.
 
     Raises:
-        InputError, UnsupportedModelError: as `load_pairs` and `load_scene`.
+        InputError, UnsupportedModelError: as `load_pairs` and `load_rig`.
 
     Warns:
         CalibrationWarning: as `load_rig`.
     """
-    found = load_calibration(Path(calibration))
+    paths = tuple(map(Path, calibration)) if isinstance(calibration, tuple) else (Path(calibration),)
     pairs = load_pairs(left, right, limit)
-    with about(calibration):
+    found = load_calibration(paths, format, unit, Hints(size=pairs[0].size))
+    name = " and ".join(map(str, paths))
+    with about(name):
         scene = scene_of(str(left), found, pairs)
-    warn_of_units(calibration, scene.rig)
+    warn_of_units(name, scene.rig)
     return scene
 
 

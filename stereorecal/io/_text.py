@@ -6,7 +6,7 @@ from stereorecal._errors import InputError
 
 
 def read_text(path: Path, if_missing: str = "add it.") -> str:
-    """The text of a UTF-8 file, without byte order mark.
+    """The text of a UTF-8 file, without byte order mark; ends of lines are those of the file.
 
     Args:
         if_missing: the end of the message if the file does not exist: what to do about it.
@@ -15,7 +15,8 @@ def read_text(path: Path, if_missing: str = "add it.") -> str:
         InputError: naming the file, if it is missing, unreadable, empty or not UTF-8.
     """
     try:
-        text = path.read_text(encoding="utf-8-sig")
+        with path.open(encoding="utf-8-sig", newline="") as file:
+            text = file.read()
     except FileNotFoundError:
         raise InputError(f"{path}: there is no such file; {if_missing}") from None
     except OSError as error:

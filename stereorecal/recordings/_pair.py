@@ -60,6 +60,21 @@ class Pair:
         """(width, height) in pixels."""
         return self.left.shape[1], self.left.shape[0]
 
+    @staticmethod
+    def from_arrays(
+        left: Num[np.ndarray, "..."], right: Num[np.ndarray, "..."], *, channels: str = "rgb", name: str = "pair"
+    ) -> "Pair":
+        """A pair from two images as `cv2.imread`, imageio or a camera's driver give them: `make_pair`.
+
+        Args:
+            left, right: grey (h, w) or colour (h, w, 3 or 4), of 8 to 16 bit or floating point.
+            channels: "rgb" or "bgr" (as OpenCV's), the order of the first three channels of colour images.
+
+        Raises:
+            InputError: as `make_pair`.
+        """
+        return make_pair(left, right, channels=channels, name=name)
+
     def resized(self, size: tuple[int, int]) -> "Pair":
         """The pair resampled to `size` (width, height) by area averaging."""
         if size == self.size:

@@ -313,10 +313,19 @@ def test_places_that_make_no_sense(command, drifted_scene: Path, tmp_path: Path,
     assert list(tmp_path.iterdir()) == []
 
 
-def test_the_calibration_in_use_may_be_replaced(command, drifted_scene: Path, tmp_path: Path):
+def test_the_calibration_in_use_is_replaced_in_place_only(command, drifted_scene: Path, tmp_path: Path):
     folder = Path(shutil.copytree(drifted_scene, tmp_path / "scene"))
-    before = load_scene(folder)
-    assert command("recalibrate", folder, *COUNT, "--output", folder / "calib.json", "--force").code == 0
+    old, before = (folder / "calib.json").read_bytes(), load_scene(folder)
+    for words in (("--output", folder / "calib.json"), ("--output", folder / "calib.json", "--force")):
+        answer = command("recalibrate", folder, *COUNT, *words)
+        assert (answer.code, answer.out) == (2, "")
+        assert (folder / "calib.json").read_bytes() == old
+    assert "the calibration came from there; replace it with --in-place" in answer.err
+    answer = command("recalibrate", folder, *COUNT, "--in-place", "--dry-run")
+    assert answer.out.endswith("calib.json: would be written\n")
+    assert (folder / "calib.json").read_bytes() == old
+    assert command("recalibrate", folder, *COUNT, "--in-place").code == 0
+    assert (folder / "calib.json.bak").read_bytes() == old
     after = load_scene(folder)
     assert after.info == before.info
     assert np.abs(after.rig.extrinsics - before.rig.extrinsics).max() > np.radians(0.1)

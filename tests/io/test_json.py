@@ -11,7 +11,7 @@ from hypothesis import given, strategies as st
 from stereorecal._errors import InputError
 from stereorecal._plain import plain
 from stereorecal.io import json_line, json_text, parse_json, read_json, write_json
-from stereorecal.io.formats._calib_json import calibration_text
+from stereorecal.io.formats._stereorecal import calibration_text
 
 leaves = st.none() | st.booleans() | st.integers(-(10**308), 10**308) | st.floats() | st.text(max_size=5)
 nested = st.recursive(

@@ -11,8 +11,8 @@ import pytest
 from hypothesis import given, strategies as st
 
 from stereorecal._errors import InputError
-from stereorecal.io.formats._file_storage import read_file_storage
 from stereorecal.io.formats._numbers import image_size, number_or_word, numbers, pixels, value
+from stereorecal.io.formats.text._document import read_document
 
 SHAPES = [(), (2,), (3,), (4,), (9,), (-1,), (3, 3), (4, 4)]
 leaves = st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=3) | st.just(10**400)
@@ -127,16 +127,15 @@ def test_words_of_no_finite_number(word: str):
         numbers({"K": [number_or_word(word)]}, "K", (-1,))
 
 
-# --- through OpenCV -----------------------------------------------------------------------------------------
+# --- through files ------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("head", ["%YAML:1.0\n---\n", ""])
-@pytest.mark.parametrize("number", ["1e999", "9" * 20, "-" + "9" * 5000, "9" * 5000 + ".5", ".nan", "-.inf"])
+@pytest.mark.parametrize("number", ["1e999", "-" + "9" * 5000, "9" * 5000 + ".5", ".nan", "-.inf"])
 def test_numbers_out_of_range_in_yaml(tmp_path: Path, head: str, number: str):
-    """OpenCV clips large integers without a word."""
     path = tmp_path / "a.yaml"
     path.write_text(f"{head}K: [1, {number}]\nn: {number}\n")
-    content = read_file_storage(path)
+    content = read_document(path).content
     for key, shape in (("K", (2,)), ("n", ())):
         with pytest.raises(InputError, match=f"{key} contains NaN or infinite"):
             numbers(content, key, shape)
@@ -147,7 +146,7 @@ def test_yaml_values_that_are_no_numbers(tmp_path: Path, text: str, words: str):
     path = tmp_path / "a.yaml"
     path.write_text(f"{text}\nn: 1\n")
     with pytest.raises(InputError, match=words):
-        numbers(read_file_storage(path), "K", (2,))
+        numbers(read_document(path).content, "K", (2,))
 
 
 DEEP = 100_000
@@ -163,13 +162,13 @@ DEEP = 100_000
         '{"K": ' + "[" * DEEP + "]" * DEEP + "}",
         "<?xml version='1.0'?><opencv_storage>" + "<a>" * DEEP,
         "".join(" " * level + "a:\n" for level in range(2000)),
-        "K: " + "[" * 1500 + "1" + "]" * 1500,  # read by OpenCV, too deep for Python
+        "K: " + "[" * 1500 + "1" + "]" * 1500,  # few enough brackets, too deep for Python
     ],
     ids=["open", "list", "map", "items", "json", "xml", "indented", "python"],
 )
 def test_deep_nesting_does_not_crash_the_process(tmp_path: Path, text: str):
     path = tmp_path / "a.yaml"
     path.write_text(text if text.startswith(("<", "{")) else "%YAML:1.0\n---\n" + text)
-    with pytest.raises(InputError, match=r"too deeply nested|not a YAML file") as error:
-        read_file_storage(path)
+    with pytest.raises(InputError, match=r"too deeply nested|not a YAML file|nests more than 100 levels") as error:
+        read_document(path)
     assert str(error.value).startswith(f"{path}: ")

@@ -2,6 +2,8 @@
 
 import argparse
 
+from stereorecal.cli.arguments._calibrations import add_reading_to
+
 _DESCRIPTION = """\
 What calibration B changes against calibration A of the same rig: rotation, direction and length of the baseline; and,
 for those who use A if B is right, how far apart the two rows of a point lie over the view, and how wrong depth is at
@@ -14,8 +16,13 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
         "diff", parents=[common], help="what one calibration changes against another", description=_DESCRIPTION
     )
     add = parser.add_argument
-    add("before", metavar="A", help="calibration file (calib.json), scene folder, or data set in a layout of its own")
+    add(
+        "before",
+        metavar="A",
+        help="calibration file of any format, LEFT,RIGHT where each camera has its own, or a folder",
+    )
     add("after", metavar="B", help="likewise")
+    add_reading_to(parser)
     add("--json", metavar="FILE|-", help="write everything as JSON, with a map of the rows")
     add("--quiet", action="store_true", help="print nothing")
     parser.set_defaults(verb="diff")

@@ -2,6 +2,7 @@
 
 import argparse
 
+from stereorecal.cli.arguments._calibrations import FORMATS
 from stereorecal.cli.arguments._executors import EXECUTORS
 from stereorecal.cli.arguments._recordings import add_recordings_to
 
@@ -45,8 +46,17 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
     )
     add("--seed", type=int, default=0, help="same seed, same result")
     add("--executor", default="serial", metavar="SPEC", help=EXECUTORS)
-    add("--output", metavar="FILE", help="write the calibration there, as a calib.json, if it was accepted")
-    add("--force", action="store_true", help="--output may replace a file")
+    add(
+        "--output",
+        metavar="FILE",
+        help="write the calibration there (LEFT,RIGHT where each camera has a file), if it was accepted: in the form "
+        "in which it was read, only what was estimated changes",
+    )
+    add("--to", metavar="FORMAT", help=f"of --output, if another: {FORMATS}")
+    add("--in-place", action="store_true", help="replace the calibration that was read; the old one becomes NAME.bak")
+    add("--maps", metavar="FILE.npz", help="write maps for cv2.remap, with R1 R2 P1 P2 Q, if it was accepted")
+    add("--dry-run", action="store_true", help="write no calibration and no maps, say what would be written")
+    add("--force", action="store_true", help="--output and --maps may replace a file that is no input")
     add("--json", metavar="FILE|-", help="write everything as JSON")
     add("--quiet", action="store_true", help="no progress and no report")
     parser.set_defaults(verb="recalibrate")

@@ -1,52 +1,87 @@
-"""EuRoC's sensor.yaml (ASL format): one camera, its intrinsics and its pose on the body."""
+"""EuRoC's sensor.yaml (ASL format), one file for each camera: its intrinsics and its pose on the body."""
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from stereorecal._arrays import Mat3, Vec3
-from stereorecal._errors import UnsupportedModelError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._about import about
-from stereorecal.io.formats._file_storage import read_file_storage
+from stereorecal.io.formats._format import Documents, Hints, Target
+from stereorecal.io.formats._lenses import check_model, coefficients, pinhole_matrix, pinhole_numbers
+from stereorecal.io.formats._matrices import matrix_values
 from stereorecal.io.formats._numbers import image_size, numbers, value
+from stereorecal.io.formats._poses import Pose, inverse, left_to_right, rig_of
+from stereorecal.io.formats.text._document import Document, Syntax
+from stereorecal.io.formats.text._values import Keys
+
+NAME = "euroc"
+ABOUT = "EuRoC or ASL (sensor.yaml of cam0 and of cam1)"
+SYNTAX = {".yaml": Syntax.YAML, ".yml": Syntax.YAML}
+FILES = 2
+UNIT = "m"
 
 # The name in EuRoC's files, and those of Kalibr and ROS for the same model: OpenCV's k1 k2 p1 p2.
 _RADIAL_TANGENTIAL = ("radial-tangential", "radtan", "plumb_bob")
+_BLANK = """\
+sensor_type: camera
+T_BS:
+  cols: 4
+  rows: 4
+  data: [1.0, 0.0, 0.0, 0.0,
+         0.0, 1.0, 0.0, 0.0,
+         0.0, 0.0, 1.0, 0.0,
+         0.0, 0.0, 0.0, 1.0]
+resolution: [{width}, {height}]
+camera_model: pinhole
+intrinsics: [0.0, 0.0, 0.0, 0.0]
+distortion_model: radial-tangential
+distortion_coefficients: [0.0, 0.0, 0.0, 0.0]
+"""
 
 
-def load_euroc(left: Path, right: Path) -> StereoRig:
-    """The rig of two sensor.yaml files. Each has the pose `T_BS` of its camera: x_body = R_i x_i + T_i, in metres.
-
-    Raises:
-        InputError: naming the file, if one cannot be read or does not hold a valid calibration.
-        UnsupportedModelError: if a camera is not a pinhole with radial-tangential distortion.
-    """
-    (left_camera, left_axes, left_place), (right_camera, right_axes, right_place) = _camera(left), _camera(right)
-    with about(f"{left} and {right}"):
-        return StereoRig.from_rotation(
-            left_camera, right_camera, right_axes.T @ left_axes, right_axes.T @ (left_place - right_place)
-        )
+def can_read(documents: Documents) -> bool:
+    """Whether both files have a pose on the body."""
+    return len(documents) == 2 and all("T_BS" in document.content for document in documents)
 
 
-def _camera(path: Path) -> tuple[Camera, Mat3, Vec3]:
-    """A camera, and the rotation and translation of its pose on the body."""
-    content = read_file_storage(path)
-    with about(path):
-        _check_model(content)
-        fx, fy, cx, cy = numbers(content, "intrinsics", (4,))
-        matrix = np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]])
-        camera = Camera(image_size(content, "resolution"), matrix, numbers(content, "distortion_coefficients", (-1,)))
-        pose = numbers(content, "T_BS", (4, 4))
-    return camera, pose[:3, :3], pose[:3, 3]
+def read(documents: Documents, hints: Hints) -> StereoRig:
+    """Each has the pose T_BS of its camera, x_body = R_i x_i + T_i: left to right is inv(T_BS1) T_BS0."""
+    (left, left_pose), (right, right_pose) = (_camera(document) for document in documents)
+    with about(f"{documents[0].name} and {documents[1].name}"):
+        return rig_of(left, right, inverse(right_pose) @ left_pose)
 
 
-def _check_model(content: Mapping[str, Any]) -> None:
-    camera, distortion = (value(content, key) for key in ("camera_model", "distortion_model"))
-    if camera != "pinhole" or distortion not in _RADIAL_TANGENTIAL:
-        raise UnsupportedModelError(
-            f"the camera model {camera!r} with the distortion model {distortion!r} is not supported; calibrate as "
-            "pinhole with radial-tangential distortion."
-        )
+def _camera(document: Document) -> tuple[Camera, Pose]:
+    content = document.content
+    with about(document.name):
+        check_model(value(content, "distortion_model"), _RADIAL_TANGENTIAL, value(content, "camera_model"))
+        matrix = pinhole_matrix(numbers(content, "intrinsics", (4,)))
+        lens = numbers(content, "distortion_coefficients", (-1,))
+        camera = Camera(image_size(content, "resolution"), matrix, lens)
+        return camera, _pose(content)
+
+
+def _pose(content: Mapping[str, Any]) -> Pose:
+    return numbers(content, "T_BS", (4, 4))
+
+
+def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:
+    """Both files; the left camera is the body."""
+    return tuple(_BLANK.format(width=camera.size[0], height=camera.size[1]) for camera in (rig.left, rig.right))
+
+
+def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
+    """The right camera's pose on the body moves, the left one's stays."""
+    left, right = target.documents
+    poses = (None, _pose(left.content) @ inverse(left_to_right(rig)))
+    sides = ((left, rig.left, target.left), (right, rig.right, target.right))
+    texts = []
+    for (document, camera, wanted), pose in zip(sides, poses, strict=True):
+        values: dict[Keys, Any] = {} if pose is None else matrix_values(document.content, ("T_BS",), np.asarray(pose))
+        if wanted:
+            lens = coefficients(camera, (4,), "EuRoC's radial-tangential model", "opencv, ros or depthai")
+            values[("intrinsics",)] = pinhole_numbers(camera)
+            values[("distortion_coefficients",)] = lens.tolist()
+        texts.append(document.changed(values))
+    return tuple(texts)

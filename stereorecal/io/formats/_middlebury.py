@@ -1,34 +1,55 @@
 """Middlebury's calib.txt (2014, 2021, MiddEval3): lines `key=values` of a rectified pair."""
 
-from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from stereorecal.geometry import Camera, StereoRig
-from stereorecal.io._about import about
-from stereorecal.io._text import read_text
-from stereorecal.io.formats._numbers import number_or_word, numbers, pixels
+from stereorecal.io.formats._format import Documents, Hints, Target
+from stereorecal.io.formats._lenses import check_straight
+from stereorecal.io.formats._numbers import numbers, pixels
+from stereorecal.io.formats.text._document import Syntax
+from stereorecal.io.formats.text._values import Keys
 
-Rows = list[list[float | str]]
+NAME = "middlebury"
+ABOUT = "Middlebury's calib.txt (cam0=, cam1=, baseline=) of rectified images"
+SYNTAX = {".txt": Syntax.EQUALS}
+FILES = 1
+UNIT = "mm"
 
-
-def load_middlebury(path: Path) -> StereoRig:
-    """The rig that `cam0 cam1 baseline width height` describe, with the baseline in millimetres.
-
-    The cameras have the same orientation; their principal points differ in x, by `doffs`.
-
-    Raises:
-        InputError: naming the file, if it cannot be read or does not hold a valid calibration.
-    """
-    lines = (line.partition("=") for line in read_text(path).splitlines())
-    content = {key.strip(): _rows(values) for key, _, values in lines}
-    with about(path):
-        size = pixels(content, "width"), pixels(content, "height")
-        left, right = (Camera(size, numbers(content, key, (3, 3))) for key in ("cam0", "cam1"))
-        baseline = float(numbers(content, "baseline", ())) / 1000.0
-        return StereoRig.from_rotation(left, right, np.eye(3), np.array([-baseline, 0.0, 0.0]))
+_BLANK = "cam0=[0]\ncam1=[0]\ndoffs=0\nbaseline=0\nwidth={}\nheight={}\n"
 
 
-def _rows(values: str) -> Rows:
-    """The rows of a matrix `[a b; c d]`; a number is a matrix of one."""
-    return [[number_or_word(word) for word in row.split()] for row in values.strip(" []").split(";")]
+def can_read(documents: Documents) -> bool:
+    """Whether there are lines of a cam0 and a baseline."""
+    content = documents[0].content
+    return len(documents) == 1 and documents[0].syntax is Syntax.EQUALS and bool({"cam0", "cam1"} & content.keys())
+
+
+def read(documents: Documents, hints: Hints) -> StereoRig:
+    """The cameras have the same orientation; their principal points differ in x, by `doffs`."""
+    content = documents[0].content
+    size = pixels(content, "width"), pixels(content, "height")
+    left, right = (Camera(size, numbers(content, key, (3, 3))) for key in ("cam0", "cam1"))
+    baseline = float(numbers(content, "baseline", ()))
+    return StereoRig.from_rotation(left, right, np.eye(3), np.array([-baseline, 0.0, 0.0]))
+
+
+def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:
+    """The lines that every scene has, but `ndisp`, which is a fact about the scene."""
+    return (_BLANK.format(*rig.left.size),)
+
+
+def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
+    """The baseline, and doffs; nothing else can change in rectified images."""
+    lenses = np.concatenate([np.asarray(camera.distortion) for camera in (rig.left, rig.right)])
+    off_line = np.any(np.asarray(rig.extrinsics)[[0, 1, 2, 4, 5]]) or rig.left.size != rig.right.size
+    check_straight(off_line or np.any(lenses), "Middlebury's calib.txt")
+    left, right = np.asarray(rig.left.matrix), np.asarray(rig.right.matrix)
+    values: dict[Keys, Any] = {("baseline",): [float(rig.baseline)]}
+    for key, matrix, wanted in (("cam0", left, target.left), ("cam1", right, target.right)):
+        if wanted:
+            values[(key,)] = matrix.tolist()
+    if (target.left or target.right) and "doffs" in target.documents[0].content:
+        values[("doffs",)] = [float(right[0, 2] - left[0, 2])]
+    return (target.documents[0].changed(values),)

@@ -15,7 +15,7 @@ _WIDEST = 1 << 20
 
 
 def numbers(content: Mapping[str, Any], key: str, shape: tuple[int, ...]) -> Float[np.ndarray, "..."]:
-    """The finite float64 array under a key, which holds a number or nested lists of numbers.
+    """The finite float64 array under a key, which holds a number, nested lists of numbers, or `rows cols data`.
 
     Axes of length one are dropped, so that rows and columns are vectors: (1, 5) and (5, 1) become (5,).
 
@@ -26,7 +26,7 @@ def numbers(content: Mapping[str, Any], key: str, shape: tuple[int, ...]) -> Flo
         InputError: naming the key, if it is missing or holds anything else, such as text, true or false, null, NaN, a
             number too large for a float64, or rows of different lengths.
     """
-    array = _array(value(content, key), key).squeeze()
+    array = _array(unpacked(value(content, key)), key).squeeze()
     if len(shape) == 1:
         array = np.atleast_1d(array)
     if shape not in (array.shape, (-1,) * array.ndim):
@@ -46,6 +46,17 @@ def value(content: Mapping[str, Any], key: str) -> Any:
     if key not in content:
         raise InputError(f"the key {key!r} is missing; add it, or copy the file again.")
     return content[key]
+
+
+def unpacked(stated: Any) -> Any:
+    """A map of rows, cols and data, as OpenCV and ROS write matrices, as a list of rows; all else as it is."""
+    match stated:
+        case {"rows": int(rows), "cols": int(columns), "data": list(data)} if columns > 0:
+            # If the numbers do not fill the matrix they stay a flat list, and the reader says what it expected.
+            fits = rows * columns == len(data)
+            return [data[start : start + columns] for start in range(0, len(data), columns)] if fits else data
+        case _:
+            return stated
 
 
 def image_size(content: Mapping[str, Any], key: str) -> tuple[int, int]:

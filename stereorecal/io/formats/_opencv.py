@@ -1,27 +1,123 @@
-"""OpenCV's stereo calibration: the YAML or XML file of the stereo_calib sample."""
+"""OpenCV's FileStorage: YAML, XML or JSON with K1 (or M1) D1 K2 D2 R T; the stereo_calib sample writes two files."""
 
-from pathlib import Path
+from collections.abc import Iterator, Mapping
+from typing import Any
 
+import cv2
+import numpy as np
+
+from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, StereoRig
-from stereorecal.io._about import about
-from stereorecal.io.formats._file_storage import read_file_storage
-from stereorecal.io.formats._numbers import image_size, numbers
+from stereorecal.io.formats._derived import essential, fundamental, rectification_of
+from stereorecal.io.formats._format import Documents, Hints, Target
+from stereorecal.io.formats._lenses import coefficients
+from stereorecal.io.formats._matrices import Array, derived_values, matrix_values, size_of
+from stereorecal.io.formats._numbers import image_size, numbers, pixels
+from stereorecal.io.formats.text._document import Syntax
+
+NAME = "opencv"
+ABOUT = "OpenCV's FileStorage (K1 or M1, D1, K2, D2, R, T), one file, or intrinsics and extrinsics"
+SYNTAX = {".yaml": Syntax.YAML, ".yml": Syntax.YAML, ".xml": Syntax.XML, ".json": Syntax.JSON}
+FILES = 1
+UNIT = None
+
+_MATRICES = ("K", "M", "cameraMatrix", "camera_matrix_", "intrinsic")
+_DISTORTIONS = ("D", "distCoeffs", "dist_coeffs_", "distortion_coefficients_")
+_SIZES = ("imageSize", "image_size", "imgSize", "size", "res1")
+_REGIONS = {"roi1": ("roi1", "validRoi1", "validROI1", "validPixROI1"), "roi2": ("roi2", "validRoi2", "validROI2",
+            "validPixROI2")}  # fmt: skip
+_COUNTS = (4, 5, 8, 12, 14)
+_ALPHA = 1.0  # of stereo_calib
 
 
-def load_opencv_stereo(path: Path, size: tuple[int, int]) -> StereoRig:
-    """The rig that `M1 D1 M2 D2 R T` describe, with T in millimetres.
+def can_read(documents: Documents) -> bool:
+    """Whether there are intrinsics of cameras 1 and 2, or R and T, under names that are usual."""
+    content = _content(documents)
+    intrinsics = any(f"{name}{side}" in content for name in _MATRICES for side in (1, 2))
+    whole = {"R", "T"} <= content.keys() and "K_left" not in content
+    return intrinsics and whole if len(documents) == 2 else intrinsics or whole
 
-    Args:
-        size: (width, height) of the images, used if the file has no `imageSize`; OpenCV's own files have none.
 
-    Raises:
-        InputError: naming the file, if it cannot be read or does not hold a valid calibration.
-        UnsupportedModelError: if the number of distortion coefficients is not one of OpenCV's pinhole model.
-    """
-    content = read_file_storage(path)
-    with about(path):
-        size = image_size(content, "imageSize") if "imageSize" in content else size
-        left, right = (
-            Camera(size, numbers(content, f"M{side}", (3, 3)), numbers(content, f"D{side}", (-1,))) for side in (1, 2)
+def read(documents: Documents, hints: Hints) -> StereoRig:
+    """The rig; image size as in the file, else that of the hints, since OpenCV's own files have none."""
+    content = _content(documents)
+    matrix, distortion = _name(content, _MATRICES), _name(content, _DISTORTIONS)
+    size = _size(content, hints)
+    left, right = (
+        Camera(size, numbers(content, f"{matrix}{side}", (3, 3)), numbers(content, f"{distortion}{side}", (-1,)))
+        for side in (1, 2)
+    )
+    return StereoRig.from_rotation(left, right, numbers(content, "R", (3, 3)), numbers(content, "T", (3,)))
+
+
+def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:
+    """One file, as OpenCV itself writes it."""
+    ending = next(ending for ending, of_ending in SYNTAX.items() if of_ending is syntax)
+    storage = cv2.FileStorage(ending, cv2.FILE_STORAGE_WRITE | cv2.FILE_STORAGE_MEMORY)
+    storage.startWriteStruct("imageSize", cv2.FILE_NODE_SEQ | cv2.FILE_NODE_FLOW)
+    for pixel in rig.left.size:
+        storage.write("", pixel)
+    storage.endWriteStruct()
+    for side, camera in enumerate((rig.left, rig.right), start=1):
+        storage.write(f"K{side}", np.eye(3))
+        storage.write(f"D{side}", np.zeros((1, coefficients(camera, _COUNTS, "", "").size)))
+    for key, shape in {
+        "R": (3, 3),
+        "T": (3, 1),
+        "R1": (3, 3),
+        "R2": (3, 3),
+        "P1": (3, 4),
+        "P2": (3, 4),
+        "Q": (4, 4),
+    }.items():
+        storage.write(key, np.zeros(shape))
+    return (storage.releaseAndGetString(),)
+
+
+def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
+    """R and T; those of R1, R2, P1, P2, Q (alpha 1, zero disparity, as stereo_calib), E and F that the file has."""
+    if rig.left.size != rig.right.size:
+        raise InputError("the cameras have images of different sizes; write the rig as kalibr, ros or basalt instead.")
+    content = _content(target.documents)
+    matrix, distortion = _name(content, _MATRICES), _name(content, _DISTORTIONS)
+    values = dict(_cameras(rig, target, content, matrix, distortion))
+    made = rectification_of(rig, _ALPHA) | {"E": essential(rig), "F": fundamental(rig)}
+    regions = {name: made.pop(key) for key, names in _REGIONS.items() for name in names if key in made}
+    arrays: dict[str, Array] = {"R": np.asarray(rig.rotation), "T": np.asarray(rig.translation), **made, **regions}
+    values.update(derived_values(content, arrays))
+    return tuple(
+        document.changed({keys: value for keys, value in values.items() if keys[0] in document.content})
+        for document in target.documents
+    )
+
+
+def _cameras(rig: StereoRig, target: Target, content: Mapping[str, Any], matrix: str, distortion: str) -> Iterator:
+    for side, camera, wanted in ((1, rig.left, target.left), (2, rig.right, target.right)):
+        if wanted:
+            key = f"{distortion}{side}"
+            counts = [count for count in _COUNTS if count >= size_of(content, (key,))]
+            lens = coefficients(camera, counts, "OpenCV", "")
+            yield from matrix_values(content, (f"{matrix}{side}",), np.asarray(camera.matrix)).items()
+            yield from matrix_values(content, (key,), lens).items()
+
+
+def _content(documents: Documents) -> dict[str, Any]:
+    return {key: item for document in documents for key, item in document.content.items()}
+
+
+def _name(content: Mapping[str, Any], names: tuple[str, ...]) -> str:
+    return next((name for name in names for side in (1, 2) if f"{name}{side}" in content), names[0])
+
+
+def _size(content: Mapping[str, Any], hints: Hints) -> tuple[int, int]:
+    for key in _SIZES:
+        if key in content:
+            return image_size(content, key)
+    if "image_width" in content:
+        return pixels(content, "image_width"), pixels(content, "image_height")
+    if hints.size is None:
+        raise InputError(
+            "the file has no image size (imageSize); give size=(width, height), on the command line --size WxH, or "
+            "images beside it."
         )
-        return StereoRig.from_rotation(left, right, numbers(content, "R", (3, 3)), numbers(content, "T", (3,)) / 1000.0)
+    return hints.size

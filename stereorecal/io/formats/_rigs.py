@@ -1,55 +1,134 @@
 """A rig without images: the file that holds its calibration."""
 
 from collections.abc import Mapping
+from itertools import count
 from pathlib import Path
 from typing import Any
 
 from stereorecal._errors import InputError
-from stereorecal.geometry import Camera, StereoRig
-from stereorecal.io._atomic import write_text
+from stereorecal.geometry import StereoRig
+from stereorecal.io._atomic import write_bytes, write_text
+from stereorecal.io._json import parse_json
 from stereorecal.io._paths import AnyPath
-from stereorecal.io.formats._calib_json import calibration_of, calibration_text, load_calibration
+from stereorecal.io.formats._format import Hints
+from stereorecal.io.formats._reading import read_files
+from stereorecal.io.formats._source import source_of
+from stereorecal.io.formats._stereorecal import calibration_text
 from stereorecal.io.formats._units import warn_of_units
+from stereorecal.io.formats._writing import chosen_format, texts_of
 
 
-def load_rig(path: AnyPath) -> StereoRig:
-    """The rig in a calib.json (for its keys see `load_scene`).
+def load_rig(
+    path: AnyPath,
+    right: AnyPath | None = None,
+    *,
+    format: str | None = None,
+    unit: str | None = None,
+    size: tuple[int, int] | None = None,
+) -> StereoRig:
+    """The rig in a calibration file of any format of `docs/data.md`; it remembers the file, for `save_rig`.
+
+    Args:
+        path: the file; a folder that holds one; or the left camera's file, where each camera has its own.
+        right: the right camera's file (or the extrinsics, where OpenCV's sample wrote them apart).
+        format: name of the format, such as "kalibr"; by default it is recognised.
+        unit: "m", "cm", "mm" or "in", for files that say none (OpenCV, BoofCV); by default told by the baseline.
+        size: (width, height) of the images, for files that say none.
 
     Raises:
-        InputError: naming the file, if it cannot be read or does not hold a valid calibration.
-        UnsupportedModelError: if the distortion model is not OpenCV's pinhole model.
+        InputError: naming the file, if it cannot be read or does not hold a valid calibration; naming the formats that
+            are known, if it is none of them.
+        UnsupportedModelError: if a camera is not one of OpenCV's pinhole model.
 
     Warns:
-        CalibrationWarning: if the baseline is longer than 5 m or shorter than 5 mm, as of a rig in other units.
+        CalibrationWarning: if the unit was told by the baseline, or the baseline is longer than 5 m or shorter than
+            5 mm, as of a rig in other units.
     """
-    rig = load_calibration(Path(path)).rig
-    if rig is None:
-        raise InputError(f"{path}: the camera matrices are null; give a file with a calibration.")
+    paths = [Path(path)] if right is None else [Path(path), Path(right)]
+    rig = read_files(paths, format, unit, Hints(size=size))
     warn_of_units(path, rig)
     return rig
 
 
-def save_rig(rig: StereoRig, path: AnyPath, info: Mapping[str, Any] | None = None, overwrite: bool = False) -> None:
-    """Write a rig as a calib.json, whole or not at all. `load_rig` returns the same extrinsics to within 1e-12.
+def save_rig(
+    rig: StereoRig,
+    path: AnyPath | tuple[AnyPath, AnyPath],
+    info: Mapping[str, Any] | None = None,
+    overwrite: bool = False,
+    *,
+    format: str | None = None,
+    template: AnyPath | tuple[AnyPath, AnyPath] | None = None,
+) -> None:
+    """Write a rig into a copy of the file that it came from, whole or not at all: what was not estimated stays as it
+    was there, what is derived is computed anew. A rig from nowhere, or in another format, becomes a new file.
+
+    `load_rig` returns the same extrinsics to within 1e-12.
 
     Args:
-        info: other keys to write, such as `Scene.info`; those that describe the rig are replaced.
-        overwrite: whether an existing file may be replaced.
+        path: a file, or two where each camera has its own; its ending must fit the format.
+        info: other keys of a calib.json, such as `Scene.info`; those that describe the rig are replaced.
+        overwrite: whether existing files may be replaced.
+        format: name of the format; by default that of the template, or for a rig from nowhere a calib.json, or OpenCV's
+            where the name ends in .yaml, .yml or .xml.
+        template: a calibration file (or two) to write into, in place of the one that the rig came from.
 
     Raises:
-        InputError: if the file exists already, the place cannot be written to, the cameras differ in image size, or
-            JSON cannot hold a value of `info`. Nothing is written then.
+        InputError: if a file exists already, the place cannot be written to, the name contradicts the format, or the
+            format cannot hold the rig: the message names one that can. Nothing is written then.
     """
-    if rig.left.size != rig.right.size:
-        raise InputError(
-            f"the cameras have images of {_size(rig.left)} and {_size(rig.right)}, but a calib.json has one size for "
-            "both; resize the images of one, and its camera with `Camera.resized`."
-        )
-    text = calibration_text({**(info or {}), **calibration_of(rig, rig.left.size)})
-    if Path(path).exists() and not overwrite:
-        raise InputError(f"{path}: the file exists already; choose another name or allow overwriting.")
-    write_text(path, text)
+    paths = _paths(path)
+    if template is None:
+        source = source_of(rig)
+    else:
+        source = source_of(read_files(_paths(template), hints=Hints(size=rig.left.size)))
+    texts = list(texts_of(rig, paths, source, format))
+    if info and chosen_format(paths, source, format).NAME == "stereorecal":
+        texts[0] = _with_info(texts[0], info)
+    for place in paths:
+        if place.exists() and not overwrite:
+            raise InputError(f"{place}: the file exists already; choose another name or allow overwriting.")
+        if not place.parent.is_dir():  # before the first of two is written
+            raise InputError(f"{place}: cannot be written, there is no such folder; choose another place.")
+    for place, text in zip(paths, texts, strict=True):
+        write_text(place, text)
 
 
-def _size(camera: Camera) -> str:
-    return f"{camera.size[0]}x{camera.size[1]}"
+def check_savable(rig: StereoRig, path: AnyPath | tuple[AnyPath, AnyPath], *, format: str | None = None) -> None:
+    """All that `save_rig` refuses but for files that exist; nothing is written.
+
+    Raises:
+        InputError: as `save_rig`.
+    """
+    texts_of(rig, _paths(path), source_of(rig), format)
+
+
+def calibration_files(rig: StereoRig | None) -> list[Path]:
+    """The files that a rig came from; none if it came from nowhere."""
+    source = None if rig is None else source_of(rig)
+    return [] if source is None else [Path(document.name) for document in source.documents]
+
+
+def back_up(path: AnyPath) -> Path:
+    """Copy a file beside itself, as NAME.bak, or NAME.bak2 and so on: no earlier copy is replaced.
+
+    Raises:
+        InputError: if it cannot be read, or there is no room.
+    """
+    path = Path(path)
+    names = (path.with_name(f"{path.name}.bak{number if number > 1 else ''}") for number in count(1))
+    copy = next(name for name in names if not name.exists())
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}); check the file.") from error
+    write_bytes(copy, data)
+    return copy
+
+
+def _paths(path: AnyPath | tuple[AnyPath, AnyPath]) -> list[Path]:
+    return [Path(each) for each in path] if isinstance(path, tuple) else [Path(path)]
+
+
+def _with_info(text: str, info: Mapping[str, Any]) -> str:
+    """A calib.json with other keys, which come first."""
+    return calibration_text({**info, **parse_json(text)})

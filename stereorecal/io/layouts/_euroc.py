@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from stereorecal._errors import InputError
-from stereorecal.io.formats._euroc import load_euroc
+from stereorecal.io.formats._reading import read_files
 from stereorecal.io.images._match import Matched, by_stem
 from stereorecal.io.images._pairs import load_matched
 from stereorecal.io.layouts._sequences import log_of
@@ -27,7 +27,8 @@ def read(folder: Path, limit: int | None) -> Log:
     """
     body = _body(folder) or folder
     pairs = load_matched(_same_time(body / _LEFT / _IMAGES, body / _RIGHT / _IMAGES), limit)
-    return log_of(folder, [(folder, load_euroc(body / _LEFT / _CALIBRATION, body / _RIGHT / _CALIBRATION), pairs)])
+    rig = read_files([body / side / _CALIBRATION for side in (_LEFT, _RIGHT)], "euroc")
+    return log_of(folder, [(folder, rig, pairs)])
 
 
 def _body(folder: Path) -> Path | None:

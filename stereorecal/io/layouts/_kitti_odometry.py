@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from stereorecal.io._about import about
-from stereorecal.io.formats._kitti import read_kitti, rectified_rig
+from stereorecal.io.formats._format import Hints
+from stereorecal.io.formats._reading import read_files
 from stereorecal.io.images._files import natural_order
 from stereorecal.io.images._match import match_equal
 from stereorecal.io.images._pairs import load_matched
@@ -13,6 +13,7 @@ from stereorecal.recordings import Log
 
 LAYOUT = "KITTI odometry (sequences/NN), or one sequence of it (calib.txt, image_0 and image_1, or image_2 and image_3)"
 _CALIBRATION, _SEQUENCES = "calib.txt", "sequences"
+_IF_MISSING = "download data_odometry_calib.zip from KITTI's page and unpack it over the images."
 _GREY_BEFORE_COLOUR = (("image_0", "image_1"), ("image_2", "image_3"))
 
 
@@ -41,8 +42,7 @@ def _places(folder: Path) -> list[Path]:
 
 def _sequence(folder: Path, limit: int | None) -> Sequence:
     left, right = sides_in(folder, _GREY_BEFORE_COLOUR)
-    path = folder / _CALIBRATION
-    content = read_kitti(path, "data_odometry_calib.zip")
     pairs = load_matched(match_equal(folder / left, folder / right), limit)
-    with about(path):
-        return folder, rectified_rig(content, (f"P{left[-1]}", f"P{right[-1]}"), pairs[0].size), pairs
+    hints = Hints(size=pairs[0].size, cameras=(f"P{left[-1]}", f"P{right[-1]}"))
+    rig = read_files([folder / _CALIBRATION], "kitti-odometry", hints=hints, if_missing=_IF_MISSING)
+    return folder, rig, pairs

@@ -6,10 +6,9 @@ import numpy as np
 from jaxtyping import Shaped
 
 from stereorecal._errors import InputError
-from stereorecal.io._about import about
 from stereorecal.io._text import read_text
-from stereorecal.io.formats._kitti import raw_rig, read_kitti, rectified_rig
-from stereorecal.io.formats._numbers import image_size
+from stereorecal.io.formats._format import Hints
+from stereorecal.io.formats._reading import read_files
 from stereorecal.io.images._files import natural_order
 from stereorecal.io.images._match import Matched, by_stem, match_equal
 from stereorecal.io.images._pairs import load_matched
@@ -55,20 +54,16 @@ def _drives(folder: Path) -> list[Path]:
 def _sequence(drive: Path, limit: int | None) -> Sequence:
     day, name = drive.resolve().parent, drive.resolve().name
     left, right = sides_in(drive, _GREY_BEFORE_COLOUR)
-    first, second = left[-2:], right[-2:]
-    path = day / _CALIBRATION
-    content = read_kitti(path, f"{day.name}_calib.zip")
-    with about(path):
-        if name.endswith(_RECTIFIED):
-            size = image_size(content, f"S_rect_{first}")
-            rig, match = rectified_rig(content, (f"P_rect_{first}", f"P_rect_{second}"), size), _match_by_name
-        elif name.endswith(_RAW):
-            rig, match = raw_rig(content, (first, second)), _match_by_time
-        else:
-            raise InputError(
-                f"the name of the drive {name} does not say whether its images are rectified; rename it to end in "
-                f"{_RECTIFIED} or {_RAW}."
-            )
+    rectified = name.endswith(_RECTIFIED)
+    if not rectified and not name.endswith(_RAW):
+        raise InputError(
+            f"{day / _CALIBRATION}: the name of the drive {name} does not say whether its images are rectified; rename "
+            f"it to end in {_RECTIFIED} or {_RAW}."
+        )
+    hints = Hints(cameras=(left[-2:], right[-2:]), rectified=rectified)
+    missing = f"download {day.name}_calib.zip from KITTI's page and unpack it over the images."
+    rig = read_files([day / _CALIBRATION], "kitti-raw", hints=hints, if_missing=missing)
+    match = _match_by_name if rectified else _match_by_time
     return drive, rig, load_matched(match(drive / left, drive / right), limit)
 
 

@@ -4,9 +4,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from stereorecal.io._about import about
-from stereorecal.io.formats._kitti import Content, read_kitti, rectified_rig
-from stereorecal.io.formats._numbers import image_size
+from stereorecal.io.formats._format import Hints
+from stereorecal.io.formats._reading import read_files
+from stereorecal.io.formats.text._document import Syntax, read_document
 from stereorecal.io.images._match import match_equal
 from stereorecal.io.images._pairs import load_matched
 from stereorecal.io.layouts._kitti_sides import Sides, sides_in
@@ -24,23 +24,25 @@ class _Kind:
 
     Attributes:
         folder: where they are.
+        format: of these files.
+        cameras: their names in there.
         projections: the keys of the left and the right projection matrix.
-        size: the key of the image size; None if the files have none.
         archive: the download that contains them.
     """
 
     folder: str
+    format: str
+    cameras: Sides
     projections: Sides
-    size: str | None
     archive: str
 
 
 _OF_2012 = "data_stereo_flow_calib.zip"
 _KINDS = {  # grey before colour
-    ("image_0", "image_1"): _Kind("calib", ("P0", "P1"), None, _OF_2012),
-    ("colored_0", "colored_1"): _Kind("calib", ("P2", "P3"), None, _OF_2012),
+    ("image_0", "image_1"): _Kind("calib", "kitti-odometry", ("P0", "P1"), ("P0", "P1"), _OF_2012),
+    ("colored_0", "colored_1"): _Kind("calib", "kitti-odometry", ("P2", "P3"), ("P2", "P3"), _OF_2012),
     ("image_2", "image_3"): _Kind(
-        "calib_cam_to_cam", ("P_rect_02", "P_rect_03"), "S_rect_02", "data_scene_flow_calib.zip"
+        "calib_cam_to_cam", "kitti-raw", ("02", "03"), ("P_rect_02", "P_rect_03"), "data_scene_flow_calib.zip"
     ),
 }
 
@@ -63,17 +65,16 @@ def read(folder: Path, limit: int | None) -> Log:
 def _sequences(folder: Path, limit: int | None) -> Iterator[Sequence]:
     sides = sides_in(folder, list(_KINDS))
     kind = _KINDS[sides]
-    days: dict[object, tuple[Path, Content, list[tuple[Path, Path]]]] = {}
+    missing = f"download {kind.archive} from KITTI's page and unpack it over the images."
+    days: dict[object, tuple[Path, list[tuple[Path, Path]]]] = {}
     for left, right in match_equal(folder / sides[0], folder / sides[1]):
         if left.stem.endswith(_BENCHMARK):
             path = folder / kind.folder / f"{left.stem.removesuffix(_BENCHMARK)}.txt"
-            content = read_kitti(path, kind.archive)
+            content = read_document(path, Syntax.COLONS, missing).content
             # The projections distinguish the days; the time of the calibration does not matter.
             values = tuple(tuple(content.get(key, ())) for key in kind.projections)
-            days.setdefault(values, (path, content, []))[2].append((left, right))
-    for path, content, matched in days.values():
+            days.setdefault(values, (path, []))[1].append((left, right))
+    for path, matched in days.values():
         pairs = load_matched(matched, limit)
-        with about(path):
-            size = image_size(content, kind.size) if kind.size else pairs[0].size
-            rig = rectified_rig(content, kind.projections, size)
-        yield folder / path.stem, rig, pairs
+        hints = Hints(size=pairs[0].size, cameras=kind.cameras, rectified=True)
+        yield folder / path.stem, read_files([path], kind.format, hints=hints, if_missing=missing), pairs

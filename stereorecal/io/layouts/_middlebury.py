@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from stereorecal.io.formats._middlebury import load_middlebury
+from stereorecal.io.formats._reading import read_files
 from stereorecal.io.images._files import natural_order
 from stereorecal.io.images._pairs import load_matched
 from stereorecal.io.layouts._sequences import Sequence, log_of
@@ -28,5 +28,5 @@ def read(folder: Path, limit: int | None) -> Log:
 
 
 def _sequence(scene: Path, limit: int | None) -> Sequence:
-    rig, files = load_middlebury(scene / _CALIBRATION), (scene / _LEFT, scene / _RIGHT)
-    return scene, rig, load_matched([files], limit)
+    rig = read_files([scene / _CALIBRATION], "middlebury")
+    return scene, rig, load_matched([(scene / _LEFT, scene / _RIGHT)], limit)

@@ -2,7 +2,8 @@
 
 from pathlib import Path
 
-from stereorecal.io.formats._opencv import load_opencv_stereo
+from stereorecal.io.formats._format import Hints
+from stereorecal.io.formats._reading import read_files
 from stereorecal.io.images._files import natural_order
 from stereorecal.io.images._match import match_marked
 from stereorecal.io.images._pairs import load_matched
@@ -11,6 +12,7 @@ from stereorecal.recordings import Log
 
 LAYOUT = "MODD2 (video_data/NAME), or one sequence of it (calibration.yaml, frames/NNNNNNNNL.jpg and R.jpg)"
 _CALIBRATION, _FRAMES, _SEQUENCES = "calibration.yaml", "frames", "video_data"
+_UNIT = "mm"
 
 
 def recognises(folder: Path) -> bool:
@@ -36,4 +38,5 @@ def _is_sequence(folder: Path) -> bool:
 
 def _sequence(folder: Path, limit: int | None) -> Sequence:
     pairs = load_matched(match_marked(folder / _FRAMES), limit)
-    return folder, load_opencv_stereo(folder / _CALIBRATION, pairs[0].size), pairs
+    rig = read_files([folder / _CALIBRATION], "opencv", _UNIT, Hints(size=pairs[0].size))
+    return folder, rig, pairs

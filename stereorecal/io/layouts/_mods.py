@@ -2,7 +2,8 @@
 
 from pathlib import Path
 
-from stereorecal.io.formats._opencv import load_opencv_stereo
+from stereorecal.io.formats._format import Hints
+from stereorecal.io.formats._reading import read_files
 from stereorecal.io.images._files import natural_order
 from stereorecal.io.images._match import match_marked
 from stereorecal.io.images._pairs import load_matched
@@ -11,6 +12,7 @@ from stereorecal.recordings import Log
 
 LAYOUT = "MODS (calibration/calibration-ID.yaml, sequences/ID-.../frames/NNNNNNNNL.jpg and R.jpg)"
 _CALIBRATIONS, _SEQUENCES, _FRAMES = "calibration", "sequences", "frames"
+_UNIT = "mm"
 
 
 def recognises(folder: Path) -> bool:
@@ -33,4 +35,5 @@ def _sequence(root: Path, place: Path, limit: int | None) -> Sequence:
     frames = place / _FRAMES
     pairs = load_matched(match_marked(frames if frames.is_dir() else place), limit)
     identity = place.name.partition("-")[0]
-    return place, load_opencv_stereo(root / _CALIBRATIONS / f"calibration-{identity}.yaml", pairs[0].size), pairs
+    path = root / _CALIBRATIONS / f"calibration-{identity}.yaml"
+    return place, read_files([path], "opencv", _UNIT, Hints(size=pairs[0].size)), pairs

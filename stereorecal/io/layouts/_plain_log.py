@@ -11,7 +11,7 @@ from stereorecal.io._about import about
 from stereorecal.io._atomic import make_folder
 from stereorecal.io._json import write_json
 from stereorecal.io._paths import AnyPath
-from stereorecal.io.formats._calib_json import read_json_object
+from stereorecal.io.formats._calibration import read_json_object
 from stereorecal.io.formats._rigs import load_rig, save_rig
 from stereorecal.io.images._files import natural_order, stem_of, write_png
 from stereorecal.io.layouts._names import name_of
@@ -89,7 +89,7 @@ def save_calibrations(calibrations: Mapping[str, StereoRig], folder: AnyPath, ov
     place = Path(folder) / _CALIBRATIONS
     make_folder(place)
     for name, rig in calibrations.items():
-        save_rig(rig, place / f"{name}.json", overwrite=overwrite)
+        save_rig(rig, place / f"{name}.json", overwrite=overwrite, format="stereorecal")
 
 
 def save_mission(mission: Mission, folder: AnyPath) -> None:
@@ -109,7 +109,7 @@ def save_mission(mission: Mission, folder: AnyPath) -> None:
         for side, image in (("left", pair.left), ("right", pair.right)):
             write_png(place / side / names[pair.name], image)
     if mission.truth is not None:
-        save_rig(mission.truth, place / _TRUTH, overwrite=True)
+        save_rig(mission.truth, place / _TRUTH, overwrite=True, format="stereorecal")
     facts = {"calibration": mission.calibration, "starred": sorted(names[name] for name in mission.starred)}
     write_json(place / _FACTS, facts)
 

@@ -78,6 +78,12 @@ def load_scene(folder: AnyPath, limit: int | None = None) -> Scene:
     return scene
 
 
+def is_data_set(folder: AnyPath) -> bool:
+    """Whether a folder has a layout of `load_log` that is not a scene folder's."""
+    folder = Path(folder)
+    return not is_scene_folder(folder) and any(layout.recognises(folder) for layout in _LAYOUTS)
+
+
 def _read_log(folder: Path, limit: int | None) -> Log:
     if is_scene_folder(folder):
         return _log_of(load_scene_folder(folder, limit))

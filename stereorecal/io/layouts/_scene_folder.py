@@ -12,7 +12,8 @@ from stereorecal.io._about import about
 from stereorecal.io._atomic import write_text
 from stereorecal.io._paths import AnyPath
 from stereorecal.io._scenes import scene_of
-from stereorecal.io.formats._calib_json import calibration_of, calibration_text, load_calibration
+from stereorecal.io.formats._calibration import load_calibration
+from stereorecal.io.formats._stereorecal import NAME, calibration_of, calibration_text
 from stereorecal.io.images._files import images_in, natural_order, write_png
 from stereorecal.io.images._match import match_files
 from stereorecal.io.images._pairs import load_matched
@@ -29,7 +30,7 @@ def is_scene_folder(folder: Path) -> bool:
 
 def load_scene_folder(folder: Path, limit: int | None = None) -> Scene:
     """The scene in a folder as `load_scene` describes it."""
-    calibration = load_calibration(folder / _CALIBRATION_FILE)
+    calibration = load_calibration((folder / _CALIBRATION_FILE,), NAME)
     pairs = load_sides(folder, limit)
     with about(folder):
         return scene_of(name_of(folder), calibration, pairs)

@@ -1,9 +1,7 @@
-"""calib.json: the calibration of a scene folder, and the format in which this library writes a rig."""
+"""calib.json: the calibration of a scene folder, and the format in which this library writes a rig by default."""
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,44 +10,58 @@ from jaxtyping import Float
 from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._about import about
-from stereorecal.io._json import read_json, strict_json_text
+from stereorecal.io._json import strict_json_text
+from stereorecal.io.formats._format import Documents, Hints, Target
 from stereorecal.io.formats._numbers import image_size, numbers, value
+from stereorecal.io.formats.text._document import Syntax
+from stereorecal.io.formats.text._values import Keys
+
+NAME = "stereorecal"
+ABOUT = "calib.json of a scene folder (K_left, D_left, K_right, D_right, R, T in metres)"
+SYNTAX = {".json": Syntax.JSON}
+FILES = 1
+UNIT = "m"
 
 # Names of OpenCV's pinhole model: its own, those of ROS (plumb_bob, rational_polynomial) and of Kalibr (radtan).
 _PINHOLE_MODELS = frozenset({"", "none", "opencv", "plumb_bob", "rational_polynomial", "radtan"})
 _FISHEYE_WORDS = ("fisheye", "equi", "omni")
+_NO_RIG = "the camera matrices are null; give a file with a calibration."
 
 
-@dataclass(frozen=True, eq=False)
-class Calibration:
-    """The content of a calib.json.
-
-    Attributes:
-        size: (width, height) of the images in pixels.
-        rig: None if both camera matrices are null.
-        reference: "truth" if the rig is known to be exact, such as that of a rendered scene, else "stored".
-        info: the keys that do not describe the rig, unchanged.
-    """
-
-    size: tuple[int, int]
-    rig: StereoRig | None
-    reference: str
-    info: Mapping[str, Any]
+def can_read(documents: Documents) -> bool:
+    """Whether there is the matrix of a left or right camera, or all that the file would hold beside them."""
+    content = documents[0].content
+    return len(documents) == 1 and bool({"K_left", "K_right", "image_size"} & content.keys())
 
 
-def load_calibration(path: Path) -> Calibration:
-    """The calibration in a calib.json.
+def read(documents: Documents, hints: Hints) -> StereoRig:
+    """The rig."""
+    rig = rig_from(documents[0].content)
+    if rig is None:
+        raise InputError(_NO_RIG)
+    return rig
 
-    Raises:
-        InputError: naming the file, if it cannot be read or does not hold a valid calibration.
-        UnsupportedModelError: if the distortion model is not OpenCV's pinhole model.
-    """
-    content = read_json_object(path)
-    with about(path):
-        size, rig = image_size(content, "image_size"), rig_from(content)
-    known = {*calibration_of(None, size), "reference"}
-    info = {key: item for key, item in content.items() if key not in known}
-    return Calibration(size, rig, "truth" if content.get("reference") == "truth" else "stored", info)
+
+def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:
+    """One file."""
+    return (calibration_text(calibration_of(rig, rig.left.size)),)
+
+
+def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
+    """R, T and the baseline, and the cameras that are wanted; what has changed is no truth."""
+    if rig.left.size != rig.right.size:
+        raise InputError(
+            f"the cameras have images of {_size(rig.left)} and {_size(rig.right)}, but a calib.json has one size for "
+            "both; write the rig as kalibr or ros, or resize the images of one and its camera with `Camera.resized`."
+        )
+    (document,) = target.documents
+    new = calibration_of(rig, rig.left.size)
+    keep = {f"{key}_{side}" for side in ("left", "right") if not getattr(target, side) for key in ("K", "D")}
+    keep |= {"image_size", "distortion_model"} & document.content.keys()
+    values: dict[Keys, Any] = {(key,): item for key, item in new.items() if key not in keep}
+    if "reference" in document.content:
+        values[("reference",)] = "stored"
+    return (document.changed(values),)
 
 
 def calibration_text(content: Mapping[str, Any]) -> str:
@@ -62,19 +74,6 @@ def calibration_text(content: Mapping[str, Any]) -> str:
         return strict_json_text(content)
     except (TypeError, ValueError, RecursionError) as error:
         raise InputError(f"info cannot be written as JSON ({error}); use plain finite values.") from error
-
-
-def read_json_object(path: Path) -> dict[str, Any]:
-    """The keys and values of a JSON file beside the images, such as calib.json.
-
-    Raises:
-        InputError: naming the file, if it is missing, empty, truncated, not a JSON object, or contains a number that
-            is not finite.
-    """
-    content = read_json(path, if_missing="check the path, or write a calib.json there.")
-    if not isinstance(content, dict):
-        raise InputError(f"{path}: there is no JSON object of named values in the file; correct it.")
-    return content
 
 
 def rig_from(content: Mapping[str, Any]) -> StereoRig | None:
@@ -115,8 +114,8 @@ def _check_model(model: Any) -> None:
     base = re.split(r"[(;,]", name)[0].strip()
     if not (base in _PINHOLE_MODELS or base.startswith("opencv")) or any(word in name for word in _FISHEYE_WORDS):
         raise UnsupportedModelError(
-            f"the distortion model {model!r} is not supported; "
-            "calibrate with OpenCV's pinhole model (plumb_bob or rational_polynomial)."
+            f"the distortion model {model!r} is not supported; undistort the images, or calibrate with OpenCV's "
+            "pinhole model (plumb_bob or rational_polynomial)."
         )
 
 
@@ -129,3 +128,7 @@ def _camera(content: Mapping[str, Any], side: str, size: tuple[int, int]) -> Cam
 def _distortion(content: Mapping[str, Any], key: str) -> Float[np.ndarray, "n"]:
     """The distortion coefficients; none if the value is null."""
     return np.zeros(0) if value(content, key) is None else numbers(content, key, (-1,))
+
+
+def _size(camera: Camera) -> str:
+    return f"{camera.size[0]}x{camera.size[1]}"

@@ -1,0 +1,133 @@
+"""The calibration that `recalibrate` gives back: where it goes, in which form, and what it may replace."""
+
+import argparse
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from stereorecal._errors import InputError
+from stereorecal.cli import _calibrations, _values
+from stereorecal.geometry import StereoRig, changed_camera
+from stereorecal.io import back_up, calibration_files, check_savable, save_maps, save_rig
+from stereorecal.recordings import Scene
+
+
+@dataclass(frozen=True)
+class Output:
+    """What is written once a candidate was accepted.
+
+    Attributes:
+        place: the file of the calibration, or those of the left and the right camera; None: nowhere.
+        replaced: whether it is the calibration that the repair started from.
+        maps: the file of rectifying maps, if they were asked for.
+    """
+
+    place: _calibrations.Place | None
+    replaced: bool
+    maps: Path | None
+
+    @property
+    def names(self) -> list[str]:
+        """The files, as people read them."""
+        files = [] if self.place is None else _calibrations.paths(self.place)
+        return [str(path) for path in (*files, *([self.maps] if self.maps else []))]
+
+
+def checked(options: argparse.Namespace) -> None:
+    """Refuse what makes no sense whatever the recordings are, before any is read.
+
+    Raises:
+        InputError: if a place cannot be written to, or options contradict each other.
+    """
+    _values.output_path(options.json, "--json")
+    _values.output_path(options.maps, "--maps")
+    if options.in_place and (options.output is not None or options.to is not None):
+        raise InputError("--in-place writes the file that the calibration came from; leave --output and --to out.")
+    if options.to is not None and options.output is None:
+        raise InputError("--to says the format of --output; give a file there.")
+    wanted = [name for name in ("output", "maps") if getattr(options, name) is not None]
+    wanted = [f"--{name}" for name in wanted] + ["--in-place"] * options.in_place
+    if wanted and len(options.scenes) > 1 and options.extrinsics != "one":
+        raise InputError(f"{wanted[0]} takes the calibration of one recording; give one, or leave {wanted[0]} out.")
+    if options.in_place and len(options.scenes) > 1:
+        raise InputError("--in-place takes one recording; give one, or --output.")
+    if options.output == "-" or options.maps == "-":
+        raise InputError("a calibration is written to a file; give the name of one.")
+    places = _places(options)
+    for option, path in places:
+        if option != "--json":
+            _values.output_path(str(path), option)
+        if option in ("--output", "--maps") and path.exists() and not options.force:
+            raise InputError(f"{option} {path}: the file exists already; choose another or add --force.")
+    resolved: dict[Path, str] = {}
+    for option, path in places:
+        if path.resolve() in resolved:
+            raise InputError(f"{resolved[path.resolve()]} and {option} name the same file; give two.")
+        resolved[path.resolve()] = option
+    if options.maps is not None and Path(options.maps).suffix.lower() not in ("", ".npz"):
+        raise InputError(f"--maps {options.maps}: maps are written as .npz; give a name ending in it.")
+
+
+def output_of(options: argparse.Namespace, scenes: Sequence[Scene], free: Sequence[str]) -> Output:
+    """Where the calibration of these recordings goes; all that can be said before the work is said here.
+
+    Args:
+        free: names of the parameters that may move.
+
+    Raises:
+        InputError: if an input would be replaced, the ending of a name contradicts the format, or the format cannot
+            hold a rig that has moved.
+    """
+    maps = None if options.maps is None else Path(options.maps)
+    inputs = {path.resolve() for scene in scenes for path in calibration_files(scene.rig)}
+    for option, path in _places(options):
+        if path.resolve() in inputs:
+            raise InputError(f"{option} {path}: the calibration came from there; replace it with --in-place.")
+    rig = scenes[0].rig
+    if rig is None or not (options.in_place or options.output):
+        return Output(None, False, maps)
+    if options.in_place:
+        files = calibration_files(rig)
+        if not files:
+            raise InputError("--in-place: the calibration came from no file; give --output.")
+        for path in files:
+            _values.output_path(str(path), "--in-place")
+        place: _calibrations.Place = (files[0], files[1]) if len(files) == 2 else files[0]
+    else:
+        place = _calibrations.place(options.output, "--output")
+    check_savable(_moved(rig, free), place, format=options.to)
+    return Output(place, options.in_place, maps)
+
+
+def save(output: Output, rig: StereoRig, scene: Scene, options: argparse.Namespace) -> None:
+    """Write the calibration and the maps; a calibration that is replaced is kept beside it."""
+    rig = replace(rig, source=None if scene.rig is None else scene.rig.source)
+    if output.place is not None:
+        if output.replaced:
+            for path in _calibrations.paths(output.place):
+                back_up(path)
+        save_rig(rig, output.place, scene.info, output.replaced or options.force, format=options.to)
+    if output.maps is not None:
+        save_maps(rig, output.maps, overwrite=options.force)
+
+
+def _places(options: argparse.Namespace) -> list[tuple[str, Path]]:
+    """All files that were asked for, by option."""
+    files = [] if options.output is None else _calibrations.paths(_calibrations.place(options.output, "--output"))
+    named = [("--output", path) for path in files]
+    others = [(f"--{name}", getattr(options, name)) for name in ("json", "maps")]
+    return named + [(option, Path(text)) for option, text in others if text not in (None, "-")]
+
+
+def _moved(rig: StereoRig, free: Sequence[str]) -> StereoRig:
+    """A rig as a repair could leave it, to find out what a format holds."""
+    small = 1e-4
+    shift = small * float(rig.baseline) * np.array([0.0, 1.0, -1.0])
+    moved = rig.with_extrinsics(rig.extrinsics + np.array([small, -small, small, *shift]))
+    cameras = {}
+    for side in ("left", "right"):
+        names = [name.partition(".")[2] for name in free if name.startswith(f"{side}.")]
+        cameras[side] = changed_camera(getattr(rig, side), dict.fromkeys(names, small))
+    return replace(moved, **cameras)

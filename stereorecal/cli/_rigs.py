@@ -1,0 +1,26 @@
+"""A rig without images, from what people name: a calibration file of any format, a folder, a data set."""
+
+import argparse
+from pathlib import Path
+
+from stereorecal._errors import InputError
+from stereorecal.cli import _calibrations
+from stereorecal.geometry import StereoRig
+from stereorecal.io import is_data_set, load_rig, load_scene
+
+
+def rig_at(words: str, options: argparse.Namespace) -> StereoRig:
+    """The rig in a calibration file, in LEFT,RIGHT, or in a folder, whose images are not looked at if it has a file of
+    its own.
+
+    Raises:
+        InputError: if there is none.
+    """
+    where = _calibrations.place(words, words)
+    if isinstance(where, Path) and where.is_dir() and is_data_set(where):
+        rig = load_scene(where, limit=1).rig
+        if rig is None:
+            raise InputError(f"{where}: there is no calibration in it; give one that has.")
+        return rig
+    size = _calibrations.size(options.size)
+    return load_rig(*_calibrations.paths(where), format=options.format, unit=options.unit, size=size)

@@ -1,0 +1,112 @@
+"""Basalt's calibration.json: camera-to-IMU poses as quaternions; camera 0 is the left one, camera 1 the right one."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from stereorecal._errors import InputError
+from stereorecal.geometry import Camera, StereoRig
+from stereorecal.io._about import about
+from stereorecal.io._json import strict_json_text
+from stereorecal.io.formats._format import Documents, Hints, Target
+from stereorecal.io.formats._lenses import check_model, coefficients, pinhole_matrix, pinhole_numbers, trimmed
+from stereorecal.io.formats._numbers import image_size, numbers, value
+from stereorecal.io.formats._poses import Pose, inverse, left_to_right, pose, rig_of
+from stereorecal.io.formats.text._document import Syntax
+from stereorecal.io.formats.text._values import Keys
+
+NAME = "basalt"
+ABOUT = "Basalt's calibration.json (value0: T_imu_cam, intrinsics, resolution)"
+SYNTAX = {".json": Syntax.JSON}
+FILES = 1
+UNIT = "m"
+
+_PLACE, _TURN = ("px", "py", "pz"), ("qx", "qy", "qz", "qw")
+_PINHOLE = ("fx", "fy", "cx", "cy")
+_MODELS = {"pinhole": (), "pinhole-radtan8": ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6")}
+# What Basalt's reader insists on; the numbers of an IMU that nobody has measured are those of its EuRoC example.
+_IMU = {
+    "calib_accel_bias": [0.0] * 9,
+    "calib_gyro_bias": [0.0] * 12,
+    "imu_update_rate": 200.0,
+    "accel_noise_std": [0.016] * 3,
+    "gyro_noise_std": [0.000282] * 3,
+    "accel_bias_std": [0.001] * 3,
+    "gyro_bias_std": [0.0001] * 3,
+    "cam_time_offset_ns": 0,
+    "vignette": [],
+}
+
+
+def can_read(documents: Documents) -> bool:
+    """Whether there are poses of cameras on an IMU."""
+    inside = documents[0].content.get("value0")
+    return len(documents) == 1 and isinstance(inside, Mapping) and "T_imu_cam" in inside
+
+
+def read(documents: Documents, hints: Hints) -> StereoRig:
+    """Left to right is inv(T_imu_cam[1]) T_imu_cam[0]."""
+    content = documents[0].content["value0"]
+    with about("value0"):
+        left, right = (_camera(content, index) for index in (0, 1))
+        return rig_of(left, right, inverse(_pose(content, 1)) @ _pose(content, 0))
+
+
+def _of_camera(content: Mapping[str, Any], key: str, index: int) -> Any:
+    stated = value(content, key)
+    if not isinstance(stated, list) or len(stated) < 2:
+        raise InputError(f"{key} has not two cameras; give a calibration of a stereo rig.")
+    return stated[index]
+
+
+def _camera(content: Mapping[str, Any], index: int) -> Camera:
+    size = image_size({"resolution": _of_camera(content, "resolution", index)}, "resolution")
+    stated = _of_camera(content, "intrinsics", index)
+    model = value(stated, "camera_type")
+    check_model(model, tuple(_MODELS))
+    params = value(stated, "intrinsics")
+    matrix = pinhole_matrix(np.array([float(numbers(params, key, ())) for key in _PINHOLE]))
+    lens = np.array([float(numbers(params, key, ())) for key in _MODELS[model]])
+    return Camera(size, matrix, trimmed(lens))
+
+
+def _pose(content: Mapping[str, Any], index: int) -> Pose:
+    stated = _of_camera(content, "T_imu_cam", index)
+    place, turn = (np.array([float(numbers(stated, key, ())) for key in keys]) for keys in (_PLACE, _TURN))
+    if np.linalg.norm(turn) < 1e-6:
+        raise InputError("the quaternion of T_imu_cam is zero; correct it.")
+    return pose(Rotation.from_quat(turn).as_matrix(), place)
+
+
+def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:
+    """One file, with the left camera in the place of the IMU."""
+    straight = not any(np.any(np.asarray(camera.distortion)) for camera in (rig.left, rig.right))
+    model = "pinhole" if straight else "pinhole-radtan8"
+    lens = dict.fromkeys(_PINHOLE + _MODELS[model] + (() if straight else ("rpmax",)), 0.0)
+    cameras = {
+        "T_imu_cam": [dict.fromkeys(_PLACE + _TURN[:3], 0.0) | {"qw": 1.0} for _ in range(2)],
+        "intrinsics": [{"camera_type": model, "intrinsics": lens} for _ in range(2)],
+        "resolution": [list(camera.size) for camera in (rig.left, rig.right)],
+    }
+    return (strict_json_text({"value0": cameras | _IMU}),)
+
+
+def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
+    """The right camera's pose on the IMU moves, the left one's stays."""
+    (document,) = target.documents
+    content = document.content["value0"]
+    moved = _pose(content, 0) @ inverse(left_to_right(rig))
+    turn = Rotation.from_matrix(moved[:3, :3]).as_quat()
+    place = zip(_PLACE + _TURN, [*moved[:3, 3].tolist(), *turn.tolist()], strict=True)
+    values: dict[Keys, Any] = {("value0", "T_imu_cam", 1, key): number for key, number in place}
+    for index, camera, wanted in ((0, rig.left, target.left), (1, rig.right, target.right)):
+        if wanted:
+            names = _MODELS[content["intrinsics"][index]["camera_type"]]
+            lens = coefficients(camera, (len(names),), "Basalt's model", "opencv, ros or depthai").tolist()
+            params = dict(zip(_PINHOLE + names, [*pinhole_numbers(camera), *lens], strict=True))
+            if names:
+                params["rpmax"] = float(camera.lens_radius)
+            values |= {("value0", "intrinsics", index, "intrinsics", key): number for key, number in params.items()}
+    return (document.changed(values),)

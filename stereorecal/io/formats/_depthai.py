@@ -1,0 +1,191 @@
+"""DepthAI's EEPROM as JSON (OAK cameras): the stereo pair that it names, or the sockets 1 (left) and 2 (right)."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from stereorecal._errors import InputError, UnsupportedModelError
+from stereorecal.geometry import Camera, StereoRig
+from stereorecal.io._about import about
+from stereorecal.io._json import strict_json_text
+from stereorecal.io.formats._derived import rectification_of
+from stereorecal.io.formats._format import Documents, Hints, Target
+from stereorecal.io.formats._lenses import coefficients, trimmed
+from stereorecal.io.formats._numbers import numbers, pixels, value
+from stereorecal.io.formats._poses import Pose, inverse, left_to_right, pose, rig_of
+from stereorecal.io.formats.text._document import Syntax
+from stereorecal.io.formats.text._values import Keys
+
+NAME = "depthai"
+ABOUT = "DepthAI's EEPROM (JSON with cameraData, stereoRectificationData)"
+SYNTAX = {".json": Syntax.JSON}
+FILES = 1
+UNIT = "cm"
+
+_STEREO, _NOWHERE, _ALPHA = "stereoRectificationData", -1, 0.0
+_SOCKETS = {"leftCameraSocket": 1, "rightCameraSocket": 2}
+_EYE = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+_ZERO = {"x": 0.0, "y": 0.0, "z": 0.0}
+
+
+def can_read(documents: Documents) -> bool:
+    """Whether there is a list of cameras."""
+    return len(documents) == 1 and isinstance(documents[0].content.get("cameraData"), list)
+
+
+def read(documents: Documents, hints: Hints) -> StereoRig:
+    """The calibrated translations, never those of the drawing (`specTranslation`). Images of another size, but of the
+    same shape, are taken for resampled ones."""
+    content = documents[0].content
+    left, right = (_camera(content, socket, hints) for socket in _pair(content))
+    return rig_of(left, right, _left_to_right(content))
+
+
+def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:
+    """A device of two cameras and no name."""
+    nominal = {"x": -float(rig.baseline), "y": 0.0, "z": 0.0}
+    cameras = [
+        _blank_camera(rig.left, 2, nominal),
+        _blank_camera(rig.right, _NOWHERE, _ZERO),
+    ]
+    stereo = {
+        "leftCameraSocket": 1,
+        "rightCameraSocket": 2,
+        "rectifiedRotationLeft": _EYE,
+        "rectifiedRotationRight": _EYE,
+    }
+    words = (
+        "batchName",
+        "boardConf",
+        "boardCustom",
+        "boardName",
+        "boardRev",
+        "deviceName",
+        "hardwareConf",
+        "productName",
+    )
+    content = {
+        **dict.fromkeys(words, ""),
+        "batchTime": 0,
+        "boardOptions": 0,
+        "cameraData": [[1, cameras[0]], [2, cameras[1]]],
+        "housingExtrinsics": _blank_extrinsics(_NOWHERE, _ZERO),
+        "imuExtrinsics": _blank_extrinsics(_NOWHERE, _ZERO),
+        "miscellaneousData": [],
+        _STEREO: stereo,
+        "stereoEnableDistortionCorrection": False,
+        "stereoUseSpecTranslation": False,
+        "version": 7,
+        "verticalCameraSocket": _NOWHERE,
+    }
+    return (strict_json_text(content),)
+
+
+def _blank_camera(camera: Camera, to_socket: int, nominal: Mapping[str, float]) -> dict[str, Any]:
+    return {
+        "cameraType": 0,
+        "distortionCoeff": [0.0] * 14,
+        "extrinsics": _blank_extrinsics(to_socket, nominal),
+        "height": camera.size[1],
+        "intrinsicMatrix": _EYE,
+        "lensPosition": 0,
+        "specHfovDeg": float(np.degrees(2.0 * np.arctan(0.5 * camera.size[0] / camera.matrix[0, 0]))),
+        "width": camera.size[0],
+    }
+
+
+def _blank_extrinsics(to_socket: int, nominal: Mapping[str, float]) -> dict[str, Any]:
+    place = {"specTranslation": dict(nominal), "toCameraSocket": to_socket, "translation": dict(_ZERO)}
+    return {"rotationMatrix": _EYE, **place}
+
+
+def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
+    """The pose that links the two cameras, and the rectifying rotations (as `cv2.stereoRectify`)."""
+    (document,) = target.documents
+    content = document.content
+    left, right = _pair(content)
+    socket, moved = _moved(content, left_to_right(rig))
+    place = ("cameraData", _index(content, socket), 1, "extrinsics")
+    values: dict[Keys, Any] = {(*place, "rotationMatrix"): moved[:3, :3].tolist()}
+    values |= {(*place, "translation", key): float(number) for key, number in zip("xyz", moved[:3, 3], strict=True)}
+    if content.get(_STEREO, {}).get("rectifiedRotationLeft"):
+        made = rectification_of(rig, _ALPHA)
+        values[(_STEREO, "rectifiedRotationLeft")] = made["R1"].tolist()
+        values[(_STEREO, "rectifiedRotationRight")] = made["R2"].tolist()
+    for socket, camera, wanted in ((left, rig.left, target.left), (right, rig.right, target.right)):
+        if wanted:
+            stated, at = _data(content, socket), ("cameraData", _index(content, socket), 1)
+            size = pixels(stated, "width"), pixels(stated, "height")
+            least = len(stated["distortionCoeff"])
+            lens = coefficients(camera, [n for n in (4, 5, 8, 12, 14) if n >= least], "DepthAI", "opencv")
+            values[(*at, "intrinsicMatrix")] = np.asarray(camera.resized(size).matrix).tolist()
+            values[(*at, "distortionCoeff")] = lens.tolist()
+    return (document.changed(values),)
+
+
+def _pair(content: Mapping[str, Any]) -> tuple[int, int]:
+    """The sockets of the left and the right camera."""
+    stated = content.get(_STEREO) or {}
+    left, right = (stated.get(key, usual) for key, usual in _SOCKETS.items())
+    return (left, right) if isinstance(left, int) and isinstance(right, int) and min(left, right) >= 0 else (1, 2)
+
+
+def _index(content: Mapping[str, Any], socket: int) -> int:
+    for index, entry in enumerate(content["cameraData"]):
+        if isinstance(entry, list) and len(entry) == 2 and entry[0] == socket and isinstance(entry[1], Mapping):
+            return index
+    raise InputError(f"cameraData has no camera in socket {socket}; give the file of a calibrated stereo device.")
+
+
+def _data(content: Mapping[str, Any], socket: int) -> Mapping[str, Any]:
+    return content["cameraData"][_index(content, socket)][1]
+
+
+def _camera(content: Mapping[str, Any], socket: int, hints: Hints) -> Camera:
+    data = _data(content, socket)
+    with about(f"socket {socket}"):
+        if data.get("cameraType", 0) != 0:
+            raise UnsupportedModelError(
+                "the camera is not of the perspective model (cameraType 0); undistort the images, or calibrate it as "
+                "such."
+            )
+        size = pixels(data, "width"), pixels(data, "height")
+        matrix = numbers(data, "intrinsicMatrix", (3, 3))
+        camera = Camera(size, matrix, trimmed(numbers(data, "distortionCoeff", (-1,))))
+    same_shape = hints.size is not None and hints.size[0] * size[1] == hints.size[1] * size[0]
+    return camera.resized(hints.size) if hints.size is not None and same_shape else camera
+
+
+def _link(content: Mapping[str, Any], socket: int) -> tuple[int, Pose]:
+    """To which camera the pose of a camera leads, and the pose."""
+    stated = value(_data(content, socket), "extrinsics")
+    place = value(stated, "translation")
+    shift = np.array([float(numbers(place, key, ())) for key in "xyz"])
+    return int(stated.get("toCameraSocket", _NOWHERE)), pose(numbers(stated, "rotationMatrix", (3, 3)), shift)
+
+
+def _links(content: Mapping[str, Any]) -> tuple[int, int, tuple[int, Pose], tuple[int, Pose]]:
+    left, right = _pair(content)
+    return left, right, _link(content, left), _link(content, right)
+
+
+def _left_to_right(content: Mapping[str, Any]) -> Pose:
+    left, right, (from_left, left_pose), (from_right, right_pose) = _links(content)
+    if from_left == right:
+        return left_pose
+    if from_right == left:
+        return inverse(right_pose)
+    if from_left == from_right and from_left >= 0:
+        return inverse(right_pose) @ left_pose
+    raise InputError(
+        f"the extrinsics of sockets {left} and {right} do not lead to each other; calibrate the device again."
+    )
+
+
+def _moved(content: Mapping[str, Any], motion: Pose) -> tuple[int, Pose]:
+    """The camera whose stated pose changes, and that pose."""
+    left, right, (from_left, left_pose), (from_right, _) = _links(content)
+    if from_left == right:
+        return left, motion
+    return right, inverse(motion) if from_right == left else left_pose @ inverse(motion)

@@ -1,0 +1,93 @@
+"""Kalibr's camchain.yaml: cam0 is the left camera, cam1 the right one."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from stereorecal._errors import InputError
+from stereorecal.geometry import Camera, StereoRig
+from stereorecal.io._about import about
+from stereorecal.io.formats._format import Documents, Hints, Target
+from stereorecal.io.formats._lenses import check_model, coefficients, pinhole_matrix, pinhole_numbers
+from stereorecal.io.formats._matrices import matrix_values
+from stereorecal.io.formats._numbers import image_size, numbers, value
+from stereorecal.io.formats._poses import left_to_right, rig_of
+from stereorecal.io.formats.text._document import Syntax
+from stereorecal.io.formats.text._values import Keys
+
+NAME = "kalibr"
+ABOUT = "Kalibr's camchain (YAML with cam0, cam1, T_cn_cnm1)"
+SYNTAX = {".yaml": Syntax.YAML, ".yml": Syntax.YAML}
+FILES = 1
+UNIT = "m"
+
+_FROM_LAST, _FROM_IMU = "T_cn_cnm1", "T_cam_imu"
+_CAMERA = """\
+cam{index}:
+{pose}  camera_model: pinhole
+  distortion_coeffs: [0.0, 0.0, 0.0, 0.0]
+  distortion_model: radtan
+  intrinsics: [0.0, 0.0, 0.0, 0.0]
+  resolution: [{width}, {height}]
+"""
+_POSE = "  T_cn_cnm1:\n" + "  - [0.0, 0.0, 0.0, 0.0]\n" * 3 + "  - [0.0, 0.0, 0.0, 1.0]\n"
+
+
+def can_read(documents: Documents) -> bool:
+    """Whether there are a cam0 and a cam1."""
+    content = documents[0].content
+    return len(documents) == 1 and all(isinstance(content.get(key), Mapping) for key in ("cam0", "cam1"))
+
+
+def read(documents: Documents, hints: Hints) -> StereoRig:
+    """T_cn_cnm1 of cam1 takes points of cam0 to cam1."""
+    content = documents[0].content
+    left, right = (_camera(content, key) for key in ("cam0", "cam1"))
+    with about("cam1"):
+        return rig_of(left, right, numbers(content["cam1"], _FROM_LAST, (4, 4)))
+
+
+def _camera(content: Mapping[str, Any], key: str) -> Camera:
+    with about(key):
+        camera = content[key]
+        check_model(value(camera, "distortion_model"), ("radtan", "none"), value(camera, "camera_model"))
+        matrix = pinhole_matrix(numbers(camera, "intrinsics", (4,)))
+        return Camera(image_size(camera, "resolution"), matrix, numbers(camera, "distortion_coeffs", (-1,)))
+
+
+def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:
+    """A chain of two."""
+    cameras = enumerate((rig.left, rig.right))
+    return ("".join(_CAMERA.format(index=index, pose=_POSE if index else "", width=camera.size[0],
+                                   height=camera.size[1]) for index, camera in cameras),)  # fmt: skip
+
+
+def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
+    """T_cn_cnm1 of cam1; T_cam_imu of cam1 and of what follows it in the chain, from that of cam0."""
+    (document,) = target.documents
+    content, motion = document.content, left_to_right(rig)
+    values: dict[Keys, Any] = matrix_values(content, ("cam1", _FROM_LAST), motion)
+    if _FROM_IMU in content["cam0"]:
+        values.update(_from_imu(content, motion))
+    elif any(_FROM_IMU in camera for camera in content.values() if isinstance(camera, Mapping)):
+        raise InputError(f"cam1 has {_FROM_IMU} and cam0 has none; remove it, since it would not fit the new rig.")
+    for key, camera, wanted in (("cam0", rig.left, target.left), ("cam1", rig.right, target.right)):
+        if wanted:
+            lens = coefficients(camera, (4,), "Kalibr's radtan", "opencv, ros or depthai")
+            values[(key, "intrinsics")] = pinhole_numbers(camera)
+            values.update(matrix_values(content, (key, "distortion_coeffs"), lens))
+    return (document.changed(values),)
+
+
+def _from_imu(content: Mapping[str, Any], motion: np.ndarray) -> dict[Keys, Any]:
+    values: dict[Keys, Any] = {}
+    to_camera = numbers(content["cam0"], _FROM_IMU, (4, 4))
+    for index in range(1, len(content)):
+        camera = content.get(f"cam{index}")
+        if not isinstance(camera, Mapping):
+            break
+        to_camera = (motion if index == 1 else numbers(camera, _FROM_LAST, (4, 4))) @ to_camera
+        if _FROM_IMU in camera:
+            values.update(matrix_values(content, (f"cam{index}", _FROM_IMU), to_camera))
+    return values

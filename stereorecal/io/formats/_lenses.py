@@ -1,0 +1,74 @@
+"""Lenses and the numbers that formats have for them."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal._arrays import Mat3
+from stereorecal._errors import InputError, UnsupportedModelError
+from stereorecal.geometry import Camera
+
+_WAY_OUT = "undistort the images, or calibrate as pinhole with radial-tangential distortion"
+
+
+def pinhole_matrix(numbers: Float[np.ndarray, "4"]) -> Mat3:
+    """The camera matrix of fx, fy, cx, cy."""
+    fx, fy, cx, cy = numbers
+    return np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]])
+
+
+def pinhole_numbers(camera: Camera) -> list[float]:
+    """fx, fy, cx, cy."""
+    matrix = np.asarray(camera.matrix)
+    return [float(matrix[place]) for place in ((0, 0), (1, 1), (0, 2), (1, 2))]
+
+
+def coefficients(camera: Camera, counts: Sequence[int], what: str, instead: str) -> Float[np.ndarray, "n"]:
+    """The distortion in OpenCV's order, with as many coefficients as a file takes: the first count that is enough.
+
+    Args:
+        counts: that are possible, rising.
+        what, instead: for the message: whose lens model is too small, and the formats that hold more.
+
+    Raises:
+        InputError: if the camera has more.
+    """
+    own = np.asarray(camera.distortion, float)
+    needed = int(np.max(np.flatnonzero(own), initial=-1)) + 1
+    for count in counts:
+        if count >= needed:
+            return np.concatenate([own, np.zeros(max(0, count - own.size))])[:count]
+    raise InputError(
+        f"{what} has {counts[-1]} lens coefficients, and this rig needs {needed}; write it as {instead} instead."
+    )
+
+
+def trimmed(distortion: Float[np.ndarray, "n"]) -> Float[np.ndarray, "n"]:
+    """The distortion without the rational, prism and tilt terms, if these are all zero: the same lens, and the same
+    digits of what is computed from it, as from a format that has no place for them."""
+    return distortion[:5] if distortion.size > 5 and not np.any(distortion[5:]) else distortion
+
+
+def check_model(model: object, known: Sequence[str], camera: object = "pinhole") -> None:
+    """Refuse a lens that is no pinhole.
+
+    Raises:
+        UnsupportedModelError: if the name of the distortion model is not one of those known, or the camera is none.
+    """
+    if camera != "pinhole" or model not in known:
+        raise UnsupportedModelError(
+            f"the camera model {camera!r} with the distortion model {model!r} is not supported; {_WAY_OUT}."
+        )
+
+
+def check_straight(rig_has: object, what: str) -> None:
+    """Refuse what a format of rectified images has no place for.
+
+    Raises:
+        InputError: if there is something.
+    """
+    if rig_has:
+        raise InputError(
+            f"{what} has no place for a rotation or a lens; write it as opencv, kalibr or stereorecal instead."
+        )

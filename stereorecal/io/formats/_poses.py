@@ -1,0 +1,43 @@
+"""Rigid motions as 4x4 matrices."""
+
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal._arrays import Mat3, Vec3
+from stereorecal._errors import InputError
+from stereorecal.geometry import Camera, StereoRig
+
+Pose = Float[np.ndarray, "4 4"]
+
+
+def pose(rotation: Mat3, translation: Vec3) -> Pose:
+    """x -> R x + T."""
+    made = np.eye(4)
+    made[:3, :3], made[:3, 3] = rotation, translation
+    return made
+
+
+def inverse(motion: Pose) -> Pose:
+    """The way back.
+
+    Raises:
+        InputError: if there is none.
+    """
+    try:
+        return np.linalg.inv(motion)
+    except np.linalg.LinAlgError:
+        raise InputError("R is not a rotation (orthonormal, determinant +1); correct the calibration.") from None
+
+
+def left_to_right(rig: StereoRig) -> Pose:
+    """The pose that takes points of the left camera's frame to the right one's."""
+    return pose(np.asarray(rig.rotation), np.asarray(rig.translation))
+
+
+def rig_of(left: Camera, right: Camera, motion: Pose) -> StereoRig:
+    """The rig of two cameras and the motion from the left frame to the right one.
+
+    Raises:
+        InputError: if its upper left part is no rotation, or the cameras cannot be a rig.
+    """
+    return StereoRig.from_rotation(left, right, motion[:3, :3], motion[:3, 3])

@@ -1,0 +1,138 @@
+"""From files to a rig."""
+
+from collections.abc import Sequence
+from contextlib import nullcontext
+from dataclasses import replace
+from itertools import permutations
+from pathlib import Path
+
+from stereorecal._errors import InputError
+from stereorecal.geometry import StereoRig
+from stereorecal.io._about import about
+from stereorecal.io.formats._format import Documents, Format, Hints
+from stereorecal.io.formats._registry import all_known, half_of, named, recognised
+from stereorecal.io.formats._source import Source
+from stereorecal.io.formats._units import METRES, checked_unit, inferred_unit, scaled
+from stereorecal.io.formats.text._document import Syntax, read_document
+
+_ENDINGS = (".yaml", ".yml", ".xml", ".json", ".txt")
+_OF_CAMERAS = ("cam0/sensor.yaml", "cam1/sensor.yaml")  # EuRoC's, which lie in folders of their own
+_MOST = 12  # files of a folder that are looked at in pairs
+_SCENE = "calib.json"
+
+
+def read_files(
+    paths: Sequence[Path],
+    format: str | None = None,
+    unit: str | None = None,
+    hints: Hints | None = None,
+    if_missing: str = "check the path.",
+) -> StereoRig:
+    """The rig in one file, in a left and a right file, or in a folder that holds such; it remembers where it came from.
+
+    Args:
+        format: name of the format; default: recognised.
+        unit: of lengths in the file; default: that of the format, or told by the length of the baseline.
+        if_missing: the end of the message if a file does not exist.
+
+    Raises:
+        InputError: naming the file, if it cannot be read, no format is recognised, or it holds no valid calibration.
+        UnsupportedModelError: if a camera is not one of OpenCV's pinhole model.
+    """
+    checked_unit(unit)
+    chosen = None if format is None else named(format)
+    hints = hints or Hints()
+    if len(paths) == 1 and paths[0].is_dir() and paths[0].suffix.lower() not in _ENDINGS:
+        documents = _in_folder(paths[0], chosen, hints)
+    else:
+        syntax = _forced_syntax(chosen)
+        documents = tuple(read_document(path, syntax, if_missing) for path in paths)
+    return rig_in(documents, chosen or _recognised(documents), unit, hints)
+
+
+def rig_in(documents: Documents, format: Format, unit: str | None, hints: Hints) -> StereoRig:
+    """The rig that texts of a format describe, in metres.
+
+    Raises:
+        InputError, UnsupportedModelError: as `read_files`.
+    """
+    names = " and ".join(document.name for document in documents)
+    if len(documents) < format.FILES:
+        raise InputError(f"{names}: {format.NAME} has a file for each camera; give the left and the right one.")
+    with about(names) if len(documents) == 1 or format.FILES == 1 else nullcontext():
+        try:
+            rig = format.read(documents, hints)
+        except (AttributeError, IndexError, KeyError, TypeError):  # a list where there should be keys, and the like
+            raise InputError(
+                f"{documents[0].name}: not arranged as {format.NAME} is ({format.ABOUT}); check the file or the format."
+            ) from None
+    stated = unit or format.UNIT
+    used = stated or inferred_unit(float(rig.baseline))
+    source = Source(format.NAME, documents, hints, used, inferred=stated is None)
+    return replace(scaled(rig, METRES[used]), source=source)
+
+
+def _forced_syntax(format: Format | None) -> Syntax | None:
+    """The syntax of a format that has only one, lines of text: other parsers would stumble over them."""
+    kinds = set() if format is None else set(format.SYNTAX.values())
+    return kinds.pop() if kinds in ({Syntax.COLONS}, {Syntax.EQUALS}) else None
+
+
+def _recognised(documents: Documents) -> Format:
+    found = recognised(documents)
+    if found is not None:
+        return found
+    names = " and ".join(document.name for document in documents)
+    half = half_of(documents)
+    if half is not None:
+        raise InputError(
+            f"{names}: this is one of two files ({half.NAME}: {half.ABOUT}); give both, left before right."
+        )
+    raise InputError(f"{names}: no calibration that is known; expected one of: {all_known()}.")
+
+
+def _in_folder(folder: Path, format: Format | None, hints: Hints) -> Documents:
+    """The file of a folder that holds a calibration, or the two that do so together."""
+    if format is None and (folder / _SCENE).is_file():
+        return (read_document(folder / _SCENE),)
+    found = _documents_in(folder, format)
+    fitting = [format] if format is not None else None
+    single = [(document,) for document in found if _whole((document,), fitting, hints)]
+    if len(single) == 1:
+        return single[0]
+    if len(single) > 1:
+        names = ", ".join(Path(document.name).name for (document,) in single)
+        raise InputError(f"{folder}: several calibrations are in there ({names}); give one of them.")
+    pairs = [pair for pair in permutations(found[:_MOST], 2) if _whole(pair, fitting, hints)]
+    if len({frozenset(document.name for document in pair) for pair in pairs}) == 1:
+        return pairs[0]
+    if pairs:
+        raise InputError(f"{folder}: several pairs of calibration files are in there; give the left and the right one.")
+    raise InputError(
+        f"{folder}: there is no {_SCENE} and no calibration that is known; expected one of: {all_known()}."
+    )
+
+
+def _documents_in(folder: Path, format: Format | None) -> Documents:
+    paths = sorted(path for path in folder.iterdir() if path.suffix.lower() in _ENDINGS and path.is_file())
+    cameras = (root / name for root in (folder, folder / "mav0") for name in _OF_CAMERAS)
+    documents = []
+    for path in (*paths, *(path for path in cameras if path.is_file())):
+        try:
+            documents.append(read_document(path, _forced_syntax(format)))
+        except InputError:
+            continue  # something else that lies there
+    return tuple(documents)
+
+
+def _whole(documents: Documents, fitting: list[Format] | None, hints: Hints) -> bool:
+    """Whether documents are a whole calibration, and not a part of one."""
+    format = recognised(documents) if fitting is None else fitting[0]
+    if format is None or not format.can_read(documents) or len(documents) < format.FILES:
+        return False
+    try:
+        rig_in(documents, format, None, hints)
+    except InputError:
+        # One that has an error of its own is to be read, so that it is named; half a calibration is not.
+        return len(documents) == 1 and half_of(documents) is None and format.NAME != "opencv"
+    return True

@@ -1,0 +1,115 @@
+"""ROS camera_info YAML, one file for each camera; the extrinsics are implied by the rectification."""
+
+import numpy as np
+
+from stereorecal._errors import InputError
+from stereorecal.geometry import Camera, StereoRig
+from stereorecal.io._about import about
+from stereorecal.io.formats._derived import Array, rectification_of
+from stereorecal.io.formats._format import Documents, Hints, Target
+from stereorecal.io.formats._lenses import check_model, coefficients
+from stereorecal.io.formats._matrices import matrix_values, size_of
+from stereorecal.io.formats._numbers import numbers, pixels, value
+from stereorecal.io.formats._poses import pose, rig_of
+from stereorecal.io.formats.text._document import Document, Syntax
+from stereorecal.io.formats.text._values import Keys
+
+NAME = "ros"
+ABOUT = "ROS camera_info (left and right YAML file)"
+SYNTAX = {".yaml": Syntax.YAML, ".yml": Syntax.YAML}
+FILES = 2
+UNIT = "m"
+
+_MODELS = {"plumb_bob": (5,), "rational_polynomial": (8,), "": (0,), "none": (0,)}
+_ALPHA = 0.0  # of the camera_calibration package
+_BLANK = """\
+image_width: {width}
+image_height: {height}
+camera_name: {name}
+camera_matrix:
+  rows: 3
+  cols: 3
+  data: {nine}
+distortion_model: {model}
+distortion_coefficients:
+  rows: 1
+  cols: {count}
+  data: {lens}
+rectification_matrix:
+  rows: 3
+  cols: 3
+  data: {nine}
+projection_matrix:
+  rows: 3
+  cols: 4
+  data: {twelve}
+"""
+
+
+def can_read(documents: Documents) -> bool:
+    """Whether both files have what only ROS has."""
+    keys = {"camera_matrix", "rectification_matrix", "projection_matrix"}
+    return len(documents) == 2 and all(keys <= document.content.keys() for document in documents)
+
+
+def read(documents: Documents, hints: Hints) -> StereoRig:
+    """R = R_right^T R_left, and T = R_right^T (P_right[0, 3] / P_right[0, 0], 0, 0)."""
+    (left, to_left, left_shift), (right, to_right, shift) = (_camera(document) for document in documents)
+    with about(f"{documents[0].name} and {documents[1].name}"):
+        if shift[0] == 0.0 and left_shift[0] != 0.0:
+            raise InputError("left and right are swapped; give the left camera's file first.")
+        if shift[0] == 0.0:
+            raise InputError("projection_matrix has no baseline (its fourth number is 0); calibrate the two as stereo.")
+        return rig_of(left, right, pose(to_right.T @ to_left, to_right.T @ shift))
+
+
+def _camera(document: Document) -> tuple[Camera, Array, Array]:
+    """A camera, the rotation that rectifies it, and where the left one is in the rectified frame."""
+    content = document.content
+    with about(document.name):
+        size = pixels(content, "image_width"), pixels(content, "image_height")
+        check_model(value(content, "distortion_model") or "", tuple(_MODELS))
+        camera = Camera(
+            size, numbers(content, "camera_matrix", (3, 3)), numbers(content, "distortion_coefficients", (-1,))
+        )
+        rotation, projection = (
+            numbers(content, "rectification_matrix", (3, 3)),
+            numbers(content, "projection_matrix", (3, 4)),
+        )
+        focal = projection[0, 0] if projection[0, 0] > 0 else np.nan
+    return camera, rotation, np.array([projection[0, 3] / focal, 0.0, 0.0])
+
+
+def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:
+    """Both files."""
+    texts = []
+    for name, camera in (("left", rig.left), ("right", rig.right)):
+        model, lens = _lens(camera)
+        zeros = {"nine": [0.0] * 9, "twelve": [0.0] * 12, "lens": [0.0] * lens.size, "count": lens.size}
+        texts.append(_BLANK.format(width=camera.size[0], height=camera.size[1], name=name, model=model, **zeros))
+    return tuple(texts)
+
+
+def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
+    """Rectification and projection matrices (alpha 0, zero disparity); camera matrices where they are wanted."""
+    made = rectification_of(rig, _ALPHA)
+    sides = ((rig.left, target.left), (rig.right, target.right))
+    texts = []
+    for side, (document, (camera, wanted)) in enumerate(zip(target.documents, sides, strict=True), start=1):
+        values: dict[Keys, object] = {}
+        arrays = {"rectification_matrix": made[f"R{side}"], "projection_matrix": made[f"P{side}"]}
+        if wanted:
+            model, lens = _lens(camera, size_of(document.content, ("distortion_coefficients",)))
+            arrays |= {"camera_matrix": np.asarray(camera.matrix), "distortion_coefficients": lens}
+            values[("distortion_model",)] = model
+        for key, array in arrays.items():
+            values.update(matrix_values(document.content, (key,), array))
+        texts.append(document.changed(values))
+    return tuple(texts)
+
+
+def _lens(camera: Camera, least: int = 5) -> tuple[str, Array]:
+    """The model and its coefficients: at least as many as the file has."""
+    counts = [count for count in (4, 5, 8) if count >= least]
+    lens = coefficients(camera, counts, "ROS", "opencv or stereorecal")
+    return "plumb_bob" if lens.size < 8 else "rational_polynomial", lens

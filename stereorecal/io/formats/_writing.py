@@ -1,0 +1,124 @@
+"""From a rig to the texts of files."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from stereorecal._errors import InputError
+from stereorecal.geometry import Camera, StereoRig, same_camera
+from stereorecal.io._about import about
+from stereorecal.io.formats._format import Format, Hints, Target
+from stereorecal.io.formats._reading import rig_in
+from stereorecal.io.formats._registry import named, usual
+from stereorecal.io.formats._source import Source
+from stereorecal.io.formats._units import METRES, scaled
+from stereorecal.io.formats.text._document import Syntax, document
+
+_SAME = 1e-9  # of what is read back from what was written: radians, and parts of numbers
+
+
+def texts_of(rig: StereoRig, paths: Sequence[Path], source: Source | None, format: str | None) -> tuple[str, ...]:
+    """What is to be written for a rig; reading it gives the rig back.
+
+    Args:
+        paths: one, or those of the left and the right camera.
+        source: the file to write into, if the format is its own; all that was not estimated stays.
+        format: name; default: that of the source, or the usual one for such a name of a file.
+
+    Raises:
+        InputError: if the name of a file contradicts the format, the format takes another number of files, or it cannot
+            hold the rig.
+    """
+    chosen = chosen_format(paths, source, format)
+    syntax = syntax_for(paths, chosen, source)
+    names = " and ".join(map(str, paths))
+    with about(names):
+        if source is not None and source.format == chosen.NAME and source.documents[0].syntax is syntax:
+            return _into(rig, chosen, source)
+        return _anew(rig, chosen, syntax)
+
+
+def check_names(paths: Sequence[Path], source: Source | None, format: str | None) -> None:
+    """What `texts_of` checks of names and numbers of files, before there is a rig.
+
+    Raises:
+        InputError: as `texts_of`.
+    """
+    syntax_for(paths, chosen_format(paths, source, format), source)
+
+
+def chosen_format(paths: Sequence[Path], source: Source | None, format: str | None) -> Format:
+    """The format that was asked for, or that of the source, or the usual one for such a name."""
+    name = format or (source.format if source is not None else None)
+    return named(name) if name is not None else usual(paths[0])
+
+
+def syntax_for(paths: Sequence[Path], format: Format, source: Source | None) -> Syntax:
+    """The syntax of what is written under a name.
+
+    Raises:
+        InputError: if the name contradicts the format, or there are too many or too few.
+    """
+    own = source if source is not None and source.format == format.NAME else None
+    files = len(own.documents) if own else format.FILES
+    if len(paths) != files:
+        wanted = "one file" if files == 1 else "two files, left and right"
+        raise InputError(f"{' and '.join(map(str, paths))}: {format.NAME} is written as {wanted}; give so many names.")
+    usual_one = own.documents[0].syntax if own else next(iter(format.SYNTAX.values()))
+    endings = {path.suffix.lower() for path in paths} - {""}
+    found = {format.SYNTAX.get(ending) for ending in endings} or {usual_one}
+    if None in found or len(found) > 1:
+        wanted = " or ".join(format.SYNTAX)
+        raise InputError(
+            f"{paths[0]}: the ending contradicts what is to be written ({format.NAME}: {format.ABOUT}); give a name "
+            f"ending in {wanted}, or another format with format= (--to)."
+        )
+    (syntax,) = found
+    assert syntax is not None
+    return syntax
+
+
+def _into(rig: StereoRig, format: Format, source: Source) -> tuple[str, ...]:
+    """The texts of the source with what has changed."""
+    before = rig_in(source.documents, format, source.unit, source.hints)
+    kept = tuple(same_camera(*cameras) for cameras in ((before.left, rig.left), (before.right, rig.right)))
+    texts = tuple(document.text for document in source.documents)
+    if all(kept) and np.array_equal(before.extrinsics, rig.extrinsics):
+        return texts
+    target = Target(source.documents, not kept[0], not kept[1], source.hints)
+    return _checked(rig, format, target, source.unit)
+
+
+def _anew(rig: StereoRig, format: Format, syntax: Syntax) -> tuple[str, ...]:
+    """The texts of new files, in metres or the unit of the format."""
+    blanks = tuple(document("a new file", text, syntax) for text in format.blank(rig, syntax))
+    return _checked(rig, format, Target(blanks, hints=Hints(size=rig.left.size, rectified=False)), format.UNIT or "m")
+
+
+def _checked(rig: StereoRig, format: Format, target: Target, unit: str) -> tuple[str, ...]:
+    texts = format.write(scaled(rig, 1.0 / METRES[unit]), target)
+    old = target.documents
+    written = tuple(document(o.name, text, o.syntax) for o, text in zip(old, texts, strict=True))
+    again = rig_in(written, format, unit, target.hints)
+    if not _same(rig, again):
+        raise InputError(
+            f"the {format.NAME} file cannot take this rig without a loss; write it in another format, such as opencv."
+        )
+    return texts
+
+
+def _same(one: StereoRig, other: StereoRig) -> bool:
+    turned = np.abs(np.asarray(one.rotation) - other.rotation).max() < _SAME
+    shifted = np.allclose(one.translation, other.translation, rtol=0.0, atol=_SAME * float(one.baseline))
+    return bool(turned and shifted and _alike(one.left, other.left) and _alike(one.right, other.right))
+
+
+def _alike(one: Camera, other: Camera) -> bool:
+    length = max(one.distortion.size, other.distortion.size)
+    lenses = [np.concatenate([c.distortion, np.zeros(length - c.distortion.size)]) for c in (one, other)]
+    return (
+        one.size == other.size
+        and np.allclose(one.matrix, other.matrix, rtol=_SAME)
+        and np.allclose(*lenses, rtol=_SAME, atol=1e-15)
+    )

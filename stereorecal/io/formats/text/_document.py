@@ -1,0 +1,98 @@
+"""One calibration file: its text, its syntax and its values."""
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from enum import Enum
+from pathlib import Path
+from typing import Any
+
+from stereorecal.io._about import about
+from stereorecal.io._text import read_text
+from stereorecal.io.formats.text import _json, _lines, _xml, _yaml
+from stereorecal.io.formats.text._guard import check_flat
+from stereorecal.io.formats.text._values import Values
+
+
+class Syntax(Enum):
+    """How a text says which value belongs to which key."""
+
+    YAML = "YAML"
+    XML = "XML"
+    JSON = "JSON"
+    COLONS = "lines 'key: values'"
+    EQUALS = "lines 'key=values'"
+
+
+_Parsed = Callable[[str], dict[str, Any]]
+_Changed = Callable[[str, Values], str]
+_PARSERS: dict[Syntax, tuple[_Parsed, _Changed]] = {
+    Syntax.YAML: (_yaml.parsed, _yaml.changed),
+    Syntax.XML: (_xml.parsed, _xml.changed),
+    Syntax.JSON: (_json.parsed, _json.changed),
+    Syntax.COLONS: (_lines.parsed_colons, _lines.changed_colons),
+    Syntax.EQUALS: (_lines.parsed_equals, _lines.changed_equals),
+}
+# Two numbers with nothing but a space between them are no YAML that anybody writes for a calibration.
+_COLONS = re.compile(r"^\w+:[ \t]+[-+.\deE]+[ \t]+[-+.\deE]+", re.MULTILINE)
+_EQUALS = re.compile(r"^\w+[ \t]*=", re.MULTILINE)
+
+
+@dataclass(frozen=True)
+class Document:
+    """A text and what it says.
+
+    Attributes:
+        name: what messages call the file.
+        content: keys and plain values, matrices as the file has them.
+    """
+
+    name: str
+    text: str
+    syntax: Syntax
+    content: Mapping[str, Any]
+
+    def changed(self, values: Values) -> str:
+        """The text with other values under some keys, and everything else as it was.
+
+        Raises:
+            InputError: naming the file, if it has other kinds of values there.
+        """
+        with about(self.name):
+            return _PARSERS[self.syntax][1](self.text, values) if values else self.text
+
+
+def document(name: object, text: str, syntax: Syntax | None = None) -> Document:
+    """A text, parsed.
+
+    Args:
+        syntax: default: as the text looks.
+
+    Raises:
+        InputError: naming the file, if it cannot be parsed.
+    """
+    with about(name):
+        syntax = syntax or _syntax_of(text)
+        if syntax is not Syntax.JSON:  # whose parser looks after itself
+            check_flat(text)
+        return Document(str(name), text, syntax, _PARSERS[syntax][0](text))
+
+
+def read_document(path: Path, syntax: Syntax | None = None, if_missing: str = "check the path.") -> Document:
+    """The text of a file, parsed.
+
+    Raises:
+        InputError: naming the file, if it is missing, unreadable or cannot be parsed.
+    """
+    return document(path, read_text(path, if_missing), syntax)
+
+
+def _syntax_of(text: str) -> Syntax:
+    start = text.lstrip()[:1]
+    if start in "{[":
+        return Syntax.JSON
+    if start == "<":
+        return Syntax.XML
+    if not text.startswith("%YAML") and _EQUALS.search(text):
+        return Syntax.EQUALS
+    return Syntax.COLONS if _COLONS.search(text) else Syntax.YAML

@@ -1,0 +1,112 @@
+"""YAML: read as plain values, and changed by replacing the characters of single numbers."""
+
+import re
+from collections.abc import Iterator
+from typing import Any
+
+import yaml
+from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
+
+from stereorecal._errors import InputError
+from stereorecal.io.formats._numbers import number_or_word
+from stereorecal.io.formats.text._values import Values, number_text
+
+_Edit = tuple[int, int, str]  # from, to, what stands there then
+_WORDS = {"true": True, "false": False, "null": None, "~": None, "": None}
+_NOT_FINITE = re.compile(r"([-+]?)\.(inf|nan)", re.IGNORECASE)
+_DAMAGED = "not a YAML file, or truncated; correct or copy it again."
+
+
+def parsed(text: str) -> dict[str, Any]:
+    """The keys and values of a YAML text, as OpenCV, ROS and Kalibr write them: `%YAML:1.0`, tags and all.
+
+    Raises:
+        InputError: if it is no YAML, or no mapping.
+    """
+    try:
+        content = _plain(_composed(text))
+    except RecursionError:
+        raise InputError(_DAMAGED) from None
+    if not isinstance(content, dict):
+        raise InputError(_DAMAGED)
+    return content
+
+
+def changed(text: str, values: Values) -> str:
+    """The text with other numbers. Lists may grow; every character that is no number of theirs stays.
+
+    Raises:
+        InputError: if a value is of another kind than the text has there.
+    """
+    root = _composed(text)
+    edits: set[_Edit] = set()
+    for keys, value in values.items():
+        node = root
+        for key in keys:
+            node = _child(node, key)
+        edits |= set(_edits(text, node, value))
+    for start, end, new in sorted(edits, reverse=True):
+        text = text[:start] + new + text[end:]
+    return text
+
+
+def _composed(text: str) -> Node:
+    # OpenCV's first line is no directive of YAML; a comment of the same length leaves all places where they are.
+    text = re.sub(r"\A%(YAML:)", r"#\1", text)
+    try:
+        node = yaml.compose(text, yaml.SafeLoader)
+    except (yaml.YAMLError, RecursionError):
+        node = None
+    if node is None:
+        raise InputError(_DAMAGED)
+    return node
+
+
+def _plain(node: Node) -> Any:
+    if isinstance(node, MappingNode):
+        return {key.value: _plain(value) for key, value in node.value if isinstance(key, ScalarNode)}
+    if isinstance(node, SequenceNode):
+        return [_plain(item) for item in node.value]
+    return _scalar(node.value) if isinstance(node, ScalarNode) and not node.style else node.value
+
+
+def _scalar(word: str) -> Any:
+    if word.lower() in _WORDS:
+        return _WORDS[word.lower()]
+    found = _NOT_FINITE.fullmatch(word)
+    number = float(found[1] + found[2]) if found else number_or_word(word)
+    whole = isinstance(number, float) and re.fullmatch(r"[-+]?\d{1,15}", word)
+    return int(word) if whole else number
+
+
+def _child(node: Node, key: str | int) -> Node:
+    if isinstance(node, SequenceNode) and isinstance(key, int) and key < len(node.value):
+        return node.value[key]
+    if isinstance(node, MappingNode):
+        for name, value in reversed(node.value):  # of two equal keys the last one counts
+            if isinstance(name, ScalarNode) and name.value == key:
+                return value
+    raise InputError(f"the key {key!r} is missing; add it, or copy the file again.")
+
+
+def _edits(text: str, node: Node, value: Any) -> Iterator[_Edit]:
+    if isinstance(node, ScalarNode) and not isinstance(value, list):
+        if _plain(node) != value:
+            yield node.start_mark.index, node.end_mark.index, number_text(value)
+    elif isinstance(node, SequenceNode) and isinstance(value, list) and len(value) >= len(node.value) > 0:
+        for item, new in zip(node.value, value, strict=False):
+            yield from _edits(text, item, new)
+        if len(value) > len(node.value):
+            last = node.value[-1]
+            between = ", " if node.flow_style else _new_item(text, last)
+            place, more = last.end_mark.index, value[len(node.value) :]
+            # Where the last number changes as well, its own edit comes first: they touch, but do not overlap.
+            yield place, place, "".join(between + number_text(number) for number in more)
+    else:
+        raise InputError("a value to be written is a list where the file has none, or of another length; write anew.")
+
+
+def _new_item(text: str, last: Node) -> str:
+    """What begins an item in a line of its own."""
+    begin = text.rfind("\n", 0, last.start_mark.index) + 1
+    return "\n" + re.sub(r"[^-\s].*", "", text[begin : last.start_mark.index])

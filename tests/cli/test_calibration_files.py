@@ -1,0 +1,182 @@
+"""Calibration files on the command line: convert, diff, score and recalibrate take every format, and give it back."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import stereorecal as sr
+from stereorecal.cli import _recalibrate
+from stereorecal.io import load_rig, load_scene, save_rig
+
+COUNT = ("--schedule", "count", "--scale", 0.5, "--budget", 40)  # improves the drifted scene
+
+
+@pytest.fixture
+def rig(drifted_scene: Path) -> sr.StereoRig:
+    found = load_scene(drifted_scene).rig
+    assert found is not None
+    return found
+
+
+def short(rig: sr.StereoRig) -> sr.StereoRig:
+    """With lenses of four coefficients, as Kalibr has them."""
+    left, right = (sr.Camera(camera.size, camera.matrix, camera.distortion[:4]) for camera in (rig.left, rig.right))
+    return sr.StereoRig(left, right, rig.extrinsics)
+
+
+@pytest.fixture
+def sides(drifted_scene: Path) -> tuple[object, ...]:
+    return "--left", drifted_scene / "left.png", "--right", drifted_scene / "right.png"
+
+
+@pytest.fixture
+def unworked(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever is refused is refused before the work."""
+    monkeypatch.setattr(_recalibrate, "repairs_as_finished", lambda *_, **__: pytest.fail("worked before it looked"))
+
+
+def refused(answer, *words: str) -> None:
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err.count("\n") == 1
+    for word in words:
+        assert word in answer.err
+
+
+# --- convert ------------------------------------------------------------------------------------------------
+
+
+def test_convert_round_and_round(command, rig: sr.StereoRig, tmp_path: Path):
+    save_rig(rig, tmp_path / "a.json", format="stereorecal")
+    ros = f"{tmp_path}/left.yaml,{tmp_path}/right.yaml"
+    steps = [
+        (tmp_path / "a.json", tmp_path / "b.xml"),
+        (tmp_path / "b.xml", ros, "--to", "ros", "--unit", "m"),
+        (ros, tmp_path / "oak.json", "--to", "depthai"),
+        (tmp_path / "oak.json", tmp_path / "d.yaml", "--to", "boofcv"),
+        (tmp_path / "d.yaml", tmp_path / "e.json", "--from", "boofcv", "--unit", "m"),
+    ]
+    for step in steps:
+        answer = command("convert", *step)
+        assert (answer.code, answer.err) == (0, "")
+        assert answer.out == f"{step[1]}: written\n"
+    assert load_rig(tmp_path / "e.json").source.format == "stereorecal"
+    np.testing.assert_allclose(load_rig(tmp_path / "e.json").extrinsics, rig.extrinsics, atol=1e-12)
+
+
+def test_convert_says_the_unit_that_it_inferred(command, rig: sr.StereoRig, tmp_path: Path):
+    save_rig(rig, tmp_path / "a.yaml", format="opencv")
+    answer = command("convert", tmp_path / "a.yaml", tmp_path / "b.json")
+    assert answer.code == 0
+    assert answer.err.count("\n") == 1
+    assert "taken to be in m" in answer.err
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("{tmp}/a.json", "{tmp}/a.json"), "this is what is converted"),
+        (("{tmp}/a.json", "{tmp}/old.yaml"), "the file exists already; choose another or add --force"),
+        (("{tmp}/a.json", "{tmp}/b.txt"), "the ending does not tell the format"),
+        (("{tmp}/a.json", "{tmp}/b.txt", "--to", "middlebury"), "no place for a rotation or a lens"),
+        (("{tmp}/a.json", "{tmp}/b.json", "--to", "kalibr"), "the ending contradicts what is to be written"),
+        (("{tmp}/a.json", "{tmp}/b.yaml", "--to", "kalibra"), "did you mean kalibr?"),
+        (("{tmp}/a.json", "{tmp}/b.yaml", "--from", "kalibr"), "a.json"),
+        (("{tmp}/a.json", "{tmp}/b.yaml", "--unit", "miles"), "unknown unit 'miles'"),
+        (("{tmp}/a.json", "{tmp}/b.yaml", "--size", "big"), "--size is 'big'"),
+        (("{tmp}/a.json", "{tmp}/b.yaml,{tmp}/c.yaml"), "is written as one file"),
+        (("{tmp}/none.json", "{tmp}/b.yaml"), "none.json: there is no such file"),
+    ],
+)
+def test_convert_refuses(command, rig: sr.StereoRig, tmp_path: Path, words, said: str):
+    save_rig(rig, tmp_path / "a.json", format="stereorecal")
+    (tmp_path / "old.yaml").write_text("precious")
+    before = {path: path.read_bytes() for path in tmp_path.iterdir()}
+    refused(command("convert", *(word.format(tmp=tmp_path) for word in words)), said)
+    assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
+# --- diff and score -----------------------------------------------------------------------------------------
+
+
+def test_diff_and_score(command, rig: sr.StereoRig, drifted_scene: Path, sides, tmp_path: Path):
+    files = (tmp_path / "left.yaml", tmp_path / "right.yaml")
+    save_rig(rig, files, format="ros")
+    pair = ",".join(map(str, files))
+    for place in (pair, tmp_path):
+        answer = command("diff", drifted_scene, place)
+        assert (answer.code, answer.err) == (0, "")
+        assert "pitch +0.000, yaw +0.000, roll +0.000" in answer.out
+    expected = command("score", drifted_scene, "--json", "-")
+    answer = command("score", *sides, "--calibration", *files, "--json", "-")
+    assert answer.code == expected.code
+    one, two = (json.loads(found.out)["scenes"][0] for found in (answer, expected))
+    assert one["condition"] == two["condition"]
+    refused(command("score", *sides, "--calibration", *files, files[0]), "--calibration takes one file, or two")
+    refused(command("score", drifted_scene, "--unit", "mm"), "belong to --calibration")
+
+
+# --- recalibrate --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["opencv", "ros"])
+def test_the_form_in_which_it_came(command, rig: sr.StereoRig, drifted_scene: Path, sides, tmp_path: Path, name: str):
+    files = [tmp_path / "a.yaml"] if name == "opencv" else [tmp_path / "l.yaml", tmp_path / "r.yaml"]
+    place = files[0] if len(files) == 1 else tuple(files)
+    save_rig(rig, place, format=name)
+    files[0].write_text(files[0].read_text() + "# the boat's\n")
+    new = [tmp_path / f"new-{path.name}" for path in files]
+    output, maps = ",".join(map(str, new)), tmp_path / "maps.npz"
+    words = (*sides, "--calibration", *files, "--unit", "m", *COUNT)
+    answer = command("recalibrate", *words, "--output", output, "--maps", maps)
+    assert (answer.code, answer.err) == (0, "")
+    assert new[0].read_text().endswith("# the boat's\n")
+    scene = load_scene(drifted_scene)
+    command("recalibrate", drifted_scene, *COUNT, "--output", tmp_path / "expected.json")
+    expected = load_rig(tmp_path / "expected.json")
+    again = load_rig(*new, unit="m")
+    assert again.source.format == name
+    np.testing.assert_allclose(again.extrinsics, expected.extrinsics, atol=1e-6)
+    assert np.abs(again.extrinsics - scene.rig.extrinsics).max() > np.radians(0.1)
+    made = sr.rectification(again)
+    with np.load(maps) as stored:
+        np.testing.assert_allclose(stored["Q"], made.Q, atol=1e-9)
+        np.testing.assert_allclose(stored["right_y"], made.maps[1][1], atol=1e-3)
+    old = [path.read_bytes() for path in files]
+    assert command("recalibrate", *words, "--in-place").code == 0
+    assert [path.with_name(f"{path.name}.bak").read_bytes() for path in files] == old
+    assert [path.read_bytes() for path in files] == [path.read_bytes() for path in new]
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--output", "{tmp}/new.json"), "the ending contradicts what is to be written (kalibr"),
+        (("--output", "{tmp}/a.yaml", "--force"), "replace it with --in-place"),
+        (("--output", "{tmp}/new.txt", "--to", "middlebury"), "no place for a rotation or a lens"),
+        (("--output", "{tmp}/l.yaml", "--to", "ros"), "ros is written as two files"),
+        (("--output", "{tmp}/new.yaml", "--to", "kalib"), "did you mean kalibr?"),
+        (("--output", "{tmp}/new.yaml", "--in-place"), "leave --output and --to out"),
+        (("--to", "ros"), "--to says the format of --output"),
+        (("--maps", "{tmp}/maps.txt"), "maps are written as .npz"),
+        (("--maps", "{tmp}/old.npz"), "the file exists already"),
+        (("--output", "{tmp}/new.yaml", "--json", "{tmp}/new.yaml"), "name the same file"),
+    ],
+)
+def test_places_that_make_no_sense(command, rig: sr.StereoRig, sides, tmp_path: Path, unworked, words, said: str):
+    save_rig(short(rig), tmp_path / "a.yaml", format="kalibr")
+    (tmp_path / "old.npz").write_text("precious")
+    before = {path: path.read_bytes() for path in tmp_path.iterdir()}
+    options = [word.format(tmp=tmp_path) for word in words]
+    refused(command("recalibrate", *sides, "--calibration", tmp_path / "a.yaml", *COUNT, *options), said)
+    assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
+def test_dry_run_writes_nothing(command, rig: sr.StereoRig, sides, tmp_path: Path):
+    save_rig(short(rig), tmp_path / "a.yaml", format="kalibr")
+    words = ("--output", tmp_path / "new.yaml", "--maps", tmp_path / "maps.npz", "--dry-run")
+    answer = command("recalibrate", *sides, "--calibration", tmp_path / "a.yaml", *COUNT, *words)
+    assert answer.code == 0
+    assert answer.out.endswith(f"{tmp_path}/new.yaml: would be written\n{tmp_path}/maps.npz: would be written\n")
+    assert [path.name for path in tmp_path.iterdir()] == ["a.yaml"]

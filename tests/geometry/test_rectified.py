@@ -1,0 +1,76 @@
+"""R1 R2 P1 P2 Q and maps, against OpenCV in the same view."""
+
+import cv2
+import numpy as np
+import pytest
+
+import stereorecal as sr
+from stereorecal.geometry import View
+
+SIZE = (160, 120)
+K1 = np.array([[150.0, 0, 79.5], [0, 149.0, 60.5], [0, 0, 1]])
+K2 = np.array([[151.0, 0, 81.0], [0, 150.5, 58.5], [0, 0, 1]])
+D = np.array([-0.2, 0.05, 0.001, -0.0005, 0.0])
+R = cv2.Rodrigues(np.array([0.01, -0.02, 0.015]))[0]
+T = np.array([[-0.12], [0.002], [-0.003]])
+
+
+def test_from_matrices():
+    rig = sr.StereoRig.from_matrices(K1, D[None], K2, None, R, T, SIZE)
+    np.testing.assert_allclose(rig.R, R, atol=1e-12)
+    np.testing.assert_array_equal(rig.T, T[:, 0])
+    np.testing.assert_array_equal(rig.left.distortion, D)
+    assert rig.right.distortion.size == 0
+    for bad in ((R, T[:2]), (2 * R, T), (R, -T)):
+        with pytest.raises(sr.InputError):
+            sr.StereoRig.from_matrices(K1, D, K2, D, *bad, SIZE)
+
+
+@pytest.mark.parametrize("flags", [cv2.CALIB_ZERO_DISPARITY, 0])
+def test_as_opencv(flags: int):
+    rig = sr.StereoRig.from_matrices(K1, D, K2, D, R, T, SIZE)
+    R1, R2, P1, P2, Q, _, _ = cv2.stereoRectify(K1, D, K2, D, SIZE, R, T, flags=flags, alpha=0.0)
+    made = sr.rectification(rig, View(SIZE, P1[0, 0], P1[0, 2], P2[0, 2], P1[1, 2]))
+    for ours, theirs in ((made.R1, R1), (made.R2, R2), (made.P1, P1), (made.P2, P2), (made.Q, Q)):
+        np.testing.assert_allclose(ours, theirs, atol=1e-6)
+    for (x, y), K, rotation, projection in ((made.maps[0], K1, R1, P1), (made.maps[1], K2, R2, P2)):
+        expected = cv2.initUndistortRectifyMap(K, D, rotation, projection, SIZE, cv2.CV_32FC1)
+        np.testing.assert_allclose(x, expected[0], atol=0.01)
+        np.testing.assert_allclose(y, expected[1], atol=0.01)
+    disparity = np.random.default_rng(0).uniform(5.0, 30.0, SIZE[::-1]).astype(np.float32)
+    disparity[0, 0] = np.nan
+    points = cv2.reprojectImageTo3D(disparity, Q)
+    np.testing.assert_allclose(made.depth(disparity), points[..., 2], rtol=1e-5)
+    np.testing.assert_allclose(made.points(disparity), points @ R1, rtol=1e-4, atol=1e-5)
+
+
+def test_depth_where_there_is_none():
+    made = sr.rectification(sr.StereoRig.from_matrices(K1, None, K1, None, np.eye(3), T, SIZE))
+    depth = made.depth(np.array([0.0, -1.0, np.nan, 10.0]))
+    np.testing.assert_array_equal(depth[:2], np.inf)
+    assert np.isnan(depth[2])
+    assert depth[3] > 0
+    assert np.isnan(made.points(np.zeros((2, 3)))).all()
+
+
+def test_pixels_that_no_ray_reaches_lie_outside():
+    wide = np.array([[40.0, 0, 79.5], [0, 40.0, 59.5], [0, 0, 1]])
+    rig = sr.StereoRig.from_matrices(
+        wide, np.array([-0.4, 0, 0, 0]), wide, None, np.eye(3), np.array([-0.1, 0, 0]), SIZE
+    )
+    (x, _), _ = sr.rectification(rig).maps
+    assert x.min() == -1.0
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
+def test_pairs_from_arrays(dtype: type):
+    rng = np.random.default_rng(1)
+    left, right = (rng.integers(0, np.iinfo(dtype).max, (*SIZE[::-1], 3), dtype=dtype) for _ in range(2))
+    grey, colour = sr.Pair.from_arrays(left[..., 0], right[..., 0]), sr.Pair.from_arrays(left, right, channels="bgr")
+    assert grey.size == colour.size == SIZE
+    scale = 1.0 if dtype is np.uint8 else 255.0 / max(left[..., 0].max(), right[..., 0].max())
+    np.testing.assert_allclose(grey.left, left[..., 0] * scale, rtol=1e-6)
+    other = sr.Pair.from_arrays(left[..., ::-1], right[..., ::-1], channels="rgb")
+    np.testing.assert_allclose(colour.left, other.left, rtol=1e-5)
+    with pytest.raises(sr.InputError, match="channel order"):
+        sr.Pair.from_arrays(left, right, channels="gbr")

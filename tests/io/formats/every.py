@@ -1,0 +1,102 @@
+"""Each format by name: the sample texts, what their keys are that a repair may change, and the names of files."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import cv2
+import samples
+
+from stereorecal.io.formats.text._document import document
+
+
+@dataclass(frozen=True)
+class Sample:
+    """Texts of one format.
+
+    Attributes:
+        changes: keys, as they are spelled on the way down, that hold the extrinsics or what is derived from them.
+        unit: of the file, where it says none.
+    """
+
+    texts: tuple[str, ...]
+    ending: str
+    changes: frozenset[str]
+    unit: str | None = None
+    rectified: bool = False
+    size: tuple[int, int] | None = None
+
+    def paths(self, folder: Path) -> list[Path]:
+        return [folder / f"calibration{index}{self.ending}" for index in range(len(self.texts))]
+
+    def write(self, folder: Path) -> list[Path]:
+        paths = self.paths(folder)
+        for path, text in zip(paths, self.texts, strict=True):
+            path.write_text(text)
+        return paths
+
+
+def as_json(text: str) -> str:
+    """OpenCV's YAML as OpenCV's own JSON."""
+    storage = cv2.FileStorage(text, cv2.FILE_STORAGE_READ | cv2.FILE_STORAGE_MEMORY)
+    return rewritten(storage, ".json")
+
+
+def as_xml(text: str) -> str:
+    storage = cv2.FileStorage(text, cv2.FILE_STORAGE_READ | cv2.FILE_STORAGE_MEMORY)
+    return rewritten(storage, ".xml")
+
+
+def rewritten(storage: cv2.FileStorage, ending: str) -> str:
+    out = cv2.FileStorage(ending, cv2.FILE_STORAGE_WRITE | cv2.FILE_STORAGE_MEMORY)
+    for key in storage.root().keys():  # noqa: SIM118
+        node = storage.getNode(key)
+        if node.isMap():
+            out.write(key, node.mat())
+        elif node.isSeq():
+            out.startWriteStruct(key, cv2.FILE_NODE_SEQ)
+            for index in range(node.size()):
+                out.write("", int(node.at(index).real()))
+            out.endWriteStruct()
+        elif node.isString():
+            out.write(key, node.string())
+        else:
+            out.write(key, node.real())
+    return out.releaseAndGetString()
+
+
+_OPENCV = frozenset({"R", "T", "R1", "Q"})
+_INTRINSICS, _SEP, _EXTRINSICS = samples.OPENCV.partition("R: !!")
+_HEAD = "%YAML:1.0\n---\n"
+SAMPLES: dict[str, Sample] = {
+    "opencv yaml": Sample((samples.OPENCV,), ".yml", _OPENCV, "mm"),
+    "opencv xml": Sample((as_xml(samples.OPENCV),), ".xml", _OPENCV, "mm"),
+    "opencv json": Sample((as_json(samples.OPENCV),), ".json", _OPENCV, "mm"),
+    "opencv pair": Sample((_INTRINSICS, _HEAD + _SEP + _EXTRINSICS), ".yml", _OPENCV, "mm"),
+    "ros": Sample(samples.ROS_PAIR, ".yaml", frozenset({"rectification_matrix", "projection_matrix"})),
+    "kalibr": Sample((samples.KALIBR,), ".yaml", frozenset({"cam1.T_cn_cnm1", "cam1.T_cam_imu"})),
+    "euroc": Sample(samples.EUROC_PAIR, ".yaml", frozenset({"T_BS"})),
+    "boofcv": Sample((samples.BOOFCV,), ".yaml", frozenset({"rightToLeft"}), "mm"),
+    "kitti-raw": Sample((samples.KITTI_RAW,), ".txt", frozenset({"R_01", "T_01"})),
+    "middlebury": Sample((samples.MIDDLEBURY,), ".txt", frozenset({"baseline"}), rectified=True),
+    "kitti-odometry": Sample((samples.KITTI_ODOMETRY,), ".txt", frozenset({"P1"}), rectified=True, size=samples.SIZE),
+    "basalt": Sample((samples.BASALT,), ".json", frozenset({"value0.T_imu_cam.1"})),
+}
+
+
+def flat(content: Any, keys: str = "") -> dict[str, Any]:
+    """Every value by the keys that lead to it, joined by dots."""
+    items = content.items() if isinstance(content, dict) else enumerate(content) if isinstance(content, list) else None
+    if items is None:
+        return {keys: content}
+    return {name: item for key, value in items for name, item in flat(value, f"{keys}.{key}".lstrip(".")).items()}
+
+
+def unchanged(text: str, sample: Sample) -> dict[str, Any]:
+    """The values that a repair leaves alone."""
+    found = flat(dict(document("a text", text).content))
+    return {
+        key: value
+        for key, value in found.items()
+        if not any(f"{key}.".startswith(f"{change}.") for change in sample.changes)
+    }

@@ -1,0 +1,177 @@
+"""What is refused, in one sentence that says what to do; nothing is written then."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import samples
+from every import SAMPLES
+
+from stereorecal import CalibrationWarning, InputError, UnsupportedModelError
+from stereorecal.geometry import Camera, StereoRig
+from stereorecal.io import load_rig, save_rig
+
+
+def refused(call, words: str, kind: type[InputError] = InputError) -> None:
+    with pytest.raises(InputError) as error:
+        call()
+    message = str(error.value)
+    assert type(error.value) is kind
+    assert words in message
+    assert "\n" not in message
+    assert message.endswith((".", "?"))
+
+
+# --- reading ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "words"),
+    [
+        ("a.yaml", "a: 1\nb: 2\n", "no calibration that is known; expected one of: stereorecal: calib.json"),
+        ("a.json", '{"a": 1}', "no calibration that is known"),
+        ("a.txt", "hello world", "not a YAML file"),
+        ("a.xml", "<?xml version='1.0'?><opencv_storage><M1>", "not an XML file"),
+        ("a.xml", "<!DOCTYPE a [<!ENTITY b 'c'>]><a>&b;</a>", "not an XML file"),
+        ("a.yaml", samples.ROS_PAIR[0], "this is one of two files (ros: "),
+        ("a.yaml", samples.EUROC_PAIR[1], "this is one of two files (euroc: "),
+        ("a.yaml", SAMPLES["opencv pair"].texts[0], "'R' is missing"),
+        ("a.yaml", "K: " + "[" * 200_000, "too long or too deeply nested"),
+        ("a.json", '{"cameraData": ' + "[" * 200_000, "nests more than 100 levels"),
+        ("a.yaml", samples.OPENCV.replace("imageSize: [ 64, 48 ]\n", ""), "the file has no image size"),
+        ("a.txt", samples.KITTI_ODOMETRY, "the file has no image size"),
+    ],
+)
+def test_files(tmp_path: Path, name: str, text: str, words: str):
+    path = tmp_path / name
+    path.write_text(text)
+    refused(lambda: load_rig(path), words)
+    with pytest.raises(InputError, match=name):
+        load_rig(path)
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new"),
+    [
+        ("kalibr", "camera_model: pinhole", "camera_model: omni"),
+        ("kalibr", "distortion_model: radtan", "distortion_model: equidistant"),
+        ("ros", "plumb_bob", "equidistant"),
+        ("euroc", "radial-tangential", "equidistant"),
+        ("boofcv", "  model: pinhole_radial_tangential", "  model: kannala_brandt"),
+        ("basalt", "pinhole-radtan8", "kb4"),
+    ],
+)
+def test_lenses_that_are_no_pinhole(tmp_path: Path, name: str, old: str, new: str):
+    sample = SAMPLES[name]
+    assert old in sample.texts[0]
+    paths = replace(sample, texts=tuple(text.replace(old, new) for text in sample.texts)).write(tmp_path)
+    refused(lambda: load_rig(*paths), "undistort the images, or calibrate as pinhole", UnsupportedModelError)
+
+
+def test_names_that_are_none(tmp_path: Path):
+    (path,) = SAMPLES["kalibr"].write(tmp_path)
+    refused(lambda: load_rig(path, format="kalibre"), "did you mean kalibr?")
+    refused(lambda: load_rig(path, unit="furlong"), "choose one of: m, cm, mm, in")
+    refused(lambda: load_rig(path, format="ros"), "give the left and the right one")
+
+
+def test_folders(tmp_path: Path):
+    refused(lambda: load_rig(tmp_path), "no calibration that is known; expected one of")
+    for name in ("ros", "euroc", "kalibr", "opencv pair"):
+        folder = tmp_path / name
+        folder.mkdir()
+        paths = SAMPLES[name].write(folder)
+        rig = load_rig(folder, unit=SAMPLES[name].unit)
+        np.testing.assert_array_equal(rig.extrinsics, load_rig(*paths, unit=SAMPLES[name].unit).extrinsics)
+    (tmp_path / "kalibr" / "old.yaml").write_text(samples.KALIBR)
+    refused(lambda: load_rig(tmp_path / "kalibr"), "several calibrations are in there (calibration0.yaml, old.yaml)")
+
+
+def test_left_and_right_the_wrong_way_round(tmp_path: Path):
+    left, right = SAMPLES["ros"].write(tmp_path)
+    refused(lambda: load_rig(right, left), "left and right are swapped; give the left camera's file first")
+    refused(lambda: load_rig(left, left), "no baseline")
+
+
+# --- units --------------------------------------------------------------------------------------------------
+
+
+def test_an_inferred_unit_is_said(tmp_path: Path):
+    (path,) = SAMPLES["opencv yaml"].write(tmp_path)
+    with pytest.warns(CalibrationWarning, match=r"taken to be in mm, a baseline of 0\.12 m: say unit='mm'"):
+        rig = load_rig(path)
+    assert rig.baseline == pytest.approx(0.12, rel=1e-3)
+    assert load_rig(path, unit="cm").baseline == pytest.approx(1.2, rel=1e-3)
+    path.write_text(samples.OPENCV.replace("-120., 1., -2.", "-0.12, 0.001, -0.002"))
+    with pytest.warns(CalibrationWarning, match="taken to be in m, a baseline"):
+        assert load_rig(path).baseline == pytest.approx(0.12, rel=1e-3)
+
+
+# --- writing ------------------------------------------------------------------------------------------------
+
+EIGHT = np.array([-0.3, 0.1, 0.001, -0.002, 0.01, 0.02, 0.03, 0.04])
+
+
+@pytest.mark.parametrize(
+    ("rig", "name", "format", "words"),
+    [
+        (samples.RIG, "a.txt", "middlebury", "no place for a rotation or a lens; write it as opencv"),
+        (samples.RIG, "a.txt", "kitti-odometry", "no place for a rotation or a lens; write it as opencv"),
+        (
+            samples.rig_of(samples.RIG.extrinsics, EIGHT),
+            "a.yaml",
+            "kalibr",
+            "write it as opencv, ros or depthai instead",
+        ),
+        (
+            samples.rig_of(samples.RIG.extrinsics, EIGHT),
+            "a.yaml",
+            "boofcv",
+            "write it as opencv, ros or depthai instead",
+        ),
+        (samples.rig_of(samples.RIG.extrinsics, EIGHT), "a.txt", "kitti-raw", "has 5 lens coefficients"),
+        (samples.rig_of(samples.RIG.extrinsics, np.arange(12) * 1e-3), "a.json", "basalt", "has 8 lens coefficients"),
+        (samples.RIG, "a.yaml", "ros", "ros is written as two files, left and right"),
+        (samples.RIG, "a.json", "kalibr", "the ending contradicts what is to be written"),
+        (samples.RIG, "a.yaml", "stereorecal", "give a name ending in .json"),
+        (samples.RIG, "a.txt", None, "the ending does not tell the format"),
+        (samples.RIG, "a.yaml", "kalib", "did you mean kalibr?"),
+        (samples.RIG, "nowhere/a.yaml", "kalibr", "cannot be written"),
+    ],
+)
+def test_what_a_format_cannot_hold(tmp_path: Path, rig: StereoRig, name: str, format: str | None, words: str):
+    refused(lambda: save_rig(rig, tmp_path / name, format=format), words)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_one_rectification_of_four_cameras(tmp_path: Path):
+    text = samples.KITTI_RAW + "R_rect_02: 1 0 0 0 1 0 0 0 1\n"
+    path = tmp_path / "calib_cam_to_cam.txt"
+    path.write_text(text)
+    rig = load_rig(path)
+    moved = rig.with_extrinsics(rig.extrinsics + np.array([0.01, 0, 0, 0, 0, 0]))
+    refused(lambda: save_rig(moved, tmp_path / "b.txt"), "one rectification of four cameras")
+    save_rig(moved, tmp_path / "b.yaml", format="opencv")
+    np.testing.assert_allclose(load_rig(tmp_path / "b.yaml", unit="m").extrinsics, moved.extrinsics, atol=1e-12)
+
+
+def test_nothing_is_overwritten(tmp_path: Path):
+    paths = SAMPLES["ros"].write(tmp_path)
+    rig = load_rig(*paths)
+    refused(lambda: save_rig(rig, (tmp_path / "new.yaml", paths[1])), "the file exists already")
+    assert not (tmp_path / "new.yaml").exists()
+
+
+def test_cameras_of_different_sizes(tmp_path: Path):
+    rig = StereoRig(samples.RIG.left, samples.RIG.right.resized((32, 24)), samples.RIG.extrinsics)
+    refused(lambda: save_rig(rig, tmp_path / "a.yaml", format="opencv"), "different sizes; write the rig as kalibr")
+    save_rig(rig, tmp_path / "a.yaml", format="kalibr")
+    assert load_rig(tmp_path / "a.yaml").right.size == (32, 24)
+
+
+def test_a_camera_with_skew(tmp_path: Path):
+    (path,) = SAMPLES["boofcv"].write(tmp_path)
+    path.write_text(samples.BOOFCV.replace("    skew: 0.0", "    skew: 0.5"))
+    refused(lambda: load_rig(path, unit="mm"), "skew, which is not supported")
+    assert Camera(samples.SIZE, samples.MATRIX).distortion.size == 0
