@@ -4,18 +4,15 @@ Needs jinja2 and matplotlib: pip install 'stereorecal[figures]'.
 """
 
 from collections.abc import Iterator, Mapping
-from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from stereorecal.report._entrants import strategies_of, title_of
 from stereorecal.report._strips import Series, strips
-from stereorecal.report.cells import count, number, percent
+from stereorecal.report._templates import rendered
 from stereorecal.report.tables import REFERENCES, schedules_legend
 
-_TEMPLATE = "comparison.html.jinja"
 _LEAST_ERROR = 1e-4  # degrees; smaller errors are drawn here, since a logarithmic axis has no zero
 
 Row = Mapping[str, Any]
@@ -23,15 +20,8 @@ Row = Mapping[str, Any]
 
 def comparison_page(data: Mapping[str, Any]) -> str:
     """The page as HTML text, from the plain data of a comparison's JSON; names and messages are escaped."""
-    environment = Environment(
-        loader=FileSystemLoader(Path(__file__).parent),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters |= {"number": number, "count": count, "percent": percent}
-    return environment.get_template(_TEMPLATE).render(
+    return rendered(
+        "comparison.html.jinja",
         data=data,
         figures={scene: panels for scene in _names(data, "scene") if (panels := _panels(data, scene))},
         marks=_marks(data),
