@@ -80,9 +80,7 @@ class Page:
 
     def look(self, width: int, *, height: int = 900, scheme: str = "light", medium: str = "screen") -> None:
         """Show the page so wide, in a "light" or "dark" scheme, on "screen" or "print"."""
-        self.send(
-            "Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False
-        )
+        self.send("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
         features = [{"name": "prefers-color-scheme", "value": scheme}]
         self.send("Emulation.setEmulatedMedia", media=medium, features=features)
 

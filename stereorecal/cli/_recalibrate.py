@@ -16,9 +16,10 @@ from stereorecal.cli import _values
 from stereorecal.cli._console import table_console
 from stereorecal.cli._executors import executor
 from stereorecal.cli._exit_codes import BAD_INPUT, CANNOT_TELL, FAILURE, INTERRUPTED
+from stereorecal.cli._html import check_page, write_report
 from stereorecal.cli._json import write_json
 from stereorecal.cli._progress import progress_bar
-from stereorecal.cli._recordings import recordings
+from stereorecal.cli._recordings import recordings, without
 from stereorecal.io import load_ranges, save_rig
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import Parameters, Reach, as_parameters
@@ -50,7 +51,8 @@ def run(options: argparse.Namespace) -> int:
     free = with_ranges(as_parameters([name.strip() for name in options.free.split(",")]), ranges)
     _check_places(options)
     with executor(options.executor) as pool:
-        scenes, ranges = sharing(recordings(options), free, ranges, options.extrinsics, schedule)
+        found = recordings(options)
+        scenes, ranges = sharing(found.scenes, free, ranges, options.extrinsics, schedule)
         arguments = {
             "matcher": matcher,
             "schedule": schedule,
@@ -73,6 +75,8 @@ def run(options: argparse.Namespace) -> int:
         if any(repair.solution for repair in repairs):
             settings = _settings(options, matcher, schedule, reach, budget, free)
             _save(scenes, repairs, settings, options, interrupted=interrupted)
+            absent = found.absent + without(found.scenes[0].pairs, scenes[0].pairs, "others show more texture")
+            write_report(options.html, scenes, repairs, {"seed": seed}, absent)
             _show(repairs, options)
     for repair in repairs:
         if repair.error is not None:
@@ -111,6 +115,9 @@ def _schedule(options: argparse.Namespace) -> Schedule:
 def _check_places(options: argparse.Namespace) -> None:
     """Refuse, before the work is done, what could not be written."""
     _values.output_path(options.json, "--json")
+    check_page(options.html, "repair_page", {"--json": options.json, "--output": options.output})
+    if options.html is not None and len(options.scenes) > 1:
+        raise InputError("--html shows one recording; give one, or leave --html out.")
     if options.output is None:
         return
     _values.output_path(options.output, "--output")

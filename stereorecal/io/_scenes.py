@@ -1,6 +1,6 @@
 """A scene from its parts: image pairs and a calibration that fits them."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from stereorecal._errors import InputError
@@ -25,10 +25,15 @@ def gather_scene(left: AnyPath, right: AnyPath, calibration: AnyPath, limit: int
     Warns:
         CalibrationWarning: as `load_rig`.
     """
+    return calibrated_scene(str(left), lambda: load_pairs(left, right, limit), calibration)
+
+
+def calibrated_scene(name: str, pairs: Callable[[], Sequence[Pair]], calibration: AnyPath) -> Scene:
+    """The scene of pairs, which are read once the calibration is, and errors and warnings as `gather_scene`."""
     found = load_calibration(Path(calibration))
-    pairs = load_pairs(left, right, limit)
+    read = pairs()
     with about(calibration):
-        scene = scene_of(str(left), found, pairs)
+        scene = scene_of(name, found, read)
     warn_of_units(calibration, scene.rig)
     return scene
 

@@ -82,10 +82,10 @@ def _sight(solution: Any, rig: StereoRig, pair: Pair) -> Sight:
 
 
 def _facts(solution: Any) -> dict[str, tuple[str, str]]:
-    scores = [solution.score_before, solution.score_after]
+    before, after = solution.score_before, solution.score_after
     facts = {
-        "matched pixels": tuple(percent(score.fraction) for score in scores),
-        "of how many": tuple(count(score.pixels) for score in scores),
+        "matched pixels": (percent(before.fraction), percent(after.fraction)),
+        "of how many": (count(before.pixels), count(after.pixels)),
     }
     if solution.row_errors is not None:
         facts["row error"] = (f"{solution.row_errors.before:.2f} px", f"{solution.row_errors.after:.2f} px")

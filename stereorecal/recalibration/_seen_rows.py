@@ -3,15 +3,15 @@
 from collections.abc import Sequence
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 
 from stereorecal.geometry import StereoRig, View, rectifying_rotations, with_unit_baseline
 from stereorecal.objectives import read_by
 from stereorecal.recalibration._path import Waypoint
+from stereorecal.recalibration._schedule import ScoreKind
 from stereorecal.recalibration._stages import StageRun
 from stereorecal.report.repair import Climb, Rows
 from stereorecal.scoring import Correspondences, median_row_error, row_differences
-from stereorecal.recalibration._schedule import ScoreKind
 
 _CELLS = (24, 18)  # columns and rows of the field over the view
 _FEWEST = 3  # matches in a cell
@@ -24,8 +24,9 @@ def seen_rows(found: Correspondences, initial: StereoRig, candidate: StereoRig, 
     here = np.asarray(found.weight) > 0
     before, after = (_differences(found, candidate, rig) for rig in (initial, candidate))
     frame = _worst(after, here)
-    fields = [_field(found, candidate, view, rows, here, frame) for rows in (before, after)]
-    return Rows(*fields, before[here], after[here]), frame
+    cells = _cells(found, candidate, view, here, frame)
+    first, second = (_medians(cells, rows[frame][here[frame]]) for rows in (before, after))
+    return Rows(first, second, before[here], after[here]), frame
 
 
 def climbs_of(stages: Sequence[StageRun]) -> tuple[Climb, ...]:
@@ -61,26 +62,24 @@ def _worst(after: Float[np.ndarray, "k m"], here: Bool[np.ndarray, "k m"]) -> in
     return int(np.argmax(spread))
 
 
-def _field(
-    found: Correspondences,
-    candidate: StereoRig,
-    view: View,
-    rows: Float[np.ndarray, "k m"],
-    here: Bool[np.ndarray, "k m"],
-    frame: int,
-) -> Float[np.ndarray, "h w"]:
-    """Medians over the cells of the candidate's rectified left image."""
+def _cells(
+    found: Correspondences, candidate: StereoRig, view: View, here: Bool[np.ndarray, "k m"], frame: int
+) -> Int[np.ndarray, "f"]:
+    """The cell of the candidate's rectified left image in which each match of a frame lies."""
     width, height = view.size
     turn, _ = rectifying_rotations(candidate.rotation, candidate.translation)
-    rays = np.asarray(found.left, float)[frame][here[frame]] @ turn.T
+    rays = np.asarray(found.left, float)[frame][here[frame]] @ np.asarray(turn).T
     x = view.focal * rays[:, 0] / rays[:, 2] + view.centre_left
     y = view.focal * rays[:, 1] / rays[:, 2] + view.centre_row
     column = np.clip((x / width * _CELLS[0]).astype(int), 0, _CELLS[0] - 1)
     row = np.clip((y / height * _CELLS[1]).astype(int), 0, _CELLS[1] - 1)
-    cell, values = row * _CELLS[0] + column, rows[frame][here[frame]]
+    return row * _CELLS[0] + column
+
+
+def _medians(cells: Int[np.ndarray, "f"], rows: Float[np.ndarray, "f"]) -> Float[np.ndarray, "h w"]:
     field = np.full(_CELLS[0] * _CELLS[1], np.nan)
-    for index in np.unique(cell):
-        inside = values[cell == index]
+    for cell in np.unique(cells):
+        inside = rows[cells == cell]
         if len(inside) >= _FEWEST:
-            field[index] = np.median(inside)
+            field[cell] = np.median(inside)
     return field.reshape(_CELLS[1], _CELLS[0])

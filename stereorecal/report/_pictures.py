@@ -41,7 +41,6 @@ def data_uri(picture: Picture) -> str:
     return f"data:image/jpeg;base64,{base64.b64encode(data).decode('ascii')}"
 
 
-
 def _shrunk(image: np.ndarray, width: int) -> np.ndarray:
     height, own = image.shape[:2]
     if own <= width:

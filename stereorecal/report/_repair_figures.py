@@ -19,17 +19,23 @@ Map = Float[np.ndarray, "h w"]
 Grey = Float[np.ndarray, "height width"]
 
 
-def field_figure(rows: Rows, image: Grey) -> str:
+def field_figure(rows: Rows, image: Grey, after: str) -> str:
     """Row differences over the view, before and after on one scale, over the image."""
-    fields = {"before": rows.field_before, "after": rows.field_after}
-    largest = _scale(np.concatenate([np.abs(field[np.isfinite(field)]) for field in fields.values()]))
+    fields = {"before": rows.field_before, after: rows.field_after}
+    largest = _scale(rows)
     with style(("field", largest, image.shape)):
         figure, panels = _side_by_side(image)
         shown = None
         for axis, (title, field) in zip(panels, fields.items(), strict=True):
             _background(axis, image)
             shown = axis.imshow(
-                np.ma.masked_invalid(field), cmap="coolwarm", vmin=-largest, vmax=largest, alpha=0.75, extent=_EXTENT
+                np.ma.masked_invalid(field),
+                cmap="coolwarm",
+                vmin=-largest,
+                vmax=largest,
+                alpha=0.75,
+                extent=_EXTENT,
+                aspect="auto",
             )
             axis.set_title(title, loc="left")
         if shown is not None:
@@ -37,16 +43,16 @@ def field_figure(rows: Rows, image: Grey) -> str:
         return svg(figure, "Maps over the view: median row differences of matches before and after the repair.")
 
 
-def histogram_figure(rows: Rows) -> str:
+def histogram_figure(rows: Rows, after: str) -> str:
     """How often matches lie how many rows apart, before and after."""
-    largest = max(1.0, float(np.quantile(np.abs(rows.all_before), 0.98)) if rows.all_before.size else 1.0)
+    largest = 2.0 * _scale(rows)
     bins = np.linspace(-largest, largest, 61).tolist()
     with style(("histogram", largest, rows.all_before.size)):
         figure = Figure(figsize=(_WIDTH / 2, 2.6), layout="constrained")
         axis = figure.subplots()
         for name, values, colour in (
             ("before", rows.all_before, COLOURS[1]),
-            ("after", rows.all_after, COLOURS[0]),
+            (after, rows.all_after, COLOURS[0]),
         ):
             axis.hist(values.clip(-largest, largest), bins, color=colour, alpha=0.6, label=name)
         axis.set_xlabel("row difference [px]")
@@ -64,7 +70,13 @@ def expected_figure(expected: Map, image: Grey) -> str:
         axis = figure.subplots()
         _background(axis, image)
         shown = axis.imshow(
-            np.ma.masked_invalid(expected), cmap="magma_r", vmin=0, vmax=largest, alpha=0.7, extent=_EXTENT
+            np.ma.masked_invalid(expected),
+            cmap="magma_r",
+            vmin=0,
+            vmax=largest,
+            alpha=0.7,
+            extent=_EXTENT,
+            aspect="auto",
         )
         figure.colorbar(shown, ax=axis, label="row error, 95 % below [px]", fraction=0.04)
         return svg(figure, "Map over the view: row errors to expect of the candidate.")
@@ -107,10 +119,11 @@ def _background(axis: Axes, image: Grey) -> None:
     small = cv2.resize(image, size, interpolation=cv2.INTER_AREA)
     axis.imshow(small, cmap="gray", vmin=0, vmax=255, extent=_EXTENT, aspect="auto")
     axis.set_box_aspect(height / width)
-    axis.set_aspect("auto")
     axis.set_xticks([])
     axis.set_yticks([])
 
 
-def _scale(magnitudes: Float[np.ndarray, "m"]) -> float:
-    return max(_LEAST_SCALE, float(np.quantile(magnitudes, 0.95))) if magnitudes.size else _LEAST_SCALE
+def _scale(rows: Rows) -> float:
+    """Pixels at the ends of the colours, before and after: what is left after the repair must be seen."""
+    left = np.abs(rows.all_after)
+    return max(_LEAST_SCALE, float(np.quantile(left, 0.98))) if left.size else _LEAST_SCALE

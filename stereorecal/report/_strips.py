@@ -79,4 +79,3 @@ def _strip(axes: Axes, values: Sequence[float], y: float, index: int) -> None:
 
 def _short(name: str) -> str:
     return name if len(name) <= _MOST_LETTERS else name[: _MOST_LETTERS - 1] + "…"
-

@@ -13,7 +13,7 @@ from typing import Any
 from markupsafe import Markup
 
 from stereorecal.report._pictures import data_uri, disparity_picture, rows_picture
-from stereorecal.report._regions import where_not
+from stereorecal.report._regions import spoiled, where_not
 from stereorecal.report._repair_figures import expected_figure, field_figure, histogram_figure, progress_figure
 from stereorecal.report._templates import rendered
 from stereorecal.report.disparity import colour_range
@@ -25,7 +25,8 @@ _SCRIPT = Path(__file__).with_name("slider.js")
 
 def repair_page(report: RepairReport) -> str:
     """The page as HTML text, at most some hundred kilobytes for images of any size; names are escaped."""
-    sights = {"before": report.before, "after": report.after}
+    after = "after" if report.accepted else "candidate"
+    sights = {"before": report.before, after: report.after}
     shown = [(sight.disparity, sight.valid) for sight in sights.values()]
     least, largest = colour_range(shown)
     script = _SCRIPT.read_text(encoding="utf-8")
@@ -42,8 +43,8 @@ def repair_page(report: RepairReport) -> str:
         shares={name: float(sight.valid.mean()) for name, sight in sights.items()},
         least=least,
         largest=largest,
-        figures=_figures(report),
-        after_name="after" if report.accepted else "candidate",
+        figures=_figures(report, after),
+        after_name=after,
         used=sum(state == "used" for _, state, _ in report.frames),
         settings=list(_flat(report.settings)),
         calibrations={title: json.dumps(content, indent=1) for title, content in report.calibrations.items()},
@@ -54,17 +55,18 @@ def repair_page(report: RepairReport) -> str:
 
 def headline(report: RepairReport) -> str:
     """What to do, in a sentence."""
-    if report.accepted:
-        return "Use the new calibration"
-    return "Keep the calibration that you have" if report.healthy else "Do not trust either calibration yet"
+    if not report.healthy:
+        return "Do not trust either calibration yet"
+    best = "Use the new calibration" if report.accepted else "Keep the calibration that you have"
+    return f"{best}, but not everywhere" if report.misfit is not None and spoiled(report.misfit) else best
 
 
-def _figures(report: RepairReport) -> dict[str, Markup]:
+def _figures(report: RepairReport, after: str) -> dict[str, Markup]:
     """SVG elements, by what they show; those that there is something to draw for."""
     image = report.after.left
     drawn = {
-        "field": report.rows and field_figure(report.rows, image),
-        "histogram": report.rows and histogram_figure(report.rows),
+        "field": report.rows and field_figure(report.rows, image, after),
+        "histogram": report.rows and histogram_figure(report.rows, after),
         "expected": None if report.expected is None else expected_figure(report.expected, image),
         "progress": progress_figure(report.climbs, report.way),
     }

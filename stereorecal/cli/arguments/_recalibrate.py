@@ -48,5 +48,6 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
     add("--output", metavar="FILE", help="write the calibration there, as a calib.json, if it was accepted")
     add("--force", action="store_true", help="--output may replace a file")
     add("--json", metavar="FILE|-", help="write everything as JSON")
+    add("--html", metavar="FILE", help="write one HTML page with pictures, to look at and to pass on")
     add("--quiet", action="store_true", help="no progress and no report")
     parser.set_defaults(verb="recalibrate")
