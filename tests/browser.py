@@ -5,6 +5,7 @@ import json
 import os
 import shutil
 import subprocess
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -22,15 +23,15 @@ class Page:
     """One page in the browser; `complaints` are the errors and warnings of its console so far."""
 
     def __init__(self, to_browser: int, from_browser: int):
-        self._write, self._read = to_browser, os.fdopen(from_browser, "rb")
+        self._write, self._read = to_browser, from_browser
         self._number, self._rest, self._session = 0, b"", None
         self.complaints: list[str] = []
+        self.requests: list[str] = []
         self._loaded = False
         target = self.send("Target.createTarget", url="about:blank")["targetId"]
         self._session = self.send("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
         for domain in ("Page", "Runtime", "Log", "Network"):
             self.send(f"{domain}.enable")
-        self.requests: list[str] = []
 
     def send(self, method: str, **parameters: Any) -> dict[str, Any]:
         """Say something to the browser; returns its answer."""
@@ -46,7 +47,7 @@ class Page:
 
     def _next(self) -> dict[str, Any]:
         while b"\0" not in self._rest:
-            piece = self._read.read1(1 << 20)
+            piece = os.read(self._read, 1 << 20)
             assert piece, "the browser has gone"
             self._rest += piece
         one, _, self._rest = self._rest.partition(b"\0")
@@ -113,9 +114,13 @@ def chromium(folder: Path) -> Iterator[Page]:
     (to_read, write), (read, to_write) = os.pipe(), os.pipe()
     options = ["--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--no-first-run"]
     words = [path, *options, f"--user-data-dir={folder}", "--remote-debugging-pipe", "about:blank"]
-    # The browser reads from descriptor 3 and writes to 4.
+    # The browser reads from descriptor 3 and writes to 4; moved out of the way first, lest one lands on the other.
+    become = (
+        "import fcntl, os, sys; r, w = (fcntl.fcntl(int(a), fcntl.F_DUPFD, 10) for a in sys.argv[1:3]); "
+        "os.dup2(r, 3); os.dup2(w, 4); os.execv(sys.argv[3], sys.argv[3:])"
+    )
     started = subprocess.Popen(
-        ["sh", "-c", f'exec "$@" 3<&{to_read} 4>&{to_write}', "sh", *words],
+        [sys.executable, "-c", become, str(to_read), str(to_write), *words],
         pass_fds=(to_read, to_write),
         stdin=subprocess.DEVNULL,
         stdout=subprocess.DEVNULL,
@@ -124,10 +129,9 @@ def chromium(folder: Path) -> Iterator[Page]:
     os.close(to_read)
     os.close(to_write)
     try:
-        page = Page(write, read)
-        yield page
-        page._read.close()
+        yield Page(write, read)
     finally:
         os.close(write)
+        os.close(read)
         started.terminate()
         started.wait(30)

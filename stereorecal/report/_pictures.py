@@ -8,12 +8,13 @@ import numpy as np
 from jaxtyping import Bool, Float, UInt8
 
 _QUALITY = 80
+_OF_SQUARE = 0.75
 _LINES = 14  # over the height of a picture
 _LINE_COLOURS = ((255, 176, 0), (0, 220, 255))  # in turn, so that the eye does not slip from one line to the next
 _INVALID = (32, 32, 32)
 
 Grey = Float[np.ndarray, "h w"]
-Picture = UInt8[np.ndarray, "h w 3"]
+Picture = UInt8[np.ndarray, "tall wide 3"]
 
 
 def rows_picture(left: Grey, right: Grey, width: int) -> Picture:
@@ -42,7 +43,8 @@ def data_uri(picture: Picture) -> str:
 
 
 def _shrunk(image: np.ndarray, width: int) -> np.ndarray:
-    height, own = image.shape[:2]
-    if own <= width:
-        return image
-    return cv2.resize(image, (width, max(1, round(height * width / own))), interpolation=cv2.INTER_AREA)
+    """At most `width` wide, and no larger in area than three quarters of its square."""
+    tall, wide = image.shape[:2]
+    scale = min(1.0, width / wide, (_OF_SQUARE * width**2 / (wide * tall)) ** 0.5)
+    size = max(1, round(scale * wide)), max(1, round(scale * tall))
+    return image if scale == 1.0 else cv2.resize(image, size, interpolation=cv2.INTER_AREA)

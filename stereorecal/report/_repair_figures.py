@@ -14,6 +14,7 @@ from stereorecal.report.repair import Climb, Rows
 _WIDTH = 7.6  # inches, of two panels side by side
 _LEAST_SCALE = 0.5  # pixels: smaller rows look pale, as they are
 _BACKGROUND = 360  # pixels wide
+_TALLEST = 1.5  # height over width
 
 Map = Float[np.ndarray, "h w"]
 Grey = Float[np.ndarray, "height width"]
@@ -109,7 +110,12 @@ def _side_by_side(image: Grey) -> tuple[Figure, list[Axes]]:
 
 
 def _height(image: Grey) -> float:
-    return 0.44 * _WIDTH * image.shape[0] / image.shape[1]
+    return 0.44 * _WIDTH * _aspect(image)
+
+
+def _aspect(image: Grey) -> float:
+    """Height over width, of what is drawn: very tall views are squeezed, lest the page grows."""
+    return min(image.shape[0] / image.shape[1], _TALLEST)
 
 
 def _background(axis: Axes, image: Grey) -> None:
@@ -118,7 +124,7 @@ def _background(axis: Axes, image: Grey) -> None:
     size = min(_BACKGROUND, width), max(1, round(height * min(_BACKGROUND, width) / width))
     small = cv2.resize(image, size, interpolation=cv2.INTER_AREA)
     axis.imshow(small, cmap="gray", vmin=0, vmax=255, extent=_EXTENT, aspect="auto")
-    axis.set_box_aspect(height / width)
+    axis.set_box_aspect(_aspect(image))
     axis.set_xticks([])
     axis.set_yticks([])
 

@@ -42,6 +42,6 @@ def svg(figure: Figure, alternative: str) -> str:
     figure.savefig(file, format="svg", transparent=True, metadata=dict.fromkeys(("Creator", "Date", "Format", "Type")))
     text = file.getvalue()
     text = text[text.index("<svg") :]
-    text = re.sub(r' id="[a-z0-9]+(\.[a-z0-9]+)*_\d+"', "", text)  # "axes_1": not unique on a page
+    text = re.sub(r' id="[A-Za-z0-9]+(\.[a-z0-9]+)*_\d+"', "", text)  # "axes_1": not unique on a page
     text = re.sub(f"(fill|stroke): {INK}", r"\1: currentColor", text)
     return text.replace("<svg", f'<svg role="img" aria-label="{escape(alternative)}"', 1)

@@ -53,7 +53,7 @@ def test_frames_without_partner_are_named(tmp_path):
 
 def test_tolerance(tmp_path):
     path = write_bag(tmp_path / "a.bag", stamped(jitter=20_000_000), ros1=True)
-    with pytest.raises(InputError, match="no two frames lie within 0.0125 s of each other, the nearest 0.02 s"):
+    with pytest.raises(InputError, match=r"no two frames lie within 0\.0125 s of each other, the nearest 0\.02 s"):
         open_pairs(path, **TOPICS)
     assert len(open_pairs(path, **TOPICS, tolerance=0.021).pairs) == 4
 
