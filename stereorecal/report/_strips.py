@@ -1,5 +1,6 @@
 """Strip plots as SVG."""
 
+import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -10,7 +11,7 @@ from matplotlib.figure import Figure
 from stereorecal.report._svg import COLOURS, INK, MARKERS, style, svg
 
 _MOST_POINTS = 30  # of a strip; more are drawn as quartiles and range, so that a page of many trials stays small
-_MOST_LETTERS = 20  # of a name on the axis; longer ones are cut
+_LETTERS = 20  # of a line of a name on the axis; longer names go on below
 
 
 @dataclass(frozen=True)
@@ -51,7 +52,7 @@ def strips(names: Sequence[str], series: Sequence[Series], axis: str, limits: Se
             for row, values in enumerate(one.values):
                 _strip(axes, values, row + step * (index - (len(series) - 1) / 2), index)
             axes.plot([], [], MARKERS[index], color=COLOURS[index], label=one.label)
-        axes.set_yticks(range(len(names)), [_short(name) for name in names], parse_math=False)
+        axes.set_yticks(range(len(names)), [_lines(name) for name in names], parse_math=False)
         axes.set_ylim(len(names) - 0.5, -0.5)
         axes.set_xlabel(axis)
         axes.spines[["top", "right"]].set_visible(False)
@@ -77,5 +78,5 @@ def _strip(axes: Axes, values: Sequence[float], y: float, index: int) -> None:
     axes.plot([median], [y], "|", color=colour, markersize=11, markeredgewidth=2)
 
 
-def _short(name: str) -> str:
-    return name if len(name) <= _MOST_LETTERS else name[: _MOST_LETTERS - 1] + "…"
+def _lines(name: str) -> str:
+    return "\n".join(textwrap.wrap(name, _LETTERS)) or name
