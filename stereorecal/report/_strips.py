@@ -27,7 +27,9 @@ class Series:
     values: Sequence[Sequence[float]]
 
 
-def strips(names: Sequence[str], series: Sequence[Series], axis: str, limits: Sequence[float], *, log: bool) -> str:
+def strips(
+    names: Sequence[str], series: Sequence[Series], axis: str, limits: Sequence[float], *, log: bool, tall: int = 1
+) -> str:
     """A strip plot as an `<svg>` element: one strip for each name, with up to three series on it and their medians.
 
     Args:
@@ -36,9 +38,10 @@ def strips(names: Sequence[str], series: Sequence[Series], axis: str, limits: Se
         axis: label of the axis of values.
         limits: values marked by dotted lines.
         log: logarithmic axis; all values must then be positive.
+        tall: series for which there is room, as in the panels beside it.
     """
     step = 0.8 / len(series)
-    height = 0.75 + 0.26 * (len(series) > 1) + len(names) * (0.18 + 0.16 * len(series))
+    height = 1.01 + len(names) * (0.18 + 0.16 * max(tall, len(series)))
     with style((names, series, axis)):
         figure = Figure(figsize=(4.4, height), layout="constrained")
         axes = figure.subplots()
@@ -57,10 +60,7 @@ def strips(names: Sequence[str], series: Sequence[Series], axis: str, limits: Se
         axes.set_xlabel(axis)
         axes.spines[["top", "right"]].set_visible(False)
         axes.tick_params(axis="y", length=0)
-        if len(series) > 1:
-            figure.legend(
-                loc="outside upper center", ncols=len(series), frameon=False, handletextpad=0, columnspacing=1
-            )
+        figure.legend(loc="outside upper center", ncols=len(series), frameon=False, handletextpad=0, columnspacing=1)
         return svg(figure, f"{axis} by {', '.join(names)}")
 
 

@@ -96,14 +96,14 @@ def _panels(data: Mapping[str, Any], scene: str) -> list[Markup]:
         for axis in ("pitch", "yaw", "roll")
     ]
     panels = [
-        strips(names, [ratio], "r = N_o / N_GT", (limits["ratio"], limits["flagged_ratio"]), log=False),
+        strips(names, [ratio], "r = N_o / N_GT", (limits["ratio"], limits["flagged_ratio"]), log=False, tall=3),
         strips(names, errors, "rotation error [°]", (limits["pitch_roll_deg"], limits["yaw_deg"]), log=True),
     ]
     reached = [
         Series(f"{units} units", [_score_at(data, scene, name, units) for name in names]) for units in _marks(data)
     ]
     if any(value for series in reached for value in series.values):
-        panels.append(strips(names, reached, "best score (median)", (), log=False))
+        panels.append(strips(names, reached, "best score (median)", (), log=False, tall=3))
     return [Markup(panel) for panel in panels]
 
 
