@@ -46,7 +46,11 @@ def curves_figure(rows: Sequence[Row], names: Sequence[str]) -> str:
 
 
 def _draw(axis: Axes, cost: Sequence[float], values: Sequence, index: int, name: str) -> None:
-    look = {"color": _COLOURS[index % len(_COLOURS)], "linestyle": _DASHES[index % len(_DASHES)], "label": name}
+    look: dict[str, Any] = {
+        "color": _COLOURS[index % len(_COLOURS)],
+        "linestyle": _DASHES[index % len(_DASHES)],
+        "label": name,
+    }
     if isinstance(values[0], list):
         low, median, high = values
         axis.fill_between(cost, low, high, color=look["color"], alpha=0.15, linewidth=0)
