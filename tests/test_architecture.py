@@ -24,7 +24,7 @@ MAY_IMPORT = {name: set(CHAIN[index + 1 :]) for index, name in enumerate(CHAIN)}
 for above in ("cli", "comparison", "recalibration", "objectives"):
     MAY_IMPORT[above].add("strategies")
 MAY_IMPORT["testing"] = MAY_IMPORT["objectives"] | {"objectives", "synthetic"}
-MAY_IMPORT["recalibration"].add("report")  # how numbers read: a solution shows itself
+MAY_IMPORT["recalibration"] |= {"report", "io"}  # how numbers read, and a page: a solution shows itself
 MAY_IMPORT["comparison"] |= {"report", "io", "synthetic"}
 MAY_IMPORT["reproduction"] = MAY_IMPORT["comparison"]
 MAY_IMPORT["cli"] |= {"reproduction", "report", "io", "synthetic", "testing"}

@@ -1,6 +1,8 @@
 """Makes the pictures of README and docs from synthetic scenes: python docs/images/make.py"""
 
 import shutil
+import subprocess
+import tempfile
 from pathlib import Path
 
 import cv2
@@ -29,6 +31,21 @@ def repair() -> None:
         found = sr.disparity(rig, scene.pairs[0], matcher=solution.matcher, view=solution.view)
         panels.append(Panel(title, *images, found.values, found.valid))
     save(repair_figure(panels), HERE / "repair.png")
+
+
+def report() -> None:
+    """The page of a repair, as a headless Chromium shows it; needs one."""
+    scene = sr.synthetic.render("harbour", 0)
+    bad = sr.synthetic.decalibrate(scene.rig, jax.random.key(0), 1.0, 0.01)
+    with tempfile.TemporaryDirectory() as name:
+        page, picture = Path(name) / "report.html", Path(name) / "report.png"
+        sr.recalibrate(bad, scene.pairs).to_html(page, scene.pairs, name="harbour")
+        size = ["--window-size=1000,3500", "--hide-scrollbars", f"--screenshot={picture}"]
+        subprocess.run(["chromium", "--headless", "--no-sandbox", *size, page.as_uri()], check=True)
+        shown = cv2.imread(str(picture))
+    assert shown is not None
+    halves = np.concatenate([shown[:1750], shown[1750:3500]], axis=1)  # side by side: a README is wide, not long
+    cv2.imwrite(str(HERE / "report.jpg"), cv2.resize(halves, None, fx=0.6, fy=0.6, interpolation=cv2.INTER_AREA))
 
 
 def conventions() -> None:
@@ -96,6 +113,7 @@ def experiments() -> None:
 
 if __name__ == "__main__":
     repair()
+    report()
     conventions()
     misfit()
     experiments()

@@ -1,17 +1,16 @@
 """`python -m stereorecal compare`."""
 
 import argparse
-import importlib
 import sys
 from pathlib import Path
 
 from stereorecal._errors import InputError
-from stereorecal._extras import extra
 from stereorecal._names import known
 from stereorecal.cli import _values
 from stereorecal.cli._console import table_console
 from stereorecal.cli._executors import executor
 from stereorecal.cli._exit_codes import FAILURE, INTERRUPTED
+from stereorecal.cli._html import check_page
 from stereorecal.cli._json import write_json
 from stereorecal.cli._progress import progress_bar
 from stereorecal.comparison import FAILED, Comparison, Drift, compare_scenes, load_strategies
@@ -67,15 +66,7 @@ def run(options: argparse.Namespace) -> int:
 def _check_places(options: argparse.Namespace) -> None:
     """Refuse, before the work is done, what could not be written."""
     _values.output_path(options.json, "--json")
-    if options.html is None:
-        return
-    with extra("figures", "--html"):
-        importlib.import_module("stereorecal.report.page")
-    if options.html == "-":
-        raise InputError("--html - has no meaning; give a file.")
-    _values.output_path(options.html, "--html")
-    if options.json is not None and Path(options.json).resolve() == Path(options.html).resolve():
-        raise InputError("--html and --json name the same file; give two.")
+    check_page(options.html, "page", {"--json": options.json})
 
 
 def _scenes(options: argparse.Namespace) -> list[Scene]:

@@ -15,9 +15,10 @@ from stereorecal.cli import _output, _values
 from stereorecal.cli._console import table_console
 from stereorecal.cli._executors import executor
 from stereorecal.cli._exit_codes import BAD_INPUT, CANNOT_TELL, FAILURE, INTERRUPTED
+from stereorecal.cli._html import check_page, write_report
 from stereorecal.cli._json import write_json
 from stereorecal.cli._progress import progress_bar
-from stereorecal.cli._recordings import recordings
+from stereorecal.cli._recordings import recordings, without
 from stereorecal.io import load_ranges
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import Parameters, Reach, as_parameters
@@ -48,10 +49,15 @@ def run(options: argparse.Namespace) -> int:
     ranges = load_ranges(options.ranges) if options.ranges is not None else ()
     free = with_ranges(as_parameters([name.strip() for name in options.free.split(",")]), ranges)
     _output.checked(options)
+    check_page(
+        options.html, "repair_page", {"--json": options.json, "--output": options.output, "--maps": options.maps}
+    )
+    if options.html is not None and len(options.scenes) > 1:
+        raise InputError("--html shows one recording; give one, or leave --html out.")
     with executor(options.executor) as pool:
         found = recordings(options)
-        output = _output.output_of(options, found, free.names)
-        scenes, ranges = sharing(found, free, ranges, options.extrinsics, schedule)
+        output = _output.output_of(options, found.scenes, free.names)
+        scenes, ranges = sharing(found.scenes, free, ranges, options.extrinsics, schedule)
         arguments = {
             "matcher": matcher,
             "schedule": schedule,
@@ -74,6 +80,8 @@ def run(options: argparse.Namespace) -> int:
         if any(repair.solution for repair in repairs):
             settings = _settings(options, matcher, schedule, reach, budget, free)
             _save(scenes, repairs, settings, options, output, interrupted=interrupted)
+            absent = found.absent + without(found.scenes[0].pairs, scenes[0].pairs, "others show more texture")
+            write_report(options.html, scenes, repairs, {"seed": seed}, absent)
             _show(repairs, options, output)
     for repair in repairs:
         if repair.error is not None:

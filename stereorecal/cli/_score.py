@@ -27,7 +27,7 @@ def run(options: argparse.Namespace) -> int:
     """Check, save, print; returns the exit code."""
     matcher = as_matcher(options.matcher)
     _values.output_path(options.json, "--json")
-    scenes = recordings(options)
+    scenes = recordings(options).scenes
     looked: list[Health | InputError] = []
     interrupted = False
     try:

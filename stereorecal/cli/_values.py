@@ -1,5 +1,6 @@
 """Values of options, parsed with sentences that say what is wrong."""
 
+import argparse
 import os
 from pathlib import Path
 
@@ -52,6 +53,29 @@ def output_path(text: str | None, option: str) -> None:
     path = Path(text)
     if path.is_dir() or not path.parent.is_dir() or not os.access(path.parent, os.W_OK):
         raise InputError(f"{option} {text}: cannot be written there; give a file in an existing folder.")
+
+
+def every_frame(options: argparse.Namespace) -> bool:
+    """Whether nothing but --frames selects pairs."""
+    return (options.first, options.stop, options.every, options.limit) == (0, None, 1, None)
+
+
+def stretch(options: argparse.Namespace) -> slice:
+    """The pairs that --from, --to and --every select."""
+    if options.every < 1:
+        raise InputError(f"--every is {options.every}; give 1 for every pair, 2 for every second.")
+    if options.first < 0 or (options.stop is not None and options.stop <= options.first):
+        raise InputError("--from and --to are numbers of pairs, from 0 on; --to must be the larger one.")
+    return slice(options.first, options.stop, options.every)
+
+
+def limit(text: str | None, default: int | None) -> int | None:
+    """A positive number, "all" for None, or the default."""
+    if text is None or text == "all":
+        return default if text is None else None
+    if not text.isdecimal() or int(text) < 1:
+        raise InputError(f"--limit is {text!r}; give a positive number or all.")
+    return int(text)
 
 
 def frame_limit(text: str) -> int | None:

@@ -13,6 +13,7 @@ from stereorecal._run_all import Progress, run_all
 from stereorecal._versions import versions
 from stereorecal.comparison._comparison import Comparison
 from stereorecal.comparison._entrants import entrants_of
+from stereorecal.comparison._pictures import Shown
 from stereorecal.comparison._trial import Task, Trial, failed, run_trial
 from stereorecal.geometry import StereoRig
 from stereorecal.matching import AbstractMatcher, as_matcher
@@ -186,7 +187,8 @@ def compare_scenes(
     }
     described = tuple(_describe(*plan) for plan in planned)
     finished = tuple(trials[index] for index in sorted(trials))
-    return Comparison(settings, made_with, described, finished, interrupted=interrupted)
+    shown = {scene.name: Shown(_rig_of(scene), scene.pairs[0], own) for scene, own, _ in planned}
+    return Comparison(settings, made_with, described, finished, interrupted=interrupted, shown=shown)
 
 
 def _rig_of(scene: Scene) -> StereoRig:

@@ -1,12 +1,15 @@
 """The result of a comparison and its JSON form (`stereorecal.compare/1`)."""
 
 import os
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
 from stereorecal._extras import extra
 from stereorecal._plain import plain
+from stereorecal.comparison._pictures import Shown, pictures_of
+from stereorecal.comparison._profiles import Curve, curves
 from stereorecal.comparison._summary import Summary, Thresholds, summarise
 from stereorecal.comparison._trial import Trial
 from stereorecal.io import write_json, write_text
@@ -24,6 +27,7 @@ class Comparison:
         scenes: name, size, frames, reference and disparity range of each scene.
         trials: the finished ones, in the order in which they were asked for.
         interrupted: True if some trials are missing.
+        shown: what `to_html` makes pictures with, by scene.
     """
 
     settings: dict[str, Any]
@@ -32,11 +36,17 @@ class Comparison:
     trials: tuple[Trial, ...]
     thresholds: Thresholds = field(default_factory=Thresholds)
     interrupted: bool = False
+    shown: Mapping[str, Shown] = field(default_factory=dict, repr=False, compare=False)
 
     @property
     def summary(self) -> tuple[Summary, ...]:
         """Medians and success rates by scene, strategy, matcher and schedule."""
         return summarise(self.trials, self.thresholds)
+
+    def data_profile(self) -> tuple[Curve, ...]:
+        """For each scene, strategy and schedule, over units spent: the share of the trials that are solved (a data
+        profile, Moré & Wild 2009), and quartiles of the rotation error and of the best score."""
+        return curves(self.trials, self.thresholds)
 
     def as_dict(self) -> dict[str, Any]:
         """The content of the JSON file; a missing or non-finite number is None."""
@@ -64,4 +74,5 @@ class Comparison:
         """
         with extra("figures", "an HTML page"):
             from stereorecal.report.page import comparison_page
-        write_text(Path(path), comparison_page(self.as_dict()))
+        profile = [plain(asdict(curve)) for curve in self.data_profile()]
+        write_text(Path(path), comparison_page(self.as_dict(), profile, pictures_of(self.trials, self.shown)))

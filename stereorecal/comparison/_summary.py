@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stereorecal.comparison._trial import FAILED, SCORE_AT, SKIPPED, Trial
+from stereorecal.strategies import Status
 
 
 @dataclass(frozen=True)
@@ -38,6 +39,7 @@ class Summary:
     failed: int
     skipped: int
     flagged: int
+    out_of_budget: int
     success_rate: float | None
     score_initial_median: float | None
     score_final_median: float | None
@@ -88,6 +90,7 @@ def _summary(
         failed=sum(t.status == FAILED for t in trials),
         skipped=len(trials) - len(wanted),
         flagged=sum(r > thresholds.flagged_ratio for r in ratios),
+        out_of_budget=sum(t.status == Status.BUDGET.name for t in trials),
         success_rate=float(np.mean([succeeded(t, thresholds) for t in wanted])) if wanted else None,
         score_initial_median=_median([t.score_initial for t in finished]),
         score_final_median=_median([t.score_final for t in finished]),

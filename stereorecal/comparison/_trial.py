@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stereorecal._errors import NeedNotMet
+from stereorecal.comparison._course import course_of
 from stereorecal.geometry import StereoRig, View, axis_errors
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import Parameters, Reach, count_objective, reach_chart, rig_count_objective
@@ -63,6 +64,9 @@ class Trial:
         cost_total: units of the whole repair, with the survey, the choice of a start and the judging.
         score_at: best value of the stage's own score after 100, 300 and 1000 units; None where a schedule has several
             stages, whose scores do not compare.
+        course: how it went, after each step: "cost" [units], "rotation_error_deg" (angle to the reference),
+            "axes_deg" (its pitch, yaw and roll) and "score" (the best so far; None where scores do not compare).
+        extrinsics: "start" and "final": pitch, yaw, roll [rad], x, y, z [m].
     """
 
     scene: str
@@ -87,6 +91,8 @@ class Trial:
     cost_total: float | None = None
     seconds: float | None = None
     score_at: dict[str, float | None] | None = None
+    course: dict[str, list] | None = None
+    extrinsics: dict[str, list[float]] | None = None
 
 
 def run_trial(task: Task) -> Trial:
@@ -132,6 +138,11 @@ def _finished(task: Task, solution: Solution) -> Trial:
         cost_total=solution.cost.total,
         seconds=solution.seconds,
         score_at=_scores_at(task, solution) if len(task.schedule.stages) == 1 else None,
+        course=course_of(task.reference[0], solution, one_score=len(task.schedule.stages) == 1),
+        extrinsics={
+            "start": list(map(float, task.start.extrinsics)),
+            "final": list(map(float, solution.rig.extrinsics)),
+        },
     )
 
 

@@ -22,7 +22,7 @@ from stereorecal.io._json import (
 )
 from stereorecal.io._maps import save_maps as save_maps
 from stereorecal.io._ranges import load_ranges as load_ranges
-from stereorecal.io._scenes import gather_scene as gather_scene
+from stereorecal.io._scenes import calibrated_scene as calibrated_scene, gather_scene as gather_scene
 from stereorecal.io.formats._rigs import (
     back_up as back_up,
     calibration_files as calibration_files,
@@ -31,6 +31,7 @@ from stereorecal.io.formats._rigs import (
     save_rig as save_rig,
 )
 from stereorecal.io.images._pairs import load_pair as load_pair, load_pairs as load_pairs
+from stereorecal.io.images._recorded import Recorded as Recorded, open_pairs as open_pairs
 from stereorecal.io.layouts._plain_log import (
     has_mission as has_mission,
     save_calibrations as save_calibrations,

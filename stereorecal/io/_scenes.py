@@ -1,6 +1,6 @@
 """A scene from its parts: image pairs and a calibration that fits them."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from stereorecal._errors import InputError
@@ -36,13 +36,29 @@ def gather_scene(
     Warns:
         CalibrationWarning: as `load_rig`.
     """
+    return calibrated_scene(str(left), lambda: load_pairs(left, right, limit), calibration, format=format, unit=unit)
+
+
+def calibrated_scene(
+    name: str,
+    pairs: Callable[[], Sequence[Pair]],
+    calibration: AnyPath | tuple[AnyPath, AnyPath],
+    *,
+    format: str | None = None,
+    unit: str | None = None,
+) -> Scene:
+    """The scene of pairs, which are read once it is sure that there is a file of a calibration; else as
+    `gather_scene`."""
     paths = tuple(map(Path, calibration)) if isinstance(calibration, tuple) else (Path(calibration),)
-    pairs = load_pairs(left, right, limit)
-    found = load_calibration(paths, format, unit, Hints(size=pairs[0].size))
-    name = " and ".join(map(str, paths))
-    with about(name):
-        scene = scene_of(str(left), found, pairs)
-    warn_of_units(name, scene.rig)
+    for path in paths:
+        if not path.exists():
+            raise InputError(f"{path}: there is no such file; check the path.")
+    read = pairs()
+    found = load_calibration(paths, format, unit, Hints(size=read[0].size if read else None))
+    where = " and ".join(map(str, paths))
+    with about(where):
+        scene = scene_of(name, found, read)
+    warn_of_units(where, scene.rig)
     return scene
 
 

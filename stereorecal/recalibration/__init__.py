@@ -3,6 +3,7 @@
 from stereorecal.recalibration._acceptance import Reason as Reason, RowErrors as RowErrors
 from stereorecal.recalibration._cost import Cost as Cost
 from stereorecal.recalibration._difference import Difference as Difference, difference as difference
+from stereorecal.recalibration._frames import MOST_FRAMES as MOST_FRAMES, chosen_frames as chosen_frames
 from stereorecal.recalibration._health import (
     HEALTH_LIMITS as HEALTH_LIMITS,
     Condition as Condition,

@@ -1,13 +1,18 @@
 """The answer of `recalibrate`."""
 
-from collections.abc import Mapping
+import os
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
+from stereorecal._extras import extra
 from stereorecal.geometry import AXES, StereoRig, View
+from stereorecal.io import write_text
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import BASELINE, Parameters, Reach
 from stereorecal.recalibration._acceptance import Reason, RowErrors
@@ -19,8 +24,10 @@ from stereorecal.recalibration._intrinsics import Intrinsics
 from stereorecal.recalibration._misfit import Cause, Misfit
 from stereorecal.recalibration._path import Waypoint, path_of
 from stereorecal.recalibration._ranges import NONE, Beams
+from stereorecal.recalibration._report import report_of
 from stereorecal.recalibration._stages import StageRun
 from stereorecal.recalibration._uncertainty import Uncertainty
+from stereorecal.recordings import Pairs, as_pairs
 from stereorecal.report.cells import depths
 from stereorecal.scoring import Correspondences
 from stereorecal.scoring.host import Score
@@ -140,6 +147,32 @@ class Solution:
         """The depth error of the initial calibration in percent, if the candidate is right, at 5, 10, 30 and 100
         baselines; infinite where a point seems to lie beyond infinity."""
         return self.difference.depth_error_percent
+
+    def to_html(
+        self,
+        path: str | os.PathLike[str],
+        pairs: Pairs,
+        *,
+        name: str = "",
+        settings: Mapping[str, Any] | None = None,
+        absent: Sequence[tuple[str, str]] = (),
+    ) -> None:
+        """Write one HTML page that needs nothing else, whole or not at all: the verdict, pictures of one pair before
+        and after, where rows fit and where not, and what is needed to run it again.
+
+        Args:
+            pairs: those that were repaired, in their order.
+            name: of the recording.
+            settings: what else is needed to run it again, such as the command; plain data.
+            absent: names of frames that did not come to the repair, each with a reason.
+
+        Raises:
+            InputError: if jinja2 or matplotlib is not installed, the pairs are not those of the solution, or the place
+                cannot be written to.
+        """
+        with extra("figures", "an HTML page"):
+            from stereorecal.report.repair_page import repair_page
+        write_text(Path(path), repair_page(report_of(self, as_pairs(pairs), name, settings or {}, absent)))
 
     def __str__(self) -> str:
         verdict = "accepted" if self.accepted else "not accepted, the initial calibration stays"

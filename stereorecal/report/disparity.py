@@ -21,6 +21,15 @@ def largest_disparity(shown: Iterable[tuple[Values, Valid]]) -> float:
     return float(np.quantile(fullest[valid], 0.99)) if valid.any() else 1.0
 
 
+def colour_range(shown: Iterable[tuple[Values, Valid]]) -> tuple[float, float]:
+    """Both ends of a colour scale: the 1st and the 99th percentile of the map with the most valid pixels."""
+    fullest, valid = max(shown, key=lambda one: int(one[1].sum()))
+    if not valid.any():
+        return 0.0, 1.0
+    least, largest = np.quantile(fullest[valid], (0.01, 0.99)).tolist()
+    return least, max(largest, least + 1.0)
+
+
 def draw_disparity(axis: Axes, values: Values, valid: Valid, largest: float) -> AxesImage:
     """Draw a disparity map with colours from 0 to `largest`; returns the image, from which to make a colour bar."""
     axis.set_facecolor(_INVALID)

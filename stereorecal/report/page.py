@@ -3,37 +3,41 @@
 Needs jinja2 and matplotlib: pip install 'stereorecal[figures]'.
 """
 
-from collections.abc import Iterator, Mapping
-from pathlib import Path
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
+from stereorecal.report._curves import curves_figure
 from stereorecal.report._entrants import strategies_of, title_of
+from stereorecal.report._pictures import data_uri, disparity_picture
 from stereorecal.report._strips import Series, strips
-from stereorecal.report.cells import count, number, percent
+from stereorecal.report._templates import rendered
+from stereorecal.report.comparison import TrialPicture
+from stereorecal.report.disparity import colour_range
 from stereorecal.report.tables import REFERENCES, schedules_legend
 
-_TEMPLATE = "comparison.html.jinja"
+_WIDE = 420  # pixels, of a disparity map
 _LEAST_ERROR = 1e-4  # degrees; smaller errors are drawn here, since a logarithmic axis has no zero
 
 Row = Mapping[str, Any]
 
 
-def comparison_page(data: Mapping[str, Any]) -> str:
-    """The page as HTML text, from the plain data of a comparison's JSON; names and messages are escaped."""
-    environment = Environment(
-        loader=FileSystemLoader(Path(__file__).parent),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters |= {"number": number, "count": count, "percent": percent}
-    return environment.get_template(_TEMPLATE).render(
+def comparison_page(data: Mapping[str, Any], profile: Sequence[Row] = (), pictures: Sequence[TrialPicture] = ()) -> str:
+    """The page as HTML text; names and messages are escaped.
+
+    Args:
+        data: of a comparison's JSON.
+        profile: the curves of `Comparison.data_profile`, as plain data.
+        pictures: of some trials.
+    """
+    data = {**data, "summary": sorted(data["summary"], key=lambda row: _rank(row, data))}
+    return rendered(
+        "comparison.html.jinja",
         data=data,
         figures={scene: panels for scene in _names(data, "scene") if (panels := _panels(data, scene))},
+        curves=_curves(data, profile),
+        pictures=_pictures(pictures),
         marks=_marks(data),
         best=_best(data),
         troubles=_troubles(data),
@@ -43,6 +47,35 @@ def comparison_page(data: Mapping[str, Any]) -> str:
         planned=len(data["scenes"]) * data["settings"]["draws"] * len(data["settings"]["entrants"]),
         strategies_of=strategies_of,
     )
+
+
+def _rank(row: Row, data: Mapping[str, Any]) -> tuple[int, float, float]:
+    """Scenes as they were given; in each the entrant with the most successes first, then the one with the best r."""
+    scenes = [scene["name"] for scene in data["scenes"]]
+    return scenes.index(row["scene"]), -(row["success_rate"] or 0.0), -(row["ratio_median"] or 0.0)
+
+
+def _curves(data: Mapping[str, Any], profile: Sequence[Row]) -> dict[str, Markup]:
+    """The curves of each scene."""
+    found = {}
+    for scene in dict.fromkeys(row["scene"] for row in profile):
+        rows = [row for row in profile if row["scene"] == scene]
+        found[scene] = Markup(curves_figure(rows, [title_of(row, data) for row in rows]))
+    return found
+
+
+def _pictures(pictures: Sequence[TrialPicture]) -> list[dict[str, Any]]:
+    """Scene, title, and pictures with what they show, of each trial; one scale for each scene."""
+    found = []
+    for one in pictures:
+        shown = [maps for other in pictures if other.scene == one.scene for maps in (other.before, other.after)]
+        least, largest = colour_range(shown)
+        sides = {
+            when: (data_uri(disparity_picture(*maps, least, largest, _WIDE)), float(maps[1].mean()))
+            for when, maps in (("before", one.before), ("after", one.after))
+        }
+        found.append({"scene": one.scene, "title": one.title, "sides": sides})
+    return found
 
 
 def _names(data: Mapping[str, Any], kind: str) -> list[str]:
@@ -63,14 +96,14 @@ def _panels(data: Mapping[str, Any], scene: str) -> list[Markup]:
         for axis in ("pitch", "yaw", "roll")
     ]
     panels = [
-        strips(names, [ratio], "r = N_o / N_GT", (limits["ratio"], limits["flagged_ratio"]), log=False),
+        strips(names, [ratio], "r = N_o / N_GT", (limits["ratio"], limits["flagged_ratio"]), log=False, tall=3),
         strips(names, errors, "rotation error [°]", (limits["pitch_roll_deg"], limits["yaw_deg"]), log=True),
     ]
     reached = [
         Series(f"{units} units", [_score_at(data, scene, name, units) for name in names]) for units in _marks(data)
     ]
     if any(value for series in reached for value in series.values):
-        panels.append(strips(names, reached, "best score (median)", (), log=False))
+        panels.append(strips(names, reached, "best score (median)", (), log=False, tall=3))
     return [Markup(panel) for panel in panels]
 
 

@@ -19,7 +19,7 @@ def informative(pairs: Sequence[Pair], most: int) -> tuple[Pair, ...]:
         return tuple(pairs)
     bounds = np.linspace(0, len(pairs), most + 1).round().astype(int)
     stretches = [pairs[first:end] for first, end in pairwise(bounds)]
-    return tuple(stretch[int(np.argmax([_texture(pair) for pair in stretch]))] for stretch in stretches)
+    return tuple(max(stretch, key=_texture) for stretch in stretches)  # one after the other: they may lie in a video
 
 
 def _texture(pair: Pair) -> float:

@@ -68,7 +68,7 @@ def test_places_that_are_refused(command, no_work, clean_scene: Path, tmp_path: 
 @pytest.mark.parametrize("missing", ["jinja2", "matplotlib"])
 def test_without_the_extra(command, no_work, clean_scene: Path, tmp_path: Path, monkeypatch, missing: str):
     monkeypatch.setitem(sys.modules, missing, None)
-    for name in ("page", "_strips"):
+    for name in ("page", "_strips", "_svg", "_templates", "_curves", "_pictures", "disparity"):
         monkeypatch.delitem(sys.modules, f"stereorecal.report.{name}", raising=False)
     answer = command("compare", "--scene", clean_scene, *SMALL, "--html", tmp_path / "out.html")
     assert (answer.code, answer.out) == (2, "")

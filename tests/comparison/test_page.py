@@ -4,9 +4,11 @@ import re
 from dataclasses import dataclass, replace
 from html.parser import HTMLParser
 
+import numpy as np
 import pytest
 
 from stereorecal.comparison import Comparison, compare_scenes
+from stereorecal.comparison._profiles import solved_at
 from stereorecal.matching import SAD
 from stereorecal.report.page import comparison_page
 from stereorecal.strategies import AbstractStrategy, Budget, strategy
@@ -193,5 +195,42 @@ def test_to_html_writes_the_page(table: Comparison, page: str, tmp_path):
     target = tmp_path / "out.html"
     target.write_text("old")
     table.to_html(target)
-    assert target.read_text(encoding="utf-8") == page
+    written = target.read_text(encoding="utf-8")
     assert list(tmp_path.iterdir()) == [target]
+    read = Reader(written)
+    assert read.opened == []
+    assert {"Over the units spent", "What trials look like"} <= {text.strip() for text in read.texts["h2"]}
+    assert read.names.count("svg") == Reader(page).names.count("svg") + 1
+    pictures = [value for name, value in read.attributes if name == "src"]
+    assert len(pictures) == 2 * 3
+    assert all(value and value.startswith("data:image/jpeg;") for value in pictures)
+    assert sum(name == "alt" and bool(value) for name, value in read.attributes) == len(pictures)
+    assert EVIL not in written
+
+
+def test_data_profiles(table: Comparison):
+    """The share of solved trials rises with the cost; a strategy that crashed has no curve."""
+    profile = table.data_profile()
+    assert [curve.strategy for curve in profile] == ["compass", EVIL]
+    for curve in profile:
+        assert np.all(np.diff(curve.share) >= 0.0)
+        assert curve.cost[0] == 0.0
+        assert np.all(np.diff(curve.rotation_error_deg, axis=0) >= 0.0)  # quartiles in order
+        assert curve.score is not None
+        assert np.all(np.diff(curve.score[1]) >= 0.0)
+
+
+def test_when_a_trial_is_solved(table: Comparison):
+    trial, limits = table.trials[0], table.thresholds
+    far, near = [1.0, 0.0, 0.0], [0.01, 0.1, 0.01]
+    course = {"cost": [0.0, 1.0, 2.0, 3.0], "axes_deg": [far, near, far, near]}
+    assert solved_at(replace(trial, course=course, accepted=True), limits) == 3.0
+    assert solved_at(replace(trial, course=course, accepted=False), limits) == np.inf
+    course = {"cost": [0.0, 1.0], "axes_deg": [near, near]}
+    assert solved_at(replace(trial, course=course, accepted=False), limits) == 0.0
+    assert solved_at(replace(trial, course=None), limits) == np.inf
+
+
+def test_trials_that_the_budget_ended(table: Comparison):
+    cut = replace(table, trials=tuple(replace(t, status="BUDGET") if t.ratio else t for t in table.trials))
+    assert "<small>2 out of budget</small>" in comparison_page(cut.as_dict())

@@ -58,5 +58,6 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
     add("--dry-run", action="store_true", help="write no calibration and no maps, say what would be written")
     add("--force", action="store_true", help="--output and --maps may replace a file that is no input")
     add("--json", metavar="FILE|-", help="write everything as JSON")
+    add("--html", metavar="FILE", help="write one HTML page with pictures, to look at and to pass on")
     add("--quiet", action="store_true", help="no progress and no report")
     parser.set_defaults(verb="recalibrate")

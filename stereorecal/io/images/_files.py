@@ -59,7 +59,7 @@ def read_image(path: str) -> Num[np.ndarray, "..."]:
         raise InputError(f"{path}: the file is empty; copy or record it again.")
     if not _ends_properly(data):
         raise InputError(f"{path}: the image is truncated or damaged; copy or record it again.")
-    with _quiet_opencv():
+    with quiet_opencv():
         try:
             image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
         except cv2.error:
@@ -102,7 +102,8 @@ def _png_is_whole(data: bytes) -> bool:
 
 
 @contextmanager
-def _quiet_opencv() -> Iterator[None]:
+def quiet_opencv() -> Iterator[None]:
+    """Around calls of OpenCV that would complain on stderr themselves."""
     logging = cv2.utils.logging
     level = logging.getLogLevel()
     logging.setLogLevel(logging.LOG_LEVEL_SILENT)

@@ -46,7 +46,7 @@ def load_pairs(left: AnyPath, right: AnyPath, limit: int | None = None) -> tuple
     Raises:
         InputError: if nothing matches, an image has no partner, or a file is bad (see `load_pair`).
     """
-    return load_matched(match_files(_find(left), _find(right)), limit)
+    return load_matched(match_files(find_images(left), find_images(right)), limit)
 
 
 def load_matched(matched: Matched, limit: int | None) -> tuple[Pair, ...]:
@@ -60,7 +60,12 @@ def load_matched(matched: Matched, limit: int | None) -> tuple[Pair, ...]:
     return tuple(load_pair(*paths) for paths in matched[:limit])
 
 
-def _find(where: AnyPath) -> list[Path]:
+def find_images(where: AnyPath) -> list[Path]:
+    """The image files of a glob pattern, a folder or a file, in natural order.
+
+    Raises:
+        InputError: if there is none.
+    """
     path = Path(where)
     if path.is_file():
         return [path]

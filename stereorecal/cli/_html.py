@@ -1,0 +1,57 @@
+"""Pages: what is refused before the work is done, and the page of a repair."""
+
+import importlib
+import shlex
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from stereorecal._errors import InputError
+from stereorecal._extras import extra
+from stereorecal.cli import _values
+from stereorecal.recalibration import Repair
+from stereorecal.recordings import Scene
+
+
+def check_page(html: str | None, module: str, others: Mapping[str, str | None]) -> None:
+    """Refuse, before the work is done, a page that could not be made or written.
+
+    Args:
+        html: the value of --html.
+        module: of `stereorecal.report`, that makes the page.
+        others: places of other output, by option.
+
+    Raises:
+        InputError: says what to do.
+    """
+    if html is None:
+        return
+    with extra("figures", "--html"):
+        importlib.import_module(f"stereorecal.report.{module}")
+    if html == "-":
+        raise InputError("--html - has no meaning; give a file.")
+    _values.output_path(html, "--html")
+    for option, place in others.items():
+        if place is not None and Path(place).resolve() == Path(html).resolve():
+            raise InputError(f"--html and {option} name the same file; give two.")
+
+
+def write_report(
+    html: str | None,
+    scenes: Sequence[Scene],
+    repairs: Sequence[Repair],
+    settings: Mapping[str, Any],
+    absent: Sequence[tuple[str, str]],
+) -> None:
+    """The page of the only recording, if one is wanted and there is an answer.
+
+    Args:
+        absent: frames that did not come to the repair, and why.
+    """
+    solution = repairs[0].solution
+    if html is None or solution is None:
+        return
+    command = shlex.join(["python", "-m", "stereorecal", *sys.argv[1:]])
+    pairs, name = scenes[0].pairs, scenes[0].name
+    solution.to_html(html, pairs, name=name, settings={"command": command, **settings}, absent=absent)

@@ -1,0 +1,170 @@
+"""Image pairs from where people have them, read when they are asked for: files, halves of images, videos, bags."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+from typing import overload
+
+import numpy as np
+
+from stereorecal._errors import InputError
+from stereorecal.io._paths import AnyPath
+from stereorecal.io.images._bags import bag_sources, is_bag
+from stereorecal.io.images._by_time import pairs_by_time
+from stereorecal.io.images._files import read_image
+from stereorecal.io.images._match import match_files
+from stereorecal.io.images._pairs import find_images, load_pair
+from stereorecal.io.images._source import Source, halves
+from stereorecal.io.images._videos import is_video, video_source
+from stereorecal.recordings import Pair, make_pair
+
+
+class LazyPairs(Sequence):  # of Pair; said so, a checker of types would read one to look at it
+    """Pairs that are read each time they are asked for; a slice is as lazy."""
+
+    def __init__(self, reads: Sequence[Callable[[], Pair]]):
+        self._reads = reads
+
+    def __len__(self) -> int:
+        return len(self._reads)
+
+    @overload
+    def __getitem__(self, index: int) -> Pair: ...
+    @overload
+    def __getitem__(self, index: slice) -> "LazyPairs": ...
+    def __getitem__(self, index: int | slice) -> "Pair | LazyPairs":
+        return LazyPairs(self._reads[index]) if isinstance(index, slice) else self._reads[index]()
+
+
+@dataclass(frozen=True, eq=False)
+class Recorded:
+    """What `open_pairs` found.
+
+    Attributes:
+        pairs: all of them, read when asked for: take a slice, or hand them to a function that looks at one after the
+            other; `tuple(recorded.pairs)` reads all.
+        unpaired: names of frames that have no partner.
+        stream: whether they are frames of a video or a bag, which are many and show the same again and again.
+    """
+
+    pairs: LazyPairs
+    unpaired: tuple[str, ...]
+    stream: bool
+
+
+@dataclass(frozen=True)
+class _Places:
+    """The arguments of `open_pairs`: with them a worker finds a pair again."""
+
+    left: str
+    right: str | None
+    topics: tuple[str, str] | None
+    tolerance: float | None
+
+
+def open_pairs(
+    left: AnyPath,
+    right: AnyPath | None = None,
+    *,
+    left_topic: str | None = None,
+    right_topic: str | None = None,
+    tolerance: float | None = None,
+) -> Recorded:
+    """The pairs of a recording, without reading them yet.
+
+    Args:
+        left: left images (a file, a folder or a pattern) or a video; without `right` side-by-side images or a video
+            of them; with topics a ROS bag: a file of ROS 1 or a folder of ROS 2.
+        right: the right images or the right video.
+        left_topic, right_topic: of the bag: images, raw or compressed.
+        tolerance: seconds that two frames of a pair may lie apart; default a quarter of the time between left frames.
+            Files are matched by their names (as `load_pairs` does); with a tolerance by the times that are their
+            names, in seconds, or in nanoseconds if they have 16 digits and more.
+
+    Raises:
+        InputError: if nothing is found, a file or video cannot be read, or no frame has a partner.
+    """
+    topics = None
+    if left_topic is not None or right_topic is not None:
+        if left_topic is None or right_topic is None or right is not None:
+            raise InputError("a bag takes both a left and a right topic, and no right images.")
+        topics = (left_topic, right_topic)
+    absolute = [None if place is None else str(Path(place).absolute()) for place in (left, right)]
+    assert absolute[0] is not None
+    return _opened(_Places(absolute[0], absolute[1], topics, tolerance))
+
+
+def _opened(places: _Places) -> Recorded:
+    left, right, topics, tolerance = Path(places.left), places.right, places.topics, places.tolerance
+    if topics is not None:
+        sources, stream = bag_sources(left, topics), True
+    elif is_bag(left):
+        raise InputError(f"{left}: this is a bag; say which topics are the left and the right images.")
+    elif right is None:
+        sources, stream = halves(_source(left)), is_video(left)
+        return _recorded(places, *sources, [(i, i) for i in range(len(sources[0].names))], stream)
+    elif is_video(left) != is_video(Path(right)):
+        raise InputError(f"{left} and {right}: one is a video and the other is not; give two of a kind.")
+    elif is_video(left) or tolerance is not None:
+        sources, stream = (_source(left, timed=True), _source(Path(right), timed=True)), is_video(left)
+    else:
+        matched = match_files(find_images(left), find_images(right))
+        return Recorded(LazyPairs([_reader(load_pair, str(one), str(other)) for one, other in matched]), (), False)
+    return _recorded(places, *sources, pairs_by_time(*sources, tolerance), stream)
+
+
+def _recorded(places: _Places, left: Source, right: Source, found: list[tuple[int, int]], stream: bool) -> Recorded:
+    with_partner = [{pair[side] for pair in found} for side in (0, 1)]
+    alone = [
+        name
+        for source, paired in zip((left, right), with_partner, strict=True)
+        for index, name in enumerate(source.names)
+        if index not in paired
+    ]
+
+    def read(number: int) -> Pair:
+        first, second = found[number]
+        name = left.names[first]
+        about = name if left.names is right.names else f"{name} and {right.names[second]}"
+        pair = make_pair(
+            left.read(first), right.read(second), channels="bgr", name=about, origin=(_again, (places, number))
+        )
+        return replace(pair, name=name)
+
+    return Recorded(LazyPairs([_reader(read, number) for number in range(len(found))]), tuple(alone), stream)
+
+
+def _again(places: _Places, number: int) -> Pair:
+    """A pair in another process."""
+    return _opened_once(places).pairs[number]
+
+
+@lru_cache(maxsize=2)  # a worker that is handed pair after pair opens their video once
+def _opened_once(places: _Places) -> Recorded:
+    return _opened(places)
+
+
+def _reader(read: Callable[..., Pair], *about: object) -> Callable[[], Pair]:
+    return lambda: read(*about)
+
+
+def _source(path: Path, timed: bool = False) -> Source:
+    if is_video(path):
+        return video_source(path)
+    files = find_images(path)
+    times = None
+    if timed:
+        times = np.array([_time(file) for file in files])
+        order = np.argsort(times, kind="stable")
+        files, times = [files[index] for index in order], times[order]
+    return Source(str(path), tuple(file.name for file in files), times, lambda index: read_image(str(files[index])))
+
+
+def _time(file: Path) -> float:
+    """Seconds, from a name such as 12.345.png or 1403715273262142976.png."""
+    try:
+        value = float(file.stem)
+    except ValueError:
+        raise InputError(f"{file}: the name is not a time; leave out the tolerance to pair by names.") from None
+    return value / 1e9 if len(file.stem.partition(".")[0]) >= 16 else value

@@ -1,0 +1,47 @@
+"""The frames of one camera, wherever they come from, read one by one when they are asked for."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal._errors import InputError
+
+Image = Any  # an array as OpenCV has it: (h, w), or (h, w, 3 or 4) in BGR order
+
+
+@dataclass(frozen=True, eq=False)
+class Source:
+    """Frames by number.
+
+    Attributes:
+        where: what error messages are about.
+        names: of the frames.
+        times: (n,) seconds, ascending; None if they are not known.
+        read: makes the image of a number; raises InputError if it is damaged.
+    """
+
+    where: str
+    names: tuple[str, ...]
+    times: Float[np.ndarray, "n"] | None
+    read: Callable[[int], Image]
+
+
+def halves(source: Source) -> tuple[Source, Source]:
+    """The left and the right half of frames that show both images side by side."""
+    return replace(source, read=lambda index: _half(source, index, 0)), replace(
+        source, read=lambda index: _half(source, index, 1)
+    )
+
+
+def _half(source: Source, index: int, side: int) -> Image:
+    image = source.read(index)
+    width = image.shape[1]
+    if width % 2:
+        raise InputError(
+            f"{source.names[index]}: the image is {width} pixels wide, which cannot be halved; left and right image "
+            "must have the same size."
+        )
+    return image[:, side * width // 2 : (side + 1) * width // 2]

@@ -1,0 +1,85 @@
+"""The rows of a repair's last matches, as a report shows them: over the view, before and after, and along the way."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from stereorecal.geometry import StereoRig, View, rectifying_rotations, with_unit_baseline
+from stereorecal.objectives import read_by
+from stereorecal.recalibration._path import Waypoint
+from stereorecal.recalibration._schedule import ScoreKind
+from stereorecal.recalibration._stages import StageRun
+from stereorecal.report.repair import Climb, Rows
+from stereorecal.scoring import Correspondences, median_row_error, row_differences
+
+_CELLS = (24, 18)  # columns and rows of the field over the view
+_FEWEST = 3  # matches in a cell
+_ENOUGH = 0.5  # of the matches of the frame that has most: below that a frame is not the one to show
+
+
+def seen_rows(found: Correspondences, initial: StereoRig, candidate: StereoRig, view: View) -> tuple[Rows, int]:
+    """Row differences in pixels at full size, and the number of the frame that is shown: the one whose rows lie
+    farthest apart under the candidate, of those that match well."""
+    here = np.asarray(found.weight) > 0
+    before, after = (_differences(found, candidate, rig) for rig in (initial, candidate))
+    frame = _worst(after, here)
+    cells = _cells(found, candidate, view, here, frame)
+    first, second = (_medians(cells, rows[frame][here[frame]]) for rows in (before, after))
+    return Rows(first, second, before[here], after[here]), frame
+
+
+def climbs_of(stages: Sequence[StageRun]) -> tuple[Climb, ...]:
+    """The best count after so many units, of the stages that maximise it."""
+    found = []
+    for stage in stages:
+        for run in stage.runs if stage.stage.score is ScoreKind.COUNT else ():
+            here = np.isfinite(run.trace.values)
+            cost, values = run.trace.cost[here], run.trace.values[here]
+            label = f"best count at scale {stage.scale:.2g}"
+            found.append(Climb(label, np.concatenate([[0.0], cost]), np.maximum.accumulate([run.start_value, *values])))
+    return tuple(found)
+
+
+def way_of(found: Correspondences, initial: StereoRig, candidate: StereoRig, path: Sequence[Waypoint]) -> Climb:
+    """The median row error of the last matches, in pixels, along the repair."""
+    read = read_by(found, taken=candidate, rig=initial)
+    errors = [median_row_error(read, with_unit_baseline(point.extrinsics)) for point in path]
+    return Climb("median row error [px]", np.array([point.cost for point in path]), np.array(errors))
+
+
+def _differences(found: Correspondences, taken: StereoRig, rig: StereoRig) -> Float[np.ndarray, "k m"]:
+    rows = row_differences(read_by(found, taken=taken, rig=rig), with_unit_baseline(rig.extrinsics))
+    return np.asarray(rows) / float(found.scale)
+
+
+def _worst(after: Float[np.ndarray, "k m"], here: Bool[np.ndarray, "k m"]) -> int:
+    numbers = here.sum(axis=1)
+    spread = [
+        float(np.quantile(np.abs(rows[found]), 0.9)) if found.sum() >= _ENOUGH * numbers.max() and found.any() else -1.0
+        for rows, found in zip(after, here, strict=True)
+    ]
+    return int(np.argmax(spread))
+
+
+def _cells(
+    found: Correspondences, candidate: StereoRig, view: View, here: Bool[np.ndarray, "k m"], frame: int
+) -> Int[np.ndarray, "f"]:
+    """The cell of the candidate's rectified left image in which each match of a frame lies."""
+    width, height = view.size
+    turn, _ = rectifying_rotations(candidate.rotation, candidate.translation)
+    rays = np.asarray(found.left, float)[frame][here[frame]] @ np.asarray(turn).T
+    x = view.focal * rays[:, 0] / rays[:, 2] + view.centre_left
+    y = view.focal * rays[:, 1] / rays[:, 2] + view.centre_row
+    column = np.clip((x / width * _CELLS[0]).astype(int), 0, _CELLS[0] - 1)
+    row = np.clip((y / height * _CELLS[1]).astype(int), 0, _CELLS[1] - 1)
+    return row * _CELLS[0] + column
+
+
+def _medians(cells: Int[np.ndarray, "f"], rows: Float[np.ndarray, "f"]) -> Float[np.ndarray, "h w"]:
+    field = np.full(_CELLS[0] * _CELLS[1], np.nan)
+    for cell in np.unique(cells):
+        inside = rows[cells == cell]
+        if len(inside) >= _FEWEST:
+            field[cell] = np.median(inside)
+    return field.reshape(_CELLS[1], _CELLS[0])

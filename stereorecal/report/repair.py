@@ -1,0 +1,137 @@
+"""What a page about a repair shows, as plain data: numbers, text and arrays, made by whoever repaired."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+
+@dataclass(frozen=True, eq=False)
+class Sight:
+    """A rectified pair under one calibration, and its disparity.
+
+    Attributes:
+        left, right: (h, w) grey images, 0..255.
+        disparity: (h, w) in pixels.
+        valid: (h, w), where there is one.
+    """
+
+    left: Float[np.ndarray, "h w"]
+    right: Float[np.ndarray, "h w"]
+    disparity: Float[np.ndarray, "h w"]
+    valid: Bool[np.ndarray, "h w"]
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """Row differences of matches, in pixels.
+
+    Attributes:
+        field_before, field_after: (h, w) medians over cells of the view, of the frame that is shown; NaN where
+            nothing matched.
+        all_before, all_after: (m,) of all frames.
+    """
+
+    field_before: Float[np.ndarray, "h w"]
+    field_after: Float[np.ndarray, "h w"]
+    all_before: Float[np.ndarray, "m"]
+    all_after: Float[np.ndarray, "m"]
+
+
+@dataclass(frozen=True, eq=False)
+class Climb:
+    """The best score of a stage after so many units.
+
+    Attributes:
+        label: what the score is.
+        cost, best: (m,).
+    """
+
+    label: str
+    cost: Float[np.ndarray, "m"]
+    best: Float[np.ndarray, "m"]
+
+
+@dataclass(frozen=True)
+class Axis:
+    """What became of a parameter.
+
+    Attributes:
+        name, unit: as people write them.
+        before, after: values.
+        half_width: of the 95 % interval of the change; None if it is not known.
+        observed: whether the images determine it.
+    """
+
+    name: str
+    unit: str
+    before: float
+    after: float
+    half_width: float | None
+    observed: bool
+
+
+@dataclass(frozen=True)
+class Depth:
+    """Errors of depth at one distance, in percent; infinite where points seem to lie beyond infinity.
+
+    Attributes:
+        baselines, metres: the distance.
+        before: of the calibration that the repair started from, if the candidate is right.
+        expected: ends of the 95 % interval of the candidate's; None if it is not known.
+    """
+
+    baselines: int
+    metres: float
+    before: float
+    expected: tuple[float, float] | None
+
+
+@dataclass(frozen=True, eq=False)
+class RepairReport:
+    """All that the page shows.
+
+    Attributes:
+        name: of the recording.
+        accepted, healthy: whether the candidate is used; whether what is used is good.
+        reason: why, in words.
+        search: how the search ended, in words.
+        facts: of the whole, name and value, such as matched pixels.
+        frame: name of the pair that is shown.
+        before, after: that pair, under both calibrations.
+        rows: None if none were measured.
+        misfit: None or the plain data of a misfit; its regions are numbered by rows of 8 by 6.
+        expected: (h, w) half width of the 95 % interval around zero of the candidate's row errors over the view.
+        expected_said: the expectations in a sentence.
+        axes, depths: tables.
+        climbs: of the stages that maximise a count.
+        way: median row error after so many units, along the whole repair; None if it is not known.
+        frames: each pair's name, what became of it, and why.
+        remarks: sentences, such as which directions the images do not determine.
+        settings: what is needed to run it again, by name.
+        calibrations: before and after, by title, as a calib.json has them.
+    """
+
+    name: str
+    accepted: bool
+    healthy: bool
+    reason: str
+    search: str
+    facts: Mapping[str, tuple[str, str]]
+    frame: str
+    before: Sight
+    after: Sight
+    rows: Rows | None
+    misfit: Mapping[str, Any] | None
+    expected: Float[np.ndarray, "h_e w_e"] | None
+    expected_said: str | None
+    axes: Sequence[Axis]
+    depths: Sequence[Depth]
+    climbs: Sequence[Climb]
+    way: Climb | None
+    frames: Sequence[tuple[str, str, str]]
+    remarks: Sequence[str]
+    settings: Mapping[str, Any]
+    calibrations: Mapping[str, Mapping[str, Any]]

@@ -1,0 +1,7 @@
+"use strict";
+document.documentElement.classList.add("scripted");
+for (const slider of document.querySelectorAll("input[type=range]")) {
+  const show = () => slider.closest("figure").style.setProperty("--after", slider.value / 100);
+  slider.addEventListener("input", show);
+  show();
+}

@@ -1,0 +1,110 @@
+"""A video and a bag go to a repaired calibration, with a report, in one command each."""
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from bags import write_bag
+
+from stereorecal.synthetic import default_rig, render
+
+SIZE, FRAMES = (320, 240), 4
+
+
+@pytest.fixture(scope="module")
+def seen() -> list[tuple[np.ndarray, np.ndarray]]:
+    pairs = render("harbour", 0, rig=default_rig().resized(SIZE), frames=FRAMES).pairs
+    return [(pair.left.round().astype(np.uint8), pair.right.round().astype(np.uint8)) for pair in pairs]
+
+
+@pytest.fixture(scope="module")
+def calibration(tmp_path_factory) -> Path:
+    """Off by half a degree and more."""
+    from dataclasses import replace
+
+    from stereorecal.io import save_scene
+
+    folder = tmp_path_factory.mktemp("calibration") / "scene"
+    scene = render("harbour", 0, rig=default_rig().resized(SIZE))
+    drift = np.array([*np.radians([0.6, 0.3, -0.5]), 0.0, 0.0, 0.0])
+    save_scene(replace(scene, rig=scene.rig.with_extrinsics(scene.rig.extrinsics + drift), reference="stored"), folder)
+    return folder / "calib.json"
+
+
+def repaired(answer, folder: Path) -> str:
+    """The page, of a repair that was accepted."""
+    assert answer.code == 0, answer.err
+    assert (folder / "new.json").exists()
+    page = (folder / "out.html").read_text(encoding="utf-8")
+    assert "Use the new calibration" in page
+    assert len(page) < 3_000_000
+    return page
+
+
+def test_a_side_by_side_video(command, seen, calibration, tmp_path):
+    video = cv2.VideoWriter(str(tmp_path / "both.avi"), cv2.VideoWriter.fourcc(*"MJPG"), 10.0, (2 * SIZE[0], SIZE[1]))
+    for left, right in seen:
+        video.write(cv2.cvtColor(np.concatenate([left, right], axis=1), cv2.COLOR_GRAY2BGR))
+    video.release()
+    places = ("--output", tmp_path / "new.json", "--html", tmp_path / "out.html")
+    words = ("--side-by-side", tmp_path / "both.avi", "--calibration", calibration, "--limit", 1, "--from", 1)
+    page = repaired(command("recalibrate", *words, *places), tmp_path)
+    assert "1 other pair" in page  # before --from
+    assert "2 other pairs" in page  # with less texture
+    assert "the pair with the most texture is used" in page
+
+
+def test_a_bag(command, seen, calibration, tmp_path, capsys):
+    pytest.importorskip("rosbags", reason="rosbags is not installed")
+    stamped = [
+        (topic, index * 10**8 + 10**18, image)
+        for index, pair in enumerate(seen[:2])
+        for topic, image in zip(("/l", "/r"), pair, strict=True)
+    ][:3]
+    path = write_bag(tmp_path / "run.bag", stamped, ros1=True)
+    places = ("--output", tmp_path / "new.json", "--html", tmp_path / "out.html")
+    words = ("--bag", path, "--left-topic", "/l", "--right-topic", "/r", "--calibration", calibration)
+    answer = command("recalibrate", *words, *places)
+    page = repaired(answer, tmp_path)
+    assert answer.err == (
+        "stereorecal: 1 frame has no partner in the other camera and is left out: /l 1000000000.100\n"
+    )
+    assert "no partner in the other camera" in page
+
+
+WRONG = {
+    "bag without topics": ["--bag", "x.bag", "--calibration", "c"],
+    "two kinds": ["--side-by-side", "x", "--left", "y", "--right", "z", "--calibration", "c"],
+    "scene too": ["scene", "--side-by-side", "x", "--calibration", "c"],
+}
+
+
+@pytest.mark.parametrize("words", WRONG.values(), ids=list(WRONG))
+def test_what_does_not_go_together(command, words):
+    answer = command("score", *words)
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err.startswith("stereorecal: give scene folders, or --left, --right and --calibration together; ")
+    assert answer.err.count("\n") == 1
+
+
+NOTHING_LEFT = {
+    "from": (["--from", 5], "of 1 pairs, --from, --to and --every leave none"),
+    "every": (["--every", 0], "--every is 0"),
+    "to": (["--from", 2, "--to", 1], "--to must be the larger one"),
+    "limit": (["--limit", "few"], "--limit is 'few'; give a positive number or all."),
+}
+
+
+@pytest.mark.parametrize(("words", "said"), NOTHING_LEFT.values(), ids=list(NOTHING_LEFT))
+def test_selections_that_make_no_sense(command, clean_scene, words, said):
+    answer = command("score", clean_scene, *words)
+    assert (answer.code, answer.out) == (2, "")
+    assert said in answer.err
+    assert answer.err.count("\n") == 1
+
+
+def test_a_page_shows_one_recording(command, clean_scene, drifted_scene, tmp_path):
+    answer = command("recalibrate", clean_scene, drifted_scene, "--html", tmp_path / "out.html")
+    assert answer.code == 2
+    assert "--html shows one recording" in answer.err

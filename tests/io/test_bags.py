@@ -1,0 +1,122 @@
+"""Images in bags of ROS 1 and ROS 2."""
+
+import pickle
+import sys
+
+import cv2
+import numpy as np
+import pytest
+from bags import write_bag
+
+from stereorecal._errors import InputError
+from stereorecal.io import open_pairs
+
+pytest.importorskip("rosbags", reason="rosbags is not installed")
+TOPICS = {"left_topic": "/left/image", "right_topic": "/right/image"}
+START = 1_700_000_000_000_000_000
+STEP = 50_000_000
+
+
+def image(number: int, side: int) -> np.ndarray:
+    return np.random.default_rng(10 * number + side).integers(0, 256, (24, 32), np.uint8)
+
+
+def stamped(numbers=range(4), jitter: int = 1_000_000, right=None):
+    for number in numbers:
+        yield TOPICS["left_topic"], START + number * STEP, image(number, 0)
+        if right is None or number in right:
+            yield TOPICS["right_topic"], START + number * STEP + jitter, image(number, 1)
+
+
+@pytest.mark.parametrize("ros1", [True, False], ids=["ROS 1", "ROS 2"])
+@pytest.mark.parametrize("compressed", [False, True], ids=["raw", "compressed"])
+def test_pairs_of_a_bag(tmp_path, ros1: bool, compressed: bool):
+    path = write_bag(tmp_path / ("a.bag" if ros1 else "a"), stamped(), ros1=ros1, compressed=compressed)
+    recorded = open_pairs(path, **TOPICS)
+    assert (len(recorded.pairs), recorded.unpaired, recorded.stream) == (4, (), True)
+    for number in (2, 0):
+        pair = recorded.pairs[number]
+        np.testing.assert_array_equal(pair.left, image(number, 0))
+        np.testing.assert_array_equal(pair.right, image(number, 1))
+    again = pickle.loads(pickle.dumps(recorded.pairs[1]))
+    np.testing.assert_array_equal(again.right, image(1, 1))
+    assert recorded.pairs[0].name == "/left/image 1700000000.000"
+
+
+def test_frames_without_partner_are_named(tmp_path):
+    path = write_bag(tmp_path / "a.bag", stamped(right=(0, 3)), ros1=True)
+    recorded = open_pairs(path, **TOPICS)
+    assert len(recorded.pairs) == 2
+    assert recorded.unpaired == ("/left/image 1700000000.050", "/left/image 1700000000.100")
+    np.testing.assert_array_equal(recorded.pairs[1].right, image(3, 1))
+
+
+def test_tolerance(tmp_path):
+    path = write_bag(tmp_path / "a.bag", stamped(jitter=20_000_000), ros1=True)
+    with pytest.raises(InputError, match=r"no two frames lie within 0\.0125 s of each other, the nearest 0\.02 s"):
+        open_pairs(path, **TOPICS)
+    assert len(open_pairs(path, **TOPICS, tolerance=0.021).pairs) == 4
+
+
+ENCODED = {
+    "bgr8": lambda grey: np.repeat(grey[..., None], 3, axis=-1),
+    "rgb8": lambda grey: np.repeat(grey[..., None], 3, axis=-1),
+    "rgba8": lambda grey: np.repeat(grey[..., None], 4, axis=-1),
+    "8UC1": lambda grey: grey,
+}
+
+
+@pytest.mark.parametrize("encoding", ENCODED)
+def test_encodings(tmp_path, encoding: str):
+    images = [(topic, stamp, ENCODED[encoding](grey)) for topic, stamp, grey in stamped((0,))]
+    pair = open_pairs(write_bag(tmp_path / "a.bag", images, ros1=True, encoding=encoding), **TOPICS).pairs[0]
+    np.testing.assert_allclose(pair.left, image(0, 0), atol=0.51)
+
+
+def test_sixteen_bit(tmp_path):
+    images = [(topic, stamp, grey.astype(np.uint16) * 257) for topic, stamp, grey in stamped((0,))]
+    pair = open_pairs(write_bag(tmp_path / "a.bag", images, ros1=True, encoding="mono16"), **TOPICS).pairs[0]
+    top = max(image(0, 0).max(), image(0, 1).max())
+    np.testing.assert_allclose(pair.left, image(0, 0) * (255.0 / top), atol=0.01)
+
+
+@pytest.mark.parametrize("pattern", ["rggb", "bggr", "gbrg", "grbg"])
+def test_bayer(tmp_path, pattern: str):
+    """An image that is all red stays darker than one that is all green, as luma has it."""
+    rows, columns = np.mgrid[:24, :32]
+    texture = 1.0 - 0.5 * (columns > 16)
+    luma = {}
+    for colour in "rgb":
+        here = np.array([c == colour for c in pattern]).reshape(2, 2)[rows % 2, columns % 2]
+        mosaic = (200 * here * texture).astype(np.uint8)
+        images = [(topic, START, mosaic) for topic in TOPICS.values()]
+        path = write_bag(tmp_path / f"{colour}.bag", images, ros1=True, encoding=f"bayer_{pattern}8")
+        luma[colour] = float(open_pairs(path, **TOPICS).pairs[0].left[4:20, 4:12].mean())
+    np.testing.assert_allclose([luma[c] / 200 for c in "rgb"], [0.299, 0.587, 0.114], atol=0.02)
+
+
+def test_what_is_refused(tmp_path):
+    path = write_bag(tmp_path / "a.bag", stamped((0,)), ros1=True)
+    with pytest.raises(InputError, match=r"no images on the topic /none; choose from /left/image, /right/image\."):
+        open_pairs(path, left_topic="/none", right_topic="/right/image")
+    with pytest.raises(InputError, match="this is a bag; say which topics"):
+        open_pairs(path)
+    with pytest.raises(InputError, match="there is no such bag"):
+        open_pairs(tmp_path / "none.bag", **TOPICS)
+    (tmp_path / "bad.bag").write_bytes(b"#ROSBAG V2.0\nnothing")
+    with pytest.raises(InputError, match="not a bag that can be read"):
+        open_pairs(tmp_path / "bad.bag", **TOPICS)
+    odd = write_bag(tmp_path / "odd.bag", stamped((0,)), ros1=True, encoding="yuv422")
+    with pytest.raises(InputError, match="the encoding yuv422 is not known"):
+        open_pairs(odd, **TOPICS).pairs[0]
+
+
+def test_without_the_extra(tmp_path, monkeypatch):
+    path = write_bag(tmp_path / "a.bag", stamped((0,)), ros1=True)
+    monkeypatch.setitem(sys.modules, "rosbags.highlevel", None)
+    with pytest.raises(InputError, match=r"reading a bag needs .*pip install 'stereorecal\[bags\]'"):
+        open_pairs(path, **TOPICS)
+
+
+def test_opencv_names_bayer_patterns_as_we_think():
+    assert cv2.COLOR_BayerBG2BGR == cv2.COLOR_BayerRGGB2BGR

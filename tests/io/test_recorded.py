@@ -1,0 +1,157 @@
+"""Pairs from side-by-side images, videos and bags: the same images, paired by time, read when asked for."""
+
+import pickle
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from stereorecal._errors import InputError
+from stereorecal.io import load_pairs, open_pairs
+from stereorecal.io.images._recorded import LazyPairs
+from stereorecal.recalibration import chosen_frames
+from stereorecal.recordings import Pair
+
+FRAMES = 6
+HEIGHT, WIDTH = 48, 64
+
+
+def image(number: int, side: int) -> np.ndarray:
+    """Different in every frame and on either side, and soft: video codecs keep it."""
+    rows, columns = np.mgrid[:HEIGHT, :WIDTH]
+    wave = np.sin(columns / (5.0 + number) + side) * np.cos(rows / 7.0)
+    return (120 + 80 * wave + 5 * number).astype(np.uint8)
+
+
+def write_video(path: Path, images: list[np.ndarray], rate: float = 10.0) -> Path:
+    height, width = images[0].shape[:2]
+    video = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*"MJPG"), rate, (width, height))
+    assert video.isOpened()
+    for one in images:
+        video.write(cv2.cvtColor(one, cv2.COLOR_GRAY2BGR))
+    video.release()
+    return path
+
+
+@pytest.fixture(scope="module")
+def videos(tmp_path_factory) -> tuple[Path, Path, Path]:
+    """A left and a right video, and one of both side by side."""
+    folder = tmp_path_factory.mktemp("videos")
+    left, right = ([image(n, side) for n in range(FRAMES)] for side in (0, 1))
+    both = [np.concatenate(two, axis=1) for two in zip(left, right, strict=True)]
+    return (
+        write_video(folder / "left.avi", left),
+        write_video(folder / "right.avi", right),
+        write_video(folder / "both.avi", both),
+    )
+
+
+def alike(found: np.ndarray, number: int, side: int) -> bool:
+    return float(np.abs(found - image(number, side).astype(float)).mean()) < 4.0
+
+
+@pytest.mark.parametrize("places", [(0, 1), (2,)], ids=["left and right", "side by side"])
+def test_videos(videos, places):
+    recorded = open_pairs(*(videos[place] for place in places))
+    assert (len(recorded.pairs), recorded.unpaired, recorded.stream) == (FRAMES, (), True)
+    for number in (0, 3, 1, 5):  # forwards and back
+        pair = recorded.pairs[number]
+        assert alike(pair.left, number, 0)
+        assert alike(pair.right, number, 1)
+        again = pickle.loads(pickle.dumps(pair))
+        np.testing.assert_array_equal(again.left, pair.left)
+        assert again.name == pair.name
+
+
+def test_frames_are_read_when_asked_for():
+    read = []
+
+    def make(number: int) -> Pair:
+        read.append(number)
+        return Pair(image(number, 0).astype(np.float32), image(number, 1).astype(np.float32), str(number))
+
+    lazy = LazyPairs([lambda n=n: make(n) for n in range(FRAMES)])
+    assert len(lazy[1:6:2]) == 3
+    assert read == []
+    assert len(chosen_frames(lazy, 2)) == 2
+    assert set(read) == set(range(FRAMES))
+    assert len(read) <= FRAMES + 4  # the type checker of the tests looks at some itself
+
+
+def test_videos_of_different_length_are_paired_by_time(videos, tmp_path):
+    short = write_video(tmp_path / "right.avi", [image(n, 1) for n in (0, 2, 4)], rate=5.0)
+    recorded = open_pairs(videos[0], short)
+    assert len(recorded.pairs) == 3
+    assert alike(recorded.pairs[2].left, 4, 0)
+    assert recorded.unpaired == ("left.avi 000001", "left.avi 000003", "left.avi 000005")
+
+
+def test_side_by_side_images(tmp_path):
+    for number in range(2):
+        both = np.concatenate([image(number, 0), image(number, 1)], axis=1)
+        cv2.imwrite(str(tmp_path / f"{number}.png"), both)
+    recorded = open_pairs(tmp_path)
+    assert not recorded.stream
+    assert [pair.name for pair in recorded.pairs] == ["0.png", "1.png"]
+    np.testing.assert_array_equal(recorded.pairs[1].right, image(1, 1))
+    again = pickle.loads(pickle.dumps(recorded.pairs[1]))
+    np.testing.assert_array_equal(again.left, image(1, 0))
+
+
+def folders(folder: Path, left: list[str], right: list[str]) -> tuple[Path, Path]:
+    for side, names in enumerate((left, right)):
+        (folder / str(side)).mkdir()
+        for number, name in enumerate(names):
+            cv2.imwrite(str(folder / str(side) / f"{name}.png"), image(number, side))
+    return folder / "0", folder / "1"
+
+
+def test_files_by_name_as_load_pairs_does(tmp_path):
+    places = folders(tmp_path, ["a", "b"], ["a", "b"])
+    recorded = open_pairs(*places)
+    assert [pair.name for pair in recorded.pairs] == [pair.name for pair in load_pairs(*places)]
+    np.testing.assert_array_equal(recorded.pairs[1].right, load_pairs(*places)[1].right)
+
+
+def test_files_by_time(tmp_path):
+    start = 1403715273262142976
+    left = [str(start + step) for step in (0, 50_000_000, 100_000_000)]
+    right = [str(start + step) for step in (1_000_000, 70_000_000, 101_000_000)]
+    places = folders(tmp_path, left, right)
+    recorded = open_pairs(*places, tolerance=0.005)
+    assert [pair.name for pair in recorded.pairs] == [f"{left[0]}.png", f"{left[2]}.png"]
+    assert recorded.unpaired == (f"{left[1]}.png", f"{right[1]}.png")
+    assert alike(recorded.pairs[1].right, 2, 1)
+    with pytest.raises(InputError, match=r"no two frames lie within 0\.0001 s"):
+        open_pairs(*places, tolerance=1e-4)
+    with pytest.raises(InputError, match="makes no sense"):
+        open_pairs(*places, tolerance=float("nan"))
+
+
+def test_names_that_are_no_times(tmp_path):
+    with pytest.raises(InputError, match="the name is not a time"):
+        open_pairs(*folders(tmp_path, ["a"], ["a"]), tolerance=0.1)
+
+
+def test_what_is_refused(videos, tmp_path):
+    left, right, _ = videos
+    with pytest.raises(InputError, match="one is a video and the other is not"):
+        open_pairs(left, tmp_path)
+    with pytest.raises(InputError, match="there is no such file"):
+        open_pairs(tmp_path / "none.avi", right)
+    (tmp_path / "bad.avi").write_bytes(b"no video at all")
+    with pytest.raises(InputError, match="not a video that OpenCV can read"):
+        open_pairs(tmp_path / "bad.avi")
+    with pytest.raises(InputError, match="both a left and a right topic"):
+        open_pairs(left, left_topic="/left")
+    cv2.imwrite(str(tmp_path / "odd.png"), image(0, 0)[:, :-1])
+    with pytest.raises(InputError, match="63 pixels wide, which cannot be halved"):
+        open_pairs(tmp_path / "odd.png").pairs[0]
+
+
+def test_a_video_that_is_cut(videos, tmp_path):
+    data = videos[2].read_bytes()
+    (tmp_path / "cut.avi").write_bytes(data[: int(0.6 * len(data))])
+    with pytest.raises(InputError, match="video"):
+        tuple(open_pairs(tmp_path / "cut.avi").pairs)

@@ -1,0 +1,56 @@
+"""A made-up repair, with everything that its page can show, and names that try to break out."""
+
+import numpy as np
+
+from stereorecal.report.repair import Axis, Climb, Depth, RepairReport, Rows, Sight
+
+EVIL = "<script>alert('x')</script>"
+
+
+def sight(size: tuple[int, int], seed: int) -> Sight:
+    rng = np.random.default_rng(seed)
+    width, height = size
+    left = rng.uniform(0, 255, (height, width))
+    return Sight(
+        left, np.roll(left, -3, axis=1), rng.uniform(0, 40, (height, width)), rng.random((height, width)) > 0.4
+    )
+
+
+def made_up(
+    size: tuple[int, int] = (320, 240), *, accepted: bool = True, measured: bool = True, **changes
+) -> RepairReport:
+    """A report; without rows, misfit and expectations unless `measured`."""
+    rng = np.random.default_rng(0)
+    field = rng.normal(0.0, 0.1, (18, 24))
+    field[3, 4] = np.nan
+    places = list(range(48))
+    misfit = {
+        "frame": [0] * 48,
+        "place": places,
+        "after": [0.9 if place in (0, 1, 8) else 0.02 for place in places],
+        "error": [0.01] * 48,
+    }
+    parts = {
+        "name": f"harbour {EVIL}",
+        "accepted": accepted,
+        "healthy": accepted,
+        "reason": "the candidate is better" if accepted else "the candidate leaves rows of whole regions apart",
+        "search": "the strategy met its own stopping rule",
+        "facts": {"row error": ("8.92 px", "0.10 px")},
+        "frame": f"0001.png {EVIL}",
+        "before": sight(size, 1),
+        "after": sight(size, 2),
+        "rows": Rows(9.0 + field, field, rng.normal(9, 1, 500), rng.normal(0, 0.2, 500)) if measured else None,
+        "misfit": misfit if measured else None,
+        "expected": np.abs(field[:13, :17]) if measured else None,
+        "expected_said": "rows 0.07 px apart over the view" if measured else None,
+        "axes": [Axis("pitch", "°", 0.1, 0.9, 0.002, True), Axis("z", "mm", 1.0, 2.0, None, False)],
+        "depths": [Depth(5, 1.8, -7.6, (-1.0, 1.2)), Depth(100, 35.6, float("inf"), None)],
+        "climbs": [Climb("best count at scale 0.25", np.array([0.0, 1.0]), np.array([10.0, 12.0]))],
+        "way": Climb("median row error [px]", np.array([0.0, 2.0]), np.array([9.0, 0.1])) if measured else None,
+        "frames": [("0001.png", "used", ""), ("0002.png", "left out", "it shows another rig than the others")],
+        "remarks": ["Not determined by these images: y with z."],
+        "settings": {"command": f"python -m stereorecal {EVIL}", "matcher": {"block_size": 9}, "stages": ["a", "b"]},
+        "calibrations": {"before": {"T": [1.0, 0.0, 0.0]}, "after": {"T": [1.0, 0.0, 0.1]}},
+    }
+    return RepairReport(**{**parts, **changes})
