@@ -28,7 +28,14 @@ ROOT = Path(__file__).parents[2]
 PROJECTS = (ROOT, *sorted(path.parent for path in ROOT.glob("plugins/*/pyproject.toml")))
 EXTRAS = ("dask", "figures")  # what people use; the tools of the tests are taken as they are today
 TOOLS = ("beartype", "hatchling", "hypothesis", "pytest", "pytest-xdist", "sybil")
-CASES = ("lowest", "highest", "opencv-python@4", "opencv-python@5", "opencv-contrib-python@4", "opencv-contrib-python@5")
+CASES = (
+    "lowest",
+    "highest",
+    "opencv-python@4",
+    "opencv-python@5",
+    "opencv-contrib-python@4",
+    "opencv-contrib-python@5",
+)
 CHOICE = (
     "tests/geometry",
     "tests/io",

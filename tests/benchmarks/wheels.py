@@ -91,7 +91,19 @@ def steps(home: Path, dist: Path, python: str) -> Iterator[tuple]:
         (["-m", "stereorecal", "recalibrate", "scene", "--json", "repair.json", "--output", "repaired.json"], good),
         (["-m", "stereorecal", "diff", "scene", "repaired.json"], good),
         (
-            ["-m", "stereorecal", "compare", "--scene", "scene", "--schedule", "count", "--scale", "0.5", "--draws", "1"]
+            [
+                "-m",
+                "stereorecal",
+                "compare",
+                "--scene",
+                "scene",
+                "--schedule",
+                "count",
+                "--scale",
+                "0.5",
+                "--draws",
+                "1",
+            ]
             + ["--budget", "40", "--strategies", "compass,nlopt-bobyqa,optimistix-gradient-descent,features"]
             + ["--json", "table.json", "--html", "table.html"],
             good,
