@@ -132,7 +132,7 @@ def tried(case: str, python: str, tests: Sequence[str], home: Path) -> Result:
 
 
 def uv(*words: object, given: str = "") -> subprocess.CompletedProcess[str]:
-    command = ["uv", *map(str, words), "--quiet"]
+    command = [sys.executable, "-m", "uv", *map(str, words), "--quiet"]
     return subprocess.run(command, cwd=ROOT, input=given, capture_output=True, text=True, check=False)
 
 

@@ -43,6 +43,9 @@ assert all(trial["status"] not in ("FAILED", "SKIPPED") for trial in trials), tr
 assert "<html" in open("table.html").read()
 """
 
+COMPARE = """-m stereorecal compare --scene scene --schedule count --scale 0.5 --draws 1 --budget 40
+    --strategies compass,nlopt-bobyqa,optimistix-gradient-descent,features --json table.json --html table.html"""
+
 
 def main() -> int:
     """Build, install, run."""
@@ -90,24 +93,7 @@ def steps(home: Path, dist: Path, python: str) -> Iterator[tuple]:
         (["-m", "stereorecal", "score", "scene"], (1,)),  # repair it
         (["-m", "stereorecal", "recalibrate", "scene", "--json", "repair.json", "--output", "repaired.json"], good),
         (["-m", "stereorecal", "diff", "scene", "repaired.json"], good),
-        (
-            [
-                "-m",
-                "stereorecal",
-                "compare",
-                "--scene",
-                "scene",
-                "--schedule",
-                "count",
-                "--scale",
-                "0.5",
-                "--draws",
-                "1",
-            ]
-            + ["--budget", "40", "--strategies", "compass,nlopt-bobyqa,optimistix-gradient-descent,features"]
-            + ["--json", "table.json", "--html", "table.html"],
-            good,
-        ),
+        (COMPARE.split(), good),
         (["-c", LOOK.strip()], good),
     ):
         yield (lambda words=words: [inside, "-W", "error::DeprecationWarning:stereorecal", *words]), expected
