@@ -2,10 +2,10 @@
 
 import platform
 
-import cv2
 import jax
 import numpy as np
 
+from stereorecal._opencv import cv2
 from stereorecal._version import __version__
 
 
