@@ -19,6 +19,7 @@ from ._errors import (
     StrategyError as StrategyError,
     UnsupportedModelError as UnsupportedModelError,
 )
+from ._version import __version__ as __version__
 from .comparison import (
     Comparison as Comparison,
     Drift as Drift,

@@ -18,9 +18,11 @@ from pathlib import Path
 from typing import Any
 
 import jax
+import jax.export
 import numpy as np
 
 from stereorecal._arrays import AnyArray
+from stereorecal._version import __version__
 
 LOG = logging.getLogger("stereorecal")
 _FOLDER = "stereorecal-traced"
@@ -101,13 +103,13 @@ def _made_with() -> tuple[Any, ...]:
     """What a program was traced by: versions, this package's files as they are, and what JAX was told."""
     root = Path(__file__).parent
     files = [(str(p.relative_to(root)), p.stat().st_size, p.stat().st_mtime_ns) for p in sorted(root.rglob("*.py"))]
-    names = ("jax", "jaxlib", "numpy", "stereorecal")
+    names = ("jax", "jaxlib", "numpy")
     settings = (
         jax.default_backend(),
         jax.config.values["jax_enable_x64"],
         jax.config.values["jax_numpy_dtype_promotion"],
     )
-    return (*(version(name) for name in names), *settings, files)
+    return (__version__, *(version(name) for name in names), *settings, files)
 
 
 def _write(path: Path, content: bytes) -> None:

@@ -38,6 +38,8 @@ def _said(error: Exception) -> int:
     match error:
         case InputError():
             return _say(error, BAD_INPUT)
+        case ImportError(name="cv2"):
+            return _say(f"{error}.", BAD_INPUT)
         case StrategyError():
             return _say(error, FAILURE)
         case OSError():

@@ -4,11 +4,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
-import cv2
 import numpy as np
 from jaxtyping import Float, Num
 
 from stereorecal._errors import InputError
+from stereorecal._opencv import cv2
 
 # Rec. 601 luma, as OpenCV's.
 _LUMA = {"rgb": (0.299, 0.587, 0.114), "bgr": (0.114, 0.587, 0.299)}

@@ -23,10 +23,8 @@ def check_matcher(matcher: AbstractMatcher) -> tuple[CheckResult, ...]:
 
 
 class StrategyConformance:
-    """Inherit from it and set `strategy`; pytest then runs every check that applies as a test::
-
-    class TestMine(StrategyConformance):
-        strategy = Mine()
+    """Inherit from it and set `strategy`; pytest then runs every check that applies as a test:
+    `class TestMine(StrategyConformance): strategy = Mine()`.
     """
 
     strategy: ClassVar[AbstractStrategy]
@@ -37,10 +35,8 @@ class StrategyConformance:
 
 
 class MatcherConformance:
-    """Inherit from it and set `matcher`; pytest then runs every check that applies as a test::
-
-    class TestMine(MatcherConformance):
-        matcher = Mine()
+    """Inherit from it and set `matcher`; pytest then runs every check that applies as a test:
+    `class TestMine(MatcherConformance): matcher = Mine()`.
     """
 
     matcher: ClassVar[AbstractMatcher]

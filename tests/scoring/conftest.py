@@ -32,6 +32,8 @@ def compilations() -> Iterator[list[str]]:
         if name in _EVENTS:
             seen.append(_EVENTS[name])
 
+    if not hasattr(jax.monitoring, "unregister_event_duration_listener"):
+        pytest.skip("this JAX never lets a listener go")
     jax.monitoring.register_event_duration_secs_listener(heard)
     yield seen
     jax.monitoring.unregister_event_duration_listener(heard)

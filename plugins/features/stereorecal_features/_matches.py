@@ -13,8 +13,6 @@ from stereorecal.recordings import Pair
 Pixels = Float[np.ndarray, "m 2"]
 PixelsOfFrame = Float[np.ndarray, "_ 2"]  # each frame has its own number of matches
 
-# OpenCV's default of five iterations does not converge for wide-angle lenses.
-_UNDISTORTION = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 100, 1e-6)
 # Where a pixel's ray projects farther from the pixel than this, the lens model could not be inverted.
 _ROUND_TRIP_PX = 0.05
 _SLOPE_STEP = 1e-5  # of the central differences of a projection, in x/z; about the cube root of float64's epsilon
@@ -78,13 +76,9 @@ def _described(sift: cv2.SIFT, image: Float[np.ndarray, "h w"]) -> tuple[Pixels,
 
 def _rays(camera: Camera, pixels: Pixels) -> tuple[Float[np.ndarray, "m 3"], Bool[np.ndarray, "m"]]:
     """The rays through pixels, and whether each lies within the valid range of the lens model."""
-    if not len(pixels):  # OpenCV refuses an empty array
-        return np.zeros((0, 3)), np.zeros(0, bool)
-    matrix, coefficients = np.asarray(camera.matrix), np.asarray(camera.distortion)
-    ideal = cv2.undistortPoints(pixels[:, None], matrix, coefficients, criteria=_UNDISTORTION)[:, 0]
-    rays = np.concatenate([ideal, np.ones_like(ideal[:, :1])], axis=1)
-    returns = np.abs(camera.project(rays) - pixels).max(1) < _ROUND_TRIP_PX
-    return rays, returns & (np.linalg.norm(ideal, axis=1) < camera.lens_radius)
+    rays = np.asarray(camera.rays(pixels))
+    returns = np.abs(camera.project(rays) - pixels).max(1, initial=0.0) < _ROUND_TRIP_PX
+    return rays, returns & (np.linalg.norm(rays[:, :2], axis=1) < camera.lens_radius)
 
 
 def _seen(camera: Camera, rays: Float[np.ndarray, "m 3"]) -> Seen:

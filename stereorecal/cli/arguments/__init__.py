@@ -4,9 +4,9 @@ Nothing here imports JAX, OpenCV or NumPy: help, the version and mistyped option
 """
 
 import argparse
-from importlib.metadata import version
 from typing import NoReturn
 
+from stereorecal._version import __version__
 from stereorecal.cli._exit_codes import BAD_INPUT
 from stereorecal.cli.arguments import _compare, _convert, _diff, _recalibrate, _reproduce, _score, _strategies
 
@@ -22,7 +22,7 @@ def parser() -> argparse.ArgumentParser:
         prog="python -m stereorecal",
         description="Repair the extrinsic calibration of a stereo rig from ordinary images.",
     )
-    made.add_argument("--version", action="version", version=f"stereorecal {version('stereorecal')}")
+    made.add_argument("--version", action="version", version=f"stereorecal {__version__}")
     # Before the command or after it: a default there would undo what was said before.
     common = argparse.ArgumentParser(add_help=False)
     for place, default in ((made, False), (common, argparse.SUPPRESS)):
