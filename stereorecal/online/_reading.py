@@ -1,0 +1,92 @@
+"""The health of a rig, read off its state."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from stereorecal._plain import plain
+from stereorecal.objectives import Reach, row_chart
+from stereorecal.online._estimate import SIZE
+from stereorecal.online._state import State
+from stereorecal.recalibration import ROWS_MATTER, Interval, depth_intervals
+
+NORMAL_95 = 1.96
+FAR = 30  # baselines
+DEPTH_MATTERS = 5.0  # percent there, as `health` has it
+LATE = 4.0  # standard errors
+LATE_MATTERS = 0.03  # frames
+
+
+@dataclass(frozen=True, eq=False)
+class Reading:
+    """How the calibration in use stands to the true one, fused over all looks so far. Intervals are of 95 %.
+
+    Attributes:
+        axes: what would mend it: pitch, yaw, roll in degrees, y, z in percent of the baseline.
+        row_error: of the last look, pixels at full size: the mean over tiles of a tile's median |row difference|.
+        rows_px: root mean square of the rows that mending would take away, pixels at full size.
+        depth_percent: error of depth at 5, 10, 30 and 100 baselines.
+        delay: of the right shutter, in frames.
+        chance: of an offset as large as this one, or larger, if the calibration in use were right.
+    """
+
+    axes: Mapping[str, Interval]
+    row_error: float
+    rows_px: Interval
+    depth_percent: Mapping[int, Interval]
+    delay: Interval
+    chance: float
+
+    @property
+    def matters(self) -> bool:
+        """Whether it is more than 0.1 pixels of row, or 5 % of depth at 30 baselines."""
+        return self.rows_px.value > ROWS_MATTER or abs(self.depth_percent[FAR].value) > DEPTH_MATTERS
+
+    @property
+    def late(self) -> bool:
+        """Whether a shutter is late: by 4 standard errors, and 0.03 frames."""
+        half = (self.delay.high - self.delay.low) / 2.0
+        return abs(self.delay.value) > max(LATE * half / NORMAL_95, LATE_MATTERS)
+
+    def as_dict(self) -> dict:
+        """Plain data for JSON."""
+        return plain(
+            {
+                "axes": {name: _ends(axis) for name, axis in self.axes.items()},
+                "row_error_px": self.row_error,
+                "rows_px": _ends(self.rows_px),
+                "depth_percent": {distance: _ends(error) for distance, error in self.depth_percent.items()},
+                "delay_frames": _ends(self.delay),
+            }
+        )
+
+
+def reading(state: State) -> Reading:
+    """What a state says of the calibration in use."""
+    from scipy.special import chdtrc  # a third of a second to import
+
+    chart = row_chart(state.rig, Reach())
+    apart = state.estimate.offset - state.using
+    covariance = state.estimate.of_offset
+    widths = NORMAL_95 * np.sqrt(np.diag(state.estimate.covariance))
+    z, in_box = apart / chart.units, covariance / np.outer(chart.units, chart.units)
+    steep = np.zeros((SIZE, SIZE)) if state.steepness is None else state.steepness
+    rows = float(np.sqrt(max(z @ steep @ z, 0.0)))
+    wide = NORMAL_95 * float(np.sqrt(max(np.trace(steep @ in_box), 0.0)))
+    delay = float(state.estimate.mean[SIZE])
+    return Reading(
+        axes={
+            name: Interval(value, value - width, value + width)
+            for name, value, width in zip(chart.names, apart.tolist(), widths[:SIZE].tolist(), strict=True)
+        },
+        row_error=state.row_error,
+        rows_px=Interval(rows, max(rows - wide, 0.0), rows + wide),
+        depth_percent=depth_intervals(state.rig, chart, z, in_box),
+        delay=Interval(delay, delay - float(widths[SIZE]), delay + float(widths[SIZE])),
+        chance=float(chdtrc(SIZE, float(apart @ np.linalg.solve(covariance, apart)))),
+    )
+
+
+def _ends(found: Interval) -> dict[str, float]:
+    return {"value": found.value, "low": found.low, "high": found.high}

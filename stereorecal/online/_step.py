@@ -1,0 +1,108 @@
+"""One step: a pair comes, and what is known of the rig follows."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from stereorecal._errors import InputError
+from stereorecal.geometry import StereoRig, view as view_of
+from stereorecal.matching import as_matcher
+from stereorecal.online._config import Config
+from stereorecal.online._estimate import at_start
+from stereorecal.online._events import Event, Kind
+from stereorecal.online._glance import Glance, glance
+from stereorecal.online._repairing import repaired
+from stereorecal.online._state import State
+from stereorecal.online._switching import judged, matched, nominated, switched
+from stereorecal.online._turning import small, turn
+from stereorecal.online._watching import followed, measurement
+from stereorecal.recordings import Images, Pair, check_pairs
+from stereorecal.scoring import legible, pyramid
+from stereorecal.scoring.host import ranged
+
+_BLIND = 3  # pairs that a repair is tried on
+_PATIENCE = 2  # times as long, after a repair that failed
+
+Outcome = tuple[State, list[Event]]
+
+
+def init(rig: StereoRig, config: Config = Config()) -> State:  # noqa: B008  frozen
+    """The state before the first pair.
+
+    Args:
+        rig: the calibration to start from.
+
+    Raises:
+        InputError: if the matcher is none.
+    """
+    matcher, blank = as_matcher(config.matcher), State(config, rig, view_of(rig), np.zeros(5), at_start(np.ones(5)))
+    known = matcher if matcher.num_disparities is not None else None
+    return blank.but(estimate=at_start(blank.prior), matcher=known)
+
+
+def step(state: State, pair: Pair | Images) -> tuple[State, tuple[Event, ...]]:
+    """The state after one more pair, and what happened. A pair that cannot be used is an event, never an exception."""
+    try:
+        (pair,) = check_pairs(state.initial, [pair])
+    except InputError as error:
+        event = Event(state.frame, Kind.BAD_FRAME, str(error))
+        return state.but(frame=state.frame + 1, last=None, said=Kind.BAD_FRAME), (event,)
+    state, events = _seen(state, pair)
+    return state.but(frame=state.frame + 1), tuple(events)
+
+
+def rollback(state: State) -> State:
+    """The calibration that was in use before, and nothing is switched any more: what led away from it would do so
+    again. `unfrozen` lets it.
+
+    Raises:
+        InputError: if no other has been in use.
+    """
+    if not state.previous:
+        raise InputError("no other calibration has been in use; there is nothing to return to.")
+    config = replace(state.config, repair=False)
+    *previous, last = state.previous
+    return switched(state, last).but(previous=tuple(previous), config=config)
+
+
+def _seen(state: State, pair: Pair) -> Outcome:
+    config, now = state.config, small(pair.left)
+    turned = None if state.last is None else turn(state.initial.left, state.last, now)
+    estimate = state.estimate.later(config.wander, config.shift)
+    state = state.but(last=now, estimate=estimate)
+    if state.frame % config.every:
+        return state, []
+    if state.matcher is None:
+        if not legible(pair).enough:
+            return _too_little(state)
+        state = state.but(matcher=ranged(config.matcher, pyramid(state.rig, [pair], state.view)))
+    look = glance(state.rig, pair, state.view, state.matcher)
+    if look.offset is None:
+        return _blind(state, pair, look)
+    measured = measurement(state, look, turned)
+    state = state.but(
+        seen=state.seen + 1, steepness=look.steepness, row_error=look.rows(state.rig), blind=(), darkness=0
+    )
+    state, events = followed(state, measured)
+    state, more = judged(state, measured, look)
+    state, last = nominated(state)
+    return state, [*events, *more, *last]
+
+
+def _blind(state: State, pair: Pair, look: Glance) -> Outcome:
+    """A pair of which hardly anything matches: too little to see, or a rig that is far off."""
+    if not legible(pair).enough:
+        return _too_little(state)
+    state = state.but(blind=(*state.blind, pair)[-_BLIND:], darkness=state.darkness + 1)
+    if state.trial is not None:
+        offset, matcher = state.trial.offset, state.matcher
+        assert matcher is not None
+        return matched(state, look.covered, lambda: glance(state.rig_at(offset), pair, state.view, matcher))
+    if not state.config.repair or state.darkness < state.attempt:
+        return state, []
+    return repaired(state.but(attempt=_PATIENCE * state.darkness), state.blind)
+
+
+def _too_little(state: State) -> Outcome:
+    kind = Kind.TOO_LITTLE_TEXTURE
+    return state.but(said=kind), [] if state.said is kind else [Event(state.frame, kind)]
