@@ -3,14 +3,25 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
 
 from stereorecal.geometry import StereoRig, View, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
-from stereorecal.objectives import Reach, RigChart, differences_at, row_chart
-from stereorecal.recalibration import FEWEST, FEWEST_PLACES, LEAST_COVERED, evidence, solved, watching_scale
+from stereorecal.objectives import LinearRows, Reach, RigChart, linearised, row_chart
+from stereorecal.recalibration import (
+    FALSE,
+    FEWEST,
+    FEWEST_PLACES,
+    LEAST_COVERED,
+    LIKELY,
+    Evidence,
+    evidence_of,
+    watching_scale,
+)
 from stereorecal.recordings import Pair
-from stereorecal.scoring import Correspondences, host, pyramid
+from stereorecal.scoring import Correspondences, Loss, host, legible, precisions, pyramid
+
+# From afar to the end; the weights follow the solution. Rows are taken as linear: a rig that is watched is not far off.
+_LOSSES = (Loss.SOFT_L1, Loss.WELSCH, Loss.WELSCH, Loss.WELSCH)
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,27 +30,22 @@ class Glance:
 
     Attributes:
         chart: around the calibration that was looked through.
-        found: the correspondences.
-        covered: share of the image in which there are some.
-        offset: (5,) to the true rig, in half widths of the chart's box; None if too little matches.
-        covariance: (5, 5) of it.
-        steepness: (5, 5) mean of the squared derivatives of the rows, pixels at full size.
+        covered: share of the image in which correspondences were found.
+        facts: what they say, at the offset `facts.z` to the true rig, in half widths of the chart's box; None if too
+            little matches, or what matches does so by chance.
     """
 
     chart: RigChart
-    found: Correspondences
     covered: float
-    offset: Float[np.ndarray, "5"] | None = None
-    covariance: Float[np.ndarray, "5 5"] | None = None
-    steepness: Float[np.ndarray, "5 5"] | None = None
+    facts: Evidence | None = None
 
     def rows(self, rig: StereoRig) -> float:
         """|Row difference| under a rig, pixels at full size: the mean over the tiles of a tile's median."""
-        found, here = self.found, np.asarray(self.found.weight) > 0
-        apart = np.abs(differences_at(found, self.chart, self.chart.coordinates(np.asarray(rig.extrinsics))))[here]
-        tile = np.asarray(found.tile)[here]
-        medians = [np.median(apart[tile == one]) for one in np.unique(tile)]
-        return float(np.mean(medians) / float(found.scale)) if medians else float("nan")
+        facts = self.facts
+        if facts is None:
+            return float("nan")
+        way = self.chart.coordinates(np.asarray(rig.extrinsics))
+        return float(np.mean(facts.medians(facts.start_residual + facts.jacobian @ way)))
 
 
 def glance(rig: StereoRig, pair: Pair, view: View, matcher: AbstractMatcher) -> Glance:
@@ -52,9 +58,21 @@ def glance(rig: StereoRig, pair: Pair, view: View, matcher: AbstractMatcher) -> 
     chart = row_chart(rig, Reach())
     found = host.correspondences(data, with_unit_baseline(rig.extrinsics), matcher)
     if found.found < FEWEST or found.covered < LEAST_COVERED:
-        return Glance(chart, found, found.covered)
-    facts = evidence(chart, found, solved(found, chart))
-    if facts.places < FEWEST_PLACES:
-        return Glance(chart, found, found.covered)
-    steepness = facts.jacobian.T @ facts.jacobian / len(facts.residual)
-    return Glance(chart, found, found.covered, facts.z, facts.covariance(), steepness)
+        return Glance(chart, found.covered)
+    start = linearised(found, chart, np.zeros(chart.dim))
+    facts = evidence_of(found, _solved(found, start, chart.prior), start.differences, chart.prior)
+    if facts.places < FEWEST_PLACES or (
+        np.mean(facts.medians(facts.residual)) * facts.scale > FALSE and found.covered < LIKELY * legible(pair).texture
+    ):
+        return Glance(chart, found.covered)
+    return Glance(chart, found.covered, facts)
+
+
+def _solved(found: Correspondences, start: LinearRows, prior: float) -> LinearRows:
+    """The rows where they meet best; the prior holds what they cannot tell."""
+    z, differences = start.z, start.differences.reshape(-1)
+    jacobian, held = start.jacobian.reshape(len(z), -1), np.eye(len(z)) / prior**2
+    for loss in _LOSSES:
+        weight = precisions(found, (differences + z @ jacobian).reshape(start.differences.shape), loss).reshape(-1)
+        z = -np.linalg.solve((jacobian * weight) @ jacobian.T + held, (jacobian * weight) @ differences)
+    return LinearRows(z, start.differences + (z @ jacobian).reshape(start.differences.shape), start.jacobian)

@@ -6,14 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from stereorecal._plain import plain
-from stereorecal.objectives import Reach, row_chart
 from stereorecal.online._estimate import SIZE
 from stereorecal.online._state import State
-from stereorecal.recalibration import ROWS_MATTER, Interval, depth_intervals
+from stereorecal.recalibration import DEPTH_MATTERS, DISTANCES, FAR, NORMAL_95, ROWS_MATTER, Interval, depth_error
 
-NORMAL_95 = 1.96
-FAR = 30  # baselines
-DEPTH_MATTERS = 5.0  # percent there, as `health` has it
 LATE = 4.0  # standard errors
 LATE_MATTERS = 0.03  # frames
 
@@ -66,23 +62,23 @@ def reading(state: State) -> Reading:
     """What a state says of the calibration in use."""
     from scipy.special import chdtrc  # a third of a second to import
 
-    chart = row_chart(state.rig, Reach())
-    apart = state.estimate.offset - state.using
-    covariance = state.estimate.of_offset
+    apart, covariance = state.estimate.offset - state.using, state.estimate.of_offset
     widths = NORMAL_95 * np.sqrt(np.diag(state.estimate.covariance))
-    z, in_box = apart / chart.units, covariance / np.outer(chart.units, chart.units)
     steep = np.zeros((SIZE, SIZE)) if state.steepness is None else state.steepness
-    rows = float(np.sqrt(max(z @ steep @ z, 0.0)))
-    wide = NORMAL_95 * float(np.sqrt(max(np.trace(steep @ in_box), 0.0)))
+    rows = float(np.sqrt(max(apart @ steep @ apart, 0.0)))
+    wide = NORMAL_95 * float(np.sqrt(max(np.trace(steep @ covariance), 0.0)))
+    near = 1.0 + state.nearing @ apart
+    nearer = NORMAL_95 * np.sqrt(np.maximum(np.sum(state.nearing @ covariance * state.nearing, axis=-1), 0.0))
+    depths = np.stack([near, near + nearer, near - nearer], axis=-1).tolist()
     delay = float(state.estimate.mean[SIZE])
     return Reading(
         axes={
             name: Interval(value, value - width, value + width)
-            for name, value, width in zip(chart.names, apart.tolist(), widths[:SIZE].tolist(), strict=True)
+            for name, value, width in zip(state.chart.names, apart.tolist(), widths[:SIZE].tolist(), strict=True)
         },
         row_error=state.row_error,
         rows_px=Interval(rows, max(rows - wide, 0.0), rows + wide),
-        depth_percent=depth_intervals(state.rig, chart, z, in_box),
+        depth_percent={at: Interval(*map(depth_error, three)) for at, three in zip(DISTANCES, depths, strict=True)},
         delay=Interval(delay, delay - float(widths[SIZE]), delay + float(widths[SIZE])),
         chance=float(chdtrc(SIZE, float(apart @ np.linalg.solve(covariance, apart)))),
     )

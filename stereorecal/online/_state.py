@@ -14,6 +14,7 @@ from stereorecal.online._estimate import Estimate, Measurement
 from stereorecal.online._events import Kind
 from stereorecal.online._trial import Trial
 from stereorecal.online._turning import Small
+from stereorecal.recalibration import depth_slopes
 from stereorecal.recordings import Pair
 
 Offset = Float[np.ndarray, "5"]
@@ -33,7 +34,9 @@ class State:
         frame: number of the next pair.
         matcher: with its disparity range; None until one is measured.
         seen: informative looks so far.
-        steepness: (5, 5) of the last of them, see `Glance`.
+        nearing: (4, 5) derivatives of the true depth over the one reported, at 5, 10, 30 and 100 baselines, by the
+            offset from the calibration in use.
+        steepness: (5, 5) mean of the squared derivatives of the rows by it, of the last look, pixels at full size.
         row_error: of the last of them, pixels at full size; NaN before.
         last: the last left image, small; None after a pair that cannot be used.
         suspect: a look that does not fit, until the next one says what it was.
@@ -52,6 +55,7 @@ class State:
     view: View
     using: Offset
     estimate: Estimate
+    nearing: Float[np.ndarray, "4 5"]
     frame: int = 0
     matcher: AbstractMatcher | None = None
     seen: int = 0
@@ -93,6 +97,16 @@ class State:
         """Standard deviations of the drift that is thought possible."""
         return self.chart.units * self.chart.prior
 
+    def using_now(self, offset: Offset) -> "State":
+        """The state with another calibration in use."""
+        return replace(self, using=offset, nearing=nearing(self.rig_at(offset)))
+
     def but(self, **changes) -> "State":
         """The same but for some of it."""
         return replace(self, **changes)
+
+
+def nearing(rig: StereoRig) -> Float[np.ndarray, "4 5"]:
+    """`State.nearing` of a calibration."""
+    chart = row_chart(rig, Reach())
+    return depth_slopes(rig, chart, np.zeros(chart.dim)) / chart.units

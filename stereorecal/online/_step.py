@@ -8,11 +8,11 @@ from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig, view as view_of
 from stereorecal.matching import as_matcher
 from stereorecal.online._config import Config
-from stereorecal.online._estimate import at_start
+from stereorecal.online._estimate import SIZE, at_start
 from stereorecal.online._events import Event, Kind
 from stereorecal.online._glance import Glance, glance
 from stereorecal.online._repairing import repaired
-from stereorecal.online._state import State
+from stereorecal.online._state import State, nearing
 from stereorecal.online._switching import judged, matched, nominated, switched
 from stereorecal.online._turning import small, turn
 from stereorecal.online._watching import followed, measurement
@@ -35,7 +35,8 @@ def init(rig: StereoRig, config: Config = Config()) -> State:  # noqa: B008  fro
     Raises:
         InputError: if the matcher is none.
     """
-    matcher, blank = as_matcher(config.matcher), State(config, rig, view_of(rig), np.zeros(5), at_start(np.ones(5)))
+    matcher = as_matcher(config.matcher)
+    blank = State(config, rig, view_of(rig), np.zeros(SIZE), at_start(np.ones(SIZE)), nearing(rig))
     known = matcher if matcher.num_disparities is not None else None
     return blank.but(estimate=at_start(blank.prior), matcher=known)
 
@@ -77,11 +78,16 @@ def _seen(state: State, pair: Pair) -> Outcome:
             return _too_little(state)
         state = state.but(matcher=ranged(config.matcher, pyramid(state.rig, [pair], state.view)))
     look = glance(state.rig, pair, state.view, state.matcher)
-    if look.offset is None:
+    if look.facts is None:
         return _blind(state, pair, look)
     measured = measurement(state, look, turned)
+    slopes = look.facts.jacobian / look.chart.units
     state = state.but(
-        seen=state.seen + 1, steepness=look.steepness, row_error=look.rows(state.rig), blind=(), darkness=0
+        seen=state.seen + 1,
+        steepness=slopes.T @ slopes / len(slopes),
+        row_error=look.rows(state.rig),
+        blind=(),
+        darkness=0,
     )
     state, events = followed(state, measured)
     state, more = judged(state, measured, look)

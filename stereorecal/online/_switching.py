@@ -31,9 +31,9 @@ def matched(state: State, before: float, look: Callable[[], Glance]) -> tuple[St
     if trial is None or state.frame <= trial.since:
         return state, []
     seen = look()
-    if seen.offset is None and seen.covered < 2 * before:
+    if seen.facts is None and seen.covered < 2 * before:
         return state, []
-    return decided(state.but(trial=trial.matched(before, seen.covered if seen.offset is not None else 0.0)))
+    return decided(state.but(trial=trial.matched(before, seen.covered if seen.facts is not None else 0.0)))
 
 
 def decided(state: State) -> tuple[State, list[Event]]:
@@ -53,14 +53,16 @@ def decided(state: State) -> tuple[State, list[Event]]:
 def switched(state: State, offset: Offset) -> State:
     """Another calibration in use; the one before it is kept."""
     previous = (*state.previous, state.using)[-state.config.keep :]
-    return state.but(using=offset, previous=previous, switched=state.frame, trial=None, blind=(), darkness=0, attempt=2)
+    return state.using_now(offset).but(
+        previous=previous, switched=state.frame, trial=None, blind=(), darkness=0, attempt=2
+    )
 
 
 def nominated(state: State) -> tuple[State, list[Event]]:
     """The estimate as a candidate, where it says that the calibration in use is not the true one."""
     if not state.config.repair or state.trial is not None or state.suspect is not None:
         return state, []
-    if 0 <= state.switched and state.frame - state.switched < state.config.rest:
+    if state.switched >= 0 and state.frame - state.switched < state.config.rest:
         return state, []
     found = reading(state)
     if found.late or found.chance > _WORTH:

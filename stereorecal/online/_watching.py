@@ -9,6 +9,7 @@ from stereorecal.online._events import Event, Kind
 from stereorecal.online._glance import Glance
 from stereorecal.online._reading import Reading, reading
 from stereorecal.online._state import State
+from stereorecal.recalibration import ROWS_APART
 
 _AGREE = 1e-3  # chance, of two looks after a knock
 _ODD = 4  # looks that fit nothing, until it is said
@@ -21,14 +22,15 @@ def measurement(state: State, look: Glance, turned: Float[np.ndarray, "3"] | Non
     Args:
         turned: rotation of the rig since the last pair [rad], None if it is not known.
     """
-    assert look.offset is not None
-    assert look.covariance is not None
+    assert look.facts is not None
     units = look.chart.units
     turn = np.zeros(SIZE)
     if turned is not None:
         turn[:3] = np.degrees(turned)
-    offset = state.offset_of(state.rig.with_extrinsics(look.chart.extrinsics(look.offset)))
-    return Measurement(state.frame, offset, _information(look.chart, look.covariance) / np.outer(units, units), turn)
+    offset = state.offset_of(state.rig.with_extrinsics(look.chart.extrinsics(look.facts.z)))
+    return Measurement(
+        state.frame, offset, _information(look.chart, look.facts.covariance()) / np.outer(units, units), turn
+    )
 
 
 def _information(chart: RigChart, covariance: Float[np.ndarray, "5 5"]) -> Float[np.ndarray, "5 5"]:
@@ -53,7 +55,7 @@ def followed(state: State, measured: Measurement) -> tuple[State, list[Event]]:
     estimate, knocked = changed
     before, state = state.estimate, state.but(estimate=estimate, suspect=None, odd=0)
     moved = estimate.offset - before.offset
-    if not knocked or not reading(state.but(using=state.using + before.offset - state.using)).matters:
+    if not knocked or not reading(state.using_now(before.offset)).matters:
         return _standing(state)
     facts = {"change": dict(zip(state.chart.names, moved.tolist(), strict=True))}
     return state.but(trial=None, said=Kind.KNOCK), [Event(state.frame, Kind.KNOCK, _named(facts["change"]), facts)]
@@ -84,7 +86,7 @@ def _kind(found: Reading) -> Kind | None:
         return Kind.LATE
     if found.matters:
         return Kind.DRIFTING if found.chance < _SURE else None
-    return Kind.HEALTHY if found.rows_px.high < 0.3 else None
+    return Kind.HEALTHY if found.rows_px.high < ROWS_APART else None
 
 
 def _named(change: dict[str, float]) -> str:

@@ -1,4 +1,4 @@
-"""Synthetic stereo scenes of a known rig, their ground truth, random drift, simulated drives, and a synthetic log of missions."""
+"""Synthetic stereo scenes of a known rig, their ground truth, random drift, drives, and a log of missions."""
 
 from stereorecal.synthetic._drift import decalibrate as decalibrate
 from stereorecal.synthetic._drive import Drive as Drive, Knock as Knock, plan_drive as plan_drive
