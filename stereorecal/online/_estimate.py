@@ -74,7 +74,7 @@ class Estimate:
         return Estimate(self.mean + covariance @ pull, 0.5 * (covariance + covariance.T))
 
     def chance_of(self, measured: Measurement) -> float:
-        """Of a measurement that lies as far from the estimate as this one, or farther (chi-square of the innovation)."""
+        """Of a measurement as far from the estimate as this one, or farther (chi-square of the innovation)."""
         from scipy.special import chdtrc  # a third of a second to import
 
         values, axes = np.linalg.eigh(measured.information)

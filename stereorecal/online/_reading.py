@@ -8,8 +8,20 @@ import numpy as np
 from stereorecal._plain import plain
 from stereorecal.online._estimate import SIZE
 from stereorecal.online._state import State
-from stereorecal.recalibration import DEPTH_MATTERS, DISTANCES, FAR, NORMAL_95, ROWS_MATTER, Interval, depth_error
+from stereorecal.recalibration import (
+    DEPTH_MATTERS,
+    DEPTH_WRONG,
+    DISTANCES,
+    FAR,
+    NORMAL_95,
+    ROWS_APART,
+    ROWS_MATTER,
+    Condition,
+    Interval,
+    depth_error,
+)
 
+SURE = 1e-4  # chance of a change that is called significant
 LATE = 4.0  # standard errors
 LATE_MATTERS = 0.03  # frames
 
@@ -40,6 +52,15 @@ class Reading:
         return self.rows_px.value > ROWS_MATTER or abs(self.depth_percent[FAR].value) > DEPTH_MATTERS
 
     @property
+    def condition(self) -> Condition:
+        """Repair, if the change is significant and matters. Healthy, if none that matters is in sight, no shutter is
+        late, and the intervals stay within 0.3 pixels and 10 %. Cannot tell, otherwise."""
+        if self.matters and self.chance < SURE:
+            return Condition.REPAIR
+        wide = self.rows_px.high > ROWS_APART or self.depth_percent[FAR].farthest > DEPTH_WRONG
+        return Condition.CANNOT_TELL if self.matters or wide or self.late else Condition.HEALTHY
+
+    @property
     def late(self) -> bool:
         """Whether a shutter is late: by 4 standard errors, and 0.03 frames."""
         half = (self.delay.high - self.delay.low) / 2.0
@@ -49,6 +70,7 @@ class Reading:
         """Plain data for JSON."""
         return plain(
             {
+                "condition": self.condition.name.lower(),
                 "axes": {name: _ends(axis) for name, axis in self.axes.items()},
                 "row_error_px": self.row_error,
                 "rows_px": _ends(self.rows_px),

@@ -9,11 +9,10 @@ from stereorecal.online._events import Event, Kind
 from stereorecal.online._glance import Glance
 from stereorecal.online._reading import Reading, reading
 from stereorecal.online._state import State
-from stereorecal.recalibration import ROWS_APART
+from stereorecal.recalibration import Condition
 
 _AGREE = 1e-3  # chance, of two looks after a knock
 _ODD = 4  # looks that fit nothing, until it is said
-_SURE = 1e-4  # chance, of a drift that is said
 
 
 def measurement(state: State, look: Glance, turned: Float[np.ndarray, "3"] | None) -> Measurement:
@@ -75,7 +74,7 @@ def _standing(state: State) -> tuple[State, list[Event]]:
     """How the rig stands: said when it changes."""
     found = reading(state)
     kind = _kind(found)
-    if kind is None or kind is state.said:
+    if kind is None or kind is state.said or (kind is Kind.DRIFTING and state.said is Kind.KNOCK):
         return state, []
     why = f"by {found.delay.value:.2f} frames" if kind is Kind.LATE else ""
     return state.but(said=kind), [Event(state.frame, kind, why, found.as_dict())]
@@ -84,9 +83,8 @@ def _standing(state: State) -> tuple[State, list[Event]]:
 def _kind(found: Reading) -> Kind | None:
     if found.late:
         return Kind.LATE
-    if found.matters:
-        return Kind.DRIFTING if found.chance < _SURE else None
-    return Kind.HEALTHY if found.rows_px.high < ROWS_APART else None
+    standing = {Condition.HEALTHY: Kind.HEALTHY, Condition.REPAIR: Kind.DRIFTING}
+    return standing.get(found.condition)
 
 
 def _named(change: dict[str, float]) -> str:
