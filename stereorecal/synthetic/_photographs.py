@@ -34,24 +34,29 @@ _MOVING = (0.05, 0.2)  # metres a frame
 _BLUR, _VIGNETTING, _EXPOSURE = 0.7, 0.3, 0.15
 
 
-def photographs(drive: Drive, first: int = 0) -> Iterator[Pair]:
-    """The pairs of a drive, from frame `first` on. Rendered when they are first asked for, a fifth of a second each,
-    and kept in the user's cache (15 MB for 100 frames)."""
+def photographs(drive: Drive, first: int = 0, *, folder: Path | None = None) -> Iterator[Pair]:
+    """The pairs of a drive, from frame `first` on. Rendered when they are first asked for, 50 at a time, a quarter of a
+    second each, and kept.
+
+    Args:
+        folder: where they are kept, 15 MB for 100 frames; default the user's cache.
+    """
+    folder = user_cache_path("stereorecal") / "drives" if folder is None else folder
     place, images = -1, None
     for frame in range(first, len(drive)):
         if images is None or drive.place(frame) != place:
             place = drive.place(frame)
-            images = _kept(drive, place)
+            images = _kept(drive, place, folder)
         left, right = images[frame - drive.frames_at(place)[0]].astype(np.float32)
         yield Pair(left, right, f"{drive.tour}-{drive.seed}-{frame:05d}")
 
 
-def _kept(drive: Drive, place: int) -> Images:
+def _kept(drive: Drive, place: int, folder: Path) -> Images:
     frames = drive.frames_at(place)
     told = [drive.tour, drive.seed, place, drive.moving, drive.weather[frames[0]], _sources()]
     numbers = drive.extrinsics[frames[0] : frames[-1] + 1].tobytes() + drive.late[frames[0] : frames[-1] + 1].tobytes()
     name = hashlib.sha256(repr(told).encode() + numbers).hexdigest()[:24]
-    path = user_cache_path("stereorecal") / "drives" / f"{drive.tour}-{name}.npy"
+    path = folder / f"{drive.tour}-{name}.npy"
     with suppress(OSError, ValueError):  # missing, or cut short
         return np.load(path)
     images = _rendered(drive, place)

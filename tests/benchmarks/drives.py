@@ -1,6 +1,6 @@
 """How does a rig do on the vehicle? Prints the figures of simulated drives beside their targets.
 
-    python tests/benchmarks/drives.py [--seeds N] [--first SEED] [--frames N] [--only calm,heat,knocks,late] [--save FILE]
+    python tests/benchmarks/drives.py [--seeds N] [--first SEED] [--frames N] [--only calm,heat,…] [--save FILE]
 
 Drives of 320x240 pairs whose truth is known in each frame, harbours and streets in turn, with rain, night, open sea
 and things that move: calm ones (nothing but a random walk of 1e-4 degrees a frame), warm ones (ramps of heat), ones
