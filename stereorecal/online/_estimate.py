@@ -12,7 +12,7 @@ from jaxtyping import Float
 
 SIZE = 5
 _DELAY = 0.5  # frames: standard deviation before anything is known
-_DELAY_WANDER = 2e-3  # a frame, likewise
+_DELAY_WANDER = 5e-3  # a frame, likewise
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,9 +58,9 @@ class Estimate:
         """The covariance of the offset."""
         return self.covariance[:SIZE, :SIZE]
 
-    def later(self, wander: float, shift: float) -> "Estimate":
+    def later(self, wander: tuple[float, float, float], shift: float) -> "Estimate":
         """A frame later: a random walk."""
-        steps = np.array([wander] * 3 + [shift] * 2 + [_DELAY_WANDER]) ** 2
+        steps = np.array([*wander, shift, shift, _DELAY_WANDER]) ** 2
         covariance = self.covariance + np.diag(steps)
         covariance[SIZE, SIZE] = min(covariance[SIZE, SIZE], _DELAY**2)
         return replace(self, covariance=covariance)

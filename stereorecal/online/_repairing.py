@@ -22,7 +22,9 @@ def repaired(state: State, pairs: Sequence[Pair]) -> tuple[State, list[Event]]:
     offset = state.offset_of(solution.rig)
     change = dict(zip(state.chart.names, (offset - state.using).tolist(), strict=True))
     knock = Event(state.frame, Kind.KNOCK, "hardly anything matched", {"change": change})
-    return after_repair(state.but(said=Kind.KNOCK), offset, solution.covariance), [*events, knock]
+    if state.said is not Kind.KNOCK:
+        events.append(knock)
+    return after_repair(state.but(said=Kind.KNOCK), offset, solution.covariance), events
 
 
 def _rejected(state: State, solution: Solution) -> Event:

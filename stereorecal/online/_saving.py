@@ -23,7 +23,7 @@ from stereorecal.online._trial import Trial
 from stereorecal.recordings import Pair
 
 SCHEMA = "stereorecal.state/1"
-_KNOWN = {
+_KNOWN: dict[str, Any] = {
     kind.__name__: kind
     for kind in (State, Config, Estimate, Measurement, Trial, StereoRig, Camera, View, Pair, SAD, BM, SGBM, Kind)
 }
@@ -95,5 +95,5 @@ def _made(told: Any, arrays: Mapping[str, np.ndarray]) -> Any:
         return arrays[told["array"]]
     kind = _KNOWN[told["of"]]
     if "name" in told:
-        return kind[told["name"]]  # pyright: ignore[reportIndexIssue]
+        return kind[told["name"]]
     return kind(**{name: _made(item, arrays) for name, item in told["with"].items()})

@@ -73,11 +73,13 @@ def _seen(state: State, pair: Pair) -> Outcome:
     state = state.but(last=now, estimate=estimate)
     if state.frame % config.every:
         return state, []
-    if state.matcher is None:
+    matcher = state.matcher
+    if matcher is None:
         if not legible(pair).enough:
             return _too_little(state)
-        state = state.but(matcher=ranged(config.matcher, pyramid(state.rig, [pair], state.view)))
-    look = glance(state.rig, pair, state.view, state.matcher)
+        matcher = ranged(config.matcher, pyramid(state.rig, [pair], state.view))
+        state = state.but(matcher=matcher)
+    look = glance(state.rig, pair, state.view, matcher)
     if look.facts is None:
         return _blind(state, pair, look)
     measured = measurement(state, look, turned)
@@ -104,7 +106,7 @@ def _blind(state: State, pair: Pair, look: Glance) -> Outcome:
         offset, matcher = state.trial.offset, state.matcher
         assert matcher is not None
         return matched(state, look.covered, lambda: glance(state.rig_at(offset), pair, state.view, matcher))
-    if not state.config.repair or state.darkness < state.attempt:
+    if state.darkness < state.attempt:
         return state, []
     return repaired(state.but(attempt=_PATIENCE * state.darkness), state.blind)
 

@@ -12,7 +12,7 @@ from stereorecal.online._reading import reading
 from stereorecal.online._state import Offset, State
 from stereorecal.online._trial import Trial
 
-_WORTH = 1e-3  # chance of an offset, below which the estimate becomes a candidate
+_WORTH = 1e-2  # chance of an offset, below which the estimate becomes a candidate
 _AFTER_REPAIR = 0.1  # degrees and percent: how well a repair of few frames is trusted, beyond its own covariance
 
 
@@ -71,12 +71,13 @@ def nominated(state: State) -> tuple[State, list[Event]]:
 
 
 def after_repair(state: State, offset: Offset, covariance: Float[np.ndarray, "5 5"]) -> State:
-    """A candidate of a repair on trial."""
+    """A candidate of a repair on trial, unless nothing is to be switched."""
     known = np.zeros((SIZE + 1, SIZE + 1))
     known[:SIZE, :SIZE] = covariance + np.eye(SIZE) * _AFTER_REPAIR**2
     known[SIZE, SIZE] = state.estimate.covariance[SIZE, SIZE]
     mean = np.append(offset, state.estimate.mean[SIZE])
-    return state.but(trial=Trial(offset, "repair", state.frame), estimate=Estimate(mean, known), suspect=None)
+    trial = Trial(offset, "repair", state.frame) if state.config.repair else None
+    return state.but(trial=trial, estimate=Estimate(mean, known), suspect=None)
 
 
 def _named(state: State, offset: Offset) -> dict[str, list[float]]:

@@ -42,7 +42,7 @@ def followed(state: State, measured: Measurement) -> tuple[State, list[Event]]:
     """The state after an informative look."""
     config = state.config
     if state.estimate.chance_of(measured) >= config.knock:
-        state = state.but(estimate=state.estimate.seen(measured), suspect=None, odd=0)
+        state = state.but(estimate=state.estimate.seen(_counted(state, measured)), suspect=None, odd=0)
         return _standing(state)
     if state.suspect is None:
         return state.but(suspect=measured), []
@@ -63,11 +63,16 @@ def followed(state: State, measured: Measurement) -> tuple[State, list[Event]]:
 def _explained(state: State, first: Measurement, second: Measurement) -> tuple[Estimate, bool] | None:
     """The estimate after two looks that agree with each other, and whether the rig was knocked; None if they do not.
     A delay explains with one number what a knock explains with five, so it is asked first."""
-    late = state.estimate.late().seen(first)
+    late = state.estimate.late().seen(_counted(state, first))
     if state.estimate.late().chance_of(first) > _AGREE and late.chance_of(second) > _AGREE:
-        return late.seen(second), False
-    knocked = state.estimate.shaken(state.prior).seen(first)
-    return (knocked.seen(second), True) if knocked.chance_of(second) > _AGREE else None
+        return late.seen(_counted(state, second)), False
+    knocked = state.estimate.shaken(state.prior).seen(_counted(state, first))
+    return (knocked.seen(_counted(state, second)), True) if knocked.chance_of(second) > _AGREE else None
+
+
+def _counted(state: State, measured: Measurement) -> Measurement:
+    """What a look counts for in what is fused: nothing votes twice."""
+    return measured.weighed(1.0 / state.config.together)
 
 
 def _standing(state: State) -> tuple[State, list[Event]]:

@@ -20,7 +20,7 @@ def fused(frames: int, offset: np.ndarray, draw: np.random.Generator, late: floa
     estimate = at_start(PRIOR)
     for frame in range(frames):
         turn = float(np.sin(0.2 * frame))
-        estimate = estimate.later(0.0, 0.0).seen(measured(frame, offset, draw, turn, late))
+        estimate = estimate.later((0.0, 0.0, 0.0), 0.0).seen(measured(frame, offset, draw, turn, late))
     return estimate
 
 
@@ -45,7 +45,7 @@ def test_false_alarms_are_as_rare_as_said():
     draw, estimate, rare = np.random.default_rng(2), at_start(PRIOR), []
     for frame in range(3000):
         look = measured(frame, np.zeros(5), draw)
-        estimate = estimate.later(0.001, 0.001)
+        estimate = estimate.later((0.001, 0.001, 0.001), 0.001)
         rare.append(estimate.chance_of(look) < 0.01)
         estimate = estimate.seen(look)
     assert np.mean(rare) == pytest.approx(0.01, abs=0.005)

@@ -1,6 +1,7 @@
 """A ride with a knock: it is noticed, repaired, judged on later pairs; and what may never happen."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -94,9 +95,10 @@ def test_pairs_between_looks_only_tell_the_motion(ride: Ride, ridden: list[Stepp
     assert [stepped.state.seen for stepped in steps] == [1, 1, 2, 2]
 
 
-@pytest.mark.parametrize(
-    "wrong", [{"every": 0}, {"remember": 0}, {"knock": 0.0}, {"switch": 1.0}, {"wander": -1.0}, {"rest": float("nan")}]
-)
-def test_settings_that_make_no_sense(wrong: dict[str, float]):
+WRONG = ({"every": 0}, {"together": 0}, {"knock": 0.0}, {"switch": 1.0}, {"wander": (0.0, -1.0, 0.0)}, {"rest": -1})
+
+
+@pytest.mark.parametrize("wrong", WRONG)
+def test_settings_that_make_no_sense(wrong: dict[str, Any]):
     with pytest.raises(sr.InputError, match=next(iter(wrong))):
         replace(Config(), **wrong)
