@@ -42,7 +42,7 @@ def run(options: argparse.Namespace) -> int:
     except KeyboardInterrupt:
         interrupted = True
         print(f"stereorecal: interrupted after {state.frame} pairs.", file=sys.stderr)
-    if options.output is not None and state.switched >= 0:
+    if options.output is not None and state.using.any():
         save_rig(state.rig, options.output, scenes[0].info, overwrite=options.force)
     condition = reading(state).condition
     if not options.quiet and options.json != "-":
@@ -60,7 +60,7 @@ def _start(options: argparse.Namespace, scene: Scene) -> State:
 
 
 def _about(options: argparse.Namespace, state: State) -> str:
-    if state.switched < 0:
+    if not state.using.any():
         return "the calibration is the one that was given"
     if options.output is None:
         return "it is a repaired one; --output FILE would write it"

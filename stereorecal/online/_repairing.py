@@ -4,10 +4,13 @@ from collections.abc import Sequence
 
 from stereorecal._errors import InputError
 from stereorecal.online._events import Event, Kind
+from stereorecal.online._reading import reading
 from stereorecal.online._state import State
 from stereorecal.online._switching import after_repair
 from stereorecal.recalibration import Reason, Solution, recalibrate
 from stereorecal.recordings import Pair
+
+_FAR = 1.5  # pixels: beyond it a window meets other things
 
 
 def repaired(state: State, pairs: Sequence[Pair]) -> tuple[State, list[Event]]:
@@ -24,7 +27,12 @@ def repaired(state: State, pairs: Sequence[Pair]) -> tuple[State, list[Event]]:
     knock = Event(state.frame, Kind.KNOCK, "hardly anything matched", {"change": change})
     if state.said is not Kind.KNOCK:
         events.append(knock)
-    return after_repair(state.but(said=Kind.KNOCK), offset, solution.covariance), events
+    return after_repair(state.but(said=Kind.KNOCK, ready=0), offset, solution.covariance), events
+
+
+def too_far(state: State) -> bool:
+    """Whether a knock was so large that looks through the calibration in use measure it badly."""
+    return reading(state).rows_px.value > _FAR
 
 
 def _rejected(state: State, solution: Solution) -> Event:

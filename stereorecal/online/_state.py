@@ -17,6 +17,8 @@ from stereorecal.online._turning import Small
 from stereorecal.recalibration import depth_slopes
 from stereorecal.recordings import Pair
 
+_STRANGE = 3  # pairs
+
 Offset = Float[np.ndarray, "5"]
 """Of a calibration from the one that was given first: pitch, yaw, roll in degrees, y, z in percent of the baseline."""
 
@@ -41,11 +43,12 @@ class State:
         last: the last left image, small; None after a pair that cannot be used.
         suspect: a look that does not fit, until the next one says what it was.
         odd: consecutive looks that fit neither the estimate nor each other.
-        blind: the last pairs with light and texture that hardly match, up to three.
-        darkness: how many such pairs there have been, one after the other.
+        strange: the last pairs, one after the other, that hardly match, though they have light and texture, or do not
+            fit; up to three: what a repair after a knock rests on.
+        darkness: how many pairs hardly matched, one after the other.
         attempt: at how many of them the next repair is tried.
         trial: the candidate on trial.
-        switched: the pair at which the calibration in use came into use.
+        ready: the pair from which on a candidate may be nominated.
         previous: offsets of calibrations that were in use before, the last one last.
         said: the last standing event, so that each is said once.
     """
@@ -64,11 +67,11 @@ class State:
     last: Small | None = None
     suspect: Measurement | None = None
     odd: int = 0
-    blind: tuple[Pair, ...] = ()
+    strange: tuple[Pair, ...] = ()
     darkness: int = 0
     attempt: int = 2
     trial: Trial | None = None
-    switched: int = -1
+    ready: int = 0
     previous: tuple[Offset, ...] = ()
     said: Kind | None = None
 
@@ -96,6 +99,10 @@ class State:
     def prior(self) -> Offset:
         """Standard deviations of the drift that is thought possible."""
         return self.chart.units * self.chart.prior
+
+    def with_strange(self, pair: Pair) -> "State":
+        """The state with one more pair that a repair may rest on."""
+        return replace(self, strange=(*self.strange, pair)[-_STRANGE:])
 
     def using_now(self, offset: Offset) -> "State":
         """The state with another calibration in use."""

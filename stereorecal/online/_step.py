@@ -11,7 +11,7 @@ from stereorecal.online._config import Config
 from stereorecal.online._estimate import SIZE, at_start
 from stereorecal.online._events import Event, Kind
 from stereorecal.online._glance import Glance, glance
-from stereorecal.online._repairing import repaired
+from stereorecal.online._repairing import repaired, too_far
 from stereorecal.online._state import State, nearing
 from stereorecal.online._switching import judged, matched, nominated, switched
 from stereorecal.online._turning import small, turn
@@ -20,7 +20,7 @@ from stereorecal.recordings import Images, Pair, check_pairs
 from stereorecal.scoring import legible, pyramid
 from stereorecal.scoring.host import ranged
 
-_BLIND = 3  # pairs that a repair is tried on
+_FIRST = 2  # pairs that hardly match, until a repair is tried
 _PATIENCE = 2  # times as long, after a repair that failed
 
 Outcome = tuple[State, list[Event]]
@@ -38,7 +38,7 @@ def init(rig: StereoRig, config: Config = Config()) -> State:  # noqa: B008  fro
     matcher = as_matcher(config.matcher)
     blank = State(config, rig, view_of(rig), np.zeros(SIZE), at_start(np.ones(SIZE)), nearing(rig))
     known = matcher if matcher.num_disparities is not None else None
-    return blank.but(estimate=at_start(blank.prior), matcher=known)
+    return blank.but(estimate=at_start(blank.prior), matcher=known, attempt=_FIRST)
 
 
 def step(state: State, pair: Pair | Images) -> tuple[State, tuple[Event, ...]]:
@@ -88,10 +88,15 @@ def _seen(state: State, pair: Pair) -> Outcome:
         seen=state.seen + 1,
         steepness=slopes.T @ slopes / len(slopes),
         row_error=look.rows(state.rig),
-        blind=(),
         darkness=0,
+        attempt=_FIRST,
     )
     state, events = followed(state, measured)
+    knocked = any(event.kind is Kind.KNOCK for event in events)
+    state = state.with_strange(pair) if knocked or state.suspect is not None else state.but(strange=())
+    if knocked and too_far(state):
+        state, more = repaired(state, state.strange)
+        return state, [*events, *more]
     state, more = judged(state, measured, look)
     state, last = nominated(state)
     return state, [*events, *more, *last]
@@ -101,14 +106,16 @@ def _blind(state: State, pair: Pair, look: Glance) -> Outcome:
     """A pair of which hardly anything matches: too little to see, or a rig that is far off."""
     if not legible(pair).enough:
         return _too_little(state)
-    state = state.but(blind=(*state.blind, pair)[-_BLIND:], darkness=state.darkness + 1)
+    state = state.with_strange(pair).but(darkness=state.darkness + 1)
+    if state.trial is not None and state.trial.by == "looks":
+        state = state.but(trial=None)  # what it was fitted to is no longer to be seen
     if state.trial is not None:
         offset, matcher = state.trial.offset, state.matcher
         assert matcher is not None
         return matched(state, look.covered, lambda: glance(state.rig_at(offset), pair, state.view, matcher))
     if state.darkness < state.attempt:
         return state, []
-    return repaired(state.but(attempt=_PATIENCE * state.darkness), state.blind)
+    return repaired(state.but(attempt=_PATIENCE * state.darkness), state.strange)
 
 
 def _too_little(state: State) -> Outcome:

@@ -19,7 +19,7 @@ _AFTER_REPAIR = 0.1  # degrees and percent: how well a repair of few frames is t
 def judged(state: State, measured: Measurement, look: Glance) -> tuple[State, list[Event]]:
     """The trial after a look through the calibration in use that fits what is known."""
     trial = state.trial
-    if trial is None or measured.frame <= trial.since or state.suspect is not None:
+    if trial is None or measured.frame <= trial.since:
         return state, []
     after = look.rows(state.rig_at(trial.offset))
     return decided(state.but(trial=trial.measured(state.using, measured, state.row_error, after)))
@@ -31,8 +31,6 @@ def matched(state: State, before: float, look: Callable[[], Glance]) -> tuple[St
     if trial is None or state.frame <= trial.since:
         return state, []
     seen = look()
-    if seen.facts is None and seen.covered < 2 * before:
-        return state, []
     return decided(state.but(trial=trial.matched(before, seen.covered if seen.facts is not None else 0.0)))
 
 
@@ -54,7 +52,7 @@ def switched(state: State, offset: Offset) -> State:
     """Another calibration in use; the one before it is kept."""
     previous = (*state.previous, state.using)[-state.config.keep :]
     return state.using_now(offset).but(
-        previous=previous, switched=state.frame, trial=None, blind=(), darkness=0, attempt=2
+        previous=previous, ready=state.frame + state.config.rest, trial=None, strange=(), darkness=0, attempt=2
     )
 
 

@@ -16,6 +16,7 @@ _LOST = -3.0
 _LONGEST = 60  # looks
 _FEWEST = 3  # likewise
 _ROWS_LOST = 0.02  # pixels, as the acceptance of a repair has it
+_BLIND_TOO = 0.5  # of the logarithm: neither sees anything
 _MATCHES = 2.0  # times as many correspondences: it sees where the other is blind
 
 
@@ -61,7 +62,7 @@ class Trial:
 
     def matched(self, before: float, after: float) -> "Trial":
         """With a look in which the one in use is blind: shares of the image in which matches were found."""
-        gain = _MOST_OF_ONE if after > _MATCHES * before else -_MOST_OF_ONE / 2
+        gain = _MOST_OF_ONE if after > _MATCHES * before else -_BLIND_TOO
         return replace(self, evidence=self.evidence + gain, looks=self.looks + 1)
 
     def won(self, chance: float) -> bool:

@@ -57,7 +57,9 @@ def followed(state: State, measured: Measurement) -> tuple[State, list[Event]]:
     if not knocked or not reading(state.using_now(before.offset)).matters:
         return _standing(state)
     facts = {"change": dict(zip(state.chart.names, moved.tolist(), strict=True))}
-    return state.but(trial=None, said=Kind.KNOCK), [Event(state.frame, Kind.KNOCK, _named(facts["change"]), facts)]
+    return state.but(trial=None, ready=0, said=Kind.KNOCK), [
+        Event(state.frame, Kind.KNOCK, _named(facts["change"]), facts)
+    ]
 
 
 def _explained(state: State, first: Measurement, second: Measurement) -> tuple[Estimate, bool] | None:

@@ -35,10 +35,10 @@ def test_a_loaded_state_goes_on(ride: Ride, ridden: list[Stepped], tmp_path: Pat
 
 
 def test_pairs_that_wait_for_a_repair_are_kept(ride: Ride, tmp_path: Path):
-    state = init(ride.rig).but(blind=tuple(ride.pairs[:2]), darkness=2, matcher=sr.SAD(num_disparities=48))
+    state = init(ride.rig).but(strange=tuple(ride.pairs[:2]), darkness=2, matcher=sr.SAD(num_disparities=48))
     save(state, tmp_path / "state")
     again = load(tmp_path / "state")
-    np.testing.assert_array_equal(again.blind[1].left, ride.pairs[1].left)
+    np.testing.assert_array_equal(again.strange[1].left, ride.pairs[1].left)
     assert again.matcher == state.matcher
     assert again.config == state.config
     assert np.isnan(again.row_error)
