@@ -60,7 +60,7 @@ def nominated(state: State) -> tuple[State, list[Event]]:
     """The estimate as a candidate, where it says that the calibration in use is not the true one."""
     if not state.config.repair or state.trial is not None or state.suspect is not None:
         return state, []
-    if state.switched >= 0 and state.frame - state.switched < state.config.rest:
+    if state.frame < state.ready:
         return state, []
     found = reading(state)
     if found.late or found.chance > _WORTH:
