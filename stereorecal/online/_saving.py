@@ -50,15 +50,17 @@ def load(path: str | Path) -> State:
         InputError: if the file cannot be read, or is of another version.
     """
     try:
-        with np.load(path, allow_pickle=False) as file:
+        whole = Path(path).read_bytes()
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror or error}); check the path.") from error
+    try:
+        with np.load(io.BytesIO(whole), allow_pickle=False) as file:
             arrays = {name: file[name] for name in file.files}
         content = json.loads(arrays["content"].tobytes())
         if content["schema"] != SCHEMA:
             raise InputError(f"{path}: the state is of version {content['schema']!r}, not {SCHEMA!r}; begin anew.")
         return _made(content["state"], arrays)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror or error}); check the path.") from error
-    except (ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
+    except (ValueError, KeyError, TypeError, AttributeError, EOFError, OSError, zipfile.BadZipFile) as error:
         raise InputError(f"{path}: is no state of this library, or cut short ({error}); begin anew.") from error
 
 

@@ -21,6 +21,8 @@ def judged(state: State, measured: Measurement, look: Glance) -> tuple[State, li
     trial = state.trial
     if trial is None or measured.frame <= trial.since:
         return state, []
+    if reading(state).late:  # what was measured may be the shutter's
+        return state.but(trial=None), []
     after = look.rows(state.rig_at(trial.offset))
     return decided(state.but(trial=trial.measured(state.using, measured, state.row_error, after)))
 
