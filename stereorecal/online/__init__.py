@@ -11,4 +11,4 @@ from stereorecal.online._reading import Reading as Reading, reading as reading
 from stereorecal.online._run import Stepped as Stepped, run as run
 from stereorecal.online._saving import load as load, save as save
 from stereorecal.online._state import State as State
-from stereorecal.online._step import init as init, rollback as rollback, step as step
+from stereorecal.online._step import freeze as freeze, init as init, rollback as rollback, step as step

@@ -42,28 +42,35 @@ def init(rig: StereoRig, config: Config = Config()) -> State:  # noqa: B008  fro
 
 
 def step(state: State, pair: Pair | Images) -> tuple[State, tuple[Event, ...]]:
-    """The state after one more pair, and what happened. A pair that cannot be used is an event, never an exception."""
+    """The state after one more pair, and what happened. A pair that cannot be used is an event, never an exception.
+
+    A step is one look at the pair; after a knock that leaves hardly anything to match, one repair of up to three pairs
+    as well. After `sr.warm_up(rig, matcher=..., disparities=...)` nothing is compiled in it.
+    """
     try:
         (pair,) = check_pairs(state.initial, [pair])
+        after, events = _seen(state, pair)
     except InputError as error:
         event = Event(state.frame, Kind.BAD_FRAME, str(error))
         return state.but(frame=state.frame + 1, last=None, said=Kind.BAD_FRAME), (event,)
-    state, events = _seen(state, pair)
-    return state.but(frame=state.frame + 1), tuple(events)
+    return after.but(frame=state.frame + 1), tuple(events)
+
+
+def freeze(state: State, frozen: bool = True) -> State:
+    """The same state, in which nothing is switched any more; or, not `frozen`, in which it is again."""
+    return state.but(config=replace(state.config, repair=not frozen), trial=None)
 
 
 def rollback(state: State) -> State:
-    """The calibration that was in use before, and nothing is switched any more: what led away from it would do so
-    again. `unfrozen` lets it.
+    """The calibration that was in use before, and frozen: what led away from it would do so again.
 
     Raises:
         InputError: if no other has been in use.
     """
     if not state.previous:
         raise InputError("no other calibration has been in use; there is nothing to return to.")
-    config = replace(state.config, repair=False)
     *previous, last = state.previous
-    return switched(state, last).but(previous=tuple(previous), config=config)
+    return freeze(switched(state, last).but(previous=tuple(previous)))
 
 
 def _seen(state: State, pair: Pair) -> Outcome:

@@ -8,7 +8,7 @@ import pytest
 from rides import BEFORE, Ride, error, kinds
 
 import stereorecal as sr
-from stereorecal.online import Config, Kind, Stepped, init, reading, rollback, run, step
+from stereorecal.online import Config, Kind, Stepped, freeze, init, reading, rollback, run, step
 
 
 def test_a_knock_is_noticed_and_repaired(ride: Ride, ridden: list[Stepped]):
@@ -57,6 +57,7 @@ def test_rollback_returns_and_stays(ride: Ride, ridden: list[Stepped]):
     back = rollback(state)
     np.testing.assert_array_equal(back.using, state.previous[-1])
     assert not back.config.repair
+    assert freeze(back, False).config.repair
     later = list(run(back, ride.pairs[BEFORE : BEFORE + 6]))[-1].state
     np.testing.assert_array_equal(later.using, back.using)
     with pytest.raises(sr.InputError, match="nothing to return to"):
