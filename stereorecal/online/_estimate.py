@@ -12,6 +12,8 @@ from jaxtyping import Float
 
 SIZE = 5
 _DELAY = 0.5  # frames: standard deviation before anything is known
+_LATE = 0.3  # frames: a delay that is thought possible before one is named
+_TRAVEL = 3.0  # percent of the baseline: by what the rig may travel during a delay
 _DELAY_WANDER = 5e-3  # a frame, likewise
 
 
@@ -35,6 +37,17 @@ class Measurement:
     def design(self) -> Float[np.ndarray, "5 6"]:
         """What is measured of an estimate."""
         return np.column_stack([np.eye(SIZE), self.turn])
+
+    @property
+    def if_late(self) -> "Measurement":
+        """What is left of it where a shutter may be late: what the rig's turn and travel would pose as says nothing.
+
+        The delay and the travel are integrated out (Woodbury's identity for the inverse of a sum).
+        """
+        poses = np.column_stack([_LATE * self.turn, _TRAVEL * np.eye(SIZE)[:, 3:]])
+        seen = self.information @ poses
+        known = self.information - seen @ np.linalg.solve(np.eye(3) + poses.T @ seen, seen.T)
+        return replace(self, information=0.5 * (known + known.T))
 
     def weighed(self, share: float) -> "Measurement":
         """The same with a share of its information."""
@@ -87,9 +100,8 @@ class Estimate:
         return float(chdtrc(int(kept.sum()), float(innovation @ np.linalg.solve(spread, innovation))))
 
     def late(self) -> "Estimate":
-        """After a shutter may have begun to be late, or ceased."""
-        steps = np.zeros(SIZE + 1)
-        steps[SIZE] = _DELAY**2
+        """After a shutter may have begun to be late, or ceased: the rig turns and travels while it is."""
+        steps = np.array([0.0, 0.0, 0.0, _TRAVEL, _TRAVEL, _DELAY]) ** 2
         return replace(self, covariance=self.covariance + np.diag(steps))
 
     def shaken(self, prior: Float[np.ndarray, "5"]) -> "Estimate":

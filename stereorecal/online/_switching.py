@@ -24,7 +24,7 @@ def judged(state: State, measured: Measurement, look: Glance) -> tuple[State, li
     if reading(state).late:  # what was measured may be the shutter's
         return state.but(trial=None), []
     after = look.rows(state.rig_at(trial.offset))
-    return decided(state.but(trial=trial.measured(state.using, measured, state.row_error, after)))
+    return decided(state.but(trial=trial.measured(state.using, measured.if_late, state.row_error, after)))
 
 
 def matched(state: State, before: float, look: Callable[[], Glance]) -> tuple[State, list[Event]]:
@@ -46,7 +46,8 @@ def decided(state: State) -> tuple[State, list[Event]]:
         return state, [Event(state.frame, Kind.REPAIRED, "", facts)]
     if trial.lost:
         facts = {"candidate": _named(state, trial.offset), "proof": trial.as_dict()}
-        return state.but(trial=None), [Event(state.frame, Kind.REJECTED, f"fitted by {trial.by}", facts)]
+        state = state.but(trial=None, ready=state.frame + state.config.rest)
+        return state, [Event(state.frame, Kind.REJECTED, f"fitted by {trial.by}", facts)]
     return state, []
 
 
