@@ -6,6 +6,7 @@ from . import (
     io as io,
     matching as matching,
     objectives as objectives,
+    online as online,
     recalibration as recalibration,
     recordings as recordings,
     reproduction as reproduction,

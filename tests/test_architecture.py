@@ -27,7 +27,8 @@ MAY_IMPORT["testing"] = MAY_IMPORT["objectives"] | {"objectives", "synthetic"}
 MAY_IMPORT["recalibration"] |= {"report", "io"}  # how numbers read, and a page: a solution shows itself
 MAY_IMPORT["comparison"] |= {"report", "io", "synthetic"}
 MAY_IMPORT["reproduction"] = MAY_IMPORT["comparison"]
-MAY_IMPORT["cli"] |= {"reproduction", "report", "io", "synthetic", "testing"}
+MAY_IMPORT["online"] = MAY_IMPORT["recalibration"] | {"recalibration", "io"} - {"report"}
+MAY_IMPORT["cli"] |= {"online", "reproduction", "report", "io", "synthetic", "testing"}
 NOT_IN_CORE = ("nlopt", "optimistix", "equinox")
 
 

@@ -13,6 +13,7 @@ import numpy as np
 import stereorecal as sr
 from stereorecal.report.figures import Panel, repair_figure, save
 from stereorecal.reproduction import write_files
+from stereorecal.synthetic import Knock
 
 HERE = Path(__file__).parent
 
@@ -46,6 +47,41 @@ def report() -> None:
     assert shown is not None
     halves = np.concatenate([shown[:1750], shown[1750:3500]], axis=1)  # side by side: a README is wide, not long
     cv2.imwrite(str(HERE / "report.jpg"), cv2.resize(halves, None, fx=0.6, fy=0.6, interpolation=cv2.INTER_AREA))
+
+
+def drive() -> None:
+    """The error of the rig in use over a drive with knocks, with the estimate's interval, and what happened."""
+    knocks = (
+        Knock(30, (0.2, 0.0, 0.0)),
+        Knock(80, (0.0, 0.5, 0.0)),
+        Knock(130, (0.0, 0.0, -0.3)),
+        Knock(170, (-1.5, 1.0, 2.0)),
+        Knock(230, (2.5, -2.0, 1.0)),
+    )
+    taken = sr.synthetic.plan_drive("harbour", 2, 300, knocks=knocks, weather=False)
+    used, found, half, happened = [], [], [], []
+    for frame, stepped in enumerate(sr.online.run(taken.rig, sr.synthetic.photographs(taken))):
+        truth = stepped.state.offset_of(taken.truth(frame))
+        used.append(stepped.state.using - truth)
+        found.append(stepped.state.estimate.offset - truth)
+        half.append(1.96 * np.sqrt(np.diag(stepped.state.estimate.of_offset)))
+        happened += [(frame, event.kind) for event in stepped.events]
+    used, found, half = np.array(used), np.array(found), np.array(half)
+    figure, rows = plt.subplots(3, 1, figsize=(9.0, 6.0), sharex=True, layout="constrained")
+    for axis, (axes, name) in enumerate(zip(rows, ("pitch", "yaw", "roll"), strict=True)):
+        frames = np.arange(len(used))
+        low, high = found[:, axis] - half[:, axis], found[:, axis] + half[:, axis]
+        axes.fill_between(frames, low, high, color="tab:blue", alpha=0.25, lw=0, label="estimate, 95 %")
+        axes.plot(used[:, axis], color="black", lw=1.0, label="rig in use")
+        for kind, colour in ((sr.online.Kind.KNOCK, "tab:red"), (sr.online.Kind.REPAIRED, "tab:green")):
+            for number, frame in enumerate(f for f, k in happened if k is kind):
+                axes.axvline(frame, color=colour, lw=0.8, label=kind.name.lower() if number == 0 else None)
+        axes.set_ylim(-0.25, 0.25)
+        axes.set_ylabel(f"{name}, error [deg]")
+    rows[0].legend(loc="upper right", fontsize=8, ncols=4)
+    rows[-1].set_xlabel("pair")
+    figure.savefig(HERE / "drive.png", dpi=110)
+    plt.close(figure)
 
 
 def conventions() -> None:
@@ -116,4 +152,5 @@ if __name__ == "__main__":
     report()
     conventions()
     misfit()
+    drive()
     experiments()

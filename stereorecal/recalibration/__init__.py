@@ -1,10 +1,25 @@
 """Recalibration: schedules, the repair itself, uncertainty, the verdict."""
 
-from stereorecal.recalibration._acceptance import Reason as Reason, RowErrors as RowErrors
+from stereorecal.recalibration._acceptance import (
+    FEWEST_PLACES as FEWEST_PLACES,
+    LEAST_COVERED as LEAST_COVERED,
+    ROWS_APART as ROWS_APART,
+    ROWS_MATTER as ROWS_MATTER,
+    Reason as Reason,
+    RowErrors as RowErrors,
+)
+from stereorecal.recalibration._agreement import LIKELY as LIKELY
+from stereorecal.recalibration._consequences import Interval as Interval, depth_slopes as depth_slopes
 from stereorecal.recalibration._cost import Cost as Cost
 from stereorecal.recalibration._difference import Difference as Difference, difference as difference
+from stereorecal.recalibration._effects import DISTANCES as DISTANCES, depth_error as depth_error
+from stereorecal.recalibration._evidence import Evidence as Evidence, evidence_of as evidence_of
 from stereorecal.recalibration._frames import MOST_FRAMES as MOST_FRAMES, chosen_frames as chosen_frames
 from stereorecal.recalibration._health import (
+    DEPTH_MATTERS as DEPTH_MATTERS,
+    DEPTH_WRONG as DEPTH_WRONG,
+    FALSE as FALSE,
+    FAR as FAR,
     HEALTH_LIMITS as HEALTH_LIMITS,
     Condition as Condition,
     Health as Health,
@@ -30,9 +45,10 @@ from stereorecal.recalibration._schedule import (
     ScoreKind as ScoreKind,
     Stage as Stage,
     as_schedule as as_schedule,
+    watching_scale as watching_scale,
 )
 from stereorecal.recalibration._sequence import recalibrate_sequence as recalibrate_sequence
 from stereorecal.recalibration._solution import Solution as Solution
-from stereorecal.recalibration._stages import Case as Case
-from stereorecal.recalibration._uncertainty import Uncertainty as Uncertainty
+from stereorecal.recalibration._stages import FEWEST as FEWEST, Case as Case
+from stereorecal.recalibration._uncertainty import NORMAL_95 as NORMAL_95, Uncertainty as Uncertainty
 from stereorecal.recalibration._warm_up import warm_up as warm_up

@@ -60,17 +60,23 @@ def depth_intervals(
     used: StereoRig, chart: RigChart, z: Float[np.ndarray, "n"], covariance: Float[np.ndarray, "n n"]
 ) -> Mapping[int, Interval]:
     """The error of depth in percent of `used`, if the true rig lies around the point z of the chart."""
+    slopes = depth_slopes(used, chart, z)
+    here, width = nearnesses(used, chart.rig_at(z)), NORMAL_95 * deviations(slopes, covariance)
+    ends = np.stack([here, here + width, here - width], axis=-1)
+    return {
+        distance: Interval(*map(depth_error, three)) for distance, three in zip(DISTANCES, ends.tolist(), strict=True)
+    }
+
+
+def depth_slopes(used: StereoRig, chart: RigChart, z: Float[np.ndarray, "n"]) -> Float[np.ndarray, "distances n"]:
+    """Derivatives of the true depth over the one that `used` reports, by the point of the chart at which the true rig
+    lies."""
 
     def near(at: Float[np.ndarray, "n"]) -> Float[np.ndarray, "distances"]:
         return nearnesses(used, chart.rig_at(at))
 
     steps = _STEP * np.eye(len(z))
-    slopes = np.stack([(near(z + h) - near(z - h)) / (2 * _STEP) for h in steps], axis=-1)
-    here, width = near(z), NORMAL_95 * deviations(slopes, covariance)
-    ends = np.stack([here, here + width, here - width], axis=-1)
-    return {
-        distance: Interval(*map(depth_error, three)) for distance, three in zip(DISTANCES, ends.tolist(), strict=True)
-    }
+    return np.stack([(near(z + h) - near(z - h)) / (2 * _STEP) for h in steps], axis=-1)
 
 
 def deviations(slopes: Float[np.ndarray, "p n"], covariance: Float[np.ndarray, "n n"]) -> Float[np.ndarray, "p"]:

@@ -12,7 +12,7 @@ from statistics import NormalDist
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from stereorecal.objectives import RigChart, differences_at, linearised
+from stereorecal.objectives import LinearRows, RigChart, differences_at, linearised
 from stereorecal.scoring import TILES, Correspondences, Loss, curvatures, precisions
 
 FOLDS = 4
@@ -167,18 +167,29 @@ def evidence(chart: RigChart, found: Correspondences, z: Float[np.ndarray, "n"],
     Args:
         loss: by which rows vote; with SOFT_L1 those that lie far apart have a say as well.
     """
+    start = differences_at(found, chart, np.zeros_like(z))
+    return evidence_of(found, linearised(found, chart, z), start, chart.prior, loss)
+
+
+def evidence_of(
+    found: Correspondences, rows: LinearRows, start: Float[np.ndarray, "k m"], prior: float, loss: Loss = Loss.WELSCH
+) -> Evidence:
+    """The same of rows that are linear already.
+
+    Args:
+        start: row differences under the initial calibration.
+    """
     here, scale = np.asarray(found.weight) > 0, float(found.scale)
-    rows = linearised(found, chart, z)
     weight = precisions(found, rows.differences, loss)[here] * scale**2
     return Evidence(
-        z=z,
+        z=rows.z,
         jacobian=rows.jacobian[:, here].T / scale,
         residual=rows.differences[here] / scale,
-        start_residual=differences_at(found, chart, np.zeros_like(z))[here] / scale,
+        start_residual=start[here] / scale,
         weight=weight,
         curvature=curvatures(found, rows.differences)[here] * scale**2 if loss is Loss.WELSCH else weight,
         tile=np.asarray(found.tile)[here],
-        prior=chart.prior,
+        prior=prior,
         scale=scale,
         independent=float(found.independent),
     )

@@ -9,6 +9,7 @@ from stereorecal.strategies import AbstractStrategy, Need, name_of, strategy as 
 
 SCHEDULES = ("count", "default")
 _FINEST = (60_000, 480_000)  # pixels of a frame at which rows are measured at the end
+_STEPPING_STONE = (60_000, 120_000)  # the same at half scale
 
 
 class ScoreKind(enum.Enum):
@@ -100,7 +101,7 @@ class Schedule:
         # Half scale is a stepping stone: it need not settle, and rounds at full scale tell more.
         stages = (
             Stage(climb, 0.25, ScoreKind.COUNT, pixels=(16_000, 30_000), frames=2, rows=0.5),
-            Stage(solve, 0.5, ScoreKind.EPIPOLAR, rounds=1, pixels=(60_000, 120_000), frames=2),
+            Stage(solve, 0.5, ScoreKind.EPIPOLAR, rounds=1, pixels=_STEPPING_STONE, frames=2),
             Stage(solve, 1.0, ScoreKind.EPIPOLAR, rounds=4, pixels=_FINEST),
         )
         return Schedule("default", stages, survey=True)
@@ -120,6 +121,11 @@ class Schedule:
 def finest_scale(size: tuple[int, int]) -> float:
     """The scale of the last stage of the default schedule for images of `size` (width, height)."""
     return _within(_FINEST, 1.0, size)
+
+
+def watching_scale(size: tuple[int, int]) -> float:
+    """The scale of the stage before it: half, for images of usual size."""
+    return _within(_STEPPING_STONE, 0.5, size)
 
 
 def _within(pixels: tuple[int, int], scale: float, size: tuple[int, int]) -> float:

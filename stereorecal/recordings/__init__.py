@@ -3,6 +3,6 @@
 from stereorecal.recordings._checks import check_pairs as check_pairs
 from stereorecal.recordings._log import Log as Log, Mission as Mission
 from stereorecal.recordings._pair import Pair as Pair, make_pair as make_pair
-from stereorecal.recordings._pairs import Pairs as Pairs, as_pairs as as_pairs
+from stereorecal.recordings._pairs import Images as Images, Pairs as Pairs, as_pairs as as_pairs
 from stereorecal.recordings._range import Range as Range
 from stereorecal.recordings._scene import Scene as Scene

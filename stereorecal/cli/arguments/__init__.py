@@ -8,7 +8,7 @@ from typing import NoReturn
 
 from stereorecal._version import __version__
 from stereorecal.cli._exit_codes import BAD_INPUT
-from stereorecal.cli.arguments import _compare, _convert, _diff, _recalibrate, _reproduce, _score, _strategies
+from stereorecal.cli.arguments import _compare, _convert, _diff, _monitor, _recalibrate, _reproduce, _score, _strategies
 
 
 class _Parser(argparse.ArgumentParser):
@@ -29,6 +29,6 @@ def parser() -> argparse.ArgumentParser:
         help_text = "show where an error comes from"
         place.add_argument("--traceback", action="store_true", default=default, help=help_text)
     verbs = made.add_subparsers(title="commands", required=True, metavar="COMMAND")
-    for command in (_recalibrate, _score, _diff, _convert, _compare, _reproduce, _strategies):
+    for command in (_recalibrate, _score, _monitor, _diff, _convert, _compare, _reproduce, _strategies):
         command.add_to(verbs, common)
     return made

@@ -21,6 +21,11 @@ def supersampled_rays(camera: Camera) -> Float[np.ndarray, "h w 3"]:
     return _rays_of(camera.size, camera.matrix.tobytes(), camera.distortion.tobytes(), float(camera.lens_radius))
 
 
+def pixel_rays(camera: Camera) -> Float[np.ndarray, "h w 3"]:
+    """Rays (x/z, y/z, 1) through the centres of the pixels, float32, camera frame."""
+    return np.asarray(_camera_rays(camera, jnp.asarray(pixel_grid(camera.size), jnp.float32)))
+
+
 @lru_cache(maxsize=4)
 def _rays_of(size: tuple[int, int], matrix: bytes, distortion: bytes, lens_radius: float):
     """`supersampled_rays` of a camera given by its numbers, so that scenes of equal cameras share them.
@@ -44,6 +49,7 @@ def world_rays(
     side: int,
     directions: Float[np.ndarray, "h w 3"],
     focal: float,
+    samples: int = _SUPERSAMPLE,
 ) -> Rays:
     """Rays of one camera of a rig in the world frame.
 
@@ -52,9 +58,10 @@ def world_rays(
         side: 0 for the left camera, 1 for the right one.
         directions: (h, w, 3) float32, in the frame of that camera.
         focal: focal length [px] of the image, for the choice of texture detail.
+        samples: of a pixel, per axis.
     """
     centre, to_world = pose
-    spread = 1.0 / focal / _SUPERSAMPLE
+    spread = 1.0 / focal / samples
     if side == 1:
         centre = centre - to_world @ rig.rotation.T @ rig.translation
         to_world = to_world @ rig.rotation.T

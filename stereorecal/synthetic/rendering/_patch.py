@@ -5,7 +5,8 @@ above the origin in the first frame.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import cv2
 import numpy as np
@@ -105,6 +106,17 @@ class Patch:
         """The corners (4, 3) [m] in order around the patch."""
         sides = np.stack([np.zeros(3), self.across, self.across + self.up, self.up])
         return self.origin + sides
+
+    @cached_property
+    def duals(self) -> tuple[Float[np.ndarray, "3 3"], float]:
+        """The dual basis of (normal, across, up), in which a point has coordinates (height, a, b); and the area."""
+        normal = np.cross(self.across, self.up)
+        area = normal @ normal
+        return np.stack([normal, np.cross(self.up, normal) / area, np.cross(normal, self.across) / area]), float(area)
+
+    def moved(self, way: Point) -> "Patch":
+        """The same patch elsewhere, `way` [m] away."""
+        return replace(self, origin=self.origin + way)
 
 
 def painted(rng: np.random.Generator, light: Light, origin, across, up, paint: Paint, eye=(0.0, 2.5, 0.0)) -> Patch:

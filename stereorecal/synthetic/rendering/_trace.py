@@ -41,10 +41,7 @@ def trace(patches: tuple[Patch, ...], rays: Rays) -> tuple[Float[np.ndarray, "h 
 
 def _meet(patch: Patch, centre: Point, spread: float, directions, depth, radiance) -> None:
     """Update `depth` and `radiance` in place where rays hit the patch in front of what they have hit so far."""
-    # In the dual basis of (normal, across, up) a point has coordinates (height, a, b).
-    normal = np.cross(patch.across, patch.up)
-    area = normal @ normal
-    duals = np.stack([normal, np.cross(patch.up, normal) / area, np.cross(normal, patch.across) / area])
+    duals, area = patch.duals
     start = duals @ (centre - patch.origin)
     if abs(start[0]) < 1e-9:
         return

@@ -1,0 +1,68 @@
+"""The live view of a rig that is watched: its axes, its health over time, what happened."""
+
+from collections import deque
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from rich.console import Group
+from rich.live import Live
+from rich.panel import Panel
+from rich.table import Table
+from rich.text import Text
+
+from stereorecal.online import Reading, Stepped, reading
+from stereorecal.recalibration import FAR, Condition, Interval
+
+_COLOURS = {Condition.HEALTHY: "green", Condition.REPAIR: "red", Condition.CANNOT_TELL: "yellow"}
+_BARS = "▁▂▃▄▅▆▇█"
+_LONG = 72  # readings in the curves
+_EVENTS = 8
+_UNITS = {"pitch": "deg", "yaw": "deg", "roll": "deg", "y": "% of B", "z": "% of B"}
+
+
+def lines(stepped: Stepped) -> None:
+    """The events of a step, a line each."""
+    for event in stepped.events:
+        print(event, flush=True)
+
+
+@contextmanager
+def live(name: str) -> Iterator[Callable[[Stepped], None]]:
+    """A view that is drawn anew after each step."""
+    history: deque[Reading] = deque(maxlen=_LONG)
+    happened: deque[str] = deque(maxlen=_EVENTS)
+    with Live(auto_refresh=False) as screen:
+
+        def show(stepped: Stepped) -> None:
+            history.append(reading(stepped.state))
+            happened.extend(str(event) for event in stepped.events)
+            screen.update(view(name, stepped.state.frame, list(history), list(happened)), refresh=True)
+
+        yield show
+
+
+def view(name: str, pairs: int, history: list[Reading], happened: list[str]) -> Panel:
+    """The view after some pairs."""
+    now = history[-1]
+    table = Table(box=None, padding=(0, 2))
+    for title in ("", "to mend", "95 % interval", "over time"):
+        table.add_column(title, justify="left" if title in ("", "over time") else "right")
+    for axis, found in now.axes.items():
+        table.add_row(axis, f"{found.value:+.3f} {_UNITS[axis]}", _ends(found), _curve([h.axes[axis] for h in history]))
+    table.add_row("rows", f"{now.rows_px.value:.3f} px", _ends(now.rows_px), _curve([h.rows_px for h in history]))
+    depth = [h.depth_percent[FAR] for h in history]
+    table.add_row(f"depth at {FAR} B", f"{depth[-1].value:+.1f} %", _ends(depth[-1]), _curve(depth))
+    table.add_row("late by", f"{now.delay.value:+.2f} frames", _ends(now.delay), _curve([h.delay for h in history]))
+    verdict = Text(f"{pairs} pairs: {now.condition.value}", style=f"bold {_COLOURS[now.condition]}")
+    events = Text("\n".join(happened) or "nothing has happened yet", style="dim")
+    return Panel(Group(verdict, table, Text(), events), title=name, title_align="left")
+
+
+def _ends(found: Interval) -> str:
+    return f"{found.low:+.3f} … {found.high:+.3f}"
+
+
+def _curve(values: list[Interval]) -> str:
+    """Magnitudes as bars, the largest full; noise that is a tenth of the interval stays low."""
+    most = max(max(abs(v.value), 0.5 * (v.high - v.low), 1e-9) for v in values)
+    return "".join(_BARS[min(int(abs(v.value) / most * len(_BARS)), len(_BARS) - 1)] for v in values[-40:])

@@ -1,0 +1,30 @@
+"""The arguments of `python -m stereorecal monitor`."""
+
+import argparse
+
+from stereorecal.cli.arguments._recordings import add_recordings_to
+
+_DESCRIPTION = """\
+Watch a rig over a recording, pair by pair, as it would be watched on the vehicle: its health fused over time, knocks,
+drift, late shutters; repair it, and switch to what wins on later pairs. A terminal shows a live view; else events are
+lines. The calibration file stays as it is: a repaired one is written where --output says. Exit code: that of score, for
+the calibration in use at the end: 0 healthy; 1 repair it; 2 bad input; 3 internal failure; 4 cannot tell; 130
+interrupted."""
+
+
+def add_to(verbs, common: argparse.ArgumentParser) -> None:
+    """Add the command, with the options that are `common` to all, to an argparse subparsers object."""
+    parser = verbs.add_parser(
+        "monitor", parents=[common], help="watch a rig over a recording, and repair it", description=_DESCRIPTION
+    )
+    add_recordings_to(parser)
+    add = parser.add_argument
+    add("--matcher", default="sad", metavar="NAME", help="sad, bm or sgbm")
+    add("--every", type=int, default=1, metavar="N", help="look at every N-th pair (default: 1)")
+    add("--once", action="store_true", help="watch alone, switch nothing: a check of the calibration, for cron")
+    add("--state", metavar="FILE", help="go on from the state in this file, and keep it there")
+    add("--output", metavar="FILE", help="write the repaired calibration there, as a calib.json, if there is one")
+    add("--force", action="store_true", help="--output may replace a file")
+    add("--json", metavar="FILE|-", help="write events and readings as JSON lines")
+    add("--quiet", action="store_true", help="show nothing, only the exit code")
+    parser.set_defaults(verb="monitor")

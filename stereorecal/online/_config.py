@@ -1,0 +1,51 @@
+"""What can be set on the vehicle."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from stereorecal._errors import InputError
+from stereorecal.matching import AbstractMatcher
+
+
+@dataclass(frozen=True)
+class Config:
+    """How a rig is watched and repaired. Times are counted in pairs, so that the same pairs give the same states.
+
+    Attributes:
+        matcher: a matcher, or "sad", "bm" or "sgbm"; without `num_disparities` the range is measured on the first pairs
+            that show something.
+        every: a look at every so many pairs; the others only tell how the rig moves.
+        wander: standard deviations of what pitch, yaw and roll drift by from one pair to the next, degrees. Heat bends
+            the bar between the cameras, which is yaw, more than it twists it.
+        shift: the same of y and z, percent of the baseline.
+        together: looks that err together, since they show the same things in the same windows: each counts for that
+            much less in what is fused.
+        knock: chance that a look is taken for a sign of a knock though nothing happened; two that agree are a knock.
+        switch: chance that one calibration wins against another that is as good.
+        rest: pairs between two switches, at least.
+        keep: calibrations that can be returned to.
+        repair: False watches alone, and switches nothing: the freeze switch.
+    """
+
+    matcher: AbstractMatcher | str | None = None
+    every: int = 1
+    wander: tuple[float, float, float] = (5e-4, 2e-3, 5e-4)
+    shift: float = 1e-4
+    together: int = 8
+    knock: float = 1e-6
+    switch: float = 1e-3
+    rest: int = 10
+    keep: int = 8
+    repair: bool = True
+
+    def __post_init__(self) -> None:
+        for name in ("every", "together", "keep"):
+            if getattr(self, name) < 1:
+                raise InputError(f"{name} is {getattr(self, name)}; give at least 1.")
+        for name in ("wander", "shift", "rest"):
+            if not np.all(np.asarray(getattr(self, name)) >= 0):
+                raise InputError(f"{name} is {getattr(self, name)}; give 0 or more.")
+        for name in ("knock", "switch"):
+            if not 0.0 < getattr(self, name) < 1.0:
+                raise InputError(f"{name} is {getattr(self, name)}; give a chance within 0 and 1.")

@@ -1,0 +1,78 @@
+"""One look at one pair through the calibration in use, at half scale: what it measures, and how well."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from stereorecal.geometry import StereoRig, View, with_unit_baseline
+from stereorecal.matching import AbstractMatcher
+from stereorecal.objectives import LinearRows, Reach, RigChart, linearised, row_chart
+from stereorecal.recalibration import (
+    FALSE,
+    FEWEST,
+    FEWEST_PLACES,
+    LEAST_COVERED,
+    LIKELY,
+    Evidence,
+    evidence_of,
+    watching_scale,
+)
+from stereorecal.recordings import Pair
+from stereorecal.scoring import Correspondences, Loss, host, legible, precisions, pyramid
+
+# From afar to the end; the weights follow the solution. Rows are taken as linear: a rig that is watched is not far off.
+_LOSSES = (Loss.SOFT_L1, Loss.WELSCH, Loss.WELSCH, Loss.WELSCH)
+
+
+@dataclass(frozen=True, eq=False)
+class Glance:
+    """What a look shows.
+
+    Attributes:
+        chart: around the calibration that was looked through.
+        covered: share of the image in which correspondences were found.
+        facts: what they say, at the offset `facts.z` to the true rig, in half widths of the chart's box; None if too
+            little matches, or what matches does so by chance.
+    """
+
+    chart: RigChart
+    covered: float
+    facts: Evidence | None = None
+
+    def rows(self, rig: StereoRig) -> float:
+        """|Row difference| under a rig, pixels at full size: the mean over the tiles of a tile's median."""
+        facts = self.facts
+        if facts is None:
+            return float("nan")
+        way = self.chart.coordinates(np.asarray(rig.extrinsics))
+        return float(np.mean(facts.medians(facts.start_residual + facts.jacobian @ way)))
+
+
+def glance(rig: StereoRig, pair: Pair, view: View, matcher: AbstractMatcher) -> Glance:
+    """Match a pair, and solve once for the offset.
+
+    Args:
+        matcher: with its disparity range at full size.
+    """
+    data = pyramid(rig, [pair], view).at(watching_scale(rig.left.size))
+    chart = row_chart(rig, Reach())
+    found = host.correspondences(data, with_unit_baseline(rig.extrinsics), matcher)
+    if found.found < FEWEST or found.covered < LEAST_COVERED:
+        return Glance(chart, found.covered)
+    start = linearised(found, chart, np.zeros(chart.dim))
+    facts = evidence_of(found, _solved(found, start, chart.prior), start.differences, chart.prior)
+    if facts.places < FEWEST_PLACES or (
+        np.mean(facts.medians(facts.residual)) * facts.scale > FALSE and found.covered < LIKELY * legible(pair).texture
+    ):
+        return Glance(chart, found.covered)
+    return Glance(chart, found.covered, facts)
+
+
+def _solved(found: Correspondences, start: LinearRows, prior: float) -> LinearRows:
+    """The rows where they meet best; the prior holds what they cannot tell."""
+    z, differences = start.z, start.differences.reshape(-1)
+    jacobian, held = start.jacobian.reshape(len(z), -1), np.eye(len(z)) / prior**2
+    for loss in _LOSSES:
+        weight = precisions(found, (differences + z @ jacobian).reshape(start.differences.shape), loss).reshape(-1)
+        z = -np.linalg.solve((jacobian * weight) @ jacobian.T + held, (jacobian * weight) @ differences)
+    return LinearRows(z, start.differences + (z @ jacobian).reshape(start.differences.shape), start.jacobian)

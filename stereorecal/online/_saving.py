@@ -1,0 +1,101 @@
+"""A state as a file: JSON for what it is made of, NumPy arrays beside it, nothing that could run when it is read."""
+
+import io
+import json
+import zipfile
+from collections.abc import Mapping
+from dataclasses import fields, is_dataclass
+from enum import Enum
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stereorecal._errors import InputError
+from stereorecal.geometry import Camera, StereoRig, View
+from stereorecal.io import write_bytes
+from stereorecal.matching import BM, SAD, SGBM
+from stereorecal.online._config import Config
+from stereorecal.online._estimate import Estimate, Measurement
+from stereorecal.online._events import Kind
+from stereorecal.online._state import State
+from stereorecal.online._trial import Trial
+from stereorecal.recordings import Pair
+
+SCHEMA = "stereorecal.state/1"
+_KNOWN: dict[str, Any] = {
+    kind.__name__: kind
+    for kind in (State, Config, Estimate, Measurement, Trial, StereoRig, Camera, View, Pair, SAD, BM, SGBM, Kind)
+}
+
+
+def save(state: State, path: str | Path) -> None:
+    """Write a state, whole or not at all: after a loss of power the file holds the last one that was written.
+
+    Raises:
+        InputError: if the place cannot be written to, or the state holds a matcher of somebody else's.
+    """
+    arrays: dict[str, np.ndarray] = {}
+    content = {"schema": SCHEMA, "state": _told(state, arrays)}
+    arrays["content"] = np.frombuffer(json.dumps(content).encode(), np.uint8)
+    buffer = io.BytesIO()
+    np.savez(buffer, **arrays)  # pyright: ignore[reportArgumentType]
+    write_bytes(path, buffer.getvalue())
+
+
+def load(path: str | Path) -> State:
+    """The state in a file that `save` wrote; steps go on from it as if there had been no break.
+
+    Raises:
+        InputError: if the file cannot be read, or is of another version.
+    """
+    try:
+        whole = Path(path).read_bytes()
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror or error}); check the path.") from error
+    try:
+        with np.load(io.BytesIO(whole), allow_pickle=False) as file:
+            arrays = {name: file[name] for name in file.files}
+        content = json.loads(arrays["content"].tobytes())
+        if content["schema"] != SCHEMA:
+            raise InputError(f"{path}: the state is of version {content['schema']!r}, not {SCHEMA!r}; begin anew.")
+        return _made(content["state"], arrays)
+    except (ValueError, KeyError, TypeError, AttributeError, EOFError, OSError, zipfile.BadZipFile) as error:
+        raise InputError(f"{path}: is no state of this library, or cut short ({error}); begin anew.") from error
+
+
+def _told(value: Any, arrays: dict[str, np.ndarray]) -> Any:
+    """The value as JSON; arrays go into `arrays`, and leave their names."""
+    if value is None or isinstance(value, bool | int | str):
+        return value
+    if isinstance(value, float):
+        return {"float": value.hex()}
+    if isinstance(value, np.generic | np.ndarray) or hasattr(value, "__array__"):
+        name = f"a{len(arrays)}"
+        arrays[name] = np.asarray(value)
+        return {"array": name}
+    if isinstance(value, tuple):
+        return [_told(item, arrays) for item in value]
+    kind = type(value).__name__
+    if _KNOWN.get(kind) is not type(value):
+        raise InputError(f"a {kind} cannot be saved; use a matcher of this library, such as sr.SAD().")
+    if isinstance(value, Enum):
+        return {"of": kind, "name": value.name}
+    assert is_dataclass(value)
+    kept = [part.name for part in fields(value) if part.init and part.name != "origin"]
+    return {"of": kind, "with": {name: _told(getattr(value, name), arrays) for name in kept}}
+
+
+def _made(told: Any, arrays: Mapping[str, np.ndarray]) -> Any:
+    if isinstance(told, list):
+        return tuple(_made(item, arrays) for item in told)
+    if not isinstance(told, dict):
+        return told
+    if "float" in told:
+        return float.fromhex(told["float"])
+    if "array" in told:
+        return arrays[told["array"]]
+    kind = _KNOWN[told["of"]]
+    if "name" in told:
+        return kind[told["name"]]
+    return kind(**{name: _made(item, arrays) for name, item in told["with"].items()})

@@ -1,0 +1,119 @@
+"""All that is known of a rig on the vehicle."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal.geometry import StereoRig, View
+from stereorecal.matching import AbstractMatcher
+from stereorecal.objectives import Reach, RigChart, row_chart
+from stereorecal.online._config import Config
+from stereorecal.online._estimate import Estimate, Measurement
+from stereorecal.online._events import Kind
+from stereorecal.online._trial import Trial
+from stereorecal.online._turning import Small
+from stereorecal.recalibration import depth_slopes
+from stereorecal.recordings import Pair
+
+_STRANGE = 3  # pairs
+
+Offset = Float[np.ndarray, "5"]
+"""Of a calibration from the one that was given first: pitch, yaw, roll in degrees, y, z in percent of the baseline."""
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """All that is known of a rig. Never changed: a step makes another one.
+
+    Attributes:
+        config: as it was set.
+        initial: the calibration that was given.
+        view: of all looks, that of the initial calibration.
+        using: (5,) offset of the calibration in use.
+        estimate: where the true rig stands, and how late a shutter is.
+        frame: number of the next pair.
+        matcher: with its disparity range; None until one is measured.
+        seen: informative looks so far.
+        nearing: (4, 5) derivatives of the true depth over the one reported, at 5, 10, 30 and 100 baselines, by the
+            offset from the calibration in use.
+        steepness: (5, 5) mean of the squared derivatives of the rows by it, of the last look, pixels at full size.
+        row_error: of the last of them, pixels at full size; NaN before.
+        last: the last left image, small; None after a pair that cannot be used.
+        suspect: a look that does not fit, until the next one says what it was.
+        odd: consecutive looks that fit neither the estimate nor each other.
+        strange: the last pairs, one after the other, that hardly match, though they have light and texture, or do not
+            fit; up to three: what a repair after a knock rests on.
+        darkness: how many pairs hardly matched, one after the other.
+        attempt: at how many of them the next repair is tried.
+        trial: the candidate on trial.
+        ready: the pair from which on a candidate may be nominated.
+        previous: offsets of calibrations that were in use before, the last one last.
+        said: the last standing event, so that each is said once.
+    """
+
+    config: Config
+    initial: StereoRig
+    view: View
+    using: Offset
+    estimate: Estimate
+    nearing: Float[np.ndarray, "4 5"]
+    frame: int = 0
+    matcher: AbstractMatcher | None = None
+    seen: int = 0
+    steepness: Float[np.ndarray, "5 5"] | None = None
+    row_error: float = float("nan")
+    last: Small | None = None
+    suspect: Measurement | None = None
+    odd: int = 0
+    strange: tuple[Pair, ...] = ()
+    darkness: int = 0
+    attempt: int = 2
+    trial: Trial | None = None
+    ready: int = 0
+    previous: tuple[Offset, ...] = ()
+    said: Kind | None = None
+
+    @property
+    def chart(self) -> RigChart:
+        """Offsets, in half widths of its box, to rigs."""
+        return row_chart(self.initial, Reach())
+
+    @cached_property
+    def rig(self) -> StereoRig:
+        """The calibration in use."""
+        return self.rig_at(self.using)
+
+    def rig_at(self, offset: Offset) -> StereoRig:
+        """The rig with an offset."""
+        chart = self.chart
+        return chart.rig_at(offset / chart.units) if np.any(offset) else self.initial
+
+    def offset_of(self, rig: StereoRig) -> Offset:
+        """The inverse."""
+        chart = self.chart
+        return chart.units * chart.coordinates(np.asarray(rig.extrinsics))
+
+    @property
+    def prior(self) -> Offset:
+        """Standard deviations of the drift that is thought possible."""
+        return self.chart.units * self.chart.prior
+
+    def with_strange(self, pair: Pair) -> "State":
+        """The state with one more pair that a repair may rest on."""
+        return replace(self, strange=(*self.strange, pair)[-_STRANGE:])
+
+    def using_now(self, offset: Offset) -> "State":
+        """The state with another calibration in use."""
+        return replace(self, using=offset, nearing=nearing(self.rig_at(offset)))
+
+    def but(self, **changes) -> "State":
+        """The same but for some of it."""
+        return replace(self, **changes)
+
+
+def nearing(rig: StereoRig) -> Float[np.ndarray, "4 5"]:
+    """`State.nearing` of a calibration."""
+    chart = row_chart(rig, Reach())
+    return depth_slopes(rig, chart, np.zeros(chart.dim)) / chart.units

@@ -1,0 +1,130 @@
+"""One step: a pair comes, and what is known of the rig follows."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from stereorecal._errors import InputError
+from stereorecal.geometry import StereoRig, view as view_of
+from stereorecal.matching import as_matcher
+from stereorecal.online._config import Config
+from stereorecal.online._estimate import SIZE, at_start
+from stereorecal.online._events import Event, Kind
+from stereorecal.online._glance import Glance, glance
+from stereorecal.online._repairing import repaired, too_far
+from stereorecal.online._state import State, nearing
+from stereorecal.online._switching import judged, matched, nominated, switched
+from stereorecal.online._turning import small, turn
+from stereorecal.online._watching import followed, measurement
+from stereorecal.recordings import Images, Pair, check_pairs
+from stereorecal.scoring import legible, pyramid
+from stereorecal.scoring.host import ranged
+
+_FIRST = 2  # pairs that hardly match, until a repair is tried
+_PATIENCE = 2  # times as long, after a repair that failed
+
+Outcome = tuple[State, list[Event]]
+
+
+def init(rig: StereoRig, config: Config = Config()) -> State:  # noqa: B008  frozen
+    """The state before the first pair.
+
+    Args:
+        rig: the calibration to start from.
+
+    Raises:
+        InputError: if the matcher is none.
+    """
+    matcher = as_matcher(config.matcher)
+    blank = State(config, rig, view_of(rig), np.zeros(SIZE), at_start(np.ones(SIZE)), nearing(rig))
+    known = matcher if matcher.num_disparities is not None else None
+    return blank.but(estimate=at_start(blank.prior), matcher=known, attempt=_FIRST)
+
+
+def step(state: State, pair: Pair | Images) -> tuple[State, tuple[Event, ...]]:
+    """The state after one more pair, and what happened. A pair that cannot be used is an event, never an exception.
+
+    A step is one look at the pair; after a knock that leaves hardly anything to match, one repair of up to three pairs
+    as well. After `sr.warm_up(rig, matcher=..., disparities=...)` nothing is compiled in it.
+    """
+    try:
+        (pair,) = check_pairs(state.initial, [pair])
+        after, events = _seen(state, pair)
+    except InputError as error:
+        event = Event(state.frame, Kind.BAD_FRAME, str(error))
+        return state.but(frame=state.frame + 1, last=None, said=Kind.BAD_FRAME), (event,)
+    return after.but(frame=state.frame + 1), tuple(events)
+
+
+def freeze(state: State, frozen: bool = True) -> State:
+    """The same state, in which nothing is switched any more; or, not `frozen`, in which it is again."""
+    return state.but(config=replace(state.config, repair=not frozen), trial=None)
+
+
+def rollback(state: State) -> State:
+    """The calibration that was in use before, and frozen: what led away from it would do so again.
+
+    Raises:
+        InputError: if no other has been in use.
+    """
+    if not state.previous:
+        raise InputError("no other calibration has been in use; there is nothing to return to.")
+    *previous, last = state.previous
+    return freeze(switched(state, last).but(previous=tuple(previous)))
+
+
+def _seen(state: State, pair: Pair) -> Outcome:
+    config, now = state.config, small(pair.left)
+    turned = None if state.last is None else turn(state.initial.left, state.last, now)
+    estimate = state.estimate.later(config.wander, config.shift)
+    state = state.but(last=now, estimate=estimate)
+    if state.frame % config.every:
+        return state, []
+    matcher = state.matcher
+    if matcher is None:
+        if not legible(pair).enough:
+            return _too_little(state)
+        matcher = ranged(config.matcher, pyramid(state.rig, [pair], state.view))
+        state = state.but(matcher=matcher)
+    look = glance(state.rig, pair, state.view, matcher)
+    if look.facts is None:
+        return _blind(state, pair, look)
+    measured = measurement(state, look, turned)
+    slopes = look.facts.jacobian / look.chart.units
+    state = state.but(
+        seen=state.seen + 1,
+        steepness=slopes.T @ slopes / len(slopes),
+        row_error=look.rows(state.rig),
+        darkness=0,
+        attempt=_FIRST,
+    )
+    state, events = followed(state, measured)
+    knocked = any(event.kind is Kind.KNOCK for event in events)
+    state = state.with_strange(pair) if knocked or state.suspect is not None else state.but(strange=())
+    if knocked and too_far(state):
+        state, more = repaired(state, state.strange)
+        return state, [*events, *more]
+    state, more = judged(state, measured, look)
+    state, last = nominated(state)
+    return state, [*events, *more, *last]
+
+
+def _blind(state: State, pair: Pair, look: Glance) -> Outcome:
+    """A pair of which hardly anything matches: too little to see, or a rig that is far off."""
+    if not legible(pair).enough:
+        return _too_little(state)
+    state = state.with_strange(pair).but(darkness=state.darkness + 1)
+    if state.trial is not None and state.trial.by == "looks":
+        state = state.but(trial=None)  # what it was fitted to is no longer to be seen
+    if state.trial is not None:
+        offset, matcher = state.trial.offset, state.matcher
+        assert matcher is not None
+        return matched(state, look.covered, lambda: glance(state.rig_at(offset), pair, state.view, matcher))
+    if state.darkness < state.attempt:
+        return state, []
+    return repaired(state.but(attempt=_PATIENCE * state.darkness), state.strange)
+
+
+def _too_little(state: State) -> Outcome:
+    kind = Kind.TOO_LITTLE_TEXTURE
+    return state.but(said=kind), [] if state.said is kind else [Event(state.frame, kind)]

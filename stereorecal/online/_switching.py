@@ -1,0 +1,89 @@
+"""Which calibration is in use: candidates, their trials, the switch, and the way back."""
+
+from collections.abc import Callable
+
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal.online._estimate import SIZE, Estimate, Measurement
+from stereorecal.online._events import Event, Kind
+from stereorecal.online._glance import Glance
+from stereorecal.online._reading import reading
+from stereorecal.online._state import Offset, State
+from stereorecal.online._trial import Trial
+
+_WORTH = 1e-2  # chance of an offset, below which the estimate becomes a candidate
+_AFTER_REPAIR = 0.1  # degrees and percent: how well a repair of few frames is trusted, beyond its own covariance
+
+
+def judged(state: State, measured: Measurement, look: Glance) -> tuple[State, list[Event]]:
+    """The trial after a look through the calibration in use that fits what is known."""
+    trial = state.trial
+    if trial is None or measured.frame <= trial.since:
+        return state, []
+    if reading(state).late:  # what was measured may be the shutter's
+        return state.but(trial=None), []
+    after = look.rows(state.rig_at(trial.offset))
+    return decided(state.but(trial=trial.measured(state.using, measured.if_late, state.row_error, after)))
+
+
+def matched(state: State, before: float, look: Callable[[], Glance]) -> tuple[State, list[Event]]:
+    """The trial after a look through the calibration in use that showed hardly anything: `before` of the image."""
+    trial = state.trial
+    if trial is None or state.frame <= trial.since:
+        return state, []
+    seen = look()
+    return decided(state.but(trial=trial.matched(before, seen.covered if seen.facts is not None else 0.0)))
+
+
+def decided(state: State) -> tuple[State, list[Event]]:
+    """The switch, if the candidate has won; it is dropped, if it has lost."""
+    trial = state.trial
+    assert trial is not None
+    if trial.won(state.config.switch):
+        facts = {"old": _named(state, state.using), "new": _named(state, trial.offset), "proof": trial.as_dict()}
+        state = switched(state, trial.offset)
+        return state, [Event(state.frame, Kind.REPAIRED, "", facts)]
+    if trial.lost:
+        facts = {"candidate": _named(state, trial.offset), "proof": trial.as_dict()}
+        state = state.but(trial=None, ready=state.frame + state.config.rest)
+        return state, [Event(state.frame, Kind.REJECTED, f"fitted by {trial.by}", facts)]
+    return state, []
+
+
+def switched(state: State, offset: Offset) -> State:
+    """Another calibration in use; the one before it is kept."""
+    previous = (*state.previous, state.using)[-state.config.keep :]
+    return state.using_now(offset).but(
+        previous=previous, ready=state.frame + state.config.rest, trial=None, strange=(), darkness=0, attempt=2
+    )
+
+
+def nominated(state: State) -> tuple[State, list[Event]]:
+    """The estimate as a candidate, where it says that the calibration in use is not the true one."""
+    if not state.config.repair or state.trial is not None or state.suspect is not None:
+        return state, []
+    if state.frame < state.ready:
+        return state, []
+    found = reading(state)
+    if found.late or found.chance > _WORTH:
+        return state, []
+    return state.but(trial=Trial(state.estimate.offset.copy(), "looks", state.frame)), []
+
+
+def after_repair(state: State, offset: Offset, covariance: Float[np.ndarray, "5 5"]) -> State:
+    """A candidate of a repair on trial, unless nothing is to be switched."""
+    known = np.zeros((SIZE + 1, SIZE + 1))
+    known[:SIZE, :SIZE] = covariance + np.eye(SIZE) * _AFTER_REPAIR**2
+    known[SIZE, SIZE] = state.estimate.covariance[SIZE, SIZE]
+    mean = np.append(offset, state.estimate.mean[SIZE])
+    trial = Trial(offset, "repair", state.frame) if state.config.repair else None
+    return state.but(trial=trial, estimate=Estimate(mean, known), suspect=None)
+
+
+def _named(state: State, offset: Offset) -> dict[str, list[float]]:
+    """A calibration, as plain data."""
+    return {
+        "offset": [float(value) for value in offset],
+        "extrinsics": np.asarray(state.rig_at(offset).extrinsics).tolist(),
+    }

@@ -1,0 +1,100 @@
+"""From one look to what is known: the estimate is followed, and what does not fit is named."""
+
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal.objectives import RigChart
+from stereorecal.online._estimate import SIZE, Estimate, Measurement
+from stereorecal.online._events import Event, Kind
+from stereorecal.online._glance import Glance
+from stereorecal.online._reading import Reading, reading
+from stereorecal.online._state import State
+from stereorecal.recalibration import Condition
+
+_AGREE = 1e-3  # chance, of two looks after a knock
+_ODD = 4  # looks that fit nothing, until it is said
+
+
+def measurement(state: State, look: Glance, turned: Float[np.ndarray, "3"] | None) -> Measurement:
+    """What a look measures of the offset.
+
+    Args:
+        turned: rotation of the rig since the last pair [rad], None if it is not known.
+    """
+    assert look.facts is not None
+    units = look.chart.units
+    turn = np.zeros(SIZE)
+    if turned is not None:
+        turn[:3] = np.degrees(turned)
+    offset = state.offset_of(state.rig.with_extrinsics(look.chart.extrinsics(look.facts.z)))
+    return Measurement(
+        state.frame, offset, _information(look.chart, look.facts.covariance()) / np.outer(units, units), turn
+    )
+
+
+def _information(chart: RigChart, covariance: Float[np.ndarray, "5 5"]) -> Float[np.ndarray, "5 5"]:
+    """What the look alone knows: the inverse of its covariance less that of the prior, which every look brings anew."""
+    values, axes = np.linalg.eigh(covariance / chart.prior**2)
+    return (axes * np.maximum(1.0 / values - 1.0, 0.0)) @ axes.T / chart.prior**2
+
+
+def followed(state: State, measured: Measurement) -> tuple[State, list[Event]]:
+    """The state after an informative look."""
+    config = state.config
+    if state.estimate.chance_of(measured) >= config.knock:
+        state = state.but(estimate=state.estimate.seen(_counted(state, measured)), suspect=None, odd=0)
+        return _standing(state)
+    if state.suspect is None:
+        return state.but(suspect=measured), []
+    changed = _explained(state, state.suspect, measured)
+    if changed is None:
+        odd = state.odd + 1
+        state = state.but(suspect=measured, odd=odd)
+        return state, [Event(state.frame, Kind.FRAMES_DISAGREE)] if odd == _ODD else []
+    estimate, knocked = changed
+    before, state = state.estimate, state.but(estimate=estimate, suspect=None, odd=0)
+    moved = estimate.offset - before.offset
+    if not knocked or not reading(state.using_now(before.offset)).matters:
+        return _standing(state)
+    facts = {"change": dict(zip(state.chart.names, moved.tolist(), strict=True))}
+    return state.but(trial=None, ready=0, said=Kind.KNOCK), [
+        Event(state.frame, Kind.KNOCK, _named(facts["change"]), facts)
+    ]
+
+
+def _explained(state: State, first: Measurement, second: Measurement) -> tuple[Estimate, bool] | None:
+    """The estimate after two looks that agree with each other, and whether the rig was knocked; None if they do not.
+    A delay explains with one number what a knock explains with five, so it is asked first."""
+    late = state.estimate.late().seen(_counted(state, first))
+    if state.estimate.late().chance_of(first) > _AGREE and late.chance_of(second) > _AGREE:
+        return late.seen(_counted(state, second)), False
+    knocked = state.estimate.shaken(state.prior).seen(_counted(state, first))
+    return (knocked.seen(_counted(state, second)), True) if knocked.chance_of(second) > _AGREE else None
+
+
+def _counted(state: State, measured: Measurement) -> Measurement:
+    """What a look counts for in what is fused: nothing votes twice."""
+    return measured.weighed(1.0 / state.config.together)
+
+
+def _standing(state: State) -> tuple[State, list[Event]]:
+    """How the rig stands: said when it changes."""
+    found = reading(state)
+    kind = _kind(found)
+    if kind is None or kind is state.said or (kind is Kind.DRIFTING and state.said is Kind.KNOCK):
+        return state, []
+    why = f"by {found.delay.value:.2f} frames" if kind is Kind.LATE else ""
+    return state.but(said=kind), [Event(state.frame, kind, why, found.as_dict())]
+
+
+def _kind(found: Reading) -> Kind | None:
+    if found.late:
+        return Kind.LATE
+    standing = {Condition.HEALTHY: Kind.HEALTHY, Condition.REPAIR: Kind.DRIFTING}
+    return standing.get(found.condition)
+
+
+def _named(change: dict[str, float]) -> str:
+    """The axes that moved, the farthest first."""
+    turned = sorted(("pitch", "yaw", "roll"), key=lambda name: -abs(change[name]))
+    return ", ".join(f"{name} {change[name]:+.2f} deg" for name in turned[:2])

@@ -1,0 +1,210 @@
+"""How does a rig do on the vehicle? Prints the figures of simulated drives beside their targets.
+
+    python tests/benchmarks/drives.py [--seeds N] [--first SEED] [--frames N] [--only calm,heat,…] [--save FILE]
+
+Drives of 320x240 pairs whose truth is known in each frame, harbours and streets in turn, with rain, night, open sea
+and things that move: calm ones (nothing but a random walk of 1e-4 degrees a frame), warm ones (ramps of heat), ones
+with knocks of 0.2 to 2.5 degrees, and ones with a shutter that is late for a while. Rendered once, a quarter of a
+second a pair, and kept in the user's cache. Errors are those of the rig in use.
+"""
+
+import argparse
+import json
+import time
+from collections import defaultdict
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import cv2
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+from stereorecal.geometry import with_unit_baseline
+from stereorecal.online import Config, Event, Kind, State, run
+from stereorecal.recalibration import LEAST_COVERED
+from stereorecal.recordings import Pair
+from stereorecal.scoring import host, pyramid
+from stereorecal.synthetic import Drive, Knock, photographs, plan_drive
+
+CASES = ("calm", "heat", "knocks", "late")
+KNOCKS = (0.2, 0.5, 1.0, 2.5)  # degrees, in turn; of yaw at least half a degree
+EVERY = 60  # frames between knocks
+SETTLED = 50  # frames
+GOOD = np.array([0.02, 0.1, 0.02])  # degrees: repaired
+HARM_ROWS = 0.02  # pixels
+ALARMS = (Kind.DRIFTING, Kind.KNOCK)
+
+
+@dataclass
+class Seen:
+    """What a drive showed.
+
+    Attributes:
+        errors: of the rig in use, each frame: pitch, yaw, roll [deg], y, z [%].
+        half: half widths of the 95 % intervals of the estimate.
+        estimates: errors of the estimate.
+        events: that happened.
+        noticed, repaired: for each knock, informative frames that it took; None: never.
+        harmful: switches.
+        switches: all of them.
+        seconds: of processor time, each step.
+    """
+
+    errors: list = field(default_factory=list)
+    half: list = field(default_factory=list)
+    estimates: list = field(default_factory=list)
+    events: list[Event] = field(default_factory=list)
+    noticed: list[int | None] = field(default_factory=list)
+    repaired: list[int | None] = field(default_factory=list)
+    harmful: int = 0
+    switches: int = 0
+    seconds: list[float] = field(default_factory=list)
+
+
+def planned(case: str, seed: int, frames: int) -> Drive:
+    tour = ("harbour", "street")[seed % 2]
+    if case == "knocks":
+        draw = np.random.default_rng([seed, 41])
+        knocks = []
+        for number, frame in enumerate(range(30, frames, EVERY)):
+            size, axis = KNOCKS[(number + seed) % len(KNOCKS)], int(draw.integers(3))
+            turn = np.zeros(3)
+            turn[axis] = float(draw.choice([-1.0, 1.0])) * (max(size, 0.5) if axis == 1 else size)
+            knocks.append(Knock(frame, tuple(turn.tolist())))
+        return plan_drive(tour, seed, frames, knocks=tuple(knocks))
+    late = tuple((first, first + 60, 0.2) for first in range(40, frames, 160)) if case == "late" else ()
+    return plan_drive(tour, seed, frames, heat=case == "heat", late=late)
+
+
+def driven(drive: Drive, config: Config) -> Seen:
+    seen, before, waiting = Seen(), np.zeros(5), None
+    knocks = {knock.frame for knock in drive.knocks}
+    steps = run(drive.rig, photographs(drive), config)
+    while True:
+        began = time.process_time()
+        stepped = next(steps, None)
+        if stepped is None:
+            return seen
+        seen.seconds.append(time.process_time() - began)
+        state, frame = stepped.state, len(seen.errors)
+        truth = state.offset_of(drive.truth(frame))
+        seen.errors.append(state.using - truth)
+        seen.estimates.append(state.estimate.offset - truth)
+        seen.half.append(1.96 * np.sqrt(np.diag(state.estimate.of_offset)))
+        seen.events.extend(stepped.events)
+        if np.any(state.using != before):
+            seen.switches += 1
+            seen.harmful += harmful(state, before - truth, state.using - truth, seen.half[-1])
+        before = state.using
+        if frame in knocks:
+            waiting = 0
+            seen.noticed.append(None)
+            seen.repaired.append(None)
+        if waiting is not None:
+            assert isinstance(stepped.pair, Pair)
+            waiting += informative(drive, frame, stepped.pair, state)
+            if seen.noticed[-1] is None and any(event.kind in ALARMS for event in stepped.events):
+                seen.noticed[-1] = waiting
+            if np.all(np.abs(seen.errors[-1][:3]) <= GOOD):
+                seen.repaired[-1], waiting = waiting, None
+
+
+def harmful(state: State, before: np.ndarray, after: np.ndarray, half: np.ndarray) -> bool:
+    """Whether a switch made it worse: rows by more than 0.02 pixels, or an axis by more than its interval."""
+    steep = np.zeros((5, 5)) if state.steepness is None else state.steepness
+    rows = [float(np.sqrt(max(error @ steep @ error, 0.0))) for error in (before, after)]
+    return bool(rows[1] > rows[0] + HARM_ROWS or np.any(np.abs(after) > np.abs(before) + half))
+
+
+def informative(drive: Drive, frame: int, pair: Pair, state: State) -> bool:
+    """Whether correspondences at the true calibration cover a tenth of the view."""
+    truth = drive.truth(frame)
+    if state.matcher is None:
+        return False
+    data = pyramid(truth, [pair], state.view).at(1.0)
+    return host.correspondences(data, with_unit_baseline(truth.extrinsics), state.matcher).covered >= LEAST_COVERED
+
+
+def quantile(found: list[int | None], share: float) -> str:
+    if not found:
+        return "-"
+    value = np.quantile([np.inf if n is None else n for n in found], share, method="higher")
+    return f"{value:.0f}"
+
+
+def rows(all_seen: dict[str, list[tuple[Drive, Seen]]]) -> Iterator[tuple[str, str, str]]:
+    knocked = all_seen["knocks"]
+    for title, wanted, target in (
+        ("0.2° pitch, roll", lambda k: max(map(abs, k.degrees)) == 0.2, "3"),
+        ("0.5° yaw", lambda k: abs(k.degrees[1]) == 0.5, "20"),
+        ("larger", lambda k: max(map(abs, k.degrees)) > 0.5, "3"),
+    ):
+        found = [n for d, s in knocked for k, n in zip(d.knocks, s.noticed, strict=True) if wanted(k)]
+        late = f"median {quantile(found, 0.5)}, most {quantile(found, 1.0)} ({len(found)} knocks)"
+        yield f"knock noticed within informative frames: {title}", target, late
+    repaired = [n for _, s in knocked for n in s.repaired]
+    often = f"{quantile(repaired, 0.5)} / {quantile(repaired, 0.95)} ({len(repaired)} knocks)"
+    yield "repaired within informative frames, median / 95th percentile", "10 / 50", often
+    calm = [seen for case in ("calm", "late") for _, seen in all_seen[case]]
+    alarms = [event for seen in calm for event in seen.events if event.kind in ALARMS]
+    yield "false alarms without ramp or knock", "0", f"{len(alarms)} in {sum(len(s.errors) for s in calm)} frames"
+    for case in ("heat", "calm"):
+        parts = [np.abs(seen.errors[SETTLED:]) for _, seen in all_seen[case] if len(seen.errors) > SETTLED]
+        if parts:
+            mean = np.concatenate(parts).mean(axis=0)
+            axes = f"{mean[0]:.4f} {mean[1]:.3f} {mean[2]:.4f}°, y {mean[3]:.2f} %, z {mean[4]:.2f} %"
+            yield f"mean error after {SETTLED} frames, {case}", "0.008 0.04 0.008°", axes
+    every = [seen for one in all_seen.values() for _, seen in one]
+    yield "harmful switches", "0", f"{sum(s.harmful for s in every)} of {sum(s.switches for s in every)}"
+    inside = [
+        np.abs(s.estimates[SETTLED:]) <= s.half[SETTLED:] for c in ("calm", "heat") for _, s in all_seen[c] if s.errors
+    ]
+    if inside:
+        share = np.concatenate(inside).mean(axis=0)
+        yield "truth within the 95 % interval, pitch yaw roll y z", "-", " ".join(f"{v:.2f}" for v in share)
+    late = [any(event.kind is Kind.LATE for event in seen.events) for _, seen in all_seen["late"]]
+    yield "late shutters named", "all", f"{sum(late)} of {len(late)} drives"
+    steps = np.concatenate([seen.seconds[5:] for seen in every])
+    yield (
+        "processor time of a step, median / 99th percentile",
+        "-",
+        " / ".join(f"{1e3 * np.quantile(steps, q):.0f} ms" for q in (0.5, 0.99)),
+    )
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--seeds", type=int, default=2)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--frames", type=int, default=200)
+    parser.add_argument("--only", default=",".join(CASES))
+    parser.add_argument("--save", help="JSON of errors, intervals and events of each drive")
+    options = parser.parse_args()
+    cv2.setNumThreads(1)
+    all_seen, saved = defaultdict(list), {}
+    for case in options.only.split(","):
+        for seed in range(options.first, options.first + options.seeds):
+            drive = planned(case, seed, options.frames)
+            seen = driven(drive, Config())
+            all_seen[case].append((drive, seen))
+            told = [f"{event.frame} {event.kind.name.lower()}" for event in seen.events]
+            print(f"{case} {drive.tour} {seed}: {', '.join(told)}", flush=True)
+            saved[f"{case}-{seed}"] = {
+                "errors": np.array(seen.errors).tolist(),
+                "estimates": np.array(seen.estimates).tolist(),
+                "half": np.array(seen.half).tolist(),
+                "events": [event.as_dict() for event in seen.events],
+                "knocks": [[knock.frame, *knock.degrees] for knock in drive.knocks],
+            }
+            if options.save:
+                with open(options.save, "w") as file:
+                    json.dump(saved, file)
+    table = Table("figure", "target", "seen")
+    for row in rows(all_seen):
+        table.add_row(*row)
+    Console(width=140).print(table)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,75 @@
+"""`monitor` on a short recording with a knock: events as lines and as JSON lines, exit codes, what is written."""
+
+import io
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from rich.console import Console
+from rides import BEFORE, Ride
+
+import stereorecal as sr
+from stereorecal.cli._live import view
+from stereorecal.io import save_scene
+from stereorecal.online import Config, load, reading, run
+from stereorecal.recordings import Scene
+from stereorecal.synthetic import Knock, photographs, plan_drive
+
+AFTER = 8
+
+
+@pytest.fixture(scope="module")
+def drive(tmp_path_factory: pytest.TempPathFactory) -> Ride:
+    made = plan_drive("harbour", 2, BEFORE + AFTER, knocks=(Knock(BEFORE, (0.3, 0.0, 0.0)),), weather=False)
+    return Ride(made.rig, made.truth(BEFORE), list(photographs(made, folder=tmp_path_factory.mktemp("drive"))))
+
+
+@pytest.fixture(scope="module")
+def scene(drive: Ride, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("scenes") / "ride"
+    pairs = tuple(replace(pair, name=f"{i:03d}.png") for i, pair in enumerate(drive.pairs))
+    save_scene(Scene("ride", drive.rig, pairs), folder)
+    return folder
+
+
+def test_a_knock_is_repaired_and_written_where_told(command, scene: Path, drive: Ride, tmp_path: Path):
+    repaired, log, state = tmp_path / "repaired.json", tmp_path / "log.jsonl", tmp_path / "state"
+    before = (scene / "calib.json").read_bytes()
+    answer = command("monitor", scene, "--output", repaired, "--json", log, "--state", state)
+    assert answer.err == ""
+    assert answer.code in (0, 4)
+    assert "the rig has been knocked" in answer.out
+    assert f"written to {repaired}" in answer.out
+    assert (scene / "calib.json").read_bytes() == before
+    told = [json.loads(line) for line in log.read_text().splitlines()]
+    assert {line["schema"] for line in told} == {"stereorecal.events/1"}
+    assert {"knock", "repaired", "reading"} <= {line["event"] for line in told}
+    assert sum(line["event"] == "reading" for line in told) == BEFORE + AFTER
+    apart = abs(sr.io.load_rig(repaired).extrinsics - drive.knocked.extrinsics)[0]
+    assert apart < 0.001 < abs(drive.rig.extrinsics - drive.knocked.extrinsics)[0]
+    assert load(state).frame == BEFORE + AFTER
+    refused = command("monitor", scene, "--output", repaired)
+    assert refused.code == 2
+    assert "exists already" in refused.err
+
+
+def test_once_checks_and_changes_nothing(command, scene: Path):
+    answer = command("monitor", scene, "--once", "--quiet")
+    assert (answer.code, answer.out) == (1, "")
+    piped = command("monitor", scene, "--once", "--json", "-", "--frames", 2)
+    assert [json.loads(line)["event"] for line in piped.out.splitlines()][-1] == "reading"
+
+
+def test_two_scenes_are_refused(command, scene: Path):
+    assert command("monitor", scene, scene).code == 2
+
+
+def test_the_live_view_shows_axes_and_events(drive: Ride):
+    steps = list(run(drive.rig, drive.pairs[:3], Config()))
+    readings = [reading(stepped.state) for stepped in steps]
+    console = Console(width=110, record=True, file=io.StringIO())
+    console.print(view("ride", 3, readings, [str(e) for stepped in steps for e in stepped.events]))
+    shown = console.export_text()
+    for word in ("pitch", "yaw", "rows", "depth at 30 B", "late by", "95 % interval", "fits the images"):
+        assert word in shown

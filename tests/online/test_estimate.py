@@ -1,0 +1,82 @@
+"""The recursive estimate and the trial, on measurements that are drawn."""
+
+import numpy as np
+import pytest
+
+from stereorecal.online._estimate import Estimate, Measurement, at_start
+from stereorecal.online._trial import Trial
+
+SIGMA = np.array([0.01, 0.1, 0.02, 0.5, 1.0])
+PRIOR = np.ones(5)
+
+
+def measured(frame: int, offset: np.ndarray, draw: np.random.Generator, turn: float = 0.0, late: float = 0.0):
+    turned = np.array([0.0, turn, 0.0, 0.0, 0.0])
+    noise = SIGMA * draw.standard_normal(5)
+    return Measurement(frame, offset + late * turned + noise, np.diag(SIGMA**-2.0), turned)
+
+
+def fused(frames: int, offset: np.ndarray, draw: np.random.Generator, late: float = 0.0) -> Estimate:
+    estimate = at_start(PRIOR)
+    for frame in range(frames):
+        turn = float(np.sin(0.2 * frame))
+        estimate = estimate.later((0.0, 0.0, 0.0), 0.0).seen(measured(frame, offset, draw, turn, late))
+    return estimate
+
+
+def test_intervals_hold():
+    """Of 200 rigs, each looked at 20 times."""
+    draw, inside = np.random.default_rng(0), []
+    for _ in range(200):
+        truth = PRIOR * draw.standard_normal(5)
+        estimate = fused(20, truth, draw)
+        inside.append(np.abs(estimate.offset - truth) < 1.96 * np.sqrt(np.diag(estimate.of_offset)))
+    assert np.mean(inside) == pytest.approx(0.95, abs=0.02)
+
+
+def test_what_follows_the_motion_is_a_delay():
+    """And leaves the yaw alone."""
+    estimate = fused(60, np.zeros(5), np.random.default_rng(1), late=0.3)
+    assert estimate.mean[5] == pytest.approx(0.3, abs=0.06)
+    assert abs(estimate.offset[1]) < 0.05
+
+
+def test_false_alarms_are_as_rare_as_said():
+    draw, estimate, rare = np.random.default_rng(2), at_start(PRIOR), []
+    for frame in range(3000):
+        look = measured(frame, np.zeros(5), draw)
+        estimate = estimate.later((0.001, 0.001, 0.001), 0.001)
+        rare.append(estimate.chance_of(look) < 0.01)
+        estimate = estimate.seen(look)
+    assert np.mean(rare) == pytest.approx(0.01, abs=0.005)
+
+
+def test_a_look_that_says_nothing_changes_nothing():
+    estimate = at_start(PRIOR)
+    nothing = Measurement(0, np.full(5, 9.0), np.zeros((5, 5)), np.zeros(5))
+    np.testing.assert_allclose(estimate.seen(nothing).mean, estimate.mean, atol=1e-12)
+    assert estimate.chance_of(nothing) == 1.0
+
+
+def trial_over(looks: int, truth: np.ndarray, candidate: np.ndarray, draw: np.random.Generator) -> Trial:
+    trial = Trial(candidate, "looks", 0)
+    for frame in range(looks):
+        trial = trial.measured(np.zeros(5), measured(frame, truth, draw), 0.2, 0.2)
+        if trial.won(1e-3) or trial.lost:
+            break
+    return trial
+
+
+def test_a_trial_is_won_by_what_is_better():
+    draw, truth = np.random.default_rng(3), np.array([0.05, 0.0, 0.0, 0.0, 0.0])
+    assert all(trial_over(60, truth, truth, draw).won(1e-3) for _ in range(100))
+    assert not any(trial_over(60, np.zeros(5), truth, draw).won(1e-3) for _ in range(1000))
+
+
+def test_a_trial_is_not_won_by_one_look_nor_by_worse_rows():
+    trial = Trial(np.ones(5), "looks", 0)
+    look = Measurement(1, np.ones(5), 1e6 * np.eye(5), np.zeros(5))
+    assert not trial.measured(np.zeros(5), look, 1.0, 0.1).won(1e-3)
+    for _ in range(10):
+        trial = trial.measured(np.zeros(5), look, 0.1, 0.2)
+    assert not trial.won(1e-3)

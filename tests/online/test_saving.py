@@ -1,0 +1,76 @@
+"""A state as a file: steps go on from it as if there had been no break; what is no such file is refused."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rides import BEFORE, Ride
+
+import stereorecal as sr
+from stereorecal.online import Config, Kind, Stepped, init, load, run, save, step
+
+
+def content(state: sr.online.State, folder: Path) -> bytes:
+    save(state, folder / "content")
+    return (folder / "content").read_bytes()
+
+
+def test_the_same_pairs_give_the_same_states(ride: Ride, ridden: list[Stepped], tmp_path: Path):
+    again = list(run(ride.rig, ride.pairs[: BEFORE + 3], Config(rest=0)))
+    assert content(again[-1].state, tmp_path) == content(ridden[BEFORE + 2].state, tmp_path)
+
+
+def test_a_loaded_state_goes_on(ride: Ride, ridden: list[Stepped], tmp_path: Path):
+    """From the middle of a trial, which the repair comes out of."""
+    on_trial = next(i for i, stepped in enumerate(ridden) if stepped.state.trial is not None and i >= BEFORE)
+    save(ridden[on_trial].state, tmp_path / "state")
+    state, kinds = load(tmp_path / "state"), []
+    for pair in ride.pairs[on_trial + 1 :]:
+        state, events = step(state, pair)
+        kinds += [event.kind for event in events]
+    assert Kind.REPAIRED in kinds
+    assert content(state, tmp_path) == content(ridden[-1].state, tmp_path)
+
+
+def test_pairs_that_wait_for_a_repair_are_kept(ride: Ride, tmp_path: Path):
+    state = init(ride.rig).but(strange=tuple(ride.pairs[:2]), darkness=2, matcher=sr.SAD(num_disparities=48))
+    save(state, tmp_path / "state")
+    again = load(tmp_path / "state")
+    np.testing.assert_array_equal(again.strange[1].left, ride.pairs[1].left)
+    assert again.matcher == state.matcher
+    assert again.config == state.config
+    assert np.isnan(again.row_error)
+
+
+def test_what_is_no_state_is_refused(ride: Ride, tmp_path: Path):
+    path = tmp_path / "state"
+    with pytest.raises(sr.InputError, match="cannot be read"):
+        load(path)
+    save(init(ride.rig), path)
+    whole = path.read_bytes()
+    for cut in (0, 10, len(whole) // 2):
+        path.write_bytes(whole[:cut])
+        with pytest.raises(sr.InputError, match="no state"):
+            load(path)
+    path.write_text("left,right\n1,2\n")
+    with pytest.raises(sr.InputError, match="no state"):
+        load(path)
+    with open(path, "wb") as file:
+        np.savez(file, content=np.frombuffer(json.dumps({"schema": "stereorecal.state/9"}).encode(), np.uint8))
+    with pytest.raises(sr.InputError, match="of version"):
+        load(path)
+
+
+def test_a_failed_save_leaves_the_old_file(ride: Ride, tmp_path: Path):
+    class Other(sr.SAD):
+        pass
+
+    path = tmp_path / "state"
+    save(init(ride.rig), path)
+    old = path.read_bytes()
+    with pytest.raises(sr.InputError, match="cannot be saved"):
+        save(replace(init(ride.rig), matcher=Other(num_disparities=48)), path)
+    assert path.read_bytes() == old
+    assert list(tmp_path.iterdir()) == [path]

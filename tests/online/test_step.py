@@ -1,0 +1,103 @@
+"""A ride with a knock: it is noticed, repaired, judged on later pairs; and what may never happen."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from rides import BEFORE, Ride, error, kinds
+
+import stereorecal as sr
+from stereorecal.online import Config, Kind, Stepped, freeze, init, reading, rollback, run, step
+
+
+def test_a_knock_is_noticed_and_repaired(ride: Ride, ridden: list[Stepped]):
+    assert kinds(ridden[:BEFORE]) == ["HEALTHY"]
+    events = [event for stepped in ridden for event in stepped.events]
+    (knock,) = [event for event in events if event.kind is Kind.KNOCK]
+    assert knock.frame <= BEFORE + 3
+    assert abs(knock.facts["change"]["pitch"] - 0.5) < 0.05
+    repairs = [event for event in events if event.kind is Kind.REPAIRED]
+    assert repairs[0].frame > knock.frame
+    for repair in repairs:
+        assert repair.facts["proof"]["fitted_until"] + repair.facts["proof"]["later_looks"] <= repair.frame
+        assert repair.facts["proof"]["later_looks"] >= 3
+    end = ridden[-1].state
+    assert (error(end, ride.knocked) < [0.02, 0.1, 0.02]).all()
+    assert error(ridden[BEFORE].state, ride.knocked)[0] > 0.4
+    assert reading(end).condition is sr.recalibration.Condition.HEALTHY
+
+
+def test_events_are_plain_data(ridden: list[Stepped]):
+    for stepped in ridden:
+        for event in stepped.events:
+            told = event.as_dict()
+            assert told["schema"] == "stereorecal.events/1"
+            assert sr.io.parse_json(sr.io.json_text(told)) is not None
+            assert str(event.frame) in str(event)
+
+
+def test_frozen_it_says_so_and_switches_nothing(ride: Ride):
+    steps = list(run(ride.rig, ride.pairs, Config(repair=False)))
+    assert "KNOCK" in kinds(steps)
+    assert "REPAIRED" not in kinds(steps)
+    assert not steps[-1].state.using.any()
+    assert reading(steps[-1].state).condition is sr.recalibration.Condition.REPAIR
+
+
+def test_switches_are_limited_in_rate(ride: Ride, ridden: list[Stepped]):
+    """However many there are without the limit."""
+    assert kinds(ridden).count("REPAIRED") >= 1
+    limited = list(run(ride.rig, ride.pairs, Config(rest=1000)))
+    assert kinds(limited).count("REPAIRED") == 1
+
+
+def test_rollback_returns_and_stays(ride: Ride, ridden: list[Stepped]):
+    state = ridden[-1].state
+    back = rollback(state)
+    np.testing.assert_array_equal(back.using, state.previous[-1])
+    assert not back.config.repair
+    assert freeze(back, False).config.repair
+    later = list(run(back, ride.pairs[BEFORE : BEFORE + 6]))[-1].state
+    np.testing.assert_array_equal(later.using, back.using)
+    with pytest.raises(sr.InputError, match="nothing to return to"):
+        rollback(init(ride.rig))
+
+
+@pytest.mark.parametrize("what", ["black", "constant", "nan", "size", "twice"])
+def test_a_bad_pair_is_an_event(ride: Ride, ridden: list[Stepped], what: str):
+    good = ride.pairs[0]
+    pair = {
+        "black": (np.zeros((240, 320), np.uint8), np.asarray(good.right)),
+        "constant": (np.asarray(good.left), np.full((240, 320), 9, np.uint8)),
+        "nan": (np.full((240, 320), np.nan), np.asarray(good.right)),
+        "size": (np.asarray(good.left)[:120], np.asarray(good.right)[:120]),
+        "twice": (np.asarray(good.left), np.asarray(good.left)),
+    }[what]
+    state = ridden[BEFORE - 1].state
+    after, events = step(state, pair)
+    assert [event.kind for event in events] == [Kind.BAD_FRAME]
+    assert events[0].why
+    assert after.frame == state.frame + 1
+    assert after.estimate is state.estimate
+
+
+def test_open_sea_raises_no_alarm(ride: Ride):
+    sea = sr.synthetic.render("open-sea", 3, rig=ride.rig, frames=6).pairs
+    steps = list(run(ride.rig, [*ride.pairs[:2], *sea, *ride.pairs[2:BEFORE]]))
+    assert not {"KNOCK", "DRIFTING", "REPAIRED", "LATE"} & set(kinds(steps))
+    assert not steps[-1].state.using.any()
+
+
+def test_pairs_between_looks_only_tell_the_motion(ride: Ride, ridden: list[Stepped]):
+    steps = list(run(ride.rig, ride.pairs[:4], Config(every=2)))
+    assert [stepped.state.seen for stepped in steps] == [1, 1, 2, 2]
+
+
+WRONG = ({"every": 0}, {"together": 0}, {"knock": 0.0}, {"switch": 1.0}, {"wander": (0.0, -1.0, 0.0)}, {"rest": -1})
+
+
+@pytest.mark.parametrize("wrong", WRONG)
+def test_settings_that_make_no_sense(wrong: dict[str, Any]):
+    with pytest.raises(sr.InputError, match=next(iter(wrong))):
+        replace(Config(), **wrong)
