@@ -13,7 +13,7 @@ from stereorecal.cli import _values
 from stereorecal.cli._exit_codes import CANNOT_TELL, INTERRUPTED, REPAIR
 from stereorecal.cli._live import lines, live
 from stereorecal.cli._recordings import recordings
-from stereorecal.io import json_line, save_rig
+from stereorecal.io import check_savable, json_line, save_rig
 from stereorecal.matching import as_matcher
 from stereorecal.online import Config, State, Stepped, init, load, reading, run as steps, save
 from stereorecal.recalibration import Condition
@@ -25,9 +25,12 @@ _CODES = {Condition.HEALTHY: 0, Condition.REPAIR: REPAIR, Condition.CANNOT_TELL:
 def run(options: argparse.Namespace) -> int:
     """Check, watch, save; returns the exit code."""
     _check_places(options)
-    scenes = recordings(options)
+    scenes = recordings(options).scenes
     if len(scenes) != 1:
         raise InputError("one rig is watched at a time; give one scene.")
+    assert scenes[0].rig is not None
+    if options.output is not None:
+        check_savable(scenes[0].rig, options.output)
     state, interrupted = _start(options, scenes[0]), False
     try:
         with _json_lines(options.json) as log, _shown(options, scenes[0]) as show:
@@ -43,7 +46,8 @@ def run(options: argparse.Namespace) -> int:
         interrupted = True
         print(f"stereorecal: interrupted after {state.frame} pairs.", file=sys.stderr)
     if options.output is not None and state.using.any():
-        save_rig(state.rig, options.output, scenes[0].info, overwrite=options.force)
+        rig = replace(state.rig, source=scenes[0].rig.source)  # what was restored from a file has forgotten its own
+        save_rig(rig, options.output, scenes[0].info, overwrite=options.force)
     condition = reading(state).condition
     if not options.quiet and options.json != "-":
         print(f"{condition.value}; {_about(options, state)}")
@@ -51,7 +55,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _start(options: argparse.Namespace, scene: Scene) -> State:
-    config = Config(matcher=as_matcher(options.matcher), every=options.every, repair=not options.once)
+    config = Config(matcher=as_matcher(options.matcher), repair=not options.once)
     if options.state is not None and Path(options.state).exists():
         kept = load(options.state)
         return kept.but(config=replace(config, matcher=kept.config.matcher))
@@ -99,7 +103,7 @@ def _check_places(options: argparse.Namespace) -> None:
     _values.output_path(options.output, "--output")
     if options.output is None:
         return
-    if options.output == "-" or Path(options.output).suffix.lower() not in ("", ".json"):
-        raise InputError(f"--output {options.output}: a calibration is written as JSON; give a name ending in .json.")
+    if options.output == "-":
+        raise InputError("--output -: a calibration is written to a file; give the name of one.")
     if Path(options.output).exists() and not options.force:
         raise InputError(f"--output {options.output}: the file exists already; choose another or add --force.")

@@ -43,10 +43,12 @@ def checked(options: argparse.Namespace) -> None:
     """
     _values.output_path(options.json, "--json")
     _values.output_path(options.maps, "--maps")
-    if options.in_place and (options.output is not None or options.to is not None):
-        raise InputError("--in-place writes the file that the calibration came from; leave --output and --to out.")
-    if options.to is not None and options.output is None:
-        raise InputError("--to says the format of --output; give a file there.")
+    if options.in_place and (options.output is not None or options.output_format is not None):
+        raise InputError(
+            "--in-place writes the file that the calibration came from; leave --output and --output-format out."
+        )
+    if options.output_format is not None and options.output is None:
+        raise InputError("--output-format belongs to --output; give a file there.")
     wanted = [name for name in ("output", "maps") if getattr(options, name) is not None]
     wanted = [f"--{name}" for name in wanted] + ["--in-place"] * options.in_place
     if wanted and len(options.scenes) > 1 and options.extrinsics != "one":
@@ -97,7 +99,7 @@ def output_of(options: argparse.Namespace, scenes: Sequence[Scene], free: Sequen
         place: _calibrations.Place = (files[0], files[1]) if len(files) == 2 else files[0]
     else:
         place = _calibrations.place(options.output, "--output")
-    check_savable(_moved(rig, free), place, format=options.to)
+    check_savable(_moved(rig, free), place, format=options.output_format)
     return Output(place, options.in_place, maps)
 
 
@@ -108,7 +110,7 @@ def save(output: Output, rig: StereoRig, scene: Scene, options: argparse.Namespa
         if output.replaced:
             for path in _calibrations.paths(output.place):
                 back_up(path)
-        save_rig(rig, output.place, scene.info, output.replaced or options.force, format=options.to)
+        save_rig(rig, output.place, scene.info, output.replaced or options.force, format=options.output_format)
     if output.maps is not None:
         save_maps(rig, output.maps, overwrite=options.force)
 

@@ -20,10 +20,13 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
     add_recordings_to(parser)
     add = parser.add_argument
     add("--matcher", default="sad", metavar="NAME", help="sad, bm or sgbm")
-    add("--every", type=int, default=1, metavar="N", help="look at every N-th pair (default: 1)")
     add("--once", action="store_true", help="watch alone, switch nothing: a check of the calibration, for cron")
     add("--state", metavar="FILE", help="go on from the state in this file, and keep it there")
-    add("--output", metavar="FILE", help="write the repaired calibration there, as a calib.json, if there is one")
+    add(
+        "--output",
+        metavar="FILE",
+        help="write the repaired calibration there, in the form in which it was read, if there is one",
+    )
     add("--force", action="store_true", help="--output may replace a file")
     add("--json", metavar="FILE|-", help="write events and readings as JSON lines")
     add("--quiet", action="store_true", help="show nothing, only the exit code")

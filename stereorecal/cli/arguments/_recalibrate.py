@@ -52,7 +52,7 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
         help="write the calibration there (LEFT,RIGHT where each camera has a file), if it was accepted: in the form "
         "in which it was read, only what was estimated changes",
     )
-    add("--to", metavar="FORMAT", help=f"of --output, if another: {FORMATS}")
+    add("--output-format", metavar="FORMAT", help=f"of --output, if another: {FORMATS}")
     add("--in-place", action="store_true", help="replace the calibration that was read; the old one becomes NAME.bak")
     add("--maps", metavar="FILE.npz", help="write maps for cv2.remap, with R1 R2 P1 P2 Q, if it was accepted")
     add("--dry-run", action="store_true", help="write no calibration and no maps, say what would be written")
