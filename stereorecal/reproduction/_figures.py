@@ -65,8 +65,8 @@ def _validity(rows: Sequence[Row]) -> Figure:
         axis.set_title(sequence, fontsize=9, loc="left")
         axis.set_ylim(bottom=0)
         axis.set_ylabel("valid pixels [10³]", fontsize=8)
-    for look, label in (({"linestyle": "-"}, "a pair"), ({"linestyle": ":"}, "starred: little to match")):
-        axes[0].plot([], [], color="0.4", label=label, **look)
+    for line, label in (("-", "a pair"), (":", "starred: little to match")):
+        axes[0].plot([], [], color="0.4", label=label, linestyle=line)
     axes[0].plot([], [], color="0.4", marker="D", linestyle="none", label="its highest count")
     axes[0].legend(fontsize=6, frameon=False)
     figure.supxlabel("manual calibration (grey: that of the sequence)", fontsize=8)
