@@ -295,11 +295,11 @@ class _Solved:
         """On a member, whose tiles have these counts before and after."""
         facts = self.facts[at]
         own, seen = facts.only(slice(self.own)), facts.only(np.array([name != BASELINE for name in self.free.names]))
-        # Where a lens changes, extrinsics follow along axes that rows hardly see: a drift is strange with all of it.
-        left, rows = (
-            replace(misfit(own, *tiles), chance=chance(seen)),
-            compared(facts, facts.medians(facts.start_residual), self.unseen[at]),
-        )
+        # Where lenses change, extrinsics follow along axes that rows hardly see, and every drift would be strange: what
+        # vouches for those are rows that took no part.
+        usual = 1.0 if any("." in name for name in self.free.names) else chance(seen)
+        left = replace(misfit(own, *tiles), chance=usual)
+        rows = compared(facts, facts.medians(facts.start_residual), self.unseen[at])
         reason = verdict(tiles.sum(axis=(1, 2)), rows, own, left, self.members[at].found.covered)
         if len(disagreeing(own)[0]) > MOST_APART * own.frames:
             reason = Reason.FRAMES_DISAGREE
