@@ -32,7 +32,7 @@ def read_files(
 
     Args:
         format: name of the format; default: recognised.
-        unit: of lengths in the file; default: that of the format, or told by the length of the baseline.
+        unit: of lengths in a file whose format says none; default: told by the length of the baseline.
         if_missing: the end of the message if a file does not exist.
 
     Raises:
@@ -66,7 +66,7 @@ def rig_in(documents: Documents, format: Format, unit: str | None, hints: Hints)
             raise InputError(
                 f"{documents[0].name}: not arranged as {format.NAME} is ({format.ABOUT}); check the file or the format."
             ) from None
-    stated = unit or format.UNIT
+    stated = format.UNIT or unit
     used = stated or inferred_unit(float(rig.baseline))
     source = Source(format.NAME, documents, hints, used, inferred=stated is None)
     return replace(scaled(rig, METRES[used]), source=source)

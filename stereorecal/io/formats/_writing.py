@@ -36,7 +36,8 @@ def texts_of(rig: StereoRig, paths: Sequence[Path], source: Source | None, forma
     with about(names):
         if source is not None and source.format == chosen.NAME and source.documents[0].syntax is syntax:
             return _into(rig, chosen, source)
-        return _anew(rig, chosen, syntax)
+        own = source is not None and source.format == chosen.NAME
+        return _anew(rig, chosen, syntax, chosen.UNIT or (source.unit if source is not None and own else "m"))
 
 
 def check_names(paths: Sequence[Path], source: Source | None, format: str | None) -> None:
@@ -90,10 +91,10 @@ def _into(rig: StereoRig, format: Format, source: Source) -> tuple[str, ...]:
     return _checked(rig, format, target, source.unit)
 
 
-def _anew(rig: StereoRig, format: Format, syntax: Syntax) -> tuple[str, ...]:
-    """The texts of new files, in metres or the unit of the format."""
+def _anew(rig: StereoRig, format: Format, syntax: Syntax, unit: str) -> tuple[str, ...]:
+    """The texts of new files."""
     blanks = tuple(document("a new file", text, syntax) for text in format.blank(rig, syntax))
-    return _checked(rig, format, Target(blanks, hints=Hints(size=rig.left.size, rectified=False)), format.UNIT or "m")
+    return _checked(rig, format, Target(blanks, hints=Hints(size=rig.left.size, rectified=False)), unit)
 
 
 def _checked(rig: StereoRig, format: Format, target: Target, unit: str) -> tuple[str, ...]:
