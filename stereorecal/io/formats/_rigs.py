@@ -87,6 +87,8 @@ def save_rig(
     if len({place.resolve() for place in paths}) < len(paths):
         raise InputError(f"{paths[0]}: both cameras' files are the same one; give two names.")
     if template is None:
+        if unit is not None:
+            raise InputError("unit= is that of a template; give template=, or leave unit= out.")
         source = source_of(rig)
     else:
         like = _read_template(template, unit, rig)
@@ -144,7 +146,7 @@ def _read_template(template: AnyPath | tuple[AnyPath, AnyPath], unit: str | None
     paths, hints, own = _paths(template), Hints(size=rig.left.size), source_of(rig)
     like = read_files(paths, unit=unit, hints=hints)
     found = source_of(like)
-    if own is not None and not own.inferred and found is not None and found.inferred and found.format == own.format:
+    if own is not None and found is not None and found.inferred and found.format == own.format:
         return read_files(paths, unit=own.unit, hints=hints)
     return like
 

@@ -109,6 +109,28 @@ def test_an_inferred_unit_is_said(tmp_path: Path):
         assert load_rig(path).baseline == pytest.approx(0.12, rel=1e-3)
 
 
+def test_the_unit_of_a_template(tmp_path: Path):
+    """Of a baseline that tells nothing: 3, in centimetres."""
+    template = tmp_path / "template.yaml"
+    template.write_text(samples.OPENCV.replace("-120., 1., -2.", "-3., 0., 0."))
+    with pytest.warns(CalibrationWarning, match="taken to be in m, a baseline"):
+        save_rig(samples.RIG, tmp_path / "guessed.yaml", template=template)
+    save_rig(samples.RIG, tmp_path / "said.yaml", template=template, unit="cm")
+    rig = load_rig(template, unit="cm")
+    own = rig.with_extrinsics(samples.RIG.extrinsics)
+    save_rig(own, tmp_path / "own.yaml", template=template)
+    save_rig(own, tmp_path / "anew.xml", format="opencv")
+    for name in ("said.yaml", "own.yaml", "anew.xml"):
+        again = load_rig(tmp_path / name, unit="cm")
+        np.testing.assert_allclose(again.extrinsics, samples.RIG.extrinsics, atol=1e-12)
+    refused(lambda: save_rig(rig, tmp_path / "a.yaml", unit="cm"), "unit= is that of a template")
+
+
+def test_a_format_with_a_unit_keeps_it(tmp_path: Path):
+    (path,) = SAMPLES["kalibr"].write(tmp_path)
+    assert load_rig(path, unit="mm").baseline == load_rig(path).baseline
+
+
 # --- writing ------------------------------------------------------------------------------------------------
 
 EIGHT = np.array([-0.3, 0.1, 0.001, -0.002, 0.01, 0.02, 0.03, 0.04])
