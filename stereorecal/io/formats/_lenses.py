@@ -39,6 +39,8 @@ def coefficients(camera: Camera, counts: Sequence[int], what: str, instead: str)
     for count in counts:
         if count >= needed:
             return np.concatenate([own, np.zeros(max(0, count - own.size))])[:count]
+    if not counts:
+        raise InputError(f"the file has more lens coefficients than {what} knows; calibrate with fewer.")
     raise InputError(
         f"{what} has {counts[-1]} lens coefficients, and this rig needs {needed}; write it as {instead} instead."
     )
@@ -59,6 +61,19 @@ def check_model(model: object, known: Sequence[str], camera: object = "pinhole")
     if camera != "pinhole" or model not in known:
         raise UnsupportedModelError(
             f"the camera model {camera!r} with the distortion model {model!r} is not supported; {_WAY_OUT}."
+        )
+
+
+def check_no_lens(model: object, lens: Float[np.ndarray, "n"]) -> None:
+    """Refuse coefficients of a lens that is said to have none.
+
+    Raises:
+        InputError: if model is "" or "none" and a coefficient is not zero.
+    """
+    if model in ("", "none") and np.any(lens):
+        raise InputError(
+            f"the distortion model is {model!r}, but there are coefficients; name their model (plumb_bob, radtan), or "
+            "set them to zero."
         )
 
 

@@ -13,7 +13,7 @@ from stereorecal.io.formats._format import Documents, Format, Hints
 from stereorecal.io.formats._registry import all_known, half_of, named, recognised
 from stereorecal.io.formats._source import Source
 from stereorecal.io.formats._units import METRES, checked_unit, inferred_unit, scaled
-from stereorecal.io.formats.text._document import Syntax, read_document
+from stereorecal.io.formats.text._document import Document, Syntax, read_document
 
 _ENDINGS = (".yaml", ".yml", ".xml", ".json", ".txt")
 _OF_CAMERAS = ("cam0/sensor.yaml", "cam1/sensor.yaml")  # EuRoC's, which lie in folders of their own
@@ -45,8 +45,7 @@ def read_files(
     if len(paths) == 1 and paths[0].is_dir() and paths[0].suffix.lower() not in _ENDINGS:
         documents = _in_folder(paths[0], chosen, hints)
     else:
-        syntax = _forced_syntax(chosen)
-        documents = tuple(read_document(path, syntax, if_missing) for path in paths)
+        documents = tuple(_read(path, chosen, if_missing) for path in paths)
     return rig_in(documents, chosen or _recognised(documents), unit, hints)
 
 
@@ -70,6 +69,12 @@ def rig_in(documents: Documents, format: Format, unit: str | None, hints: Hints)
     used = stated or inferred_unit(float(rig.baseline))
     source = Source(format.NAME, documents, hints, used, inferred=stated is None)
     return replace(scaled(rig, METRES[used]), source=source)
+
+
+def _read(path: Path, format: Format | None, if_missing: str = "check the path.") -> Document:
+    """A file, parsed as the format that was chosen is."""
+    lines = format is None or bool({Syntax.COLONS, Syntax.EQUALS} & set(format.SYNTAX.values()))
+    return read_document(path, _forced_syntax(format), if_missing, lines=lines)
 
 
 def _forced_syntax(format: Format | None) -> Syntax | None:
@@ -119,7 +124,7 @@ def _documents_in(folder: Path, format: Format | None) -> Documents:
     documents = []
     for path in (*paths, *(path for path in cameras if path.is_file())):
         try:
-            documents.append(read_document(path, _forced_syntax(format)))
+            documents.append(_read(path, format))
         except InputError:
             continue  # something else that lies there
     return tuple(documents)
