@@ -7,8 +7,9 @@ from jaxtyping import Float
 
 from stereorecal._arrays import Mat3
 from stereorecal._errors import InputError, UnsupportedModelError
-from stereorecal.geometry import Camera
+from stereorecal.geometry import Camera, StereoRig
 
+ROUNDING = 1e-9  # radians; and parts of the baseline
 _WAY_OUT = "undistort the images, or calibrate as pinhole with radial-tangential distortion"
 
 
@@ -75,6 +76,11 @@ def check_no_lens(model: object, lens: Float[np.ndarray, "n"]) -> None:
             f"the distortion model is {model!r}, but there are coefficients; name their model (plumb_bob, radtan), or "
             "set them to zero."
         )
+
+
+def is_turned(rig: StereoRig) -> bool:
+    """Whether the cameras are turned to each other by more than rounding."""
+    return bool(np.abs(np.asarray(rig.extrinsics)[:3]).max() > ROUNDING)
 
 
 def check_straight(rig_has: object, what: str) -> None:

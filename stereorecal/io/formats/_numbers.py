@@ -49,8 +49,8 @@ def value(content: Mapping[str, Any], key: str) -> Any:
 
 
 def unpacked(stated: Any) -> Any:
-    """A map of rows, cols and data (OpenCV, ROS), or of sizes and data (OpenCV 5), as a list or a list of rows; all else
-    as it is."""
+    """A map of rows, cols and data (OpenCV, ROS), or of sizes and data (OpenCV 5), as a list or a list of rows; all
+    else as it is."""
     match stated:
         case {"rows": _, "cols": _, "data": []}:
             return []

@@ -6,7 +6,7 @@ from dataclasses import replace
 from itertools import permutations
 from pathlib import Path
 
-from stereorecal._errors import InputError
+from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal.geometry import StereoRig
 from stereorecal.io._about import about
 from stereorecal.io.formats._format import Documents, Format, Hints
@@ -103,16 +103,18 @@ def _in_folder(folder: Path, format: Format | None, hints: Hints) -> Documents:
     found = _documents_in(folder, format)
     fitting = [format] if format is not None else None
     single = [(document,) for document in found if _whole((document,), fitting, hints)]
-    if len(single) == 1:
-        return single[0]
-    if len(single) > 1:
-        names = ", ".join(Path(document.name).name for (document,) in single)
-        raise InputError(f"{folder}: several calibrations are in there ({names}); give one of them.")
-    pairs = [pair for pair in permutations(found[:_MOST], 2) if _whole(pair, fitting, hints)]
-    if len({frozenset(document.name for document in pair) for pair in pairs}) == 1:
-        return pairs[0]
-    if pairs:
-        raise InputError(f"{folder}: several pairs of calibration files are in there; give the left and the right one.")
+    parts = [document for document in found if (document,) not in single][:_MOST]
+    pairs = {
+        frozenset(document.name for document in pair): pair
+        for pair in reversed(list(permutations(parts, 2)))
+        if _whole(pair, fitting, hints)
+    }
+    whole = [*single, *reversed(pairs.values())]
+    if len(whole) == 1:
+        return whole[0]
+    if whole:
+        names = (" with ".join(str(Path(each.name).relative_to(folder)) for each in documents) for documents in whole)
+        raise InputError(f"{folder}: several calibrations are in there ({', '.join(names)}); give one of them.")
     raise InputError(
         f"{folder}: there is no {_SCENE} and no calibration that is known; expected one of: {all_known()}."
     )
@@ -137,6 +139,8 @@ def _whole(documents: Documents, fitting: list[Format] | None, hints: Hints) -> 
         return False
     try:
         rig_in(documents, format, None, hints)
+    except UnsupportedModelError:
+        return len(documents) == format.FILES or half_of(documents) is None
     except InputError:
         # One that has an error of its own is to be read, so that it is named; half a calibration is not.
         return len(documents) == 1 and half_of(documents) is None and format.NAME != "opencv"

@@ -152,5 +152,6 @@ def _read_template(template: AnyPath | tuple[AnyPath, AnyPath], unit: str | None
 
 
 def _with_info(text: str, info: Mapping[str, Any]) -> str:
-    """A calib.json with other keys, which come first."""
-    return calibration_text({**info, **parse_json(text)})
+    """A calib.json with other keys, which come first; byte for byte, if it has them already."""
+    content = parse_json(text)
+    return text if info.keys() <= content.keys() else calibration_text({**info, **content})

@@ -29,8 +29,8 @@ _NO_RIG = "the camera matrices are null; give a file with a calibration."
 
 
 def can_read(documents: Documents) -> bool:
-    """Whether there is the matrix of a left or right camera, or a size of images and nothing of OpenCV's: no R, no T and
-    no numbered camera."""
+    """Whether there is the matrix of a left or right camera, or a size of images and nothing of OpenCV's: no R, no T
+    and no numbered camera."""
     content = documents[0].content
     named = bool({"K_left", "K_right"} & content.keys())
     foreign = {"R", "T"} & content.keys() or any(key.endswith(("1", "2")) for key in content)

@@ -83,6 +83,13 @@ def syntax_for(paths: Sequence[Path], format: Format, source: Source | None) -> 
 def _into(rig: StereoRig, format: Format, source: Source) -> tuple[str, ...]:
     """The texts of the source with what has changed."""
     before = rig_in(source.documents, format, source.unit, source.hints)
+    for old, new in ((before.left, rig.left), (before.right, rig.right)):
+        if old.size != new.size:
+            wide, high = old.size
+            raise InputError(
+                f"the file is for images of {wide}x{high}, and the rig for {new.size[0]}x{new.size[1]}; write "
+                f"`rig.resized(({wide}, {high}))`, or a new file: `dataclasses.replace(rig, source=None)`, no template."
+            )
     kept = tuple(same_camera(*cameras) for cameras in ((before.left, rig.left), (before.right, rig.right)))
     texts = tuple(document.text for document in source.documents)
     if all(kept) and np.array_equal(before.extrinsics, rig.extrinsics):

@@ -9,8 +9,9 @@ import samples
 from every import SAMPLES, as_json, as_xml
 from test_refusals import refused
 
+from stereorecal import UnsupportedModelError
 from stereorecal.geometry import StereoRig
-from stereorecal.io import load_rig, save_rig
+from stereorecal.io import load_rig, save_calibrations, save_rig
 
 # --- lenses -------------------------------------------------------------------------------------------------
 
@@ -145,3 +146,90 @@ def test_a_date_is_no_line_of_numbers(tmp_path: Path):
     assert load_rig(path).source.format == "kalibr"
     path.write_text(samples.OPENCV.replace("%YAML:1.0\n---\n", "date: 20160101 120000\n"))
     assert load_rig(path, format="opencv", unit="mm").source.format == "opencv"
+
+
+def test_maps_beside_the_calibration(tmp_path: Path):
+    maps = ", ".join(["1.2345678e+02"] * 76800)
+    text = f"{samples.OPENCV}map: !!opencv-matrix\n   rows: 240\n   cols: 320\n   dt: f\n   data: [ {maps} ]\nlast: 1\n"
+    path, new = tmp_path / "a.yaml", tmp_path / "b.yaml"
+    path.write_text(text)
+    rig = load_rig(path, unit="mm")
+    save_rig(rig.with_extrinsics(rig.extrinsics + 0.01), new)
+    assert new.read_text().endswith(f"[ {maps} ]\nlast: 1\n")
+    np.testing.assert_allclose(load_rig(new, unit="mm").extrinsics, rig.extrinsics + 0.01, atol=1e-12)
+
+
+# --- what stays ---------------------------------------------------------------------------------------------
+
+
+def test_comments_beside_the_root_of_xml(tmp_path: Path):
+    path, new = tmp_path / "a.xml", tmp_path / "b.xml"
+    head, tail = '<?xml version="1.0"?>\n<!-- ours <a> -->\n', "\n<!-- the end -->\n"
+    body = as_xml(samples.OPENCV).partition("?>")[2].strip()
+    path.write_text(head + body + tail)
+    rig = load_rig(path, unit="mm")
+    save_rig(rig.with_extrinsics(rig.extrinsics + 0.01), new)
+    assert new.read_text().startswith(head + "<opencv_storage>")
+    assert new.read_text().endswith("</opencv_storage>" + tail)
+    np.testing.assert_allclose(load_rig(new, unit="mm").extrinsics, rig.extrinsics + 0.01, atol=1e-12)
+
+
+def test_a_calib_json_with_info_of_its_own(tmp_path: Path):
+    path, new = tmp_path / "calib.json", tmp_path / "new.json"
+    save_rig(samples.RIG, path)
+    path.write_text(path.read_text().replace("{", '{\n\t"boat": "Ladja",', 1))
+    save_rig(load_rig(path), new, {"boat": "Ladja"})
+    assert new.read_bytes() == path.read_bytes()
+    save_rig(load_rig(path), new, {"captain": "Ana"}, overwrite=True)
+    assert '"captain": "Ana"' in new.read_text()
+
+
+def test_a_log_takes_no_keys_of_a_scene(tmp_path: Path):
+    path = tmp_path / "calib.json"
+    save_rig(samples.RIG, path, {"boat": "Ladja"})
+    save_calibrations({"may": load_rig(path)}, tmp_path)
+    (written,) = tmp_path.glob("*/may.json")
+    assert "boat" not in written.read_text()
+
+
+# --- sentences ----------------------------------------------------------------------------------------------
+
+
+def test_a_rig_of_another_size(tmp_path: Path):
+    (path,) = SAMPLES["kalibr"].write(tmp_path)
+    rig = load_rig(path).resized((32, 24))
+    said = "the file is for images of 64x48, and the rig for 32x24; write `rig.resized((64, 48))`"
+    refused(lambda: save_rig(rig, tmp_path / "b.yaml"), said)
+    save_rig(replace(rig, source=None), tmp_path / "b.yaml", format="kalibr")
+    assert load_rig(tmp_path / "b.yaml").left.size == (32, 24)
+
+
+@pytest.mark.parametrize("name", ["ros", "euroc", "kalibr"])
+def test_a_folder_of_fisheye_cameras(tmp_path: Path, name: str):
+    for path in SAMPLES[name].write(tmp_path):
+        text = path.read_text()
+        for model in ("plumb_bob", "radial-tangential", "radtan"):
+            text = text.replace(model, "equidistant")
+        path.write_text(text)
+    refused(lambda: load_rig(tmp_path), "undistort the images", UnsupportedModelError)
+
+
+def test_a_folder_of_a_pair_and_a_file(tmp_path: Path):
+    for name, ours in (("ros", ("l.yaml", "r.yaml")), ("kalibr", ("camchain.yaml",))):
+        for path, own in zip(SAMPLES[name].write(tmp_path), ours, strict=True):
+            path.rename(tmp_path / own)
+    refused(lambda: load_rig(tmp_path), "several calibrations are in there (camchain.yaml, l.yaml with r.yaml)")
+
+
+@pytest.mark.parametrize("name", ["middlebury", "kitti-odometry"])
+def test_rounding_is_no_rotation(tmp_path: Path, name: str):
+    paths = SAMPLES[name].write(tmp_path)
+    rig = load_rig(*paths, size=samples.SIZE)
+    for turn, fits in ((5e-10, True), (1e-8, False)):
+        turned = rig.with_extrinsics(rig.extrinsics + np.array([turn, -turn, turn, -0.01, 0.0, 0.0]))
+        place = tmp_path / f"{turn}.txt"
+        if fits:
+            save_rig(turned, place)
+            assert load_rig(place, size=samples.SIZE).baseline == pytest.approx(turned.baseline, rel=1e-12)
+        else:
+            refused(lambda rig=turned, place=place: save_rig(rig, place), "no place for a rotation")

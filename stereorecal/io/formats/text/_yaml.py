@@ -15,6 +15,7 @@ from stereorecal.io.formats.text._values import Values, number_text
 _Edit = tuple[int, int, str]  # from, to, what stands there then
 _WORDS = {"true": True, "false": False, "null": None, "~": None, "": None}
 _NOT_FINITE = re.compile(r"([-+]?)\.(inf|nan)", re.IGNORECASE)
+_MAP = re.compile(r"\[[-+.\deEinfaN,\s]{16384,}\]")  # numbers, thousands of them
 _EXPANDED = 100_000  # nodes that aliases may add
 _DAMAGED = "not a YAML file, or truncated; correct or copy it again."
 
@@ -55,6 +56,8 @@ def changed(text: str, values: Values) -> str:
 def _composed(text: str) -> Node:
     # OpenCV's first line is no directive of YAML; a comment of the same length leaves all places where they are.
     text = re.sub(r"\A%(YAML:)", r"#\1", text)
+    # Maps for rectification take a parser minutes, and are not needed: they are read as empty lists, and stay.
+    text = _MAP.sub(lambda found: f"[{' ' * (len(found[0]) - 2)}]", text)
     try:
         node = yaml.compose(text, yaml.SafeLoader)
     except (yaml.YAMLError, RecursionError):
