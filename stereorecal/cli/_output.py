@@ -1,6 +1,7 @@
 """The calibration that `recalibrate` gives back: where it goes, in which form, and what it may replace."""
 
 import argparse
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -96,6 +97,8 @@ def output_of(options: argparse.Namespace, scenes: Sequence[Scene], free: Sequen
             raise InputError("--in-place: the calibration came from no file; give --output.")
         for path in files:
             _values.output_path(str(path), "--in-place")
+            if not os.access(path, os.W_OK):
+                raise InputError(f"--in-place {path}: the file is write-protected; allow writing, or give --output.")
         place: _calibrations.Place = (files[0], files[1]) if len(files) == 2 else files[0]
     else:
         place = _calibrations.place(options.output, "--output")

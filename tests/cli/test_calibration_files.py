@@ -1,6 +1,7 @@
 """Calibration files on the command line: convert, diff, score and recalibrate take every format, and give it back."""
 
 import json
+import os
 from pathlib import Path
 
 import numpy as np
@@ -171,6 +172,15 @@ def test_places_that_make_no_sense(command, rig: sr.StereoRig, sides, tmp_path: 
     options = [word.format(tmp=tmp_path) for word in words]
     refused(command("recalibrate", *sides, "--calibration", tmp_path / "a.yaml", *COUNT, *options), said)
     assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
+def test_a_write_protected_file_is_not_replaced(
+    command, rig: sr.StereoRig, sides, tmp_path: Path, unworked, monkeypatch: pytest.MonkeyPatch
+):
+    save_rig(short(rig), tmp_path / "a.yaml", format="kalibr")
+    monkeypatch.setattr(os, "access", lambda path, mode: Path(path).name != "a.yaml")  # root may write everything
+    words = ("recalibrate", *sides, "--calibration", tmp_path / "a.yaml", *COUNT, "--in-place")
+    refused(command(*words), "the file is write-protected")
 
 
 def test_dry_run_writes_nothing(command, rig: sr.StereoRig, sides, tmp_path: Path):

@@ -9,7 +9,7 @@ from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._about import about
 from stereorecal.io.formats._format import Documents, Hints, Target
-from stereorecal.io.formats._lenses import check_model, coefficients, pinhole_matrix, pinhole_numbers
+from stereorecal.io.formats._lenses import check_model, check_no_lens, coefficients, pinhole_matrix, pinhole_numbers
 from stereorecal.io.formats._matrices import matrix_values
 from stereorecal.io.formats._numbers import image_size, numbers, value
 from stereorecal.io.formats._poses import left_to_right, rig_of
@@ -52,8 +52,9 @@ def _camera(content: Mapping[str, Any], key: str) -> Camera:
     with about(key):
         camera = content[key]
         check_model(value(camera, "distortion_model"), ("radtan", "none"), value(camera, "camera_model"))
-        matrix = pinhole_matrix(numbers(camera, "intrinsics", (4,)))
-        return Camera(image_size(camera, "resolution"), matrix, numbers(camera, "distortion_coeffs", (-1,)))
+        matrix, lens = pinhole_matrix(numbers(camera, "intrinsics", (4,))), numbers(camera, "distortion_coeffs", (-1,))
+        check_no_lens(camera["distortion_model"], lens)
+        return Camera(image_size(camera, "resolution"), matrix, lens)
 
 
 def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:
@@ -76,6 +77,10 @@ def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
         if wanted:
             lens = coefficients(camera, (4,), "Kalibr's radtan", "opencv, ros or depthai")
             values[(key, "intrinsics")] = pinhole_numbers(camera)
+            if content[key]["distortion_model"] == "none":
+                if not np.any(lens):
+                    continue
+                values[(key, "distortion_model")] = "radtan"
             values.update(matrix_values(content, (key, "distortion_coeffs"), lens))
     return (document.changed(values),)
 

@@ -7,8 +7,9 @@ from jaxtyping import Float
 
 from stereorecal._arrays import Mat3
 from stereorecal._errors import InputError, UnsupportedModelError
-from stereorecal.geometry import Camera
+from stereorecal.geometry import Camera, StereoRig
 
+ROUNDING = 1e-9  # radians; and parts of the baseline
 _WAY_OUT = "undistort the images, or calibrate as pinhole with radial-tangential distortion"
 
 
@@ -39,6 +40,8 @@ def coefficients(camera: Camera, counts: Sequence[int], what: str, instead: str)
     for count in counts:
         if count >= needed:
             return np.concatenate([own, np.zeros(max(0, count - own.size))])[:count]
+    if not counts:
+        raise InputError(f"the file has more lens coefficients than {what} knows; calibrate with fewer.")
     raise InputError(
         f"{what} has {counts[-1]} lens coefficients, and this rig needs {needed}; write it as {instead} instead."
     )
@@ -60,6 +63,24 @@ def check_model(model: object, known: Sequence[str], camera: object = "pinhole")
         raise UnsupportedModelError(
             f"the camera model {camera!r} with the distortion model {model!r} is not supported; {_WAY_OUT}."
         )
+
+
+def check_no_lens(model: object, lens: Float[np.ndarray, "n"]) -> None:
+    """Refuse coefficients of a lens that is said to have none.
+
+    Raises:
+        InputError: if model is "" or "none" and a coefficient is not zero.
+    """
+    if model in ("", "none") and np.any(lens):
+        raise InputError(
+            f"the distortion model is {model!r}, but there are coefficients; name their model (plumb_bob, radtan), or "
+            "set them to zero."
+        )
+
+
+def is_turned(rig: StereoRig) -> bool:
+    """Whether the cameras are turned to each other by more than rounding."""
+    return bool(np.abs(np.asarray(rig.extrinsics)[:3]).max() > ROUNDING)
 
 
 def check_straight(rig_has: object, what: str) -> None:

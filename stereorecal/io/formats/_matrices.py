@@ -12,7 +12,7 @@ Array = Float[np.ndarray, "..."]
 
 
 def matrix_values(content: Mapping[str, Any], keys: Keys, array: Array) -> dict[Keys, Any]:
-    """What to write for an array where the file has a map of rows, cols and data, or lists of any shape.
+    """What to write for an array where the file has a map of rows (or sizes), cols and data, or lists of any shape.
 
     A vector may be longer than the one in the file.
     """
@@ -23,8 +23,16 @@ def matrix_values(content: Mapping[str, Any], keys: Keys, array: Array) -> dict[
     values: dict[Keys, Any] = {(*keys, "data"): flat}
     if "dt" in stated and stated["dt"] != "d":  # single precision would lose digits
         values[(*keys, "dt")] = "d"
-    if len(flat) > len(stated["data"]):
-        values[(*keys, "cols" if stated["rows"] == 1 else "rows")] = len(flat)
+    if len(flat) > len(stated["data"]) and "sizes" in stated:
+        sizes = stated["sizes"]
+        longest = max(sizes) if isinstance(sizes, list) else sizes
+        grown = [len(flat) if size == longest else size for size in sizes] if isinstance(sizes, list) else len(flat)
+        values[(*keys, "sizes")] = grown
+    elif len(flat) > len(stated["data"]):
+        if not stated["data"]:
+            values |= {(*keys, "rows"): 1, (*keys, "cols"): len(flat)}
+        else:
+            values[(*keys, "cols" if stated["rows"] == 1 else "rows")] = len(flat)
     return values
 
 

@@ -49,12 +49,19 @@ def value(content: Mapping[str, Any], key: str) -> Any:
 
 
 def unpacked(stated: Any) -> Any:
-    """A map of rows, cols and data, as OpenCV and ROS write matrices, as a list of rows; all else as it is."""
+    """A map of rows, cols and data (OpenCV, ROS), or of sizes and data (OpenCV 5), as a list or a list of rows; all
+    else as it is."""
     match stated:
+        case {"rows": _, "cols": _, "data": []}:
+            return []
         case {"rows": int(rows), "cols": int(columns), "data": list(data)} if columns > 0:
             # If the numbers do not fill the matrix they stay a flat list, and the reader says what it expected.
             fits = rows * columns == len(data)
             return [data[start : start + columns] for start in range(0, len(data), columns)] if fits else data
+        case {"sizes": [int(rows), int(columns)], "data": list(data)}:
+            return unpacked({"rows": rows, "cols": columns, "data": data})
+        case {"sizes": _, "data": list(data)}:
+            return data
         case _:
             return stated
 

@@ -6,14 +6,14 @@ from dataclasses import replace
 from itertools import permutations
 from pathlib import Path
 
-from stereorecal._errors import InputError
+from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal.geometry import StereoRig
 from stereorecal.io._about import about
 from stereorecal.io.formats._format import Documents, Format, Hints
 from stereorecal.io.formats._registry import all_known, half_of, named, recognised
 from stereorecal.io.formats._source import Source
 from stereorecal.io.formats._units import METRES, checked_unit, inferred_unit, scaled
-from stereorecal.io.formats.text._document import Syntax, read_document
+from stereorecal.io.formats.text._document import Document, Syntax, read_document
 
 _ENDINGS = (".yaml", ".yml", ".xml", ".json", ".txt")
 _OF_CAMERAS = ("cam0/sensor.yaml", "cam1/sensor.yaml")  # EuRoC's, which lie in folders of their own
@@ -32,7 +32,7 @@ def read_files(
 
     Args:
         format: name of the format; default: recognised.
-        unit: of lengths in the file; default: that of the format, or told by the length of the baseline.
+        unit: of lengths in a file whose format says none; default: told by the length of the baseline.
         if_missing: the end of the message if a file does not exist.
 
     Raises:
@@ -45,8 +45,7 @@ def read_files(
     if len(paths) == 1 and paths[0].is_dir() and paths[0].suffix.lower() not in _ENDINGS:
         documents = _in_folder(paths[0], chosen, hints)
     else:
-        syntax = _forced_syntax(chosen)
-        documents = tuple(read_document(path, syntax, if_missing) for path in paths)
+        documents = tuple(_read(path, chosen, if_missing) for path in paths)
     return rig_in(documents, chosen or _recognised(documents), unit, hints)
 
 
@@ -66,10 +65,16 @@ def rig_in(documents: Documents, format: Format, unit: str | None, hints: Hints)
             raise InputError(
                 f"{documents[0].name}: not arranged as {format.NAME} is ({format.ABOUT}); check the file or the format."
             ) from None
-    stated = unit or format.UNIT
+    stated = format.UNIT or unit
     used = stated or inferred_unit(float(rig.baseline))
     source = Source(format.NAME, documents, hints, used, inferred=stated is None)
     return replace(scaled(rig, METRES[used]), source=source)
+
+
+def _read(path: Path, format: Format | None, if_missing: str = "check the path.") -> Document:
+    """A file, parsed as the format that was chosen is."""
+    lines = format is None or bool({Syntax.COLONS, Syntax.EQUALS} & set(format.SYNTAX.values()))
+    return read_document(path, _forced_syntax(format), if_missing, lines=lines)
 
 
 def _forced_syntax(format: Format | None) -> Syntax | None:
@@ -98,16 +103,18 @@ def _in_folder(folder: Path, format: Format | None, hints: Hints) -> Documents:
     found = _documents_in(folder, format)
     fitting = [format] if format is not None else None
     single = [(document,) for document in found if _whole((document,), fitting, hints)]
-    if len(single) == 1:
-        return single[0]
-    if len(single) > 1:
-        names = ", ".join(Path(document.name).name for (document,) in single)
-        raise InputError(f"{folder}: several calibrations are in there ({names}); give one of them.")
-    pairs = [pair for pair in permutations(found[:_MOST], 2) if _whole(pair, fitting, hints)]
-    if len({frozenset(document.name for document in pair) for pair in pairs}) == 1:
-        return pairs[0]
-    if pairs:
-        raise InputError(f"{folder}: several pairs of calibration files are in there; give the left and the right one.")
+    parts = [document for document in found if (document,) not in single][:_MOST]
+    pairs = {
+        frozenset(document.name for document in pair): pair
+        for pair in reversed(list(permutations(parts, 2)))
+        if _whole(pair, fitting, hints)
+    }
+    whole = [*single, *reversed(pairs.values())]
+    if len(whole) == 1:
+        return whole[0]
+    if whole:
+        names = (" with ".join(str(Path(each.name).relative_to(folder)) for each in documents) for documents in whole)
+        raise InputError(f"{folder}: several calibrations are in there ({', '.join(names)}); give one of them.")
     raise InputError(
         f"{folder}: there is no {_SCENE} and no calibration that is known; expected one of: {all_known()}."
     )
@@ -119,7 +126,7 @@ def _documents_in(folder: Path, format: Format | None) -> Documents:
     documents = []
     for path in (*paths, *(path for path in cameras if path.is_file())):
         try:
-            documents.append(read_document(path, _forced_syntax(format)))
+            documents.append(_read(path, format))
         except InputError:
             continue  # something else that lies there
     return tuple(documents)
@@ -132,6 +139,8 @@ def _whole(documents: Documents, fitting: list[Format] | None, hints: Hints) -> 
         return False
     try:
         rig_in(documents, format, None, hints)
+    except UnsupportedModelError:
+        return len(documents) == format.FILES or half_of(documents) is None
     except InputError:
         # One that has an error of its own is to be read, so that it is named; half a calibration is not.
         return len(documents) == 1 and half_of(documents) is None and format.NAME != "opencv"

@@ -7,7 +7,7 @@ from typing import Any
 
 from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig
-from stereorecal.io._atomic import write_bytes, write_text
+from stereorecal.io._atomic import write_bytes, write_texts
 from stereorecal.io._json import parse_json
 from stereorecal.io._paths import AnyPath
 from stereorecal.io.formats._format import Hints
@@ -58,6 +58,7 @@ def save_rig(
     *,
     format: str | None = None,
     template: AnyPath | tuple[AnyPath, AnyPath] | None = None,
+    unit: str | None = None,
 ) -> None:
     """Write a rig into a copy of the file that it came from, whole or not at all: what was not estimated stays as it
     was there, what is derived is computed anew. A rig from nowhere, or in another format, becomes a new file.
@@ -72,15 +73,27 @@ def save_rig(
             where the name ends in .yaml, .yml or .xml.
         template: a calibration file (or two) to write into, in place of the one that the rig came from.
 
+        unit: "m", "cm", "mm" or "in", of a template that says none; by default that of the file that the rig came from,
+            if its format is the same, else told by the template's baseline.
+
     Raises:
         InputError: if a file exists already, the place cannot be written to, the name contradicts the format, or the
             format cannot hold the rig: the message names one that can. Nothing is written then.
+
+    Warns:
+        CalibrationWarning: if the unit of the template was told by its baseline.
     """
     paths = _paths(path)
+    if len({place.resolve() for place in paths}) < len(paths):
+        raise InputError(f"{paths[0]}: both cameras' files are the same one; give two names.")
     if template is None:
+        if unit is not None:
+            raise InputError("unit= is that of a template; give template=, or leave unit= out.")
         source = source_of(rig)
     else:
-        source = source_of(read_files(_paths(template), hints=Hints(size=rig.left.size)))
+        like = _read_template(template, unit, rig)
+        source = source_of(like)
+        warn_of_units(str(template), like)
     texts = list(texts_of(rig, paths, source, format))
     if info and chosen_format(paths, source, format).NAME == "stereorecal":
         texts[0] = _with_info(texts[0], info)
@@ -89,8 +102,7 @@ def save_rig(
             raise InputError(f"{place}: the file exists already; choose another name or allow overwriting.")
         if not place.parent.is_dir():  # before the first of two is written
             raise InputError(f"{place}: cannot be written, there is no such folder; choose another place.")
-    for place, text in zip(paths, texts, strict=True):
-        write_text(place, text)
+    write_texts(paths, texts)
 
 
 def check_savable(rig: StereoRig, path: AnyPath | tuple[AnyPath, AnyPath], *, format: str | None = None) -> None:
@@ -129,6 +141,17 @@ def _paths(path: AnyPath | tuple[AnyPath, AnyPath]) -> list[Path]:
     return [Path(each) for each in path] if isinstance(path, tuple) else [Path(path)]
 
 
+def _read_template(template: AnyPath | tuple[AnyPath, AnyPath], unit: str | None, rig: StereoRig) -> StereoRig:
+    """The rig in a template; lengths in one that says no unit are as in the rig's own file of that format."""
+    paths, hints, own = _paths(template), Hints(size=rig.left.size), source_of(rig)
+    like = read_files(paths, unit=unit, hints=hints)
+    found = source_of(like)
+    if own is not None and found is not None and found.inferred and found.format == own.format:
+        return read_files(paths, unit=own.unit, hints=hints)
+    return like
+
+
 def _with_info(text: str, info: Mapping[str, Any]) -> str:
-    """A calib.json with other keys, which come first."""
-    return calibration_text({**info, **parse_json(text)})
+    """A calib.json with other keys, which come first; byte for byte, if it has them already."""
+    content = parse_json(text)
+    return text if info.keys() <= content.keys() else calibration_text({**info, **content})

@@ -7,7 +7,7 @@ from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._about import about
 from stereorecal.io.formats._derived import Array, rectification_of
 from stereorecal.io.formats._format import Documents, Hints, Target
-from stereorecal.io.formats._lenses import check_model, coefficients
+from stereorecal.io.formats._lenses import check_model, check_no_lens, coefficients
 from stereorecal.io.formats._matrices import matrix_values, size_of
 from stereorecal.io.formats._numbers import numbers, pixels, value
 from stereorecal.io.formats._poses import pose, rig_of
@@ -53,14 +53,17 @@ def can_read(documents: Documents) -> bool:
 
 
 def read(documents: Documents, hints: Hints) -> StereoRig:
-    """R = R_right^T R_left, and T = R_right^T (P_right[0, 3] / P_right[0, 0], 0, 0)."""
+    """R = R_right^T R_left, and T = R_right^T (t, 0, 0), t = P[0, 3] / P[0, 0], right less left."""
     (left, to_left, left_shift), (right, to_right, shift) = (_camera(document) for document in documents)
     with about(f"{documents[0].name} and {documents[1].name}"):
-        if shift[0] == 0.0 and left_shift[0] != 0.0:
+        if shift[0] == 0.0 and left_shift[0] < 0.0:
             raise InputError("left and right are swapped; give the left camera's file first.")
-        if shift[0] == 0.0:
-            raise InputError("projection_matrix has no baseline (its fourth number is 0); calibrate the two as stereo.")
-        return rig_of(left, right, pose(to_right.T @ to_left, to_right.T @ shift))
+        if shift[0] == left_shift[0]:
+            raise InputError(
+                "projection_matrix has no baseline (its fourth number is the same in both files); calibrate the two as "
+                "stereo."
+            )
+        return rig_of(left, right, pose(to_right.T @ to_left, to_right.T @ (shift - left_shift)))
 
 
 def _camera(document: Document) -> tuple[Camera, Array, Array]:
@@ -69,9 +72,9 @@ def _camera(document: Document) -> tuple[Camera, Array, Array]:
     with about(document.name):
         size = pixels(content, "image_width"), pixels(content, "image_height")
         check_model(value(content, "distortion_model") or "", tuple(_MODELS))
-        camera = Camera(
-            size, numbers(content, "camera_matrix", (3, 3)), numbers(content, "distortion_coefficients", (-1,))
-        )
+        lens = numbers(content, "distortion_coefficients", (-1,))
+        check_no_lens(content["distortion_model"] or "", lens)
+        camera = Camera(size, numbers(content, "camera_matrix", (3, 3)), lens)
         rotation, projection = (
             numbers(content, "rectification_matrix", (3, 3)),
             numbers(content, "projection_matrix", (3, 4)),
@@ -100,8 +103,10 @@ def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
         arrays = {"rectification_matrix": made[f"R{side}"], "projection_matrix": made[f"P{side}"]}
         if wanted:
             model, lens = _lens(camera, size_of(document.content, ("distortion_coefficients",)))
-            arrays |= {"camera_matrix": np.asarray(camera.matrix), "distortion_coefficients": lens}
-            values[("distortion_model",)] = model
+            arrays["camera_matrix"] = np.asarray(camera.matrix)
+            if np.any(lens) or document.content["distortion_model"] not in (None, "", "none"):
+                arrays["distortion_coefficients"] = lens
+                values[("distortion_model",)] = model
         for key, array in arrays.items():
             values.update(matrix_values(document.content, (key,), array))
         texts.append(document.changed(values))
@@ -109,7 +114,7 @@ def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
 
 
 def _lens(camera: Camera, least: int = 5) -> tuple[str, Array]:
-    """The model and its coefficients: at least as many as the file has."""
-    counts = [count for count in (4, 5, 8) if count >= least]
+    """The model and its coefficients: as many as the file has or more, up to ROS's 8 unless it has more."""
+    counts = [count for count in ((4, 5, 8) if least <= 8 else (12, 14)) if count >= least]
     lens = coefficients(camera, counts, "ROS", "opencv or stereorecal")
     return "plumb_bob" if lens.size < 8 else "rational_polynomial", lens

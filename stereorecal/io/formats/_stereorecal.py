@@ -29,9 +29,13 @@ _NO_RIG = "the camera matrices are null; give a file with a calibration."
 
 
 def can_read(documents: Documents) -> bool:
-    """Whether there is the matrix of a left or right camera, or all that the file would hold beside them."""
+    """Whether there is the matrix of a left or right camera, or a size of images and nothing of OpenCV's: no R, no T
+    and no numbered camera."""
     content = documents[0].content
-    return len(documents) == 1 and bool({"K_left", "K_right", "image_size"} & content.keys())
+    named = bool({"K_left", "K_right"} & content.keys())
+    foreign = {"R", "T"} & content.keys() or any(key.endswith(("1", "2")) for key in content)
+    alone = documents[0].syntax is Syntax.JSON and "image_size" in content and not foreign
+    return len(documents) == 1 and (named or alone)
 
 
 def read(documents: Documents, hints: Hints) -> StereoRig:

@@ -36,7 +36,8 @@ def texts_of(rig: StereoRig, paths: Sequence[Path], source: Source | None, forma
     with about(names):
         if source is not None and source.format == chosen.NAME and source.documents[0].syntax is syntax:
             return _into(rig, chosen, source)
-        return _anew(rig, chosen, syntax)
+        own = source is not None and source.format == chosen.NAME
+        return _anew(rig, chosen, syntax, chosen.UNIT or (source.unit if source is not None and own else "m"))
 
 
 def check_names(paths: Sequence[Path], source: Source | None, format: str | None) -> None:
@@ -82,6 +83,13 @@ def syntax_for(paths: Sequence[Path], format: Format, source: Source | None) -> 
 def _into(rig: StereoRig, format: Format, source: Source) -> tuple[str, ...]:
     """The texts of the source with what has changed."""
     before = rig_in(source.documents, format, source.unit, source.hints)
+    for old, new in ((before.left, rig.left), (before.right, rig.right)):
+        if old.size != new.size:
+            wide, high = old.size
+            raise InputError(
+                f"the file is for images of {wide}x{high}, and the rig for {new.size[0]}x{new.size[1]}; write "
+                f"`rig.resized(({wide}, {high}))`, or a new file: `dataclasses.replace(rig, source=None)`, no template."
+            )
     kept = tuple(same_camera(*cameras) for cameras in ((before.left, rig.left), (before.right, rig.right)))
     texts = tuple(document.text for document in source.documents)
     if all(kept) and np.array_equal(before.extrinsics, rig.extrinsics):
@@ -90,10 +98,10 @@ def _into(rig: StereoRig, format: Format, source: Source) -> tuple[str, ...]:
     return _checked(rig, format, target, source.unit)
 
 
-def _anew(rig: StereoRig, format: Format, syntax: Syntax) -> tuple[str, ...]:
-    """The texts of new files, in metres or the unit of the format."""
+def _anew(rig: StereoRig, format: Format, syntax: Syntax, unit: str) -> tuple[str, ...]:
+    """The texts of new files."""
     blanks = tuple(document("a new file", text, syntax) for text in format.blank(rig, syntax))
-    return _checked(rig, format, Target(blanks, hints=Hints(size=rig.left.size, rectified=False)), format.UNIT or "m")
+    return _checked(rig, format, Target(blanks, hints=Hints(size=rig.left.size, rectified=False)), unit)
 
 
 def _checked(rig: StereoRig, format: Format, target: Target, unit: str) -> tuple[str, ...]:

@@ -2,6 +2,7 @@
 
 from bisect import bisect_right
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -89,7 +90,7 @@ def save_calibrations(calibrations: Mapping[str, StereoRig], folder: AnyPath, ov
     place = Path(folder) / _CALIBRATIONS
     make_folder(place)
     for name, rig in calibrations.items():
-        save_rig(rig, place / f"{name}.json", overwrite=overwrite, format="stereorecal")
+        save_rig(replace(rig, source=None), place / f"{name}.json", overwrite=overwrite, format="stereorecal")
 
 
 def save_mission(mission: Mission, folder: AnyPath) -> None:
@@ -109,7 +110,7 @@ def save_mission(mission: Mission, folder: AnyPath) -> None:
         for side, image in (("left", pair.left), ("right", pair.right)):
             write_png(place / side / names[pair.name], image)
     if mission.truth is not None:
-        save_rig(mission.truth, place / _TRUTH, overwrite=True, format="stereorecal")
+        save_rig(replace(mission.truth, source=None), place / _TRUTH, overwrite=True, format="stereorecal")
     facts = {"calibration": mission.calibration, "starred": sorted(names[name] for name in mission.starred)}
     write_json(place / _FACTS, facts)
 

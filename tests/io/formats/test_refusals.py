@@ -1,5 +1,6 @@
 """What is refused, in one sentence that says what to do; nothing is written then."""
 
+import os
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,7 +11,7 @@ from every import SAMPLES
 
 from stereorecal import CalibrationWarning, InputError, UnsupportedModelError
 from stereorecal.geometry import Camera, StereoRig
-from stereorecal.io import load_rig, save_rig
+from stereorecal.io import load_rig, save_rig, write_text
 
 
 def refused(call, words: str, kind: type[InputError] = InputError) -> None:
@@ -108,6 +109,28 @@ def test_an_inferred_unit_is_said(tmp_path: Path):
         assert load_rig(path).baseline == pytest.approx(0.12, rel=1e-3)
 
 
+def test_the_unit_of_a_template(tmp_path: Path):
+    """Of a baseline that tells nothing: 3, in centimetres."""
+    template = tmp_path / "template.yaml"
+    template.write_text(samples.OPENCV.replace("-120., 1., -2.", "-3., 0., 0."))
+    with pytest.warns(CalibrationWarning, match="taken to be in m, a baseline"):
+        save_rig(samples.RIG, tmp_path / "guessed.yaml", template=template)
+    save_rig(samples.RIG, tmp_path / "said.yaml", template=template, unit="cm")
+    rig = load_rig(template, unit="cm")
+    own = rig.with_extrinsics(samples.RIG.extrinsics)
+    save_rig(own, tmp_path / "own.yaml", template=template)
+    save_rig(own, tmp_path / "anew.xml", format="opencv")
+    for name in ("said.yaml", "own.yaml", "anew.xml"):
+        again = load_rig(tmp_path / name, unit="cm")
+        np.testing.assert_allclose(again.extrinsics, samples.RIG.extrinsics, atol=1e-12)
+    refused(lambda: save_rig(rig, tmp_path / "a.yaml", unit="cm"), "unit= is that of a template")
+
+
+def test_a_format_with_a_unit_keeps_it(tmp_path: Path):
+    (path,) = SAMPLES["kalibr"].write(tmp_path)
+    assert load_rig(path, unit="mm").baseline == load_rig(path).baseline
+
+
 # --- writing ------------------------------------------------------------------------------------------------
 
 EIGHT = np.array([-0.3, 0.1, 0.001, -0.002, 0.01, 0.02, 0.03, 0.04])
@@ -161,6 +184,42 @@ def test_nothing_is_overwritten(tmp_path: Path):
     rig = load_rig(*paths)
     refused(lambda: save_rig(rig, (tmp_path / "new.yaml", paths[1])), "the file exists already")
     assert not (tmp_path / "new.yaml").exists()
+
+
+def test_two_files_or_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    left, right = SAMPLES["ros"].write(tmp_path)
+    before = [path.read_bytes() for path in (left, right)]
+    rig = load_rig(left, right)
+    moved = rig.with_extrinsics(rig.extrinsics + 0.01)
+    full = Path("/dev/full")
+    if full.exists():
+        refused(lambda: save_rig(moved, (left, full), format="ros", overwrite=True), "/dev/full: cannot be written")
+    refused(lambda: save_rig(moved, (left, tmp_path / "." / left.name), overwrite=True), "give two names")
+    assert left.read_bytes() == before[0]
+    replace_file, calls = os.replace, []
+
+    def second_fails(*names):
+        calls.append(names)
+        if len(calls) == 2:
+            raise OSError(28, "No space left on device")
+        replace_file(*names)
+
+    monkeypatch.setattr(os, "replace", second_fails)
+    refused(lambda: save_rig(moved, (left, right), overwrite=True), f"{right}: cannot be written")
+    assert [path.read_bytes() for path in (left, right)] == before
+    calls.clear()
+    refused(lambda: save_rig(moved, (tmp_path / "a.yaml", tmp_path / "b.yaml")), "cannot be written")
+    assert sorted(tmp_path.iterdir()) == [left, right]
+
+
+def test_permissions_stay(tmp_path: Path):
+    (path,) = SAMPLES["kalibr"].write(tmp_path)
+    path.chmod(0o640)
+    rig = load_rig(path)
+    save_rig(rig.with_extrinsics(rig.extrinsics + 0.01), path, overwrite=True)
+    assert path.stat().st_mode & 0o777 == 0o640
+    write_text(path, "other")
+    assert path.stat().st_mode & 0o777 == 0o640
 
 
 def test_cameras_of_different_sizes(tmp_path: Path):

@@ -139,6 +139,6 @@ def test_another_template(tmp_path: Path, sample: Sample):
     shift = np.array([0, 0, 0, -0.01, 0, 0])
     rig = StereoRig(before.left, before.right, before.extrinsics + shift)
     new = [tmp_path / f"new-{path.name}" for path in paths]
-    save_rig(rig, place_of(new), template=place_of(paths))  # the unit of one that says none is told by its baseline
+    save_rig(rig, place_of(new), template=place_of(paths), unit=sample.unit)
     assert_same(loaded(new, sample), rig)
     assert unchanged(new[0].read_text(), sample) == unchanged(sample.texts[0], sample)

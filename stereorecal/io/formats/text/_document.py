@@ -34,7 +34,8 @@ _PARSERS: dict[Syntax, tuple[_Parsed, _Changed]] = {
     Syntax.EQUALS: (_lines.parsed_equals, _lines.changed_equals),
 }
 # Two numbers with nothing but a space between them are no YAML that anybody writes for a calibration.
-_COLONS = re.compile(r"^\w+:[ \t]+[-+.\deE]+[ \t]+[-+.\deE]+", re.MULTILINE)
+_NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+_COLONS = re.compile(rf"^\w+:[ \t]+{_NUMBER}[ \t]+{_NUMBER}(?!\S)", re.MULTILINE)
 _EQUALS = re.compile(r"^\w+[ \t]*=", re.MULTILINE)
 
 
@@ -62,37 +63,42 @@ class Document:
             return _PARSERS[self.syntax][1](self.text, values) if values else self.text
 
 
-def document(name: object, text: str, syntax: Syntax | None = None) -> Document:
+def document(name: object, text: str, syntax: Syntax | None = None, *, lines: bool = True) -> Document:
     """A text, parsed.
 
     Args:
         syntax: default: as the text looks.
+        lines: whether it may look like lines of keys and values.
 
     Raises:
         InputError: naming the file, if it cannot be parsed.
     """
     with about(name):
-        syntax = syntax or _syntax_of(text)
+        syntax = syntax or _syntax_of(text, lines)
         if syntax is not Syntax.JSON:  # whose parser looks after itself
             check_flat(text)
         return Document(str(name), text, syntax, _PARSERS[syntax][0](text))
 
 
-def read_document(path: Path, syntax: Syntax | None = None, if_missing: str = "check the path.") -> Document:
-    """The text of a file, parsed.
+def read_document(
+    path: Path, syntax: Syntax | None = None, if_missing: str = "check the path.", *, lines: bool = True
+) -> Document:
+    """The text of a file, parsed; `syntax` and `lines` as of `document`.
 
     Raises:
         InputError: naming the file, if it is missing, unreadable or cannot be parsed.
     """
-    return document(path, read_text(path, if_missing), syntax)
+    return document(path, read_text(path, if_missing), syntax, lines=lines)
 
 
-def _syntax_of(text: str) -> Syntax:
+def _syntax_of(text: str, lines: bool) -> Syntax:
     start = text.lstrip()[:1]
     if start in "{[":
         return Syntax.JSON
     if start == "<":
         return Syntax.XML
-    if not text.startswith("%YAML") and _EQUALS.search(text):
+    if not lines or text.startswith("%YAML"):
+        return Syntax.YAML
+    if _EQUALS.search(text):
         return Syntax.EQUALS
     return Syntax.COLONS if _COLONS.search(text) else Syntax.YAML

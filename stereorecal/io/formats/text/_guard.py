@@ -5,7 +5,7 @@ from stereorecal._errors import InputError
 # Parsers call themselves at each level of nesting. Nesting is no deeper than there are opening brackets and tags, or
 # items begun on one line, or than indentation fits into the text.
 _MOST_OPENINGS = 2000
-_LONGEST = 1 << 18  # characters; a calibration of a rig has a few thousand
+_LONGEST = 1 << 22  # characters; a calibration of a rig has a few thousand, and its rectifying maps some million
 
 
 def check_flat(text: str) -> None:

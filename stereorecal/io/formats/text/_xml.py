@@ -9,6 +9,7 @@ from stereorecal._errors import InputError
 from stereorecal.io.formats._numbers import number_or_word
 from stereorecal.io.formats.text._values import Keys, Values, leaves, number_text
 
+_BESIDE = re.compile(r"(?:\s|<\?.*?\?>|<!--.*?-->)*", re.DOTALL)  # the root
 _DAMAGED = "not an XML file as OpenCV writes it, or truncated; correct or copy it again."
 
 
@@ -34,9 +35,12 @@ def changed(text: str, values: Values) -> str:
     for keys, value in values.items():
         _element(root, keys).text = " ".join(number_text(leaf) for leaf in leaves(value))
     file = io.StringIO()
+    root.tail = None
     ElementTree.ElementTree(root).write(file, encoding="unicode")
-    head = re.match(r"\s*<\?xml.*?\?>\s*", text, re.DOTALL)
-    return (head[0] if head else "") + file.getvalue() + "\n"
+    head = _BESIDE.match(text)
+    end = f"</{root.tag}>"
+    tail = text[text.rindex(end) + len(end) :] if end in text else ""
+    return (head[0] if head else "") + file.getvalue() + (tail or "\n")
 
 
 def _root(text: str) -> ElementTree.Element:

@@ -1,5 +1,6 @@
 """YAML: read as plain values, and changed by replacing the characters of single numbers."""
 
+import math
 import re
 from collections.abc import Iterator
 from typing import Any
@@ -14,6 +15,8 @@ from stereorecal.io.formats.text._values import Values, number_text
 _Edit = tuple[int, int, str]  # from, to, what stands there then
 _WORDS = {"true": True, "false": False, "null": None, "~": None, "": None}
 _NOT_FINITE = re.compile(r"([-+]?)\.(inf|nan)", re.IGNORECASE)
+_MAP = re.compile(r"\[[-+.\deEinfaN,\s]{16384,}\]")  # numbers, thousands of them
+_EXPANDED = 100_000  # nodes that aliases may add
 _DAMAGED = "not a YAML file, or truncated; correct or copy it again."
 
 
@@ -53,13 +56,31 @@ def changed(text: str, values: Values) -> str:
 def _composed(text: str) -> Node:
     # OpenCV's first line is no directive of YAML; a comment of the same length leaves all places where they are.
     text = re.sub(r"\A%(YAML:)", r"#\1", text)
+    # Maps for rectification take a parser minutes, and are not needed: they are read as empty lists, and stay.
+    text = _MAP.sub(lambda found: f"[{' ' * (len(found[0]) - 2)}]", text)
     try:
         node = yaml.compose(text, yaml.SafeLoader)
     except (yaml.YAMLError, RecursionError):
         node = None
     if node is None:
         raise InputError(_DAMAGED)
+    try:
+        if _count(node, {}) > len(text) + _EXPANDED:
+            raise InputError("its aliases stand for too much for a calibration; check that this is the right file.")
+    except RecursionError:
+        raise InputError(_DAMAGED) from None
     return node
+
+
+def _count(node: Node, known: dict[int, float]) -> float:
+    """How many nodes there are once aliases are written out; each is visited once. One within itself has no end."""
+    if id(node) not in known:
+        known[id(node)] = math.inf
+        inside = [] if isinstance(node, ScalarNode) else node.value
+        pairs = isinstance(node, MappingNode)
+        parts = [part for item in inside for part in (item if pairs else (item,))]
+        known[id(node)] = 1 + sum(_count(part, known) for part in parts)
+    return known[id(node)]
 
 
 def _plain(node: Node) -> Any:
@@ -92,7 +113,10 @@ def _child(node: Node, key: str | int) -> Node:
 def _edits(text: str, node: Node, value: Any) -> Iterator[_Edit]:
     if isinstance(node, ScalarNode) and not isinstance(value, list):
         if _plain(node) != value:
-            yield node.start_mark.index, node.end_mark.index, number_text(value)
+            start, end = node.start_mark.index, node.end_mark.index
+            yield start, end, " " * (start == end) + number_text(value)
+    elif isinstance(node, SequenceNode) and not node.value and node.flow_style and isinstance(value, list):
+        yield node.start_mark.index, node.end_mark.index, f"[{', '.join(map(number_text, value))}]"
     elif isinstance(node, SequenceNode) and isinstance(value, list) and len(value) >= len(node.value) > 0:
         for item, new in zip(node.value, value, strict=False):
             yield from _edits(text, item, new)

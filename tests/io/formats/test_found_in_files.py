@@ -1,0 +1,235 @@
+"""What real files hold that the samples do not: lenses without a model, OpenCV 5's arrays, aliases, dates, shifts."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import samples
+from every import SAMPLES, as_json, as_xml
+from test_refusals import refused
+
+from stereorecal import UnsupportedModelError
+from stereorecal.geometry import StereoRig
+from stereorecal.io import load_rig, save_calibrations, save_rig
+
+# --- lenses -------------------------------------------------------------------------------------------------
+
+
+def with_lenses(rig: StereoRig, lens) -> StereoRig:
+    left, right = (replace(camera, distortion=np.array(lens, float)) for camera in (rig.left, rig.right))
+    return replace(rig, left=left, right=right)
+
+
+@pytest.mark.parametrize("stated", ["[0.0, 0.0, 0.0, 0.0]", "[]"])
+def test_kalibr_without_a_lens(tmp_path: Path, stated: str):
+    path, new = tmp_path / "a.yaml", tmp_path / "b.yaml"
+    text = samples.KALIBR.replace("distortion_model: radtan", "distortion_model: none")
+    path.write_text(text)
+    refused(lambda: load_rig(path), "the distortion model is 'none', but there are coefficients")
+    path.write_text(text.replace("[-0.3, 0.1, 0.001, -0.002]", stated))
+    rig = load_rig(path)
+    save_rig(with_lenses(rig, samples.LENS), new)
+    assert new.read_text().count("distortion_model: radtan") == 2
+    np.testing.assert_array_equal(load_rig(new).right.distortion, samples.LENS)
+    wider = replace(rig, left=replace(rig.left, matrix=np.array(rig.left.matrix) + np.diag([1.0, 1.0, 0.0])))
+    save_rig(wider, new, overwrite=True)
+    assert new.read_text().count(f"distortion_coeffs: {stated}\n  distortion_model: none") == 2
+
+
+@pytest.mark.parametrize("model", ['""', "none", ""])
+def test_ros_without_a_lens(tmp_path: Path, model: str):
+    paths, new = (tmp_path / "l.yaml", tmp_path / "r.yaml"), (tmp_path / "l2.yaml", tmp_path / "r2.yaml")
+    for path, text in zip(paths, samples.ROS_PAIR, strict=True):
+        path.write_text(
+            text.replace("distortion_model: plumb_bob   #", f"distortion_model:{' ' * bool(model)}{model}   #")
+        )
+    refused(lambda: load_rig(*paths), "but there are coefficients; name their model")
+    for path in paths:
+        path.write_text(
+            path.read_text()
+            .replace("[-0.3, 0.1, 0.001, -0.002, 0.0]", "[]")
+            .replace("rows: 1\n  cols: 5", "rows: 0\n  cols: 0")
+        )
+    rig = load_rig(*paths)
+    save_rig(with_lenses(rig, samples.LENS), new)
+    np.testing.assert_array_equal(load_rig(*new).left.distortion, samples.LENS)
+    assert "distortion_model: plumb_bob   # as ever" in new[0].read_text()
+    assert "rows: 1\n  cols: 4\n  data: [-0.3" in new[0].read_text()
+
+
+def test_ros_with_more_than_eight_coefficients(tmp_path: Path):
+    paths, new = (tmp_path / "l.yaml", tmp_path / "r.yaml"), (tmp_path / "l2.yaml", tmp_path / "r2.yaml")
+    twelve = [-0.3, 0.1, 0.001, -0.002, 0.0, 0.0, 0.0, 0.0, 0.001, 0.002, 0.003, 0.004]
+    for path, text in zip(paths, samples.ROS_PAIR, strict=True):
+        longer = text.replace("plumb_bob", "rational_polynomial").replace("cols: 5", "cols: 12")
+        path.write_text(longer.replace("[-0.3, 0.1, 0.001, -0.002, 0.0]", str(twelve)))
+    moved = with_lenses(load_rig(*paths), [-0.2, *twelve[1:]])
+    save_rig(moved, new)
+    np.testing.assert_array_equal(load_rig(*new).left.distortion, moved.left.distortion)
+    refused(lambda: save_rig(replace(moved, source=None), (tmp_path / "x", tmp_path / "y"), format="ros"), "needs 12")
+
+
+def test_ros_with_both_cameras_shifted(tmp_path: Path):
+    """As KITTI's colour cameras: both positions are relative to a third."""
+    paths = tmp_path / "l.yaml", tmp_path / "r.yaml"
+    shifts = [text.replace("32.0, 0.0,", "32.0, 1.8,").replace("-7.2", "-5.4") for text in samples.ROS_PAIR]
+    for path, text in zip(paths, shifts, strict=True):
+        path.write_text(text)
+    assert load_rig(*paths).baseline == pytest.approx(0.12, rel=1e-12)
+    rig = load_rig(*paths)
+    moved = rig.with_extrinsics(rig.extrinsics + np.array([0.01, 0.0, 0.0, 0.0, 0.0, 0.0]))
+    new = tmp_path / "l2.yaml", tmp_path / "r2.yaml"
+    save_rig(moved, new)
+    np.testing.assert_allclose(load_rig(*new).extrinsics, moved.extrinsics, atol=1e-12)
+
+
+# --- OpenCV -------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("ending", [".yml", ".xml", ".json"])
+def test_opencv_with_image_size(tmp_path: Path, ending: str):
+    text = samples.OPENCV.replace("imageSize:", "image_size:")
+    path = tmp_path / f"a{ending}"
+    path.write_text({".yml": str, ".xml": as_xml, ".json": as_json}[ending](text))
+    rig = load_rig(path, unit="mm")
+    assert (rig.source.format, rig.left.size) == ("opencv", samples.SIZE)
+
+
+@pytest.mark.parametrize("ending", [".yml", ".xml"])
+def test_the_arrays_of_opencv_5(tmp_path: Path, ending: str):
+    expected, new = load_rig(*SAMPLES["opencv yaml"].write(tmp_path), unit="mm"), tmp_path / f"new{ending}"
+    path = tmp_path / f"five{ending}"
+    if ending == ".yml":
+        text = samples.OPENCV.replace("rows: 1\n   cols: 5", "sizes: [ 5 ]").replace(
+            "rows: 3\n   cols: 1", "sizes: [ 3 ]"
+        )
+        head, sep, tail = text.partition("D1: !!opencv-")
+        text = head + sep + "nd-" + tail
+    else:
+        text = as_xml(samples.OPENCV).replace("<rows>1</rows>\n  <cols>5</cols>", "<sizes>\n    5</sizes>")
+        text = text.replace("<rows>3</rows>\n  <cols>1</cols>", "<sizes>3</sizes>")
+    assert text.count("sizes") >= 3
+    path.write_text(text)
+    rig = load_rig(path, unit="mm")
+    np.testing.assert_array_equal(rig.extrinsics, expected.extrinsics)
+    np.testing.assert_array_equal(rig.left.distortion, expected.left.distortion)
+    eight = with_lenses(rig, [-0.3, 0.1, 0.001, -0.002, 0.0, 0.01, 0.02, 0.03])
+    moved = eight.with_extrinsics(rig.extrinsics + 0.01)
+    save_rig(moved, new)
+    again = load_rig(new, unit="mm")
+    np.testing.assert_allclose(again.extrinsics, moved.extrinsics, atol=1e-12)
+    np.testing.assert_array_equal(again.left.distortion, moved.left.distortion)
+    assert ("sizes: [ 8 ]" if ending == ".yml" else "<sizes>8</sizes>") in new.read_text()
+
+
+# --- YAML ---------------------------------------------------------------------------------------------------
+
+
+def test_aliases(tmp_path: Path):
+    path = tmp_path / "a.yaml"
+    lists = "".join(f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 9)}]\n" for n in range(1, 12))
+    for bomb in ("a0: &a0 [1, 2]\n" + lists, "a: &a [1, *a]\n"):
+        path.write_text(bomb + samples.KALIBR)
+        refused(lambda: load_rig(path), "its aliases stand for too much")
+    path.write_text(
+        samples.KALIBR.replace("resolution: [64, 48]", "resolution: &size [64, 48]", 1).replace(
+            "resolution: [64, 48]", "resolution: *size"
+        )
+    )
+    assert load_rig(path).right.size == samples.SIZE
+
+
+def test_a_date_is_no_line_of_numbers(tmp_path: Path):
+    path = tmp_path / "a.yaml"
+    path.write_text("date: 2016-01-01 12:00:00\n" + samples.KALIBR)
+    assert load_rig(path).source.format == "kalibr"
+    path.write_text(samples.OPENCV.replace("%YAML:1.0\n---\n", "date: 20160101 120000\n"))
+    assert load_rig(path, format="opencv", unit="mm").source.format == "opencv"
+
+
+def test_maps_beside_the_calibration(tmp_path: Path):
+    maps = ", ".join(["1.2345678e+02"] * 76800)
+    text = f"{samples.OPENCV}map: !!opencv-matrix\n   rows: 240\n   cols: 320\n   dt: f\n   data: [ {maps} ]\nlast: 1\n"
+    path, new = tmp_path / "a.yaml", tmp_path / "b.yaml"
+    path.write_text(text)
+    rig = load_rig(path, unit="mm")
+    save_rig(rig.with_extrinsics(rig.extrinsics + 0.01), new)
+    assert new.read_text().endswith(f"[ {maps} ]\nlast: 1\n")
+    np.testing.assert_allclose(load_rig(new, unit="mm").extrinsics, rig.extrinsics + 0.01, atol=1e-12)
+
+
+# --- what stays ---------------------------------------------------------------------------------------------
+
+
+def test_comments_beside_the_root_of_xml(tmp_path: Path):
+    path, new = tmp_path / "a.xml", tmp_path / "b.xml"
+    head, tail = '<?xml version="1.0"?>\n<!-- ours <a> -->\n', "\n<!-- the end -->\n"
+    body = as_xml(samples.OPENCV).partition("?>")[2].strip()
+    path.write_text(head + body + tail)
+    rig = load_rig(path, unit="mm")
+    save_rig(rig.with_extrinsics(rig.extrinsics + 0.01), new)
+    assert new.read_text().startswith(head + "<opencv_storage>")
+    assert new.read_text().endswith("</opencv_storage>" + tail)
+    np.testing.assert_allclose(load_rig(new, unit="mm").extrinsics, rig.extrinsics + 0.01, atol=1e-12)
+
+
+def test_a_calib_json_with_info_of_its_own(tmp_path: Path):
+    path, new = tmp_path / "calib.json", tmp_path / "new.json"
+    save_rig(samples.RIG, path)
+    path.write_text(path.read_text().replace("{", '{\n\t"boat": "Ladja",', 1))
+    save_rig(load_rig(path), new, {"boat": "Ladja"})
+    assert new.read_bytes() == path.read_bytes()
+    save_rig(load_rig(path), new, {"captain": "Ana"}, overwrite=True)
+    assert '"captain": "Ana"' in new.read_text()
+
+
+def test_a_log_takes_no_keys_of_a_scene(tmp_path: Path):
+    path = tmp_path / "calib.json"
+    save_rig(samples.RIG, path, {"boat": "Ladja"})
+    save_calibrations({"may": load_rig(path)}, tmp_path)
+    (written,) = tmp_path.glob("*/may.json")
+    assert "boat" not in written.read_text()
+
+
+# --- sentences ----------------------------------------------------------------------------------------------
+
+
+def test_a_rig_of_another_size(tmp_path: Path):
+    (path,) = SAMPLES["kalibr"].write(tmp_path)
+    rig = load_rig(path).resized((32, 24))
+    said = "the file is for images of 64x48, and the rig for 32x24; write `rig.resized((64, 48))`"
+    refused(lambda: save_rig(rig, tmp_path / "b.yaml"), said)
+    save_rig(replace(rig, source=None), tmp_path / "b.yaml", format="kalibr")
+    assert load_rig(tmp_path / "b.yaml").left.size == (32, 24)
+
+
+@pytest.mark.parametrize("name", ["ros", "euroc", "kalibr"])
+def test_a_folder_of_fisheye_cameras(tmp_path: Path, name: str):
+    for path in SAMPLES[name].write(tmp_path):
+        text = path.read_text()
+        for model in ("plumb_bob", "radial-tangential", "radtan"):
+            text = text.replace(model, "equidistant")
+        path.write_text(text)
+    refused(lambda: load_rig(tmp_path), "undistort the images", UnsupportedModelError)
+
+
+def test_a_folder_of_a_pair_and_a_file(tmp_path: Path):
+    for name, ours in (("ros", ("l.yaml", "r.yaml")), ("kalibr", ("camchain.yaml",))):
+        for path, own in zip(SAMPLES[name].write(tmp_path), ours, strict=True):
+            path.rename(tmp_path / own)
+    refused(lambda: load_rig(tmp_path), "several calibrations are in there (camchain.yaml, l.yaml with r.yaml)")
+
+
+@pytest.mark.parametrize("name", ["middlebury", "kitti-odometry"])
+def test_rounding_is_no_rotation(tmp_path: Path, name: str):
+    paths = SAMPLES[name].write(tmp_path)
+    rig = load_rig(*paths, size=samples.SIZE)
+    for turn, fits in ((5e-10, True), (1e-8, False)):
+        turned = rig.with_extrinsics(rig.extrinsics + np.array([turn, -turn, turn, -0.01, 0.0, 0.0]))
+        place = tmp_path / f"{turn}.txt"
+        if fits:
+            save_rig(turned, place)
+            assert load_rig(place, size=samples.SIZE).baseline == pytest.approx(turned.baseline, rel=1e-12)
+        else:
+            refused(lambda rig=turned, place=place: save_rig(rig, place), "no place for a rotation")
