@@ -1,7 +1,10 @@
-"""Writing a file completely or not at all."""
+"""Writing files completely or not at all."""
 
 import os
+import shutil
 import uuid
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from stereorecal._errors import InputError
@@ -16,14 +19,31 @@ def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
     Raises:
         InputError: if the place cannot be written to.
     """
-    path = Path(path)
+    write_files({Path(path): data})
+
+
+def write_files(contents: Mapping[Path, bytes]) -> None:
+    """Write files that belong together, each as `write_bytes` does; none is replaced before all are on the disk.
+
+    Raises:
+        InputError: naming the place that cannot be written to; all files are as they were, unless a disk fails in
+            the moment of renaming.
+    """
+    waiting: dict[Path, tuple[Path, Path]] = {}  # by place: the complete new file, and where it goes
     try:
-        if path.exists() and not path.is_file():
-            path.write_bytes(data)
-        else:
-            _replace(path.resolve(), data)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written ({error.strerror}); choose another place or make room.") from error
+        for path, data in contents.items():
+            with _said(path):
+                if path.exists() and not path.is_file():
+                    path.write_bytes(data)
+                else:
+                    waiting[path] = _beside(_followed(path), data)
+        for path, (temporary, final) in waiting.items():
+            with _said(path):
+                os.replace(temporary, final)
+    finally:
+        for temporary, _ in waiting.values():
+            with suppress(OSError):
+                temporary.unlink(missing_ok=True)
 
 
 def make_folder(path: Path) -> None:
@@ -43,13 +63,33 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
     write_bytes(path, text.encode("utf-8"))
 
 
-def _replace(path: Path, data: bytes) -> None:
-    temporary = path.with_name(f".{path.name}.{uuid.uuid4().hex[:8]}.tmp")
+@contextmanager
+def _said(path: Path) -> Iterator[None]:
+    """Around the writing of a file: an OSError becomes a sentence."""
+    try:
+        yield
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written ({error.strerror}); choose another place or make room.") from error
+
+
+def _followed(path: Path) -> Path:
+    """Where a link leads, so that it stays a link; OSError where it leads to itself."""
+    with suppress(FileNotFoundError):
+        os.stat(path)
+    return path.resolve()
+
+
+def _beside(path: Path, data: bytes) -> tuple[Path, Path]:
+    """A complete file beside `path`, which can take its place, and `path`."""
+    temporary = path.with_name(f".{path.name[:200]}.{uuid.uuid4().hex[:8]}.tmp")
     try:
         with open(temporary, "xb") as file:
             file.write(data)
             file.flush()
             os.fsync(file.fileno())
-        os.replace(temporary, path)
-    finally:
+        if path.exists():
+            shutil.copymode(path, temporary)
+    except BaseException:
         temporary.unlink(missing_ok=True)
+        raise
+    return temporary, path

@@ -12,6 +12,7 @@ from jaxtyping import Float, Num
 
 from stereorecal._errors import InputError
 from stereorecal.io._atomic import make_folder, write_bytes
+from stereorecal.io._inputs import note_input
 
 _SUFFIXES = (".png", ".jpg", ".jpeg", ".jp2", ".tif", ".tiff", ".bmp", ".pgm", ".ppm", ".pnm", ".webp")
 
@@ -49,6 +50,7 @@ def read_image(path: str) -> Num[np.ndarray, "..."]:
     Raises:
         InputError: if the file is missing, empty, truncated or not an image that OpenCV can read.
     """
+    note_input(path)
     try:
         data = Path(path).read_bytes()
     except FileNotFoundError:
