@@ -78,7 +78,7 @@ def output_of(
     """
     maps = None if options.maps is None else Path(options.maps)
     calibrations = {path.resolve() for scene in scenes for path in calibration_files(scene.rig)}
-    spare(_places(options), calibrations, "a calibration is replaced with --in-place")
+    spare(_places(options), calibrations, "replace it with --in-place")
     spare(_places(options), [*read, *named_inputs(options.left, options.right)])
     rig = scenes[0].rig
     if rig is None or not (options.in_place or options.output):

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from stereorecal._errors import InputError
 from stereorecal.cli._signals import held
-from stereorecal.cli._streams import flush, leave_stdout
+from stereorecal.cli._streams import flush, given_up, leave_stdout
 
 
 @dataclass(frozen=True)
@@ -104,7 +104,8 @@ def deliver(*steps: Callable[[], None]) -> None:
             except BrokenPipeError:  # nobody reads on
                 leave_stdout()
             except Exception as error:
-                errors.append(error)
+                of_stdout = isinstance(error, OSError) and error.filename is None
+                errors.append(given_up(error) if of_stdout else error)
     for error in errors[1:]:
         print(f"stereorecal: {error}", file=sys.stderr)
     if errors:

@@ -29,8 +29,13 @@ def flush() -> None:
     except BrokenPipeError:
         leave_stdout()
     except OSError as error:
-        leave_stdout()
-        raise InputError(f"stdout: cannot be written ({error.strerror}); make room, or give --json FILE.") from error
+        raise given_up(error) from error
+
+
+def given_up(error: OSError) -> InputError:
+    """Nothing more goes to stdout; what to say of it."""
+    leave_stdout()
+    return InputError(f"stdout: cannot be written ({error.strerror}); make room, or give --json FILE.")
 
 
 def leave_stdout() -> None:
