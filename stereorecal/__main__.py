@@ -6,7 +6,7 @@ import sys
 
 def run() -> None:
     """Run the command line; the process ends with its exit code."""
-    from stereorecal.cli._signals import end_at_once
+    from stereorecal._signals import end_at_once
 
     end_at_once()  # before anything that takes time
     from stereorecal.cli import INTERRUPTED, main

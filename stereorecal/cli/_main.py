@@ -10,8 +10,8 @@ from importlib import import_module
 from typing import Any
 
 from stereorecal._errors import CalibrationWarning, InputError, StrategyError
+from stereorecal._signals import interruptible
 from stereorecal.cli._exit_codes import BAD_INPUT, FAILURE, INTERRUPTED
-from stereorecal.cli._signals import interruptible
 from stereorecal.cli._streams import flush, leave_stdout, spell_out
 from stereorecal.cli.arguments import parser
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from stereorecal._errors import InputError
-from stereorecal.cli._signals import held
+from stereorecal._signals import held
 from stereorecal.cli._streams import flush, given_up, leave_stdout
 
 

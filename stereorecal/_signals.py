@@ -4,6 +4,7 @@ As long as nothing is begun, a signal ends the process at once: an exception rai
 come out as anything, or be swallowed. Later it is a KeyboardInterrupt.
 """
 
+import _thread
 import os
 import signal
 import sys
@@ -13,8 +14,7 @@ from contextlib import contextmanager
 from types import FrameType
 from typing import Any
 
-from stereorecal.cli._exit_codes import INTERRUPTED
-
+INTERRUPTED = 130  # exit code
 _NUMBERS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
 
 
@@ -81,8 +81,8 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
 
 
 def _raise_again(unraisable: Any) -> None:
-    """In place of printing what a finaliser or a callback has raised."""
+    """In place of printing what a finaliser or a callback has raised: a little later, when they are left."""
     if isinstance(unraisable.exc_value, KeyboardInterrupt):
-        signal.raise_signal(signal.SIGINT)
+        threading.Timer(0.01, _thread.interrupt_main, [signal.SIGTERM]).start()
     else:
         sys.__unraisablehook__(unraisable)
