@@ -103,9 +103,10 @@ def deliver(*steps: Callable[[], None]) -> None:
                 flush()
             except BrokenPipeError:  # nobody reads on
                 leave_stdout()
+            except OSError as error:  # files that cannot be written raise InputError
+                errors.append(given_up(error) if error.filename is None else error)
             except Exception as error:
-                of_stdout = isinstance(error, OSError) and error.filename is None
-                errors.append(given_up(error) if of_stdout else error)
+                errors.append(error)
     for error in errors[1:]:
         print(f"stereorecal: {error}", file=sys.stderr)
     if errors:
