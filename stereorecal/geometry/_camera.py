@@ -81,7 +81,7 @@ class Camera:
 
 
 # Beyond these no lens is, and nothing that is computed of one has a meaning.
-_SHORTEST, _LONGEST = 0.01, 1000.0  # focal lengths, in sizes of the image: 179 degrees, and telescopes
+_SHORTEST, _LONGEST = 0.01, 200.0  # focal lengths, in sizes of the image: 179 degrees, and telescopes
 _FARTHEST = 20.0  # principal point from the image, in sizes of the image
 _STRONGEST = 1e6  # distortion of a corner, in sizes of the image
 

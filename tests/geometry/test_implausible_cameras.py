@@ -31,6 +31,6 @@ def test_distortions(place: int):
         camera(distortion=tuple(values))
 
 
-@pytest.mark.parametrize("focal", [30.0, 200_000.0])
+@pytest.mark.parametrize("focal", [30.0, 100_000.0])
 def test_wide_and_long_lenses_are_cameras(focal: float):
     camera(focal, distortion=(-0.4, 0.2, 1e-3, 1e-3, 5e3))
