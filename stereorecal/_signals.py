@@ -25,6 +25,12 @@ def end_at_once() -> None:
             signal.signal(number, _end)
 
 
+def ignore() -> None:
+    """All is said and saved, and the process is about to end."""
+    for number in _NUMBERS:
+        signal.signal(number, signal.SIG_IGN)
+
+
 @contextmanager
 def interruptible() -> Iterator[None]:
     """Inside, each signal raises KeyboardInterrupt, again if somebody has swallowed it."""

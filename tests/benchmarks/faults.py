@@ -27,6 +27,7 @@ from stereorecal._errors import InputError
 from stereorecal.io import load_rig, save_scene
 from stereorecal.synthetic import default_rig, render
 
+_STARTED = 0.4  # seconds that Python itself needs before the first line of the program
 SIGNALS = [signal.SIGKILL, signal.SIGINT, signal.SIGTERM, signal.SIGHUP]
 
 # In the child: the n-th call of these fails. Files of libraries and caches are left alone.
@@ -175,7 +176,7 @@ def main() -> None:
             tried("none")
             seconds, _ = tried("none")  # now that all is compiled
             for number in SIGNALS:
-                for moment in np.linspace(0.05, seconds, options.moments):
+                for moment in np.linspace(_STARTED, seconds, options.moments):
                     bad += tried(f"{number.name} after {moment:.2f} s", number=number, after=moment)[1]
             for fail in range(1, options.writes + 1):
                 bad += tried(f"write {fail} fails", fail=fail)[1]
