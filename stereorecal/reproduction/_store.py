@@ -30,6 +30,7 @@ class Store:
     def __init__(self, folder: Path, settings: Mapping[str, Any]):
         self._path = folder / _ROWS
         make_folder(folder)
+        _refuse_strangers(folder)
         lock = _locked(folder)
         if lock is not None:
             weakref.finalize(self, os.close, lock)
@@ -77,13 +78,16 @@ def _agree(folder: Path, settings: str) -> None:
     """The settings of a new folder, or the same ones again."""
     path = folder / _SETTINGS
     if not path.exists():
-        if any(not _left_behind(file) for file in folder.iterdir()):
-            raise InputError(f"{folder}: holds other files; choose a new folder for the results with --output.")
         write_text(path, settings)
     elif path.read_bytes() != settings.encode():
         raise InputError(
             f"{folder}: holds the results of other settings, data or versions; choose another --output, or remove it."
         )
+
+
+def _refuse_strangers(folder: Path) -> None:
+    if not (folder / _SETTINGS).exists() and any(not _left_behind(file) for file in folder.iterdir()):
+        raise InputError(f"{folder}: holds other files; choose a new folder for the results with --output.")
 
 
 def _left_behind(path: Path) -> bool:

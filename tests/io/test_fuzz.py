@@ -126,3 +126,13 @@ def test_a_cell_without_end(tmp_path: Path):
     path.write_text("pair,column,row,metres\n" + "1" * 200_000)
     with pytest.raises(InputError, match="not a table"):
         load_ranges(path)
+
+
+def test_rows_of_different_lengths(tmp_path: Path, good):
+    """Found by the fuzzer: a list in the place of one number of BoofCV's rotation."""
+    path = tmp_path / "a.yaml"
+    text = good["boofcv"].decode()
+    before, _, after = text.partition("rotation:\n")
+    path.write_text(before + "rotation:\n  - [1.0, 2.0]\n" + after)
+    with pytest.raises(InputError, match="rotation must hold 9 numbers"):
+        load_rig(path)
