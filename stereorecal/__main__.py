@@ -1,8 +1,22 @@
-"""`python -m stereorecal`."""
+"""`python -m stereorecal`, and the command `stereorecal`."""
 
+import os
 import sys
 
-from stereorecal.cli import main
+
+def run() -> None:
+    """Run the command line; the process ends with its exit code."""
+    from stereorecal._signals import end_at_once, ignore
+
+    end_at_once()  # before anything that takes time
+    from stereorecal.cli import INTERRUPTED, main
+
+    code = main()
+    ignore()
+    if code == INTERRUPTED:  # everything is said and saved: threads that still work are not waited for
+        os._exit(code)
+    sys.exit(code)
+
 
 if __name__ == "__main__":
-    sys.exit(main())
+    run()

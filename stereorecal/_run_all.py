@@ -1,10 +1,13 @@
 """Many tasks, one after the other or through an executor; a worker that is lost is a value, not an exception."""
 
+import os
 import pickle
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, as_completed
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
+
+from stereorecal._errors import InputError
 
 Progress = Callable[[int, int], None]
 Task = TypeVar("Task")
@@ -19,6 +22,9 @@ def run_all(
     Without an executor, `function` runs here, and what it raises passes. A KeyboardInterrupt in a worker passes too,
     once what is finished by then has been handed out: Ctrl-C reaches workers as well, and is nobody's result. Closing
     the iterator, or an exception of its consumer, cancels the tasks that wait.
+
+    Raises:
+        InputError: if the executor forks its workers.
     """
     if executor is None:
         yield from ((index, function(task)) for index, task in enumerate(tasks))
@@ -28,6 +34,8 @@ def run_all(
     try:
         for future in as_completed(futures):
             found = _outcome(future)
+            if isinstance(found, ForkedError):
+                raise found
             if isinstance(found, KeyboardInterrupt):
                 yield from _finished(left)
                 raise found
@@ -35,6 +43,17 @@ def run_all(
     finally:
         for future in futures:
             future.cancel()
+
+
+class ForkedError(InputError):
+    """A worker was forked."""
+
+
+_PROCESS = os.getpid()  # that imported this module; a worker that was spawned imports it itself
+_FORKED = (
+    "the executor forks its workers, in which JAX hangs; give "
+    'ProcessPoolExecutor(mp_context=multiprocessing.get_context("spawn")).'
+)
 
 
 @dataclass(frozen=True)
@@ -66,7 +85,13 @@ class _Packed:
 
 
 def run_task(parcel: _Parcel[Task, Result] | _Packed) -> Result:
-    """In a worker: open the parcel and do what it says. Its name is what clusters call the task."""
+    """In a worker: open the parcel and do what it says. Its name is what clusters call the task.
+
+    Raises:
+        ForkedError: if this process is a fork of one that had JAX: it would hang.
+    """
+    if os.getpid() != _PROCESS:
+        raise ForkedError(_FORKED)
     function, task = parcel.opened()
     return function(task)
 

@@ -11,10 +11,12 @@ from stereorecal.cli._console import table_console
 from stereorecal.cli._executors import executor
 from stereorecal.cli._exit_codes import FAILURE, INTERRUPTED
 from stereorecal.cli._html import check_page
+from stereorecal.cli._journal import Journal
 from stereorecal.cli._json import write_json
+from stereorecal.cli._places import Place, check_places, deliver, places_of, spare
 from stereorecal.cli._progress import progress_bar
 from stereorecal.comparison import FAILED, Comparison, Drift, compare_scenes, load_strategies
-from stereorecal.io import load_scene
+from stereorecal.io import files_read, load_scene
 from stereorecal.matching import as_matcher
 from stereorecal.objectives import Reach, as_parameters
 from stereorecal.recalibration import SCHEDULES
@@ -36,9 +38,11 @@ def run(options: argparse.Namespace) -> int:
     reach = Reach(*_values.degrees_and_fraction(options.reach, "--reach")) if options.reach is not None else None
     budget, seed = as_budget(options.budget), _values.seed(options.seed)
     free = as_parameters([name.strip() for name in options.free.split(",")])
-    _check_places(options)
+    places = _check_places(options)
     with executor(options.executor) as pool:
-        scenes = _scenes(options)
+        with files_read() as read:
+            scenes = _scenes(options)
+        spare(places, read)
         with progress_bar(options.quiet) as progress:
             comparison = compare_scenes(
                 scenes,
@@ -54,19 +58,26 @@ def run(options: argparse.Namespace) -> int:
                 free=free,
                 executor=pool,
                 progress=progress,
+                on_trial=Journal(options.json),
             )
         # Before the workers are waited for: a second Ctrl-C must find everything saved.
-        _show(comparison, options)
+        deliver(
+            lambda: _show(comparison, options),
+            lambda: _save_json(comparison, options),
+            lambda: _save_html(comparison, options),
+        )
     if comparison.interrupted:
         print(f"stereorecal: interrupted; {len(comparison.trials)} trials were finished.", file=sys.stderr)
         return INTERRUPTED
     return FAILURE if all(trial.status == FAILED for trial in comparison.trials) else 0
 
 
-def _check_places(options: argparse.Namespace) -> None:
-    """Refuse, before the work is done, what could not be written."""
-    _values.output_path(options.json, "--json")
-    check_page(options.html, "page", {"--json": options.json})
+def _check_places(options: argparse.Namespace) -> list[Place]:
+    """The files to be written; what could not be is refused before the work is done."""
+    places = places_of(options, "json", "html")
+    check_places(places, force=options.force)
+    check_page(options.html, "page")
+    return places
 
 
 def _scenes(options: argparse.Namespace) -> list[Scene]:
@@ -80,11 +91,17 @@ def _scenes(options: argparse.Namespace) -> list[Scene]:
     return scenes
 
 
-def _show(comparison: Comparison, options: argparse.Namespace) -> None:
+def _save_json(comparison: Comparison, options: argparse.Namespace) -> None:
     if options.json is not None:
         write_json(comparison.as_dict(), options.json)
+
+
+def _save_html(comparison: Comparison, options: argparse.Namespace) -> None:
     if options.html is not None:
         comparison.to_html(options.html)
+
+
+def _show(comparison: Comparison, options: argparse.Namespace) -> None:
     if comparison.trials and not options.quiet and options.json != "-":
         console = table_console()
         console.print(comparison_tables(comparison.as_dict(), console.width))

@@ -1,10 +1,11 @@
 """Who does the work of a command: this process, threads, processes, or a cluster."""
 
-from collections.abc import Iterator
-from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
+import signal
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import AbstractContextManager, contextmanager, nullcontext
-from multiprocessing import get_context
-from signal import SIG_IGN, SIGINT, signal
+from multiprocessing import active_children, get_context
+from typing import Any
 
 from stereorecal._errors import InputError
 from stereorecal._names import known
@@ -29,18 +30,35 @@ def executor(text: str) -> AbstractContextManager[Executor | None]:
     if kind == "threads":
         return _pool(ThreadPoolExecutor(int(rest)))
     # Forking after JAX has started threads is unsafe.
-    return _pool(ProcessPoolExecutor(int(rest), mp_context=get_context("spawn"), initializer=_begin_work))
+    return _pool(_Processes(int(rest), mp_context=get_context("spawn"), initializer=_begin_work))
+
+
+class _Processes(ProcessPoolExecutor):
+    """Worker processes that leave Ctrl-C, and the end of the terminal, to their parent from their first moment on."""
+
+    def submit(self, fn: Callable, /, *args: Any, **kwargs: Any) -> Future:
+        if not hasattr(signal, "pthread_sigmask"):  # Windows
+            return super().submit(fn, *args, **kwargs)
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGHUP})
+        try:
+            return super().submit(fn, *args, **kwargs)  # starts a worker, which inherits what is blocked
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextmanager
 def _pool(pool: ThreadPoolExecutor | ProcessPoolExecutor) -> Iterator[Executor]:
+    others = set(active_children())
     try:
         yield pool
     finally:
-        pool.shutdown(wait=True, cancel_futures=True)
+        # Everything is saved. Who still works was interrupted: nobody waits for what he makes.
+        pool.shutdown(wait=False, cancel_futures=True)
+        for worker in set(active_children()) - others:
+            worker.terminate()
 
 
 def _begin_work() -> None:
     """In a worker process: Ctrl-C is left to the parent."""
-    signal(SIGINT, SIG_IGN)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     keep_compiled_programs()

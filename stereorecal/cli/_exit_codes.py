@@ -1,3 +1,5 @@
 """The exit codes of every command."""
 
-REPAIR, BAD_INPUT, FAILURE, CANNOT_TELL, INTERRUPTED = 1, 2, 3, 4, 130
+from stereorecal._signals import INTERRUPTED as INTERRUPTED
+
+REPAIR, BAD_INPUT, FAILURE, CANNOT_TELL = 1, 2, 3, 4

@@ -4,23 +4,20 @@ import importlib
 import shlex
 import sys
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 from stereorecal._errors import InputError
 from stereorecal._extras import extra
-from stereorecal.cli import _values
 from stereorecal.recalibration import Repair
 from stereorecal.recordings import Scene
 
 
-def check_page(html: str | None, module: str, others: Mapping[str, str | None]) -> None:
-    """Refuse, before the work is done, a page that could not be made or written.
+def check_page(html: str | None, module: str) -> None:
+    """Refuse, before the work is done, a page that could not be made.
 
     Args:
         html: the value of --html.
         module: of `stereorecal.report`, that makes the page.
-        others: places of other output, by option.
 
     Raises:
         InputError: says what to do.
@@ -31,10 +28,6 @@ def check_page(html: str | None, module: str, others: Mapping[str, str | None]) 
         importlib.import_module(f"stereorecal.report.{module}")
     if html == "-":
         raise InputError("--html - has no meaning; give a file.")
-    _values.output_path(html, "--html")
-    for option, place in others.items():
-        if place is not None and Path(place).resolve() == Path(html).resolve():
-            raise InputError(f"--html and {option} name the same file; give two.")
 
 
 def write_report(

@@ -4,13 +4,18 @@ import sys
 from collections.abc import Mapping
 from typing import Any
 
+from stereorecal.cli._places import written_or_printed
 from stereorecal.io import json_text, write_text
 
 
 def write_json(content: Mapping[str, Any], target: str) -> None:
-    """Write to the file `target`, whole or not at all, or to stdout for "-". A number that is not finite is null."""
+    """Write to the file `target`, whole or not at all, or to stdout for "-". A number that is not finite is null.
+
+    Raises:
+        InputError: if it cannot be written to the file; it is printed then.
+    """
     text = json_text(dict(content))
     if target == "-":
         sys.stdout.write(text)
     else:
-        write_text(target, text)
+        written_or_printed(lambda: write_text(target, text), lambda: text)

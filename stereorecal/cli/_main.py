@@ -1,30 +1,44 @@
 """Parsing, and the border at which exceptions become sentences and exit codes."""
 
-import signal
+import argparse
 import sys
-import threading
 import traceback
 import warnings
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib import import_module
 from typing import Any
 
 from stereorecal._errors import CalibrationWarning, InputError, StrategyError
+from stereorecal._signals import interruptible
 from stereorecal.cli._exit_codes import BAD_INPUT, FAILURE, INTERRUPTED
+from stereorecal.cli._streams import flush, leave_stdout, spell_out
 from stereorecal.cli.arguments import parser
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit code. Bad input is one sentence on stderr, never a traceback."""
     options = parser().parse_args(arguments)
-    _interrupt_on_sigterm()
+    spell_out()
+    try:
+        return _run(options)
+    finally:
+        with suppress(InputError):
+            flush()
+
+
+def _run(options: argparse.Namespace) -> int:
     try:
         # Not before: what is only asked for help, or mistyped, does not wait for JAX.
         import_module("stereorecal.cli._compiled").keep_compiled_programs()
         command = import_module(f"stereorecal.cli._{options.verb}")
-        with _warnings_as_lines():
-            return command.run(options)
+        with _warnings_as_lines(), interruptible():
+            code = command.run(options)
+            flush()
+            return code
+    except BrokenPipeError:  # nobody reads on; what had to be saved is saved
+        leave_stdout()
+        return 0
     except Exception as error:
         if options.traceback:
             traceback.print_exception(error)
@@ -69,9 +83,3 @@ def _warnings_as_lines() -> Iterator[None]:
 
         warnings.showwarning = show
         yield
-
-
-def _interrupt_on_sigterm() -> None:
-    """SIGTERM is treated as Ctrl-C: what is finished is printed and saved."""
-    if threading.current_thread() is threading.main_thread():
-        signal.signal(signal.SIGTERM, signal.default_int_handler)

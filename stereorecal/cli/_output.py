@@ -2,14 +2,15 @@
 
 import argparse
 import os
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from stereorecal._errors import InputError
-from stereorecal.cli import _calibrations, _values
+from stereorecal.cli import _calibrations
+from stereorecal.cli._places import Place, check_places, check_writable, image_inputs, places_of, spare
 from stereorecal.geometry import StereoRig, changed_camera
 from stereorecal.io import back_up, calibration_files, check_savable, save_maps, save_rig
 from stereorecal.recordings import Scene
@@ -30,10 +31,14 @@ class Output:
     maps: Path | None
 
     @property
-    def names(self) -> list[str]:
-        """The files, as people read them."""
-        files = [] if self.place is None else _calibrations.paths(self.place)
-        return [str(path) for path in (*files, *([self.maps] if self.maps else []))]
+    def files(self) -> list[Path]:
+        """Of the calibration."""
+        return [] if self.place is None else _calibrations.paths(self.place)
+
+    @property
+    def maps_files(self) -> list[Path]:
+        """Of the maps."""
+        return [] if self.maps is None else [self.maps]
 
 
 def checked(options: argparse.Namespace) -> None:
@@ -42,8 +47,6 @@ def checked(options: argparse.Namespace) -> None:
     Raises:
         InputError: if a place cannot be written to, or options contradict each other.
     """
-    _values.output_path(options.json, "--json")
-    _values.output_path(options.maps, "--maps")
     if options.in_place and (options.output is not None or options.output_format is not None):
         raise InputError(
             "--in-place writes the file that the calibration came from; leave --output and --output-format out."
@@ -58,36 +61,28 @@ def checked(options: argparse.Namespace) -> None:
         raise InputError("--in-place takes one recording; give one, or --output.")
     if options.output == "-" or options.maps == "-":
         raise InputError("a calibration is written to a file; give the name of one.")
-    places = _places(options)
-    for option, path in places:
-        if option != "--json":
-            _values.output_path(str(path), option)
-        if option in ("--output", "--maps") and path.exists() and not options.force:
-            raise InputError(f"{option} {path}: the file exists already; choose another or add --force.")
-    resolved: dict[Path, str] = {}
-    for option, path in places:
-        if path.resolve() in resolved:
-            raise InputError(f"{resolved[path.resolve()]} and {option} name the same file; give two.")
-        resolved[path.resolve()] = option
+    check_places(_places(options), force=options.force)
     if options.maps is not None and Path(options.maps).suffix.lower() not in ("", ".npz"):
         raise InputError(f"--maps {options.maps}: maps are written as .npz; give a name ending in it.")
 
 
-def output_of(options: argparse.Namespace, scenes: Sequence[Scene], free: Sequence[str]) -> Output:
+def output_of(
+    options: argparse.Namespace, scenes: Sequence[Scene], free: Sequence[str], read: Iterable[Path]
+) -> Output:
     """Where the calibration of these recordings goes; all that can be said before the work is said here.
 
     Args:
         free: names of the parameters that may move.
+        read: the files that were read; none of them is replaced.
 
     Raises:
         InputError: if an input would be replaced, the ending of a name contradicts the format, or the format cannot
             hold a rig that has moved.
     """
     maps = None if options.maps is None else Path(options.maps)
-    inputs = {path.resolve() for scene in scenes for path in calibration_files(scene.rig)}
-    for option, path in _places(options):
-        if path.resolve() in inputs:
-            raise InputError(f"{option} {path}: the calibration came from there; replace it with --in-place.")
+    calibrations = {path.resolve() for scene in scenes for path in calibration_files(scene.rig)}
+    spare(_places(options), calibrations, "replace it with --in-place")
+    spare(_places(options), {*read, *image_inputs(options)})
     rig = scenes[0].rig
     if rig is None or not (options.in_place or options.output):
         return Output(None, False, maps)
@@ -96,7 +91,7 @@ def output_of(options: argparse.Namespace, scenes: Sequence[Scene], free: Sequen
         if not files:
             raise InputError("--in-place: the calibration came from no file; give --output.")
         for path in files:
-            _values.output_path(str(path), "--in-place")
+            check_writable(Place("--in-place", path))
             if not os.access(path, os.W_OK):
                 raise InputError(f"--in-place {path}: the file is write-protected; allow writing, or give --output.")
         place: _calibrations.Place = (files[0], files[1]) if len(files) == 2 else files[0]
@@ -107,23 +102,26 @@ def output_of(options: argparse.Namespace, scenes: Sequence[Scene], free: Sequen
 
 
 def save(output: Output, rig: StereoRig, scene: Scene, options: argparse.Namespace) -> None:
-    """Write the calibration and the maps; a calibration that is replaced is kept beside it."""
+    """Write the calibration; one that is replaced is kept beside it."""
+    if output.place is None:
+        return
+    if output.replaced:
+        for path in _calibrations.paths(output.place):
+            back_up(path)
     rig = replace(rig, source=None if scene.rig is None else scene.rig.source)
-    if output.place is not None:
-        if output.replaced:
-            for path in _calibrations.paths(output.place):
-                back_up(path)
-        save_rig(rig, output.place, scene.info, output.replaced or options.force, format=options.output_format)
+    save_rig(rig, output.place, scene.info, output.replaced or options.force, format=options.output_format)
+
+
+def save_the_maps(output: Output, rig: StereoRig, options: argparse.Namespace) -> None:
+    """Write the maps, if they were asked for."""
     if output.maps is not None:
         save_maps(rig, output.maps, overwrite=options.force)
 
 
-def _places(options: argparse.Namespace) -> list[tuple[str, Path]]:
+def _places(options: argparse.Namespace) -> list[Place]:
     """All files that were asked for, by option."""
     files = [] if options.output is None else _calibrations.paths(_calibrations.place(options.output, "--output"))
-    named = [("--output", path) for path in files]
-    others = [(f"--{name}", getattr(options, name)) for name in ("json", "maps")]
-    return named + [(option, Path(text)) for option, text in others if text not in (None, "-")]
+    return [Place("--output", path) for path in files] + places_of(options, "json", "maps", "html")
 
 
 def _moved(rig: StereoRig, free: Sequence[str]) -> StereoRig:

@@ -2,9 +2,10 @@
 
 import argparse
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import asdict
+from pathlib import Path
 from typing import Any
 
 from stereorecal._errors import InputError
@@ -17,9 +18,11 @@ from stereorecal.cli._executors import executor
 from stereorecal.cli._exit_codes import BAD_INPUT, CANNOT_TELL, FAILURE, INTERRUPTED
 from stereorecal.cli._html import check_page, write_report
 from stereorecal.cli._json import write_json
+from stereorecal.cli._places import deliver, named_inputs, written_or_printed
 from stereorecal.cli._progress import progress_bar
 from stereorecal.cli._recordings import recordings, without
-from stereorecal.io import load_ranges
+from stereorecal.geometry import StereoRig
+from stereorecal.io import calibration_json, files_read, load_ranges
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import Parameters, Reach, as_parameters
 from stereorecal.recalibration import (
@@ -49,14 +52,14 @@ def run(options: argparse.Namespace) -> int:
     ranges = load_ranges(options.ranges) if options.ranges is not None else ()
     free = with_ranges(as_parameters([name.strip() for name in options.free.split(",")]), ranges)
     _output.checked(options)
-    check_page(
-        options.html, "repair_page", {"--json": options.json, "--output": options.output, "--maps": options.maps}
-    )
+    check_page(options.html, "repair_page")
     if options.html is not None and len(options.scenes) > 1:
         raise InputError("--html shows one recording; give one, or leave --html out.")
     with executor(options.executor) as pool:
-        found = recordings(options)
-        output = _output.output_of(options, found.scenes, free.names)
+        with files_read() as read:
+            found = recordings(options)
+        read |= set(named_inputs(options.ranges))
+        output = _output.output_of(options, found.scenes, free.names, read)
         scenes, ranges = sharing(found.scenes, free, ranges, options.extrinsics, schedule)
         arguments = {
             "matcher": matcher,
@@ -79,10 +82,13 @@ def run(options: argparse.Namespace) -> int:
         # Before the workers are waited for: a second Ctrl-C must find everything saved.
         if any(repair.solution for repair in repairs):
             settings = _settings(options, matcher, schedule, reach, budget, free)
-            _save(scenes, repairs, settings, options, output, interrupted=interrupted)
             absent = found.absent + without(found.scenes[0].pairs, scenes[0].pairs, "others show more texture")
-            write_report(options.html, scenes, repairs, {"seed": seed}, absent)
-            _show(repairs, options, output)
+            deliver(
+                lambda: _show(repairs, options),
+                *_saving(scenes, repairs, options, output),
+                lambda: _save_json(scenes, repairs, settings, options, interrupted=interrupted),
+                lambda: write_report(options.html, scenes, repairs, {"seed": seed}, absent),
+            )
     for repair in repairs:
         if repair.error is not None:
             if options.traceback and repair.traceback is not None:
@@ -149,18 +155,36 @@ def _settings(
     }
 
 
-def _save(
+def _saving(
+    scenes: Sequence[Scene], repairs: Sequence[Repair], options: argparse.Namespace, output: _output.Output
+) -> list[Callable[[], None]]:
+    """Steps that write the calibration and the maps, and say so."""
+    first = repairs[0].solution
+    accepted = first is not None and first.accepted
+    told = not options.quiet and options.json != "-" and len(repairs) == 1
+
+    def step(names: Sequence[Path], save: Callable[[StereoRig], None]) -> None:
+        if first is not None and accepted and not options.dry_run:
+            rig = first.rig
+            written_or_printed(lambda: save(rig), lambda: calibration_json(rig))
+        done = "would be written" if options.dry_run else "written"
+        for name in names if told else ():
+            print(f"{name}: {done if accepted else 'not written, since the initial calibration stays'}")
+
+    return [
+        lambda: step(output.files, lambda rig: _output.save(output, rig, scenes[0], options)),
+        lambda: step(output.maps_files, lambda rig: _output.save_the_maps(output, rig, options)),
+    ]
+
+
+def _save_json(
     scenes: Sequence[Scene],
     repairs: Sequence[Repair],
     settings: dict[str, Any],
     options: argparse.Namespace,
-    output: _output.Output,
     *,
     interrupted: bool,
 ) -> None:
-    first = repairs[0].solution
-    if first is not None and first.accepted and not options.dry_run:
-        _output.save(output, first.rig, scenes[0], options)
     if options.json is None:
         return
     content = {
@@ -176,18 +200,13 @@ def _save(
     write_json(content, options.json)
 
 
-def _show(repairs: Sequence[Repair], options: argparse.Namespace, output: _output.Output) -> None:
+def _show(repairs: Sequence[Repair], options: argparse.Namespace) -> None:
     if options.quiet or options.json == "-":
         return
     if len(repairs) > 1:
         table_console().print(repairs_table([repair.as_row() for repair in repairs]))
         return
-    solution = repairs[0].solution
-    print(solution)
-    accepted = solution is not None and solution.accepted
-    done = "would be written" if options.dry_run else "written"
-    for name in output.names:
-        print(f"{name}: {done if accepted else 'not written, since the initial calibration stays'}")
+    print(repairs[0].solution)
 
 
 def _exit_code(repairs: Sequence[Repair]) -> int:

@@ -3,6 +3,7 @@
 import argparse
 import sys
 from pathlib import Path
+from typing import Any
 
 from stereorecal._errors import InputError
 from stereorecal._extras import extra
@@ -12,8 +13,9 @@ from stereorecal.cli._console import table_console
 from stereorecal.cli._executors import executor
 from stereorecal.cli._exit_codes import FAILURE, INTERRUPTED
 from stereorecal.cli._json import write_json
+from stereorecal.cli._places import check_places, deliver, places_of, spare
 from stereorecal.cli._progress import progress_bar
-from stereorecal.io import load_log
+from stereorecal.io import files_read, load_log
 from stereorecal.objectives import Reach
 from stereorecal.recalibration import SCHEDULES
 from stereorecal.recordings import Log
@@ -21,9 +23,11 @@ from stereorecal.reproduction import (
     EXPERIMENTS,
     QUICK,
     Extent,
+    Reproduction,
     experiment_tables,
     methods,
     reproduce,
+    store_files,
     synthetic_log,
     write_files,
 )
@@ -43,12 +47,15 @@ def run(options: argparse.Namespace) -> int:
         raise InputError("--frames belongs to --log; leave it out, or give a log.")
     schedules = SCHEDULES if schedule == _BOTH else (schedule,)
     methods(schedules, options.strategy)  # what is not installed is said before a log is rendered
-    _values.output_path(options.json, "--json")
+    places = places_of(options, "json")
+    check_places(places, force=options.force)
     with extra("figures", "reproduce"):
         import matplotlib  # noqa: F401  before the work is done
     with executor(options.executor) as workers:
-        log = _log(options, seed, limit)
+        with files_read() as read:
+            log = _log(options, seed, limit)
         folder = Path(options.output or f"reproduced/{log.name.rpartition('/')[2]}")
+        spare(places, [*read, *store_files(folder)])
         with progress_bar(options.quiet) as progress:
             found = reproduce(
                 log,
@@ -64,11 +71,7 @@ def run(options: argparse.Namespace) -> int:
             )
         # Before the workers are waited for: a second Ctrl-C must find everything saved.
         data = found.as_dict()
-        if options.json is not None:
-            write_json(data, options.json)
-        write_files(found, log, folder)
-        if not options.quiet and options.json != "-":
-            table_console(_WIDE).print(experiment_tables(data))
+        deliver(lambda: _show(data, options), lambda: _save_json(data, options), lambda: _save_all(found, log, folder))
     for key, error in found.errors.items():
         print(f"stereorecal: {key}: {error}", file=sys.stderr)
     if not options.quiet:
@@ -80,6 +83,20 @@ def run(options: argparse.Namespace) -> int:
         print(f"stereorecal: {why}; {found.unfinished} tasks are left: run it again.", file=sys.stderr)
         return FAILURE if found.lost else INTERRUPTED
     return FAILURE if found.errors and not any(found.rows.values()) else 0
+
+
+def _show(data: dict[str, Any], options: argparse.Namespace) -> None:
+    if not options.quiet and options.json != "-":
+        table_console(_WIDE).print(experiment_tables(data))
+
+
+def _save_json(data: dict[str, Any], options: argparse.Namespace) -> None:
+    if options.json is not None:
+        write_json(data, options.json)
+
+
+def _save_all(found: Reproduction, log: Log, folder: Path) -> None:
+    write_files(found, log, folder)
 
 
 def _log(options: argparse.Namespace, seed: int, limit: int | None) -> Log:

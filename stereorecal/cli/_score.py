@@ -8,12 +8,12 @@ from typing import Any
 
 from stereorecal._errors import InputError
 from stereorecal._versions import versions
-from stereorecal.cli import _values
 from stereorecal.cli._console import table_console
 from stereorecal.cli._exit_codes import BAD_INPUT, CANNOT_TELL, INTERRUPTED, REPAIR
 from stereorecal.cli._json import write_json
+from stereorecal.cli._places import check_places, deliver, image_inputs, places_of, spare
 from stereorecal.cli._recordings import recordings
-from stereorecal.io import about
+from stereorecal.io import about, files_read
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.recalibration import HEALTH_LIMITS, Condition, Health, health
 from stereorecal.recordings import Scene
@@ -26,8 +26,11 @@ _CODES = {Condition.REPAIR: REPAIR, Condition.CANNOT_TELL: CANNOT_TELL, Conditio
 def run(options: argparse.Namespace) -> int:
     """Check, save, print; returns the exit code."""
     matcher = as_matcher(options.matcher)
-    _values.output_path(options.json, "--json")
-    scenes = recordings(options).scenes
+    places = places_of(options, "json")
+    check_places(places, force=options.force)
+    with files_read() as read:
+        scenes = recordings(options).scenes
+    spare(places, {*read, *image_inputs(options)})
     looked: list[Health | InputError] = []
     interrupted = False
     try:
@@ -36,10 +39,9 @@ def run(options: argparse.Namespace) -> int:
     except KeyboardInterrupt:
         interrupted = True
     rows = [_row(scene, found) for scene, found in zip(scenes, looked, strict=False)]
-    if options.json is not None and any(isinstance(found, Health) for found in looked):
-        write_json({**_about_all(options, matcher), "interrupted": interrupted, "scenes": rows}, options.json)
-    if not options.quiet and options.json != "-" and any(isinstance(found, Health) for found in looked):
-        _show(looked, rows)
+    if any(isinstance(found, Health) for found in looked):
+        content = {**_about_all(options, matcher), "interrupted": interrupted, "scenes": rows}
+        deliver(lambda: _show(looked, rows, options), lambda: _save(content, options))
     for found in looked:
         if isinstance(found, InputError):
             print(f"stereorecal: {found}", file=sys.stderr)
@@ -52,7 +54,14 @@ def run(options: argparse.Namespace) -> int:
     return next(code for condition, code in _CODES.items() if condition in conditions)
 
 
-def _show(looked: Sequence[Health | InputError], rows: Sequence[dict[str, Any]]) -> None:
+def _save(content: dict[str, Any], options: argparse.Namespace) -> None:
+    if options.json is not None:
+        write_json(content, options.json)
+
+
+def _show(looked: Sequence[Health | InputError], rows: Sequence[dict[str, Any]], options: argparse.Namespace) -> None:
+    if options.quiet or options.json == "-":
+        return
     if len(looked) > 1:
         table_console().print(scores_table(rows))
     elif looked and isinstance(looked[0], Health):

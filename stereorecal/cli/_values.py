@@ -1,10 +1,10 @@
 """Values of options, parsed with sentences that say what is wrong."""
 
 import argparse
-import os
 from pathlib import Path
 
 from stereorecal._errors import InputError
+from stereorecal.cli._places import Place, check_writable
 from stereorecal.strategies import strategies
 
 NONE_INSTALLED = (
@@ -48,11 +48,8 @@ def output_path(text: str | None, option: str) -> None:
     Raises:
         InputError: if the place is no file in an existing folder.
     """
-    if text is None or text == "-":
-        return
-    path = Path(text)
-    if path.is_dir() or not path.parent.is_dir() or not os.access(path.parent, os.W_OK):
-        raise InputError(f"{option} {text}: cannot be written there; give a file in an existing folder.")
+    if text is not None and text != "-":
+        check_writable(Place(option, Path(text)))
 
 
 def every_frame(options: argparse.Namespace) -> bool:

@@ -1,8 +1,8 @@
 """`compare`: strategies x draws x scenes, judged alike."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import jax
@@ -97,6 +97,7 @@ def compare_scenes(
     free: Parameters | str | Sequence[str] | None = None,
     executor: Executor | None = None,
     progress: Progress | None = None,
+    on_trial: Callable[[Comparison], None] | None = None,
 ) -> Comparison:
     """Decalibrate each scene's rig `draws` times and let every strategy repair each of them.
 
@@ -123,6 +124,7 @@ def compare_scenes(
             same.
         executor: any `concurrent.futures.Executor`; default one trial after the other in this process.
         progress: called with (finished, total) after each trial.
+        on_trial: called with what is finished after each trial, such as to save it; `interrupted` is set in it.
 
     Raises:
         InputError: if a scene has no rig, images do not fit, a name is unknown, or there is nothing to do.
@@ -163,15 +165,6 @@ def compare_scenes(
         for draw in range(draws)
         for entrant in entrants
     ]
-    trials: dict[int, Trial] = {}
-    interrupted = False
-    try:
-        for index, trial in run_all(run_trial, tasks, executor):
-            trials[index] = trial if isinstance(trial, Trial) else failed(tasks[index], trial)
-            if progress is not None:
-                progress(len(trials), len(tasks))
-    except KeyboardInterrupt:
-        interrupted = True
     settings = {
         "strategies": list(dict.fromkeys(entrant.name for entrant in entrants)),
         "entrants": [entrant.as_dict() for entrant in entrants],
@@ -186,9 +179,23 @@ def compare_scenes(
         "free": list(free.names),
     }
     described = tuple(_describe(*plan) for plan in planned)
-    finished = tuple(trials[index] for index in sorted(trials))
     shown = {scene.name: Shown(_rig_of(scene), scene.pairs[0], own) for scene, own, _ in planned}
-    return Comparison(settings, made_with, described, finished, interrupted=interrupted, shown=shown)
+    nothing = Comparison(settings, made_with, described, (), interrupted=True, shown=shown)
+    trials: dict[int, Trial] = {}
+
+    def so_far() -> Comparison:
+        return replace(nothing, trials=tuple(trials[index] for index in sorted(trials)))
+
+    try:
+        for index, trial in run_all(run_trial, tasks, executor):
+            trials[index] = trial if isinstance(trial, Trial) else failed(tasks[index], trial)
+            if progress is not None:
+                progress(len(trials), len(tasks))
+            if on_trial is not None:
+                on_trial(so_far())
+    except KeyboardInterrupt:
+        return so_far()
+    return replace(so_far(), interrupted=False)
 
 
 def _rig_of(scene: Scene) -> StereoRig:

@@ -47,6 +47,7 @@ class Camera:
             )
         if matrix[0, 1] != 0 or matrix[1, 0] != 0:
             raise InputError("the camera matrix has skew, which is not supported; recalibrate without skew.")
+        _check_plausible(self.size, matrix, distortion)
         if distortion.size not in COEFFICIENT_COUNTS:
             raise UnsupportedModelError(
                 f"a distortion of {distortion.size} coefficients is not supported; give OpenCV's 0, 4, 5, 8, 12 or 14."
@@ -77,6 +78,29 @@ class Camera:
         normalised = undistort((pixels - self.matrix[:2, 2]) / focal, self.distortion)
         xp = namespace(normalised)
         return xp.concatenate([normalised, xp.ones_like(normalised[..., :1])], axis=-1)
+
+
+# Beyond these no lens is, and nothing that is computed of one has a meaning.
+_SHORTEST, _LONGEST = 0.01, 200.0  # focal lengths, in sizes of the image: 179 degrees, and telescopes
+_FARTHEST = 20.0  # principal point from the image, in sizes of the image
+_STRONGEST = 1e6  # distortion of a corner, in sizes of the image
+
+
+def _check_plausible(size: tuple[int, int], matrix: np.ndarray, distortion: np.ndarray) -> None:
+    across = max(size)
+    focal = matrix[(0, 1), (0, 1)]
+    if focal.min() < _SHORTEST * across or focal.max() > _LONGEST * across:
+        raise InputError(
+            f"focal lengths of {focal[0]:.4g} and {focal[1]:.4g} pixels are none of a camera with {across} pixels; "
+            "correct the calibration, or its image size."
+        )
+    if np.abs(matrix[:2, 2]).max() > _FARTHEST * across:
+        raise InputError(
+            f"the principal point {matrix[0, 2]:.4g}, {matrix[1, 2]:.4g} lies far outside of the image; correct the "
+            "calibration, or its image size."
+        )
+    if np.abs(distortion).max(initial=0.0) * min(1.0, across / focal.max()) ** 2 > _STRONGEST:
+        raise InputError("the distortion is none of a lens; correct the calibration.")
 
 
 def same_camera(one: Camera, other: Camera) -> bool:

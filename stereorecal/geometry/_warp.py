@@ -104,9 +104,9 @@ def cubic_sampler(image: Float[AnyArray, "height width"]) -> Callable[[PixelMap]
         def along_row(j: int) -> jax.Array:
             offset = corner + j * width
             taps = (c * flat.at[offset + i].get(mode="promise_in_bounds") for i, c in enumerate(columns))
-            return sum(taps, start=jnp.zeros(()))
+            return sum(taps, start=jnp.zeros((), jnp.float32))
 
-        return sum((r * along_row(j) for j, r in enumerate(rows)), start=jnp.zeros(()))
+        return sum((r * along_row(j) for j, r in enumerate(rows)), start=jnp.zeros((), jnp.float32))
 
     return sample
 

@@ -11,8 +11,10 @@ from stereorecal.io._about import about as about
 from stereorecal.io._atomic import (
     make_folder as make_folder,
     write_bytes as write_bytes,
+    write_files as write_files,
     write_text as write_text,
 )
+from stereorecal.io._inputs import files_read as files_read
 from stereorecal.io._json import (
     json_line as json_line,
     json_text as json_text,
@@ -26,6 +28,7 @@ from stereorecal.io._scenes import calibrated_scene as calibrated_scene, gather_
 from stereorecal.io.formats._rigs import (
     back_up as back_up,
     calibration_files as calibration_files,
+    calibration_json as calibration_json,
     check_savable as check_savable,
     load_rig as load_rig,
     save_rig as save_rig,

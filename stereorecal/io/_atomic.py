@@ -1,9 +1,10 @@
-"""Writing a file completely or not at all."""
+"""Writing files completely or not at all."""
 
 import os
 import shutil
 import uuid
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from stereorecal._errors import InputError
@@ -18,14 +19,31 @@ def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
     Raises:
         InputError: if the place cannot be written to.
     """
-    path = Path(path)
+    write_files({Path(path): data})
+
+
+def write_files(contents: Mapping[Path, bytes]) -> None:
+    """Write files that belong together, each as `write_bytes` does; none is replaced before all are on the disk.
+
+    Raises:
+        InputError: naming the place that cannot be written to; all files are as they were, unless a disk fails in
+            the moment of renaming.
+    """
+    waiting: dict[Path, tuple[Path, Path]] = {}  # by place: the complete new file, and where it goes
     try:
-        if path.exists() and not path.is_file():
-            path.write_bytes(data)
-        else:
-            _replace(path.resolve(), data)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written ({error.strerror}); choose another place or make room.") from error
+        for path, data in contents.items():
+            with _said(path):
+                if path.exists() and not path.is_file():
+                    path.write_bytes(data)
+                else:
+                    waiting[path] = _beside(_followed(path), data)
+        for path, (temporary, final) in waiting.items():
+            with _said(path):
+                os.replace(temporary, final)
+    finally:
+        for temporary, _ in waiting.values():
+            with suppress(OSError):
+                temporary.unlink(missing_ok=True)
 
 
 def make_folder(path: Path) -> None:
@@ -45,58 +63,33 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
     write_bytes(path, text.encode("utf-8"))
 
 
-def write_texts(paths: Sequence[Path], texts: Sequence[str]) -> None:
-    """Write several files, all or none: what has been replaced is put back if a later one fails.
-
-    Raises:
-        InputError: naming the place that cannot be written to.
-    """
-    whole: list[tuple[Path, Path, Path]] = []  # as given, where it is, and the new content beside it
-    replaced: list[tuple[Path, bytes | None]] = []
-    path = paths[0]
+@contextmanager
+def _said(path: Path) -> Iterator[None]:
+    """Around the writing of a file: an OSError becomes a sentence."""
     try:
-        for path, text in zip(paths, texts, strict=True):
-            if path.exists() and not path.is_file():
-                path.write_text(text, encoding="utf-8")
-            else:
-                place = path.resolve()
-                temporary = _temporary(place)
-                whole.append((path, place, temporary))
-                _fill(temporary, place, text.encode("utf-8"))
-        for each in whole:
-            path, place, temporary = each
-            replaced.append((place, place.read_bytes() if place.exists() else None))
-            os.replace(temporary, place)
+        yield
     except OSError as error:
-        for place, old in replaced:
-            if old is None:
-                place.unlink(missing_ok=True)
-            elif place.read_bytes() != old:
-                _replace(place, old)
         raise InputError(f"{path}: cannot be written ({error.strerror}); choose another place or make room.") from error
-    finally:
-        for _, _, temporary in whole:
-            temporary.unlink(missing_ok=True)
 
 
-def _replace(path: Path, data: bytes) -> None:
-    temporary = _temporary(path)
+def _followed(path: Path) -> Path:
+    """Where a link leads, so that it stays a link; OSError where it leads to itself."""
+    with suppress(FileNotFoundError):
+        os.stat(path)
+    return path.resolve()
+
+
+def _beside(path: Path, data: bytes) -> tuple[Path, Path]:
+    """A complete file beside `path`, which can take its place, and `path`."""
+    temporary = path.with_name(f".{path.name[:200]}.{uuid.uuid4().hex[:8]}.tmp")
     try:
-        _fill(temporary, path, data)
-        os.replace(temporary, path)
-    finally:
+        with open(temporary, "xb") as file:
+            file.write(data)
+            file.flush()
+            os.fsync(file.fileno())
+        if path.exists():
+            shutil.copymode(path, temporary)
+    except BaseException:
         temporary.unlink(missing_ok=True)
-
-
-def _temporary(path: Path) -> Path:
-    return path.with_name(f".{path.name}.{uuid.uuid4().hex[:8]}.tmp")
-
-
-def _fill(temporary: Path, path: Path, data: bytes) -> None:
-    """Write what is to replace `path`, with the permissions that it has."""
-    with open(temporary, "xb") as file:
-        file.write(data)
-        file.flush()
-        os.fsync(file.fileno())
-    if path.exists():
-        shutil.copymode(path, temporary)
+        raise
+    return temporary, path

@@ -18,7 +18,11 @@ def load_ranges(path: str | Path) -> tuple[Range, ...]:
     Raises:
         InputError: if the file cannot be read, or names the line that makes no sense.
     """
-    lines = list(csv.reader(read_text(Path(path)).splitlines()))
+    text = read_text(Path(path))
+    try:
+        lines = list(csv.reader(text.splitlines()))
+    except csv.Error as error:
+        raise InputError(f"{path}: not a table ({error}); write one line for each range.") from None
     header = [name.strip() for name in lines[0]] if lines else []
     if tuple(header) not in (_COLUMNS, _COLUMNS[:4]):
         raise InputError(f"{path}: the first line is not {','.join(_COLUMNS)}; write one.")

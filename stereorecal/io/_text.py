@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from stereorecal._errors import InputError
+from stereorecal.io._inputs import note_input
 
 
 def read_text(path: Path, if_missing: str = "add it.") -> str:
@@ -14,6 +15,7 @@ def read_text(path: Path, if_missing: str = "add it.") -> str:
     Raises:
         InputError: naming the file, if it is missing, unreadable, empty or not UTF-8.
     """
+    note_input(path)
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
             text = file.read()

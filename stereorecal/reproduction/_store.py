@@ -1,6 +1,7 @@
 """Rows that are finished, on the disk: an interrupted run continues where it stopped."""
 
 import os
+import weakref
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -9,18 +10,30 @@ from stereorecal._errors import InputError
 from stereorecal._plain import plain
 from stereorecal.io import json_line, json_text, make_folder, parse_json, write_text
 
-_SETTINGS, _ROWS = "settings.json", "rows.jsonl"
+_SETTINGS, _ROWS, _LOCK = "settings.json", "rows.jsonl", ".lock"
+
+
+def store_files(folder: Path) -> list[Path]:
+    """The files by which a run in this folder goes on."""
+    return [folder / _SETTINGS, folder / _ROWS]
 
 
 class Store:
-    """A folder that keeps each row as soon as it is there, one line of JSON each.
+    """A folder that keeps each row as soon as it is there, one line of JSON each. It is this run's own until the
+    process ends, however it ends.
 
     Raises:
-        InputError: if the folder holds the rows of other settings or other files, or cannot be written to.
+        InputError: if the folder holds the rows of other settings or other files, another run works in it, or it cannot
+            be written to.
     """
 
     def __init__(self, folder: Path, settings: Mapping[str, Any]):
         self._path = folder / _ROWS
+        make_folder(folder)
+        _refuse_strangers(folder)
+        lock = _locked(folder)
+        if lock is not None:
+            weakref.finalize(self, os.close, lock)
         _agree(folder, json_text(dict(settings), sort_keys=True))
         self.rows = _read(self._path)
 
@@ -28,25 +41,58 @@ class Store:
         """Keep a row under a key that is new; returns it as it will be read again."""
         kept = plain(dict(row))
         line = json_line({"key": key, "row": kept})
-        with open(self._path, "ab", buffering=0) as file:  # one write: lines of two runs never mix
-            file.write(line.encode())
-            os.fsync(file.fileno())
+        try:
+            with open(self._path, "ab") as file:
+                file.write(line.encode())
+                file.flush()
+                os.fsync(file.fileno())
+        except OSError as error:  # what was begun of the line is dropped when the folder is opened again
+            raise InputError(
+                f"{self._path}: cannot be written ({error.strerror}); make room, and run it again: it goes on."
+            ) from error
         self.rows[key] = kept
         return kept
 
 
+def _locked(folder: Path) -> int | None:
+    """The descriptor of a file that no other run has locked; None where files cannot be locked."""
+    try:
+        import fcntl
+    except ImportError:  # Windows
+        return None
+    try:
+        file = os.open(folder / _LOCK, os.O_RDWR | os.O_CREAT, 0o666)
+    except OSError as error:
+        raise InputError(f"{folder}: cannot be written to ({error.strerror}); choose another --output.") from error
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        os.close(file)
+        raise InputError(f"{folder}: another run is working there; wait for it, or choose another --output.") from None
+    except OSError:  # a file system without locks
+        pass
+    return file
+
+
 def _agree(folder: Path, settings: str) -> None:
     """The settings of a new folder, or the same ones again."""
-    make_folder(folder)
     path = folder / _SETTINGS
     if not path.exists():
-        if any(folder.iterdir()):
-            raise InputError(f"{folder}: holds other files; choose a new folder for the results with --output.")
         write_text(path, settings)
     elif path.read_bytes() != settings.encode():
         raise InputError(
             f"{folder}: holds the results of other settings, data or versions; choose another --output, or remove it."
         )
+
+
+def _refuse_strangers(folder: Path) -> None:
+    if not (folder / _SETTINGS).exists() and any(not _left_behind(file) for file in folder.iterdir()):
+        raise InputError(f"{folder}: holds other files; choose a new folder for the results with --output.")
+
+
+def _left_behind(path: Path) -> bool:
+    """Whether a file is the lock, or what a run that was killed while writing has left."""
+    return path.name == _LOCK or (path.name.startswith(".") and path.suffix == ".tmp")
 
 
 def _read(path: Path) -> dict[str, dict[str, Any]]:

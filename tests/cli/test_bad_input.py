@@ -138,7 +138,7 @@ def test_scenes(command, folder: Path, tmp_path: Path, verb: str, spoil: Spoil, 
         target.write_text("precious")
     before = sorted(tmp_path.rglob("*"))
     output = ("--output", tmp_path / "repaired.json") if verb == "recalibrate" else ()
-    refused(command(*asked(verb, folder), "--json", target, *output), words)
+    refused(command(*asked(verb, folder), "--json", target, "--force", *output), words)
     assert sorted(tmp_path.rglob("*")) == before
     assert not existing or target.read_text() == "precious"
 
@@ -261,7 +261,7 @@ def test_options(command, clean_scene: Path, tmp_path: Path, verb: str, words: l
     scene = [] if "--synthetic" in words else [clean_scene]
     # An option whose value starts with "-" needs "=".
     joined = [f"{option}={value}" for option, value in zip(words[::2], words[1::2], strict=True)]
-    refused(command(*asked(verb, *scene), f"--json={target}", *joined), said)
+    refused(command(*asked(verb, *scene), f"--json={target}", "--force", *joined), said)
     assert target.read_text() == "precious"
 
 

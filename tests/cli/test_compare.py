@@ -62,10 +62,15 @@ def test_quiet(command, clean_scene: Path, tmp_path: Path, to_file: bool):
     assert target.exists() == to_file
 
 
-def test_an_existing_json_is_replaced(command, clean_scene: Path, tmp_path: Path):
+def test_an_existing_json_is_replaced_by_force(command, clean_scene: Path, tmp_path: Path):
     target = tmp_path / "out.json"
     target.write_text("old")
-    assert command("compare", "--scene", clean_scene, *SMALL, "--quiet", "--json", target).code == 0
+    words = ("compare", "--scene", clean_scene, *SMALL, "--quiet", "--json", target)
+    answer = command(*words)
+    assert answer.code == 2
+    assert "the file exists already; choose another or add --force" in answer.err
+    assert target.read_text() == "old"
+    assert command(*words, "--force").code == 0
     assert json.loads(target.read_text())["settings"]["draws"] == 2
     assert list(tmp_path.iterdir()) == [target]
 

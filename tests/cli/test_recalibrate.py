@@ -94,7 +94,7 @@ def test_default_schedule(command, clean_scene: Path, drifted_scene: Path, tmp_p
     assert written["boat"] == "Ladja"
     np.testing.assert_allclose(load_rig(output).extrinsics, solution.rig.extrinsics, rtol=0, atol=1e-12)
 
-    both = command("recalibrate", drifted_scene, clean_scene, "--json", target)
+    both = command("recalibrate", drifted_scene, clean_scene, "--json", target, "--force")
     assert (both.code, both.err) == (0, "")
     assert "improved" in both.out
     assert "already good" in both.out

@@ -53,7 +53,8 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
         help="of each trial; one unit: one matcher run on a full-size frame",
     )
     add("--executor", default="serial", metavar="SPEC", help=EXECUTORS)
-    add("--json", metavar="FILE|-", help="write everything as JSON")
+    add("--json", metavar="FILE|-", help="write everything as JSON, again with each trial that is finished")
     add("--html", metavar="FILE", help="write one HTML page with tables and figures, to pass on")
+    add("--force", action="store_true", help="--json and --html may replace a file that is no input")
     add("--quiet", action="store_true", help="no progress and no table")
     parser.set_defaults(verb="compare")

@@ -24,5 +24,6 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
     add("after", metavar="B", help="likewise")
     add_reading_to(parser)
     add("--json", metavar="FILE|-", help="write everything as JSON, with a map of the rows")
+    add("--force", action="store_true", help="--json may replace a file that is no input")
     add("--quiet", action="store_true", help="print nothing")
     parser.set_defaults(verb="diff")

@@ -29,5 +29,6 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
     add("--executor", default="serial", metavar="SPEC", help=EXECUTORS)
     add("--output", metavar="DIR", help="folder for tables and figures (default: reproduced/LOG)")
     add("--json", metavar="FILE|-", help="write everything as JSON there too")
+    add("--force", action="store_true", help="--json may replace a file that is no input")
     add("--quiet", action="store_true", help="no progress and no tables")
     parser.set_defaults(verb="reproduce")

@@ -22,5 +22,6 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
     add_recordings_to(parser)
     parser.add_argument("--matcher", default="sad", metavar="NAME", help="sad, bm or sgbm")
     parser.add_argument("--json", metavar="FILE|-", help="write everything as JSON")
+    parser.add_argument("--force", action="store_true", help="--json may replace a file that is no input")
     parser.add_argument("--quiet", action="store_true", help="no report, only the exit code")
     parser.set_defaults(verb="score")

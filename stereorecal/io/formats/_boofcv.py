@@ -14,7 +14,7 @@ from stereorecal.io.formats._matrices import matrix_values
 from stereorecal.io.formats._numbers import numbers, pixels, value
 from stereorecal.io.formats._poses import inverse, left_to_right, pose, rig_of
 from stereorecal.io.formats.text._document import Syntax
-from stereorecal.io.formats.text._values import Keys, at
+from stereorecal.io.formats.text._values import Keys, at, leaves
 
 NAME = "boofcv"
 ABOUT = "BoofCV's stereo calibration (YAML with left, right, rightToLeft)"
@@ -55,7 +55,7 @@ def read(documents: Documents, hints: Hints) -> StereoRig:
     left, right = (_camera(content, side) for side in ("left", "right"))
     with about("rightToLeft"):
         stated = content["rightToLeft"]
-        rotation = numbers({"rotation": np.ravel(value(stated, "rotation")).tolist()}, "rotation", (9,))
+        rotation = numbers({"rotation": list(leaves(value(stated, "rotation")))}, "rotation", (9,))
         shift = np.array([float(numbers(stated, key, ())) for key in "xyz"])
         return rig_of(left, right, inverse(pose(rotation.reshape(3, 3), shift)))
 

@@ -7,13 +7,13 @@ from typing import Any
 
 from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig
-from stereorecal.io._atomic import write_bytes, write_texts
+from stereorecal.io._atomic import write_bytes, write_files
 from stereorecal.io._json import parse_json
 from stereorecal.io._paths import AnyPath
 from stereorecal.io.formats._format import Hints
 from stereorecal.io.formats._reading import read_files
 from stereorecal.io.formats._source import source_of
-from stereorecal.io.formats._stereorecal import calibration_text
+from stereorecal.io.formats._stereorecal import calibration_of, calibration_text
 from stereorecal.io.formats._units import warn_of_units
 from stereorecal.io.formats._writing import chosen_format, texts_of
 
@@ -102,7 +102,7 @@ def save_rig(
             raise InputError(f"{place}: the file exists already; choose another name or allow overwriting.")
         if not place.parent.is_dir():  # before the first of two is written
             raise InputError(f"{place}: cannot be written, there is no such folder; choose another place.")
-    write_texts(paths, texts)
+    write_files({place: text.encode() for place, text in zip(paths, texts, strict=True)})
 
 
 def check_savable(rig: StereoRig, path: AnyPath | tuple[AnyPath, AnyPath], *, format: str | None = None) -> None:
@@ -112,6 +112,11 @@ def check_savable(rig: StereoRig, path: AnyPath | tuple[AnyPath, AnyPath], *, fo
         InputError: as `save_rig`.
     """
     texts_of(rig, _paths(path), source_of(rig), format)
+
+
+def calibration_json(rig: StereoRig) -> str:
+    """A rig as a calib.json."""
+    return calibration_text(calibration_of(rig, rig.left.size))
 
 
 def calibration_files(rig: StereoRig | None) -> list[Path]:

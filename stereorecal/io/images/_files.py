@@ -1,7 +1,6 @@
 """Image files: finding, decoding (strictly) and writing them."""
 
 import re
-import zlib
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -12,8 +11,11 @@ from jaxtyping import Float, Num
 
 from stereorecal._errors import InputError
 from stereorecal.io._atomic import make_folder, write_bytes
+from stereorecal.io._inputs import note_input
+from stereorecal.io.images._headers import announced_size, ends_properly
 
 _SUFFIXES = (".png", ".jpg", ".jpeg", ".jp2", ".tif", ".tiff", ".bmp", ".pgm", ".ppm", ".pnm", ".webp")
+_MOST_PIXELS = 1 << 26  # of an image: 67 million, which take 0.2 GB to decode in colour
 
 
 def images_in(folder: Path) -> list[Path]:
@@ -49,6 +51,7 @@ def read_image(path: str) -> Num[np.ndarray, "..."]:
     Raises:
         InputError: if the file is missing, empty, truncated or not an image that OpenCV can read.
     """
+    note_input(path)
     try:
         data = Path(path).read_bytes()
     except FileNotFoundError:
@@ -57,7 +60,10 @@ def read_image(path: str) -> Num[np.ndarray, "..."]:
         raise InputError(f"{path}: cannot be read ({error.strerror}); check the file.") from error
     if not data:
         raise InputError(f"{path}: the file is empty; copy or record it again.")
-    if not _ends_properly(data):
+    width, height = announced_size(data) or (0, 0)
+    if width * height > _MOST_PIXELS:
+        raise InputError(f"{path}: the image claims to be {width}x{height}; at most {_MOST_PIXELS} pixels are read.")
+    if not ends_properly(data):
         raise InputError(f"{path}: the image is truncated or damaged; copy or record it again.")
     with quiet_opencv():
         try:
@@ -77,28 +83,6 @@ def write_png(path: Path, image: Float[np.ndarray, "h w"]) -> None:
     """
     make_folder(path.parent)
     write_bytes(path, cv2.imencode(".png", np.clip(np.rint(image), 0, 255).astype(np.uint8))[1].tobytes())
-
-
-def _ends_properly(data: bytes) -> bool:
-    """Whether a PNG or JPEG is complete: a decoder may fill the missing part with grey. True for other formats."""
-    if data.startswith(b"\x89PNG\r\n\x1a\n"):
-        return _png_is_whole(data)
-    if data.startswith(b"\xff\xd8"):
-        # The end-of-image marker comes after the last start of scan (a thumbnail has markers of its own).
-        return data.rfind(b"\xff\xd9") > data.rfind(b"\xff\xda")
-    return True
-
-
-def _png_is_whole(data: bytes) -> bool:
-    start = 8
-    while start + 12 <= len(data):
-        end = start + 8 + int.from_bytes(data[start : start + 4], "big")
-        if zlib.crc32(data[start + 4 : end]) != int.from_bytes(data[end : end + 4], "big"):
-            return False
-        if data[start + 4 : start + 8] == b"IEND":
-            return True
-        start = end + 4
-    return False
 
 
 @contextmanager

@@ -87,6 +87,8 @@ def save_calibrations(calibrations: Mapping[str, StereoRig], folder: AnyPath, ov
     Raises:
         InputError: if a file exists already and may not be replaced, or the place cannot be written to.
     """
+    for name in calibrations:
+        _check_name(name)
     place = Path(folder) / _CALIBRATIONS
     make_folder(place)
     for name, rig in calibrations.items():
@@ -100,6 +102,9 @@ def save_mission(mission: Mission, folder: AnyPath) -> None:
         InputError: if the sequence exists already, two pairs would have the same file name, or the place cannot be
             written to.
     """
+    _check_name(mission.name)
+    for pair in mission.pairs:
+        _check_name(pair.name)
     place = Path(folder) / _SEQUENCES / mission.name
     if has_mission(folder, mission.name):
         raise InputError(f"{place}: the sequence is there already; choose another name or folder.")
@@ -113,6 +118,16 @@ def save_mission(mission: Mission, folder: AnyPath) -> None:
         save_rig(replace(mission.truth, source=None), place / _TRUTH, overwrite=True, format="stereorecal")
     facts = {"calibration": mission.calibration, "starred": sorted(names[name] for name in mission.starred)}
     write_json(place / _FACTS, facts)
+
+
+def _check_name(name: str) -> None:
+    """Refuse a name that would lead out of its folder.
+
+    Raises:
+        InputError: if it is no plain name of a file.
+    """
+    if name in ("", ".", "..") or any(sign in name for sign in "/\\\0"):
+        raise InputError(f"{name!r} cannot be the name of a file; give one without slashes.")
 
 
 def has_mission(folder: AnyPath, name: str) -> bool:

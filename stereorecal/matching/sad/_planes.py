@@ -27,7 +27,7 @@ def winners(left: Num[jax.Array, "h w"], right: Num[jax.Array, "h w"], options: 
 
     def packed_at(index: Any) -> Int[jax.Array, "h w"]:
         shift = lowest + index
-        moved = jax.lax.dynamic_slice(wide_right, (0, first - index), wide_left.shape)
+        moved = jax.lax.dynamic_slice_in_dim(wide_right, first - index, wide_left.shape[1], axis=1)
         cost = box_sum(jnp.abs(wide_left - moved), options.block_size)[radius:-radius, radius:-radius]
         inside = (column >= shift) & (column < width + shift)
         return jnp.where(inside, (cost << bits) | index, NEVER)
@@ -35,10 +35,11 @@ def winners(left: Num[jax.Array, "h w"], right: Num[jax.Array, "h w"], options: 
     def better(best, index):
         here, from_right = best
         packed = packed_at(index)
-        met = jax.lax.dynamic_slice(
+        met = jax.lax.dynamic_slice_in_dim(
             jnp.pad(packed, ((0, 0), (count + abs(lowest),) * 2), constant_values=NEVER),
-            (0, count + abs(lowest) + lowest + index),
-            packed.shape,
+            count + abs(lowest) + lowest + index,
+            packed.shape[1],
+            axis=1,
         )
         return (jnp.minimum(here, packed), jnp.minimum(from_right, met)), None
 

@@ -73,7 +73,7 @@ def _search(left: Float[jax.Array, "h w"], right: Float[jax.Array, "h w"], optio
     valid &= best.rivals <= (0 if options.uniqueness_ratio else disparity.size)
     if options.disp12_max_diff >= 0:
         width = left.shape[1]
-        partner = jnp.clip(jnp.arange(width) - disparity, 0, width - 1)
+        partner = jnp.clip(jnp.arange(width, dtype=jnp.int32) - disparity, 0, width - 1)
         difference = jnp.abs(jnp.take_along_axis(best.from_right, partner, axis=1) - best.winner)
         valid &= difference <= options.disp12_max_diff
     return Disparity(disparity.astype(jnp.float32) + _parabola(best), valid)

@@ -93,7 +93,7 @@ def _consistent(candidate: _Candidate, from_right: _Found, options: AbstractMatc
     pixel's. Both are 0 where its winner changes.
     """
     width = candidate.offset.shape[1]
-    partner = jnp.clip(jnp.arange(width) - (options.min_disparity + candidate.offset), 0, width - 1)
+    partner = jnp.clip(jnp.arange(width, dtype=jnp.int32) - (options.min_disparity + candidate.offset), 0, width - 1)
 
     def theirs(field: jax.Array) -> jax.Array:
         return jnp.take_along_axis(field, partner, axis=1)

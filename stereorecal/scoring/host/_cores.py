@@ -22,12 +22,12 @@ def cores() -> int:
 def on_all_cores(function: Callable[[Any], Any], items: Sequence[Any]) -> list[Any]:
     """`function` of each item, in order; several at a time, unless this is a piece of such work itself."""
     alone = len(items) < 2 or cores() < 2 or getattr(_here, "busy", False)
-    return list((map if alone else _workers().map)(function, items))
+    return list((map if alone else _workers(os.getpid()).map)(function, items))
 
 
 @cache
-def _workers() -> ThreadPoolExecutor:
-    """One thread for each core; kept, since a search asks for many small batches."""
+def _workers(process: int) -> ThreadPoolExecutor:
+    """One thread for each core; kept, since a search asks for many small batches. A fork has none of its parent's."""
 
     def mark() -> None:
         _here.busy = True

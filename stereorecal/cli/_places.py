@@ -1,0 +1,139 @@
+"""The files that a command writes: all are checked before the work, and one that fails costs no other."""
+
+import argparse
+import os
+import sys
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from stereorecal._errors import InputError
+from stereorecal._signals import held
+from stereorecal.cli._streams import flush, given_up, leave_stdout
+
+
+@dataclass(frozen=True)
+class Place:
+    """A file that an option names."""
+
+    option: str
+    path: Path
+
+    def __str__(self) -> str:
+        return f"{self.option} {self.path}"
+
+
+def places_of(options: argparse.Namespace, *names: str) -> list[Place]:
+    """The files that these options name; stdout ("-") is none."""
+    given = [(f"--{name}", getattr(options, name, None)) for name in names]
+    return [Place(option, Path(text)) for option, text in given if text is not None and text != "-"]
+
+
+def check_places(places: Sequence[Place], *, force: bool) -> None:
+    """Refuse, before anything is read, what could not be written.
+
+    Args:
+        force: whether existing files may be replaced; a pipe or a device is written to in any case.
+
+    Raises:
+        InputError: if a file exists, two have one place, or a place cannot be written to.
+    """
+    seen: dict[Path, str] = {}
+    for place in places:
+        check_writable(place)
+        if place.path.exists() and not place.path.is_file():
+            continue
+        if place.path.exists() and not force:
+            raise InputError(f"{place}: the file exists already; choose another or add --force.")
+        other = seen.setdefault(place.path.resolve(), place.option)
+        if other is not place.option:
+            raise InputError(f"{other} and {place.option} name the same file; give two.")
+
+
+def check_writable(place: Place) -> None:
+    """Refuse a place that cannot be written to.
+
+    Raises:
+        InputError: says why.
+    """
+    path = place.path
+    try:
+        os.stat(path)
+    except FileNotFoundError:
+        usable = _takes_files(path.resolve().parent)
+    except OSError as error:
+        raise InputError(f"{place}: cannot be written there ({error.strerror}); choose another.") from None
+    else:
+        # A file is replaced by a new one, which its folder must take.
+        usable = _takes_files(path.resolve().parent) if path.is_file() else _is_device(path)
+    if not usable:
+        raise InputError(f"{place}: cannot be written there; give a file in an existing folder.")
+
+
+def spare(places: Iterable[Place], inputs: Iterable[Path], instead: str = "choose another place") -> None:
+    """Refuse to replace what was read, whatever is forced.
+
+    Raises:
+        InputError: naming the option.
+    """
+    real = {path.resolve() for path in inputs}
+    for place in places:
+        if place.path.resolve() in real:
+            raise InputError(f"{place}: this file is read, and is not replaced; {instead}.")
+
+
+def named_inputs(*words: str | Path | Sequence[str] | None) -> list[Path]:
+    """The files among what people gave to be read, such as "left.png" or "left.yaml,right.yaml"."""
+    every = [word for some in words for word in (some if isinstance(some, list | tuple) else [some])]
+    parts = [part for word in every if word is not None for part in (str(word), *str(word).split(","))]
+    return [Path(part) for part in parts if part]
+
+
+def image_inputs(options: argparse.Namespace) -> list[Path]:
+    """The images, videos and bags that are named by themselves, and may be read only later."""
+    return named_inputs(options.left, options.right, options.side_by_side, options.bag)
+
+
+def deliver(*steps: Callable[[], None]) -> None:
+    """Print and write, step by step; one that fails costs no other.
+
+    Raises:
+        Exception: the first that was raised, once all is tried; the others are said.
+    """
+    errors: list[Exception] = []
+    with held():
+        for step in steps:
+            try:
+                step()
+                flush()
+            except BrokenPipeError:  # nobody reads on
+                leave_stdout()
+            except OSError as error:  # files that cannot be written raise InputError
+                errors.append(given_up(error) if error.filename is None else error)
+            except Exception as error:
+                errors.append(error)
+    for error in errors[1:]:
+        print(f"stereorecal: {error}", file=sys.stderr)
+    if errors:
+        raise errors[0]
+
+
+def written_or_printed(write: Callable[[], None], text: Callable[[], str]) -> None:
+    """Write, or print what cannot be written: nothing that is finished is lost.
+
+    Raises:
+        InputError: of `write`.
+    """
+    try:
+        write()
+    except InputError:
+        print(text())
+        raise
+
+
+def _takes_files(folder: Path) -> bool:
+    return folder.is_dir() and os.access(folder, os.W_OK | os.X_OK)
+
+
+def _is_device(path: Path) -> bool:
+    return not path.is_dir() and os.access(path, os.W_OK)

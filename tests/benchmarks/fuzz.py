@@ -1,0 +1,175 @@
+"""Damaged files by the thousand: does any end the process, escape as a traceback, hang, or eat the memory?
+
+Files of every format, of every layout and images are flipped, cut, repeated, filled and nested at places that a seed
+chooses, and read. A child process does the reading, with a limit on memory and on time; where it dies, the seed is
+noted and the next child goes on. Printed: how many were read, how many were refused, and what went wrong.
+
+    python tests/benchmarks/fuzz.py [--inputs 100000] [--first 0] [--megabytes 1000] [--seconds 20]
+"""
+
+import argparse
+import collections
+import contextlib
+import io
+import json
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+
+TESTS = Path(__file__).parents[1]
+sys.path[:0] = [str(TESTS), str(TESTS / "io" / "formats")]
+
+from damage import damaged  # noqa: E402  beside this suite's tests
+from every import SAMPLES  # noqa: E402
+from trees import TREES  # noqa: E402
+
+from stereorecal._errors import InputError  # noqa: E402
+from stereorecal.io import load_log, load_pair, load_ranges, load_rig, load_scene, save_rig, save_scene  # noqa: E402
+from stereorecal.synthetic import default_rig, render  # noqa: E402
+
+ENDINGS = (".png", ".jpg", ".tif", ".bmp", ".pgm", ".webp", ".jp2")
+
+
+@dataclass(frozen=True)
+class Case:
+    """Files to be damaged, by path below a folder, and what reads them."""
+
+    files: dict[str, bytes]
+    read: Callable[[Path], Any]
+
+
+def cases(folder: Path) -> dict[str, Case]:
+    """Everything that is read, undamaged."""
+    found = {}
+    for name, sample in SAMPLES.items():
+        place = folder / name
+        place.mkdir()
+        paths = [path.name for path in sample.write(place)]
+        found[name] = Case(
+            files_of(place), lambda at, paths=paths, s=sample: load_rig(*(at / p for p in paths), size=s.size)
+        )
+    rig = default_rig().resized((160, 120))
+    scene = render("harbour", 0, rig=rig)
+    save_scene(scene, folder / "scene")
+    found["scene folder"] = Case(files_of(folder / "scene"), lambda at: load_scene(at))
+    for name in ("depthai", "stereorecal"):
+        save_rig(rig, folder / f"{name}.json", format=name)
+        found[name] = Case({"a.json": (folder / f"{name}.json").read_bytes()}, lambda at: load_rig(at / "a.json"))
+    for name, make in TREES.items():
+        (folder / f"tree {name}").mkdir()
+        make(folder / f"tree {name}")
+        found[f"layout {name}"] = Case(files_of(folder / f"tree {name}"), lambda at: load_log(at))
+    for ending in ENDINGS:
+        sides = [
+            cv2.imencode(ending, np.uint8(side))[1].tobytes() for side in (scene.pairs[0].left, scene.pairs[0].right)
+        ]
+        files = {f"{side}{ending}": data for side, data in zip(("left", "right"), sides, strict=True)}
+        found[f"image {ending}"] = Case(files, lambda at, e=ending: load_pair(at / f"left{e}", at / f"right{e}"))
+    table = b"pair,column,row,metres,sigma\n0,20,30,10.5,0.1\n0,21,30,inf,\n"
+    found["ranges"] = Case({"ranges.csv": table}, lambda at: load_ranges(at / "ranges.csv"))
+    return found
+
+
+def files_of(folder: Path) -> dict[str, bytes]:
+    return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
+
+
+def work(first: int, last: int, journal: Path, megabytes: int, seconds: int) -> None:
+    """In the child: read the inputs of these seeds; a line for each into the journal."""
+    warnings.simplefilter("ignore")
+    with tempfile.TemporaryDirectory() as name:
+        scratch = Path(name)
+        known = cases_in(scratch / "good")
+        kinds = list(known)
+        used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+        resource.setrlimit(resource.RLIMIT_AS, (used + megabytes * 2**20,) * 2)
+        signal.signal(signal.SIGALRM, too_slow)
+        with open(journal, "a", buffering=1) as log:
+            for seed in range(first, last):
+                random = np.random.default_rng(seed)
+                kind = kinds[random.integers(len(kinds))]
+                case = known[kind]
+                log.write(json.dumps([seed, kind, "begun"]) + "\n")
+                place = scratch / "bad"
+                target = list(case.files)[random.integers(len(case.files))]
+                for path, data in case.files.items():
+                    (place / path).parent.mkdir(parents=True, exist_ok=True)
+                    (place / path).write_bytes(damaged(data, random) if path == target else data)
+                signal.alarm(seconds)
+                log.write(json.dumps([seed, kind, outcome(case, place)]) + "\n")
+                signal.alarm(0)
+                shutil.rmtree(place)
+
+
+def cases_in(folder: Path) -> dict[str, Case]:
+    folder.mkdir()
+    return cases(folder)
+
+
+def outcome(case: Case, place: Path) -> str:
+    try:
+        with contextlib.redirect_stderr(io.StringIO()):
+            case.read(place)
+    except InputError as error:
+        return "refused" if "\n" not in str(error) else "refused in several lines"
+    except MemoryError:
+        return "memory"
+    except TimeoutError:
+        return "time"
+    except Exception as error:
+        return f"traceback: {error!r:.200}"
+    return "read"
+
+
+def too_slow(*_: object) -> None:
+    raise TimeoutError
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--inputs", type=int, default=100_000)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--megabytes", type=int, default=1000, help="more than this is too much memory")
+    parser.add_argument("--seconds", type=int, default=20, help="longer than this is too long")
+    parser.add_argument("--journal", type=Path, default=None)
+    parser.add_argument("--child", type=int, nargs=2, help=argparse.SUPPRESS)
+    options = parser.parse_args()
+    journal = options.journal or Path(tempfile.mkdtemp()) / "journal.jsonl"
+    limits = ["--megabytes", options.megabytes, "--seconds", options.seconds]
+    if options.child:
+        work(*options.child, journal, options.megabytes, options.seconds)
+        return
+    next_one, last = options.first, options.first + options.inputs
+    began, deaths, peak = time.monotonic(), collections.Counter(), 0
+    journal.write_text("")
+    while next_one < last:
+        words = [__file__, "--journal", journal, *limits, "--child", next_one, min(next_one + 5000, last)]
+        child = subprocess.run([sys.executable, *map(str, words)], check=False, stderr=subprocess.DEVNULL)
+        peak = max(peak, resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)
+        entries = [json.loads(line) for line in journal.read_text().splitlines()]
+        if child.returncode:
+            if not entries or entries[-1][2] != "begun":
+                raise SystemExit("the child cannot begin")
+            deaths[f"{entries[-1][1]}: exit {child.returncode}, seed {entries[-1][0]}"] += 1
+        next_one = entries[-1][0] + 1
+    found = collections.Counter(entry[2].partition(":")[0] for entry in entries if entry[2] != "begun")
+    print(f"{options.inputs} inputs in {time.monotonic() - began:.0f} s, peak {peak / 1024:.0f} MB: {dict(found)}")
+    print(f"processes that died: {sum(deaths.values())}", *deaths, sep="\n  ")
+    for seed, kind, said in (entry for entry in entries if entry[2] not in ("begun", "read", "refused")):
+        print(f"  seed {seed}, {kind}: {said}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,189 @@
+"""What is written: never over an input, nor over another file unasked; what fails costs no other, and is printed."""
+
+import io
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from stereorecal._errors import InputError
+from stereorecal.cli import _places, _streams
+from stereorecal.io import save_rig
+from stereorecal.synthetic import default_rig
+
+NOTHING = ("--schedule", "count", "--budget", 1)
+COUNT = ("--schedule", "count", "--scale", 0.5, "--budget", 40)  # improves the drifted scene
+VERBS = {
+    "score": ("score", "{0}"),
+    "diff": ("diff", "{0}", "{0}"),
+    "recalibrate": ("recalibrate", "{0}", *NOTHING),
+    "compare": ("compare", "--scene", "{0}", "--draws", 1, "--budget", 1),
+    "reproduce": ("reproduce", "--log", "{0}", "--quick", "--output", "{1}"),
+}
+OPTIONS = [(verb, "--json") for verb in VERBS] + [
+    ("recalibrate", "--output"),
+    ("recalibrate", "--maps"),
+    ("compare", "--html"),
+]
+
+
+def words(verb: str, scene: Path, other: object = "") -> list[object]:
+    return [word.format(scene, other) if isinstance(word, str) else word for word in VERBS[verb]]
+
+
+def state(folder: Path) -> dict[Path, bytes]:
+    return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+@pytest.mark.parametrize(("verb", "option"), OPTIONS)
+@pytest.mark.parametrize("force", [True, False])
+@pytest.mark.parametrize("name", ["calib.json", "left.png", "link", "own"])
+def test_no_input_is_replaced(command, folder: Path, tmp_path: Path, verb: str, option: str, force: bool, name: str):
+    if verb == "diff" and name == "left.png":
+        pytest.skip("reads no image")
+    (folder / "link").symlink_to("calib.json")
+    (folder / "own").symlink_to("own")
+    before = state(tmp_path)
+    answer = command(*words(verb, folder, tmp_path / "made"), option, folder / name, *(["--force"] if force else []))
+    assert answer.code == 2, answer.err
+    assert answer.err.count("\n") == 1
+    said = "cannot be written there" if name == "own" else "is read, and is not replaced" if force else "--force"
+    assert said in answer.err or "maps are written as .npz" in answer.err
+    assert {path: data for path, data in state(tmp_path).items() if "made" not in path.parts} == before
+
+
+@pytest.mark.parametrize("option", ["--json", "--output", "--maps"])
+def test_what_else_is_read(command, clean_scene: Path, tmp_path: Path, option: str):
+    """A table of ranges and a calibration that lies elsewhere are inputs as well."""
+    ranges, calibration = tmp_path / "ranges.npz", tmp_path / "calibration.json"
+    ranges.write_text("pair,column,row,metres,sigma\nleft.png,80,60,10,\n")
+    save_rig(default_rig().resized((160, 120)), calibration)
+    before = state(tmp_path)
+    sides = (f"--left={clean_scene}/left.png", f"--right={clean_scene}/right.png")
+    for path in (ranges, calibration):
+        given = ("--calibration", calibration, "--ranges", ranges, option, path, "--force")
+        answer = command("recalibrate", *sides, *NOTHING, *given)
+        assert answer.code == 2, answer.err
+    assert state(tmp_path) == before
+
+
+def test_convert(command, folder: Path):
+    before = state(folder)
+    for name in ("calib.json", "left.png"):
+        assert command("convert", folder / "calib.json", folder / name, *(["--force"] * (name[0] == "c"))).code == 2
+    assert state(folder) == before
+
+
+def test_devices_need_no_force(command, clean_scene: Path):
+    assert command("diff", clean_scene, clean_scene, "--json", os.devnull).code == 0
+    assert not Path(os.devnull).is_file()
+
+
+def test_the_rows_of_a_reproduction_are_inputs(tmp_path: Path):
+    from stereorecal.reproduction import store_files
+
+    places = [_places.Place("--json", tmp_path / "rows.jsonl")]
+    with pytest.raises(InputError, match="is read, and is not replaced"):
+        _places.spare(places, store_files(tmp_path))
+
+
+# --- what cannot be written ---------------------------------------------------------------------------------
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="has no full device")
+def test_a_full_disk_loses_nothing(command, drifted_scene: Path, tmp_path: Path):
+    """The report and the calibration are printed, and the maps are written all the same."""
+    maps = tmp_path / "maps.npz"
+    full = tmp_path / "full.json"
+    full.symlink_to("/dev/full")
+    answer = command("recalibrate", drifted_scene, *COUNT, "--output", full, "--json", "/dev/full", "--maps", maps)
+    assert answer.code == 2
+    assert "No space left on device" in answer.err
+    assert "Traceback" not in answer.err
+    assert answer.out.startswith("accepted")
+    assert '"K_left"' in answer.out
+    assert '"stereorecal.solution/1"' in answer.out
+    assert maps.exists()
+
+
+def test_a_quiet_run_prints_what_it_cannot_write(command, clean_scene: Path, tmp_path: Path, monkeypatch):
+    from stereorecal.cli import _json
+
+    def fail(*_):
+        raise InputError("no room")
+
+    monkeypatch.setattr(_json, "write_text", fail)
+    answer = command("diff", clean_scene, clean_scene, "--quiet", "--json", tmp_path / "out.json")
+    assert (answer.code, answer.err) == (2, "stereorecal: no room\n")
+    assert json.loads(answer.out)["schema"] == "stereorecal.difference/1"
+
+
+def test_one_that_fails_costs_no_other(capsys):
+    done = []
+
+    def fail(error: Exception):
+        raise error
+
+    with pytest.raises(InputError, match="first"):
+        _places.deliver(
+            lambda: done.append(1),
+            lambda: fail(InputError("first")),
+            lambda: fail(BrokenPipeError()),
+            lambda: fail(KeyError("second")),
+            lambda: done.append(2),
+        )
+    assert done == [1, 2]
+    assert "second" in capsys.readouterr().err
+
+
+# --- stdout -------------------------------------------------------------------------------------------------
+
+RUN = [sys.executable, "-m", "stereorecal"]
+
+
+def test_a_pipe_that_closes(clean_scene: Path, tmp_path: Path):
+    """`| head`: no complaint, and the file is written."""
+    target = tmp_path / "out.json"
+    run = [*RUN, "diff", str(clean_scene), str(clean_scene), "--json", str(target)]
+    with subprocess.Popen(run, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        assert process.stderr is not None
+        process.stdout.close()
+        assert process.stderr.read() == ""
+        assert process.wait() == 0
+    assert json.loads(target.read_text())["schema"] == "stereorecal.difference/1"
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="has no full device")
+def test_stdout_is_full(clean_scene: Path, tmp_path: Path):
+    target = tmp_path / "out.json"
+    run = [*RUN, "diff", str(clean_scene), str(clean_scene), "--json", str(target)]
+    with open("/dev/full", "w") as full:
+        ended = subprocess.run(run, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert ended.returncode == 2
+    assert ended.stderr.count("\n") == 1
+    assert "stdout: cannot be written (No space left on device)" in ended.stderr
+    assert target.exists()
+
+
+def test_a_terminal_that_writes_ascii_only(monkeypatch: pytest.MonkeyPatch):
+    stream = io.TextIOWrapper(io.BytesIO(), "ascii")
+    monkeypatch.setattr(sys, "stdout", stream)
+    _streams.spell_out()
+    print("0.1° ± 0.02 ☃")
+    stream.flush()
+    assert stream.buffer.getvalue() == b"0.1 deg +- 0.02 ?\n"  # pyright: ignore[reportAttributeAccessIssue]
+
+
+@pytest.mark.parametrize("extra", [{"LC_ALL": "C", "PYTHONIOENCODING": "ascii"}, {"PYTHONOPTIMIZE": "1"}])
+def test_poor_surroundings(clean_scene: Path, drifted_scene: Path, tmp_path: Path, extra: dict[str, str]):
+    """No home, no cache that can be written, ASCII only, no assertions."""
+    kept = {name: os.environ[name] for name in ("PATH", "PYTHONPATH") if name in os.environ}
+    nowhere = {"HOME": "/nonexistent", "XDG_CACHE_HOME": "/proc/nowhere"}
+    run = [*RUN, "diff", str(clean_scene), str(drifted_scene)]
+    ended = subprocess.run(run, env=kept | nowhere | extra, capture_output=True, text=True, check=False)
+    assert (ended.returncode, ended.stderr) == (0, "")
+    assert ended.stdout

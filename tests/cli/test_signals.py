@@ -1,0 +1,199 @@
+"""Ctrl-C, SIGTERM and SIGHUP from the first second on: one line and 130; kill -9: what is finished is on the disk."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from pathlib import Path
+
+import pytest
+
+from stereorecal import _signals
+from stereorecal._errors import InputError
+from stereorecal._run_all import run_all
+from stereorecal.reproduction._store import Store
+
+# A shell that runs the suite in the background has its children ignore SIGINT; the program under test must not.
+PROGRAM = """
+import os, signal, sys
+for name in ("SIGINT", "SIGTERM", "SIGHUP"):
+    signal.signal(getattr(signal, name), signal.SIG_DFL)
+os.execv(sys.executable, [sys.executable, "-X", "importtime", "-m", "stereorecal", *sys.argv[1:]])
+"""
+NUMBERS = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP]
+
+
+@pytest.mark.parametrize("number", NUMBERS)
+@pytest.mark.parametrize("module", ["argparse", "numpy", "jax._src.core", "jax"])
+def test_while_libraries_are_imported(clean_scene: Path, module: str, number: signal.Signals):
+    """The signal comes as soon as that module is there."""
+    run = [sys.executable, "-c", PROGRAM, "score", str(clean_scene)]
+    with subprocess.Popen(run, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stderr is not None
+        said = []
+        for line in process.stderr:
+            said.append(line)
+            if line.startswith("import time:") and line.split("|")[-1].strip() == module:
+                process.send_signal(number)
+                break
+        said += process.stderr.readlines()
+        assert process.wait(60) == 130
+    assert [line for line in said if not line.startswith("import time:")] == ["stereorecal: interrupted\n"]
+
+
+def test_a_signal_that_is_ignored_stays_so():
+    """Under nohup the end of the terminal is none of the run."""
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        with _signals.interruptible(), _signals.held():
+            os.kill(os.getpid(), signal.SIGHUP)
+        assert signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
+    finally:
+        signal.signal(signal.SIGHUP, before)
+
+
+@pytest.mark.parametrize("number", NUMBERS)
+def test_results_are_saved_before_the_run_ends(number: signal.Signals):
+    before, saved = signal.getsignal(number), []
+
+    @_signals.interruptible()
+    def save() -> None:
+        signal.signal(number, _signals._interrupt)  # also where the suite runs in the background
+        with _signals.held():
+            signal.raise_signal(number)
+            saved.append(1)
+
+    with pytest.raises(KeyboardInterrupt):
+        save()
+    assert saved == [1]
+    assert signal.getsignal(number) is before
+
+
+def test_a_second_signal_does_not_wait():
+    @_signals.interruptible()
+    @_signals.held()
+    def save() -> None:
+        signal.raise_signal(signal.SIGTERM)
+        signal.raise_signal(signal.SIGTERM)
+        pytest.fail("went on")
+
+    with pytest.raises(KeyboardInterrupt):
+        save()
+
+
+def test_a_swallowed_signal_comes_again():
+    """An exception in a finaliser is printed and forgotten by Python."""
+
+    class Swallows:
+        def __del__(self):
+            raise KeyboardInterrupt
+
+    @_signals.interruptible()
+    def swallow() -> None:
+        thing = Swallows()
+        del thing
+        time.sleep(5)
+        pytest.fail("went on")
+
+    with pytest.raises(KeyboardInterrupt):
+        swallow()
+
+
+# --- kill -9 ------------------------------------------------------------------------------------------------
+
+SLOW = """
+import os, time
+from dataclasses import dataclass
+from pathlib import Path
+from stereorecal.strategies import AbstractStrategy, Outcome, Status
+
+runs = []
+
+@dataclass(frozen=True)
+class Slow(AbstractStrategy):
+    def run(self, objective, start, seed):
+        runs.append(seed)
+        if len(runs) > 2:
+            Path(os.environ["SLOW_STARTED"]).touch()
+            time.sleep(600)
+        return Outcome(start, Status.CONVERGED)
+"""
+
+
+@pytest.fixture
+def planted(tmp_path: Path) -> dict[str, str]:
+    """An environment in which a strategy "slow" is installed, which sleeps in its third run."""
+    site = tmp_path / "site"
+    info = site / "slow-1.0.dist-info"
+    info.mkdir(parents=True)
+    (site / "slow_strategy.py").write_text(SLOW)
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: slow\nVersion: 1.0\n")
+    (info / "entry_points.txt").write_text("[stereorecal.strategies]\nslow = slow_strategy:Slow\n")
+    path = os.pathsep.join([str(site), *filter(None, [os.environ.get("PYTHONPATH")])])
+    return os.environ | {"PYTHONPATH": path, "SLOW_STARTED": str(tmp_path / "started")}
+
+
+def test_a_killed_comparison_is_on_the_disk(planted: dict[str, str], clean_scene: Path, tmp_path: Path):
+    target = tmp_path / "out.json"
+    words = ["compare", "--scene", clean_scene, "--scale", 0.5, "--draws", 4, "--strategies", "slow", "--json", target]
+    with subprocess.Popen([sys.executable, "-m", "stereorecal", *map(str, words)], env=planted) as process:
+        while not Path(planted["SLOW_STARTED"]).exists():
+            assert process.poll() is None
+            time.sleep(0.05)
+        process.kill()
+    content = json.loads(target.read_text())
+    assert content["interrupted"] is True
+    assert len(content["trials"]) >= 1
+
+
+# --- one run in a folder ------------------------------------------------------------------------------------
+
+
+def test_two_runs_in_one_folder(tmp_path: Path):
+    code = "import sys; from pathlib import Path; from stereorecal.reproduction._store import Store\n"
+    code += "store = Store(Path(sys.argv[1]), {'a': 1}); store.add('k', {'v': 1}); print('there', flush=True); input()"
+    run = [sys.executable, "-c", code, str(tmp_path / "out")]
+    with subprocess.Popen(run, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as other:
+        assert other.stdout is not None
+        assert other.stdout.readline() == "there\n"
+        with pytest.raises(InputError, match="another run is working there"):
+            Store(tmp_path / "out", {"a": 1})
+        other.kill()
+    store = Store(tmp_path / "out", {"a": 1})  # a killed one leaves no lock
+    assert store.rows == {"k": {"v": 1}}
+
+
+def test_what_a_killed_run_has_left_is_no_obstacle(tmp_path: Path):
+    (tmp_path / ".settings.json.0123abcd.tmp").write_text("{")
+    Store(tmp_path, {"a": 1}).add("k", {"v": 1})
+    with open(tmp_path / "rows.jsonl", "a") as rows:
+        rows.write('{"key": "l", "ro')
+    assert Store(tmp_path, {"a": 1}).rows == {"k": {"v": 1}}
+
+
+def test_a_full_disk_stops_a_reproduction_in_a_sentence(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    store = Store(tmp_path, {})
+
+    def full(_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(InputError, match="No space left on device"):
+        store.add("k", {"v": 1})
+
+
+# --- workers ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="cannot fork")
+@pytest.mark.filterwarnings("ignore:os.fork:RuntimeWarning", "ignore:This process:DeprecationWarning")
+def test_forked_workers_are_refused():
+    with (
+        ProcessPoolExecutor(1, mp_context=get_context("fork")) as pool,
+        pytest.raises(InputError, match="forks its workers"),
+    ):
+        list(run_all(abs, [1, 2], pool))

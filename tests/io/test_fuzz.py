@@ -1,0 +1,138 @@
+"""Damaged files are read or refused in one sentence. `tests/benchmarks/fuzz.py` does so for hours."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from damage import damaged
+from hypothesis import given, settings, strategies as st
+
+from stereorecal._errors import InputError
+from stereorecal.io import load_log, load_pair, load_ranges, load_rig, save_rig
+from stereorecal.synthetic import default_rig
+
+DEEP = 200_000
+FORMATS = {
+    "stereorecal": "a.json",
+    "opencv": "a.yaml",
+    "kalibr": "a.yaml",
+    "basalt": "a.json",
+    "depthai": "a.json",
+    "boofcv": "a.yaml",
+    "kitti-raw": "a.txt",
+}
+NESTED = {
+    "a.json": ["[" * DEEP, '{"a":' * DEEP, '{"K_left":' + "[" * DEEP + "]" * DEEP + "}", '{"cameraData":' * DEEP],
+    "a.yaml": [
+        "[" * DEEP,
+        "{a: " * DEEP,
+        "%YAML:1.0\n---\nM1: " + "[" * DEEP,
+        "- " * DEEP,
+        "? " * DEEP,
+        "\n".join(" " * i + "a:" for i in range(2000)),
+    ],
+    "a.xml": ["<a>" * DEEP, '<?xml version="1.0"?>\n<opencv_storage>' + "<a>" * DEEP],
+}
+
+
+@pytest.mark.parametrize(("name", "text"), [(name, text) for name, texts in NESTED.items() for text in texts])
+def test_nested_200_000_deep(tmp_path: Path, name: str, text: str):
+    path = tmp_path / name
+    path.write_text(text)
+    with pytest.raises(InputError) as error:
+        load_rig(path)
+    assert str(path) in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("name", ["mission.json", "calib.json"])
+def test_nested_files_beside_images(tmp_path: Path, name: str):
+    rig = default_rig()
+    (tmp_path / "calibrations").mkdir()
+    save_rig(rig, tmp_path / "calibrations" / "2026-01-01.json")
+    sequence = tmp_path / "sequences" / "2026-01-01"
+    sequence.mkdir(parents=True)
+    (sequence / "mission.json").write_text('{"a":' * DEEP)
+    if name == "calib.json":
+        (tmp_path / "calibrations" / "2026-01-01.json").write_text("[" * DEEP)
+    with pytest.raises(InputError, match="nests more than 100 levels"):
+        load_log(tmp_path)
+
+
+@pytest.fixture(scope="module")
+def good(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
+    """The same rig in several formats."""
+    folder = tmp_path_factory.mktemp("good")
+    rig = default_rig()
+    left, right = (replace(camera, distortion=np.array([-0.2, 0.1, 1e-3, 1e-3])) for camera in (rig.left, rig.right))
+    rig = replace(rig, left=left, right=right)
+    for format, name in FORMATS.items():
+        (folder / format).mkdir()
+        save_rig(rig, folder / format / name, format=format)
+    return {format: (folder / format / name).read_bytes() for format, name in FORMATS.items()}
+
+
+def refused_or_read(read, *paths: Path) -> None:
+    said = ""
+    try:
+        read(*paths)
+    except InputError as error:
+        said = str(error)
+    assert "\n" not in said
+
+
+@pytest.mark.filterwarnings("ignore::stereorecal._errors.CalibrationWarning")
+@settings(max_examples=60, deadline=None)
+@given(seed=st.integers(0, 2**32 - 1), format=st.sampled_from(sorted(FORMATS)))
+def test_damaged_calibrations(good, tmp_path_factory, seed: int, format: str):
+    path = tmp_path_factory.mktemp("bad") / FORMATS[format]
+    path.write_bytes(damaged(good[format], np.random.default_rng(seed)))
+    refused_or_read(load_rig, path)
+
+
+@pytest.mark.filterwarnings("ignore::stereorecal._errors.CalibrationWarning")
+@settings(max_examples=60, deadline=None)
+@given(data=st.binary(max_size=400) | st.text(max_size=400).map(str.encode), ending=st.sampled_from(sorted(NESTED)))
+def test_any_bytes(tmp_path_factory, data: bytes, ending: str):
+    path = tmp_path_factory.mktemp("any") / ending
+    path.write_bytes(data)
+    refused_or_read(load_rig, path)
+
+
+@settings(max_examples=40, deadline=None)
+@given(seed=st.integers(0, 2**32 - 1), ending=st.sampled_from([".png", ".jpg", ".tif", ".bmp", ".pgm", ".webp"]))
+def test_damaged_images(tmp_path_factory, seed: int, ending: str):
+    random, folder = np.random.default_rng(seed), tmp_path_factory.mktemp("images")
+    left, right = (folder / f"{side}{ending}" for side in ("left", "right"))
+    for path in (left, right):
+        path.write_bytes(cv2.imencode(ending, random.integers(0, 255, (24, 32), np.uint8))[1].tobytes())
+    left.write_bytes(damaged(left.read_bytes(), random))
+    refused_or_read(load_pair, left, right)
+
+
+@settings(max_examples=20, deadline=None)
+@given(seed=st.integers(0, 2**32 - 1))
+def test_damaged_tables(tmp_path_factory, seed: int):
+    path = tmp_path_factory.mktemp("tables") / "ranges.csv"
+    table = b"pair,column,row,metres,sigma\n0,20,30,10.5,0.1\n0,21,30,inf,\n"
+    path.write_bytes(damaged(table, np.random.default_rng(seed)))
+    refused_or_read(load_ranges, path)
+
+
+def test_a_cell_without_end(tmp_path: Path):
+    path = tmp_path / "ranges.csv"
+    path.write_text("pair,column,row,metres\n" + "1" * 200_000)
+    with pytest.raises(InputError, match="not a table"):
+        load_ranges(path)
+
+
+def test_rows_of_different_lengths(tmp_path: Path, good):
+    """Found by the fuzzer: a list in the place of one number of BoofCV's rotation."""
+    path = tmp_path / "a.yaml"
+    text = good["boofcv"].decode()
+    before, _, after = text.partition("rotation:\n")
+    path.write_text(before + "rotation:\n  - [1.0, 2.0]\n" + after)
+    with pytest.raises(InputError, match="rotation must hold 9 numbers"):
+        load_rig(path)
