@@ -2,7 +2,7 @@
 
 import argparse
 import sys
-from collections.abc import Sequence
+from collections.abc import Sequence, Sized
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -48,7 +48,7 @@ def recordings(options: argparse.Namespace) -> Recordings:
     return found
 
 
-def without(found: Sequence[Pair], kept: Sequence[Pair], why: str) -> tuple[tuple[str, str], ...]:
+def without(found: Sized, kept: Sized, why: str) -> tuple[tuple[str, str], ...]:
     """What to say of pairs that are not among those that are kept."""
     number = len(found) - len(kept)
     return ((f"{number} other {'pair' if number == 1 else 'pairs'}", why),) if number > 0 else ()
@@ -101,7 +101,11 @@ def _recorded(options: argparse.Namespace) -> Recordings:
 
 
 def _selected(
-    pairs: Sequence[Pair], options: argparse.Namespace, *, stream: bool, about: str
+    pairs: Sequence,  # of Pair; said so, a checker of types would read one to look at it
+    options: argparse.Namespace,
+    *,
+    stream: bool,
+    about: str,
 ) -> tuple[tuple[Pair, ...], tuple[tuple[str, str], ...]]:
     """The pairs that --from, --to, --every, --frames and --limit leave, read; and what to say of the others."""
     wanted = pairs[_values.stretch(options)][: _values.frame_limit(options.frames)]

@@ -11,7 +11,7 @@ from stereorecal.comparison import compare_scenes
 from stereorecal.comparison._trial import Task
 from stereorecal.io import load_scene, save_scene
 from stereorecal.matching import SAD
-from stereorecal.objectives import Reach
+from stereorecal.objectives import Parameters, Reach
 from stereorecal.recalibration import Schedule
 from stereorecal.strategies import Budget, strategy
 
@@ -88,6 +88,7 @@ def task_of(scene):
         reach=Reach(),
         budget=Budget(),
         seed=0,
+        free=Parameters(),
     )
 
 
