@@ -82,7 +82,8 @@ def _told(value: Any, arrays: dict[str, np.ndarray]) -> Any:
     if isinstance(value, Enum):
         return {"of": kind, "name": value.name}
     assert is_dataclass(value)
-    kept = [part.name for part in fields(value) if part.init and part.name != "origin"]
+    # Where pixels and calibrations came from is not kept: the files may be gone by then.
+    kept = [part.name for part in fields(value) if part.init and part.name not in ("origin", "source")]
     return {"of": kind, "with": {name: _told(getattr(value, name), arrays) for name in kept}}
 
 

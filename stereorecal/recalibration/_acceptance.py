@@ -17,8 +17,8 @@ _ROW_GAIN = 0.01  # pixels: less than that no matcher notices
 _SIGNIFICANT = 3.0  # standard errors, over the places of tiles
 FEWEST_PLACES = 6  # of tiles: a covariance of five parameters from fewer says nothing
 _EDGE = 0.98  # of the box of the epipolar stages, which is twice the reach
-# Chance of a drift as far or farther, over all axes together: six standard deviations of five numbers. One by 2.5 degrees
-# and 2.5 % on every axis, which users may have, is five and a half.
+# Chance of a drift as far or farther, over all axes together: six standard deviations of five numbers. One by 2.5
+# degrees and 2.5 % on every axis, which users may have, is five and a half.
 _PLAUSIBLE = 1e-6
 _MOST_MISFIT = 0.4  # pixels, in the worst tenth of the regions; intrinsics of real rigs leave 0.12 to 0.35
 _SOME_MISFIT = 0.2  # pixels, likewise: as much must be small beside the gain
