@@ -26,9 +26,9 @@ def write_files(contents: Mapping[Path, bytes]) -> None:
     """Write files that belong together, each as `write_bytes` does; none is replaced before all are on the disk.
 
     Raises:
-        InputError: naming the place that cannot be written to; all files are as they were, unless a disk fails in
-            the moment of renaming.
+        InputError: naming the place that cannot be written to; all files are as they were.
     """
+    replaced: list[tuple[Path, bytes | None]] = []
     waiting: dict[Path, tuple[Path, Path]] = {}  # by place: the complete new file, and where it goes
     try:
         for path, data in contents.items():
@@ -39,11 +39,26 @@ def write_files(contents: Mapping[Path, bytes]) -> None:
                     waiting[path] = _beside(_followed(path), data)
         for path, (temporary, final) in waiting.items():
             with _said(path):
+                old = final.read_bytes() if final.exists() else None
                 os.replace(temporary, final)
+                replaced.append((final, old))
+    except InputError:
+        for final, old in replaced:
+            with suppress(OSError):
+                _put_back(final, old)
+        raise
     finally:
         for temporary, _ in waiting.values():
             with suppress(OSError):
                 temporary.unlink(missing_ok=True)
+
+
+def _put_back(path: Path, old: bytes | None) -> None:
+    """What was there before a file was replaced."""
+    if old is None:
+        path.unlink()
+    else:
+        os.replace(*_beside(path, old))
 
 
 def make_folder(path: Path) -> None:

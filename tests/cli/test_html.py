@@ -52,7 +52,7 @@ def test_an_interrupted_comparison_is_written(command, clean_scene: Path, tmp_pa
         (["--html", "{}/nowhere/out.html"], "give a file in an existing folder"),
         (["--html", "{}"], "give a file in an existing folder"),
         (["--html", "-"], "--html - has no meaning"),
-        (["--html", "{}/out", "--json", "{}/../{}/out"], "--html and --json name the same file"),
+        (["--html", "{}/out", "--json", "{}/../{}/out"], "--json and --html name the same file"),
     ],
 )
 def test_places_that_are_refused(command, no_work, clean_scene: Path, tmp_path: Path, words: list[str], said: str):

@@ -320,7 +320,7 @@ def test_the_calibration_in_use_is_replaced_in_place_only(command, drifted_scene
         answer = command("recalibrate", folder, *COUNT, *words)
         assert (answer.code, answer.out) == (2, "")
         assert (folder / "calib.json").read_bytes() == old
-    assert "the calibration came from there; replace it with --in-place" in answer.err
+    assert "this file is read, and is not replaced; replace it with --in-place" in answer.err
     answer = command("recalibrate", folder, *COUNT, "--in-place", "--dry-run")
     assert answer.out.endswith("calib.json: would be written\n")
     assert (folder / "calib.json").read_bytes() == old

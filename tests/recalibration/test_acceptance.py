@@ -73,7 +73,7 @@ CASES = {
     "too few places": (Reason.TOO_LITTLE_TEXTURE, {"places": 5, "rows": BETTER, "after": 400_000}),
     "at the edge": (Reason.REACH_EDGE, {"rows": BETTER, "z": EDGE}),
     "at the other edge": (Reason.REACH_EDGE, {"rows": BETTER, "z": -EDGE}),
-    "far on all axes together": (Reason.IMPLAUSIBLE, {"rows": BETTER, "z": 0.46}),
+    "far on all axes together": (Reason.IMPLAUSIBLE, {"rows": BETTER, "z": 0.6}),
     "far on one axis": (Reason.IMPROVED, {"rows": BETTER, "z": np.array([0.96, 0, 0, 0, 0])}),
     "a misfit like that of good repairs": (Reason.IMPROVED, {"rows": BETTER, "left": left_over(after=0.3)}),
     "a large misfit": (Reason.MISFIT, {"rows": BETTER, "left": left_over(after=0.45)}),
