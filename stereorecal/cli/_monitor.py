@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import IO
 
 from stereorecal._errors import InputError
-from stereorecal.cli import _values
 from stereorecal.cli._exit_codes import CANNOT_TELL, INTERRUPTED, REPAIR
 from stereorecal.cli._live import lines, live
+from stereorecal.cli._places import check_places, check_writable, places_of
 from stereorecal.cli._recordings import recordings
 from stereorecal.io import check_savable, json_line, save_rig
 from stereorecal.matching import as_matcher
@@ -98,12 +98,8 @@ def _shown(options: argparse.Namespace, scene: Scene):
 
 
 def _check_places(options: argparse.Namespace) -> None:
-    _values.output_path(options.json, "--json")
-    _values.output_path(options.state, "--state")
-    _values.output_path(options.output, "--output")
-    if options.output is None:
-        return
+    for place in places_of(options, "json", "state"):
+        check_writable(place)
     if options.output == "-":
         raise InputError("--output -: a calibration is written to a file; give the name of one.")
-    if Path(options.output).exists() and not options.force:
-        raise InputError(f"--output {options.output}: the file exists already; choose another or add --force.")
+    check_places(places_of(options, "output"), force=options.force)

@@ -1,10 +1,8 @@
 """Values of options, parsed with sentences that say what is wrong."""
 
 import argparse
-from pathlib import Path
 
 from stereorecal._errors import InputError
-from stereorecal.cli._places import Place, check_writable
 from stereorecal.strategies import strategies
 
 NONE_INSTALLED = (
@@ -40,16 +38,6 @@ def seed(number: int) -> int:
     if not 0 <= number < 2**32:
         raise InputError(f"--seed is {number}; give a whole number within 0 and 2^32 - 1.")
     return number
-
-
-def output_path(text: str | None, option: str) -> None:
-    """Check, before the work is done, that its result can be written.
-
-    Raises:
-        InputError: if the place is no file in an existing folder.
-    """
-    if text is not None and text != "-":
-        check_writable(Place(option, Path(text)))
 
 
 def every_frame(options: argparse.Namespace) -> bool:
