@@ -9,7 +9,7 @@ from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._about import about
 from stereorecal.io._json import strict_json_text
-from stereorecal.io.formats._derived import rectification_of
+from stereorecal.io.formats._derived import View, rectification_of
 from stereorecal.io.formats._format import Documents, Hints, Target
 from stereorecal.io.formats._lenses import coefficients, trimmed
 from stereorecal.io.formats._numbers import numbers, pixels, value
@@ -23,7 +23,7 @@ SYNTAX = {".json": Syntax.JSON}
 FILES = 1
 UNIT = "cm"
 
-_STEREO, _NOWHERE, _ALPHA = "stereoRectificationData", -1, 0.0
+_STEREO, _NOWHERE, _VIEW = "stereoRectificationData", -1, View(alpha=0.0)
 _SOCKETS = {"leftCameraSocket": 1, "rightCameraSocket": 2}
 _EYE = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
 _ZERO = {"x": 0.0, "y": 0.0, "z": 0.0}
@@ -110,7 +110,7 @@ def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
     values: dict[Keys, Any] = {(*place, "rotationMatrix"): moved[:3, :3].tolist()}
     values |= {(*place, "translation", key): float(number) for key, number in zip("xyz", moved[:3, 3], strict=True)}
     if content.get(_STEREO, {}).get("rectifiedRotationLeft"):
-        made = rectification_of(rig, _ALPHA)
+        made = rectification_of(rig, _VIEW)
         values[(_STEREO, "rectifiedRotationLeft")] = made["R1"].tolist()
         values[(_STEREO, "rectifiedRotationRight")] = made["R2"].tolist()
     for socket, camera, wanted in ((left, rig.left, target.left), (right, rig.right, target.right)):

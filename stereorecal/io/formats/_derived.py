@@ -1,5 +1,7 @@
 """What calibration files hold beside the calibration, made from it as OpenCV does."""
 
+from dataclasses import dataclass
+
 import cv2
 import numpy as np
 from jaxtyping import Float
@@ -9,13 +11,42 @@ from stereorecal.geometry import StereoRig, rectifying_rotations
 Array = Float[np.ndarray, "..."]
 
 
-def rectification_of(rig: StereoRig, alpha: float) -> dict[str, Array]:
-    """R1, R2, P1, P2 and Q as `cv2.stereoRectify` computes them, with zero disparity at infinity; and the regions roi1,
-    roi2 (x, y, width, height) in which all pixels are seen.
+_SAME_VIEW = 2e-3  # of the focal length: versions of OpenCV differ by less, the views below by more
 
-    Args:
-        alpha: 0 shows only pixels that are seen, 1 all of them.
+
+@dataclass(frozen=True)
+class View:
+    """What `cv2.stereoRectify` was asked for.
+
+    Attributes:
+        alpha: 0 shows only pixels that are seen, 1 all of them; -1 is OpenCV's choice.
+        flags: CALIB_ZERO_DISPARITY puts points at infinity at disparity 0.
     """
+
+    alpha: float
+    flags: int = cv2.CALIB_ZERO_DISPARITY
+
+
+def view_of(rig: StereoRig, P1: Array, P2: Array, usual: View) -> View:
+    """The view in which a file's projection matrices were made from its rig; the usual one where none fits, as for
+    images that were cut."""
+    if P1.shape != (3, 4) or P2.shape != (3, 4) or not np.all(np.isfinite(P1)) or P1[0, 0] <= 0.0:
+        return usual
+    for flags in (cv2.CALIB_ZERO_DISPARITY, 0):
+        seen, everything = (rectification_of(rig, View(alpha, flags))["P1"][0, 0] for alpha in (0.0, 1.0))
+        between = (P1[0, 0] - seen) / (everything - seen) if everything != seen else 0.0
+        alphas = dict.fromkeys((usual.alpha, 0.0, 1.0, -1.0, float(np.clip(between, 0.0, 1.0))))
+        for alpha in alphas:
+            made = rectification_of(rig, View(alpha, flags))
+            off = max(np.abs(made[name] - stated)[:, :3].max() for name, stated in (("P1", P1), ("P2", P2)))
+            if off <= _SAME_VIEW * P1[0, 0]:
+                return View(alpha, flags)
+    return usual
+
+
+def rectification_of(rig: StereoRig, view: View) -> dict[str, Array]:
+    """R1, R2, P1, P2 and Q as `cv2.stereoRectify` computes them; and the regions roi1, roi2 (x, y, width, height) in
+    which all pixels are seen."""
     left, right = rig.left, rig.right
     # OpenCV's own rotations forget turns below 1e-7; some formats have no other place for the extrinsics.
     R1, R2 = rectifying_rotations(rig.rotation, rig.translation)
@@ -27,8 +58,8 @@ def rectification_of(rig: StereoRig, alpha: float) -> dict[str, Array]:
         left.size,
         np.asarray(rig.rotation, float),
         np.asarray(rig.translation, float).reshape(3, 1),
-        flags=cv2.CALIB_ZERO_DISPARITY,
-        alpha=alpha,
+        flags=view.flags,
+        alpha=view.alpha,
     )
     regions = (np.array(region, float) for region in (roi1, roi2))
     names = ("R1", "R2", "P1", "P2", "Q", "roi1", "roi2")

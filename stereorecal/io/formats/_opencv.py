@@ -8,7 +8,7 @@ import numpy as np
 
 from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, StereoRig
-from stereorecal.io.formats._derived import essential, fundamental, rectification_of
+from stereorecal.io.formats._derived import View, essential, fundamental, rectification_of, view_of
 from stereorecal.io.formats._format import Documents, Hints, Target
 from stereorecal.io.formats._lenses import coefficients
 from stereorecal.io.formats._matrices import Array, derived_values, matrix_values, size_of
@@ -27,7 +27,7 @@ _SIZES = ("imageSize", "image_size", "imgSize", "size", "res1")
 _REGIONS = {"roi1": ("roi1", "validRoi1", "validROI1", "validPixROI1"), "roi2": ("roi2", "validRoi2", "validROI2",
             "validPixROI2")}  # fmt: skip
 _COUNTS = (4, 5, 8, 12, 14)
-_ALPHA = 1.0  # of stereo_calib
+_VIEW = View(alpha=1.0)  # of stereo_calib
 
 
 def can_read(documents: Documents) -> bool:
@@ -75,13 +75,13 @@ def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:
 
 
 def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
-    """R and T; those of R1, R2, P1, P2, Q (alpha 1, zero disparity, as stereo_calib), E and F that the file has."""
+    """R and T; what the file has of R1, R2, P1, P2, Q (in the view of the file's own, or that of stereo_calib), E, F."""
     if rig.left.size != rig.right.size:
         raise InputError("the cameras have images of different sizes; write the rig as kalibr, ros or basalt instead.")
     content = _content(target.documents)
     matrix, distortion = _name(content, _MATRICES), _name(content, _DISTORTIONS)
     values = dict(_cameras(rig, target, content, matrix, distortion))
-    made = rectification_of(rig, _ALPHA) | {"E": essential(rig), "F": fundamental(rig)}
+    made = rectification_of(rig, _view(target, content)) | {"E": essential(rig), "F": fundamental(rig)}
     regions = {name: made.pop(key) for key, names in _REGIONS.items() for name in names if key in made}
     arrays: dict[str, Array] = {"R": np.asarray(rig.rotation), "T": np.asarray(rig.translation), **made, **regions}
     values.update(derived_values(content, arrays))
@@ -89,6 +89,14 @@ def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
         document.changed({keys: value for keys, value in values.items() if keys[0] in document.content})
         for document in target.documents
     )
+
+
+def _view(target: Target, content: Mapping[str, Any]) -> View:
+    try:
+        P1, P2 = (numbers(content, key, (3, 4)) for key in ("P1", "P2"))
+    except InputError:  # missing, or no matrix: nobody has to mend what is made anew
+        return _VIEW
+    return view_of(read(target.documents, target.hints), P1, P2, _VIEW) if np.any(P1) else _VIEW
 
 
 def _cameras(rig: StereoRig, target: Target, content: Mapping[str, Any], matrix: str, distortion: str) -> Iterator:

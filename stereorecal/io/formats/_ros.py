@@ -5,7 +5,7 @@ import numpy as np
 from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._about import about
-from stereorecal.io.formats._derived import Array, rectification_of
+from stereorecal.io.formats._derived import Array, View, rectification_of, view_of
 from stereorecal.io.formats._format import Documents, Hints, Target
 from stereorecal.io.formats._lenses import check_model, check_no_lens, coefficients
 from stereorecal.io.formats._matrices import matrix_values, size_of
@@ -21,7 +21,7 @@ FILES = 2
 UNIT = "m"
 
 _MODELS = {"plumb_bob": (5,), "rational_polynomial": (8,), "": (0,), "none": (0,)}
-_ALPHA = 0.0  # of the camera_calibration package
+_VIEW = View(alpha=0.0)  # of the camera_calibration package
 _BLANK = """\
 image_width: {width}
 image_height: {height}
@@ -94,8 +94,10 @@ def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:
 
 
 def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
-    """Rectification and projection matrices (alpha 0, zero disparity); camera matrices where they are wanted."""
-    made = rectification_of(rig, _ALPHA)
+    """Rectification and projection matrices, in the view of the files' own; camera matrices where they are wanted."""
+    P1, P2 = (numbers(document.content, "projection_matrix", (3, 4)) for document in target.documents)
+    view = view_of(read(target.documents, target.hints), P1, P2, _VIEW) if np.any(P1) else _VIEW
+    made = rectification_of(rig, view)
     sides = ((rig.left, target.left), (rig.right, target.right))
     texts = []
     for side, (document, (camera, wanted)) in enumerate(zip(target.documents, sides, strict=True), start=1):

@@ -46,6 +46,35 @@ def test_file_storage(tmp_path: Path, name: str):
     np.testing.assert_allclose(storage.getNode("Q").mat(), expected[4], atol=1e-6)
 
 
+@pytest.mark.parametrize("flags", [0, cv2.CALIB_ZERO_DISPARITY])
+@pytest.mark.parametrize("alpha", [-1.0, 0.0, 0.3, 1.0])
+def test_the_view_stays(tmp_path: Path, alpha: float, flags: int):
+    """R1 R2 P1 P2 Q are made anew with the alpha and the flags of those in the file."""
+
+    def rectified(rig: StereoRig) -> dict[str, np.ndarray]:
+        cameras = (rig.left.matrix, rig.left.distortion, rig.right.matrix, rig.right.distortion)
+        turned = (*cameras, rig.left.size, rig.rotation, rig.translation[:, None])
+        made = cv2.stereoRectify(*turned, flags=flags, alpha=alpha)[:5]
+        return dict(zip(("R1", "R2", "P1", "P2", "Q"), made, strict=True))
+
+    path, moved = tmp_path / "a.yaml", tmp_path / "b.yaml"
+    storage = cv2.FileStorage(str(path), cv2.FILE_STORAGE_WRITE)
+    cameras = (("1", SMALL.left), ("2", SMALL.right))
+    for name, matrix in (
+        *((f"K{side}", camera.matrix) for side, camera in cameras),
+        *((f"D{side}", camera.distortion) for side, camera in cameras),
+        *(("R", SMALL.rotation), ("T", SMALL.translation), *rectified(SMALL).items()),
+    ):
+        storage.write(name, np.asarray(matrix))
+    storage.release()
+    rig = load_rig(path, size=samples.SIZE, unit="m")
+    rig = rig.with_extrinsics(rig.extrinsics + CHANGE)
+    save_rig(rig, moved)
+    written = cv2.FileStorage(str(moved), cv2.FILE_STORAGE_READ)
+    for name, expected in rectified(rig).items():
+        np.testing.assert_allclose(written.getNode(name).mat(), expected, rtol=1e-6, atol=1e-6, err_msg=name)
+
+
 @pytest.mark.parametrize("ending", [".yaml", ".xml", ".json"])
 def test_new_file_storage(tmp_path: Path, ending: str):
     path = tmp_path / f"a{ending}"
