@@ -75,7 +75,7 @@ def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:
 
 
 def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
-    """R and T; what the file has of R1, R2, P1, P2, Q (in the view of the file's own, or that of stereo_calib), E, F."""
+    """R and T; what the file has of R1, R2, P1, P2, Q (in its own view, or that of stereo_calib), E and F."""
     if rig.left.size != rig.right.size:
         raise InputError("the cameras have images of different sizes; write the rig as kalibr, ros or basalt instead.")
     content = _content(target.documents)
