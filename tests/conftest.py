@@ -3,6 +3,7 @@
 import os
 import shutil
 import tempfile
+from collections import Counter
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -18,11 +19,16 @@ from stereorecal.synthetic import default_rig, render
 _CACHE = "STEREORECAL_TEST_CACHE"
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """What is not asked for by its file is run without what is slow."""
+    parser.addoption("--slow", action="store_true", help="also what is marked slow: the second proofs")
+
+
 def pytest_configure(config: pytest.Config) -> None:
     """One compilation cache for all workers of a run and the commands that they start, in a folder of the run's own (or
     the one that STEREORECAL_TEST_CACHE names, for those who run tests again and again): nothing of the user's is
     touched, and what one worker has compiled the others read."""
-    if hasattr(config, "workerinput"):
+    if _is_worker(config):
         folder = os.environ[_CACHE]
     else:
         folder = os.environ.get(_CACHE) or tempfile.mkdtemp(prefix="stereorecal-tests-")
@@ -30,6 +36,7 @@ def pytest_configure(config: pytest.Config) -> None:
             config.add_cleanup(lambda: shutil.rmtree(folder, ignore_errors=True))
         os.environ[_CACHE] = os.environ["JAX_COMPILATION_CACHE_DIR"] = folder
         os.environ["JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS"] = "0.1"
+    config.option.slow |= config.args_source is not pytest.Config.ArgsSource.TESTPATHS and not _is_worker(config)
     config.pluginmanager.register(typechecking)  # whose tests may lie outside this folder
     jax.config.update("jax_compilation_cache_dir", folder)
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.1)
@@ -44,9 +51,29 @@ _FIRST = (
 )
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Long files first, so that no worker is left alone with one; and those that compile what many others use."""
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Long files first, so that no worker is left alone with one; and those that compile what many others use.
+
+    Without --slow, tests of the mark `slow` are left out; of `slow(after=n)` all but the first n cases.
+    """
     items.sort(key=lambda item: item.path.stem not in _FIRST)
+    if config.option.slow:
+        return
+    cases: Counter[str] = Counter()
+    left_out = []
+    for item in items:
+        if mark := item.get_closest_marker("slow"):
+            name = item.nodeid.partition("[")[0]
+            cases[name] += 1
+            if cases[name] > mark.kwargs.get("after", 0):
+                left_out.append(item)
+    config.hook.pytest_deselected(items=left_out)
+    kept = set(items) - set(left_out)
+    items[:] = [item for item in items if item in kept]
+
+
+def _is_worker(config: pytest.Config) -> bool:
+    return hasattr(config, "workerinput")
 
 
 settings.register_profile("stereorecal", derandomize=True, deadline=None)

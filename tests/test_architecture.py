@@ -175,6 +175,7 @@ def test_ruff(words: tuple[str, ...]):
     assert done.returncode == 0, done.stdout + done.stderr
 
 
+@pytest.mark.slow
 def test_pyright():
     started = tool("pyright", "--version")
     if started.returncode != 0:

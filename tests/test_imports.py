@@ -19,6 +19,7 @@ def test_importing_the_library_loads_nothing_heavy():
     assert not set(HEAVY) & set(loaded)
 
 
+@pytest.mark.slow
 def test_a_repair_loads_no_statistics_and_no_reports():
     loaded = said("import sys, stereorecal; stereorecal.recalibrate; print(*sys.modules)").split()
     assert "jax" in loaded
@@ -42,6 +43,7 @@ def test_describing_the_strategies_loads_no_optimiser():
     assert not {"equinox", "optimistix", "optax", "lineax", "scipy.optimize", "stereorecal.objectives"} & loaded
 
 
+@pytest.mark.slow(after=2)
 @pytest.mark.parametrize(
     "imports",
     [

@@ -10,6 +10,7 @@ import pytest
 REMEDY = "pip install --force-reinstall opencv-python-headless"
 
 
+@pytest.mark.slow(after=2)
 @pytest.mark.parametrize(
     ("content", "words"),
     [

@@ -229,6 +229,7 @@ def test_nothing_but_the_rotation_moves(command, drifted_scene: Path, tmp_path: 
     assert answer.code in (0, 1)
 
 
+@pytest.mark.slow
 def test_intrinsics_of_several_recordings(command, drifted_scene: Path, tmp_path: Path):
     """The same small scene twice tells nothing of lenses: they stay, and it is said why."""
     target = tmp_path / "solution.json"

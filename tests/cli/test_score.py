@@ -98,6 +98,7 @@ def test_repair_is_more_urgent_than_what_cannot_be_told(command, drifted_scene: 
     assert command("score", tmp_path / "grey", drifted_scene).code == 1
 
 
+@pytest.mark.slow(after=1)
 @pytest.mark.parametrize(
     ("verb", "mistake", "said"),
     [

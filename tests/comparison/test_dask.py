@@ -73,6 +73,7 @@ def serial(scene):
     return rows(compare_scenes([scene()], strategies={"search": strategy("compass")}, draws=6, **SMALL))
 
 
+@pytest.mark.slow
 def test_a_worker_that_is_killed_costs_nothing(workers, scene, serial, deadly, tmp_path):
     memory = tmp_path / "killed"
     table = compared(workers, scene(), 6, {"search": deadly(draw=2, memory=str(memory))})
@@ -112,6 +113,7 @@ def test_a_trial_that_kills_every_worker_is_a_failed_row(workers, scene, serial,
     assert "all those workers died" in found[1].message
 
 
+@pytest.mark.slow
 def test_without_any_worker_left_the_rest_fails(workers, scene, serial, deadly, monkeypatch):
     monkeypatch.setattr(_cluster, "_PATIENCE_S", 0.5)
     workers.wait_for_workers(2)

@@ -92,6 +92,7 @@ def task_of(scene):
     )
 
 
+@pytest.mark.slow
 def test_a_worker_that_misses_an_image_says_so(scene, tmp_path):
     save_scene(scene(), tmp_path / "saved")
     from_file = load_scene(tmp_path / "saved")

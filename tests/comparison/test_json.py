@@ -121,6 +121,7 @@ def stripped(table):
     return json.dumps(content)
 
 
+@pytest.mark.slow
 def test_the_same_seed_the_same_json(scene, table):
     both = {"compass": strategy("compass"), "crashing": Crashing()}
     again = compare_scenes([scene("harbour"), scene("street")], strategies=both, **SMALL)

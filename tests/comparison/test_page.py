@@ -151,6 +151,7 @@ def test_ids_are_unique(page: str):
     assert len(ids) == len(set(ids))
 
 
+@pytest.mark.slow
 def test_the_same_comparison_gives_the_same_page(table: Comparison, page: str):
     assert comparison_page(table.as_dict()) == page
 
@@ -182,6 +183,7 @@ def test_scores_that_do_not_compare_are_left_out(table: Comparison):
     assert Reader(page).names.count("svg") == 2
 
 
+@pytest.mark.slow
 def test_a_thousand_trials_are_a_small_page(table: Comparison):
     trials = tuple(replace(trial, draw=draw) for draw in range(350) for trial in table.trials[:3])
     few = comparison_page(replace(table, trials=trials[:90]).as_dict())

@@ -25,6 +25,7 @@ def table(scene):
     }
 
 
+@pytest.mark.slow
 def test_the_default_schedule_brings_the_geometry_back(table):
     [fine] = table["default"].trials
     [coarse] = table["count"].trials
@@ -105,6 +106,7 @@ def test_strategies_alone_run_in_the_count_schedule(scene):
     assert comparison.settings["schedule"] == "count"
 
 
+@pytest.mark.slow
 def test_names_and_numbers_are_taken_as_on_the_command_line(scene):
     given, options = scene(size=(320, 240)), {"matcher": "bm", "schedule": "default", "budget": 10, "draws": 1}
     comparison = compare(given.rig, given.pairs, **options)

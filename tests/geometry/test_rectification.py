@@ -352,6 +352,7 @@ def loss(left, right):
     return ((left - right - 5.0) ** 2).sum()
 
 
+@pytest.mark.slow
 def test_gradients_of_map_and_warp():
     maps, jacobian = jax.jit(lambda v: maps_of(v)[INNER]), jax.jit(jax.jacfwd(lambda v: maps_of(v)[INNER]))
     noise = np.random.default_rng(0).uniform(0, 255, SIZE[::-1]).astype(np.float32)

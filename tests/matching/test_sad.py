@@ -63,6 +63,7 @@ OPTIONS = [
 ]
 
 
+@pytest.mark.slow(after=6)
 @pytest.mark.parametrize("matcher", OPTIONS)
 @settings(max_examples=8)
 @given(seed=st.integers(0, 10**6), shift=st.floats(-6, 12))
@@ -74,6 +75,7 @@ def test_equals_the_numpy_twin(matcher, seed, shift):
     np.testing.assert_allclose(np.asarray(fast.values), plain.values, atol=1e-4)
 
 
+@pytest.mark.slow(after=1)
 @pytest.mark.parametrize("matcher", OPTIONS[2:7])  # each compiles two programs
 @settings(max_examples=8)
 @given(seed=st.integers(0, 10**6), shift=st.floats(-6, 12))

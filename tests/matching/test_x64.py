@@ -24,6 +24,7 @@ print(sr.recalibrate(scene.rig, scene.pairs))
 """
 
 
+@pytest.mark.slow(after=1)
 @pytest.mark.parametrize("by", [winners_by_rows, winners_by_planes])
 def test_search(by):
     whole = IMAGE.astype(np.int16), np.roll(IMAGE, -3, 1).astype(np.int16)
@@ -41,6 +42,7 @@ def test_soft_search():
     assert found.confidence.dtype == np.float32
 
 
+@pytest.mark.slow
 def test_health_and_repair():
     run = [sys.executable, "-c", WHOLE]
     ended = subprocess.run(run, env=os.environ | {"JAX_ENABLE_X64": "1"}, capture_output=True, text=True, check=False)

@@ -17,6 +17,7 @@ def content(state: sr.online.State, folder: Path) -> bytes:
     return (folder / "content").read_bytes()
 
 
+@pytest.mark.slow
 def test_the_same_pairs_give_the_same_states(ride: Ride, ridden: list[Stepped], tmp_path: Path):
     again = list(run(ride.rig, ride.pairs[: BEFORE + 3], Config(rest=0)))
     assert content(again[-1].state, tmp_path) == content(ridden[BEFORE + 2].state, tmp_path)

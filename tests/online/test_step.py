@@ -37,6 +37,7 @@ def test_events_are_plain_data(ridden: list[Stepped]):
             assert str(event.frame) in str(event)
 
 
+@pytest.mark.slow
 def test_frozen_it_says_so_and_switches_nothing(ride: Ride):
     steps = list(run(ride.rig, ride.pairs, Config(repair=False)))
     assert "KNOCK" in kinds(steps)
@@ -45,6 +46,7 @@ def test_frozen_it_says_so_and_switches_nothing(ride: Ride):
     assert reading(steps[-1].state).condition is sr.recalibration.Condition.REPAIR
 
 
+@pytest.mark.slow
 def test_switches_are_limited_in_rate(ride: Ride, ridden: list[Stepped]):
     """However many there are without the limit."""
     assert kinds(ridden).count("REPAIRED") >= 1
@@ -52,6 +54,7 @@ def test_switches_are_limited_in_rate(ride: Ride, ridden: list[Stepped]):
     assert kinds(limited).count("REPAIRED") == 1
 
 
+@pytest.mark.slow
 def test_rollback_returns_and_stays(ride: Ride, ridden: list[Stepped]):
     state = ridden[-1].state
     back = rollback(state)
@@ -82,6 +85,7 @@ def test_a_bad_pair_is_an_event(ride: Ride, ridden: list[Stepped], what: str):
     assert after.estimate is state.estimate
 
 
+@pytest.mark.slow
 def test_open_sea_raises_no_alarm(ride: Ride):
     sea = sr.synthetic.render("open-sea", 3, rig=ride.rig, frames=6).pairs
     steps = list(run(ride.rig, [*ride.pairs[:2], *sea, *ride.pairs[2:BEFORE]]))

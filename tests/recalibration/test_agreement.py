@@ -25,6 +25,7 @@ def with_others(seed: int, *apart: tuple[int, tuple[float, ...]]) -> Evidence:
     return replace(found, residual=residual)
 
 
+@pytest.mark.slow
 @settings(max_examples=20)
 @given(seed=st.integers(0, 999))
 def test_frames_of_one_rig_agree(seed):
@@ -51,6 +52,7 @@ def street(scene):
     return scene("street", 0, (320, 240), 4)
 
 
+@pytest.mark.slow
 def test_a_frame_that_is_late_is_left_out(street):
     """Its right image is two rows off: the other three frames are used, and the rig is theirs."""
     pairs = list(street.pairs)
@@ -83,6 +85,7 @@ def turned(pair: sr.Pair, rig: sr.StereoRig, pitch: float) -> sr.Pair:
     return sr.Pair(pair.left, image, f"{pair.name} at {pitch}")
 
 
+@pytest.mark.slow(after=1)
 @pytest.mark.parametrize("pitches", [(0.0, 1.2), (0.0, 1.2, -1.2), (0.0, 0.0, 1.2, 1.2)])
 def test_frames_so_far_apart_that_some_match_nothing(street, pitches):
     """They leave no correspondences under the candidate, and are no less apart for it."""
@@ -94,6 +97,7 @@ def test_frames_so_far_apart_that_some_match_nothing(street, pitches):
     assert "different rigs" in found.verdict
 
 
+@pytest.mark.slow
 def test_one_frame_from_before_a_bump(street):
     """Three after it: the rig is theirs, and what the first no longer matches is no misfit."""
     pairs = [turned(pair, street.rig, 1.2 if index else 0.0) for index, pair in enumerate(street.pairs)]

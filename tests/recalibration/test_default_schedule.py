@@ -177,6 +177,7 @@ def test_what_was_repaired_is_left_alone(harbour, repaired):
     assert repair(repaired.rig, harbour).reason is Reason.ALREADY_GOOD
 
 
+@pytest.mark.slow(after=1)
 @pytest.mark.parametrize("drift", [DRIFT, (0.0, 1.5, 0.0, 0.0, 0.0)])
 @pytest.mark.parametrize("seed", [0, 1])
 def test_the_open_sea_never_does_harm(drift, seed):
@@ -201,6 +202,7 @@ def test_a_drift_far_beyond_the_reach(harbour):
     assert solution.rig is far
 
 
+@pytest.mark.slow(after=2)
 @pytest.mark.parametrize("limit", [0.01, 5, 20, 36])
 def test_a_budget_is_kept(harbour, repaired, limit):
     """Whatever of the schedule fits; without a look at the rows nothing is accepted."""

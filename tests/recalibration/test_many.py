@@ -70,6 +70,7 @@ def test_answers_are_those_of_recalibrate_in_the_order_given(scenes, serial):
     assert len({repair.solution.score_before.count for repair in serial}) == 3
 
 
+@pytest.mark.slow
 def test_every_option_arrives(scenes, serial):
     view = sr.view(scenes[1].rig.resized((80, 60))).scaled(1.0)
     other = {

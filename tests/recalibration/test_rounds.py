@@ -60,6 +60,7 @@ def staged(monkeypatch):
     return run
 
 
+@pytest.mark.slow(after=2)
 @pytest.mark.parametrize(
     ("ends", "rounds", "best"),
     [

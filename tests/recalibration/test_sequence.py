@@ -91,6 +91,7 @@ def test_the_path_of_the_default_schedule_has_the_end_of_every_stage(scene):
     np.testing.assert_allclose(path[-2].cost + solution.stages[-2].survey_cost, path[-1].cost - last.cost)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["nlopt-lbfgs", "features"])
 def test_the_path_of_a_strategy_that_evaluates_nothing_still_ends_at_the_end(scene, drifted, name):
     schedule = sr.Schedule.count(strategy(name), 0.5)

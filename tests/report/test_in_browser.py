@@ -59,6 +59,7 @@ def test_slider_by_mouse(repair: Page):
     assert float(repair.evaluate(AFTER)) == pytest.approx(0.5, abs=0.03)
 
 
+@pytest.mark.slow(after=2)
 @pytest.mark.parametrize("width", [320, 768, 1200, 2000])
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_it_fits(repair: Page, width: int, scheme: str):
@@ -70,6 +71,7 @@ def test_it_fits(repair: Page, width: int, scheme: str):
     assert (paper > 200) == (scheme == "light")
 
 
+@pytest.mark.slow
 def test_printed_both_pairs_are_there(repair: Page):
     repair.look(800, medium="print")
     shown = "[...document.querySelectorAll('#rows .stack > div')].map(e => [getComputedStyle(e).opacity, e.offsetTop])"

@@ -95,11 +95,13 @@ def test_names_are_escaped(page: str):
     assert len(ids) == len(set(ids))
 
 
+@pytest.mark.slow(after=1)
 @pytest.mark.parametrize("size", [(160, 120), (1800, 1350), (1200, 2000)], ids=str)
 def test_it_can_be_mailed(size):
     assert len(repair_page(made_up(size)).encode()) < 3_000_000
 
 
+@pytest.mark.slow
 def test_verdicts():
     said = {
         "Use the new calibration": made_up(misfit=None),
@@ -118,6 +120,7 @@ def test_without_rows_it_is_shorter():
     assert read.all("svg") == []
 
 
+@pytest.mark.slow
 def test_nothing_matched():
     nothing = sight((160, 120), 0)
     empty = type(nothing)(nothing.left, nothing.right, nothing.disparity, np.zeros_like(nothing.valid))

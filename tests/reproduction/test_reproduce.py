@@ -139,11 +139,13 @@ def test_sequences_carry_over(serial):
         assert all(step["cost_budgeted"] <= TINY.iterations * 10 for step in steps)
 
 
+@pytest.mark.slow
 def test_any_executor_gives_the_same_rows(log, serial):
     with ThreadPoolExecutor(2) as pool:
         assert timeless(reproduce(log, executor=pool, **COUNT)) == timeless(serial)
 
 
+@pytest.mark.slow
 def test_an_interrupted_run_continues(log, serial, tmp_path, monkeypatch):
     real, done = module.run_task, []
 
@@ -193,6 +195,7 @@ def test_a_folder_of_other_things_is_left_alone(log, tmp_path):
     assert [path.name for path in (tmp_path / "out").iterdir()] == ["validity.csv"]
 
 
+@pytest.mark.slow(after=1)
 @pytest.mark.parametrize("damage", [b"\x00\x00\n", b'{"key": 5, "row": {}}\n', b"[]\n", b"\xff\xfe\n"])
 def test_damaged_rows_are_done_again(log, serial, tmp_path, damage):
     reproduce(log, ["ex-nihilo"], **COUNT, output=tmp_path / "out")
@@ -260,6 +263,7 @@ def test_a_log_of_rectified_images_gets_wrong_calibrations_too(log):
     assert row["calibration"].startswith("drawn-")
 
 
+@pytest.mark.slow
 def test_a_rendered_log_does_not_mix_with_another(tmp_path, monkeypatch):
     monkeypatch.setattr(_synthetic_log, "_QUICK_SIZE", (160, 120))
     monkeypatch.setattr(_synthetic_log, "_QUICK_PAIRS", 1)
@@ -291,6 +295,7 @@ def test_a_task_that_fails_is_said_and_tried_again(log, tmp_path, monkeypatch):
     assert len(again.rows["ex_nihilo"]) == 2
 
 
+@pytest.mark.slow
 def test_a_log_with_one_calibration_gets_wrong_ones(log):
     mission = log.missions[0]
     single = Log("one", {"2020-01-01": log.calibration_of(mission)}, (mission,))

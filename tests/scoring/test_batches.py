@@ -55,6 +55,7 @@ def test_no_candidates_no_counts(scene, matcher):
     assert counts(prepared, np.zeros((0, 6)), matcher).shape == (0,)
 
 
+@pytest.mark.slow
 def test_all_at_once_as_one_by_one(scene, monkeypatch):
     """The way of a GPU: the last of three batches is padded."""
     monkeypatch.setattr(_counts, "_AT_ONCE", 3)
@@ -104,6 +105,7 @@ def test_a_matcher_that_looks_everywhere_sees_the_frame_whole():
         assert len(_blocks.blocks(2000, BM())) == 1
 
 
+@pytest.mark.slow
 def test_blocks_change_nothing(scene):
     """The middle one of three has a halo on both sides."""
     given_scene = scene("harbour", 0, (320, 480))

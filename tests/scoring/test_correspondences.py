@@ -124,6 +124,7 @@ def test_rays_do_not_depend_on_the_extrinsics_they_were_found_under(harbour, fou
     assert shared.sum() > 0.7 * here.sum()
 
 
+@pytest.mark.slow
 def test_frames_keep_their_own_and_half_scale_sees_the_same_rays(harbour, scene):
     """Two frames at half scale: tiles are numbered on, and the first frame does not hear of the second."""
     truth, own = with_unit_baseline(harbour.rig.extrinsics), view(harbour.rig)

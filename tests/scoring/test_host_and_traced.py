@@ -51,6 +51,7 @@ def disparities_of(name):
     return sr.SAD(num_disparities=48 if REAL[name] else 96)
 
 
+@pytest.mark.slow(after=1)
 @on_a_cpu
 @pytest.mark.parametrize("kind", KINDS)
 def test_equal_on_rendered_scenes(scene, kind):
@@ -59,11 +60,13 @@ def test_equal_on_rendered_scenes(scene, kind):
     check_scene(scene(kind, 0, (160, 120)), sr.SAD(num_disparities=24), within=kind == "harbour")
 
 
+@pytest.mark.slow
 @on_a_cpu
 def test_equal_at_another_scale_and_with_several_frames(scene):
     check_scene(scene("street", 0, (320, 240), 2), sr.SAD(num_disparities=48), 0.5, within=False)
 
 
+@pytest.mark.slow
 @on_a_cpu
 @pytest.mark.parametrize("name", REAL)
 def test_equal_on_real_scenes(data_dir, name):
@@ -83,11 +86,13 @@ def check_objective(given, matcher):
     np.testing.assert_allclose(single, asked.images.chart.with_unit_baseline().extrinsics(points), atol=2e-7)
 
 
+@pytest.mark.slow(after=1)
 @pytest.mark.parametrize("kind", KINDS)
 def test_an_objective_on_rendered_scenes(scene, kind):
     check_objective(scene(kind, 0, (320, 240)), sr.SAD(num_disparities=48))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", REAL)
 def test_an_objective_on_real_scenes(data_dir, name):
     check_objective(real(data_dir, name), disparities_of(name))

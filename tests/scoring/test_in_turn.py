@@ -63,6 +63,7 @@ def test_one_program_serves_any_number(scene):
     assert _in_turn._seen.compiled._cache_size() == before
 
 
+@pytest.mark.slow
 @settings(max_examples=8, deadline=None)
 @given(
     kind=st.sampled_from(["harbour", "street", "coast"]),

@@ -35,6 +35,7 @@ def test_each_mistake_is_named(scene, kind, name):
         score(given.rig, mixed(given.pairs[0], mistake))
 
 
+@pytest.mark.slow(after=1)
 @pytest.mark.parametrize("name", MISTAKES)
 def test_each_mistake_is_named_on_real_images(data_dir: Path, name):
     given, (mistake, said) = load_scene(data_dir / "boofcv_bumblebee2/garden01"), MISTAKES[name]
@@ -48,6 +49,7 @@ def test_images_of_different_things(scene):
         score(one.rig, [Pair(one.pairs[0].left, other.pairs[0].right)])
 
 
+@pytest.mark.slow(after=2)
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("size", [(160, 120), (320, 240)])
 def test_no_false_alarm_however_far_off(scene, kind, size):
@@ -66,6 +68,7 @@ def test_nothing_is_said_of_what_shows_nothing(scene):
     refuse_mixed_up(pyramid(scene("street", 0, (320, 240)).rig, [Pair(left, right)]))
 
 
+@pytest.mark.slow(after=2)
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("seed", [0, 1])
 def test_no_false_alarm(scene, kind, seed):
@@ -77,6 +80,7 @@ def test_no_false_alarm(scene, kind, seed):
         assert with_disparity_range(SAD(), drifted, given_scene.pairs, view(drifted)).num_disparities
 
 
+@pytest.mark.slow(after=1)
 @pytest.mark.parametrize("kind", KINDS)
 def test_no_false_alarm_within_a_wider_reach(scene, kind):
     given_scene = scene(kind, 0)

@@ -42,6 +42,7 @@ def found(data, truth) -> sr.Correspondences:
 # --- it composes --------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow(after=1)
 @pytest.mark.parametrize("score", [sr.count, sr.soft_count])
 def test_scores_under_jit_and_vmap(data, candidates, score):
     alone = np.array([float(score(data, e, MATCHER)) for e in candidates])
@@ -76,6 +77,7 @@ def test_any_kind_of_numbers_will_do_for_extrinsics(data, truth, score):
         assert float(score(data, extrinsics, MATCHER)) == expected
 
 
+@pytest.mark.slow
 def test_frames_add_up(scene):
     given = scene("street", 0, (160, 120), 2)
     both, *each = (sr.prepare(given.rig, pairs) for pairs in (given.pairs, given.pairs[:1], given.pairs[1:]))
@@ -107,6 +109,7 @@ def test_they_are_those_of_the_host(data, truth, found):
     assert np.median(rows[0]) == pytest.approx(np.median(rows[1]), abs=1e-3)
 
 
+@pytest.mark.slow
 def test_row_differences_under_jit_and_vmap(found, candidates):
     alone = np.stack([np.asarray(sr.row_differences(found, e)) for e in candidates])
     here = np.asarray(found.weight) > 0
@@ -142,6 +145,7 @@ def modes(function, at) -> dict[str, np.ndarray]:
     }
 
 
+@pytest.mark.slow
 def test_all_modes_give_one_gradient(data, candidates):
     at = candidates[1]
     gradients = modes(soft(data), at)
@@ -205,6 +209,7 @@ def test_the_count_has_no_slope(data, candidates):
     assert tangent.dtype == jax.dtypes.float0
 
 
+@pytest.mark.slow
 def test_row_differences_have_derivatives_in_every_mode(found, truth):
     """Against central differences in float64, on the host."""
     on_host, at = jax.tree.map(lambda leaf: np.asarray(leaf), found), jnp.asarray(truth, jnp.float32)
@@ -281,6 +286,7 @@ def test_temperatures_that_make_no_sense(data, truth, temperature):
         sr.soft_count(data, truth, MATCHER, temperature)
 
 
+@pytest.mark.slow
 def test_a_traced_temperature_is_taken(data, truth):
     """So that it may be lowered inside a program."""
     cooled = jax.jit(lambda t: sr.soft_count(data, truth, MATCHER, t))
@@ -294,6 +300,7 @@ def test_a_range_wider_than_the_image(data, truth):
         sr.count(data, truth, sr.SAD(num_disparities=170))
 
 
+@pytest.mark.slow
 def test_scaled_data_scale_the_range(scene, truth):
     """The matcher is always given at full size."""
     given = scene(size=(160, 120))

@@ -27,6 +27,7 @@ def softs(score, points) -> np.ndarray:
     return np.array([float(value(score, jnp.asarray(point, jnp.float32))) for point in points])
 
 
+@pytest.mark.slow(after=1)
 @pytest.mark.parametrize("kind", ["harbour", "street"])
 def test_gradient_is_that_of_finite_differences(scene, kind):
     score = made(scene, kind).traced.soft_count
@@ -73,6 +74,7 @@ def test_it_tends_to_the_count_as_the_temperature_falls(scene):
     assert distance[-1] < unrounded
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["harbour", "coast", "street"])
 def test_its_summit_is_the_counts(scene, kind):
     problem = made(scene, kind)

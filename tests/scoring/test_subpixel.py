@@ -138,6 +138,7 @@ def rough(seed: int) -> tuple[Rectified, Disparity]:
     return frame(left, right), matched(values, valid)
 
 
+@pytest.mark.slow(after=1)
 @pytest.mark.parametrize("seed", range(2))
 def test_twin(seed):
     rectified, found = rough(seed)

@@ -11,6 +11,7 @@ from stereorecal.scoring.host import score, survey
 REACH = np.radians(3.0)
 
 
+@pytest.mark.slow(after=2)
 @pytest.mark.parametrize("signs", [(1, 1), (-1, 1), (-1, -1)])
 @pytest.mark.parametrize("kind", ["harbour", "street"])
 def test_finds_pitch_and_roll(scene, kind, signs):
@@ -26,6 +27,7 @@ def test_finds_pitch_and_roll(scene, kind, signs):
     assert counts[1] > 1.5 * counts[0]
 
 
+@pytest.mark.slow(after=2)
 @pytest.mark.parametrize("signs", [(1, 1, 1), (-1, -1, 1), (1, -1, -1)])
 @pytest.mark.parametrize("kind", ["harbour", "coast"])
 def test_a_wider_reach_looks_at_yaw_too(scene, kind, signs):

@@ -31,6 +31,7 @@ def test_synthetic(scene, kind, seed):
     assert found[1:].max() < found[0]
 
 
+@pytest.mark.slow(after=1)
 @pytest.mark.parametrize(
     ("name", "disparities"),
     [("boofcv_bumblebee2/garden01", 96), ("middlebury2014/motorcycle_quarter", 96), ("kitti_odometry/suburb_seq", 96)],

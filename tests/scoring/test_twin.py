@@ -30,6 +30,7 @@ def slow_count(rig, pair, extrinsics, own_view, matcher):
     return int(np.sum(found.valid & areas[0] & seen))
 
 
+@pytest.mark.slow(after=2)
 @pytest.mark.parametrize("turn", [(0.0, 0.0, 0.0), (0.2, 0.5, -0.3), (-1.0, 1.0, 1.0)])
 @pytest.mark.parametrize(
     ("kind", "matcher"),

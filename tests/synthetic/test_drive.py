@@ -24,6 +24,7 @@ def test_the_truth_moves_as_planned():
     assert "sea" not in plan_drive("street", 0, 1000).weather
 
 
+@pytest.mark.slow
 def test_pairs_are_kept_and_the_same(tmp_path: Path):
     drive = plan_drive("harbour", 4, 2)
     first = list(photographs(drive, folder=tmp_path))

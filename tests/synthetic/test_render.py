@@ -47,6 +47,7 @@ def smooth(disparity, reach=5):
     return cv2.dilate(disparity, kernel) - cv2.erode(disparity, kernel) < 1.0
 
 
+@pytest.mark.slow(after=1)
 @pytest.mark.parametrize("kind", KINDS)
 def test_pictures_are_plausible(kind):
     pair = noisy(kind)
@@ -62,6 +63,7 @@ def test_pictures_are_plausible(kind):
         assert (image == 255).mean() < 0.05
 
 
+@pytest.mark.slow(after=1)
 @pytest.mark.parametrize("kind", ["open-sea", "street"])
 def test_same_seed_same_pictures(kind):
     first = noisy(kind)
@@ -71,6 +73,7 @@ def test_same_seed_same_pictures(kind):
     assert np.array_equal(first.right, again.right)
 
 
+@pytest.mark.slow
 def test_other_seed_other_pictures():
     other = render("coast", 4, rig=RIG).pairs[0]
     assert np.abs(noisy("coast").left - other.left).mean() > 5.0
@@ -85,6 +88,7 @@ def test_scene_carries_the_truth():
     assert len(scene.pairs) == 2
 
 
+@pytest.mark.slow
 def test_frames_move_on():
     pairs = render("street", 3, rig=RIG, frames=2).pairs
     assert np.array_equal(pairs[0].left, noisy("street").left)
@@ -93,6 +97,7 @@ def test_frames_move_on():
     assert np.abs(moved.disparity - truth("street").disparity).mean() > 0.02
 
 
+@pytest.mark.slow
 def test_options_do_what_they_say():
     flat, rough = clean("harbour"), noisy("harbour")
     grain = rough.left - render("harbour", 3, rig=RIG, noise=0.0).pairs[0].left
@@ -123,6 +128,7 @@ def test_requests_that_make_no_sense_are_refused():
         render("coast", -1)
 
 
+@pytest.mark.slow(after=1)
 @pytest.mark.parametrize("kind", KINDS)
 def test_disparity_is_in_range(kind):
     disparity = truth(kind).disparity
@@ -133,6 +139,7 @@ def test_disparity_is_in_range(kind):
     assert (disparity[0] < 20.0).all()
 
 
+@pytest.mark.slow(after=1)
 @pytest.mark.parametrize("kind", SOLID_KINDS)
 def test_points_look_the_same_from_both_cameras(kind):
     """An independent check: points from the disparity, projected by the unrectified cameras."""

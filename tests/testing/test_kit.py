@@ -257,6 +257,7 @@ def failures(bad: AbstractStrategy) -> set[str]:
     return {result.name for result in check_strategy(bad) if not result.passed}
 
 
+@pytest.mark.slow(after=1)
 @pytest.mark.parametrize("good", [strategy("compass"), Climber(), Ascent()])
 def test_good_strategies_pass(good):
     assert not failures(good)
@@ -285,6 +286,7 @@ CLIMBS = {
 }
 
 
+@pytest.mark.slow(after=4)
 @pytest.mark.parametrize(
     ("bad", "expected"),
     [
@@ -308,10 +310,12 @@ def test_bad_strategies_fail_by_the_right_check(bad, expected):
     assert failures(bad) == expected
 
 
+@pytest.mark.slow
 def test_a_traced_look_beyond_the_box_is_seen():
     assert "stays in the box" in failures(Stray())
 
 
+@pytest.mark.slow
 def test_a_jacobian_for_the_price_of_a_value_is_seen():
     assert "keeps any budget" in failures(Newton(price=2.0))
     assert "keeps any budget" not in failures(Newton())
@@ -324,6 +328,7 @@ def test_a_result_says_what_is_wrong():
     assert results["climbs a smooth bowl"].message == ""
 
 
+@pytest.mark.slow
 def test_a_crash_fails_checks_instead_of_the_kit():
     @dataclass(frozen=True)
     class Crashing(AbstractStrategy):

@@ -71,12 +71,14 @@ def test_a_value_is_one_evaluation(jitted, kind):
     assert count_of(value, jitted, kind) == 1
 
 
+@pytest.mark.slow(after=3)
 @jits
 @pytest.mark.parametrize("task", DERIVATIVES, ids=lambda task: task.__name__)
 def test_a_derivative_of_the_soft_count(task, jitted):
     assert count_of(task, jitted, "soft count") == 4
 
 
+@pytest.mark.slow(after=2)
 @jits
 @pytest.mark.parametrize("task", [forward_jacobian, one_direction, with_directions_side_by_side])
 def test_a_derivative_of_residuals(task, jitted):

@@ -50,6 +50,7 @@ def repair(images: Images, strategy=None, *, start=None, budget=None, seed=0):
     return outcome, np.abs([*np.degrees(error[:3]), *100 * error[3:] / RIG.baseline])
 
 
+@pytest.mark.slow(after=1)
 @pytest.mark.parametrize(("degrees", "fraction"), [(0.5, 0.01), (2.5, 0.025)])
 def test_it_finds_the_rig(coast, degrees, fraction):
     bad = decalibrate(RIG, jax.random.key(3), degrees, fraction)

@@ -232,6 +232,7 @@ def test_the_stand_in_is_worse_than_all_and_leads_back(seen, z):
     assert gradient @ back > 0 or np.linalg.norm(back) < 1e-6
 
 
+@pytest.mark.slow(after=1)
 @each([Bobyqa(), Isres(), Mlsl()])
 def test_nothing_is_left_behind(strategy):
     """NLopt's objects are out of sight of the garbage collector: a cycle through them would stay for ever."""

@@ -12,6 +12,7 @@ from stereorecal_optimistix._look import look
 from stereorecal.strategies import Need, Objective, Status, run_strategy
 
 
+@pytest.mark.slow(after=2)
 def test_it_takes_the_steps_of_optimistix(climb_class, problem):
     start, bowl = np.array([-0.2, 0.1, 0.3]), problem()
     strategy = climb_class()
@@ -70,6 +71,7 @@ def test_all_minimisers_share_one_compiled_objective(problem, traces):
     assert not traces
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cls", [BFGS, NelderMead])
 def test_a_host_that_has_switched_jax_to_64_bits_is_served(cls, problem):
     if not hasattr(jax, "enable_x64"):

@@ -12,6 +12,7 @@ from stereorecal_optimistix._look import triangle
 from stereorecal.strategies import Objective, Problem, Traced, run_strategy
 
 
+@pytest.mark.slow
 @settings(deadline=None)
 @given(rows=st.sampled_from([2, 7, 127, 128, 129, 1000]), seed=st.integers(0, 2**32 - 1))
 def test_it_is_the_triangle_of_a_qr_decomposition(rows, seed):
