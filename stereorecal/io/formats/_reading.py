@@ -7,12 +7,13 @@ from itertools import permutations
 from pathlib import Path
 
 from stereorecal._errors import InputError, UnsupportedModelError
+from stereorecal._units import METRES, checked_unit, inferred_unit
 from stereorecal.geometry import StereoRig
 from stereorecal.io._about import about
 from stereorecal.io.formats._format import Documents, Format, Hints
 from stereorecal.io.formats._registry import all_known, half_of, named, recognised
 from stereorecal.io.formats._source import Source
-from stereorecal.io.formats._units import METRES, checked_unit, inferred_unit, scaled
+from stereorecal.io.formats._units import scaled
 from stereorecal.io.formats.text._document import Document, Syntax, read_document
 
 _ENDINGS = (".yaml", ".yml", ".xml", ".json", ".txt")

@@ -6,13 +6,14 @@ from pathlib import Path
 import numpy as np
 
 from stereorecal._errors import InputError
+from stereorecal._units import METRES
 from stereorecal.geometry import Camera, StereoRig, same_camera
 from stereorecal.io._about import about
 from stereorecal.io.formats._format import Format, Hints, Target
 from stereorecal.io.formats._reading import rig_in
 from stereorecal.io.formats._registry import named, usual
 from stereorecal.io.formats._source import Source
-from stereorecal.io.formats._units import METRES, scaled
+from stereorecal.io.formats._units import scaled
 from stereorecal.io.formats.text._document import Syntax, document
 
 _SAME = 1e-9  # of what is read back from what was written: radians, and parts of numbers
