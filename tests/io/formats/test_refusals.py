@@ -30,14 +30,16 @@ def refused(call, words: str, kind: type[InputError] = InputError) -> None:
 @pytest.mark.parametrize(
     ("name", "text", "words"),
     [
-        ("a.yaml", "a: 1\nb: 2\n", "no calibration that is known; expected one of: stereorecal: calib.json"),
+        ("a.yaml", "a: 1\nb: 2\n", "no calibration that is known; expected one of stereorecal, kalibr, boofcv"),
         ("a.json", '{"a": 1}', "no calibration that is known"),
         ("a.txt", "hello world", "not a YAML file"),
         ("a.xml", "<?xml version='1.0'?><opencv_storage><M1>", "not an XML file"),
         ("a.xml", "<!DOCTYPE a [<!ENTITY b 'c'>]><a>&b;</a>", "not an XML file"),
         ("a.yaml", samples.ROS_PAIR[0], "this is one of two files (ros: "),
         ("a.yaml", samples.EUROC_PAIR[1], "this is one of two files (euroc: "),
-        ("a.yaml", SAMPLES["opencv pair"].texts[0], "'R' is missing"),
+        ("a.yaml", SAMPLES["opencv pair"].texts[0], "intrinsics only, no extrinsics (R, T): OpenCV's stereo_calib"),
+        ("a.yaml", SAMPLES["opencv pair"].texts[1], "extrinsics only, no intrinsics (K1 or M1"),
+        ("a.yaml", samples.KALIBR.partition("cam1:")[0], "the chain has no cam1"),
         ("a.yaml", "K: " + "[" * 200_000, "too long or too deeply nested"),
         ("a.json", '{"cameraData": ' + "[" * 200_000, "nests more than 100 levels"),
         ("a.yaml", samples.OPENCV.replace("imageSize: [ 64, 48 ]\n", ""), "the file has no image size"),
@@ -78,7 +80,7 @@ def test_names_that_are_none(tmp_path: Path):
 
 
 def test_folders(tmp_path: Path):
-    refused(lambda: load_rig(tmp_path), "no calibration that is known; expected one of")
+    refused(lambda: load_rig(tmp_path), "there is no calibration file in it")
     for name in ("ros", "euroc", "kalibr", "opencv pair"):
         folder = tmp_path / name
         folder.mkdir()
@@ -87,6 +89,37 @@ def test_folders(tmp_path: Path):
         np.testing.assert_array_equal(rig.extrinsics, load_rig(*paths, unit=SAMPLES[name].unit).extrinsics)
     (tmp_path / "kalibr" / "old.yaml").write_text(samples.KALIBR)
     refused(lambda: load_rig(tmp_path / "kalibr"), "several calibrations are in there (calibration0.yaml, old.yaml)")
+
+
+CAMERA_INFO = samples.ROS_PAIR[1].partition("projection_matrix")[0]
+
+
+@pytest.mark.parametrize("in_folder", [False, True])
+@pytest.mark.parametrize(
+    ("texts", "words"),
+    [
+        ((samples.ROS_PAIR[0], CAMERA_INFO), "b.yaml: the key 'projection_matrix' is missing"),
+        ((samples.ROS_PAIR[0], samples.EUROC_PAIR[0]), "a.yaml looks like ros, {}b.yaml like euroc; give two of one"),
+        ((samples.ROS_PAIR[0], "a: 1"), "b.yaml: the key 'image_width' is missing"),
+        (("b: 2", "a: 1"), "b.yaml: no calibration that is known"),
+        (
+            tuple(text.replace("imageSize: [ 64, 48 ]\n", "") for text in SAMPLES["opencv pair"].texts),
+            "b.yaml: the file has no image size (imageSize); give size=",
+        ),
+    ],
+)
+def test_two_files_that_are_no_calibration(tmp_path: Path, texts: tuple[str, str], words: str, in_folder: bool):
+    paths = [tmp_path / "a.yaml", tmp_path / "b.yaml"]
+    for path, text in zip(paths, texts, strict=True):
+        path.write_text(text)
+    refused(lambda: load_rig(tmp_path) if in_folder else load_rig(*paths), words.format(f"{tmp_path}/"))
+
+
+def test_two_whole_calibrations(tmp_path: Path):
+    (kalibr,) = SAMPLES["kalibr"].write(tmp_path)
+    (tmp_path / "left.yaml").write_text(samples.ROS_PAIR[0])
+    refused(lambda: load_rig(kalibr, kalibr), "each is a calibration by itself (kalibr); give one")
+    refused(lambda: load_rig(tmp_path / "left.yaml", kalibr), "these two do not belong together")
 
 
 def test_left_and_right_the_wrong_way_round(tmp_path: Path):
