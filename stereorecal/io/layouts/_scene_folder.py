@@ -109,7 +109,7 @@ def _file_names(pairs: tuple[Pair, ...]) -> list[str]:
 def _check_free(folder: Path, targets: set[Path], overwrite: bool) -> None:
     existing = natural_order(path for path in targets if path.exists())
     if existing and not overwrite:
-        raise InputError(f"{existing[0]}: the file exists already; choose another folder or allow overwriting.")
+        raise InputError(f"{existing[0]}: the file exists already; choose another folder, or say overwrite=True.")
     for side in ("left", "right"):
         for path in chain(*_images_of(folder, side)):
             if path not in targets:

@@ -156,7 +156,8 @@ def test_the_unit_of_a_template(tmp_path: Path):
     for name in ("said.yaml", "own.yaml", "anew.xml"):
         again = load_rig(tmp_path / name, unit="cm")
         np.testing.assert_allclose(again.extrinsics, samples.RIG.extrinsics, atol=1e-12)
-    refused(lambda: save_rig(rig, tmp_path / "a.yaml", unit="cm"), "unit= is that of a template")
+    refused(lambda: save_rig(own, tmp_path / "other.yaml", unit="mm"), "are in cm, not in mm; leave the unit out")
+    refused(lambda: save_rig(rig, tmp_path / "a.yaml", format="kalibr", unit="cm"), "this kalibr file are in m, not in")
 
 
 def test_a_format_with_a_unit_keeps_it(tmp_path: Path):
