@@ -218,7 +218,7 @@ def test_dry_run_writes_nothing(command, rig: sr.StereoRig, sides, tmp_path: Pat
 
 def test_maps_of_a_calibration_that_is_good(command, clean_scene: Path, tmp_path: Path):
     """They were asked for; a calibration file is there already."""
-    words = (clean_scene, *COUNT, "--maps", tmp_path / "maps.npz", "--output", tmp_path / "new.json")
+    words = (clean_scene, "--maps", tmp_path / "maps.npz", "--output", tmp_path / "new.json")
     answer = command("recalibrate", *words)
     assert (answer.code, answer.err) == (0, "")
     assert f"{tmp_path}/maps.npz: written for the initial calibration\n" in answer.out
