@@ -12,6 +12,7 @@ from stereorecal._errors import InputError
 from stereorecal.cli import _calibrations
 from stereorecal.cli._places import Place, check_places, check_writable, image_inputs, places_of, spare
 from stereorecal.cli._rigs import unit_written
+from stereorecal.cli.arguments._calibrations import TWO_FILES
 from stereorecal.geometry import StereoRig, changed_camera
 from stereorecal.io import back_up, calibration_files, check_savable, save_rig
 from stereorecal.recordings import Scene
@@ -61,7 +62,9 @@ def checked(options: argparse.Namespace) -> None:
     wanted = [name for name in ("output", "maps") if getattr(options, name) is not None]
     wanted = [f"--{name}" for name in wanted] + ["--in-place"] * options.in_place
     if wanted and len(options.scenes) > 1 and options.extrinsics != "one":
-        raise InputError(f"{wanted[0]} takes the calibration of one recording; give one, or leave {wanted[0]} out.")
+        raise InputError(
+            f"{wanted[0]} takes the calibration of one recording; give one, or leave {wanted[0]} out ({TWO_FILES})."
+        )
     if options.in_place and len(options.scenes) > 1:
         raise InputError("--in-place takes one recording; give one, or --output.")
     if options.output == "-" or options.maps == "-":

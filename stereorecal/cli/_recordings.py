@@ -8,6 +8,7 @@ from pathlib import Path
 
 from stereorecal._errors import InputError
 from stereorecal.cli import _calibrations, _values
+from stereorecal.cli.arguments._calibrations import TWO_FILES
 from stereorecal.io import calibrated_scene, load_scene, open_pairs
 from stereorecal.recalibration import MOST_FRAMES, chosen_frames
 from stereorecal.recordings import Pair, Scene
@@ -82,7 +83,12 @@ def _recorded(options: argparse.Namespace) -> Recordings:
         (options.bag, options.left_topic, options.right_topic),
     )
     given = [way for way in ways if any(part is not None for part in way)]
-    if options.scenes or len(given) != 1 or None in given[0] or options.calibration is None:
+    if options.scenes:
+        raise InputError(
+            f"{options.scenes[0]}: scene folders and images from elsewhere do not go together; give one kind "
+            f"({TWO_FILES})."
+        )
+    if len(given) != 1 or None in given[0] or options.calibration is None:
         raise InputError(_GIVE)
     topics = {"left_topic": options.left_topic, "right_topic": options.right_topic}
     place = options.left or options.side_by_side or options.bag

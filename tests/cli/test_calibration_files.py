@@ -104,6 +104,7 @@ def test_the_unit_of_a_new_file(command, rig: sr.StereoRig, tmp_path: Path, sour
         (("{tmp}/a.json", "{tmp}/b.yaml", "--size", "big"), "--size is 'big'"),
         (("{tmp}/a.json", "{tmp}/b.yaml,{tmp}/c.yaml"), "is written as one file"),
         (("{tmp}/none.json", "{tmp}/b.yaml"), "none.json: there is no such file"),
+        (("{tmp}/l.yaml", "{tmp}/r.yaml", "{tmp}/b.json"), "b.json (the two files of a calibration are named as LEFT"),
     ],
 )
 def test_convert_refuses(command, rig: sr.StereoRig, tmp_path: Path, words, said: str):
@@ -132,6 +133,18 @@ def test_diff_and_score(command, rig: sr.StereoRig, drifted_scene: Path, sides, 
     assert one["condition"] == two["condition"]
     refused(command("score", *sides, "--calibration", *files, files[0]), "--calibration takes one file, or two")
     refused(command("score", drifted_scene, "--unit", "mm"), "belong to --calibration")
+
+
+def test_a_folder_of_images_and_another_format(command, rig: sr.StereoRig, drifted_scene: Path, tmp_path: Path):
+    """The refusal holds the words that work."""
+    for side in ("left", "right"):
+        (tmp_path / f"{side}.png").write_bytes((drifted_scene / f"{side}.png").read_bytes())
+    assert "calib.json: there is no such file" in command("score", tmp_path).err
+    save_rig(rig, tmp_path / "stereo.yaml", format="opencv")
+    answer = command("score", tmp_path)
+    refused(answer, f"{tmp_path}: there is no calib.json; for a calibration in another format say --left")
+    words = answer.err.partition(" say ")[2].partition(" (in Python")[0].split()
+    assert command("score", *words, "--unit", "m") == command("score", drifted_scene)
 
 
 # --- recalibrate --------------------------------------------------------------------------------------------
@@ -180,6 +193,7 @@ def test_the_form_in_which_it_came(command, rig: sr.StereoRig, drifted_scene: Pa
         (("--output", "{tmp}/a.yaml", "--force"), "replace it with --in-place"),
         (("--output", "{tmp}/new.txt", "--output-format", "middlebury"), "no place for a rotation or a lens"),
         (("--output", "{tmp}/l.yaml", "--output-format", "ros"), "ros is written as two files"),
+        (("--output", "{tmp}/l.yaml", "{tmp}/r.yaml"), "r.yaml: scene folders and images from elsewhere do not go"),
         (("--output", "{tmp}/new.yaml", "--output-format", "kalib"), "did you mean kalibr?"),
         (("--output", "{tmp}/new.yaml", "--in-place"), "leave --output and --output-format out"),
         (("--output-format", "ros"), "--output-format belongs to --output"),

@@ -115,8 +115,8 @@ def _likely(documents: Documents, names: str) -> Format:
     if len(found) == 2 or found[0].FILES == 1:
         one, other = ("nothing that is known" if format is None else format.NAME for format in looks)
         raise InputError(
-            f"these two do not belong together: {documents[0].name} looks like {one}, {documents[1].name} like {other}; "
-            "give two of one kind, or the whole one alone."
+            f"these two do not belong together: {documents[0].name} looks like {one}, {documents[1].name} like "
+            f"{other}; give two of one kind, or the whole one alone."
         )
     return found[0]
 
@@ -155,8 +155,17 @@ def _in_folder(folder: Path, format: Format | None, hints: Hints) -> Documents:
     raise InputError(f"{folder}: {unknown()}")
 
 
+def looks_calibrated(folder: Path) -> bool:
+    """Whether there is a file in a folder whose name may be that of a calibration; opens none."""
+    return bool(_files_in(folder))
+
+
+def _files_in(folder: Path) -> list[Path]:
+    return sorted(path for path in folder.iterdir() if path.suffix.lower() in _ENDINGS and path.is_file())
+
+
 def _documents_in(folder: Path, format: Format | None) -> Documents:
-    paths = sorted(path for path in folder.iterdir() if path.suffix.lower() in _ENDINGS and path.is_file())
+    paths = _files_in(folder)
     cameras = (root / name for root in (folder, folder / "mav0") for name in _OF_CAMERAS)
     documents = []
     for path in (*paths, *(path for path in cameras if path.is_file())):
