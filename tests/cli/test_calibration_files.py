@@ -193,7 +193,7 @@ def test_the_form_in_which_it_came(command, rig: sr.StereoRig, drifted_scene: Pa
         (("--output", "{tmp}/a.yaml", "--force"), "replace it with --in-place"),
         (("--output", "{tmp}/new.txt", "--output-format", "middlebury"), "no place for a rotation or a lens"),
         (("--output", "{tmp}/l.yaml", "--output-format", "ros"), "ros is written as two files"),
-        (("--output", "{tmp}/l.yaml", "{tmp}/r.yaml"), "r.yaml: scene folders and images from elsewhere do not go"),
+        (("--output", "{tmp}/l.yaml", "{tmp}/r.yaml"), "r.yaml is taken for a scene folder (the two files"),
         (("--output", "{tmp}/new.yaml", "--output-format", "kalib"), "did you mean kalibr?"),
         (("--output", "{tmp}/new.yaml", "--in-place"), "leave --output and --output-format out"),
         (("--output-format", "ros"), "--output-format belongs to --output"),
@@ -221,13 +221,16 @@ def test_a_write_protected_file_is_not_replaced(
     refused(command(*words), "the file is write-protected")
 
 
-def test_dry_run_writes_nothing(command, rig: sr.StereoRig, sides, tmp_path: Path):
-    save_rig(short(rig), tmp_path / "a.yaml", format="kalibr")
-    words = ("--output", tmp_path / "new.yaml", "--maps", tmp_path / "maps.npz", "--dry-run")
-    answer = command("recalibrate", *sides, "--calibration", tmp_path / "a.yaml", *COUNT, *words)
+def test_dry_run_and_then_another_format_and_unit(command, rig: sr.StereoRig, drifted_scene: Path, tmp_path: Path):
+    output, maps = tmp_path / "new.yaml", tmp_path / "maps.npz"
+    form = ("--output-format", "opencv", "--unit", "mm")
+    words = ("recalibrate", drifted_scene, *COUNT, "--output", output, *form, "--maps", maps)
+    answer = command(*words, "--dry-run")
     assert answer.code == 0
-    assert answer.out.endswith(f"{tmp_path}/new.yaml: would be written\n{tmp_path}/maps.npz: would be written\n")
-    assert [path.name for path in tmp_path.iterdir()] == ["a.yaml"]
+    assert answer.out.endswith(f"{output}: would be written (translation in mm)\n{maps}: would be written\n")
+    assert list(tmp_path.iterdir()) == []
+    assert command(*words).out.endswith(f"{output}: written (translation in mm)\n{maps}: written\n")
+    assert load_rig(output, unit="mm").baseline == pytest.approx(rig.baseline, rel=1e-3)
 
 
 def test_maps_of_a_calibration_that_is_good(command, clean_scene: Path, tmp_path: Path):
