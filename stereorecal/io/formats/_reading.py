@@ -145,7 +145,9 @@ def _in_folder(folder: Path, format: Format | None, hints: Hints) -> Documents:
         names = (" with ".join(str(Path(each.name).relative_to(folder)) for each in documents) for documents in whole)
         raise InputError(f"{folder}: several calibrations are in there ({', '.join(names)}); give one of them.")
     if not found:
-        raise InputError(f"{folder}: there is no calibration file in it that can be read; give the folder of one.")
+        raise InputError(
+            f"{folder}: there is no calibration file in it that can be read; give a file, or another folder."
+        )
     for documents in (*permutations(parts, 2), *((document,) for document in found)):
         fits = recognised(documents) if format is None else format
         if fits is not None and fits.can_read(documents):
