@@ -61,7 +61,12 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
     )
     add("--output-format", metavar="FORMAT", help=f"of --output, if another: {FORMATS}")
     add("--in-place", action="store_true", help="replace the calibration that was read; the old one becomes NAME.bak")
-    add("--maps", metavar="FILE.npz", help="write maps for cv2.remap, with R1 R2 P1 P2 Q, if it was accepted")
+    add(
+        "--maps",
+        metavar="FILE.npz",
+        help="write maps for cv2.remap, with R1 R2 P1 P2 Q, of the repaired calibration, or of the initial one if that "
+        "is already good",
+    )
     add("--dry-run", action="store_true", help="write no calibration and no maps, say what would be written")
     add("--force", action="store_true", help="--output, --maps and --json may replace a file that is no input")
     add("--json", metavar="FILE|-", help="write everything as JSON")

@@ -67,7 +67,7 @@ def test_a_rig_that_did_not_change_leaves_every_byte(tmp_path: Path, sample: Sam
     assert [path.read_bytes() for path in new] == [path.read_bytes() for path in paths]
 
 
-@pytest.mark.parametrize("name", [n for n in SAMPLES if n not in ("opencv xml", "opencv json", "basalt")])
+@pytest.mark.parametrize("name", [n for n in SAMPLES if n != "opencv xml"])
 def test_comments_and_order_stay(tmp_path: Path, name: str):
     """Line by line: only lines with the numbers of the extrinsics differ."""
     sample = SAMPLES[name]
@@ -82,7 +82,7 @@ def test_comments_and_order_stay(tmp_path: Path, name: str):
         for line, other in zip(lines, written, strict=True):
             comment = line.partition("#")[2]
             assert other.partition("#")[2] == comment
-            assert line == other or any(digit in line for digit in "0123456789") or "dt:" in line
+            assert line == other or any(digit in line for digit in "0123456789") or "dt" in line
         kept = sum(line == other for line, other in zip(lines, written, strict=True))
         assert kept >= len(lines) * 0.5
 
