@@ -11,6 +11,7 @@ from stereorecal._units import METRES, checked_unit, inferred_unit
 from stereorecal.geometry import StereoRig
 from stereorecal.io._about import about
 from stereorecal.io.formats._format import Documents, Format, Hints
+from stereorecal.io.formats._lenses import trimmed
 from stereorecal.io.formats._registry import half_of, named, recognised, unknown
 from stereorecal.io.formats._source import Source
 from stereorecal.io.formats._units import scaled
@@ -68,6 +69,8 @@ def rig_in(documents: Documents, format: Format, unit: str | None, hints: Hints)
             ) from None
     stated = format.UNIT or unit
     used = stated or inferred_unit(float(rig.baseline))
+    left, right = (replace(camera, distortion=trimmed(camera.distortion)) for camera in (rig.left, rig.right))
+    rig = replace(rig, left=left, right=right)
     source = Source(format.NAME, documents, hints, used, inferred=stated is None)
     return replace(scaled(rig, METRES[used]), source=source)
 
