@@ -145,7 +145,7 @@ def test_another_template(tmp_path: Path, sample: Sample):
 
 
 @pytest.mark.parametrize(
-    ("terms", "kept"), [((0.1, 0, 0, 0, 0, 0, 0, 0), 5), ((0.1,) * 8 + (0,) * 6, 8), ((0.1,) * 4, 5)]
+    ("terms", "most"), [((0.1, 0, 0, 0, 0, 0, 0, 0), 5), ((0.1,) * 8 + (0,) * 6, 8), ((0.1,) * 4, 5)]
 )
 @pytest.mark.parametrize("format", ["opencv", "stereorecal", "depthai"])
 def test_zero_terms_of_a_lens_are_left_out(tmp_path: Path, format: str, terms, most: int):
