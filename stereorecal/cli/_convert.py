@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from stereorecal.cli import _calibrations
 from stereorecal.cli._places import Place, check_places, spare
-from stereorecal.cli._rigs import rig_at
+from stereorecal.cli._rigs import rig_at, unit_written
 from stereorecal.io import files_read, save_rig
 
 
@@ -18,8 +18,9 @@ def run(options: argparse.Namespace) -> int:
     spare(places, read, "this is what is converted: give another name")
     check_places(places, force=options.force)
     # Without --to the name alone decides, whatever the calibration was read from.
-    rig = rig if options.to else replace(rig, source=None)
-    save_rig(rig, target, format=options.to, overwrite=options.force)
+    written = rig if options.to else replace(rig, source=None)
+    unit, said = unit_written(rig, written, target, options.to, options.unit)
+    save_rig(written, target, format=options.to, overwrite=options.force, unit=unit)
     if not options.quiet:
-        print(f"{options.target}: written")
+        print(f"{options.target}: written{said}")
     return 0

@@ -11,8 +11,10 @@ import numpy as np
 from stereorecal._errors import InputError
 from stereorecal.cli import _calibrations
 from stereorecal.cli._places import Place, check_places, check_writable, image_inputs, places_of, spare
+from stereorecal.cli._rigs import unit_written
+from stereorecal.cli.arguments._calibrations import TWO_FILES
 from stereorecal.geometry import StereoRig, changed_camera
-from stereorecal.io import back_up, calibration_files, check_savable, save_maps, save_rig
+from stereorecal.io import back_up, calibration_files, check_savable, save_rig
 from stereorecal.recordings import Scene
 
 
@@ -24,11 +26,15 @@ class Output:
         place: the file of the calibration, or those of the left and the right camera; None: nowhere.
         replaced: whether it is the calibration that the repair started from.
         maps: the file of rectifying maps, if they were asked for.
+        unit: of lengths in the file, if it was said, and the format says none.
+        said: what to add of the unit once the file is written.
     """
 
     place: _calibrations.Place | None
     replaced: bool
     maps: Path | None
+    unit: str | None = None
+    said: str = ""
 
     @property
     def files(self) -> list[Path]:
@@ -56,7 +62,9 @@ def checked(options: argparse.Namespace) -> None:
     wanted = [name for name in ("output", "maps") if getattr(options, name) is not None]
     wanted = [f"--{name}" for name in wanted] + ["--in-place"] * options.in_place
     if wanted and len(options.scenes) > 1 and options.extrinsics != "one":
-        raise InputError(f"{wanted[0]} takes the calibration of one recording; give one, or leave {wanted[0]} out.")
+        raise InputError(
+            f"{wanted[0]} takes the calibration of one recording; give one, or leave {wanted[0]} out ({TWO_FILES})."
+        )
     if options.in_place and len(options.scenes) > 1:
         raise InputError("--in-place takes one recording; give one, or --output.")
     if options.output == "-" or options.maps == "-":
@@ -97,25 +105,20 @@ def output_of(
         place: _calibrations.Place = (files[0], files[1]) if len(files) == 2 else files[0]
     else:
         place = _calibrations.place(options.output, "--output")
-    check_savable(_moved(rig, free), place, format=options.output_format)
-    return Output(place, options.in_place, maps)
+    unit, said = unit_written(rig, rig, place, options.output_format, options.unit)
+    check_savable(_moved(rig, free), place, format=options.output_format, unit=unit)
+    return Output(place, options.in_place, maps, unit, said)
 
 
-def save(output: Output, rig: StereoRig, scene: Scene, options: argparse.Namespace) -> None:
-    """Write the calibration; one that is replaced is kept beside it."""
+def save(output: Output, rig: StereoRig, scene: Scene, options: argparse.Namespace) -> list[Path]:
+    """Write the calibration; one that is replaced is kept beside it: where."""
     if output.place is None:
-        return
-    if output.replaced:
-        for path in _calibrations.paths(output.place):
-            back_up(path)
+        return []
+    kept = [back_up(path) for path in output.files] if output.replaced else []
     rig = replace(rig, source=None if scene.rig is None else scene.rig.source)
-    save_rig(rig, output.place, scene.info, output.replaced or options.force, format=options.output_format)
-
-
-def save_the_maps(output: Output, rig: StereoRig, options: argparse.Namespace) -> None:
-    """Write the maps, if they were asked for."""
-    if output.maps is not None:
-        save_maps(rig, output.maps, overwrite=options.force)
+    overwrite = output.replaced or options.force
+    save_rig(rig, output.place, scene.info, overwrite, format=options.output_format, unit=output.unit)
+    return kept
 
 
 def _places(options: argparse.Namespace) -> list[Place]:

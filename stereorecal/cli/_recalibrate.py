@@ -22,7 +22,7 @@ from stereorecal.cli._places import deliver, named_inputs, written_or_printed
 from stereorecal.cli._progress import progress_bar
 from stereorecal.cli._recordings import recordings, without
 from stereorecal.geometry import StereoRig
-from stereorecal.io import calibration_json, files_read, load_ranges
+from stereorecal.io import calibration_json, files_read, load_ranges, save_maps
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import Parameters, Reach, as_parameters
 from stereorecal.recalibration import (
@@ -160,20 +160,29 @@ def _saving(
 ) -> list[Callable[[], None]]:
     """Steps that write the calibration and the maps, and say so."""
     first = repairs[0].solution
-    accepted = first is not None and first.accepted
     told = not options.quiet and options.json != "-" and len(repairs) == 1
 
-    def step(names: Sequence[Path], save: Callable[[StereoRig], None]) -> None:
-        if first is not None and accepted and not options.dry_run:
-            rig = first.rig
-            written_or_printed(lambda: save(rig), lambda: calibration_json(rig))
+    def step(names: Sequence[Path], wanted: bool, save: Callable[[StereoRig], list[Path]], note: str) -> None:
+        """`save` returns the copies of what it replaced."""
+        notes = [note] * len(names)
+        if names and first is not None and wanted and not options.dry_run:
+            rig, kept = first.rig, []
+            written_or_printed(lambda: kept.extend(save(rig)), lambda: calibration_json(rig))
+            notes = [f"{note}; the old one is {copy}" for copy in kept] or notes
         done = "would be written" if options.dry_run else "written"
-        for name in names if told else ():
-            print(f"{name}: {done if accepted else 'not written, since the initial calibration stays'}")
+        for name, more in zip(names, notes, strict=True) if told else ():
+            print(f"{name}: {done}{more}" if wanted else f"{name}: not written, since the initial calibration stays")
 
+    def maps(rig: StereoRig) -> list[Path]:
+        for path in output.maps_files:
+            save_maps(rig, path, overwrite=options.force)
+        return []
+
+    accepted, good = first is not None and first.accepted, first is not None and first.reason.healthy
+    initial = "" if accepted else " for the initial calibration"
     return [
-        lambda: step(output.files, lambda rig: _output.save(output, rig, scenes[0], options)),
-        lambda: step(output.maps_files, lambda rig: _output.save_the_maps(output, rig, options)),
+        lambda: step(output.files, accepted, lambda rig: _output.save(output, rig, scenes[0], options), output.said),
+        lambda: step(output.maps_files, good, maps, initial),
     ]
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from stereorecal._errors import InputError
 from stereorecal.cli import _calibrations, _values
+from stereorecal.cli.arguments._calibrations import TWO_FILES
 from stereorecal.io import calibrated_scene, load_scene, open_pairs
 from stereorecal.recalibration import MOST_FRAMES, chosen_frames
 from stereorecal.recordings import Pair, Scene
@@ -15,7 +16,7 @@ from stereorecal.recordings import Pair, Scene
 _FEW = 10  # frames without partner that are named; of more, the number is said
 _GIVE = (
     "give scene folders, or --left, --right and --calibration together; in place of --left and --right: --side-by-side,"
-    " or --bag, --left-topic and --right-topic."
+    " or --bag, --left-topic and --right-topic"
 )
 
 
@@ -60,7 +61,7 @@ def _loose(options: argparse.Namespace) -> bool:
 
 
 def _scenes(options: argparse.Namespace) -> Recordings:
-    if options.format or options.unit:
+    if options.format or (options.unit and getattr(options, "output_format", None) is None):
         raise InputError("--format and --unit belong to --calibration; leave them out.")
     first = _values.frame_limit(options.frames)
     if _values.every_frame(options):
@@ -82,8 +83,10 @@ def _recorded(options: argparse.Namespace) -> Recordings:
         (options.bag, options.left_topic, options.right_topic),
     )
     given = [way for way in ways if any(part is not None for part in way)]
-    if options.scenes or len(given) != 1 or None in given[0] or options.calibration is None:
-        raise InputError(_GIVE)
+    if options.scenes:
+        raise InputError(f"{_GIVE}; {options.scenes[0]} is taken for a scene folder ({TWO_FILES}).")
+    if len(given) != 1 or None in given[0] or options.calibration is None:
+        raise InputError(f"{_GIVE}.")
     topics = {"left_topic": options.left_topic, "right_topic": options.right_topic}
     place = options.left or options.side_by_side or options.bag
     absent: list[tuple[str, str]] = []

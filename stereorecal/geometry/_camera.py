@@ -104,5 +104,6 @@ def _check_plausible(size: tuple[int, int], matrix: np.ndarray, distortion: np.n
 
 
 def same_camera(one: Camera, other: Camera) -> bool:
-    """Whether two cameras have equal intrinsics."""
-    return np.array_equal(one.matrix, other.matrix) and np.array_equal(one.distortion, other.distortion)
+    """Whether two cameras have equal intrinsics; coefficients that are zero at the end make no other lens."""
+    lens, other_lens = (np.trim_zeros(np.asarray(camera.distortion), "b") for camera in (one, other))
+    return np.array_equal(one.matrix, other.matrix) and np.array_equal(lens, other_lens)

@@ -3,9 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Num
 
 from stereorecal._arrays import Mat3
+from stereorecal._errors import InputError
 from stereorecal.geometry._rectification import View, rectifying_rotations, view as view_of
 from stereorecal.geometry._rig import StereoRig
 from stereorecal.geometry._warp import pixel_map
@@ -35,19 +36,38 @@ class Rectification:
     Q: Float[np.ndarray, "4 4"]
     maps: tuple[tuple[Plane, Plane], tuple[Plane, Plane]]
 
-    def depth(self, disparity: Float[np.ndarray, "*n"]) -> Float[np.ndarray, "*n"]:
+    def depth(self, disparity: Num[np.ndarray, "*n"]) -> Float[np.ndarray, "*n"]:
         """Depth z in the rectified frame [m] of disparities in pixels (x_left - x_right); inf where there is none: at
-        infinity, behind it, and NaN stays NaN."""
+        infinity, behind it, and NaN stays NaN.
+
+        `cv2.StereoSGBM` and `StereoBM` compute int16 in sixteenths of a pixel: divide by 16.0.
+
+        Raises:
+            InputError: if the disparities are integers.
+        """
+        if np.ndim(disparity) and np.asarray(disparity).dtype.kind in "iu":
+            raise InputError(
+                f"the disparities are {disparity.dtype}, which cv2's matchers have for sixteenths of a pixel; give "
+                "pixels as floating point: disparity / 16.0."
+            )
         shift = np.asarray(disparity, float) - (self.P1[0, 2] - self.P2[0, 2])
         with np.errstate(divide="ignore"):
             return np.where(shift > 0.0, -self.P2[0, 3] / shift, np.where(np.isnan(shift), np.nan, np.inf))
 
-    def points(self, disparity: Float[np.ndarray, "h w"]) -> Float[np.ndarray, "h w 3"]:
+    def points(self, disparity: Num[np.ndarray, "h w"]) -> Float[np.ndarray, "h w 3"]:
         """Points (x, y, z) [m] of a disparity image, in the frame of the left camera as it stands on the rig; NaN where
         the disparity is NaN or shows nothing before infinity.
 
         `cv2.reprojectImageTo3D(disparity, Q)` gives the same points turned by R1.
+
+        Raises:
+            InputError: as `depth`, or if the image has another size than the rectified ones.
         """
+        if np.shape(disparity) != self.size[::-1]:
+            raise InputError(
+                f"the disparity image has the shape {np.shape(disparity)}, and the rectified images "
+                f"{self.size[::-1]}; give one of that shape."
+            )
         z = self.depth(disparity)
         z = np.where(np.isfinite(z), z, np.nan)
         rows, columns = np.indices(np.shape(disparity), float)

@@ -1,5 +1,6 @@
 """The stereo rig: two cameras and the six extrinsic parameters between them."""
 
+import warnings
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -7,8 +8,9 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal._arrays import AnyArray, Extrinsics, Mat3, Vec3, is_host, namespace
-from stereorecal._errors import InputError
+from stereorecal._errors import CalibrationWarning, InputError
 from stereorecal._pytree import register_pytree
+from stereorecal._units import METRES, checked_unit, doubt_of_length
 from stereorecal.geometry._camera import Camera
 from stereorecal.geometry._so3 import euler_from_rotation, rotation_from_euler
 
@@ -70,7 +72,7 @@ class StereoRig:
 
     @staticmethod
     def from_rotation(left: Camera, right: Camera, rotation: Mat3, translation: Vec3) -> "StereoRig":
-        """A rig from R (3, 3) and T (3,) [m] with `x_right = R x_left + T`.
+        """A rig from R (3, 3) and T (3,) [m] with `x_right = R x_left + T`; any length is taken, without a warning.
 
         Raises:
             InputError: if R is not a rotation (orthonormal to 1e-3, determinant +1).
@@ -87,32 +89,50 @@ class StereoRig:
 
     @staticmethod
     def from_matrices(
-        K1: Mat3,
+        K1: Float[AnyArray, "..."],  # a Mat3, as an InputError says otherwise
         D1: Float[AnyArray, "..."] | None,
-        K2: Mat3,
+        K2: Float[AnyArray, "..."],
         D2: Float[AnyArray, "..."] | None,
         R: Mat3,
         T: Float[AnyArray, "..."],
         size: tuple[int, int],
+        *,
+        unit: str = "m",
     ) -> "StereoRig":
         """A rig from what `cv2.stereoCalibrate` returns.
 
         Args:
             K1, K2: (3, 3) camera matrices of the left and the right camera, in pixels.
             D1, D2: distortion coefficients in OpenCV's order, of any shape; None for none.
-            R, T: (3, 3) and three numbers [m], with `x_right = R x_left + T`.
+            R, T: (3, 3) and three numbers, with `x_right = R x_left + T`.
             size: (width, height) of the images in pixels.
+            unit: of T, which is that of the chessboard's squares: "m", "cm", "mm" or "in".
 
         Raises:
-            InputError: as `Camera`, `StereoRig` and `from_rotation`.
+            InputError: as `Camera`, `StereoRig` and `from_rotation`; or if a matrix has another shape, as where K and D
+                are exchanged.
+
+        Warns:
+            CalibrationWarning: if the baseline is longer than 5 m or shorter than 5 mm, as of a T in another unit.
         """
+        checked_unit(unit)
+        for name, K in (("K1", K1), ("K2", K2)):
+            if np.shape(K) != (3, 3):
+                raise InputError(
+                    f"{name} has the shape {np.shape(K)}, and a camera matrix (3, 3); give K1, D1, K2, D2, R, T, size "
+                    "in this order."
+                )
         left, right = (
             Camera(size, np.asarray(K), np.zeros(0) if D is None else np.ravel(D)) for K, D in ((K1, D1), (K2, D2))
         )
         translation = np.ravel(np.asarray(T, float))
         if translation.shape != (3,) or np.shape(R) != (3, 3):
             raise InputError(f"R and T have shapes {np.shape(R)} and {np.shape(T)}; give (3, 3) and three numbers.")
-        return StereoRig.from_rotation(left, right, R, translation)
+        rig = StereoRig.from_rotation(left, right, R, translation * METRES[unit])
+        doubt = doubt_of_length(float(rig.baseline), unit)
+        if doubt is not None:
+            warnings.warn(doubt, CalibrationWarning, stacklevel=2)
+        return rig
 
     @property
     def R(self) -> Mat3:
@@ -121,7 +141,7 @@ class StereoRig:
 
     @property
     def T(self) -> Vec3:
-        """T, (3,) [m]: another name of `translation`."""
+        """T, (3,) [m]: another name of `translation`. OpenCV 5 wants a column, `rig.T[:, None]`."""
         return self.translation
 
     @property

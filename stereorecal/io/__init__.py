@@ -32,6 +32,8 @@ from stereorecal.io.formats._rigs import (
     check_savable as check_savable,
     load_rig as load_rig,
     save_rig as save_rig,
+    says_its_unit as says_its_unit,
+    unsaid_unit as unsaid_unit,
 )
 from stereorecal.io.images._pairs import load_pair as load_pair, load_pairs as load_pairs
 from stereorecal.io.images._recorded import Recorded as Recorded, open_pairs as open_pairs

@@ -19,7 +19,7 @@ def save_maps(rig: StereoRig, path: AnyPath, overwrite: bool = False) -> None:
         InputError: if the file exists already, or the place cannot be written to.
     """
     if Path(path).exists() and not overwrite:
-        raise InputError(f"{path}: the file exists already; choose another name or allow overwriting.")
+        raise InputError(f"{path}: the file exists already; choose another name, or say overwrite=True.")
     made = rectification(rig)
     (left_x, left_y), (right_x, right_y) = made.maps
     file = io.BytesIO()

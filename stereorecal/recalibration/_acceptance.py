@@ -138,7 +138,7 @@ def verdict(counts: Int[np.ndarray, "2"], rows: RowErrors, facts: Evidence, left
     repeat each other prove nothing twice. Pixels are those of the images in which rows were measured.
 
     Where rows were aligned before, what is left to mend of a good calibration lies along axes that rows hardly see, as
-    what poses as a drift does: such a calibration stays, as good.
+    what poses as a drift does: such a calibration stays, as good. So it does where the candidate is the worse one.
 
     Args:
         counts: of all frames, under the initial calibration and the candidate.
@@ -149,17 +149,17 @@ def verdict(counts: Int[np.ndarray, "2"], rows: RowErrors, facts: Evidence, left
     before, after = counts
     if facts.places < FEWEST_PLACES or covered < LEAST_COVERED:
         return Reason.TOO_LITTLE_TEXTURE
+    aligned = rows.before * facts.scale <= ROWS_APART
     if after < (1.0 - _COUNT_LOSS) * before:
-        return Reason.FEWER_MATCHES
+        return Reason.ALREADY_GOOD if aligned else Reason.FEWER_MATCHES
     gain = (rows.before - rows.after) * facts.scale
     if gain < -_ROW_LOSS:
-        return Reason.WORSE_ON_HELD_OUT
+        return Reason.ALREADY_GOOD if aligned else Reason.WORSE_ON_HELD_OUT
     if np.any(np.abs(facts.z) > _EDGE):
         return Reason.REACH_EDGE
     better_rows = gain > _ROW_GAIN and rows.significance > _SIGNIFICANT
     scatter = 1.0 / np.sqrt(max(after / facts.frames, 1.0))
     better_count = after > (1.0 + max(_COUNT_GAIN, _SIGNIFICANT * scatter)) * before and gain >= 0.0
-    aligned = rows.before * facts.scale <= ROWS_APART
     if not (better_rows or better_count):
         return Reason.ALREADY_GOOD if aligned else Reason.WORSE_ON_HELD_OUT
     if chance_of_farther(facts.z / facts.prior) < _PLAUSIBLE or left.chance < _STRANGE:

@@ -144,9 +144,8 @@ class Health:
     def __str__(self) -> str:
         lines = [self.verdict, f"matched    {self.score}"]
         if self.mending is None:
-            return "\n".join(
-                [*lines, f"row error  not measured: matches cover {100 * self.covered:.0f} % of the image"]
-            )
+            sure = f"matches that passed all checks cover {100 * self.covered:.0f} % of the image"
+            return "\n".join([*lines, f"row error  not measured: {sure} (chance matches count as matched)"])
         by, found = self.mending.axes, self.mending.consequences
         angles = ", ".join(f"{name} {_about(by[name], 3)}" for name in ("pitch", "yaw", "roll"))
         shifts = ", ".join(f"{name} {_about(by[name], 2)}" for name in ("y", "z"))

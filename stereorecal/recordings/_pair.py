@@ -62,17 +62,27 @@ class Pair:
 
     @staticmethod
     def from_arrays(
-        left: Num[np.ndarray, "..."], right: Num[np.ndarray, "..."], *, channels: str = "rgb", name: str = "pair"
+        left: Num[np.ndarray, "..."] | None,
+        right: Num[np.ndarray, "..."] | None,
+        *,
+        channels: str = "rgb",
+        name: str = "pair",
     ) -> "Pair":
         """A pair from two images as `cv2.imread`, imageio or a camera's driver give them: `make_pair`.
 
         Args:
-            left, right: grey (h, w) or colour (h, w, 3 or 4), of 8 to 16 bit or floating point.
+            left, right: grey (h, w) or colour (h, w, 3 or 4), of 8 to 16 bit or floating point; None, which
+                `cv2.imread` returns for what it cannot read, is refused.
             channels: "rgb" or "bgr" (as OpenCV's), the order of the first three channels of colour images.
 
         Raises:
-            InputError: as `make_pair`.
+            InputError: as `make_pair`, or if an image is None.
         """
+        if left is None or right is None:
+            raise InputError(
+                f"{'left' if left is None else 'right'} is None: cv2.imread returns None for a file that it cannot "
+                "read; check the path."
+            )
         return make_pair(left, right, channels=channels, name=name)
 
     def resized(self, size: tuple[int, int]) -> "Pair":

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup as Markup  # which jinja2 brings: the one that people install is missed first
 
 from stereorecal.report.cells import change, count, number, percent
 

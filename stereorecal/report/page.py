@@ -6,13 +6,11 @@ Needs jinja2 and matplotlib: pip install 'stereorecal[figures]'.
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from markupsafe import Markup
-
 from stereorecal.report._curves import curves_figure
 from stereorecal.report._entrants import strategies_of, title_of
 from stereorecal.report._pictures import data_uri, disparity_picture
 from stereorecal.report._strips import Series, strips
-from stereorecal.report._templates import rendered
+from stereorecal.report._templates import Markup, rendered
 from stereorecal.report.comparison import TrialPicture
 from stereorecal.report.disparity import colour_range
 from stereorecal.report.tables import REFERENCES, schedules_legend

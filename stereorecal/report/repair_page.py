@@ -10,12 +10,10 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from markupsafe import Markup
-
 from stereorecal.report._pictures import data_uri, disparity_picture, rows_picture
 from stereorecal.report._regions import spoiled, where_not
 from stereorecal.report._repair_figures import expected_figure, field_figure, histogram_figure, progress_figure
-from stereorecal.report._templates import rendered
+from stereorecal.report._templates import Markup, rendered
 from stereorecal.report.disparity import colour_range
 from stereorecal.report.repair import RepairReport
 

@@ -5,8 +5,9 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from rich import box
+from rich.cells import cell_len
 from rich.console import Console, Group
-from rich.table import Table
+from rich.table import Column, Table
 from rich.text import Text
 
 from stereorecal.report._entrants import several_schedules, strategies_of, title_of
@@ -15,6 +16,17 @@ from stereorecal.report.cells import count, number, percent
 WIDE = 120  # columns of a table that is not printed to a terminal
 _FOLDS = (40, 21, 12)  # characters a line of "compass + optimistix-levenberg-marquardt": in one line, in two, in four
 _LEAST = {"strategy": 12, "schedule": 8}  # characters of a column, however narrow the terminal
+_LEAST_MISSED = (
+    "N_i",
+    "N_GT",
+    "evals",
+    "z %",
+    "y %",
+    "draws",
+    "status",
+    "s",
+    "success",
+)  # columns, the first is missed least
 _SIDE_BY_SIDE, _APART = (("scores", "errors"),), (("scores",), ("errors",))
 _ROTATIONS, _TRANSLATIONS = ("pitch", "yaw", "roll"), ("y", "z")
 _COUNTS = ("initial", "final", "reference")
@@ -28,24 +40,60 @@ def comparison_tables(data: Mapping[str, Any], width: int, most_trials: int = 24
     if 1 < len(data["trials"]) <= most_trials:
         tables += _fitted(_trials_table, data, width)
     tables += _fitted(_summary_table, data, width)
+    narrowed = [_narrowed(table, width) for table in tables]
+    tables = [table for table, _ in narrowed]
+    dropped = dict.fromkeys(head for _, heads in narrowed for head in heads)
+    said = f"left out in {width} columns: {', '.join(dropped)}.\n" if dropped else ""
     leaders = _leaders_table(data)
     if len(data["settings"]["strategies"]) > 1 and leaders.row_count:
         tables.append(leaders)
-    return Group(*tables, Text(_legend(data) + _troubles(data)))
+    return Group(*tables, Text(said + _legend(data) + _troubles(data)))
 
 
 def _fitted(
     make: Callable[[Mapping[str, Any], Sequence[str], int], Table], data: Mapping[str, Any], width: int
 ) -> list[Table]:
     """The widest layout of a table, in one part or in two, that fits; else the narrowest."""
-    unbounded = Console(width=10_000)
     layouts = [(_SIDE_BY_SIDE, fold) for fold in _FOLDS[:2]] + [(_APART, fold) for fold in _FOLDS]
     tables: list[Table] = []
     for parts, fold in layouts:
         tables = [make(data, part, fold) for part in parts]
-        if all(unbounded.measure(table).maximum <= width for table in tables):
+        if all(_width(table) <= width for table in tables):
             break
     return tables
+
+
+def _narrowed(table: Table, width: int) -> tuple[Table, list[str]]:
+    """A table without as many columns as it takes to fit, those first that are missed least; and their heads."""
+    columns, dropped = list(table.columns), []
+    for head in _LEAST_MISSED:
+        if _least(columns) <= width:
+            break
+        dropped += [head for column in columns if column.header == head]
+        columns = [column for column in columns if column.header != head]
+    if not dropped:
+        return table, []
+    narrow = Table(box=table.box, title=table.title, title_justify="left", padding=table.padding, pad_edge=False)
+    for c in columns:
+        narrow.add_column(c.header, justify=c.justify, overflow=c.overflow, no_wrap=c.no_wrap, min_width=c.min_width)
+    for cells in zip(*(column.cells for column in columns), strict=True):
+        narrow.add_row(*cells)
+    return narrow, dropped
+
+
+def _width(table: Table) -> int:
+    return Console(width=10_000).measure(table).maximum
+
+
+def _least(columns: Sequence[Column]) -> int:
+    """The width of a table when all that may be folded is."""
+    widths = [
+        max(cell_len(str(cell)) for cell in (column.header, *column.cells))
+        if column.no_wrap
+        else column.min_width or _LEAST["schedule"]
+        for column in columns
+    ]
+    return sum(widths) + 2 * len(widths) + 1  # gaps and edges
 
 
 def _trials_table(data: Mapping[str, Any], parts: Sequence[str], fold: int) -> Table:

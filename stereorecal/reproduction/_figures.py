@@ -5,8 +5,11 @@ from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 from matplotlib.ticker import NullFormatter
 
 from stereorecal.report.disparity import draw_disparity, largest_disparity
@@ -119,10 +122,12 @@ def _ex_nihilo(rows: Sequence[Row]) -> Figure:
     methods = _by([row for row in rows if not row["starred"]] or rows, "schedule")
     figure = Figure(figsize=(4.6 * len(methods), 6.4), layout="constrained")
     axes = figure.subplots(3, len(methods), squeeze=False, sharex="col", sharey="row")
+    pairs = dict.fromkeys(_pair(row) for group in methods.values() for row in group)
+    colours = {pair: _COLOURS[index % len(_COLOURS)] for index, pair in enumerate(pairs)}
     labels = ("r = N / N_GT", "squared error of\nrotation [°²]", "squared error of\ntranslation [(% of B)²]")
     for column, (method, group) in enumerate(methods.items()):
-        for index, row in enumerate(group):
-            way, style = row["way"], {"color": _COLOURS[index % len(_COLOURS)], "linewidth": 0.9}
+        for row in group:
+            way, style = row["way"], {"color": colours[_pair(row)], "linewidth": 0.9}
             cost = [point["cost"] for point in way]
             reference = max(row["score_reference"], 1)
             axes[0, column].step(cost, [p["count"] / reference for p in way], where="post", **style)
@@ -131,6 +136,8 @@ def _ex_nihilo(rows: Sequence[Row]) -> Figure:
         axes[0, column].axhline(1.0, color="black", linewidth=0.8)
         axes[0, column].set_title(_METHOD.get(method, method), fontsize=9, loc="left")
         axes[-1, column].set_xlabel(_COST, fontsize=8)
+    lines = [Line2D([], [], color=colour, label=f"{sequence} {name}") for (sequence, name), colour in colours.items()]
+    _legend_below(figure, [*lines, Line2D([], [], color="black", label="the reference")])
     for row_axes, label in zip(axes, labels, strict=True):
         row_axes[0].set_ylabel(label, fontsize=8)
     for axis in axes[1:].ravel():
@@ -167,6 +174,9 @@ def _sequential(rows: Sequence[Row]) -> Figure:
         axis.set_xlabel(_COST, fontsize=8)
     for axis in axes[:, 0]:
         axis.set_ylabel("r on this pair", fontsize=8)
+    now = Line2D([], [], color="#D55E00", label="r = N / N_GT of the current pair")
+    then = Line2D([], [], color="0.4", label="the next pair begins")
+    _legend_below(figure, [now, then, Patch(color="0.9", label="starred: little to match")])
     _small_ticks(axes.ravel())
     return figure
 
@@ -226,6 +236,14 @@ def _legend(axis: Axes, names: Sequence[str], marker: str | None = None) -> None
         line = "none" if marker else "-"
         axis.plot([], [], color=_COLOURS[index % len(_COLOURS)], marker=marker, linestyle=line, label=name)
     axis.legend(fontsize=7, frameon=False)
+
+
+def _legend_below(figure: Figure, handles: Sequence[Artist]) -> None:
+    figure.legend(handles=handles, loc="outside lower center", ncols=4, fontsize=7, frameon=False)
+
+
+def _pair(row: Row) -> tuple[str, str]:
+    return row["sequence"], row["image"].rpartition(".")[0]
 
 
 def _by(rows: Iterable[Row], key: str) -> dict[str, list[Row]]:

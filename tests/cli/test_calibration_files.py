@@ -61,7 +61,8 @@ def test_convert_round_and_round(command, rig: sr.StereoRig, tmp_path: Path):
     for step in steps:
         answer = command("convert", *step)
         assert (answer.code, answer.err) == (0, "")
-        assert answer.out == f"{step[1]}: written\n"
+        unsaid = step[1] in (tmp_path / "b.xml", tmp_path / "d.yaml")  # formats without a unit
+        assert answer.out == f"{step[1]}: written{' (translation in m)' if unsaid else ''}\n"
     assert load_rig(tmp_path / "e.json").source.format == "stereorecal"
     np.testing.assert_allclose(load_rig(tmp_path / "e.json").extrinsics, rig.extrinsics, atol=1e-12)
 
@@ -72,6 +73,21 @@ def test_convert_says_the_unit_that_it_inferred(command, rig: sr.StereoRig, tmp_
     assert answer.code == 0
     assert answer.err.count("\n") == 1
     assert "taken to be in m" in answer.err
+
+
+@pytest.mark.parametrize("options", [(), ("--to", "opencv")])
+@pytest.mark.parametrize("source", ["a.json", "a.yaml"])
+def test_the_unit_of_a_new_file(command, rig: sr.StereoRig, tmp_path: Path, source: str, options: tuple[str, ...]):
+    """--unit is that of whichever file says none."""
+    save_rig(rig, tmp_path / "a.json", format="stereorecal")
+    save_rig(rig, tmp_path / "a.yaml", format="opencv", unit="mm")
+    target = tmp_path / "b.xml"
+    answer = command("convert", tmp_path / source, target, *options, "--unit", "mm")
+    assert (answer.code, answer.out, answer.err) == (0, f"{target}: written (translation in mm)\n", "")
+    for path in (tmp_path / "a.yaml", target):
+        assert load_rig(path, unit="mm").baseline == pytest.approx(rig.baseline, rel=1e-12)
+    assert command("convert", tmp_path / "a.yaml", tmp_path / "c.json", "--unit", "mm").code == 0
+    refused(command("convert", tmp_path / "a.json", tmp_path / "d.json", "--unit", "mm"), "are in m, not in mm")
 
 
 @pytest.mark.parametrize(
@@ -88,6 +104,7 @@ def test_convert_says_the_unit_that_it_inferred(command, rig: sr.StereoRig, tmp_
         (("{tmp}/a.json", "{tmp}/b.yaml", "--size", "big"), "--size is 'big'"),
         (("{tmp}/a.json", "{tmp}/b.yaml,{tmp}/c.yaml"), "is written as one file"),
         (("{tmp}/none.json", "{tmp}/b.yaml"), "none.json: there is no such file"),
+        (("{tmp}/l.yaml", "{tmp}/r.yaml", "{tmp}/b.json"), "b.json (the two files of a calibration are named as LEFT"),
     ],
 )
 def test_convert_refuses(command, rig: sr.StereoRig, tmp_path: Path, words, said: str):
@@ -118,6 +135,18 @@ def test_diff_and_score(command, rig: sr.StereoRig, drifted_scene: Path, sides, 
     refused(command("score", drifted_scene, "--unit", "mm"), "belong to --calibration")
 
 
+def test_a_folder_of_images_and_another_format(command, rig: sr.StereoRig, drifted_scene: Path, tmp_path: Path):
+    """The refusal holds the words that work."""
+    for side in ("left", "right"):
+        (tmp_path / f"{side}.png").write_bytes((drifted_scene / f"{side}.png").read_bytes())
+    assert "calib.json: there is no such file" in command("score", tmp_path).err
+    save_rig(rig, tmp_path / "stereo.yaml", format="opencv")
+    answer = command("score", tmp_path)
+    refused(answer, f"{tmp_path}: there is no calib.json; for a calibration in another format say --left")
+    words = answer.err.partition(" say ")[2].partition(" (in Python")[0].split()
+    assert command("score", *words, "--unit", "m") == command("score", drifted_scene)
+
+
 # --- recalibrate --------------------------------------------------------------------------------------------
 
 
@@ -145,8 +174,15 @@ def test_the_form_in_which_it_came(command, rig: sr.StereoRig, drifted_scene: Pa
         np.testing.assert_allclose(stored["Q"], made.Q, atol=1e-9)
         np.testing.assert_allclose(stored["right_y"], made.maps[1][1], atol=1e-3)
     old = [path.read_bytes() for path in files]
-    assert command("recalibrate", *words, "--in-place").code == 0
-    assert [path.with_name(f"{path.name}.bak").read_bytes() for path in files] == old
+    files[0].chmod(0o600)
+    answer = command("recalibrate", *words, "--in-place")
+    assert answer.code == 0
+    copies = [path.with_name(f"{path.name}.bak") for path in files]
+    assert [path.read_bytes() for path in copies] == old
+    assert copies[0].stat().st_mode & 0o777 == files[0].stat().st_mode & 0o777 == 0o600
+    said = " (translation in m)" if name == "opencv" else ""
+    expected = [f"{path}: written{said}; the old one is {copy}" for path, copy in zip(files, copies, strict=True)]
+    assert answer.out.splitlines()[-len(files) :] == expected
     assert [path.read_bytes() for path in files] == [path.read_bytes() for path in new]
 
 
@@ -157,12 +193,14 @@ def test_the_form_in_which_it_came(command, rig: sr.StereoRig, drifted_scene: Pa
         (("--output", "{tmp}/a.yaml", "--force"), "replace it with --in-place"),
         (("--output", "{tmp}/new.txt", "--output-format", "middlebury"), "no place for a rotation or a lens"),
         (("--output", "{tmp}/l.yaml", "--output-format", "ros"), "ros is written as two files"),
+        (("--output", "{tmp}/l.yaml", "{tmp}/r.yaml"), "r.yaml is taken for a scene folder (the two files"),
         (("--output", "{tmp}/new.yaml", "--output-format", "kalib"), "did you mean kalibr?"),
         (("--output", "{tmp}/new.yaml", "--in-place"), "leave --output and --output-format out"),
         (("--output-format", "ros"), "--output-format belongs to --output"),
         (("--maps", "{tmp}/maps.txt"), "maps are written as .npz"),
         (("--maps", "{tmp}/old.npz"), "the file exists already"),
         (("--output", "{tmp}/new.yaml", "--json", "{tmp}/new.yaml"), "name the same file"),
+        (("--output", "{tmp}/new.yaml", "--unit", "mm"), "this kalibr file are in m, not in mm"),
     ],
 )
 def test_places_that_make_no_sense(command, rig: sr.StereoRig, sides, tmp_path: Path, unworked, words, said: str):
@@ -183,10 +221,24 @@ def test_a_write_protected_file_is_not_replaced(
     refused(command(*words), "the file is write-protected")
 
 
-def test_dry_run_writes_nothing(command, rig: sr.StereoRig, sides, tmp_path: Path):
-    save_rig(short(rig), tmp_path / "a.yaml", format="kalibr")
-    words = ("--output", tmp_path / "new.yaml", "--maps", tmp_path / "maps.npz", "--dry-run")
-    answer = command("recalibrate", *sides, "--calibration", tmp_path / "a.yaml", *COUNT, *words)
+def test_dry_run_and_then_another_format_and_unit(command, rig: sr.StereoRig, drifted_scene: Path, tmp_path: Path):
+    output, maps = tmp_path / "new.yaml", tmp_path / "maps.npz"
+    form = ("--output-format", "opencv", "--unit", "mm")
+    words = ("recalibrate", drifted_scene, *COUNT, "--output", output, *form, "--maps", maps)
+    answer = command(*words, "--dry-run")
     assert answer.code == 0
-    assert answer.out.endswith(f"{tmp_path}/new.yaml: would be written\n{tmp_path}/maps.npz: would be written\n")
-    assert [path.name for path in tmp_path.iterdir()] == ["a.yaml"]
+    assert answer.out.endswith(f"{output}: would be written (translation in mm)\n{maps}: would be written\n")
+    assert list(tmp_path.iterdir()) == []
+    assert command(*words).out.endswith(f"{output}: written (translation in mm)\n{maps}: written\n")
+    assert load_rig(output, unit="mm").baseline == pytest.approx(rig.baseline, rel=1e-3)
+
+
+def test_maps_of_a_calibration_that_is_good(command, clean_scene: Path, tmp_path: Path):
+    """They were asked for; a calibration file is there already."""
+    words = (clean_scene, "--maps", tmp_path / "maps.npz", "--output", tmp_path / "new.json")
+    answer = command("recalibrate", *words)
+    assert (answer.code, answer.err) == (0, "")
+    assert f"{tmp_path}/maps.npz: written for the initial calibration\n" in answer.out
+    assert "new.json: not written" in answer.out
+    with np.load(tmp_path / "maps.npz") as stored:
+        np.testing.assert_allclose(stored["Q"], sr.rectification(load_scene(clean_scene).rig).Q, atol=1e-12)

@@ -1,6 +1,7 @@
 """What all commands share: --version, --traceback, and one sentence for every error."""
 
 import json
+import re
 import warnings
 from importlib.metadata import version
 from pathlib import Path
@@ -106,3 +107,20 @@ def test_other_warnings_stay_pythons(command, clean_scene: Path, monkeypatch: py
     with pytest.warns(UserWarning, match="something else"):
         answer = command("score", clean_scene)
     assert (answer.code, answer.out, answer.err) == (0, "", "")
+
+
+VERBS = ("recalibrate", "score", "monitor", "convert", "diff", "compare", "reproduce", "strategies")
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_help_fits_80_columns_and_names_defaults(verb: str, command, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    text = command(verb, "--help").out
+    assert max(map(len, text.splitlines())) <= 80
+    options = re.split(r"\n  (?=-)", text.partition("options:")[2])
+    for option in options:
+        taken = re.match(
+            r"(--(?:matcher|schedule|scale|reach|free|extrinsics|budget|seed|executor|every|frames)) ", option
+        )
+        if taken:
+            assert "default" in option, option

@@ -11,7 +11,7 @@ from hypothesis import given, strategies as st
 from lenses import FEW, LENSES
 
 from stereorecal._errors import InputError, UnsupportedModelError
-from stereorecal.geometry import Camera, distort, undistort
+from stereorecal.geometry import Camera, distort, same_camera, undistort
 
 SIZE = (96, 64)
 MATRIX = np.array([[80.0, 0, 46.2], [0, 82.0, 33.1], [0, 0, 1]])
@@ -163,3 +163,12 @@ def test_pytree_and_pickle():
     assert jax.tree.map(lambda leaf: object(), lens).size == SIZE  # placeholders pass
     names = [jax.tree_util.keystr(path) for path, _ in jax.tree_util.tree_leaves_with_path(lens)]
     assert names == [".matrix", ".distortion", ".lens_radius"]
+
+
+def test_zeros_at_the_end_make_no_other_lens():
+    lens = np.array([-0.1, 0.02, 1e-3, 0.0])
+    four, five, none, zero = (Camera(SIZE, MATRIX, D) for D in (lens, np.append(lens, 0.0), np.zeros(0), np.zeros(4)))
+    assert same_camera(four, five)
+    assert same_camera(none, zero)
+    assert not same_camera(four, zero)
+    assert not same_camera(four, Camera(SIZE, MATRIX, np.append(lens, 1e-3)))

@@ -26,6 +26,26 @@ def test_from_matrices():
             sr.StereoRig.from_matrices(K1, D, K2, D, *bad, SIZE)
 
 
+def test_the_unit_of_from_matrices(recwarn: pytest.WarningsRecorder):
+    in_metres = sr.StereoRig.from_matrices(K1, D, K2, D, R, T, SIZE)
+    in_millimetres = sr.StereoRig.from_matrices(K1, D, K2, D, R, T * 1000, SIZE, unit="mm")
+    np.testing.assert_allclose(in_millimetres.T, in_metres.T, rtol=1e-15)
+    assert not recwarn.list
+    for scale, unit, said in ((1000.0, "m", "120 m long; .* in metres"), (1.0, "mm", "0.00012 m long; .* in millimet")):
+        with pytest.warns(sr.CalibrationWarning, match=said) as warned:
+            rig = sr.StereoRig.from_matrices(K1, D, K2, D, R, T * scale, SIZE, unit=unit)
+        assert len(warned) == 1
+        rig.with_extrinsics(rig.extrinsics * 2)
+    assert not recwarn.list  # a rig that exists is not doubted again
+
+
+def test_matrices_in_another_order():
+    with pytest.raises(sr.InputError, match=r"K1 has the shape \(1, 5\).* K1, D1, K2, D2, R, T, size in this order"):
+        sr.StereoRig.from_matrices(D[None], K1, D[None], K2, R, T, SIZE)
+    with pytest.raises(sr.InputError, match="unknown unit 'km'"):
+        sr.StereoRig.from_matrices(K1, D, K2, D, R, T, SIZE, unit="km")
+
+
 @pytest.mark.parametrize("flags", [cv2.CALIB_ZERO_DISPARITY, 0])
 def test_as_opencv(flags: int):
     rig = sr.StereoRig.from_matrices(K1, D, K2, D, R, T, SIZE)
@@ -50,7 +70,17 @@ def test_depth_where_there_is_none():
     np.testing.assert_array_equal(depth[:2], np.inf)
     assert np.isnan(depth[2])
     assert depth[3] > 0
-    assert np.isnan(made.points(np.zeros((2, 3)))).all()
+    assert np.isnan(made.points(np.zeros(SIZE[::-1]))).all()
+
+
+def test_disparities_that_are_none():
+    made = sr.rectification(sr.StereoRig.from_matrices(K1, None, K1, None, np.eye(3), T, SIZE))
+    sixteenths = np.full(SIZE[::-1], 160, np.int16)
+    for find in (made.depth, made.points):
+        with pytest.raises(sr.InputError, match="sixteenths of a pixel"):
+            find(sixteenths)
+    with pytest.raises(sr.InputError, match=r"the shape \(160, 120\), and the rectified images \(120, 160\)"):
+        made.points(np.ones(SIZE))
 
 
 def test_pixels_that_no_ray_reaches_lie_outside():
@@ -74,3 +104,10 @@ def test_pairs_from_arrays(dtype: type):
     np.testing.assert_allclose(colour.left, other.left, rtol=1e-5)
     with pytest.raises(sr.InputError, match="channel order"):
         sr.Pair.from_arrays(left, right, channels="gbr")
+
+
+def test_an_image_that_was_not_read():
+    image = np.zeros(SIZE, np.uint8)
+    for images, side in (((None, image), "left"), ((image, None), "right")):
+        with pytest.raises(sr.InputError, match=f"{side} is None: cv2.imread returns None"):
+            sr.Pair.from_arrays(*images)

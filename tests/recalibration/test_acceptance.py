@@ -67,7 +67,8 @@ CASES = {
     "count better, rows not": (Reason.ALREADY_GOOD, {"after": 240_000, "rows": (0.2, 0.215, -5.0)}),
     "count lost": (Reason.FEWER_MATCHES, {"rows": BETTER, "after": 197_980}),
     "count lost altogether": (Reason.FEWER_MATCHES, {"rows": BETTER, "after": 0}),
-    "count lost, the old rows are good": (Reason.FEWER_MATCHES, {"rows": (0.2, 0.2, 0.0), "after": 180_000}),
+    "count lost, the old rows are good": (Reason.ALREADY_GOOD, {"rows": (0.2, 0.2, 0.0), "after": 180_000}),
+    "rows worse than good ones": (Reason.ALREADY_GOOD, {"after": 400_000, "rows": (0.2, 0.25, -1.0)}),
     "rows worse": (Reason.WORSE_ON_HELD_OUT, {"after": 400_000, "rows": (0.5, 0.521, -1.0)}),
     "too little covered": (Reason.TOO_LITTLE_TEXTURE, {"covered": 0.09, "rows": BETTER, "after": 400_000}),
     "too few places": (Reason.TOO_LITTLE_TEXTURE, {"places": 5, "rows": BETTER, "after": 400_000}),
@@ -163,7 +164,7 @@ def test_never_accepted(before, after, rows, z, left, places, covered):
     reason = judged(before, after, rows, z, left_over(*left), places, covered)
     gain = rows[0] - rows[1]
     if after < 0.99 * before or gain < -0.02 or places < 6 or covered < 0.1:
-        assert not reason.healthy
+        assert not reason.accepted
     if reason is Reason.IMPROVED:
         assert (gain > 0.01 and rows[2] > 3) or (after > 1.01 * before and gain > -1e-9)
         assert np.abs(z).max() <= 0.98

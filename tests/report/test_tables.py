@@ -90,6 +90,23 @@ def test_80_columns_hold_scores_and_errors_one_below_the_other(scenes):
     assert {"levenberg-", "levenberg-marquardt"} & set(words)
 
 
+@pytest.mark.parametrize("width", [64, 56, 48])
+def test_narrow_terminals_lose_the_least_important_columns(width):
+    """And are told which."""
+    lines = printed(comparison(BOTH), width)
+    found = heads(lines)
+    assert sum(line.startswith(f"left out in {width} columns: ") for line in lines) == 1
+    assert all({"r", "N_o"} <= set(head) or {"pitch°", "yaw°", "roll°"} <= set(head) for head in found)
+    tables = [line for above, line in pairwise(lines) if set(line.strip()) == {"─"}]
+    assert all(len(line) <= width for line in tables)
+    assert not any("…" in line for line in lines)
+
+
+@pytest.mark.parametrize("width", [80, 120])
+def test_wide_ones_lose_none(width):
+    assert not any(line.startswith("left out") for line in printed(comparison(BOTH), width))
+
+
 def test_one_schedule_has_no_column_of_its_own():
     lines = printed(comparison([("count", "compass", ["compass"]), ("count", "secant", ["secant"])]), 120)
     trials, medians = heads(lines)

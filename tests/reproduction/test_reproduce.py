@@ -350,3 +350,5 @@ def test_figures_say_what_they_show(serial):
         assert any(labels) or name == "repair", name  # whose ticks are the names of pairs
         heights = [axis.get_ylabel() for axis in shown]
         assert any("[" in label or "r " in label or "count" in label for label in heights), name
+        legends = [*figure.legends, *filter(None, (axis.get_legend() for axis in shown))]
+        assert any(legend.get_texts() for legend in legends), name

@@ -9,10 +9,13 @@ from typing import NoReturn
 from stereorecal._version import __version__
 from stereorecal.cli._exit_codes import BAD_INPUT
 from stereorecal.cli.arguments import _compare, _convert, _diff, _monitor, _recalibrate, _reproduce, _score, _strategies
+from stereorecal.cli.arguments._calibrations import TWO_FILES
 
 
 class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
+        if message.startswith("unrecognized arguments: ") and not message.partition(": ")[2].startswith("-"):
+            message += f" ({TWO_FILES})"
         self.exit(BAD_INPUT, f"{self.prog}: {message}; see {self.prog} --help\n")
 
 

@@ -17,8 +17,8 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("--scene", action="append", default=[], metavar="PATH", help="scene folder (repeatable)")
     add("--synthetic", metavar="KIND", help="render a scene: harbour, coast, open-sea, street")
-    add("--frames", default="1", metavar="N|all", help="pairs of each scene to use, jointly")
-    add("--matcher", default="sad", metavar="NAME", help="sad, bm or sgbm")
+    add("--frames", default="1", metavar="N|all", help="pairs of each scene to use, jointly (default: %(default)s)")
+    add("--matcher", default="sad", metavar="NAME", help="sad, bm or sgbm (default: %(default)s)")
     add("--strategies", metavar="A,B|all", help="names of installed strategies (default: those of the schedule)")
     add(
         "--schedule",
@@ -45,12 +45,12 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
         help="what the strategies search: rotation, extrinsics, intrinsics, or single names (default: extrinsics)",
     )
     add("--draws", type=int, default=2, help="decalibrations of each scene (default: 2)")
-    add("--seed", type=int, default=0, help="same seed, same result")
+    add("--seed", type=int, default=0, help="same seed, same result (default: %(default)s)")
     add(
         "--budget",
         type=float,
         metavar="UNITS",
-        help="of each trial; one unit: one matcher run on a full-size frame",
+        help="of each trial; one unit: one matcher run on a full-size frame (default: no limit)",
     )
     add("--executor", default="serial", metavar="SPEC", help=EXECUTORS)
     add("--json", metavar="FILE|-", help="write everything as JSON, again with each trial that is finished")

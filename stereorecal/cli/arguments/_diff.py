@@ -7,7 +7,8 @@ from stereorecal.cli.arguments._calibrations import add_reading_to
 _DESCRIPTION = """\
 What calibration B changes against calibration A of the same rig: rotation, direction and length of the baseline; and,
 for those who use A if B is right, how far apart the two rows of a point lie over the view, and how wrong depth is at
-5, 10, 30 and 100 baselines. Exit code: 0 done; 2 bad input; 3 internal failure."""
+5, 10, 30 and 100 baselines. Without --unit the unit of each file that says none is told by its own baseline. Exit code:
+0 done; 2 bad input; 3 internal failure."""
 
 
 def add_to(verbs, common: argparse.ArgumentParser) -> None:

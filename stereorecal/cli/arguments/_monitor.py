@@ -19,7 +19,7 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
     )
     add_recordings_to(parser)
     add = parser.add_argument
-    add("--matcher", default="sad", metavar="NAME", help="sad, bm or sgbm")
+    add("--matcher", default="sad", metavar="NAME", help="sad, bm or sgbm (default: %(default)s)")
     add("--once", action="store_true", help="watch alone, switch nothing: a check of the calibration, for cron")
     add("--state", metavar="FILE", help="go on from the state in this file, and keep it there")
     add(

@@ -9,8 +9,8 @@ from stereorecal.cli.arguments._recordings import add_recordings_to
 _DESCRIPTION = """\
 Repair the extrinsic calibration of the rig of each recording from its images. The candidate is accepted only if it is
 better on parts of the images that the search has not seen. Exit code: 0 repaired, or already good; 1 not (the
-initial calibration stays); 2 bad input; 3 internal failure; 130 interrupted. Of several recordings, the worst one
-decides."""
+initial calibration stays); 2 bad input; 3 internal failure; 4 cannot tell (too dark, or too little texture); 130
+interrupted. Of several recordings, the worst one decides."""
 
 
 def add_to(verbs, common: argparse.ArgumentParser) -> None:
@@ -20,8 +20,13 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
     )
     add_recordings_to(parser)
     add = parser.add_argument
-    add("--matcher", default="sad", metavar="NAME", help="sad, bm or sgbm")
-    add("--schedule", default="default", metavar="NAME", help="default (coarse to fine) or count (the paper's way)")
+    add("--matcher", default="sad", metavar="NAME", help="sad, bm or sgbm (default: %(default)s)")
+    add(
+        "--schedule",
+        default="default",
+        metavar="NAME",
+        help="default (coarse to fine, which is used if nothing is said) or count (the paper's way)",
+    )
     add("--strategy", metavar="NAME", help="for the stages of its kind (default: those of the schedule)")
     add("--scale", type=float, metavar="SCALE", help="image scale of the count schedule (default: 1)")
     add("--reach", default="3,0.03", metavar="DEG,FRACTION", help="how far the rig may have drifted (default: 3,0.03)")
@@ -29,22 +34,24 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
         "--free",
         default="extrinsics",
         metavar="NAMES",
-        help="what may move: rotation, extrinsics, intrinsics (shared by all recordings), pitch, left.k1 …; by commas",
+        help="what may move: rotation, extrinsics, intrinsics (shared by all recordings), pitch, left.k1 …; by commas "
+        "(default: %(default)s)",
     )
     add(
         "--extrinsics",
         default="each",
         metavar="each|one",
-        help="where intrinsics are free: each recording has extrinsics of its own, or one set is that of all",
+        help="where intrinsics are free: each recording has extrinsics of its own, or one set is that of all "
+        "(default: %(default)s)",
     )
     add("--ranges", metavar="FILE", help="a CSV of measured distances: pair,column,row,metres,sigma")
     add(
         "--budget",
         type=float,
         metavar="UNITS",
-        help="of each recording; one unit: one matcher run on a full-size frame",
+        help="of each recording; one unit: one matcher run on a full-size frame (default: no limit)",
     )
-    add("--seed", type=int, default=0, help="same seed, same result")
+    add("--seed", type=int, default=0, help="same seed, same result (default: %(default)s)")
     add("--executor", default="serial", metavar="SPEC", help=EXECUTORS)
     add(
         "--output",
@@ -54,7 +61,12 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
     )
     add("--output-format", metavar="FORMAT", help=f"of --output, if another: {FORMATS}")
     add("--in-place", action="store_true", help="replace the calibration that was read; the old one becomes NAME.bak")
-    add("--maps", metavar="FILE.npz", help="write maps for cv2.remap, with R1 R2 P1 P2 Q, if it was accepted")
+    add(
+        "--maps",
+        metavar="FILE.npz",
+        help="write maps for cv2.remap, with R1 R2 P1 P2 Q, of the repaired calibration, or of the initial one if that "
+        "is already good",
+    )
     add("--dry-run", action="store_true", help="write no calibration and no maps, say what would be written")
     add("--force", action="store_true", help="--output, --maps and --json may replace a file that is no input")
     add("--json", metavar="FILE|-", help="write everything as JSON")

@@ -21,11 +21,16 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
     add("experiments", nargs="*", default=["all"], metavar="EXPERIMENT", help=_EXPERIMENTS)
     add("--log", metavar="DIR", help="folder of missions, in any layout of docs/data.md")
     add("--frames", metavar="N|all", help="first pairs of each sequence of --log (default: 10)")
-    add("--schedule", default="both", metavar="NAME", help="count (the paper's way), default (coarse to fine), or both")
+    add(
+        "--schedule",
+        default="both",
+        metavar="NAME",
+        help="count (the paper's way), default (coarse to fine), or both (default: %(default)s)",
+    )
     add("--strategy", metavar="NAME", help="in place of compass, or of Levenberg-Marquardt if it needs residuals")
     add("--quick", action="store_true", help="a small log, few pairs: does everything work?")
     add("--reach", default="3,0.03", metavar="DEG,FRACTION", help="how far the rig may have drifted (default: 3,0.03)")
-    add("--seed", type=int, default=0, help="same seed, same result")
+    add("--seed", type=int, default=0, help="same seed, same result (default: %(default)s)")
     add("--executor", default="serial", metavar="SPEC", help=EXECUTORS)
     add("--output", metavar="DIR", help="folder for tables and figures (default: reproduced/LOG)")
     add("--json", metavar="FILE|-", help="write everything as JSON there too")

@@ -20,7 +20,7 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
         "score", parents=[common], help="check a calibration against images", description=_DESCRIPTION
     )
     add_recordings_to(parser)
-    parser.add_argument("--matcher", default="sad", metavar="NAME", help="sad, bm or sgbm")
+    parser.add_argument("--matcher", default="sad", metavar="NAME", help="sad, bm or sgbm (default: %(default)s)")
     parser.add_argument("--json", metavar="FILE|-", help="write everything as JSON")
     parser.add_argument("--force", action="store_true", help="--json may replace a file that is no input")
     parser.add_argument("--quiet", action="store_true", help="no report, only the exit code")

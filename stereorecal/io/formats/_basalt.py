@@ -11,7 +11,7 @@ from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._about import about
 from stereorecal.io._json import strict_json_text
 from stereorecal.io.formats._format import Documents, Hints, Target
-from stereorecal.io.formats._lenses import check_model, coefficients, pinhole_matrix, pinhole_numbers, trimmed
+from stereorecal.io.formats._lenses import check_model, coefficients, pinhole_matrix, pinhole_numbers
 from stereorecal.io.formats._numbers import image_size, numbers, value
 from stereorecal.io.formats._poses import Pose, inverse, left_to_right, pose, rig_of
 from stereorecal.io.formats.text._document import Syntax
@@ -69,7 +69,7 @@ def _camera(content: Mapping[str, Any], index: int) -> Camera:
     params = value(stated, "intrinsics")
     matrix = pinhole_matrix(np.array([float(numbers(params, key, ())) for key in _PINHOLE]))
     lens = np.array([float(numbers(params, key, ())) for key in _MODELS[model]])
-    return Camera(size, matrix, trimmed(lens))
+    return Camera(size, matrix, lens)
 
 
 def _pose(content: Mapping[str, Any], index: int) -> Pose:

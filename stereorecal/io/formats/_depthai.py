@@ -11,7 +11,7 @@ from stereorecal.io._about import about
 from stereorecal.io._json import strict_json_text
 from stereorecal.io.formats._derived import View, rectification_of
 from stereorecal.io.formats._format import Documents, Hints, Target
-from stereorecal.io.formats._lenses import coefficients, trimmed
+from stereorecal.io.formats._lenses import coefficients
 from stereorecal.io.formats._numbers import numbers, pixels, value
 from stereorecal.io.formats._poses import Pose, inverse, left_to_right, pose, rig_of
 from stereorecal.io.formats.text._document import Syntax
@@ -152,7 +152,7 @@ def _camera(content: Mapping[str, Any], socket: int, hints: Hints) -> Camera:
             )
         size = pixels(data, "width"), pixels(data, "height")
         matrix = numbers(data, "intrinsicMatrix", (3, 3))
-        camera = Camera(size, matrix, trimmed(numbers(data, "distortionCoeff", (-1,))))
+        camera = Camera(size, matrix, numbers(data, "distortionCoeff", (-1,)))
     same_shape = hints.size is not None and hints.size[0] * size[1] == hints.size[1] * size[0]
     return camera.resized(hints.size) if hints.size is not None and same_shape else camera
 

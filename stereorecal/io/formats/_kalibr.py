@@ -35,14 +35,17 @@ _POSE = "  T_cn_cnm1:\n" + "  - [0.0, 0.0, 0.0, 0.0]\n" * 3 + "  - [0.0, 0.0, 0.
 
 
 def can_read(documents: Documents) -> bool:
-    """Whether there are a cam0 and a cam1."""
+    """Whether there is a cam0 or a cam1."""
     content = documents[0].content
-    return len(documents) == 1 and all(isinstance(content.get(key), Mapping) for key in ("cam0", "cam1"))
+    return len(documents) == 1 and any(isinstance(content.get(key), Mapping) for key in ("cam0", "cam1"))
 
 
 def read(documents: Documents, hints: Hints) -> StereoRig:
     """T_cn_cnm1 of cam1 takes points of cam0 to cam1."""
     content = documents[0].content
+    for key in ("cam0", "cam1"):
+        if key not in content:
+            raise InputError(f"the chain has no {key}; give that of both cameras, calibrated together.")
     left, right = (_camera(content, key) for key in ("cam0", "cam1"))
     with about("cam1"):
         return rig_of(left, right, numbers(content["cam1"], _FROM_LAST, (4, 4)))

@@ -28,10 +28,7 @@ def can_read(documents: Documents) -> bool:
 def read(documents: Documents, hints: Hints) -> StereoRig:
     """The grey cameras P0 and P1, unless the hints name others; the file has no image size."""
     if hints.size is None:
-        raise InputError(
-            "the file has no image size; give size=(width, height), on the command line --size WxH, or images beside "
-            "it."
-        )
+        raise InputError("the file has no image size; give size=(width, height), on the command line --size WxH.")
     return rectified_rig(documents[0].content, hints.cameras or _GREY, hints.size)
 
 

@@ -48,9 +48,9 @@ def coefficients(camera: Camera, counts: Sequence[int], what: str, instead: str)
 
 
 def trimmed(distortion: Float[np.ndarray, "n"]) -> Float[np.ndarray, "m"]:
-    """The distortion without the rational, prism and tilt terms, if these are all zero: the same lens, and the same
-    digits of what is computed from it, as from a format that has no place for them."""
-    return distortion[:5] if distortion.size > 5 and not np.any(distortion[5:]) else distortion
+    """The distortion without those rational, prism and tilt terms that are all zero: the same lens, and the same digits
+    of what is computed from it, as from a format that has no place for them."""
+    return next((distortion[:count] for count in (5, 8, 12) if not np.any(distortion[count:])), distortion)
 
 
 def check_model(model: object, known: Sequence[str], camera: object = "pinhole") -> None:

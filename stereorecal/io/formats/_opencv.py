@@ -41,6 +41,7 @@ def can_read(documents: Documents) -> bool:
 def read(documents: Documents, hints: Hints) -> StereoRig:
     """The rig; image size as in the file, else that of the hints, since OpenCV's own files have none."""
     content = _content(documents)
+    _check_both_parts(content)
     matrix, distortion = _name(content, _MATRICES), _name(content, _DISTORTIONS)
     size = _size(content, hints)
     left, right = (
@@ -109,6 +110,17 @@ def _cameras(rig: StereoRig, target: Target, content: Mapping[str, Any], matrix:
             yield from matrix_values(content, (key,), lens).items()
 
 
+def _check_both_parts(content: Mapping[str, Any]) -> None:
+    """Refuse one file of the two that stereo_calib writes."""
+    cameras = any(f"{name}1" in content or f"{name}2" in content for name in _MATRICES)
+    if not cameras or not {"R", "T"} & content.keys():
+        there, missing = ("intrinsics", "extrinsics (R, T)") if cameras else ("extrinsics", "intrinsics (K1 or M1 …)")
+        raise InputError(
+            f"there are {there} only, no {missing}: OpenCV's stereo_calib writes intrinsics.yml and extrinsics.yml; "
+            "give both, intrinsics first."
+        )
+
+
 def _content(documents: Documents) -> dict[str, Any]:
     return {key: item for document in documents for key, item in document.content.items()}
 
@@ -125,7 +137,6 @@ def _size(content: Mapping[str, Any], hints: Hints) -> tuple[int, int]:
         return pixels(content, "image_width"), pixels(content, "image_height")
     if hints.size is None:
         raise InputError(
-            "the file has no image size (imageSize); give size=(width, height), on the command line --size WxH, or "
-            "images beside it."
+            "the file has no image size (imageSize); give size=(width, height), on the command line --size WxH."
         )
     return hints.size

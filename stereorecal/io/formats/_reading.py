@@ -7,12 +7,14 @@ from itertools import permutations
 from pathlib import Path
 
 from stereorecal._errors import InputError, UnsupportedModelError
+from stereorecal._units import METRES, checked_unit, inferred_unit
 from stereorecal.geometry import StereoRig
 from stereorecal.io._about import about
 from stereorecal.io.formats._format import Documents, Format, Hints
-from stereorecal.io.formats._registry import all_known, half_of, named, recognised
+from stereorecal.io.formats._lenses import trimmed
+from stereorecal.io.formats._registry import half_of, named, recognised, unknown
 from stereorecal.io.formats._source import Source
-from stereorecal.io.formats._units import METRES, checked_unit, inferred_unit, scaled
+from stereorecal.io.formats._units import scaled
 from stereorecal.io.formats.text._document import Document, Syntax, read_document
 
 _ENDINGS = (".yaml", ".yml", ".xml", ".json", ".txt")
@@ -67,6 +69,8 @@ def rig_in(documents: Documents, format: Format, unit: str | None, hints: Hints)
             ) from None
     stated = format.UNIT or unit
     used = stated or inferred_unit(float(rig.baseline))
+    left, right = (replace(camera, distortion=trimmed(camera.distortion)) for camera in (rig.left, rig.right))
+    rig = replace(rig, left=left, right=right)
     source = Source(format.NAME, documents, hints, used, inferred=stated is None)
     return replace(scaled(rig, METRES[used]), source=source)
 
@@ -93,11 +97,39 @@ def _recognised(documents: Documents) -> Format:
         raise InputError(
             f"{names}: this is one of two files ({half.NAME}: {half.ABOUT}); give both, left before right."
         )
-    raise InputError(f"{names}: no calibration that is known; expected one of: {all_known()}.")
+    if len(documents) == 2:
+        return _likely(documents, names)
+    raise InputError(f"{names}: {unknown()}")
+
+
+def _likely(documents: Documents, names: str) -> Format:
+    """The format of two files that none can read together: that of one of them, whose reader says what the other one
+    lacks.
+
+    Raises:
+        InputError: if they are of different kinds, or each is a whole calibration.
+    """
+    looks = [recognised((document,)) or half_of((document,)) for document in documents]
+    found = [format for format in looks if format is not None]
+    if not found:
+        raise InputError(f"{names}: {unknown()}")
+    if len(found) == 2 and found[0] is found[1]:
+        raise InputError(f"{names}: each is a calibration by itself ({found[0].NAME}); give one.")
+    if len(found) == 2 or found[0].FILES == 1:
+        one, other = ("nothing that is known" if format is None else format.NAME for format in looks)
+        raise InputError(
+            f"these two do not belong together: {documents[0].name} looks like {one}, {documents[1].name} like "
+            f"{other}; give two of one kind, or the whole one alone."
+        )
+    return found[0]
 
 
 def _in_folder(folder: Path, format: Format | None, hints: Hints) -> Documents:
-    """The file of a folder that holds a calibration, or the two that do so together."""
+    """The file of a folder that holds a calibration, or the two that do so together; where none does, the likely ones.
+
+    Raises:
+        InputError: if there is none, or there are several.
+    """
     if format is None and (folder / _SCENE).is_file():
         return (read_document(folder / _SCENE),)
     found = _documents_in(folder, format)
@@ -115,13 +147,30 @@ def _in_folder(folder: Path, format: Format | None, hints: Hints) -> Documents:
     if whole:
         names = (" with ".join(str(Path(each.name).relative_to(folder)) for each in documents) for documents in whole)
         raise InputError(f"{folder}: several calibrations are in there ({', '.join(names)}); give one of them.")
-    raise InputError(
-        f"{folder}: there is no {_SCENE} and no calibration that is known; expected one of: {all_known()}."
-    )
+    if not found:
+        raise InputError(
+            f"{folder}: there is no calibration file in it that can be read; give a file, or another folder."
+        )
+    for documents in (*permutations(parts, 2), *((document,) for document in found)):
+        fits = recognised(documents) if format is None else format
+        if fits is not None and fits.can_read(documents):
+            return documents  # whose reader says what is wrong with it
+    if format is None and len(found) <= 2:
+        return found
+    raise InputError(f"{folder}: {unknown()}")
+
+
+def looks_calibrated(folder: Path) -> bool:
+    """Whether there is a file in a folder whose name may be that of a calibration; opens none."""
+    return bool(_files_in(folder))
+
+
+def _files_in(folder: Path) -> list[Path]:
+    return sorted(path for path in folder.iterdir() if path.suffix.lower() in _ENDINGS and path.is_file())
 
 
 def _documents_in(folder: Path, format: Format | None) -> Documents:
-    paths = sorted(path for path in folder.iterdir() if path.suffix.lower() in _ENDINGS and path.is_file())
+    paths = _files_in(folder)
     cameras = (root / name for root in (folder, folder / "mav0") for name in _OF_CAMERAS)
     documents = []
     for path in (*paths, *(path for path in cameras if path.is_file())):

@@ -70,6 +70,6 @@ def usual(path: Path) -> Format:
     return _USUAL.get(ending, _stereorecal)
 
 
-def all_known() -> str:
-    """What can be read, for messages."""
-    return "; ".join(f"{format.NAME}: {format.ABOUT}" for format in FORMATS)
+def unknown() -> str:
+    """What to say where nothing is recognised."""
+    return f"no calibration that is known; expected one of {', '.join(NAMES)}: docs/data.md describes them."

@@ -1,6 +1,8 @@
 """A rig without images: the file that holds its calibration."""
 
-from collections.abc import Mapping
+import os
+import shutil
+from collections.abc import Mapping, Sequence
 from itertools import count
 from pathlib import Path
 from typing import Any
@@ -12,6 +14,7 @@ from stereorecal.io._json import parse_json
 from stereorecal.io._paths import AnyPath
 from stereorecal.io.formats._format import Hints
 from stereorecal.io.formats._reading import read_files
+from stereorecal.io.formats._registry import named
 from stereorecal.io.formats._source import source_of
 from stereorecal.io.formats._stereorecal import calibration_of, calibration_text
 from stereorecal.io.formats._units import warn_of_units
@@ -19,7 +22,7 @@ from stereorecal.io.formats._writing import chosen_format, texts_of
 
 
 def load_rig(
-    path: AnyPath,
+    path: AnyPath | Sequence[AnyPath],
     right: AnyPath | None = None,
     *,
     format: str | None = None,
@@ -29,7 +32,8 @@ def load_rig(
     """The rig in a calibration file of any format of `docs/data.md`; it remembers the file, for `save_rig`.
 
     Args:
-        path: the file; a folder that holds one; or the left camera's file, where each camera has its own.
+        path: the file; a folder that holds one; or the left camera's file, where each camera has its own, alone or
+            with the right one's, as `save_rig` takes them.
         right: the right camera's file (or the extrinsics, where OpenCV's sample wrote them apart).
         format: name of the format, such as "kalibr"; by default it is recognised.
         unit: "m", "cm", "mm" or "in", for files that say none (OpenCV, BoofCV); by default told by the baseline.
@@ -44,20 +48,22 @@ def load_rig(
         CalibrationWarning: if the unit was told by the baseline, or the baseline is longer than 5 m or shorter than
             5 mm, as of a rig in other units.
     """
-    paths = [Path(path)] if right is None else [Path(path), Path(right)]
+    paths = [*_paths(path), *([] if right is None else [Path(right)])]
+    if not 1 <= len(paths) <= 2:
+        raise InputError(f"{len(paths)} calibration files were given; give one, or two where each camera has its own.")
     rig = read_files(paths, format, unit, Hints(size=size))
-    warn_of_units(path, rig)
+    warn_of_units(" and ".join(map(str, paths)), rig)
     return rig
 
 
 def save_rig(
     rig: StereoRig,
-    path: AnyPath | tuple[AnyPath, AnyPath],
+    path: AnyPath | Sequence[AnyPath],
     info: Mapping[str, Any] | None = None,
     overwrite: bool = False,
     *,
     format: str | None = None,
-    template: AnyPath | tuple[AnyPath, AnyPath] | None = None,
+    template: AnyPath | Sequence[AnyPath] | None = None,
     unit: str | None = None,
 ) -> None:
     """Write a rig into a copy of the file that it came from, whole or not at all: what was not estimated stays as it
@@ -72,13 +78,13 @@ def save_rig(
         format: name of the format; by default that of the template, or for a rig from nowhere a calib.json, or OpenCV's
             where the name ends in .yaml, .yml or .xml.
         template: a calibration file (or two) to write into, in place of the one that the rig came from.
-
-        unit: "m", "cm", "mm" or "in", of a template that says none; by default that of the file that the rig came from,
-            if its format is the same, else told by the template's baseline.
+        unit: "m", "cm", "mm" or "in", where the format says none: of a template, by default that of the file that the
+            rig came from, if its format is the same, else told by the template's baseline; or of a new file, by default
+            metres.
 
     Raises:
-        InputError: if a file exists already, the place cannot be written to, the name contradicts the format, or the
-            format cannot hold the rig: the message names one that can. Nothing is written then.
+        InputError: if a file exists already, the place cannot be written to, the name contradicts the format, the
+            format has another unit, or cannot hold the rig: the message names one that can. Nothing is written then.
 
     Warns:
         CalibrationWarning: if the unit of the template was told by its baseline.
@@ -87,31 +93,45 @@ def save_rig(
     if len({place.resolve() for place in paths}) < len(paths):
         raise InputError(f"{paths[0]}: both cameras' files are the same one; give two names.")
     if template is None:
-        if unit is not None:
-            raise InputError("unit= is that of a template; give template=, or leave unit= out.")
         source = source_of(rig)
     else:
         like = _read_template(template, unit, rig)
         source = source_of(like)
         warn_of_units(str(template), like)
-    texts = list(texts_of(rig, paths, source, format))
+    texts = list(texts_of(rig, paths, source, format, unit))
     if info and chosen_format(paths, source, format).NAME == "stereorecal":
         texts[0] = _with_info(texts[0], info)
     for place in paths:
         if place.exists() and not overwrite:
-            raise InputError(f"{place}: the file exists already; choose another name or allow overwriting.")
+            raise InputError(f"{place}: the file exists already; choose another name, or say overwrite=True.")
         if not place.parent.is_dir():  # before the first of two is written
             raise InputError(f"{place}: cannot be written, there is no such folder; choose another place.")
     write_files({place: text.encode() for place, text in zip(paths, texts, strict=True)})
 
 
-def check_savable(rig: StereoRig, path: AnyPath | tuple[AnyPath, AnyPath], *, format: str | None = None) -> None:
+def check_savable(
+    rig: StereoRig, path: AnyPath | Sequence[AnyPath], *, format: str | None = None, unit: str | None = None
+) -> None:
     """All that `save_rig` refuses but for files that exist; nothing is written.
 
     Raises:
         InputError: as `save_rig`.
     """
-    texts_of(rig, _paths(path), source_of(rig), format)
+    texts_of(rig, _paths(path), source_of(rig), format, unit)
+
+
+def says_its_unit(rig: StereoRig) -> bool:
+    """Whether the format of the file that a rig came from has a unit of lengths; False for a rig from nowhere."""
+    source = source_of(rig)
+    return source is not None and named(source.format).UNIT is not None
+
+
+def unsaid_unit(rig: StereoRig, path: AnyPath | Sequence[AnyPath], *, format: str | None = None) -> str | None:
+    """The unit of lengths in what `save_rig` writes, where the format says none; None where it says one."""
+    source = source_of(rig)
+    chosen = chosen_format(_paths(path), source, format)
+    own = source.unit if source is not None and source.format == chosen.NAME else "m"
+    return own if chosen.UNIT is None else None
 
 
 def calibration_json(rig: StereoRig) -> str:
@@ -139,14 +159,15 @@ def back_up(path: AnyPath) -> Path:
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror}); check the file.") from error
     write_bytes(copy, data)
+    shutil.copymode(path, copy)
     return copy
 
 
-def _paths(path: AnyPath | tuple[AnyPath, AnyPath]) -> list[Path]:
-    return [Path(each) for each in path] if isinstance(path, tuple) else [Path(path)]
+def _paths(path: AnyPath | Sequence[AnyPath]) -> list[Path]:
+    return [Path(path)] if isinstance(path, str | os.PathLike) else [Path(each) for each in path]
 
 
-def _read_template(template: AnyPath | tuple[AnyPath, AnyPath], unit: str | None, rig: StereoRig) -> StereoRig:
+def _read_template(template: AnyPath | Sequence[AnyPath], unit: str | None, rig: StereoRig) -> StereoRig:
     """The rig in a template; lengths in one that says no unit are as in the rig's own file of that format."""
     paths, hints, own = _paths(template), Hints(size=rig.left.size), source_of(rig)
     like = read_files(paths, unit=unit, hints=hints)

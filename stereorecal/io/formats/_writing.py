@@ -6,38 +6,45 @@ from pathlib import Path
 import numpy as np
 
 from stereorecal._errors import InputError
+from stereorecal._units import METRES, checked_unit
 from stereorecal.geometry import Camera, StereoRig, same_camera
 from stereorecal.io._about import about
 from stereorecal.io.formats._format import Format, Hints, Target
 from stereorecal.io.formats._reading import rig_in
 from stereorecal.io.formats._registry import named, usual
 from stereorecal.io.formats._source import Source
-from stereorecal.io.formats._units import METRES, scaled
+from stereorecal.io.formats._units import scaled
 from stereorecal.io.formats.text._document import Syntax, document
 
 _SAME = 1e-9  # of what is read back from what was written: radians, and parts of numbers
 
 
-def texts_of(rig: StereoRig, paths: Sequence[Path], source: Source | None, format: str | None) -> tuple[str, ...]:
+def texts_of(
+    rig: StereoRig, paths: Sequence[Path], source: Source | None, format: str | None, unit: str | None = None
+) -> tuple[str, ...]:
     """What is to be written for a rig; reading it gives the rig back.
 
     Args:
         paths: one, or those of the left and the right camera.
         source: the file to write into, if the format is its own; all that was not estimated stays.
         format: name; default: that of the source, or the usual one for such a name of a file.
+        unit: of a new file whose format says none; default: that of the source, if the format is its own, else metres.
 
     Raises:
-        InputError: if the name of a file contradicts the format, the format takes another number of files, or it cannot
-            hold the rig.
+        InputError: if the name of a file contradicts the format, the format takes another number of files, it cannot
+            hold the rig, or is in another unit.
     """
     chosen = chosen_format(paths, source, format)
     syntax = syntax_for(paths, chosen, source)
-    names = " and ".join(map(str, paths))
-    with about(names):
-        if source is not None and source.format == chosen.NAME and source.documents[0].syntax is syntax:
-            return _into(rig, chosen, source)
-        own = source is not None and source.format == chosen.NAME
-        return _anew(rig, chosen, syntax, chosen.UNIT or (source.unit if source is not None and own else "m"))
+    own = source if source is not None and source.format == chosen.NAME else None
+    into = own if own is not None and own.documents[0].syntax is syntax else None
+    stated = chosen.UNIT or (into.unit if into is not None else None)
+    with about(" and ".join(map(str, paths))):
+        if stated is not None and checked_unit(unit) not in (None, stated):
+            raise InputError(f"lengths of this {chosen.NAME} file are in {stated}, not in {unit}; leave the unit out.")
+        if into is not None:
+            return _into(rig, chosen, into)
+        return _anew(rig, chosen, syntax, stated or unit or (own.unit if own is not None else "m"))
 
 
 def check_names(paths: Sequence[Path], source: Source | None, format: str | None) -> None:

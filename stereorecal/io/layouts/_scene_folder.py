@@ -1,6 +1,7 @@
 """Scene folders: left.* and right.*, or folders of these names, beside a calib.json."""
 
 import re
+import shlex
 from itertools import chain
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from stereorecal.io._atomic import write_text
 from stereorecal.io._paths import AnyPath
 from stereorecal.io._scenes import scene_of
 from stereorecal.io.formats._calibration import load_calibration
+from stereorecal.io.formats._reading import looks_calibrated
 from stereorecal.io.formats._stereorecal import NAME, calibration_of, calibration_text
 from stereorecal.io.images._files import images_in, natural_order, write_png
 from stereorecal.io.images._match import match_files
@@ -30,10 +32,26 @@ def is_scene_folder(folder: Path) -> bool:
 
 def load_scene_folder(folder: Path, limit: int | None = None) -> Scene:
     """The scene in a folder as `load_scene` describes it."""
+    _check_calibrated(folder)
     calibration = load_calibration((folder / _CALIBRATION_FILE,), NAME)
     pairs = load_sides(folder, limit)
     with about(folder):
         return scene_of(name_of(folder), calibration, pairs)
+
+
+def _check_calibrated(folder: Path) -> None:
+    """Refuse images beside a calibration in another format, with the words that read them."""
+    sides = [_images_of(folder, side) for side in ("left", "right")]
+    if is_scene_folder(folder) or not looks_calibrated(folder) or not all(map(any, sides)):
+        return
+    left, right = (
+        single[0] if single else folder / side for side, (single, _) in zip(("left", "right"), sides, strict=True)
+    )
+    words = shlex.join(["--left", str(left), "--right", str(right), "--calibration", str(folder)])
+    raise InputError(
+        f"{folder}: there is no {_CALIBRATION_FILE}; for a calibration in another format say {words} (in Python: "
+        "sr.io.gather_scene(left, right, calibration))."
+    )
 
 
 def load_sides(folder: Path, limit: int | None) -> tuple[Pair, ...]:
@@ -109,7 +127,7 @@ def _file_names(pairs: tuple[Pair, ...]) -> list[str]:
 def _check_free(folder: Path, targets: set[Path], overwrite: bool) -> None:
     existing = natural_order(path for path in targets if path.exists())
     if existing and not overwrite:
-        raise InputError(f"{existing[0]}: the file exists already; choose another folder or allow overwriting.")
+        raise InputError(f"{existing[0]}: the file exists already; choose another folder, or say overwrite=True.")
     for side in ("left", "right"):
         for path in chain(*_images_of(folder, side)):
             if path not in targets:

@@ -30,14 +30,16 @@ def refused(call, words: str, kind: type[InputError] = InputError) -> None:
 @pytest.mark.parametrize(
     ("name", "text", "words"),
     [
-        ("a.yaml", "a: 1\nb: 2\n", "no calibration that is known; expected one of: stereorecal: calib.json"),
+        ("a.yaml", "a: 1\nb: 2\n", "no calibration that is known; expected one of stereorecal, kalibr, boofcv"),
         ("a.json", '{"a": 1}', "no calibration that is known"),
         ("a.txt", "hello world", "not a YAML file"),
         ("a.xml", "<?xml version='1.0'?><opencv_storage><M1>", "not an XML file"),
         ("a.xml", "<!DOCTYPE a [<!ENTITY b 'c'>]><a>&b;</a>", "not an XML file"),
         ("a.yaml", samples.ROS_PAIR[0], "this is one of two files (ros: "),
         ("a.yaml", samples.EUROC_PAIR[1], "this is one of two files (euroc: "),
-        ("a.yaml", SAMPLES["opencv pair"].texts[0], "'R' is missing"),
+        ("a.yaml", SAMPLES["opencv pair"].texts[0], "intrinsics only, no extrinsics (R, T): OpenCV's stereo_calib"),
+        ("a.yaml", SAMPLES["opencv pair"].texts[1], "extrinsics only, no intrinsics (K1 or M1"),
+        ("a.yaml", samples.KALIBR.partition("cam1:")[0], "the chain has no cam1"),
         ("a.yaml", "K: " + "[" * 200_000, "too long or too deeply nested"),
         ("a.json", '{"cameraData": ' + "[" * 200_000, "nests more than 100 levels"),
         ("a.yaml", samples.OPENCV.replace("imageSize: [ 64, 48 ]\n", ""), "the file has no image size"),
@@ -78,7 +80,7 @@ def test_names_that_are_none(tmp_path: Path):
 
 
 def test_folders(tmp_path: Path):
-    refused(lambda: load_rig(tmp_path), "no calibration that is known; expected one of")
+    refused(lambda: load_rig(tmp_path), "there is no calibration file in it")
     for name in ("ros", "euroc", "kalibr", "opencv pair"):
         folder = tmp_path / name
         folder.mkdir()
@@ -89,8 +91,41 @@ def test_folders(tmp_path: Path):
     refused(lambda: load_rig(tmp_path / "kalibr"), "several calibrations are in there (calibration0.yaml, old.yaml)")
 
 
+CAMERA_INFO = samples.ROS_PAIR[1].partition("projection_matrix")[0]
+
+
+@pytest.mark.parametrize("in_folder", [False, True])
+@pytest.mark.parametrize(
+    ("texts", "words"),
+    [
+        ((samples.ROS_PAIR[0], CAMERA_INFO), "b.yaml: the key 'projection_matrix' is missing"),
+        ((samples.ROS_PAIR[0], samples.EUROC_PAIR[0]), "a.yaml looks like ros, {}b.yaml like euroc; give two of one"),
+        ((samples.ROS_PAIR[0], "a: 1"), "b.yaml: the key 'image_width' is missing"),
+        (("b: 2", "a: 1"), "b.yaml: no calibration that is known"),
+        (
+            tuple(text.replace("imageSize: [ 64, 48 ]\n", "") for text in SAMPLES["opencv pair"].texts),
+            "b.yaml: the file has no image size (imageSize); give size=",
+        ),
+    ],
+)
+def test_two_files_that_are_no_calibration(tmp_path: Path, texts: tuple[str, str], words: str, in_folder: bool):
+    paths = [tmp_path / "a.yaml", tmp_path / "b.yaml"]
+    for path, text in zip(paths, texts, strict=True):
+        path.write_text(text)
+    refused(lambda: load_rig(tmp_path) if in_folder else load_rig(*paths), words.format(f"{tmp_path}/"))
+
+
+def test_two_whole_calibrations(tmp_path: Path):
+    (kalibr,) = SAMPLES["kalibr"].write(tmp_path)
+    (tmp_path / "left.yaml").write_text(samples.ROS_PAIR[0])
+    refused(lambda: load_rig(kalibr, kalibr), "each is a calibration by itself (kalibr); give one")
+    refused(lambda: load_rig(tmp_path / "left.yaml", kalibr), "these two do not belong together")
+
+
 def test_left_and_right_the_wrong_way_round(tmp_path: Path):
     left, right = SAMPLES["ros"].write(tmp_path)
+    assert np.array_equal(load_rig([left, right]).extrinsics, load_rig(left, right).extrinsics)
+    refused(lambda: load_rig([left, right], left), "3 calibration files were given")
     refused(lambda: load_rig(right, left), "left and right are swapped; give the left camera's file first")
     refused(lambda: load_rig(left, left), "no baseline")
 
@@ -123,7 +158,8 @@ def test_the_unit_of_a_template(tmp_path: Path):
     for name in ("said.yaml", "own.yaml", "anew.xml"):
         again = load_rig(tmp_path / name, unit="cm")
         np.testing.assert_allclose(again.extrinsics, samples.RIG.extrinsics, atol=1e-12)
-    refused(lambda: save_rig(rig, tmp_path / "a.yaml", unit="cm"), "unit= is that of a template")
+    refused(lambda: save_rig(own, tmp_path / "other.yaml", unit="mm"), "are in cm, not in mm; leave the unit out")
+    refused(lambda: save_rig(rig, tmp_path / "a.yaml", format="kalibr", unit="cm"), "this kalibr file are in m, not in")
 
 
 def test_a_format_with_a_unit_keeps_it(tmp_path: Path):

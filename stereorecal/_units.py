@@ -1,0 +1,32 @@
+"""Units of length, and whether a baseline is as long as baselines are."""
+
+from stereorecal._errors import InputError
+
+METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
+_WORDS = {"m": "metres", "cm": "centimetres", "mm": "millimetres", "in": "inches"}
+_USUAL = (0.005, 5.0)  # metres, from the smallest endoscope to the longest ship's rig
+
+
+def checked_unit(unit: str | None) -> str | None:
+    """The unit, if it is one or none is given.
+
+    Raises:
+        InputError: otherwise.
+    """
+    if unit is not None and unit not in METRES:
+        raise InputError(f"unknown unit {unit!r}; choose one of: {', '.join(METRES)}.")
+    return unit
+
+
+def inferred_unit(length: float) -> str:
+    """Metres, if a baseline of that length would be a usual one, else millimetres."""
+    return "m" if length <= _USUAL[1] else "mm"
+
+
+def doubt_of_length(metres: float, unit: str) -> str | None:
+    """What to say of a baseline whose length speaks of another unit than the one in which it was given; None if it is
+    a usual one."""
+    shortest, longest = _USUAL
+    if shortest <= metres <= longest:
+        return None
+    return f"the baseline is {metres:.3g} m long; check that the translation is in {_WORDS[unit]}."

@@ -1,0 +1,41 @@
+"""The shell lines of tutorials, in the folder that their first block makes. (Blocks of Python are run where the pages
+are.)"""
+
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+TUTORIALS = Path(__file__).parents[2] / "docs" / "tutorials"
+
+
+@pytest.mark.parametrize(
+    ("page", "written"),
+    [
+        (
+            "03-your-own-calibration.md",
+            [
+                "camchain-shell.yaml",
+                "ros_left-shell.yaml",
+                "ros_right-shell.yaml",
+                "stereo-shell.yaml",
+                "stereo.yaml.bak",
+            ],
+        ),
+        ("09-with-opencv.md", ["maps.npz"]),
+    ],
+)
+def test_shell_lines(command, page: str, written: list[str], monkeypatch: pytest.MonkeyPatch):
+    text = (TUTORIALS / page).read_text()
+    names: dict[str, Path] = {}
+    exec(re.findall(r"```python\n(.*?)```", text, re.DOTALL)[0], names)
+    monkeypatch.chdir(names["folder"])
+    before = set(names["folder"].iterdir())
+    lines = [line for block in re.findall(r"```sh\n(.*?)```", text, re.DOTALL) for line in block.splitlines()]
+    assert lines
+    for line in lines:
+        assert line.startswith("python -m stereorecal ")
+        answer = command(*shlex.split(line)[3:])
+        assert (answer.code, answer.err) == (0, ""), line
+    assert sorted(path.name for path in {*names["folder"].iterdir()} - before) == written
