@@ -4,14 +4,16 @@ import argparse
 import sys
 from collections.abc import Sequence, Sized
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 from stereorecal._errors import InputError
 from stereorecal.cli import _calibrations, _values
 from stereorecal.io import calibrated_scene, load_scene, open_pairs
 from stereorecal.recalibration import MOST_FRAMES, chosen_frames
-from stereorecal.recordings import Pair, Scene
+from stereorecal.recordings import LazyPairs, Pair, Scene
 
+_LONG = 100  # pairs: more of image files are treated like a video's, which are not all looked at
 _FEW = 10  # frames without partner that are named; of more, the number is said
 _GIVE = (
     "give scene folders, or --left, --right and --calibration together; in place of --left and --right: --side-by-side,"
@@ -62,17 +64,15 @@ def _loose(options: argparse.Namespace) -> bool:
 def _scenes(options: argparse.Namespace) -> Recordings:
     if options.format or options.unit:
         raise InputError("--format and --unit belong to --calibration; leave them out.")
-    first = _values.frame_limit(options.frames)
-    if _values.every_frame(options):
-        found = [load_scene(Path(path), limit=first) for path in options.scenes]
-        return Recordings(found, ())
-    found, absent = [], ()
-    for path in options.scenes:
-        scene = load_scene(Path(path))
-        pairs, left_out = _selected(scene.pairs, options, stream=False, about=scene.name)
-        found.append(replace(scene, pairs=pairs))
-        absent += left_out
-    return Recordings(found, absent)
+    absent: list[tuple[str, str]] = []
+
+    def chosen(pairs: LazyPairs, path: str) -> tuple[Pair, ...]:
+        found, left_out = _selected(pairs, options, stream=False, about=path)
+        absent.extend(left_out)
+        return found
+
+    found = [load_scene(Path(path), choose=partial(chosen, path=path)) for path in options.scenes]
+    return Recordings(found, tuple(absent))
 
 
 def _recorded(options: argparse.Namespace) -> Recordings:
@@ -101,17 +101,13 @@ def _recorded(options: argparse.Namespace) -> Recordings:
 
 
 def _selected(
-    pairs: Sequence,  # of Pair; said so, a checker of types would read one to look at it
-    options: argparse.Namespace,
-    *,
-    stream: bool,
-    about: str,
+    pairs: LazyPairs, options: argparse.Namespace, *, stream: bool, about: str
 ) -> tuple[tuple[Pair, ...], tuple[tuple[str, str], ...]]:
     """The pairs that --from, --to, --every, --frames and --limit leave, read; and what to say of the others."""
     wanted = pairs[_values.stretch(options)][: _values.frame_limit(options.frames)]
     if not len(wanted):
         raise InputError(f"{about}: of {len(pairs)} pairs, --from, --to and --every leave none; change them.")
-    limit = _values.limit(options.limit, MOST_FRAMES if stream else None)
+    limit = _values.limit(options.limit, MOST_FRAMES if stream or len(wanted) > _LONG else None)
     chosen = tuple(wanted) if limit is None else chosen_frames(wanted, limit)
     return chosen, (
         *without(pairs, wanted, "outside of --from, --to, --every and --frames"),

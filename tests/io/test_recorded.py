@@ -9,9 +9,8 @@ import pytest
 
 from stereorecal._errors import InputError
 from stereorecal.io import load_pairs, open_pairs
-from stereorecal.io.images._recorded import LazyPairs
 from stereorecal.recalibration import chosen_frames
-from stereorecal.recordings import Pair
+from stereorecal.recordings import LazyPairs, Pair
 
 FRAMES = 6
 HEIGHT, WIDTH = 48, 64
@@ -71,7 +70,7 @@ def test_frames_are_read_when_asked_for():
         read.append(number)
         return Pair(image(number, 0).astype(np.float32), image(number, 1).astype(np.float32), str(number))
 
-    lazy = LazyPairs([lambda n=n: make(n) for n in range(FRAMES)])
+    lazy = LazyPairs([lambda n=n: make(n) for n in range(FRAMES)], [str(n) for n in range(FRAMES)])
     assert len(lazy[1:6:2]) == 3
     assert read == []
     assert len(chosen_frames(lazy, 2)) == 2
