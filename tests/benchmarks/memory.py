@@ -84,9 +84,8 @@ def main() -> None:
     finally:
         shutil.rmtree(place)
     for name, (few, many) in found.items():
-        print(
-            f"{name}: {few[0]} MB at 10 frames, {many[0]} MB at {options.frames} ({many[0] - few[0]:+d}); {many[1]:.0f} s"
-        )
+        peaks = f"{few[0]} MB at 10 frames, {many[0]} MB at {options.frames}"
+        print(f"{name}: {peaks} ({many[0] - few[0]:+d}), in {many[1]:.0f} s")
 
 
 if __name__ == "__main__":
