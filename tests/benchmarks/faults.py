@@ -2,7 +2,8 @@
 
 `recalibrate --in-place`, `compare --json --html` and `reproduce` run as processes of their own, forked from one that
 has imported the libraries (what signals do before that, tests/cli/test_signals.py tells). In each run one thing goes
-wrong: the n-th call that writes fails as on a full disk, or the process is sent kill -9, Ctrl-C, SIGTERM or SIGHUP at one of many moments. Then every file that was there must be as it was or complete, every JSON must be readable, no
+wrong: the n-th call that writes fails as on a full disk, or the process is sent kill -9, Ctrl-C, SIGTERM or SIGHUP at
+one of many moments. Then every file that was there must be as it was or complete, every JSON must be readable, no
 traceback may have been printed, a signal must end in 130 (or in the run's own code, if it had just finished), and a
 second `reproduce` must go on, and end with the rows of one that nothing disturbed.
 
