@@ -104,6 +104,7 @@ class Zygote:
         process = self._process
         assert process.stdin is not None
         assert process.stdout is not None
+        Path(f"{folder}.said").touch()
         process.stdin.write(json.dumps([fail, str(folder), words]) + "\n")
         process.stdin.flush()
         child, began = int(process.stdout.readline()), time.monotonic()
@@ -243,6 +244,7 @@ def main() -> None:
                 print(f"  {verb}, {about}: {line}", flush=True)
             bad[verb] += bool(found)
             shutil.rmtree(folder)
+            Path(f"{folder}.said").unlink()
             return seconds
 
         for verb in verbs:
