@@ -57,12 +57,17 @@ def set_line(path: Path, key: str, values: object) -> None:
 
 
 def refused(folder: Path, *words: str, kind: type[InputError] = InputError) -> None:
-    """The folder is not read, and one sentence says why."""
+    """The folder is not read, or one of its images is not, and one sentence says why."""
     with pytest.raises(InputError) as error:
-        load_log(folder)
+        _read(folder)
     message = _one_sentence(error.value, kind)
     for word in words:
         assert word in message
+
+
+def _read(folder: Path) -> None:
+    for mission in load_log(folder).missions:
+        tuple(mission.pairs)
 
 
 def refused_scene(folder: Path, words: str, kind: type[InputError] = InputError, about: str = "calib.json") -> None:

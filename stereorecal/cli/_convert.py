@@ -3,6 +3,7 @@
 import argparse
 from dataclasses import replace
 
+from stereorecal._errors import InputError
 from stereorecal.cli import _calibrations
 from stereorecal.cli._places import Place, check_places, spare
 from stereorecal.cli._rigs import rig_at, unit_written
@@ -11,6 +12,8 @@ from stereorecal.io import files_read, save_rig
 
 def run(options: argparse.Namespace) -> int:
     """Read, write, say so; returns the exit code."""
+    if options.target == "-":
+        raise InputError("B is -: a calibration is written to a file; give the name of one.")
     target = _calibrations.place(options.target, "B")
     places = [Place("B", path) for path in _calibrations.paths(target)]
     with files_read() as read:

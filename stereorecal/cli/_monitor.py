@@ -2,18 +2,20 @@
 
 import argparse
 import sys
-from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import IO
 
 from stereorecal._errors import InputError
 from stereorecal.cli._exit_codes import CANNOT_TELL, INTERRUPTED, REPAIR
 from stereorecal.cli._live import lines, live
-from stereorecal.cli._places import check_places, check_writable, places_of
-from stereorecal.cli._recordings import recordings
-from stereorecal.io import check_savable, json_line, save_rig
+from stereorecal.cli._places import Place, check_places, deliver, image_inputs, places_of, spare, written_or_printed
+from stereorecal.cli._recordings import watched
+from stereorecal.cli._streams import given_up, leave_stdout
+from stereorecal.io import calibration_json, check_savable, files_read, json_line, save_rig
 from stereorecal.matching import as_matcher
 from stereorecal.online import Config, State, Stepped, init, load, reading, run as steps, save
 from stereorecal.recalibration import Condition
@@ -24,34 +26,83 @@ _CODES = {Condition.HEALTHY: 0, Condition.REPAIR: REPAIR, Condition.CANNOT_TELL:
 
 def run(options: argparse.Namespace) -> int:
     """Check, watch, save; returns the exit code."""
-    _check_places(options)
-    scenes = recordings(options).scenes
-    if len(scenes) != 1:
-        raise InputError("one rig is watched at a time; give one scene.")
-    assert scenes[0].rig is not None
+    places = _check_places(options)
+    with files_read() as read:
+        scene, pairs = watched(options)
+    spare(places, {*read, *image_inputs(options)})
+    assert scene.rig is not None
     if options.output is not None:
-        check_savable(scenes[0].rig, options.output)
-    state, interrupted = _start(options, scenes[0]), False
+        check_savable(scene.rig, options.output)
+    state, interrupted = _start(options, scene), False
+    failed: dict[str, Exception] = {}  # what could not be read or written; the rest goes on
+
+    def attempt(step: Callable[[], None], what: str) -> None:
+        try:
+            if what not in failed:
+                step()
+        except BrokenPipeError:  # nobody reads on
+            if options.output is None and options.state is None:
+                raise
+            leave_stdout()
+        except (InputError, OSError) as error:
+            failed[what] = error if isinstance(error, InputError) else _unsaid(error, what, options)
+
     try:
-        with _json_lines(options.json) as log, _shown(options, scenes[0]) as show:
-            for stepped in steps(state, scenes[0].pairs):
+        with _json_lines(options.json) as log, _shown(options, scene) as show:
+            for stepped in steps(state, iter(pairs)):
                 state = stepped.state
-                if options.state is not None:
-                    save(state, options.state)
-                if log is not None:
-                    log.writelines(_told(stepped))
-                    log.flush()
-                show(stepped)
+                attempt(partial(_keep, options, state), "--state")
+                attempt(partial(_log, log, stepped), "--json")
+                attempt(partial(show, stepped), "stdout")
     except KeyboardInterrupt:
         interrupted = True
         print(f"stereorecal: interrupted after {state.frame} pairs.", file=sys.stderr)
-    if options.output is not None and state.using.any():
-        rig = replace(state.rig, source=scenes[0].rig.source)  # what was restored from a file has forgotten its own
-        save_rig(rig, options.output, scenes[0].info, overwrite=options.force)
-    condition = reading(state).condition
+    except InputError as error:  # a pair that cannot be read: what the others have told is kept
+        if not state.frame:
+            raise
+        failed["a pair"] = error
+    deliver(
+        lambda: _save_output(options, state, scene),
+        lambda: _summary(options, state),
+        *(partial(_raise, error) for error in failed.values()),
+    )
+    return INTERRUPTED if interrupted else _CODES[reading(state).condition]
+
+
+def _keep(options: argparse.Namespace, state: State) -> None:
+    if options.state is not None:
+        save(state, options.state)
+
+
+def _log(log: IO[str] | None, stepped: Stepped) -> None:
+    if log is not None:
+        log.writelines(_told(stepped))
+        log.flush()
+
+
+def _save_output(options: argparse.Namespace, state: State, scene: Scene) -> None:
+    if options.output is None or not state.using.any():
+        return
+    assert scene.rig is not None
+    rig = replace(state.rig, source=scene.rig.source)  # what was restored from a file has forgotten its own
+    written_or_printed(
+        lambda: save_rig(rig, options.output, scene.info, overwrite=options.force), lambda: calibration_json(rig)
+    )
+
+
+def _summary(options: argparse.Namespace, state: State) -> None:
     if not options.quiet and options.json != "-":
-        print(f"{condition.value}; {_about(options, state)}")
-    return INTERRUPTED if interrupted else _CODES[condition]
+        print(f"{reading(state).condition.value}; {_about(options, state)}")
+
+
+def _unsaid(error: OSError, what: str, options: argparse.Namespace) -> InputError:
+    if what == "stdout" or options.json == "-":
+        return given_up(error)
+    return InputError(f"{what} {options.json}: cannot be written ({error.strerror}); make room.")
+
+
+def _raise(error: Exception) -> None:
+    raise error
 
 
 def _start(options: argparse.Namespace, scene: Scene) -> State:
@@ -83,8 +134,12 @@ def _json_lines(target: str | None) -> Iterator[IO[str] | None]:
     if target is None or target == "-":
         yield None if target is None else sys.stdout
         return
-    with open(target, "w", encoding="utf-8") as file:
+    file = open(target, "w", encoding="utf-8")  # noqa: SIM115  closed below, whatever is still held back
+    try:
         yield file
+    finally:
+        with suppress(OSError):  # said when it was written
+            file.close()
 
 
 @contextmanager
@@ -97,9 +152,12 @@ def _shown(options: argparse.Namespace, scene: Scene):
         yield stack.enter_context(live(scene.name)) if sys.stdout.isatty() else lines
 
 
-def _check_places(options: argparse.Namespace) -> None:
-    for place in places_of(options, "json", "state"):
-        check_writable(place)
-    if options.output == "-":
-        raise InputError("--output -: a calibration is written to a file; give the name of one.")
-    check_places(places_of(options, "output"), force=options.force)
+def _check_places(options: argparse.Namespace) -> list[Place]:
+    """The files to be written; what could not be is refused before the work. That of the state is gone on with."""
+    for option, what in (("output", "a calibration"), ("state", "a state")):
+        if getattr(options, option) == "-":
+            raise InputError(f"--{option} -: {what} is written to a file; give the name of one.")
+    replaced, kept = places_of(options, "json", "output"), places_of(options, "state")
+    check_places(replaced, force=options.force)
+    check_places([*replaced, *kept], force=True)
+    return [*replaced, *kept]

@@ -2,8 +2,9 @@
 
 import argparse
 import sys
-from collections.abc import Sequence, Sized
+from collections.abc import Callable, Sequence, Sized
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 from stereorecal._errors import InputError
@@ -11,13 +12,16 @@ from stereorecal.cli import _calibrations, _values
 from stereorecal.cli.arguments._calibrations import TWO_FILES
 from stereorecal.io import calibrated_scene, load_scene, open_pairs
 from stereorecal.recalibration import MOST_FRAMES, chosen_frames
-from stereorecal.recordings import Pair, Scene
+from stereorecal.recordings import LazyPairs, Pair, PairSequence, Scene
 
+_LONG = 100  # pairs: more of image files are treated like a video's, which are not all looked at
 _FEW = 10  # frames without partner that are named; of more, the number is said
 _GIVE = (
     "give scene folders, or --left, --right and --calibration together; in place of --left and --right: --side-by-side,"
     " or --bag, --left-topic and --right-topic"
 )
+
+_Select = Callable[..., tuple[tuple[Pair, ...], tuple[tuple[str, str], ...]]]  # as `_selected`
 
 
 @dataclass(frozen=True)
@@ -39,7 +43,32 @@ def recordings(options: argparse.Namespace) -> Recordings:
     Raises:
         InputError: if none or several kinds were asked for, or one cannot be used.
     """
-    found = _scenes(options) if options.scenes and not _loose(options) else _recorded(options)
+    return _recordings(options, _selected)
+
+
+def watched(options: argparse.Namespace) -> tuple[Scene, PairSequence]:
+    """The one scene that was asked for, with its first pair; and all its pairs, to be read one after the other.
+
+    Raises:
+        InputError: as `recordings`, or if there are several.
+    """
+    every: list[PairSequence] = []
+
+    def first(pairs: LazyPairs, options: argparse.Namespace, *, stream: bool, about: str):
+        if options.limit in (None, "all"):
+            every.append(_wanted(pairs, options, about))
+        else:
+            every.append(_selected(pairs, options, stream=stream, about=about)[0])
+        return tuple(every[-1][:1]), ()
+
+    scenes = _recordings(options, first).scenes
+    if len(scenes) != 1:
+        raise InputError("one rig is watched at a time; give one scene.")
+    return scenes[0], every[0]
+
+
+def _recordings(options: argparse.Namespace, select: _Select) -> Recordings:
+    found = _scenes(options, select) if options.scenes and not _loose(options) else _recorded(options, select)
     for scene in found.scenes:
         if scene.rig is None:
             raise InputError(f"{scene.name}: the scene has no calibration; give one to start from.")
@@ -60,23 +89,21 @@ def _loose(options: argparse.Namespace) -> bool:
     return any(getattr(options, name) is not None for name in named)
 
 
-def _scenes(options: argparse.Namespace) -> Recordings:
+def _scenes(options: argparse.Namespace, select: _Select) -> Recordings:
     if options.format or (options.unit and getattr(options, "output_format", None) is None):
         raise InputError("--format and --unit belong to --calibration; leave them out.")
-    first = _values.frame_limit(options.frames)
-    if _values.every_frame(options):
-        found = [load_scene(Path(path), limit=first) for path in options.scenes]
-        return Recordings(found, ())
-    found, absent = [], ()
-    for path in options.scenes:
-        scene = load_scene(Path(path))
-        pairs, left_out = _selected(scene.pairs, options, stream=False, about=scene.name)
-        found.append(replace(scene, pairs=pairs))
-        absent += left_out
-    return Recordings(found, absent)
+    absent: list[tuple[str, str]] = []
+
+    def chosen(pairs: LazyPairs, path: str) -> tuple[Pair, ...]:
+        found, left_out = select(pairs, options, stream=False, about=path)
+        absent.extend(left_out)
+        return found
+
+    found = [load_scene(Path(path), choose=partial(chosen, path=path)) for path in options.scenes]
+    return Recordings(found, tuple(absent))
 
 
-def _recorded(options: argparse.Namespace) -> Recordings:
+def _recorded(options: argparse.Namespace, select: _Select) -> Recordings:
     ways = (
         (options.left, options.right),
         (options.side_by_side,),
@@ -94,7 +121,7 @@ def _recorded(options: argparse.Namespace) -> Recordings:
     def pairs() -> tuple[Pair, ...]:
         recorded = open_pairs(place, options.right, tolerance=options.tolerance, **topics)
         absent.extend(_told(recorded.unpaired))
-        chosen, left_out = _selected(recorded.pairs, options, stream=recorded.stream, about=place)
+        chosen, left_out = select(recorded.pairs, options, stream=recorded.stream, about=place)
         absent.extend(left_out)
         return chosen
 
@@ -104,22 +131,24 @@ def _recorded(options: argparse.Namespace) -> Recordings:
 
 
 def _selected(
-    pairs: Sequence,  # of Pair; said so, a checker of types would read one to look at it
-    options: argparse.Namespace,
-    *,
-    stream: bool,
-    about: str,
+    pairs: LazyPairs, options: argparse.Namespace, *, stream: bool, about: str
 ) -> tuple[tuple[Pair, ...], tuple[tuple[str, str], ...]]:
     """The pairs that --from, --to, --every, --frames and --limit leave, read; and what to say of the others."""
-    wanted = pairs[_values.stretch(options)][: _values.frame_limit(options.frames)]
-    if not len(wanted):
-        raise InputError(f"{about}: of {len(pairs)} pairs, --from, --to and --every leave none; change them.")
-    limit = _values.limit(options.limit, MOST_FRAMES if stream else None)
+    wanted = _wanted(pairs, options, about)
+    limit = _values.limit(options.limit, MOST_FRAMES if stream or len(wanted) > _LONG else None)
     chosen = tuple(wanted) if limit is None else chosen_frames(wanted, limit)
     return chosen, (
         *without(pairs, wanted, "outside of --from, --to, --every and --frames"),
         *without(wanted, chosen, f"of {limit} stretches of equal length, the pair with the most texture is used"),
     )
+
+
+def _wanted(pairs: LazyPairs, options: argparse.Namespace, about: str) -> LazyPairs:
+    """The pairs that --from, --to, --every and --frames leave, not read yet."""
+    wanted = pairs[_values.stretch(options)][: _values.frame_limit(options.frames)]
+    if not len(wanted):
+        raise InputError(f"{about}: of {len(pairs)} pairs, --from, --to and --every leave none; change them.")
+    return wanted
 
 
 def _told(unpaired: Sequence[str]) -> list[tuple[str, str]]:

@@ -43,6 +43,8 @@ def run(options: argparse.Namespace) -> int:
     schedule = known(options.schedule, [_BOTH, *SCHEDULES], "schedule")
     reach = Reach(*_values.degrees_and_fraction(options.reach, "--reach"))
     seed, limit = _values.seed(options.seed), _values.frame_limit("10" if options.frames is None else options.frames)
+    if options.output == "-":
+        raise InputError("--output -: the results are files in a folder; give the name of one.")
     if options.frames is not None and options.log is None:
         raise InputError("--frames belongs to --log; leave it out, or give a log.")
     schedules = SCHEDULES if schedule == _BOTH else (schedule,)

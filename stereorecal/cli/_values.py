@@ -40,11 +40,6 @@ def seed(number: int) -> int:
     return number
 
 
-def every_frame(options: argparse.Namespace) -> bool:
-    """Whether nothing but --frames selects pairs."""
-    return (options.first, options.stop, options.every, options.limit) == (0, None, 1, None)
-
-
 def stretch(options: argparse.Namespace) -> slice:
     """The pairs that --from, --to and --every select."""
     if options.every < 1:

@@ -1,6 +1,7 @@
 """A scene from its parts: image pairs and a calibration that fits them."""
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 
 from stereorecal._errors import InputError
@@ -10,7 +11,7 @@ from stereorecal.io.formats._calibration import Calibration, load_calibration
 from stereorecal.io.formats._format import Hints
 from stereorecal.io.formats._units import warn_of_units
 from stereorecal.io.images._pairs import load_pairs
-from stereorecal.recordings import Pair, Scene, check_pairs
+from stereorecal.recordings import LazyPairs, Pair, Scene, check_pairs
 
 
 def gather_scene(
@@ -68,9 +69,27 @@ def scene_of(name: str, calibration: Calibration, pairs: Sequence[Pair]) -> Scen
     Raises:
         InputError: if there is no pair, or an image has another size than the calibration says.
     """
-    rig, (width, height) = calibration.rig, calibration.size
-    if rig is not None:
-        check_pairs(rig, list(pairs))
-    elif any(pair.size != (width, height) for pair in pairs):
+    pairs = tuple(pairs)
+    if calibration.rig is not None and not pairs:
+        check_pairs(calibration.rig, pairs)  # says that there is none
+    for pair in pairs:
+        _check(calibration, pair)
+    return Scene(name, calibration.rig, pairs, calibration.reference, calibration.info)
+
+
+def fitting(where: Path, calibration: Calibration, pairs: LazyPairs) -> LazyPairs:
+    """The pairs, each checked when it is read: InputError about `where` if it does not fit the calibration."""
+    return pairs.checked(partial(_check_about, where, calibration))
+
+
+def _check_about(where: Path, calibration: Calibration, pair: Pair) -> None:
+    with about(where):
+        _check(calibration, pair)
+
+
+def _check(calibration: Calibration, pair: Pair) -> None:
+    width, height = calibration.size
+    if calibration.rig is not None:
+        check_pairs(calibration.rig, pair)
+    elif pair.size != (width, height):
         raise InputError(f"an image is not {width}x{height} as the calibration says; correct one of them.")
-    return Scene(name, rig, tuple(pairs), calibration.reference, calibration.info)

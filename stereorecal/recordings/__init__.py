@@ -1,6 +1,12 @@
 """Data as users have them: pairs, scenes, missions, logs, and what a pair must fulfil."""
 
 from stereorecal.recordings._checks import check_pairs as check_pairs
+from stereorecal.recordings._lazy import (
+    LazyPairs as LazyPairs,
+    PairSequence as PairSequence,
+    names_of as names_of,
+    picked as picked,
+)
 from stereorecal.recordings._log import Log as Log, Mission as Mission
 from stereorecal.recordings._pair import Pair as Pair, make_pair as make_pair
 from stereorecal.recordings._pairs import Images as Images, Pairs as Pairs, as_pairs as as_pairs

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig
 from stereorecal.recordings._checks import check_pairs
-from stereorecal.recordings._pair import Pair
+from stereorecal.recordings._lazy import LazyPairs, PairSequence, names_of
 from stereorecal.recordings._scene import Scene
 
 
@@ -17,14 +17,15 @@ class Mission:
     Attributes:
         name: of the sequence.
         calibration: name of the manual calibration that holds for it.
-        pairs: in the order in which they were taken; their names are unique within the mission.
+        pairs: in the order in which they were taken; their names are unique within the mission. Those that `load_log`
+            finds are read each time they are asked for: go through them, and keep the ones you need.
         starred: names of pairs of which little is to be expected, such as those that look to the open sea.
         truth: the rig as it really was, where that is known.
     """
 
     name: str
     calibration: str
-    pairs: tuple[Pair, ...]
+    pairs: PairSequence
     starred: frozenset[str] = frozenset()
     truth: StereoRig | None = None
 
@@ -40,7 +41,7 @@ class Log:
 
     Raises:
         InputError: if there is no mission, two missions or two pairs of one have the same name, a calibration is not
-            there, or images do not fit it.
+            there, or images do not fit it. Of pairs that are not read yet, the first of each mission is looked at.
     """
 
     name: str
@@ -53,16 +54,17 @@ class Log:
         if len({mission.name for mission in self.missions}) < len(self.missions):
             raise InputError(f"{self.name}: two sequences have the same name; rename one.")
         for mission in self.missions:
-            if len({pair.name for pair in mission.pairs}) < len(mission.pairs):
+            if len(set(names_of(mission.pairs))) < len(mission.pairs):
                 raise InputError(f"{mission.name}: two pairs have the same name; rename one.")
             if mission.calibration not in self.calibrations:
                 raise InputError(f"{mission.name}: there is no calibration {mission.calibration!r} in the log; add it.")
-            check_pairs(self.calibration_of(mission), mission.pairs)
+            lazy = isinstance(mission.pairs, LazyPairs)
+            check_pairs(self.calibration_of(mission), tuple(mission.pairs[:1]) if lazy else mission.pairs)
 
     def calibration_of(self, mission: Mission) -> StereoRig:
         """The manual calibration that holds for a mission."""
         return self.calibrations[mission.calibration]
 
     def scene(self, mission: Mission) -> Scene:
-        """A mission as a scene with its manual calibration."""
-        return Scene(mission.name, self.calibration_of(mission), mission.pairs)
+        """A mission as a scene with its manual calibration; its pairs are read."""
+        return Scene(mission.name, self.calibration_of(mission), tuple(mission.pairs))

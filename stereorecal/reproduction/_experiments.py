@@ -10,7 +10,7 @@ from stereorecal.geometry import StereoRig, with_unit_baseline
 from stereorecal.matching import BM, SAD, SGBM, AbstractMatcher
 from stereorecal.objectives import EXTRINSICS, Reach
 from stereorecal.recalibration import Schedule
-from stereorecal.recordings import Log, Mission, Pair
+from stereorecal.recordings import Log, Mission, PairSequence, names_of, picked
 from stereorecal.reproduction._judge import Judge, ideal, judge_of, unstarred
 from stereorecal.reproduction._tasks import Counting, InTurn, Method, Repairing, Search, Shot, Sweep, Task
 from stereorecal.strategies import Budget, Need, strategy
@@ -101,9 +101,13 @@ class Setting:
             self._judges[mission.name] = judge_of(self.log, mission, self.reach)
         return self._judges[mission.name]
 
-    def shot(self, mission: Mission, pair: Pair) -> Shot:
-        """A pair of a mission, with its judge."""
-        return Shot(mission.name, pair, pair.name in mission.starred, self.judge(mission))
+    def shots(self, mission: Mission, pairs: PairSequence) -> list[Shot]:
+        """Pairs of a mission, each with its judge."""
+        judge = self.judge(mission)
+        return [
+            Shot(mission.name, pairs[index : index + 1], name in mission.starred, judge)
+            for index, name in enumerate(names_of(pairs))
+        ]
 
     def search(self, method: Method, units: float | None = None) -> Search:
         """A method within the reach, and with a budget of so many units."""
@@ -138,8 +142,8 @@ def validity(setting: Setting) -> Iterator[Task]:
         dates = list(setting.log.calibrations)
         ordered = sorted(known, key=lambda name: dates.index(name) if name in dates else len(dates))
         extrinsics = {name: np.asarray(known[name].extrinsics) for name in ordered}
-        for pair in mission.pairs:
-            yield Counting(setting.shot(mission, pair), mission.calibration, extrinsics)
+        for shot in setting.shots(mission, mission.pairs):
+            yield Counting(shot, mission.calibration, extrinsics)
 
 
 def sweeps(setting: Setting) -> Iterator[Task]:
@@ -148,7 +152,7 @@ def sweeps(setting: Setting) -> Iterator[Task]:
     even = np.linspace(-1.0, 1.0, extent.points)
     offsets = tuple((_FAR * np.sign(even) * even**2).tolist())
     for mission in setting.missions[: extent.sweeps]:
-        shot = setting.shot(mission, unstarred(mission)[0])
+        (shot,) = setting.shots(mission, unstarred(mission)[:1])
         for axis in _AXES.values():
             for matcher in extent.matchers:
                 yield Sweep(shot, axis, matcher, offsets)
@@ -159,25 +163,25 @@ def repair(setting: Setting) -> Iterator[Task]:
     for index, mission in enumerate(setting.missions):
         draw, wrong = setting.draw(2, index), setting.wrong(mission)
         chosen = draw.permutation(len(mission.pairs))[: setting.extent.images]
-        for pair in [mission.pairs[i] for i in np.sort(chosen)]:
+        for shot in setting.shots(mission, picked(mission.pairs, np.sort(chosen).tolist())):
             name = str(draw.choice(list(wrong)))
-            yield from _repairs(setting, mission, pair, name, wrong[name])
+            yield from _repairs(setting, shot, name, wrong[name])
 
 
 def generalise(setting: Setting) -> Iterator[Task]:
     """One pair of the last sequence from several calibrations, judged on all others (section 4.3)."""
     mission = max(reversed(setting.missions), key=lambda mission: len(mission.pairs) > 1)
-    pair, wrong = unstarred(mission)[0], setting.wrong(mission)
-    others = tuple(other for other in mission.pairs if other is not pair)
+    (shot,), wrong = setting.shots(mission, unstarred(mission)[:1]), setting.wrong(mission)
+    others = tuple(other for other in setting.shots(mission, mission.pairs) if other.image != shot.image)
     for name in setting.draw(3).permutation(list(wrong))[: setting.extent.starts]:
-        yield from _repairs(setting, mission, pair, str(name), wrong[str(name)], others)
+        yield from _repairs(setting, shot, str(name), wrong[str(name)], others)
 
 
 def ex_nihilo(setting: Setting) -> Iterator[Task]:
     """The first pairs of each sequence, from no calibration but the baseline (section 4.4)."""
     for mission in setting.missions:
-        for pair in mission.pairs[: setting.extent.images]:
-            yield from _repairs(setting, mission, pair, "none", setting.from_nothing(mission))
+        for shot in setting.shots(mission, mission.pairs[: setting.extent.images]):
+            yield from _repairs(setting, shot, "none", setting.from_nothing(mission))
 
 
 def sequential(setting: Setting) -> Iterator[Task]:
@@ -186,24 +190,23 @@ def sequential(setting: Setting) -> Iterator[Task]:
     extent = setting.extent
     mission = max(setting.missions, key=lambda mission: len(unstarred(mission)))
     start, judge = setting.from_nothing(mission), setting.judge(mission)
-    shuffled = [mission.pairs[i] for i in setting.draw(5).permutation(len(mission.pairs))][: extent.steps]
-    first = {pair.name: judge.counts(pair, [np.asarray(start.extrinsics)])[0] for pair in shuffled}
-    better = sorted(shuffled, key=lambda pair: first[pair.name], reverse=True)[: (len(shuffled) + 1) // 2]
+    order = setting.draw(5).permutation(len(mission.pairs))[: extent.steps]
+    shuffled = setting.shots(mission, picked(mission.pairs, order.tolist()))
+    first = {shot.image: judge.counts(shot.pair, [np.asarray(start.extrinsics)])[0] for shot in shuffled}
+    better = sorted(shuffled, key=lambda shot: first[shot.image], reverse=True)[: (len(shuffled) + 1) // 2]
     orders = {"random": shuffled, "better half twice": 2 * better, "random twice": 2 * shuffled}
-    for name, pairs in orders.items():
+    for name, shots in orders.items():
         for method in setting.methods:
             limit = float(extent.iterations * _UNITS_PER_ITERATION) if method.name == "count" else None
-            shots = tuple(setting.shot(mission, pair) for pair in pairs)
-            yield InTurn(name, start, setting.search(method, limit), shots)
+            yield InTurn(name, start, setting.search(method, limit), tuple(shots))
 
 
 def _repairs(
-    setting: Setting, mission: Mission, pair: Pair, name: str, start: StereoRig, others: tuple[Pair, ...] = ()
+    setting: Setting, shot: Shot, name: str, start: StereoRig, others: tuple[Shot, ...] = ()
 ) -> Iterator[Task]:
     """A pair from one start, by every method."""
-    shot, *more = (setting.shot(mission, one) for one in (pair, *others))
     for method in setting.methods:
-        yield Repairing(shot, name, start, setting.search(method), tuple(more))
+        yield Repairing(shot, name, start, setting.search(method), others)
 
 
 def _apart(one: StereoRig, other: StereoRig) -> float:

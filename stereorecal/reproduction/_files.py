@@ -10,7 +10,7 @@ import numpy as np
 
 from stereorecal.io import json_text, make_folder, write_bytes, write_text
 from stereorecal.objectives import Reach
-from stereorecal.recordings import Log
+from stereorecal.recordings import Log, names_of
 from stereorecal.reproduction._judge import judge_of
 from stereorecal.reproduction._reproduce import Reproduction
 from stereorecal.scoring.host import disparity, rectify
@@ -58,7 +58,7 @@ def _disparities(data: Mapping[str, Any], log: Log) -> dict[str, Any]:
     first = rows[0]
     same = [row for row in rows if (row["sequence"], row["image"]) == (first["sequence"], first["image"])]
     mission = next(mission for mission in log.missions if mission.name == first["sequence"])
-    pair = next(pair for pair in mission.pairs if pair.name == first["image"])
+    pair = mission.pairs[names_of(mission.pairs).index(first["image"])]
     judge = judge_of(log, mission, Reach(**data["settings"]["reach"]))
     shown = {"from nothing": first["extrinsics"]["start"]}
     shown |= {f"after, {row['schedule']}": row["extrinsics"]["found"] for row in same}

@@ -9,9 +9,11 @@ from stereorecal.geometry import StereoRig, View, axis_errors, view, with_unit_b
 from stereorecal.matching import SAD, AbstractMatcher
 from stereorecal.objectives import Reach
 from stereorecal.recalibration import Waypoint
-from stereorecal.recordings import Log, Mission, Pair
-from stereorecal.scoring import host, prepare
+from stereorecal.recordings import Log, Mission, Pair, PairSequence, names_of, picked
+from stereorecal.scoring import host, informative, prepare
 from stereorecal.scoring.host import with_disparity_range
+
+_SURVEYED = 4  # pairs: as many as a survey looks at
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +70,7 @@ def judge_of(log: Log, mission: Mission, reach: Reach) -> Judge:
     without a star, in the view of the ideal rig, which favours no calibration."""
     rig = log.calibration_of(mission)
     neutral = view(ideal(rig, float(rig.baseline)))
-    pairs = unstarred(mission)
+    pairs = informative(unstarred(mission), _SURVEYED)
     matcher = with_disparity_range(SAD(), rig, pairs, neutral, np.radians(reach.degrees))
     return Judge(rig, matcher, neutral, mission.truth)
 
@@ -78,6 +80,7 @@ def ideal(rig: StereoRig, baseline: float) -> StereoRig:
     return rig.with_extrinsics(np.array([0.0, 0.0, 0.0, -baseline, 0.0, 0.0]))
 
 
-def unstarred(mission: Mission) -> tuple[Pair, ...]:
+def unstarred(mission: Mission) -> PairSequence:
     """The pairs without a star; all of them, if all are starred."""
-    return tuple(pair for pair in mission.pairs if pair.name not in mission.starred) or mission.pairs
+    bright = [index for index, name in enumerate(names_of(mission.pairs)) if name not in mission.starred]
+    return picked(mission.pairs, bright) if bright else mission.pairs

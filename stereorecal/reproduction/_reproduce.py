@@ -18,7 +18,7 @@ from stereorecal._versions import versions
 from stereorecal.geometry import StereoRig
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import Reach
-from stereorecal.recordings import Log
+from stereorecal.recordings import Log, names_of
 from stereorecal.reproduction import _summaries as summaries
 from stereorecal.reproduction._experiments import EXPERIMENTS, Extent, Setting, methods
 from stereorecal.reproduction._published import TABLE_1, TABLE_2
@@ -192,7 +192,7 @@ def _described(log: Log) -> dict[str, Any]:
         "missions": {
             mission.name: {
                 "calibration": mission.calibration,
-                "images": [pair.name for pair in mission.pairs],
+                "images": list(names_of(mission.pairs)),
                 "starred": sorted(mission.starred),
                 "image_size": list(mission.pairs[0].size),
                 "pixels": _digest(image for pair in mission.pairs for image in (pair.left, pair.right)),

@@ -9,7 +9,7 @@ from stereorecal.geometry import AXES, StereoRig
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import Reach
 from stereorecal.recalibration import Schedule, Solution, recalibrate, recalibrate_sequence
-from stereorecal.recordings import Pair
+from stereorecal.recordings import Pair, PairSequence, names_of
 from stereorecal.reproduction._judge import Judge
 from stereorecal.strategies import Budget
 
@@ -22,18 +22,24 @@ class Shot:
     """One pair of a mission, and the judge that counts it.
 
     Attributes:
+        frame: the pair, alone: there may be more shots than fit into the memory, and so each reads its own.
         starred: whether it shows little to match, such as open sea.
     """
 
     sequence: str
-    pair: Pair
+    frame: PairSequence
     starred: bool
     judge: Judge
 
     @property
+    def pair(self) -> Pair:
+        """Read, if it is read when it is asked for."""
+        return self.frame[0]
+
+    @property
     def image(self) -> str:
         """Name of the pair."""
-        return self.pair.name
+        return names_of(self.frame)[0]
 
     @property
     def key(self) -> str:

@@ -70,7 +70,7 @@ def cases(folder: Path) -> dict[str, Case]:
     for name, make in TREES.items():
         (folder / f"tree {name}").mkdir()
         make(folder / f"tree {name}")
-        found[f"layout {name}"] = Case(files_of(folder / f"tree {name}"), lambda at: load_log(at))
+        found[f"layout {name}"] = Case(files_of(folder / f"tree {name}"), read_log)
     for ending in ENDINGS:
         sides = [
             cv2.imencode(ending, np.uint8(side))[1].tobytes() for side in (scene.pairs[0].left, scene.pairs[0].right)
@@ -80,6 +80,13 @@ def cases(folder: Path) -> dict[str, Case]:
     table = b"pair,column,row,metres,sigma\n0,20,30,10.5,0.1\n0,21,30,inf,\n"
     found["ranges"] = Case({"ranges.csv": table}, lambda at: load_ranges(at / "ranges.csv"))
     return found
+
+
+def read_log(folder: Path) -> None:
+    """With all its images, which are read when they are asked for."""
+    for mission in load_log(folder).missions:
+        for _ in mission.pairs:
+            pass
 
 
 def files_of(folder: Path) -> dict[str, bytes]:

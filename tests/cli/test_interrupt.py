@@ -1,103 +1,58 @@
-"""SIGINT and SIGTERM: exit code 130, and what is finished is printed and saved."""
+"""Signals while it works: exit code 130, and what is finished is printed and saved; kill -9: it is on the disk."""
 
 import json
-import os
 import shutil
 import signal
-import subprocess
 import sys
-import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from slow import plant, sleeping
 
-# The first runs end at once, as many as SLOW_RUNS says; the next sleeps until the signal comes.
-SLOW = """
-import os, time
-from dataclasses import dataclass
-from pathlib import Path
-from stereorecal.strategies import AbstractStrategy, Outcome, Status
-
-runs = []
-
-@dataclass(frozen=True)
-class Slow(AbstractStrategy):
-    def run(self, objective, start, seed):
-        objective.value(start)
-        runs.append(seed)
-        if len(runs) > int(os.environ["SLOW_RUNS"]):
-            Path(os.environ["SLOW_STARTED"]).touch()
-            time.sleep(600)
-        return Outcome(start, Status.CONVERGED)
-"""
-
-# A shell that runs the suite in the background has its children ignore SIGINT; the program under test must not.
-PROGRAM = """
-import signal, sys
-signal.signal(signal.SIGINT, signal.default_int_handler)
-from stereorecal.cli import main
-sys.exit(main())
-"""
+SLOWLY = ("--schedule", "count", "--scale", "0.5", "--strategy", "slow")
 
 
 @pytest.fixture
 def planted(tmp_path: Path) -> dict[str, str]:
-    """An environment in which a strategy "slow" is installed."""
-    site = tmp_path / "site"
-    info = site / "slow-1.0.dist-info"
-    info.mkdir(parents=True)
-    (site / "slow_strategy.py").write_text(SLOW)
-    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: slow\nVersion: 1.0\n")
-    (info / "entry_points.txt").write_text("[stereorecal.strategies]\nslow = slow_strategy:Slow\n")
-    return os.environ | {"PYTHONPATH": str(site), "SLOW_STARTED": str(tmp_path / "started"), "SLOW_RUNS": "1"}
+    return plant(tmp_path / "site", runs=1)
 
 
 def interrupted(planted: dict[str, str], number: signal.Signals, *words: object) -> tuple[str, str]:
     """stdout and stderr of a command that is sent a signal as soon as it sleeps, and ends with 130."""
-    process = subprocess.Popen(
-        [sys.executable, "-c", PROGRAM, *map(str, words)],
-        env=planted,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-    try:
-        while not Path(planted["SLOW_STARTED"]).exists():
-            assert process.poll() is None, process.communicate()[1]
-            time.sleep(0.05)
+    with sleeping(planted, *words) as process:
         process.send_signal(number)
         out, err = process.communicate(timeout=120)
-    finally:
-        process.kill()
-        process.wait()
-    assert process.returncode == 130
+    assert process.returncode == 130, err
     assert "Traceback" not in err
     assert "interrupted" in err
     return out, err
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_what_is_finished_is_kept(planted: dict[str, str], clean_scene: Path, tmp_path: Path, number: signal.Signals):
+def test_a_comparison_keeps_what_is_finished(planted: dict[str, str], clean_scene: Path, tmp_path: Path):
+    """On the disk before the signal already, so that kill -9 would leave it; and printed after it."""
+    target = tmp_path / "out.json"
     words = ["compare", "--scene", clean_scene, "--scale", "0.5", "--draws", "3", "--strategies", "slow"]
-    target = tmp_path / "out.json"
-    out, _ = interrupted(planted, number, *words, "--json", target)
+    with sleeping(planted, *words, "--json", target) as process:
+        before = json.loads(target.read_text())
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=120)
+    assert process.returncode == 130, err
+    assert "Traceback" not in err
     assert "slow" in out
-    content = json.loads(target.read_text())
-    assert content["interrupted"] is True
-    assert [(trial["draw"], trial["status"]) for trial in content["trials"]] == [(0, "CONVERGED")]
-    assert content["versions"]["strategy slow"] == "slow 1.0"
+    for content in (before, json.loads(target.read_text())):
+        assert content["interrupted"] is True
+        assert [(trial["draw"], trial["status"]) for trial in content["trials"]] == [(0, "CONVERGED")]
+        assert content["versions"]["strategy slow"] == "slow 1.0"
 
 
-SLOWLY = ("--schedule", "count", "--scale", "0.5", "--strategy", "slow")
-
-
+@pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="has no such signal")
+@pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP"])
 def test_recordings_that_are_finished_are_kept(
-    planted: dict[str, str], clean_scene: Path, drifted_scene: Path, tmp_path: Path
+    planted: dict[str, str], clean_scene: Path, drifted_scene: Path, tmp_path: Path, name: str
 ):
-    target = tmp_path / "out.json"
-    out, err = interrupted(
-        planted, signal.SIGTERM, "recalibrate", drifted_scene, clean_scene, *SLOWLY, "--json", target
-    )
+    target, number = tmp_path / "out.json", getattr(signal, name)
+    out, err = interrupted(planted, number, "recalibrate", drifted_scene, clean_scene, *SLOWLY, "--json", target)
     assert "not improved" in out
     assert "failed (interrupted)" in out
     assert err.count("\n") == 1
@@ -108,27 +63,40 @@ def test_recordings_that_are_finished_are_kept(
     assert content["repairs"][0]["score_after"]["count"] > 0
 
 
-def test_nothing_is_written_when_nothing_is_finished(planted: dict[str, str], drifted_scene: Path, tmp_path: Path):
-    before = {**planted, "SLOW_RUNS": "0"}
+# --- in this process: the strategy itself is interrupted -----------------------------------------------------
+
+
+@pytest.fixture
+def raising(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[int], None]:
+    """raising(runs): the strategy is interrupted after so many runs."""
+
+    def install(runs: int) -> None:
+        for name, value in plant(tmp_path / "here", runs).items():
+            monkeypatch.setenv(name, value)
+        monkeypatch.setenv("SLOW_RAISES", "1")
+        monkeypatch.syspath_prepend(tmp_path / "here")
+        monkeypatch.delitem(sys.modules, "slow_strategy", raising=False)
+
+    return install
+
+
+def test_nothing_is_written_when_nothing_is_finished(command, raising, drifted_scene: Path, tmp_path: Path):
+    raising(0)
     places = ("--json", tmp_path / "out.json", "--output", tmp_path / "repaired.json")
-    out, _ = interrupted(before, signal.SIGINT, "recalibrate", drifted_scene, *SLOWLY, *places)
-    assert out == ""
+    answer = command("recalibrate", drifted_scene, *SLOWLY, *places)
+    assert (answer.code, answer.out, "interrupted" in answer.err) == (130, "", True)
     assert not any(path.exists() for path in places[1::2])
 
 
 @pytest.mark.parametrize("executor", ["serial", "threads:1", "processes:1"])
-def test_ctrl_c_inside_a_worker(planted: dict[str, str], clean_scene: Path, tmp_path: Path, executor: str):
+def test_ctrl_c_inside_a_worker(command, raising, clean_scene: Path, tmp_path: Path, executor: str):
     """The second recording's worker is interrupted: the first is printed and saved."""
-    strategy = Path(planted["PYTHONPATH"]) / "slow_strategy.py"
-    strategy.write_text(strategy.read_text().replace("time.sleep(600)", "raise KeyboardInterrupt"))
+    raising(1)
     target, again = tmp_path / "out.json", shutil.copytree(clean_scene, tmp_path / "again")
-    words = ["recalibrate", clean_scene, again, *SLOWLY, "--executor", executor, "--json", target]
-    run = [sys.executable, "-c", PROGRAM, *map(str, words)]
-    ended = subprocess.run(run, env=planted, capture_output=True, text=True, timeout=300, check=False)
-    assert ended.returncode == 130, ended.stderr
-    assert "Traceback" not in ended.stderr
-    assert "internal error" not in ended.stderr
-    assert "again: interrupted before it was finished" in ended.stderr
-    assert "not improved" in ended.stdout
+    answer = command("recalibrate", clean_scene, again, *SLOWLY, "--executor", executor, "--json", target)
+    assert answer.code == 130, answer.err
+    assert "internal error" not in answer.err
+    assert "again: interrupted before it was finished" in answer.err
+    assert "not improved" in answer.out
     faults = [repair["fault"] for repair in json.loads(target.read_text())["repairs"]]
     assert faults == [None, "interrupted"]

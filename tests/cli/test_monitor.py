@@ -2,6 +2,7 @@
 
 import io
 import json
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,6 +11,7 @@ from rich.console import Console
 from rides import BEFORE, Ride
 
 import stereorecal as sr
+from stereorecal.cli import _monitor, _recordings
 from stereorecal.cli._live import view
 from stereorecal.io import save_scene
 from stereorecal.online import Config, load, reading, run
@@ -59,6 +61,39 @@ def test_once_checks_and_changes_nothing(command, scene: Path):
     assert (answer.code, answer.out) == (1, "")
     piped = command("monitor", scene, "--once", "--json", "-", "--frames", 2)
     assert [json.loads(line)["event"] for line in piped.out.splitlines()][-1] == "reading"
+
+
+def test_a_pair_that_cannot_be_read_ends_the_watch_and_costs_nothing_else(command, scene: Path, tmp_path: Path):
+    """What the pairs before it have told is said and kept; all that was there already is said before."""
+    broken, state = Path(shutil.copytree(scene, tmp_path / "ride")), tmp_path / "state"
+    image = broken / "left" / "002.png"
+    image.write_bytes(image.read_bytes()[:100])
+    answer = command("monitor", broken, "--once", "--state", state)
+    assert answer.code == 2
+    assert "002.png: the image is truncated" in answer.err
+    assert "the calibration is the one that was given" in answer.out
+    assert load(state).frame == 2
+
+
+def test_every_pair_of_a_long_recording_is_watched_and_read_once(command, scene: Path, monkeypatch):
+    """Other commands choose some of more than a hundred, which they use together."""
+    monkeypatch.setattr(_recordings, "_LONG", 3)
+    watched = []
+    monkeypatch.setattr(_monitor, "steps", lambda state, pairs: watched.extend(p.name for p in pairs) or iter(()))
+    command("monitor", scene, "--once")
+    assert watched == [f"{number:03d}.png" for number in range(BEFORE + AFTER)]
+
+
+def test_nobody_reads_on(command, scene: Path, tmp_path: Path, monkeypatch):
+    """`| head`: the state is kept all the same."""
+
+    def closed(stepped):
+        raise BrokenPipeError
+
+    monkeypatch.setattr(_monitor, "lines", closed)
+    monkeypatch.setattr(_monitor, "leave_stdout", lambda: None)
+    assert command("monitor", scene, "--once", "--frames", 2, "--state", tmp_path / "state").code in (0, 1, 4)
+    assert load(tmp_path / "state").frame == 2
 
 
 def test_two_scenes_are_refused(command, scene: Path):

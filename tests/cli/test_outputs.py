@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from stereorecal._errors import InputError
-from stereorecal.cli import _places, _streams
+from stereorecal.cli import _places, _streams, main
 from stereorecal.io import save_rig
 from stereorecal.synthetic import default_rig
 
@@ -22,11 +22,13 @@ VERBS = {
     "recalibrate": ("recalibrate", "{0}", *NOTHING),
     "compare": ("compare", "--scene", "{0}", "--draws", 1, "--budget", 1),
     "reproduce": ("reproduce", "--log", "{0}", "--quick", "--output", "{1}"),
+    "monitor": ("monitor", "{0}", "--once"),
 }
 OPTIONS = [(verb, "--json") for verb in VERBS] + [
     ("recalibrate", "--output"),
     ("recalibrate", "--maps"),
     ("compare", "--html"),
+    ("monitor", "--output"),
 ]
 
 
@@ -77,6 +79,64 @@ def test_convert(command, folder: Path):
     assert state(folder) == before
 
 
+@pytest.mark.parametrize("force", [True, False])
+@pytest.mark.parametrize("option", ["--json", "--output"])
+def test_another_file_is_replaced_with_force_only(command, folder: Path, tmp_path: Path, option: str, force: bool):
+    """As by all commands, also by the one that writes while it looks."""
+    other = tmp_path / "other.json"
+    other.write_text("mine")
+    answer = command("monitor", folder, "--once", "--quiet", option, other, *(["--force"] if force else []))
+    if not force:
+        assert (answer.code, other.read_text()) == (2, "mine")
+        assert "exists already" in answer.err
+    else:
+        assert answer.code in (0, 1, 4), answer.err
+        assert (other.read_text() == "mine") is (option == "--output")  # nothing was repaired
+
+
+def test_a_state_that_is_none_is_left_alone(command, folder: Path, tmp_path: Path):
+    other = tmp_path / "state"
+    other.write_text("mine")
+    for path in (other, folder / "calib.json"):
+        before = path.read_bytes()
+        assert command("monitor", folder, "--once", "--state", path).code == 2
+        assert path.read_bytes() == before
+
+
+def test_a_link_that_leads_to_nothing_yet(command, clean_scene: Path, tmp_path: Path):
+    """The file it names is written, and it stays a link; one into a folder that is not there is refused."""
+    link, lost = tmp_path / "link.json", tmp_path / "lost.json"
+    link.symlink_to("later.json")
+    lost.symlink_to("nowhere/later.json")
+    assert command("diff", clean_scene, clean_scene, "--json", link).code == 0
+    assert link.is_symlink()
+    assert json.loads((tmp_path / "later.json").read_text())["schema"] == "stereorecal.difference/1"
+    answer = command("diff", clean_scene, clean_scene, "--json", lost)
+    assert (answer.code, answer.err.count("\n")) == (2, 1)
+    assert "cannot be written there" in answer.err
+
+
+@pytest.mark.parametrize(
+    "asked",
+    [
+        ("recalibrate", "{0}", "--output", "-"),
+        ("recalibrate", "{0}", "--maps", "-"),
+        ("recalibrate", "{0}", "--html", "-"),
+        ("compare", "--scene", "{0}", "--html", "-"),
+        ("convert", "{0}", "-"),
+        ("reproduce", "--log", "{0}", "--output", "-"),
+        ("monitor", "{0}", "--output", "-"),
+        ("monitor", "{0}", "--state", "-"),
+    ],
+    ids=" ".join,
+)
+def test_what_does_not_go_to_stdout(command, clean_scene: Path, tmp_path: Path, monkeypatch, asked: tuple[str, ...]):
+    monkeypatch.chdir(tmp_path)
+    answer = command(*(word.format(clean_scene) for word in asked))
+    assert (answer.code, answer.out, answer.err.count("\n")) == (2, "", 1), answer.err
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_devices_need_no_force(command, clean_scene: Path):
     assert command("diff", clean_scene, clean_scene, "--json", os.devnull).code == 0
     assert not Path(os.devnull).is_file()
@@ -107,6 +167,16 @@ def test_a_full_disk_loses_nothing(command, drifted_scene: Path, tmp_path: Path)
     assert '"K_left"' in answer.out
     assert '"stereorecal.solution/1"' in answer.out
     assert maps.exists()
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="has no full device")
+def test_a_watch_goes_on_when_its_log_finds_no_room(command, clean_scene: Path, tmp_path: Path):
+    state = tmp_path / "state"
+    answer = command("monitor", clean_scene, "--once", "--json", "/dev/full", "--state", state)
+    assert answer.code == 2
+    assert answer.err == "stereorecal: --json /dev/full: cannot be written (No space left on device); make room.\n"
+    assert "the calibration is the one that was given" in answer.out
+    assert state.exists()
 
 
 def test_a_quiet_run_prints_what_it_cannot_write(command, clean_scene: Path, tmp_path: Path, monkeypatch):
@@ -176,6 +246,14 @@ def test_a_terminal_that_writes_ascii_only(monkeypatch: pytest.MonkeyPatch):
     print("0.1° ± 0.02 ☃")
     stream.flush()
     assert stream.buffer.getvalue() == b"0.1 deg +- 0.02 ?\n"  # pyright: ignore[reportAttributeAccessIssue]
+
+
+def test_a_table_on_such_a_terminal(clean_scene: Path, drifted_scene: Path, monkeypatch: pytest.MonkeyPatch):
+    stream = io.TextIOWrapper(io.BytesIO(), "ascii")
+    monkeypatch.setattr(sys, "stdout", stream)
+    assert main(["score", str(clean_scene), str(drifted_scene)]) in (1, 4)
+    stream.flush()
+    assert b"drifted" in stream.buffer.getvalue()  # pyright: ignore[reportAttributeAccessIssue]
 
 
 @pytest.mark.parametrize("extra", [{"LC_ALL": "C", "PYTHONIOENCODING": "ascii"}, {"PYTHONOPTIMIZE": "1"}])

@@ -1,6 +1,5 @@
-"""Ctrl-C, SIGTERM and SIGHUP from the first second on: one line and 130; kill -9: what is finished is on the disk."""
+"""Ctrl-C, SIGTERM and SIGHUP from the first second on: one line and 130; one run in a folder of `reproduce`."""
 
-import json
 import os
 import signal
 import subprocess
@@ -11,27 +10,28 @@ from multiprocessing import get_context
 from pathlib import Path
 
 import pytest
+from slow import terminal
 
 from stereorecal import _signals
 from stereorecal._errors import InputError
 from stereorecal._run_all import run_all
 from stereorecal.reproduction._store import Store
 
-# A shell that runs the suite in the background has its children ignore SIGINT; the program under test must not.
-PROGRAM = """
-import os, signal, sys
-for name in ("SIGINT", "SIGTERM", "SIGHUP"):
-    signal.signal(getattr(signal, name), signal.SIG_DFL)
-os.execv(sys.executable, [sys.executable, "-X", "importtime", "-m", "stereorecal", *sys.argv[1:]])
-"""
 NUMBERS = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP]
 
 
-@pytest.mark.parametrize("number", NUMBERS)
-@pytest.mark.parametrize("module", ["argparse", "numpy", "jax._src.core", "jax"])
+@pytest.mark.parametrize(
+    ("module", "number"),
+    [
+        ("argparse", signal.SIGINT),
+        ("numpy", signal.SIGTERM),
+        ("jax._src.core", signal.SIGHUP),
+        ("jax", signal.SIGINT),
+    ],
+)
 def test_while_libraries_are_imported(clean_scene: Path, module: str, number: signal.Signals):
     """The signal comes as soon as that module is there."""
-    run = [sys.executable, "-c", PROGRAM, "score", str(clean_scene)]
+    run = terminal("-X", "importtime", "-m", "stereorecal", "score", clean_scene)
     with subprocess.Popen(run, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
         assert process.stderr is not None
         said = []
@@ -103,67 +103,26 @@ def test_a_swallowed_signal_comes_again():
         swallow()
 
 
-# --- kill -9 ------------------------------------------------------------------------------------------------
-
-SLOW = """
-import os, time
-from dataclasses import dataclass
-from pathlib import Path
-from stereorecal.strategies import AbstractStrategy, Outcome, Status
-
-runs = []
-
-@dataclass(frozen=True)
-class Slow(AbstractStrategy):
-    def run(self, objective, start, seed):
-        runs.append(seed)
-        if len(runs) > 2:
-            Path(os.environ["SLOW_STARTED"]).touch()
-            time.sleep(600)
-        return Outcome(start, Status.CONVERGED)
-"""
-
-
-@pytest.fixture
-def planted(tmp_path: Path) -> dict[str, str]:
-    """An environment in which a strategy "slow" is installed, which sleeps in its third run."""
-    site = tmp_path / "site"
-    info = site / "slow-1.0.dist-info"
-    info.mkdir(parents=True)
-    (site / "slow_strategy.py").write_text(SLOW)
-    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: slow\nVersion: 1.0\n")
-    (info / "entry_points.txt").write_text("[stereorecal.strategies]\nslow = slow_strategy:Slow\n")
-    path = os.pathsep.join([str(site), *filter(None, [os.environ.get("PYTHONPATH")])])
-    return os.environ | {"PYTHONPATH": path, "SLOW_STARTED": str(tmp_path / "started")}
-
-
-def test_a_killed_comparison_is_on_the_disk(planted: dict[str, str], clean_scene: Path, tmp_path: Path):
-    target = tmp_path / "out.json"
-    words = ["compare", "--scene", clean_scene, "--scale", 0.5, "--draws", 4, "--strategies", "slow", "--json", target]
-    with subprocess.Popen([sys.executable, "-m", "stereorecal", *map(str, words)], env=planted) as process:
-        while not Path(planted["SLOW_STARTED"]).exists():
-            assert process.poll() is None
-            time.sleep(0.05)
-        process.kill()
-    content = json.loads(target.read_text())
-    assert content["interrupted"] is True
-    assert len(content["trials"]) >= 1
-
-
 # --- one run in a folder ------------------------------------------------------------------------------------
 
 
+LOCK = "import fcntl, sys; file = open(sys.argv[1], 'a'); fcntl.flock(file, 2); print('there', flush=True); input()"
+
+
 def test_two_runs_in_one_folder(tmp_path: Path):
-    code = "import sys; from pathlib import Path; from stereorecal.reproduction._store import Store\n"
-    code += "store = Store(Path(sys.argv[1]), {'a': 1}); store.add('k', {'v': 1}); print('there', flush=True); input()"
-    run = [sys.executable, "-c", code, str(tmp_path / "out")]
+    """A killed one leaves no lock."""
+    Store(tmp_path / "out", {"a": 1}).add("k", {"v": 1})
+    (lock,) = (path for path in (tmp_path / "out").iterdir() if path.name.startswith("."))
+    run = [sys.executable, "-c", LOCK, str(lock)]
     with subprocess.Popen(run, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as other:
         assert other.stdout is not None
         assert other.stdout.readline() == "there\n"
         with pytest.raises(InputError, match="another run is working there"):
             Store(tmp_path / "out", {"a": 1})
         other.kill()
-    store = Store(tmp_path / "out", {"a": 1})  # a killed one leaves no lock
+    store = Store(tmp_path / "out", {"a": 1})
+    with pytest.raises(InputError, match="another run is working there"):
+        Store(tmp_path / "out", {"a": 1})
     assert store.rows == {"k": {"v": 1}}
 
 

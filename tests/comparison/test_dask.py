@@ -13,6 +13,10 @@ from stereorecal.comparison import compare_scenes
 from stereorecal.io import load_scene, save_scene
 from stereorecal.io.images import _pairs
 from stereorecal.matching import SAD
+from stereorecal.recalibration import Schedule
+from stereorecal.recordings import Log, Mission
+from stereorecal.reproduction import Extent, _reproduce
+from stereorecal.reproduction._tasks import Method
 from stereorecal.strategies import Budget, strategy
 
 SMALL = {"schedule": "count", "matcher": SAD(num_disparities=24), "scale": 0.5, "budget": Budget(evaluations=10)}
@@ -79,6 +83,27 @@ def test_a_worker_that_is_killed_costs_nothing(workers, scene, serial, deadly, t
     table = compared(workers, scene(), 6, {"search": deadly(draw=2, memory=str(memory))})
     assert memory.exists()
     assert rows(table) == serial
+
+
+def test_a_worker_that_is_killed_costs_no_row_of_an_experiment(workers, scene, deadly, tmp_path, monkeypatch):
+    """`reproduce`: the task is done again, and the rows are those of one process."""
+    memory, taken = tmp_path / "killed", scene(frames=2)
+    pairs = tuple(replace(pair, name=f"{index}.png") for index, pair in enumerate(taken.pairs))
+    log = Log("log", {"2020-01-01": taken.rig}, (Mission("2020-01-02", "2020-01-01", pairs),))
+    schedule = Schedule.count(deadly(draw=0, memory=str(memory)), 0.5)
+    monkeypatch.setattr(_reproduce, "methods", lambda *_: (Method("count", schedule, ranged=True),))
+    arguments = {"experiments": ["ex-nihilo"], "schedules": ["count"], "extent": Extent(images=2)}
+    workers.wait_for_workers(2)
+    with _cluster.cluster(workers.scheduler_address) as pool:
+        found = _reproduce.reproduce(log, executor=pool, output=tmp_path / "out", **arguments)
+    assert memory.exists()
+    assert (found.errors, found.lost, found.unfinished) == ({}, (), 0)
+    expected = _reproduce.reproduce(log, **arguments)  # now that it kills no more
+    assert [timeless(row) for row in found.rows["ex_nihilo"]] == [timeless(row) for row in expected.rows["ex_nihilo"]]
+
+
+def timeless(row):
+    return {name: value for name, value in row.items() if name != "seconds"}
 
 
 def test_only_workers_read_the_images(workers, scene, serial, tmp_path, monkeypatch):

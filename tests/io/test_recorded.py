@@ -9,9 +9,9 @@ import pytest
 
 from stereorecal._errors import InputError
 from stereorecal.io import load_pairs, open_pairs
-from stereorecal.io.images._recorded import LazyPairs
+from stereorecal.io.images import _videos
 from stereorecal.recalibration import chosen_frames
-from stereorecal.recordings import Pair
+from stereorecal.recordings import LazyPairs, Pair
 
 FRAMES = 6
 HEIGHT, WIDTH = 48, 64
@@ -71,12 +71,20 @@ def test_frames_are_read_when_asked_for():
         read.append(number)
         return Pair(image(number, 0).astype(np.float32), image(number, 1).astype(np.float32), str(number))
 
-    lazy = LazyPairs([lambda n=n: make(n) for n in range(FRAMES)])
+    lazy = LazyPairs([lambda n=n: make(n) for n in range(FRAMES)], [str(n) for n in range(FRAMES)])
     assert len(lazy[1:6:2]) == 3
     assert read == []
     assert len(chosen_frames(lazy, 2)) == 2
     assert set(read) == set(range(FRAMES))
     assert len(read) <= FRAMES + 4  # the type checker of the tests looks at some itself
+
+
+def test_a_frame_with_both_sides_is_decoded_once(videos, monkeypatch):
+    """To go back by one, a video is searched from its beginning: that would take hours for a long one."""
+    opened, real = [], _videos._Video._open
+    monkeypatch.setattr(_videos._Video, "_open", lambda video: opened.append(video) or real(video))
+    assert len(tuple(open_pairs(videos[2]).pairs)) == FRAMES
+    assert len(opened) == 1
 
 
 def test_videos_of_different_length_are_paired_by_time(videos, tmp_path):

@@ -9,7 +9,10 @@ import pytest
 from browser import Page, browser_path, chromium
 from made_up_repair import made_up
 
+from stereorecal.comparison import compare_scenes
+from stereorecal.matching import SAD
 from stereorecal.report.repair_page import repair_page
+from stereorecal.strategies import Budget, strategy
 
 pytestmark = pytest.mark.skipif(browser_path() is None, reason="there is no Chromium on this machine")
 AFTER = "getComputedStyle(document.querySelector('#rows .stack > div + div')).opacity"
@@ -21,11 +24,20 @@ def browser(tmp_path_factory) -> Iterator[Page]:
         yield page
 
 
-@pytest.fixture
-def repair(browser: Page, tmp_path: Path) -> Page:
-    """The page of a repair, 1200 pixels wide."""
-    path = tmp_path / "repair.html"
-    path.write_text(repair_page(made_up()), encoding="utf-8")
+@pytest.fixture(scope="module")
+def files(scene, tmp_path_factory) -> dict[str, Path]:
+    """The page of a repair, and that of a comparison with long names."""
+    folder = tmp_path_factory.mktemp("pages")
+    places = {name: folder / f"{name}.html" for name in ("repair", "comparison")}
+    places["repair"].write_text(repair_page(made_up()), encoding="utf-8")
+    chosen = {"compass": strategy("compass"), "a-name-that-is-very-long-" * 3: strategy("compass", step=0.1)}
+    small = {"matcher": SAD(num_disparities=24), "draws": 2, "scale": 0.5, "budget": Budget(evaluations=60)}
+    compare_scenes([scene()], strategies=chosen, **small).to_html(places["comparison"])
+    return places
+
+
+def opened(browser: Page, path: Path) -> Page:
+    """A page, 1200 pixels wide."""
     browser.complaints.clear()
     browser.requests.clear()
     browser.look(1200)
@@ -33,11 +45,36 @@ def repair(browser: Page, tmp_path: Path) -> Page:
     return browser
 
 
-def test_no_complaint_and_nothing_asked_of_others(repair: Page):
-    assert repair.complaints == []
-    assert all(url.startswith(("file:///", "data:")) for url in repair.requests)
-    assert sum(url.startswith("file:") for url in repair.requests) == 1
-    assert repair.evaluate("[...document.images].every(image => image.complete && image.naturalWidth > 0)")
+@pytest.fixture
+def repair(browser: Page, files: dict[str, Path]) -> Page:
+    return opened(browser, files["repair"])
+
+
+@pytest.fixture(params=["repair", "comparison"])
+def page(browser: Page, files: dict[str, Path], request: pytest.FixtureRequest) -> Page:
+    return opened(browser, files[request.param])
+
+
+def test_no_complaint_and_nothing_asked_of_others(page: Page):
+    assert page.complaints == []
+    assert all(url.startswith(("file:///", "data:")) for url in page.requests)
+    assert sum(url.startswith("file:") for url in page.requests) == 1
+    assert page.evaluate("[...document.images].every(image => image.complete && image.naturalWidth > 0)")
+    assert page.evaluate("[...document.images].every(image => image.alt.length > 0)")
+    labelled = "[...document.querySelectorAll('svg')].every(e => e.getAttribute('aria-label') || e.ariaHidden)"
+    assert page.evaluate(labelled)
+
+
+def test_no_label_is_cut(page: Page):
+    """Each word of a figure lies within it."""
+    cut = """[...document.querySelectorAll('svg')].flatMap(svg => {
+        const whole = svg.getBoundingClientRect();
+        return [...svg.querySelectorAll('text')].filter(text => {
+            const box = text.getBoundingClientRect();
+            return box.left < whole.left - 1 || box.right > whole.right + 1;
+        }).map(text => text.textContent);
+    })"""
+    assert page.evaluate(cut) == []
 
 
 def test_slider_by_keyboard(repair: Page):
@@ -62,10 +99,10 @@ def test_slider_by_mouse(repair: Page):
 @pytest.mark.slow(after=2)
 @pytest.mark.parametrize("width", [320, 768, 1200, 2000])
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_it_fits(repair: Page, width: int, scheme: str):
-    repair.look(width, scheme=scheme)
-    assert repair.evaluate("document.documentElement.scrollWidth <= innerWidth")
-    picture = cv2.imdecode(np.frombuffer(repair.picture(), np.uint8), cv2.IMREAD_GRAYSCALE)
+def test_it_fits(page: Page, width: int, scheme: str):
+    page.look(width, scheme=scheme)
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    picture = cv2.imdecode(np.frombuffer(page.picture(), np.uint8), cv2.IMREAD_GRAYSCALE)
     assert picture is not None
     paper = float(np.median(picture[:, :4]))
     assert (paper > 200) == (scheme == "light")

@@ -27,7 +27,7 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="write the repaired calibration there, in the form in which it was read, if there is one",
     )
-    add("--force", action="store_true", help="--output may replace a file")
+    add("--force", action="store_true", help="--output and --json may replace files")
     add("--json", metavar="FILE|-", help="write events and readings as JSON lines")
     add("--quiet", action="store_true", help="show nothing, only the exit code")
     parser.set_defaults(verb="monitor")

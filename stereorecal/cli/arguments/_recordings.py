@@ -45,6 +45,6 @@ def add_recordings_to(parser: argparse.ArgumentParser) -> None:
     add(
         "--limit",
         metavar="N|all",
-        help="of those, at most N: of N equal stretches the pair with the most texture (default: 24 of a video or a "
-        "bag, else all); all pairs are used jointly",
+        help="of those, at most N: of N equal stretches the pair with the most texture (default: 24 of a video, a "
+        "bag or more than 100 pairs, else all; monitor: all); all pairs are used jointly",
     )

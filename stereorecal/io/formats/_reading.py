@@ -6,6 +6,8 @@ from dataclasses import replace
 from itertools import permutations
 from pathlib import Path
 
+import numpy as np
+
 from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal._units import METRES, checked_unit, inferred_unit
 from stereorecal.geometry import StereoRig
@@ -69,7 +71,9 @@ def rig_in(documents: Documents, format: Format, unit: str | None, hints: Hints)
             ) from None
     stated = format.UNIT or unit
     used = stated or inferred_unit(float(rig.baseline))
-    left, right = (replace(camera, distortion=trimmed(camera.distortion)) for camera in (rig.left, rig.right))
+    left, right = (
+        replace(camera, distortion=trimmed(np.asarray(camera.distortion))) for camera in (rig.left, rig.right)
+    )
     rig = replace(rig, left=left, right=right)
     source = Source(format.NAME, documents, hints, used, inferred=stated is None)
     return replace(scaled(rig, METRES[used]), source=source)

@@ -3,13 +3,15 @@
 import glob
 import os
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from stereorecal._errors import InputError
+from stereorecal.io._inputs import note_input
 from stereorecal.io._paths import AnyPath
 from stereorecal.io.images._files import images_in, natural_order, read_image
 from stereorecal.io.images._match import Matched, match_files
-from stereorecal.recordings import Pair, make_pair
+from stereorecal.recordings import LazyPairs, Pair, make_pair
 
 
 def load_pair(left_path: AnyPath, right_path: AnyPath) -> Pair:
@@ -46,18 +48,23 @@ def load_pairs(left: AnyPath, right: AnyPath, limit: int | None = None) -> tuple
     Raises:
         InputError: if nothing matches, an image has no partner, or a file is bad (see `load_pair`).
     """
-    return load_matched(match_files(find_images(left), find_images(right)), limit)
+    return tuple(load_matched(match_files(find_images(left), find_images(right)), limit))
 
 
-def load_matched(matched: Matched, limit: int | None) -> tuple[Pair, ...]:
-    """The pairs of files that belong together, the first `limit` or all.
+def load_matched(matched: Matched, limit: int | None = None) -> LazyPairs:
+    """The pairs of files that belong together, the first `limit` or all; each is read by `load_pair` when it is asked
+    for. All of them are inputs already now.
 
     Raises:
-        InputError: if a file is bad (see `load_pair`), or the limit leaves none.
+        InputError: if the limit leaves none.
     """
     if limit is not None and limit < 1:
         raise InputError(f"the limit of {limit} pairs leaves none; give 1 or more.")
-    return tuple(load_pair(*paths) for paths in matched[:limit])
+    for path in (path for paths in matched for path in paths):
+        note_input(path)
+    # Absolute: they are read where the working directory may be another.
+    files = [tuple(map(os.path.abspath, paths)) for paths in matched[:limit]]
+    return LazyPairs([partial(load_pair, *paths) for paths in files], [Path(left).name for left, _ in files])
 
 
 def find_images(where: AnyPath) -> list[Path]:

@@ -1,10 +1,9 @@
 """Image pairs from where people have them, read when they are asked for: files, halves of images, videos, bags."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
-from typing import overload
 
 import numpy as np
 
@@ -14,27 +13,10 @@ from stereorecal.io.images._bags import bag_sources, is_bag
 from stereorecal.io.images._by_time import pairs_by_time
 from stereorecal.io.images._files import read_image
 from stereorecal.io.images._match import match_files
-from stereorecal.io.images._pairs import find_images, load_pair
+from stereorecal.io.images._pairs import find_images, load_matched
 from stereorecal.io.images._source import Source, halves
 from stereorecal.io.images._videos import is_video, video_source
-from stereorecal.recordings import Pair, make_pair
-
-
-class LazyPairs(Sequence):  # of Pair; said so, a checker of types would read one to look at it
-    """Pairs that are read each time they are asked for; a slice is as lazy."""
-
-    def __init__(self, reads: Sequence[Callable[[], Pair]]):
-        self._reads = reads
-
-    def __len__(self) -> int:
-        return len(self._reads)
-
-    @overload
-    def __getitem__(self, index: int) -> Pair: ...
-    @overload
-    def __getitem__(self, index: slice) -> "LazyPairs": ...
-    def __getitem__(self, index: int | slice) -> "Pair | LazyPairs":
-        return LazyPairs(self._reads[index]) if isinstance(index, slice) else self._reads[index]()
+from stereorecal.recordings import LazyPairs, Pair, make_pair
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,7 +92,7 @@ def _opened(places: _Places) -> Recorded:
         sources, stream = (_source(left, timed=True), _source(Path(right), timed=True)), is_video(left)
     else:
         matched = match_files(find_images(left), find_images(right))
-        return Recorded(LazyPairs([_reader(load_pair, str(one), str(other)) for one, other in matched]), (), False)
+        return Recorded(load_matched(matched), (), False)
     return _recorded(places, *sources, pairs_by_time(*sources, tolerance), stream)
 
 
@@ -132,7 +114,8 @@ def _recorded(places: _Places, left: Source, right: Source, found: list[tuple[in
         )
         return replace(pair, name=name)
 
-    return Recorded(LazyPairs([_reader(read, number) for number in range(len(found))]), tuple(alone), stream)
+    frames = [_Frame(places, number, read) for number in range(len(found))]
+    return Recorded(LazyPairs(frames, [left.names[first] for first, _ in found]), tuple(alone), stream)
 
 
 def _again(places: _Places, number: int) -> Pair:
@@ -145,8 +128,17 @@ def _opened_once(places: _Places) -> Recorded:
     return _opened(places)
 
 
-def _reader(read: Callable[..., Pair], *about: object) -> Callable[[], Pair]:
-    return lambda: read(*about)
+class _Frame:
+    """A function that reads a pair from what is open here; in another process it opens that again."""
+
+    def __init__(self, places: _Places, number: int, read: Callable[[int], Pair]):
+        self._places, self._number, self._read = places, number, read
+
+    def __call__(self) -> Pair:
+        return self._read(self._number)
+
+    def __reduce__(self):
+        return partial, (_again, self._places, self._number)
 
 
 def _source(path: Path, timed: bool = False) -> Source:

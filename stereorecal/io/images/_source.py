@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -30,9 +31,11 @@ class Source:
 
 
 def halves(source: Source) -> tuple[Source, Source]:
-    """The left and the right half of frames that show both images side by side."""
-    return replace(source, read=lambda index: _half(source, index, 0)), replace(
-        source, read=lambda index: _half(source, index, 1)
+    """The left and the right half of frames that show both images side by side. A frame is read once for both: to read
+    one again, a video would be searched from its beginning."""
+    kept = replace(source, read=lru_cache(maxsize=1)(source.read))
+    return replace(source, read=lambda index: _half(kept, index, 0)), replace(
+        source, read=lambda index: _half(kept, index, 1)
     )
 
 

@@ -12,12 +12,13 @@ from stereorecal.io._about import about
 from stereorecal.io._atomic import make_folder
 from stereorecal.io._json import write_json
 from stereorecal.io._paths import AnyPath
-from stereorecal.io.formats._calibration import read_json_object
+from stereorecal.io._scenes import fitting
+from stereorecal.io.formats._calibration import Calibration, read_json_object
 from stereorecal.io.formats._rigs import load_rig, save_rig
 from stereorecal.io.images._files import natural_order, stem_of, write_png
 from stereorecal.io.layouts._names import name_of
 from stereorecal.io.layouts._scene_folder import load_sides
-from stereorecal.recordings import Log, Mission
+from stereorecal.recordings import Log, Mission, names_of
 
 LAYOUT = "a plain log (calibrations/DATE.json, sequences/DATE.../left and right)"
 _CALIBRATIONS, _SEQUENCES, _FACTS, _TRUTH = "calibrations", "sequences", "mission.json", "truth.json"
@@ -41,21 +42,23 @@ def read(folder: Path, limit: int | None) -> Log:
     calibrations = {path.stem: load_rig(path) for path in natural_order((folder / _CALIBRATIONS).glob("*.json"))}
     sequences = natural_order(path for path in (folder / _SEQUENCES).iterdir() if path.is_dir())
     with about(folder):
-        return Log(
-            name_of(folder), calibrations, tuple(_mission(path, list(calibrations), limit) for path in sequences)
-        )
+        return Log(name_of(folder), calibrations, tuple(_mission(path, calibrations, limit) for path in sequences))
 
 
-def _mission(folder: Path, dates: list[str], limit: int | None) -> Mission:
+def _mission(folder: Path, calibrations: Mapping[str, StereoRig], limit: int | None) -> Mission:
     facts = read_json_object(folder / _FACTS) if (folder / _FACTS).exists() else {}
     truth = load_rig(folder / _TRUTH) if (folder / _TRUTH).exists() else None
     pairs = load_sides(folder, limit)
     with about(folder / _FACTS):
         calibration, starred = _named(facts)
-        unknown = starred - {pair.name for pair in pairs}
+        unknown = starred - set(pairs.names)
         if unknown and limit is None:
             raise InputError(f"starred names {min(unknown)}, which is no left image of the sequence; correct it.")
-    return Mission(folder.name, calibration or _latest(folder.name, dates), pairs, starred, truth)
+    name = calibration or _latest(folder.name, list(calibrations))
+    rig = calibrations.get(name)  # the log says if there is none
+    if rig is not None:
+        pairs = fitting(folder, Calibration(rig.left.size, rig), pairs)
+    return Mission(folder.name, name, pairs, starred, truth)
 
 
 def _named(facts: Mapping[str, Any]) -> tuple[str | None, frozenset[str]]:
@@ -103,12 +106,12 @@ def save_mission(mission: Mission, folder: AnyPath) -> None:
             written to.
     """
     _check_name(mission.name)
-    for pair in mission.pairs:
-        _check_name(pair.name)
+    for name in names_of(mission.pairs):
+        _check_name(name)
     place = Path(folder) / _SEQUENCES / mission.name
     if has_mission(folder, mission.name):
         raise InputError(f"{place}: the sequence is there already; choose another name or folder.")
-    names = {pair.name: f"{stem_of(pair.name)}.png" for pair in mission.pairs}
+    names = {name: f"{stem_of(name)}.png" for name in names_of(mission.pairs)}
     if len(set(names.values())) < len(mission.pairs):
         raise InputError(f"{mission.name}: two pairs would be written under the same name; rename one.")
     for pair in mission.pairs:

@@ -1,5 +1,6 @@
 """The list of layouts: which one a folder has, and reading it as a log or a scene."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 from stereorecal._errors import InputError
@@ -16,8 +17,9 @@ from stereorecal.io.layouts import (
     _plain_log,
 )
 from stereorecal.io.layouts._layout import Layout
-from stereorecal.io.layouts._scene_folder import is_scene_folder, load_scene_folder
-from stereorecal.recordings import Log, Mission, Scene
+from stereorecal.io.layouts._names import name_of
+from stereorecal.io.layouts._scene_folder import is_scene_folder, open_scene_folder
+from stereorecal.recordings import LazyPairs, Log, Mission, Pair, Scene
 
 # The first that recognises a folder reads it. KITTI stereo comes before odometry: both have folders such as image_0,
 # but only the names of its images end in _10.
@@ -38,8 +40,11 @@ def load_log(folder: AnyPath, limit: int | None = None) -> Log:
 
     A scene folder is a log of one mission. `docs/data.md` describes the other layouts.
 
+    Pairs are read each time they are asked for (`LazyPairs`), so that a log may be longer than the memory: of each
+    mission the first is looked at now, and what is wrong with another is said when it is read.
+
     Args:
-        limit: read only the first `limit` pairs of each mission.
+        limit: only the first `limit` pairs of each mission.
 
     Raises:
         InputError: naming the file, if no layout is recognised, or something is missing or damaged.
@@ -54,7 +59,9 @@ def load_log(folder: AnyPath, limit: int | None = None) -> Log:
     return log
 
 
-def load_scene(folder: AnyPath, limit: int | None = None) -> Scene:
+def load_scene(
+    folder: AnyPath, limit: int | None = None, *, choose: Callable[[LazyPairs], tuple[Pair, ...]] = tuple
+) -> Scene:
     """The scene in a folder: calib.json and `left.*`, `right.*`, or folders `left`, `right` with equal names.
 
     calib.json holds `image_size` [w, h], `K_left`, `D_left`, `K_right`, `D_right` (OpenCV's order),
@@ -64,6 +71,8 @@ def load_scene(folder: AnyPath, limit: int | None = None) -> Scene:
 
     Args:
         limit: read only the first `limit` pairs.
+        choose: is given the pairs, read when it asks for them, and returns the ones of the scene; default all. What it
+            does not keep takes no memory.
 
     Raises:
         InputError: naming the file, if something is missing, unreadable, damaged or contradicts itself.
@@ -73,7 +82,7 @@ def load_scene(folder: AnyPath, limit: int | None = None) -> Scene:
         CalibrationWarning: as `load_rig`.
     """
     folder = _existing(folder)
-    scene = _read_scene(folder, limit)
+    scene = _read_scene(folder, limit, choose)
     warn_of_units(folder, scene.rig)
     return scene
 
@@ -86,7 +95,7 @@ def is_data_set(folder: AnyPath) -> bool:
 
 def _read_log(folder: Path, limit: int | None) -> Log:
     if is_scene_folder(folder):
-        return _log_of(load_scene_folder(folder, limit))
+        return _log_of(folder, limit)
     for layout in _LAYOUTS:
         if layout.recognises(folder):
             return layout.read(folder, limit)
@@ -96,14 +105,16 @@ def _read_log(folder: Path, limit: int | None) -> Log:
     )
 
 
-def _read_scene(folder: Path, limit: int | None) -> Scene:
+def _read_scene(folder: Path, limit: int | None, choose: Callable[[LazyPairs], tuple[Pair, ...]]) -> Scene:
     if is_scene_folder(folder) or not any(layout.recognises(folder) for layout in _LAYOUTS):
-        return load_scene_folder(folder, limit)
+        found, pairs = open_scene_folder(folder, limit)
+        return Scene(name_of(folder), found.rig, choose(pairs), found.reference, found.info)
     log = _read_log(folder, limit)
     mission, *others = log.missions
     if others:
         raise InputError(f"{folder}: {len(log.missions)} sequences are in there ({mission.name} …); give one of them.")
-    return log.scene(mission)
+    assert isinstance(mission.pairs, LazyPairs)
+    return Scene(mission.name, log.calibration_of(mission), choose(mission.pairs))
 
 
 def _existing(folder: AnyPath) -> Path:
@@ -113,8 +124,11 @@ def _existing(folder: AnyPath) -> Path:
     return folder
 
 
-def _log_of(scene: Scene) -> Log:
-    if scene.rig is None:
-        raise InputError(f"{scene.name}: the scene has no calibration; a log needs one.")
-    truth = scene.rig if scene.reference == "truth" else None
-    return Log(scene.name, {"stored": scene.rig}, (Mission(scene.name, "stored", scene.pairs, truth=truth),))
+def _log_of(folder: Path, limit: int | None) -> Log:
+    """A scene folder as a log."""
+    found, pairs = open_scene_folder(folder, limit)
+    name = name_of(folder)
+    if found.rig is None:
+        raise InputError(f"{name}: the scene has no calibration; a log needs one.")
+    truth = found.rig if found.reference == "truth" else None
+    return Log(name, {"stored": found.rig}, (Mission(name, "stored", pairs, truth=truth),))

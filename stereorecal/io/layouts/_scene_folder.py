@@ -9,18 +9,16 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal._errors import InputError
-from stereorecal.io._about import about
 from stereorecal.io._atomic import write_text
 from stereorecal.io._paths import AnyPath
-from stereorecal.io._scenes import scene_of
-from stereorecal.io.formats._calibration import load_calibration
+from stereorecal.io._scenes import fitting
+from stereorecal.io.formats._calibration import Calibration, load_calibration
 from stereorecal.io.formats._reading import looks_calibrated
 from stereorecal.io.formats._stereorecal import NAME, calibration_of, calibration_text
 from stereorecal.io.images._files import images_in, natural_order, write_png
 from stereorecal.io.images._match import match_files
 from stereorecal.io.images._pairs import load_matched
-from stereorecal.io.layouts._names import name_of
-from stereorecal.recordings import Pair, Scene, check_pairs
+from stereorecal.recordings import LazyPairs, Pair, Scene, check_pairs
 
 _CALIBRATION_FILE = "calib.json"
 
@@ -30,13 +28,11 @@ def is_scene_folder(folder: Path) -> bool:
     return (folder / _CALIBRATION_FILE).is_file()
 
 
-def load_scene_folder(folder: Path, limit: int | None = None) -> Scene:
-    """The scene in a folder as `load_scene` describes it."""
+def open_scene_folder(folder: Path, limit: int | None) -> tuple[Calibration, LazyPairs]:
+    """The calibration of a scene folder, and its pairs, checked against it when they are read."""
     _check_calibrated(folder)
     calibration = load_calibration((folder / _CALIBRATION_FILE,), NAME)
-    pairs = load_sides(folder, limit)
-    with about(folder):
-        return scene_of(name_of(folder), calibration, pairs)
+    return calibration, fitting(folder, calibration, load_sides(folder, limit))
 
 
 def _check_calibrated(folder: Path) -> None:
@@ -54,11 +50,11 @@ def _check_calibrated(folder: Path) -> None:
     )
 
 
-def load_sides(folder: Path, limit: int | None) -> tuple[Pair, ...]:
+def load_sides(folder: Path, limit: int | None) -> LazyPairs:
     """The pairs of `left.*` and `right.*`, or of the folders `left` and `right` with equal names.
 
     Raises:
-        InputError: naming the file, if one is missing, has no partner, or is damaged.
+        InputError: naming the file, if one is missing or has no partner.
     """
     matched = match_files(*(_side_files(folder, side) for side in ("left", "right")), by_order=False)
     return load_matched(matched, limit)

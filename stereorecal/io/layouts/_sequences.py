@@ -7,11 +7,12 @@ import jax
 import numpy as np
 
 from stereorecal.geometry import StereoRig
-from stereorecal.io._about import about
+from stereorecal.io._scenes import fitting
+from stereorecal.io.formats._calibration import Calibration
 from stereorecal.io.layouts._names import name_of
-from stereorecal.recordings import Log, Mission, Pair, check_pairs
+from stereorecal.recordings import LazyPairs, Log, Mission
 
-Sequence = tuple[Path, StereoRig, tuple[Pair, ...]]  # its folder, the rig, the pairs
+Sequence = tuple[Path, StereoRig, LazyPairs]  # its folder, the rig, the pairs
 
 
 def log_of(folder: Path, sequences: Iterable[Sequence]) -> Log:
@@ -20,16 +21,15 @@ def log_of(folder: Path, sequences: Iterable[Sequence]) -> Log:
     A single calibration is named "stored"; of several, each is named after the first sequence that has it.
 
     Raises:
-        InputError: if there is no sequence, or the images of one do not fit its calibration.
+        InputError: if there is no sequence, or the first images of one do not fit its calibration; of others, this is
+            said when they are read.
     """
-    found: list[tuple[str, Hashable, tuple[Pair, ...]]] = []
+    found: list[tuple[str, Hashable, LazyPairs]] = []
     rigs: dict[Hashable, tuple[str, StereoRig]] = {}
     for place, rig, pairs in sequences:
-        with about(place):  # the log checks too, but cannot name the folder
-            check_pairs(rig, pairs)
         name = name_of(folder) if place == folder else place.name
         rigs.setdefault(_key(rig), (name, rig))
-        found.append((name, _key(rig), pairs))
+        found.append((name, _key(rig), fitting(place, Calibration(rig.left.size, rig), pairs)))
     names = {value: name if len(rigs) > 1 else "stored" for value, (name, _) in rigs.items()}
     calibrations = {names[value]: rig for value, (_, rig) in rigs.items()}
     return Log(name_of(folder), calibrations, tuple(Mission(name, names[value], pairs) for name, value, pairs in found))

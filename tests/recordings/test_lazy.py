@@ -1,0 +1,126 @@
+"""A recording may be longer than the memory: pairs are read when they are needed, and let go."""
+
+import os
+import pickle
+import weakref
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stereorecal._errors import InputError
+from stereorecal.cli._recordings import recordings
+from stereorecal.cli.arguments import parser
+from stereorecal.io import files_read, load_log, load_scene, open_pairs, save_scene
+from stereorecal.io.images import _pairs
+from stereorecal.recalibration import chosen_frames
+from stereorecal.recordings import Pair, names_of
+from stereorecal.reproduction import Extent, reproduce
+from stereorecal.reproduction._judge import Judge
+from stereorecal.synthetic import default_rig, render
+
+FRAMES = 200
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A scene folder of many frames, all links to the images of one."""
+    made = tmp_path_factory.mktemp("long") / "scene"
+    save_scene(render("harbour", 0, rig=default_rig().resized((64, 48))), made)
+    for side in ("left", "right"):
+        first = made / side / "0000.png"
+        first.parent.mkdir()
+        (made / f"{side}.png").rename(first)
+        for number in range(1, FRAMES):
+            os.link(first, made / side / f"{number:04d}.png")
+    return made
+
+
+class Meter:
+    """How many pairs were read, and the most that were there at once."""
+
+    def __init__(self):
+        self.read = self.most = 0
+        self.alive: weakref.WeakSet[Pair] = weakref.WeakSet()
+
+    def __call__(self, left: str, right: str, load=_pairs.load_pair) -> Pair:
+        pair = load(left, right)
+        self.alive.add(pair)
+        self.read += 1
+        self.most = max(self.most, len(self.alive))
+        return pair
+
+
+@pytest.fixture
+def meter(monkeypatch: pytest.MonkeyPatch) -> Meter:
+    found = Meter()
+    monkeypatch.setattr(_pairs, "load_pair", found)
+    return found
+
+
+def test_a_log_is_opened_without_reading_it(folder: Path, meter: Meter):
+    log = load_log(folder)
+    (mission,) = log.missions
+    assert names_of(mission.pairs) == tuple(f"{number:04d}.png" for number in range(FRAMES))
+    assert meter.read == 1
+    for _ in mission.pairs:
+        pass
+    assert meter.read == FRAMES + 1
+    assert meter.most <= 2
+
+
+def test_of_a_scene_only_what_is_chosen_stays(folder: Path, meter: Meter):
+    assert len(load_scene(folder, choose=lambda pairs: chosen_frames(pairs, 5)).pairs) == 5
+    assert meter.most <= 5 + 2
+
+
+def test_a_command_looks_at_some_of_a_long_recording(folder: Path, meter: Meter):
+    """As of a video, and not where all were asked for."""
+    options = parser().parse_args(["score", str(folder)])
+    found = recordings(options)
+    assert len(found.scenes[0].pairs) == 24
+    assert meter.most <= 24 + 2
+    assert any("176 other pairs" in about for about, _ in found.absent)
+    few = recordings(parser().parse_args(["score", str(folder), "--to", "100"]))
+    assert len(few.scenes[0].pairs) == 100
+    every = recordings(parser().parse_args(["score", str(folder), "--limit", "all"]))
+    assert len(every.scenes[0].pairs) == FRAMES
+
+
+def test_experiments_read_a_pair_for_each_task(folder: Path, meter: Meter, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(Judge, "counts", lambda judge, pair, extrinsics: [int(pair.left.sum())] * len(extrinsics))
+    found = reproduce(load_log(folder), ["validity"], schedules=("count",), extent=Extent())
+    assert found.errors == {}
+    assert len(found.rows["validity"]) == FRAMES
+    assert meter.most <= 4 + 2  # the survey of the disparity range looks at four together
+
+
+def test_pairs_travel_as_paths(folder: Path):
+    log = load_log(folder)
+    some = log.missions[0].pairs[3:5]
+    sent = pickle.dumps(some)
+    assert len(sent) < 10_000
+    again = pickle.loads(sent)
+    np.testing.assert_array_equal(again[1].left, some[1].left)
+    assert names_of(again) == ("0003.png", "0004.png")
+    loose = open_pairs(folder / "left", folder / "right").pairs[:2]
+    assert len(pickle.dumps(loose)) < 10_000
+
+
+def test_all_files_of_a_log_are_inputs(folder: Path):
+    """Read or not: none may be replaced."""
+    with files_read() as read:
+        load_log(folder, limit=1)
+    assert {folder / "left" / "0199.png", folder / "right" / "0150.png", folder / "calib.json"} <= read
+
+
+def test_what_is_wrong_with_a_pair_is_said_when_it_is_read(folder: Path, tmp_path: Path):
+    made = tmp_path / "scene"
+    save_scene(load_scene(folder, limit=2), made)
+    path = made / "left" / "0001.png"
+    path.write_bytes(path.read_bytes()[:100])
+    log = load_log(made)
+    with pytest.raises(InputError, match="the image is truncated"):
+        log.scene(log.missions[0])
+    with pytest.raises(InputError, match="the image is truncated"):
+        reproduce(log, ["ex-nihilo"], schedules=("count",))
