@@ -25,6 +25,7 @@ def environment(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     return os.environ | {"PATH": path, "VIRTUAL_ENV": str(home), "PIP_DISABLE_PIP_VERSION_CHECK": "1"}
 
 
+@pytest.mark.slow
 def test_the_page_from_an_empty_folder_to_a_row_of_compare(environment: dict[str, str], tmp_path: Path):
     output = ""
     for step in STEP.finditer(PAGE.read_text()):

@@ -42,6 +42,7 @@ def repaired(answer, folder: Path) -> str:
     return page
 
 
+@pytest.mark.slow
 def test_a_side_by_side_video(command, seen, calibration, tmp_path):
     video = cv2.VideoWriter(str(tmp_path / "both.avi"), cv2.VideoWriter.fourcc(*"MJPG"), 10.0, (2 * SIZE[0], SIZE[1]))
     for left, right in seen:

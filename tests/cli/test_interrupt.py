@@ -88,6 +88,7 @@ def test_nothing_is_written_when_nothing_is_finished(command, raising, drifted_s
     assert not any(path.exists() for path in places[1::2])
 
 
+@pytest.mark.slow(after=1)
 @pytest.mark.parametrize("executor", ["serial", "threads:1", "processes:1"])
 def test_ctrl_c_inside_a_worker(command, raising, clean_scene: Path, tmp_path: Path, executor: str):
     """The second recording's worker is interrupted: the first is printed and saved."""

@@ -50,6 +50,7 @@ def pages() -> dict[str, set[str]]:
     return listed()
 
 
+@pytest.mark.slow(after=2)
 @pytest.mark.parametrize("schema", ["solution", "health", "difference", "compare"])
 def test_what_is_written_and_what_is_listed(command, schema: str, pages, clean_scene, drifted_scene, tmp_path: Path):
     words = {

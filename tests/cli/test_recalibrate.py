@@ -129,6 +129,7 @@ def test_an_old_file_stays_when_nothing_is_better(command, drifted_scene: Path, 
     assert target.read_text() == "precious"
 
 
+@pytest.mark.slow(after=1)
 @pytest.mark.parametrize("order", [1, -1])
 def test_4_when_one_of_several_cannot_be_told(command, drifted_scene: Path, tmp_path: Path, order: int):
     fog = np.full((120, 160), 128.0, np.float32)

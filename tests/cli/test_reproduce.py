@@ -44,6 +44,7 @@ def test_tables_and_files(command, words, tmp_path: Path):
     assert not [name for name in names if name.startswith("repair")]
 
 
+@pytest.mark.slow
 def test_a_second_run_repeats_nothing(command, words, tmp_path: Path, monkeypatch):
     first = command("reproduce", "ex-nihilo", *words, "--json", tmp_path / "one.json")
     monkeypatch.setattr(_reproduce, "run_task", lambda task: "was run again")
@@ -77,6 +78,7 @@ def test_interrupted(command, words, monkeypatch):
     assert command("reproduce", "validity", *words).code == 0
 
 
+@pytest.mark.slow
 def test_failures_are_named(command, words, monkeypatch):
     def broken(task):
         raise RuntimeError("the disk is on fire")
@@ -119,6 +121,7 @@ def test_frames_without_a_log(command, tmp_path: Path):
     assert "--frames belongs to --log" in found.err
 
 
+@pytest.mark.slow
 def test_results_of_another_run_are_left_alone(command, words):
     assert command("reproduce", "ex-nihilo", *words).code == 0
     found = command("reproduce", "ex-nihilo", *words, "--seed", "1")

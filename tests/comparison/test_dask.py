@@ -130,6 +130,7 @@ def test_ctrl_c_cancels_what_waits(workers, scene, serial):
     assert not workers.scheduler.tasks
 
 
+@pytest.mark.slow
 def test_a_trial_that_kills_every_worker_is_a_failed_row(workers, scene, serial, deadly, monkeypatch):
     monkeypatch.setattr(workers.scheduler, "allowed_failures", 1)
     found = rows(compared(workers, scene(), 2, {"search": deadly(draw=1)}))

@@ -109,6 +109,7 @@ def differences(function, x: np.ndarray, step: float = 1e-6) -> np.ndarray:
 POINTS = [np.zeros(3), np.array([1e-6, 0, 0]), np.array([0.3, -0.2, 0.5]), np.array([0.0, 1.4, 0.0])]
 
 
+@pytest.mark.slow(after=2)
 @pytest.mark.parametrize("jacobian", [jax.jacfwd, jax.jacrev])
 @pytest.mark.parametrize(
     "function",

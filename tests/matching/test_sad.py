@@ -63,7 +63,7 @@ OPTIONS = [
 ]
 
 
-@pytest.mark.slow(after=6)
+@pytest.mark.slow(after=4)
 @pytest.mark.parametrize("matcher", OPTIONS)
 @settings(max_examples=8)
 @given(seed=st.integers(0, 10**6), shift=st.floats(-6, 12))

@@ -31,7 +31,7 @@ def pair(seed: int) -> tuple[np.ndarray, np.ndarray]:
     return tuple(np.clip(np.round(image), 0, 255).astype(np.float32) for image in noisy)
 
 
-@pytest.mark.slow(after=2)
+@pytest.mark.slow(after=1)
 @pytest.mark.parametrize("options", OPTIONS.values(), ids=OPTIONS)
 @pytest.mark.parametrize("seed", [0, 1])
 def test_without_temperature_it_is_the_search(options: SAD, seed: int):

@@ -24,7 +24,7 @@ print(sr.recalibrate(scene.rig, scene.pairs))
 """
 
 
-@pytest.mark.slow(after=1)
+@pytest.mark.slow
 @pytest.mark.parametrize("by", [winners_by_rows, winners_by_planes])
 def test_search(by):
     whole = IMAGE.astype(np.int16), np.roll(IMAGE, -3, 1).astype(np.int16)

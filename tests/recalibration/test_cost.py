@@ -49,7 +49,7 @@ def repaired(scene, frames=1, **options):
     return sr.recalibrate(bad, given.pairs, **options)
 
 
-@pytest.mark.slow(after=1)
+@pytest.mark.slow
 @pytest.mark.parametrize(("schedule", "frames"), [("default", 2), ("count", 1), ("count", 2)])
 def test_every_run_of_the_matcher_is_metered(scene, runs, looks, schedule, frames):
     cost = repaired(scene, frames, matcher=Counting(), schedule=schedule).cost

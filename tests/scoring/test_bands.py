@@ -60,6 +60,7 @@ def test_shares_that_make_no_sense(scene, share):
         sr.objective(given_scene.rig, given_scene.pairs, matcher=SAD_32, rows=share)
 
 
+@pytest.mark.slow
 def test_an_objective_adds_its_bands_up_and_costs_less(scene, prepared):
     given_scene = scene("street", 0, (320, 240))
     few = sr.objective(given_scene.rig, given_scene.pairs, matcher=SAD_32, rows=0.4)

@@ -56,7 +56,7 @@ def pure(name, data, found):
     }[name]
 
 
-@pytest.mark.slow(after=3)
+@pytest.mark.slow(after=1)
 @pytest.mark.parametrize("name", ["count", "soft_count", "correspondences", "row_differences"])
 @pytest.mark.parametrize("kind", ["plain", "NumPy", "vmap"])
 def test_pure_functions(compilations, data, found, at, name, kind):
@@ -70,7 +70,7 @@ def test_pure_functions(compilations, data, found, at, name, kind):
         check(compilations, lambda k: jax.vmap(pure(name, data, found))(jnp.asarray([points[k]] * 4)))
 
 
-@pytest.mark.slow(after=1)
+@pytest.mark.slow
 @pytest.mark.parametrize("mode", [jax.grad, jax.jacfwd, jax.value_and_grad])
 def test_derivatives_of_the_soft_count(compilations, data, found, at, mode):
     check(compilations, lambda k: mode(pure("soft_count", data, found))(at + 1e-4 * k))
@@ -81,6 +81,7 @@ def test_gradients_of_a_batch(compilations, data, found, at):
     check(compilations, lambda k: jax.vmap(jax.grad(pure("soft_count", data, found)))(jnp.stack([at + 1e-4 * k] * 4)))
 
 
+@pytest.mark.slow
 def test_jvp_of_the_soft_count(compilations, data, found, at):
     check(compilations, lambda k: jax.jvp(pure("soft_count", data, found), (at + 1e-4 * k,), (jnp.ones(6),)))
 
@@ -129,7 +130,7 @@ def test_objectives_of_equal_shape(compilations, scene, given):
     check(compilations, call)
 
 
-@pytest.mark.slow(after=1)
+@pytest.mark.slow
 @pytest.mark.parametrize("matcher", ["sad", "bm"])
 def test_what_looks_once(compilations, given, matcher):
     """Measuring the disparity range included, where it is not given."""

@@ -24,7 +24,7 @@ def nearest(kind, seed):
     return float(np.quantile(ground_truth(kind, seed, rig=rig).disparity, 0.999))
 
 
-@pytest.mark.slow(after=3)
+@pytest.mark.slow(after=1)
 @pytest.mark.parametrize(("kind", "seed"), SOLID)
 def test_covers_the_truth_at_the_truth(scene, kind, seed):
     given_scene = scene(kind, seed)
@@ -33,7 +33,7 @@ def test_covers_the_truth_at_the_truth(scene, kind, seed):
     assert nearest(kind, seed) < found <= 144
 
 
-@pytest.mark.slow(after=6)
+@pytest.mark.slow(after=2)
 @pytest.mark.parametrize(("kind", "seed"), SOLID)
 @pytest.mark.parametrize("signs", [(1, -1, -1), (-1, 1, -1), (-1, -1, 1)])
 def test_covers_the_truth_after_a_drift(scene, kind, seed, signs):

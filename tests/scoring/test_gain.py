@@ -15,6 +15,7 @@ def under_gain(scene, gain):
     return [replace(p, left=(p.left * gain).astype("f4"), right=(p.right * gain).astype("f4")) for p in scene.pairs]
 
 
+@pytest.mark.slow(after=1)
 @pytest.mark.parametrize("kind", ["harbour", "coast", "street"])
 def test_common_gain(scene, kind):
     given_scene = scene(kind, 1)

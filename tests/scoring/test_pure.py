@@ -89,6 +89,7 @@ def test_frames_add_up(scene):
     assert found.weight.shape[0] == found.left.shape[0] == 2
 
 
+@pytest.mark.slow
 def test_correspondences_under_jit_and_vmap(data, truth, found):
     compiled = jax.jit(lambda e: sr.correspondences(data, e, MATCHER))(jnp.asarray(truth, jnp.float32))
     several = jax.vmap(lambda e: sr.correspondences(data, e, MATCHER))(jnp.asarray([truth] * 4, jnp.float32))

@@ -27,7 +27,7 @@ def softs(score, points) -> np.ndarray:
     return np.array([float(value(score, jnp.asarray(point, jnp.float32))) for point in points])
 
 
-@pytest.mark.slow(after=1)
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["harbour", "street"])
 def test_gradient_is_that_of_finite_differences(scene, kind):
     score = made(scene, kind).traced.soft_count
