@@ -11,15 +11,18 @@ from stereorecal._arrays import refuse_tracers
 from stereorecal.geometry import StereoRig, View, same_camera, with_unit_baseline
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import Parameters, Reach, as_parameters, as_reach
-from stereorecal.recalibration._acceptance import Reason, row_errors, verdict, verdict_on_count
+from stereorecal.recalibration._acceptance import Reason, row_errors, verdict_on_count
 from stereorecal.recalibration._agreement import agreed, without
 from stereorecal.recalibration._cost import Cost
-from stereorecal.recalibration._misfit import misfit, systematic
+from stereorecal.recalibration._judging import judged
+from stereorecal.recalibration._misfit import systematic
 from stereorecal.recalibration._ranges import resolved_ranges, with_ranges
 from stereorecal.recalibration._schedule import Schedule, ScoreKind, as_schedule
 from stereorecal.recalibration._solution import Solution
+from stereorecal.recalibration._solved import Recording
 from stereorecal.recalibration._stages import FEWEST, Case, StageRun, better_start, remaining, run_stage
-from stereorecal.recalibration._together import Recording, check_schedule, one_by_one, together
+from stereorecal.recalibration._tasks import one_by_one
+from stereorecal.recalibration._together import check_schedule, together
 from stereorecal.recalibration._uncertainty import uncertainty
 from stereorecal.recordings import Pairs, Range
 from stereorecal.scoring import host, legible, pyramid
@@ -152,11 +155,10 @@ def _judged(case: Case, schedule: Schedule, stages: tuple[StageRun, ...], cost: 
         reason = Reason.TOO_LITTLE_TEXTURE
     else:
         facts, tiles = frames.facts, tiles[:, frames.kept]
-        own = facts.only(slice(len(case.free.axes)))
-        rows, left = row_errors(facts), misfit(own, *tiles)
+        rows, covered = row_errors(facts), without(found, frames.apart).covered
+        said, left = judged(facts, case.free.names, len(case.free.axes), tiles, rows, covered)
         known = uncertainty(facts.covariance(), systematic(facts, left), case.chart)
-        counts, covered = tiles.sum(axis=(1, 2)), without(found, frames.apart).covered
-        reason = Reason.FRAMES_DISAGREE if frames.refused else verdict(counts, rows, own, left, covered)
+        reason = Reason.FRAMES_DISAGREE if frames.refused else said.reason
     if reason is Reason.TOO_LITTLE_TEXTURE and any(legible(pair).enough for pair in case.images.pairs):
         reason = Reason.NO_MATCHES
     apart = () if frames is None else tuple(case.images.pairs[f].name for f in frames.apart)

@@ -23,7 +23,7 @@ from stereorecal.recalibration._expected import Expected, expected_of
 from stereorecal.recalibration._intrinsics import Intrinsics
 from stereorecal.recalibration._misfit import Cause, Misfit
 from stereorecal.recalibration._path import Waypoint, path_of
-from stereorecal.recalibration._ranges import NONE, Beams
+from stereorecal.recalibration._ranges import NONE, Beams, RangesSeen
 from stereorecal.recalibration._report import report_of
 from stereorecal.recalibration._stages import StageRun
 from stereorecal.recalibration._uncertainty import Uncertainty
@@ -61,7 +61,8 @@ class Solution:
         disagreeing: the same where they are too many, and nothing is left out.
         stages: what each stage did.
         seconds: wall time.
-        beams: ranges that had a sure match.
+        beams: ranges that had a sure match, if most of them fit the calibration to use.
+        ranges: what became of ranges; None if there were none.
     """
 
     rig: StereoRig
@@ -88,6 +89,7 @@ class Solution:
     stages: tuple[StageRun, ...]
     seconds: float
     beams: Beams = NONE
+    ranges: RangesSeen | None = None
 
     @property
     def trace(self) -> Trace | None:
@@ -120,12 +122,12 @@ class Solution:
 
     @cached_property
     def expected(self) -> Expected | None:
-        """What to expect of the candidate: rows over the view and depth, with what misfit and intrinsics that were held
-        may do; None without an epipolar stage."""
+        """What to expect of the calibration to use: rows over the view and depth, with what misfit and intrinsics that
+        were held may do; None without an epipolar stage, or where the calibration is known to be bad."""
         found = self.found
-        if self.uncertainty is None or found is None:
+        if self.uncertainty is None or found is None or not self.reason.healthy:
             return None
-        return expected_of(self.candidate, found, self.beams, self.free, self.reach, self.view, self.uncertainty)
+        return expected_of(self.rig, found, self.beams, self.free, self.reach, self.view, self.uncertainty)
 
     @property
     def found(self) -> Correspondences | None:
@@ -187,13 +189,15 @@ class Solution:
             lines.append(f"misfit   {said}")
         if self.intrinsics is not None:
             lines.append(str(self.intrinsics))
+        if self.ranges is not None:
+            lines.append(f"ranges   {self.ranges}")
         if self.left_out:
             lines.append(f"left out, since they disagree with the others: {', '.join(self.left_out)}")
         if self.disagreeing:
             lines.append(f"these disagree with others: {', '.join(self.disagreeing)}")
         if self.uncertainty is not None and self.uncertainty.undetermined:
             lines.append(f"not determined by these images: {'; '.join(self.uncertainty.undetermined)}")
-        if self.expected is not None and self.reason.healthy:
+        if self.expected is not None:
             lines.append(f"expect   {self.expected}")
         if self.accepted:
             lines.append(f"depth was off: {depths(self.depth_error_percent)}")

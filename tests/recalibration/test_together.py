@@ -2,6 +2,7 @@
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,7 +14,10 @@ from stereorecal.objectives import Parameters, Reach, row_chart
 from stereorecal.recalibration import IntrinsicsOutcome, _unseen, looked_at
 from stereorecal.recalibration._effects import rows_apart
 from stereorecal.recalibration._frames import MOST_FRAMES
+from stereorecal.recalibration._intrinsics import Gain, outcome
 from stereorecal.recalibration._joint import Member, joint, solved_together
+from stereorecal.recalibration._ranges import NONE
+from stereorecal.recalibration._solved import Solved
 from stereorecal.recalibration._sums import Sums, calmed
 from stereorecal.scoring import Correspondences
 
@@ -74,13 +78,26 @@ def test_each_its_own_extrinsics_on_any_executor(given_wrong):
 
 
 def test_right_intrinsics_stay(scenes):
-    """Nothing to gain: they are kept, and the repair is that of the extrinsics."""
+    """Nothing to gain: they are kept, and the repair is that of the extrinsics, which are still one for all."""
     off = TRUE.with_extrinsics(TRUE.extrinsics + np.radians([0.5, 0.3, -0.4, 0, 0, 0]))
     repairs = sr.recalibrate_many([replace(s, rig=off) for s in scenes], free=BOTH, extrinsics="one")
-    for repair, alone in zip(repairs, sr.recalibrate_many([replace(s, rig=off) for s in scenes]), strict=True):
+    for repair in repairs:
         assert repair.solution.intrinsics.outcome is IntrinsicsOutcome.NO_GAIN
+        assert repair.solution.accepted
         assert repair.solution.rig.left is off.left
-        np.testing.assert_array_equal(repair.solution.rig.extrinsics, alone.solution.rig.extrinsics)
+        np.testing.assert_array_equal(repair.solution.rig.extrinsics, repairs[0].solution.rig.extrinsics)
+        assert np.abs(np.degrees(repair.solution.rig.extrinsics - TRUE.extrinsics)[:3]).max() < 0.03
+
+
+def test_lenses_far_beyond_their_priors(given_wrong):
+    """Focal lengths that end seven standard deviations off are not taken, and the way out is named."""
+    tight = {"f": 0.03, "cx": 0.1, "cy": 0.1, "k1": 0.001, "k2": 0.002}
+    priors = {f"{side}.{name}": sigma for side in ("left", "right") for name, sigma in tight.items()}
+    some = sr.recalibrate_many(given_wrong[:3], free=Parameters(BOTH, priors), extrinsics="one")
+    seen = some[0].solution.intrinsics
+    assert seen.outcome is IntrinsicsOutcome.IMPLAUSIBLE
+    assert "give wider ones" in str(some[0].solution)
+    assert some[0].solution.rig.left is WRONG.left
 
 
 @pytest.mark.parametrize("scene", [1, 4])
@@ -164,17 +181,25 @@ def test_intrinsics_without_extrinsics(scenes):
 # --- the linear problem ---------------------------------------------------------------------------------------
 
 
-def members(seed: int, number: int = 3, noise: float = 0.1) -> tuple[Member, ...]:
-    """Recordings of random points, under a wrong rig; each with other extrinsics."""
-    rng, chart = np.random.default_rng(seed), row_chart(WRONG, Reach(), Parameters(BOTH))
+def members(
+    seed: int,
+    number: int = 3,
+    noise: float = 0.1,
+    given: sr.StereoRig = WRONG,
+    free: Parameters | None = None,
+    stretch: float = 0.0,
+) -> tuple[Member, ...]:
+    """Recordings of random points, under a given rig; each with other extrinsics. The right image may be stretched."""
+    rng, chart = np.random.default_rng(seed), row_chart(given, Reach(), free or Parameters(BOTH))
     made = []
     for _ in range(number):
         rig = TRUE.with_extrinsics(TRUE.extrinsics + np.array([*rng.normal(0, 0.003, 3), 0, 0, 0]))
         pixels = rng.uniform([10, 10], [310, 230], (2, 400, 2))
         points = rig.left.rays(pixels) * rng.uniform(2, 20, (2, 400, 1))
         there = rig.right.project(points @ rig.rotation.T + rig.translation) + rng.normal(0, noise, pixels.shape)
+        there[..., 1] += stretch * (there[..., 1] - 120.0)
         tile = (pixels[..., 1] // 40 * 8 + pixels[..., 0] // 40).astype(np.int32) + np.array([[0], [48]], np.int32)
-        rays = WRONG.left.rays(pixels), WRONG.right.rays(there)
+        rays = given.left.rays(pixels), given.right.rays(there)
         scale = (np.asarray(n, np.float32) for n in (300.0, 1.0, 1.0))
         found = Correspondences(*rays, np.ones(tile.shape), tile, *scale)
         made.append(Member(chart, found, np.zeros(chart.dim)))
@@ -193,6 +218,55 @@ def test_votes_are_bounded(frames):
     for parts in ([part], [part.of(part.frame % 2 == 0), part.of(part.frame % 2 == 1)]):
         information = sum(one.normal[one.place == 3].sum() for one in calmed(parts))
         assert information == pytest.approx(1.0 / (0.02**2 + 0.05**2 / frames), rel=0.01)
+
+
+GAINS = Gain(np.full(40, 0.1) + 0.01 * (-1.0) ** np.arange(40), 0.1, np.full(40, 0.1), 0.0)
+OUTCOMES = {
+    "a gain everywhere": (IntrinsicsOutcome.REFINED, {}, {}),
+    "nothing to compare with": (IntrinsicsOutcome.REFINED, {"elsewhere": None}, {}),
+    "a comparison that failed": (IntrinsicsOutcome.ELSEWHERE_WORSE, {"elsewhere": np.nan}, {}),
+    "no gain elsewhere": (IntrinsicsOutcome.ELSEWHERE_WORSE, {"elsewhere": 0.004}, {}),
+    "no gain": (IntrinsicsOutcome.NO_GAIN, {"by_place": np.full(40, 0.004)}, {}),
+    "no number": (IntrinsicsOutcome.NO_GAIN, {"by_place": np.full(40, np.nan)}, {}),
+    "stretched images": (IntrinsicsOutcome.STRETCHED, {"over_stretch": np.full(40, 0.001)}, {}),
+    "a region worse": (IntrinsicsOutcome.REGIONS_WORSE, {"worse": 0.2}, {}),
+    "little shown": (IntrinsicsOutcome.TOO_LITTLE_SHOWN, {}, {"shown": 0.5}),
+    "uncertain": (IntrinsicsOutcome.TOO_UNCERTAIN, {}, {"expected_px": 0.2}),
+    "uncertain beyond numbers": (IntrinsicsOutcome.TOO_UNCERTAIN, {}, {"expected_px": np.nan}),
+    "far on all together": (IntrinsicsOutcome.IMPLAUSIBLE, {}, {"z": np.full(10, 0.5)}),
+    "at the edge": (IntrinsicsOutcome.IMPLAUSIBLE, {}, {"z": np.eye(10)[0]}),
+}
+
+
+@pytest.mark.parametrize("case", OUTCOMES)
+def test_outcomes(case):
+    expected, gains, others = OUTCOMES[case]
+    facts = {"shown": 1.0, "expected_px": 0.05, "z": np.full(10, 0.1), "prior": 1 / 6} | others
+    assert outcome(replace(GAINS, **gains), **facts) is expected
+
+
+def solved(found: tuple[Member, ...], free: Parameters) -> Solved:
+    """As of recordings that started from the rig of the chart."""
+    repair = SimpleNamespace(candidate=found[0].chart.rig)
+    recordings = [SimpleNamespace(repair=repair)] * len(found)
+    return Solved(recordings, solved_together(found, 5), free, (NONE,) * len(found))
+
+
+@pytest.mark.parametrize("stretch", [0.0, 0.005])
+def test_a_stretched_image_is_no_focal_length(stretch):
+    """A right image that was resized out of shape is explained by focal lengths; a stretch explains it as well."""
+    rig = TRUE if stretch else WRONG
+    found = solved(members(0, given=rig, stretch=stretch), Parameters(BOTH))
+    gain, over = (found.gain(before).mean() for before in (found.fixed_unseen, found.stretched_unseen))
+    assert gain > 0.02
+    assert (over < 0.1 * gain) == bool(stretch)
+
+
+def test_what_is_compared_knows_the_ranges_too():
+    """With the intrinsics as they were, the length of the baseline is as free as with others."""
+    free = Parameters((*BOTH, "baseline"))
+    found = solved(members(0, free=free), free)
+    assert found.fixed[0].chart.names == ("pitch", "yaw", "roll", "y", "z", "baseline")
 
 
 @settings(max_examples=5)
@@ -215,11 +289,36 @@ def test_cross_validation_by_hand(seed):
     without = problem.shift(lambda m, part: np.full(len(part.place), m != 0))
     others = replace(problem, parts=problem.parts[1:], zs=problem.zs[1:], of_ranges=problem.of_ranges[1:])
     np.testing.assert_allclose(without[5:], others.shift(), atol=1e-9)
-    seen_by = _unseen.by_place(solved, 5), _unseen.by_recording(solved, 5, np.arange(0))
-    for place, recording, member in zip(*seen_by, solved, strict=True):
-        own = member.facts().medians(member.facts().residual)
-        assert place.mean() > 0.95 * own.mean()
-        assert recording.mean() > 0.95 * own.mean()
+
+
+def test_nothing_leaks_into_what_is_unseen():
+    """Rows of one place that are spoiled: solutions that saw them bend to them, those that judge it do not."""
+    found = solved_together(members(0), 5)
+    spoiled = []
+    for member in found:
+        rays = np.array(member.found.right)
+        rays[..., 1] += 0.01 * (np.asarray(member.found.tile) % 48 == 20)
+        spoiled.append(replace(member, found=replace(member.found, right=rays)))
+    problem, clean = joint(spoiled, 5), joint(found, 5)
+
+    def elsewhere(_, part):
+        return part.place != 20
+
+    np.testing.assert_allclose(problem.shift(elsewhere), clean.shift(elsewhere), atol=2e-3)
+    by_place = _unseen.by_place(spoiled, 5)
+    for unseen, member in zip(by_place, spoiled, strict=True):
+        facts = member.facts()
+        there = np.unique(facts.tile) % 48 == 20
+        assert unseen[there].min() > 2.5  # three pixels, as they are
+
+
+def test_the_recording_that_judges_had_no_say():
+    """Of one whose lenses differ, rows are judged by the lenses of the others."""
+    odd = members(0, number=3)[:2] + members(1, number=1, given=TRUE)
+    odd = (*odd[:2], replace(odd[2], chart=odd[0].chart))  # rays of true lenses, taken for those of wrong ones
+    found = solved_together(odd, 5)
+    own, other = (rows[2].mean() for rows in (_unseen.by_place(found, 5), _unseen.by_recording(found, 5, np.arange(0))))
+    assert other > 1.2 * own
 
 
 def test_the_covariance_is_honest_of_noise():
