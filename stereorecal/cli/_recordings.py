@@ -4,6 +4,7 @@ import argparse
 import sys
 from collections.abc import Sequence, Sized
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 from stereorecal._errors import InputError
@@ -32,13 +33,16 @@ class Recordings:
     absent: tuple[tuple[str, str], ...]
 
 
-def recordings(options: argparse.Namespace) -> Recordings:
+def recordings(options: argparse.Namespace, *, few: bool = False) -> Recordings:
     """The scenes that were asked for; frames without partner are told on stderr.
+
+    Args:
+        few: of many frames of a scene folder, only those with the most texture are kept.
 
     Raises:
         InputError: if none or several kinds were asked for, or one cannot be used.
     """
-    found = _scenes(options) if options.scenes and not _loose(options) else _recorded(options)
+    found = _scenes(options, few) if options.scenes and not _loose(options) else _recorded(options)
     for scene in found.scenes:
         if scene.rig is None:
             raise InputError(f"{scene.name}: the scene has no calibration; give one to start from.")
@@ -59,20 +63,20 @@ def _loose(options: argparse.Namespace) -> bool:
     return any(getattr(options, name) is not None for name in named)
 
 
-def _scenes(options: argparse.Namespace) -> Recordings:
+def _scenes(options: argparse.Namespace, few: bool) -> Recordings:
     if options.format or options.unit:
         raise InputError("--format and --unit belong to --calibration; leave them out.")
-    first = _values.frame_limit(options.frames)
-    if _values.every_frame(options):
-        found = [load_scene(Path(path), limit=first) for path in options.scenes]
-        return Recordings(found, ())
-    found, absent = [], ()
-    for path in options.scenes:
-        scene = load_scene(Path(path))
-        pairs, left_out = _selected(scene.pairs, options, stream=False, about=scene.name)
-        found.append(replace(scene, pairs=pairs))
-        absent += left_out
-    return Recordings(found, absent)
+    absent: list[tuple[str, str]] = []
+
+    def choose(pairs: Sequence, about: str) -> tuple[Pair, ...]:
+        chosen, left_out = _selected(pairs, options, stream=few, about=about)
+        absent.extend(left_out)
+        return chosen
+
+    every = _values.every_frame(options) and not few
+    first = _values.frame_limit(options.frames) if _values.every_frame(options) else None
+    found = [load_scene(Path(path), first, None if every else partial(choose, about=path)) for path in options.scenes]
+    return Recordings(found, tuple(absent))
 
 
 def _recorded(options: argparse.Namespace) -> Recordings:

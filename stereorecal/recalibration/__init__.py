@@ -29,7 +29,6 @@ from stereorecal.recalibration._intrinsics import Intrinsics as Intrinsics, Intr
 from stereorecal.recalibration._many import (
     Fault as Fault,
     Repair as Repair,
-    looked_at as looked_at,
     recalibrate_many as recalibrate_many,
     repaired_together as repaired_together,
     repairs_as_finished as repairs_as_finished,

@@ -146,15 +146,13 @@ def outcome(
         return IntrinsicsOutcome.NO_GAIN
     if gain.elsewhere is not None and not gain.elsewhere >= _GAIN:
         return IntrinsicsOutcome.ELSEWHERE_WORSE
-    if not _significant(gain.over_stretch):
-        return IntrinsicsOutcome.STRETCHED
     if not gain.worse <= MOST_WORSE:
         return IntrinsicsOutcome.REGIONS_WORSE
     if at_the_edge(z) or implausible(z, prior):
         return IntrinsicsOutcome.IMPLAUSIBLE
     if not expected_px <= MOST_EXPECTED:
         return IntrinsicsOutcome.TOO_UNCERTAIN
-    return IntrinsicsOutcome.REFINED
+    return IntrinsicsOutcome.REFINED if _significant(gain.over_stretch) else IntrinsicsOutcome.STRETCHED
 
 
 def _significant(gain: Float[np.ndarray, "p"]) -> bool:

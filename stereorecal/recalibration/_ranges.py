@@ -27,7 +27,7 @@ class Beams:
     Attributes:
         left, right: (b, 2) pixels as the cameras took them, at full size.
         metres, sigma: (b,).
-        matching: (b,) standard deviations of their disparities, pixels at full size.
+        matching: (b,) standard deviations of their disparities, pixels of the right camera.
     """
 
     left: Float[np.ndarray, "b 2"]

@@ -14,6 +14,7 @@ from stereorecal.objectives import Parameters, Reach, as_parameters, as_reach
 from stereorecal.recalibration._acceptance import Reason, row_errors, verdict_on_count
 from stereorecal.recalibration._agreement import agreed, without
 from stereorecal.recalibration._cost import Cost
+from stereorecal.recalibration._frames import looked_at
 from stereorecal.recalibration._judging import judged
 from stereorecal.recalibration._misfit import systematic
 from stereorecal.recalibration._ranges import resolved_ranges, with_ranges
@@ -22,7 +23,7 @@ from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._solved import Recording
 from stereorecal.recalibration._stages import FEWEST, Case, StageRun, better_start, remaining, run_stage
 from stereorecal.recalibration._tasks import one_by_one
-from stereorecal.recalibration._together import check_schedule, together
+from stereorecal.recalibration._together import check_schedule, together, unsolved
 from stereorecal.recalibration._uncertainty import uncertainty
 from stereorecal.recordings import Pairs, Range
 from stereorecal.scoring import host, legible, pyramid
@@ -61,7 +62,8 @@ def recalibrate(
         seed: for strategies that draw random numbers.
         free: what may move, `Parameters` or names and groups, such as ("rotation",) or ("extrinsics", "intrinsics");
             default the extrinsics. Intrinsics need several frames of different places; they are solved for at the end,
-            and taken only if rows that took no part lie closer under them (`solution.intrinsics` says so).
+            and taken only if rows that took no part lie closer under them (`solution.intrinsics` says so). Of more than
+            24 frames so many are chosen, and those that ranges name.
         ranges: distances of what single pixels show; they free the length of the baseline, and count beside the rows.
 
     Raises:
@@ -75,11 +77,18 @@ def recalibrate(
     free = with_ranges(as_parameters(free), ranges)
     ranges = resolved_ranges(ranges, [("", images.pairs)])
     check_schedule(schedule, free)
+    numbers = looked_at(images.pairs, ranges) if free.shared else tuple(range(len(images.pairs)))
+    if len(numbers) < len(images.pairs):
+        images = pyramid(rig, [images.pairs[number] for number in numbers], images.view)
     solution = searched(Case(images, asked, reach, free.extrinsics), schedule, budget, seed)
     if not free.shared:
         return solution
-    (solution,) = together([Recording(images.pairs, solution, ranges)], free, one=True, each=one_by_one)
-    return replace(solution, seconds=time.perf_counter() - began)
+    recording = Recording(images.pairs, solution, ranges)
+    try:
+        (solution,) = together([recording], free, one=True, each=one_by_one)
+    except np.linalg.LinAlgError:  # a problem that nothing determines: the repair of the extrinsics stands
+        solution = unsolved(recording, free)
+    return replace(solution, looked_at=numbers, seconds=time.perf_counter() - began)
 
 
 def searched(case: Case, schedule: Schedule, budget: Budget, seed: int) -> Solution:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
+from stereorecal._errors import InputError
 from stereorecal._extras import extra
 from stereorecal.geometry import AXES, StereoRig, View
 from stereorecal.io import write_text
@@ -56,7 +57,8 @@ class Solution:
         uncertainty: of the candidate; None in the same cases.
         misfit: of the candidate; None in the same cases.
         intrinsics: what became of intrinsics that were freed; None if none were.
-        kept: numbers of the pairs that the candidate rests on.
+        looked_at: numbers of the pairs that were looked at; None: all of them.
+        kept: which of those the candidate rests on.
         left_out: names of the pairs that show another rig than the others; the candidate does without them.
         disagreeing: the same where they are too many, and nothing is left out.
         stages: what each stage did.
@@ -88,6 +90,7 @@ class Solution:
     disagreeing: tuple[str, ...]
     stages: tuple[StageRun, ...]
     seconds: float
+    looked_at: tuple[int, ...] | None = None
     beams: Beams = NONE
     ranges: RangesSeen | None = None
 
@@ -174,7 +177,12 @@ class Solution:
         """
         with extra("figures", "an HTML page"):
             from stereorecal.report.repair_page import repair_page
-        write_text(Path(path), repair_page(report_of(self, as_pairs(pairs), name, settings or {}, absent)))
+        every = as_pairs(pairs)
+        if self.looked_at is not None:
+            if not every or max(self.looked_at) >= len(every):
+                raise InputError("these are not the pairs that were repaired; give the same, in the same order.")
+            every = tuple(every[number] for number in self.looked_at)
+        write_text(Path(path), repair_page(report_of(self, every, name, settings or {}, absent)))
 
     def __str__(self) -> str:
         verdict = "accepted" if self.accepted else "not accepted, the initial calibration stays"

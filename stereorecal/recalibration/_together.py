@@ -43,8 +43,7 @@ def together(recordings: Sequence[Recording], free: Parameters, *, one: bool, ea
     lenses = bool(free.lenses)
     taking_part = [recording for recording in recordings if recording.usable(lenses=lenses)]
     if not taking_part:
-        seen = _not_solved(recordings[0].repair, free) if lenses else None
-        return tuple(replace(r.repair, intrinsics=seen, ranges=_unused(r)) for r in recordings)
+        return tuple(unsolved(recording, free) for recording in recordings)
     solved, seen, answers = Solved.of(taking_part, free, one=one, each=each), None, None
     if lenses:
         seen = solved.judged()
@@ -225,6 +224,12 @@ def _with_range_counts(solution: Solution, solved: Solved, index: int, refused: 
     beams = Beams.of_all(solved.beams) if solved.one else solved.beams[index]
     seen = RangesSeen(given, len(beams.metres), int(beams.contradict(solution.rig).sum()), refused)
     return replace(solution, ranges=seen, beams=beams if beams and beams.agree(solution.rig) else NONE)
+
+
+def unsolved(recording: Recording, free: Parameters) -> Solution:
+    """The repair of a recording where nothing that is shared could be solved for."""
+    seen = _not_solved(recording.repair, free) if free.lenses else None
+    return replace(recording.repair, intrinsics=seen, ranges=_unused(recording))
 
 
 def _unused(recording: Recording) -> RangesSeen | None:

@@ -9,7 +9,7 @@ import pytest
 
 from stereorecal._errors import InputError
 from stereorecal.io import load_pairs, open_pairs
-from stereorecal.io.images._recorded import LazyPairs
+from stereorecal.io.images._lazy import LazyPairs
 from stereorecal.recalibration import chosen_frames
 from stereorecal.recordings import Pair
 

@@ -2,14 +2,19 @@
 
 import glob
 import os
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from stereorecal._errors import InputError
 from stereorecal.io._paths import AnyPath
 from stereorecal.io.images._files import images_in, natural_order, read_image
+from stereorecal.io.images._lazy import LazyPairs
 from stereorecal.io.images._match import Matched, match_files
 from stereorecal.recordings import Pair, make_pair
+
+Choose = Callable[[Sequence], Sequence[Pair]]  # of pairs that are read each time they are asked for, some
 
 
 def load_pair(left_path: AnyPath, right_path: AnyPath) -> Pair:
@@ -49,15 +54,20 @@ def load_pairs(left: AnyPath, right: AnyPath, limit: int | None = None) -> tuple
     return load_matched(match_files(find_images(left), find_images(right)), limit)
 
 
-def load_matched(matched: Matched, limit: int | None) -> tuple[Pair, ...]:
+def load_matched(matched: Matched, limit: int | None, choose: Choose | None = None) -> tuple[Pair, ...]:
     """The pairs of files that belong together, the first `limit` or all.
+
+    Args:
+        choose: which of them, from pairs that are read each time they are asked for; default all.
 
     Raises:
         InputError: if a file is bad (see `load_pair`), or the limit leaves none.
     """
     if limit is not None and limit < 1:
         raise InputError(f"the limit of {limit} pairs leaves none; give 1 or more.")
-    return tuple(load_pair(*paths) for paths in matched[:limit])
+    if choose is None:
+        return tuple(load_pair(*paths) for paths in matched[:limit])
+    return tuple(choose(LazyPairs([partial(load_pair, *paths) for paths in matched[:limit]])))
 
 
 def find_images(where: AnyPath) -> list[Path]:

@@ -1,10 +1,9 @@
 """Image pairs from where people have them, read when they are asked for: files, halves of images, videos, bags."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import overload
 
 import numpy as np
 
@@ -13,28 +12,12 @@ from stereorecal.io._paths import AnyPath
 from stereorecal.io.images._bags import bag_sources, is_bag
 from stereorecal.io.images._by_time import pairs_by_time
 from stereorecal.io.images._files import read_image
+from stereorecal.io.images._lazy import LazyPairs
 from stereorecal.io.images._match import match_files
 from stereorecal.io.images._pairs import find_images, load_pair
 from stereorecal.io.images._source import Source, halves
 from stereorecal.io.images._videos import is_video, video_source
 from stereorecal.recordings import Pair, make_pair
-
-
-class LazyPairs(Sequence):  # of Pair; said so, a checker of types would read one to look at it
-    """Pairs that are read each time they are asked for; a slice is as lazy."""
-
-    def __init__(self, reads: Sequence[Callable[[], Pair]]):
-        self._reads = reads
-
-    def __len__(self) -> int:
-        return len(self._reads)
-
-    @overload
-    def __getitem__(self, index: int) -> Pair: ...
-    @overload
-    def __getitem__(self, index: slice) -> "LazyPairs": ...
-    def __getitem__(self, index: int | slice) -> "Pair | LazyPairs":
-        return LazyPairs(self._reads[index]) if isinstance(index, slice) else self._reads[index]()
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,10 +1,12 @@
 """The list of layouts: which one a folder has, and reading it as a log or a scene."""
 
+from dataclasses import replace
 from pathlib import Path
 
 from stereorecal._errors import InputError
 from stereorecal.io._paths import AnyPath
 from stereorecal.io.formats._units import warn_of_units
+from stereorecal.io.images._pairs import Choose
 from stereorecal.io.layouts import (
     _euroc,
     _kitti_odometry,
@@ -54,7 +56,7 @@ def load_log(folder: AnyPath, limit: int | None = None) -> Log:
     return log
 
 
-def load_scene(folder: AnyPath, limit: int | None = None) -> Scene:
+def load_scene(folder: AnyPath, limit: int | None = None, choose: Choose | None = None) -> Scene:
     """The scene in a folder: calib.json and `left.*`, `right.*`, or folders `left`, `right` with equal names.
 
     calib.json holds `image_size` [w, h], `K_left`, `D_left`, `K_right`, `D_right` (OpenCV's order),
@@ -64,6 +66,8 @@ def load_scene(folder: AnyPath, limit: int | None = None) -> Scene:
 
     Args:
         limit: read only the first `limit` pairs.
+        choose: which of those the scene has, from a sequence whose pairs are read each time they are asked for: of a
+            scene folder, however long, no more is kept. Default all.
 
     Raises:
         InputError: naming the file, if something is missing, unreadable, damaged or contradicts itself.
@@ -73,7 +77,7 @@ def load_scene(folder: AnyPath, limit: int | None = None) -> Scene:
         CalibrationWarning: as `load_rig`.
     """
     folder = _existing(folder)
-    scene = _read_scene(folder, limit)
+    scene = _read_scene(folder, limit, choose)
     warn_of_units(folder, scene.rig)
     return scene
 
@@ -96,14 +100,15 @@ def _read_log(folder: Path, limit: int | None) -> Log:
     )
 
 
-def _read_scene(folder: Path, limit: int | None) -> Scene:
+def _read_scene(folder: Path, limit: int | None, choose: Choose | None) -> Scene:
     if is_scene_folder(folder) or not any(layout.recognises(folder) for layout in _LAYOUTS):
-        return load_scene_folder(folder, limit)
+        return load_scene_folder(folder, limit, choose)
     log = _read_log(folder, limit)
     mission, *others = log.missions
     if others:
         raise InputError(f"{folder}: {len(log.missions)} sequences are in there ({mission.name} …); give one of them.")
-    return log.scene(mission)
+    scene = log.scene(mission)
+    return scene if choose is None else replace(scene, pairs=tuple(choose(scene.pairs)))
 
 
 def _existing(folder: AnyPath) -> Path:

@@ -16,7 +16,7 @@ from stereorecal.io.formats._calibration import load_calibration
 from stereorecal.io.formats._stereorecal import NAME, calibration_of, calibration_text
 from stereorecal.io.images._files import images_in, natural_order, write_png
 from stereorecal.io.images._match import match_files
-from stereorecal.io.images._pairs import load_matched
+from stereorecal.io.images._pairs import Choose, load_matched
 from stereorecal.io.layouts._names import name_of
 from stereorecal.recordings import Pair, Scene, check_pairs
 
@@ -28,22 +28,22 @@ def is_scene_folder(folder: Path) -> bool:
     return (folder / _CALIBRATION_FILE).is_file()
 
 
-def load_scene_folder(folder: Path, limit: int | None = None) -> Scene:
+def load_scene_folder(folder: Path, limit: int | None = None, choose: Choose | None = None) -> Scene:
     """The scene in a folder as `load_scene` describes it."""
     calibration = load_calibration((folder / _CALIBRATION_FILE,), NAME)
-    pairs = load_sides(folder, limit)
+    pairs = load_sides(folder, limit, choose)
     with about(folder):
         return scene_of(name_of(folder), calibration, pairs)
 
 
-def load_sides(folder: Path, limit: int | None) -> tuple[Pair, ...]:
+def load_sides(folder: Path, limit: int | None, choose: Choose | None = None) -> tuple[Pair, ...]:
     """The pairs of `left.*` and `right.*`, or of the folders `left` and `right` with equal names.
 
     Raises:
         InputError: naming the file, if one is missing, has no partner, or is damaged.
     """
     matched = match_files(*(_side_files(folder, side) for side in ("left", "right")), by_order=False)
-    return load_matched(matched, limit)
+    return load_matched(matched, limit, choose)
 
 
 def save_scene(scene: Scene, folder: AnyPath, overwrite: bool = False) -> None:
