@@ -88,8 +88,8 @@ def repaired(given: Sequence[sr.Scene], seed: int, rig: sr.StereoRig, part: str)
 
 
 def harmful(solution: sr.Solution, fixed: sr.Solution) -> bool:
-    """Whether the rig in use is worse than what the extrinsics alone would have given: rows over the view, or depth that
-    lies outside of what was said to expect and farther off than before."""
+    """Whether the rig in use is worse than what the extrinsics alone would have given: rows over the view, or depth
+    that lies outside of what was said to expect and farther off than before."""
     if not solution.accepted:
         return False
     if rows(solution.rig) > rows(fixed.rig) + 0.02:

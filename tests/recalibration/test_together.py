@@ -90,17 +90,6 @@ def test_right_intrinsics_stay(scenes):
         assert np.abs(np.degrees(repair.solution.rig.extrinsics - TRUE.extrinsics)[:3]).max() < 0.03
 
 
-def test_lenses_far_beyond_their_priors(given_wrong):
-    """Focal lengths that end seven standard deviations off are not taken, and the way out is named."""
-    tight = {"f": 0.03, "cx": 0.1, "cy": 0.1, "k1": 0.001, "k2": 0.002}
-    priors = {f"{side}.{name}": sigma for side in ("left", "right") for name, sigma in tight.items()}
-    some = sr.recalibrate_many(given_wrong[:3], free=Parameters(BOTH, priors), extrinsics="one")
-    seen = some[0].solution.intrinsics
-    assert seen.outcome is IntrinsicsOutcome.IMPLAUSIBLE
-    assert "give wider ones" in str(some[0].solution)
-    assert some[0].solution.rig.left is WRONG.left
-
-
 @pytest.mark.parametrize("scene", [1, 4])
 def test_one_frame_is_not_enough(given_wrong, scene):
     """What is missing is said, and the intrinsics stay."""
@@ -206,13 +195,14 @@ def test_a_repair_outlives_a_problem_that_cannot_be_solved(given_wrong, monkeypa
     assert solution.found is not None
 
 
-def test_frames_are_counted_as_they_were_given(scenes):
+def test_frames_are_counted_as_they_were_given(scenes, monkeypatch):
     """Where only some of many are looked at."""
-    pairs = [replace(scenes[0].pairs[0], name=str(index)) for index in range(MOST_FRAMES + 6)]
+    monkeypatch.setattr("stereorecal.recalibration._frames.chosen_frames", lambda pairs: pairs[1:2])
+    pairs = [replace(scene.pairs[0], name=scene.name) for scene in scenes[:2]]
     off = TRUE.with_extrinsics(TRUE.extrinsics + np.radians([0.5, 0.3, -0.4, 0, 0, 0]))
     solution = sr.recalibrate(off, pairs, free=("rotation", "left.k1"))
-    assert len(solution.looked_at) == MOST_FRAMES
-    assert solution.kept == tuple(range(MOST_FRAMES))
+    assert (solution.looked_at, solution.kept) == ((1,), (0,))
+    assert sr.recalibrate(off, pairs[1:], free="rotation").score_before == solution.score_before
 
 
 def test_nothing_but_the_rotation_moves(scenes):
@@ -299,8 +289,8 @@ def test_outcomes(case):
 
 def solved(found: tuple[Member, ...], free: Parameters) -> Solved:
     """As of recordings that started from the rig of the chart."""
-    repair = SimpleNamespace(candidate=found[0].chart.rig)
-    recordings = [SimpleNamespace(repair=repair)] * len(found)
+    rig = found[0].chart.rig
+    recordings = [SimpleNamespace(repair=SimpleNamespace(candidate=rig, view=view(rig)))] * len(found)
     return Solved(recordings, solved_together(found, 5), free, (NONE,) * len(found))
 
 
@@ -312,6 +302,17 @@ def test_a_stretched_image_is_no_focal_length(stretch):
     gain, over = (found.gain(before).mean() for before in (found.fixed_unseen, found.stretched_unseen))
     assert gain > 0.02
     assert over < 0.002 if stretch else over > 0.008
+
+
+def test_lenses_far_beyond_their_priors():
+    """What was said of them is wrong: they are not taken, and the way out is named. With honest priors they are."""
+    tight = {"f": 0.03, "cx": 0.1, "cy": 0.1, "k1": 0.001, "k2": 0.002}
+    said = {f"{side}.{name}": sigma for side in ("left", "right") for name, sigma in tight.items()}
+    for priors, expected in ((said, IntrinsicsOutcome.IMPLAUSIBLE), ({}, IntrinsicsOutcome.REFINED)):
+        free = Parameters(BOTH, priors)
+        seen = solved(members(0, free=free), free).judged()
+        assert seen.outcome is expected
+    assert "wider" in IntrinsicsOutcome.IMPLAUSIBLE.value
 
 
 def test_what_is_compared_knows_the_ranges_too():
