@@ -35,7 +35,7 @@ from stereorecal.recalibration._many import (
     sharing as sharing,
 )
 from stereorecal.recalibration._path import Waypoint as Waypoint
-from stereorecal.recalibration._ranges import with_ranges as with_ranges
+from stereorecal.recalibration._ranges import RangesSeen as RangesSeen, with_ranges as with_ranges
 from stereorecal.recalibration._recalibrate import recalibrate as recalibrate, searched as searched
 from stereorecal.recalibration._rescale import Rescaled as Rescaled, rescale_baseline as rescale_baseline
 from stereorecal.recalibration._schedule import (
