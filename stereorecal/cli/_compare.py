@@ -18,7 +18,7 @@ from stereorecal.cli._progress import progress_bar
 from stereorecal.comparison import FAILED, Comparison, Drift, compare_scenes, load_strategies
 from stereorecal.io import files_read, load_scene
 from stereorecal.matching import as_matcher
-from stereorecal.objectives import Reach, as_parameters
+from stereorecal.objectives import Reach
 from stereorecal.recalibration import SCHEDULES
 from stereorecal.recordings import Scene
 from stereorecal.report.tables import comparison_tables
@@ -37,7 +37,7 @@ def run(options: argparse.Namespace) -> int:
     drift = Drift(*_values.degrees_and_fraction(options.decalibrate, "--decalibrate"))
     reach = Reach(*_values.degrees_and_fraction(options.reach, "--reach")) if options.reach is not None else None
     budget, seed = as_budget(options.budget), _values.seed(options.seed)
-    free = as_parameters([name.strip() for name in options.free.split(",")])
+    free = _values.free(options.free)
     places = _check_places(options)
     with executor(options.executor) as pool:
         with files_read() as read:

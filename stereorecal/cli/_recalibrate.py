@@ -24,7 +24,7 @@ from stereorecal.cli._recordings import recordings, without
 from stereorecal.geometry import StereoRig
 from stereorecal.io import calibration_json, files_read, load_ranges, save_maps
 from stereorecal.matching import AbstractMatcher, as_matcher
-from stereorecal.objectives import Parameters, Reach, as_parameters
+from stereorecal.objectives import Parameters, Reach
 from stereorecal.recalibration import (
     SCHEDULES,
     Fault,
@@ -50,17 +50,20 @@ def run(options: argparse.Namespace) -> int:
     reach = Reach(*_values.degrees_and_fraction(options.reach, "--reach"))
     budget, seed = as_budget(options.budget), _values.seed(options.seed)
     ranges = load_ranges(options.ranges) if options.ranges is not None else ()
-    free = with_ranges(as_parameters([name.strip() for name in options.free.split(",")]), ranges)
+    free = with_ranges(_values.free(options.free), ranges)
     _output.checked(options)
     check_page(options.html, "repair_page")
     if options.html is not None and len(options.scenes) > 1:
         raise InputError("--html shows one recording; give one, or leave --html out.")
     with executor(options.executor) as pool:
         with files_read() as read:
-            found = recordings(options)
+            # Ranges name pairs of the whole recording: it is cut down once they are found.
+            found = recordings(options, few=bool(free.shared) and not ranges)
         read |= set(named_inputs(options.ranges))
         output = _output.output_of(options, found.scenes, free.names, read)
         scenes, ranges = sharing(found.scenes, free, ranges, options.extrinsics, schedule)
+        absent = found.absent + without(found.scenes[0].pairs, scenes[0].pairs, "others show more texture")
+        del found
         arguments = {
             "matcher": matcher,
             "schedule": schedule,
@@ -82,7 +85,6 @@ def run(options: argparse.Namespace) -> int:
         # Before the workers are waited for: a second Ctrl-C must find everything saved.
         if any(repair.solution for repair in repairs):
             settings = _settings(options, matcher, schedule, reach, budget, free)
-            absent = found.absent + without(found.scenes[0].pairs, scenes[0].pairs, "others show more texture")
             deliver(
                 lambda: _show(repairs, options),
                 *_saving(scenes, repairs, options, output),

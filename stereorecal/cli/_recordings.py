@@ -37,13 +37,16 @@ class Recordings:
     absent: tuple[tuple[str, str], ...]
 
 
-def recordings(options: argparse.Namespace) -> Recordings:
+def recordings(options: argparse.Namespace, *, few: bool = False) -> Recordings:
     """The scenes that were asked for; frames without partner are told on stderr.
+
+    Args:
+        few: of many frames, only those with the most texture are kept.
 
     Raises:
         InputError: if none or several kinds were asked for, or one cannot be used.
     """
-    return _recordings(options, _selected)
+    return _recordings(options, partial(_selected, few=few))
 
 
 def watched(options: argparse.Namespace) -> tuple[Scene, PairSequence]:
@@ -131,11 +134,11 @@ def _recorded(options: argparse.Namespace, select: _Select) -> Recordings:
 
 
 def _selected(
-    pairs: LazyPairs, options: argparse.Namespace, *, stream: bool, about: str
+    pairs: LazyPairs, options: argparse.Namespace, *, stream: bool, about: str, few: bool = False
 ) -> tuple[tuple[Pair, ...], tuple[tuple[str, str], ...]]:
     """The pairs that --from, --to, --every, --frames and --limit leave, read; and what to say of the others."""
     wanted = _wanted(pairs, options, about)
-    limit = _values.limit(options.limit, MOST_FRAMES if stream or len(wanted) > _LONG else None)
+    limit = _values.limit(options.limit, MOST_FRAMES if few or stream or len(wanted) > _LONG else None)
     chosen = tuple(wanted) if limit is None else chosen_frames(wanted, limit)
     return chosen, (
         *without(pairs, wanted, "outside of --from, --to, --every and --frames"),

@@ -3,6 +3,7 @@
 import argparse
 
 from stereorecal._errors import InputError
+from stereorecal.objectives import Parameters, as_parameters
 from stereorecal.strategies import strategies
 
 NONE_INSTALLED = (
@@ -65,3 +66,11 @@ def frame_limit(text: str) -> int | None:
     if not text.isdecimal() or int(text) < 1:
         raise InputError(f"--frames is {text!r}; give a positive number or all.")
     return int(text)
+
+
+def free(text: str) -> Parameters:
+    """Names and groups, comma separated."""
+    names = [name.strip() for name in text.split(",")]
+    if not all(names):
+        raise InputError(f"--free is {text!r}; name parameters or groups, such as extrinsics,intrinsics.")
+    return as_parameters(names)

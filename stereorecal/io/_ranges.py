@@ -8,6 +8,7 @@ from stereorecal._errors import InputError
 from stereorecal.io._text import read_text
 from stereorecal.recordings import Range
 
+_SIGNS = ";\t|"  # that divide the columns of other tables
 _COLUMNS = ("pair", "column", "row", "metres", "sigma")
 
 
@@ -24,6 +25,8 @@ def load_ranges(path: str | Path) -> tuple[Range, ...]:
     except csv.Error as error:
         raise InputError(f"{path}: not a table ({error}); write one line for each range.") from None
     header = [name.strip() for name in lines[0]] if lines else []
+    if len(header) == 1 and any(sign in header[0] for sign in _SIGNS):
+        raise InputError(f"{path}: the columns are not divided by commas; write {','.join(_COLUMNS)}.")
     if tuple(header) not in (_COLUMNS, _COLUMNS[:4]):
         raise InputError(f"{path}: the first line is not {','.join(_COLUMNS)}; write one.")
     found = []
@@ -32,13 +35,21 @@ def load_ranges(path: str | Path) -> tuple[Range, ...]:
             continue
         try:
             pair, *cells = (cell.strip() for cell in line)
-            column, row, metres, sigma = (float(cell) if cell else math.nan for cell in [*cells, ""][:4])
+            column, row, metres, sigma = (_number(cell) if cell else math.nan for cell in [*cells, ""][:4])
             if len(line) > len(header):
                 raise ValueError(f"there are {len(line)} cells under {len(header)} headings")
-            sigma = None if math.isnan(sigma) else sigma
+            sigma = None if len(cells) < 4 or not cells[3] else sigma
             found.append(Range(pair, (column, row), metres, sigma))
         except (ValueError, InputError) as error:
             raise InputError(f"{path}, line {number}: {error}") from None
     if not found:
         raise InputError(f"{path}: the table has no ranges; give at least one.")
     return tuple(found)
+
+
+def _number(cell: str) -> float:
+    """A number as people write it; `inf`, but no overflow and none of Python's underscores."""
+    value = float(cell)
+    if "_" in cell or (math.isinf(value) and "inf" not in cell.lower()):
+        raise ValueError(f"{cell!r} is no number that can be used")
+    return value

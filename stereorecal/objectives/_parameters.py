@@ -103,6 +103,11 @@ class Parameters:
         """What recordings of one rig share: its baseline and its intrinsics."""
         return tuple(name for name in self.names if name not in EXTRINSICS)
 
+    @property
+    def lenses(self) -> tuple[str, ...]:
+        """The intrinsics among them."""
+        return tuple(name for name in self.names if "." in name)
+
     def also(self, *names: str) -> "Parameters":
         """With these free as well."""
         return Parameters((*self.names, *names), self.priors)

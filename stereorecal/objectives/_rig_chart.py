@@ -57,11 +57,13 @@ class RigChart:
 
     def extrinsics(self, z: Float[np.ndarray, "n"]) -> Float[np.ndarray, "6"]:
         """Pitch, yaw, roll [rad], x, y, z [m] at a point of the box."""
-        values = np.array(self.rig.extrinsics, float)
+        start = np.asarray(self.rig.extrinsics, float)
+        values = start.copy()
         for parameter, change in zip(self.parameters, self.half_width * z, strict=True):
-            if "." not in parameter.name:
-                # T[0] is negative: a longer baseline makes it smaller.
-                values[_axis(parameter.name)] += change if parameter.name in EXTRINSICS else -change
+            if parameter.name in EXTRINSICS:
+                values[AXES.index(parameter.name)] += change
+            elif parameter.name == BASELINE:  # of another length, in the same direction
+                values[3:] += change / float(self.rig.baseline) * start[3:]
         return values
 
     def intrinsics(self, z: Float[np.ndarray, "n"]) -> dict[str, dict[str, float]]:
@@ -95,12 +97,15 @@ class RigChart:
     def coordinates(self, extrinsics: Float[np.ndarray, "6"]) -> Float[np.ndarray, "n"]:
         """The point of the box with these extrinsics, beyond [-1, 1] where they lie outside of it, and intrinsics as
         they are at its centre."""
-        change = np.asarray(extrinsics, float) - np.asarray(self.rig.extrinsics, float)
-        found = np.zeros(self.dim)
+        start = np.asarray(self.rig.extrinsics, float)
+        change, found = np.asarray(extrinsics, float) - start, np.zeros(self.dim)
+        longer = change[3] / start[3] if BASELINE in self.names else 0.0  # only the length moves x
+        change[3:] -= longer * start[3:]
         for index, (parameter, width) in enumerate(zip(self.parameters, self.half_width, strict=True)):
-            if "." not in parameter.name:
-                sign = 1.0 if parameter.name in EXTRINSICS else -1.0
-                found[index] = sign * change[_axis(parameter.name)] / width
+            if parameter.name in EXTRINSICS:
+                found[index] = change[AXES.index(parameter.name)] / width
+            elif parameter.name == BASELINE:
+                found[index] = longer * float(self.rig.baseline) / width
         return found
 
 
@@ -117,7 +122,3 @@ def reach_chart(rig: StereoRig, reach: Reach, free: Parameters) -> RigChart:
     """The box in which counts are searched where more than extrinsics is free: as wide as the reach, which is three
     standard deviations, on every axis."""
     return RigChart(rig, free.of(rig, reach), wide=_OF_REACH)
-
-
-def _axis(name: str) -> int:
-    return AXES.index("x" if name == BASELINE else name)

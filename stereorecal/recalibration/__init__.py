@@ -29,14 +29,13 @@ from stereorecal.recalibration._intrinsics import Intrinsics as Intrinsics, Intr
 from stereorecal.recalibration._many import (
     Fault as Fault,
     Repair as Repair,
-    looked_at as looked_at,
     recalibrate_many as recalibrate_many,
     repaired_together as repaired_together,
     repairs_as_finished as repairs_as_finished,
     sharing as sharing,
 )
 from stereorecal.recalibration._path import Waypoint as Waypoint
-from stereorecal.recalibration._ranges import with_ranges as with_ranges
+from stereorecal.recalibration._ranges import RangesSeen as RangesSeen, with_ranges as with_ranges
 from stereorecal.recalibration._recalibrate import recalibrate as recalibrate, searched as searched
 from stereorecal.recalibration._rescale import Rescaled as Rescaled, rescale_baseline as rescale_baseline
 from stereorecal.recalibration._schedule import (

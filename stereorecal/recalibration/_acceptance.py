@@ -23,8 +23,8 @@ _PLAUSIBLE = 1e-6
 _MOST_MISFIT = 0.4  # pixels, in the worst tenth of the regions; intrinsics of real rigs leave 0.12 to 0.35
 _SOME_MISFIT = 0.2  # pixels, likewise: as much must be small beside the gain
 _BESIDE_GAIN = 0.5  # of the row differences before
-_MOST_WORSE = 0.1  # share of the regions
-_WORSE = 0.05  # pixels by which a region is worse, beyond two standard errors
+MOST_WORSE = 0.1  # share of the regions
+WORSE = 0.05  # pixels by which a region is worse, beyond two standard errors
 _MOST_LOST = 0.2  # share of the tiles
 # Of the row differences before: what one more effect may take of the solution. Where intrinsics fit it takes up to 0.04
 # of a drift; where they do not, and the drift is small, up to 0.25. A shutter that poses as a drift makes an unusual
@@ -112,14 +112,38 @@ def misfits(left: Misfit, scale: float) -> bool:
     Args:
         scale: pixels in which rows were measured, per pixel at full size.
     """
-    worse = np.abs(left.after) - np.abs(left.before) > _WORSE / scale + 2.0 * left.error
     return bool(
         left.high * scale > _MOST_MISFIT
         or (left.high * scale > _SOME_MISFIT and left.rms > _BESIDE_GAIN * left.rms_before)
-        or (worse.size and np.mean(worse) > _MOST_WORSE)
-        or left.lost > _MOST_LOST
+        or regions_worse(left, scale)
         or left.sway > (_SWAY if left.chance < _UNUSUAL else _MOST_SWAY) * left.rms_before
     )
+
+
+def regions_worse(left: Misfit, scale: float) -> bool:
+    """Whether regions lie farther apart than before, or match no longer."""
+    worse = np.abs(left.after) - np.abs(left.before) > WORSE / scale + 2.0 * left.error
+    return bool((worse.size and np.mean(worse) > MOST_WORSE) or left.lost > _MOST_LOST)
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What is said of a candidate.
+
+    Attributes:
+        reason: as users read it.
+        doubt: why a candidate that gains is refused all the same, where the calibration before it is good and the
+            reason is that; else None. What has no gain may be replaced by something that fits more than rows; what is
+            doubted may not.
+    """
+
+    reason: Reason
+    doubt: Reason | None = None
+
+    @property
+    def why(self) -> Reason:
+        """The reason why it is refused, if it is."""
+        return self.doubt or self.reason
 
 
 def chance_of_farther(deviations: Float[np.ndarray, "n"]) -> float:
@@ -129,7 +153,23 @@ def chance_of_farther(deviations: Float[np.ndarray, "n"]) -> float:
     return float(chdtrc(deviations.size, float(deviations @ deviations)))
 
 
-def verdict(counts: Int[np.ndarray, "2"], rows: RowErrors, facts: Evidence, left: Misfit, covered: float) -> Reason:
+def implausible(z: Float[np.ndarray, "n"], prior: float) -> bool:
+    """Whether a point of the box lies too far from its centre, on all axes together."""
+    return chance_of_farther(z / prior) < _PLAUSIBLE
+
+
+def at_the_edge(z: Float[np.ndarray, "n"]) -> bool:
+    """Whether a point lies at the edge of the box of the epipolar stages."""
+    return bool(np.any(np.abs(z) > _EDGE))
+
+
+def behind(before: int, after: int, rows_before: float, rows_after: float) -> bool:
+    """Whether a calibration loses against another that is there already: in matches, or in rows by pixels at which they
+    were measured."""
+    return after < (1.0 - _COUNT_LOSS) * before or rows_after - rows_before > _ROW_LOSS
+
+
+def verdict(counts: Int[np.ndarray, "2"], rows: RowErrors, facts: Evidence, left: Misfit, covered: float) -> Verdict:
     """The verdict on a candidate with correspondences.
 
     Accepted: a significant gain in count or in row error on held-out regions, no loss beyond 1 % of the count and
@@ -142,28 +182,33 @@ def verdict(counts: Int[np.ndarray, "2"], rows: RowErrors, facts: Evidence, left
 
     Args:
         counts: of all frames, under the initial calibration and the candidate.
-        facts: the evidence of the extrinsics, at the candidate.
+        facts: the evidence of all parameters whose prior says how far they may be, at the candidate.
         left: the misfit of the candidate.
         covered: by correspondences, share of the frame that shows most.
     """
     before, after = counts
     if facts.places < FEWEST_PLACES or covered < LEAST_COVERED:
-        return Reason.TOO_LITTLE_TEXTURE
+        return Verdict(Reason.TOO_LITTLE_TEXTURE)
     aligned = rows.before * facts.scale <= ROWS_APART
     if after < (1.0 - _COUNT_LOSS) * before:
-        return Reason.ALREADY_GOOD if aligned else Reason.FEWER_MATCHES
+        return _refused(Reason.FEWER_MATCHES, aligned)
     gain = (rows.before - rows.after) * facts.scale
     if gain < -_ROW_LOSS:
-        return Reason.ALREADY_GOOD if aligned else Reason.WORSE_ON_HELD_OUT
-    if np.any(np.abs(facts.z) > _EDGE):
-        return Reason.REACH_EDGE
+        return _refused(Reason.WORSE_ON_HELD_OUT, aligned)
+    if at_the_edge(facts.z):
+        return Verdict(Reason.REACH_EDGE)
     better_rows = gain > _ROW_GAIN and rows.significance > _SIGNIFICANT
     scatter = 1.0 / np.sqrt(max(after / facts.frames, 1.0))
     better_count = after > (1.0 + max(_COUNT_GAIN, _SIGNIFICANT * scatter)) * before and gain >= 0.0
     if not (better_rows or better_count):
-        return Reason.ALREADY_GOOD if aligned else Reason.WORSE_ON_HELD_OUT
-    if chance_of_farther(facts.z / facts.prior) < _PLAUSIBLE or left.chance < _STRANGE:
-        return Reason.ALREADY_GOOD if aligned else Reason.IMPLAUSIBLE
+        return Verdict(Reason.ALREADY_GOOD if aligned else Reason.WORSE_ON_HELD_OUT)
+    if implausible(facts.z, facts.prior) or left.chance < _STRANGE:
+        return _refused(Reason.IMPLAUSIBLE, aligned)
     if misfits(left, facts.scale):
-        return Reason.ALREADY_GOOD if aligned else Reason.MISFIT
-    return Reason.IMPROVED
+        return _refused(Reason.MISFIT, aligned)
+    return Verdict(Reason.IMPROVED)
+
+
+def _refused(doubt: Reason, aligned: bool) -> Verdict:
+    """A calibration whose rows are aligned stays as good, whatever speaks against the candidate."""
+    return Verdict(Reason.ALREADY_GOOD, doubt) if aligned else Verdict(doubt)

@@ -14,7 +14,7 @@ from stereorecal.scoring import Correspondences, Loss, legible
 
 _STEPS = 3  # of Gauss-Newton, once a frame is left out; the weights follow
 _CHANCE = 1e-3  # that a frame of the same rig is taken for one of another
-_FEWEST_PLACES = 12  # of a frame that has a say: some more than parameters, or a jackknife knows no scatter
+_MORE_PLACES = 7  # than parameters, of a frame that has a say, or a jackknife knows no scatter
 LIKELY = 0.25  # of what has texture; aligned rigs cover a half of it and more, rigs a degree out a fifth at most
 _FEWER = 0.5  # of what the frame that matches most covers
 _ROWS_THAT_MATTER = 0.1  # pixels at full size: frames that differ by less agree well enough
@@ -82,7 +82,7 @@ def disagreeing(found: Evidence) -> tuple[tuple[int, ...], int]:
     places to have a say."""
     parts = sums(found)
     frames, places = np.unique(parts.frame, return_counts=True)
-    frames = frames[places >= _FEWEST_PLACES]
+    frames = frames[places >= found.z.size + _MORE_PLACES]
     apart: list[int] = []
     while len(kept := np.setdiff1d(frames, apart)) > 1:
         distances = {f: _distance(parts, f, np.setdiff1d(kept, f), found) for f in kept.tolist()}

@@ -8,6 +8,7 @@ import numpy as np
 
 from stereorecal._plain import plain
 from stereorecal.geometry import AXES, StereoRig
+from stereorecal.objectives import BASELINE
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._stages import StageRun
 from stereorecal.scoring.host import Score
@@ -44,6 +45,7 @@ def solution_as_dict(solution: Solution, *, expected: bool = True) -> dict[str, 
             "undetermined": known and list(known.undetermined),
             "misfit": solution.misfit and solution.misfit.as_dict(),
             "intrinsics": solution.intrinsics and solution.intrinsics.as_dict(),
+            "ranges": solution.ranges and solution.ranges.as_dict(),
             "left_out": list(solution.left_out),
             "disagreeing": list(solution.disagreeing),
             "covariance": known and {"axes": known.names, "units": "deg, percent, px", "matrix": known.covariance},
@@ -78,7 +80,7 @@ def _by_axis(names: Sequence[str], values: Sequence[float] | np.ndarray) -> dict
     named = dict(zip(names, values, strict=True))
     return {
         "rotation_deg": {name: value for name, value in named.items() if name in AXES[:3]},
-        "translation_percent": {name: value for name, value in named.items() if name in AXES[3:]},
+        "translation_percent": {name: value for name, value in named.items() if name in (*AXES[3:], BASELINE)},
     }
 
 

@@ -17,7 +17,7 @@ from stereorecal.scoring import TILES, Correspondences, Loss, curvatures, precis
 
 FOLDS = 4
 # Standard deviation of an offset that all rows share, pixels of the images that were measured: no resampling sees it.
-_SHARED = 0.005
+SHARED = 0.005
 TILES_OF_A_FRAME = TILES[0] * TILES[1]
 
 
@@ -97,7 +97,7 @@ class Evidence:
             [np.linalg.solve(normal - self._normal(p, self.curvature), pull - self._pull(p)) for p in left_out]
         )
         inverse = np.linalg.inv(normal)
-        shared = _SHARED / self.scale * inverse @ (self.jacobian.T @ self.curvature)
+        shared = SHARED / self.scale * inverse @ (self.jacobian.T @ self.curvature)
         return jackknife(moves) + inverse @ self._prior @ inverse + np.outer(shared, shared)
 
     @property

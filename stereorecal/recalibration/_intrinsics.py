@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal._plain import plain
+from stereorecal.recalibration._acceptance import MOST_WORSE, Reason, at_the_edge, implausible
 
 MOST_EXPECTED = 0.1  # pixels of row over the view: less no matcher notices
 LEAST_SHOWN = 0.6  # of the places of the view
@@ -22,9 +23,14 @@ class IntrinsicsOutcome(enum.Enum):
     NO_GAIN = "the intrinsics stay: under others, rows that took no part lie no closer"
     ELSEWHERE_WORSE = "the intrinsics stay: on recordings or frames that took no part, rows lie no closer under others"
     REGIONS_WORSE = "the intrinsics stay: others leave regions of the images worse"
+    IMPLAUSIBLE = "the intrinsics stay: others lie too far off for the stated priors; give wider ones if that may be"
+    STRETCHED = (
+        "the intrinsics stay: images that are stretched would explain the gain as well; check how they were resized"
+    )
     TOO_LITTLE_SHOWN = "the intrinsics stay: too little of the view is covered; add scenes with texture up to the edges"
     TOO_UNCERTAIN = "the intrinsics stay: the scenes do not determine them; add scenes at other depths and places"
-    NOT_HERE = "the intrinsics were refined with other recordings, but the calibration of this one stays as it was"
+    NOT_HERE = "the intrinsics were refined with other recordings, but this one does without"
+    REFUSED = "the intrinsics stay: the calibration that they belong to was refused"
     NOT_SOLVED = "the intrinsics stay: too little of the images matches"
 
 
@@ -43,6 +49,7 @@ class Intrinsics:
             recording, the frame); NaN where there is nothing else.
         shown: share of the places of the view that hold correspondences.
         expected_px: root mean square of the rows to expect over the view with freed intrinsics.
+        refused: why the calibration that they belong to was refused, where it was that.
     """
 
     outcome: IntrinsicsOutcome
@@ -57,16 +64,16 @@ class Intrinsics:
     freed_elsewhere_px: float
     shown: float
     expected_px: float
+    refused: Reason | None = None
 
     @property
     def taken(self) -> bool:
         """True if the calibration to use has them."""
         return self.outcome is IntrinsicsOutcome.REFINED
 
-    @property
-    def not_here(self) -> "Intrinsics":
-        """The same for a recording whose calibration stays, where others took them."""
-        return replace(self, outcome=IntrinsicsOutcome.NOT_HERE) if self.taken else self
+    def not_here(self, why: Reason) -> "Intrinsics":
+        """The same for a recording whose calibration does without, where others took them."""
+        return replace(self, outcome=IntrinsicsOutcome.NOT_HERE, refused=why) if self.taken else self
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data for JSON."""
@@ -79,15 +86,20 @@ class Intrinsics:
             {
                 "outcome": self.outcome.name.lower(),
                 "verdict": self.outcome.value,
+                "refused": self.refused and self.refused.name.lower(),
                 "parameters": by_name,
                 "undetermined": self.undetermined,
                 **{name: getattr(self, name) for name in names},
             }
         )
 
+    @property
+    def _said(self) -> str:
+        return self.outcome.value + (f": {self.refused.value}" if self.refused else "")
+
     def __str__(self) -> str:
         lines = [
-            f"{self.outcome.value} ({self.fixed_px:.3f} px as given, {self.freed_px:.3f} px freed)",
+            f"{self._said} ({self.fixed_px:.3f} px as given, {self.freed_px:.3f} px freed)",
             *(
                 f"{name:<10} changed by {change:+9.4f} ± {interval:.4f} {unit}".rstrip()
                 for name, unit, change, interval in zip(self.names, self.units, self.change, self.interval, strict=True)
@@ -99,24 +111,51 @@ class Intrinsics:
         return "\n".join(lines)
 
 
+@dataclass(frozen=True, eq=False)
+class Gain:
+    """What freed intrinsics gain; pixels of the images in which rows were measured.
+
+    Attributes:
+        by_place: (p,) in row error at each place, by solutions that have not seen it.
+        elsewhere: gain on recordings or frames that took no part; None where there are none.
+        over_stretch: (p,) the same against images that are stretched, and the intrinsics as given: what an image that
+            was resized out of shape would explain as well is no sign of another focal length.
+        worse: share of the regions that are worse than with the intrinsics as given; where recordings cannot do
+            without on their own, of the one that is worst off.
+    """
+
+    by_place: Float[np.ndarray, "p"]
+    elsewhere: float | None
+    over_stretch: Float[np.ndarray, "p"]
+    worse: float
+
+
 def outcome(
-    gain: Float[np.ndarray, "p"], elsewhere: float, worse: float, shown: float, expected_px: float
+    gain: Gain, *, shown: float, expected_px: float, z: Float[np.ndarray, "n"], prior: float
 ) -> IntrinsicsOutcome:
-    """What becomes of freed intrinsics.
+    """What becomes of freed intrinsics. Nothing that is no number passes.
 
     Args:
-        gain: in row error at each place, by solutions that have not seen it.
-        elsewhere: gain on recordings that took no part; NaN where there are none.
-        worse: share of the regions that are worse than with the intrinsics as given.
-        shown, expected_px: see `Intrinsics`. Pixels are those of the images in which rows were measured.
+        shown, expected_px: see `Intrinsics`.
+        z: of those that priors bound, in the box.
+        prior: their standard deviation there.
     """
-    error = float(np.std(gain, ddof=1)) / np.sqrt(len(gain)) if len(gain) > 1 else np.inf
-    if shown < LEAST_SHOWN:
+    if not shown >= LEAST_SHOWN:
         return IntrinsicsOutcome.TOO_LITTLE_SHOWN
-    if not (gain.mean() > _GAIN and gain.mean() > _SIGNIFICANT * error):
+    if not _significant(gain.by_place):
         return IntrinsicsOutcome.NO_GAIN
-    if elsewhere < _GAIN:  # NaN says nothing against it
+    if gain.elsewhere is not None and not gain.elsewhere >= _GAIN:
         return IntrinsicsOutcome.ELSEWHERE_WORSE
-    if worse > 0.1:
+    if not gain.worse <= MOST_WORSE:
         return IntrinsicsOutcome.REGIONS_WORSE
-    return IntrinsicsOutcome.TOO_UNCERTAIN if expected_px > MOST_EXPECTED else IntrinsicsOutcome.REFINED
+    if at_the_edge(z) or implausible(z, prior):
+        return IntrinsicsOutcome.IMPLAUSIBLE
+    if not expected_px <= MOST_EXPECTED:
+        return IntrinsicsOutcome.TOO_UNCERTAIN
+    return IntrinsicsOutcome.REFINED if _significant(gain.over_stretch) else IntrinsicsOutcome.STRETCHED
+
+
+def _significant(gain: Float[np.ndarray, "p"]) -> bool:
+    """Whether a gain at places is worth it, and no chance."""
+    error = float(np.std(gain, ddof=1)) / np.sqrt(len(gain)) if len(gain) > 1 else np.inf
+    return bool(gain.mean() > _GAIN and gain.mean() > _SIGNIFICANT * error)

@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from stereorecal.objectives import RigChart
-from stereorecal.recalibration._evidence import TILES_OF_A_FRAME, Evidence, evidence, jackknife
+from stereorecal.recalibration._evidence import SHARED, TILES_OF_A_FRAME, Evidence, evidence, jackknife
 from stereorecal.recalibration._misfit import spread_of_misfit
 from stereorecal.recalibration._ranges import NONE, Beams
 from stereorecal.recalibration._sums import Sums, calmed, sums
@@ -52,6 +52,7 @@ class Joint:
         zs: the solution of each member.
         own: how many parameters each has for itself.
         prior: standard deviation of each parameter, in half widths of the box.
+        scale: pixels at which the rows were measured, per pixel at full size.
         of_ranges: normal matrix and pull of each member's ranges, which take part in every solution.
     """
 
@@ -59,6 +60,7 @@ class Joint:
     zs: tuple[Float[np.ndarray, "n"], ...]
     own: int
     prior: float
+    scale: float
     of_ranges: tuple[tuple[Float[np.ndarray, "n n"], Float[np.ndarray, "n"]], ...]
 
     @property
@@ -113,7 +115,7 @@ class Joint:
 
     def covariance(self) -> Float[np.ndarray, "N N"]:
         """Of the solution by chance, in units of the box: the jackknife over places, which all members share, and the
-        prior; as `Evidence.covariance`."""
+        prior, and an offset that all rows share; as `Evidence.covariance`."""
         normal, pull = self.normal(bent=True), self.gathered("pull") + self.pull_of_known
         places = np.unique(np.concatenate([part.place for part in self.parts]))
         if len(places) < 2:
@@ -127,7 +129,8 @@ class Joint:
             without = normal - self.of_rows(there, bent=True)
             ends.append(np.linalg.solve(without, pull - self.gathered("pull", there)))
         inverse = np.linalg.inv(normal)
-        return jackknife(np.stack(ends)) + inverse @ self.known @ inverse
+        shared = SHARED / self.scale * inverse @ self.gathered("offset")
+        return jackknife(np.stack(ends)) + inverse @ self.known @ inverse + np.outer(shared, shared)
 
     def by_misfit(self, pixels: float) -> Float[np.ndarray, "N N"]:
         """What misfit that neighbouring regions share, so many pixels of it, adds to the covariance."""
@@ -136,6 +139,12 @@ class Joint:
             at = (part.place[:, None], self.where(member)[None])
             np.add.at(pulls, at, part.offset)
         return spread_of_misfit(np.linalg.solve(self.normal(bent=True), pulls.T), pixels)
+
+    def without_ranges(self, member: int) -> "Joint":
+        """The problem without the ranges of a member."""
+        empty = np.zeros((len(self.zs[0]),) * 2), np.zeros(len(self.zs[0]))
+        some = tuple(empty if index == member else one for index, one in enumerate(self.of_ranges))
+        return replace(self, of_ranges=some)
 
     def shift(self, keep: Keep | None = None) -> Float[np.ndarray, "N"]:
         """From `z` to the solution of the tiles that take part, and the prior."""
@@ -150,7 +159,8 @@ def joint(members: Sequence[Member], own: int, loss: Loss = Loss.WELSCH) -> Join
     """The problem of the members at their solutions."""
     parts = calmed([sums(member.facts(loss)) for member in members])
     of_ranges = tuple(member.beams.normal_and_pull(member.chart, member.z) for member in members)
-    return Joint(parts, tuple(member.z for member in members), own, members[0].chart.prior, of_ranges)
+    prior, scale = members[0].chart.prior, float(members[0].found.scale)
+    return Joint(parts, tuple(member.z for member in members), own, prior, scale, of_ranges)
 
 
 def solved_together(members: Sequence[Member], own: int) -> tuple[Member, ...]:

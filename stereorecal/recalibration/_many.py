@@ -17,12 +17,13 @@ from stereorecal.geometry import View, same_camera
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import Parameters, Reach, as_parameters
 from stereorecal.recalibration._as_dict import solution_as_dict
-from stereorecal.recalibration._frames import chosen_frames
+from stereorecal.recalibration._frames import looked_at
 from stereorecal.recalibration._ranges import resolved_ranges, with_ranges
 from stereorecal.recalibration._recalibrate import recalibrate
 from stereorecal.recalibration._schedule import Schedule, as_schedule
 from stereorecal.recalibration._solution import Solution
-from stereorecal.recalibration._together import Recording, check_schedule, together
+from stereorecal.recalibration._solved import Recording
+from stereorecal.recalibration._together import check_schedule, together
 from stereorecal.recordings import Range, Scene
 from stereorecal.strategies import Budget, as_budget
 
@@ -127,18 +128,15 @@ def sharing(
     Raises:
         InputError: if they cannot share what is free, or a range belongs to no pair of them.
     """
-    scenes = looked_at(scenes, free, ranges)
     check_shared(scenes, free, extrinsics)
     check_schedule(schedule, free)
-    return scenes, resolved_ranges(ranges, [(scene.name, scene.pairs) for scene in scenes])
-
-
-def looked_at(scenes: Sequence[Scene], free: Parameters, ranges: Sequence[Range] = ()) -> tuple[Scene, ...]:
-    """The recordings with the frames that a joint solution looks at, all of them where nothing is shared or ranges name
-    them."""
-    if not free.shared or ranges:
-        return tuple(scenes)
-    return tuple(replace(scene, pairs=chosen_frames(scene.pairs)) for scene in scenes)
+    ranges = resolved_ranges(ranges, [(scene.name, scene.pairs) for scene in scenes])
+    if not free.shared:
+        return tuple(scenes), ranges
+    return tuple(
+        replace(scene, pairs=tuple(scene.pairs[number] for number in looked_at(scene.pairs, ranges)))
+        for scene in scenes
+    ), ranges
 
 
 def check_shared(scenes: Sequence[Scene], free: Parameters, extrinsics: str) -> None:

@@ -23,7 +23,7 @@ _NEARLY = 0.8  # of what a lens explains
 _IMHOF = (-12.0, 25.0, 4000)  # log of the variable of an integral: from where to where, in how many steps
 _MATCHED = 0.3  # of the count of the tile that shows most: a tile that shows something
 _KEPT = 0.6  # of its count: below that, a tile has lost its matches
-_EFFECT = 1.0  # pixels at the edge of the image: standard deviation of an effect that is in no model
+EFFECT = 1.0  # pixels at the edge of the image: standard deviation of an effect that is in no model
 
 
 class Cause(enum.Enum):
@@ -182,7 +182,7 @@ def _sway(found: Evidence) -> float:
     jacobian = np.concatenate([found.jacobian, effects], axis=-1)
     weighted = jacobian * found.weight[:, None]
     dim = found.z.size
-    prior = np.concatenate([np.full(dim, found.prior**-2.0), np.full(2, _EFFECT**-2.0)])
+    prior = np.concatenate([np.full(dim, found.prior**-2.0), np.full(2, EFFECT**-2.0)])
     here = np.concatenate([found.z, np.zeros(2)])
     with_effects = -np.linalg.solve(jacobian.T @ weighted + np.diag(prior), weighted.T @ found.residual + prior * here)
     moved = found.jacobian @ (with_effects[:dim] - found.shift)

@@ -2,15 +2,17 @@
 of the baseline, and the one offset of disparity that yaw, centres and focal lengths share."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
+from typing import Any
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig, rectifying_rotations
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import BASELINE, Parameters, RigChart
+from stereorecal.recalibration._acceptance import Reason
 from stereorecal.recordings import Pair, Range
 from stereorecal.scoring import ScoringData, host
 
@@ -25,7 +27,7 @@ class Beams:
     Attributes:
         left, right: (b, 2) pixels as the cameras took them, at full size.
         metres, sigma: (b,).
-        matching: (b,) standard deviations of their disparities, pixels at full size.
+        matching: (b,) standard deviations of their disparities, pixels of the right camera.
     """
 
     left: Float[np.ndarray, "b 2"]
@@ -61,6 +63,27 @@ class Beams:
         vote = self.votes(here)
         return jacobian.T @ (vote[:, None] * jacobian), jacobian.T @ (vote * here)
 
+    def __bool__(self) -> bool:
+        return len(self.metres) > 0
+
+    def contradict(self, rig: StereoRig) -> Bool[np.ndarray, "b"]:
+        """Which of them a rig does not explain."""
+        return ~(np.abs(self.residuals(rig)) < _FAR)
+
+    def agree(self, rig: StereoRig) -> bool:
+        """Whether most of them fit a rig."""
+        return bool(np.mean(self.contradict(rig)) < 0.5)
+
+    def fit_better(self, before: StereoRig, after: StereoRig) -> bool:
+        """Whether most of them agree with a rig, and much better than with another one."""
+        bounded = [float(np.minimum(self.residuals(rig) ** 2, _FAR**2).sum()) for rig in (before, after)]
+        return bounded[0] - bounded[1] > _FAR**2 and self.agree(after)
+
+    @staticmethod
+    def of_all(several: Sequence["Beams"]) -> "Beams":
+        """Those of several recordings."""
+        return Beams(*(np.concatenate([getattr(one, part.name) for one in several]) for part in fields(Beams)))
+
     @staticmethod
     def votes(residuals: Float[np.ndarray, "b"]) -> Float[np.ndarray, "b"]:
         """Of each range, 1 at most; from afar, where all are wrong, those that agree with each other keep theirs."""
@@ -69,6 +92,36 @@ class Beams:
 
 
 NONE = Beams(np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0), np.zeros(0), np.zeros(0))
+
+
+@dataclass(frozen=True)
+class RangesSeen:
+    """What became of ranges.
+
+    Attributes:
+        given: how many there were.
+        matched: how many of them lie on a sure match.
+        contradict: how many of those the calibration to use does not explain.
+        refused: why the calibration that was found with them is not used, where there is one.
+    """
+
+    given: int
+    matched: int
+    contradict: int
+    refused: Reason | None = None
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain data for JSON."""
+        refused = self.refused and self.refused.name.lower()
+        return {"given": self.given, "matched": self.matched, "contradict": self.contradict, "refused": refused}
+
+    def __str__(self) -> str:
+        said = f"{self.given} given, {self.matched} matched, {self.contradict} contradict"
+        if not self.matched:
+            return f"{said}: give some on surfaces with texture, off edges, in frames that are used"
+        if 2 * self.contradict >= self.matched:
+            said += ": most do not fit this calibration; check their units, pixels and pairs"
+        return said + (f"; what was found with them is not used: {self.refused.value}" if self.refused else "")
 
 
 def beams(

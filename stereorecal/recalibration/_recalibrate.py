@@ -11,15 +11,19 @@ from stereorecal._arrays import refuse_tracers
 from stereorecal.geometry import StereoRig, View, same_camera, with_unit_baseline
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import Parameters, Reach, as_parameters, as_reach
-from stereorecal.recalibration._acceptance import Reason, row_errors, verdict, verdict_on_count
+from stereorecal.recalibration._acceptance import Reason, row_errors, verdict_on_count
 from stereorecal.recalibration._agreement import agreed, without
 from stereorecal.recalibration._cost import Cost
-from stereorecal.recalibration._misfit import misfit, systematic
+from stereorecal.recalibration._frames import looked_at
+from stereorecal.recalibration._judging import judged
+from stereorecal.recalibration._misfit import systematic
 from stereorecal.recalibration._ranges import resolved_ranges, with_ranges
 from stereorecal.recalibration._schedule import Schedule, ScoreKind, as_schedule
 from stereorecal.recalibration._solution import Solution
+from stereorecal.recalibration._solved import Recording
 from stereorecal.recalibration._stages import FEWEST, Case, StageRun, better_start, remaining, run_stage
-from stereorecal.recalibration._together import Recording, check_schedule, one_by_one, together
+from stereorecal.recalibration._tasks import one_by_one
+from stereorecal.recalibration._together import check_schedule, together, unsolved
 from stereorecal.recalibration._uncertainty import uncertainty
 from stereorecal.recordings import Pairs, Range
 from stereorecal.scoring import host, legible, pyramid
@@ -58,7 +62,8 @@ def recalibrate(
         seed: for strategies that draw random numbers.
         free: what may move, `Parameters` or names and groups, such as ("rotation",) or ("extrinsics", "intrinsics");
             default the extrinsics. Intrinsics need several frames of different places; they are solved for at the end,
-            and taken only if rows that took no part lie closer under them (`solution.intrinsics` says so).
+            and taken only if rows that took no part lie closer under them (`solution.intrinsics` says so). Of more than
+            24 frames so many are chosen, and those that ranges name.
         ranges: distances of what single pixels show; they free the length of the baseline, and count beside the rows.
 
     Raises:
@@ -72,11 +77,18 @@ def recalibrate(
     free = with_ranges(as_parameters(free), ranges)
     ranges = resolved_ranges(ranges, [("", images.pairs)])
     check_schedule(schedule, free)
+    numbers = looked_at(images.pairs, ranges) if free.shared else tuple(range(len(images.pairs)))
+    if len(numbers) < len(images.pairs):
+        images = pyramid(rig, [images.pairs[number] for number in numbers], images.view)
     solution = searched(Case(images, asked, reach, free.extrinsics), schedule, budget, seed)
     if not free.shared:
         return solution
-    (solution,) = together([Recording(images.pairs, solution, ranges)], free, one=True, each=one_by_one)
-    return replace(solution, seconds=time.perf_counter() - began)
+    recording = Recording(images.pairs, solution, ranges)
+    try:
+        (solution,) = together([recording], free, one=True, each=one_by_one)
+    except np.linalg.LinAlgError:  # a problem that nothing determines: the repair of the extrinsics stands
+        solution = unsolved(recording, free)
+    return replace(solution, looked_at=numbers, seconds=time.perf_counter() - began)
 
 
 def searched(case: Case, schedule: Schedule, budget: Budget, seed: int) -> Solution:
@@ -152,11 +164,10 @@ def _judged(case: Case, schedule: Schedule, stages: tuple[StageRun, ...], cost: 
         reason = Reason.TOO_LITTLE_TEXTURE
     else:
         facts, tiles = frames.facts, tiles[:, frames.kept]
-        own = facts.only(slice(len(case.free.axes)))
-        rows, left = row_errors(facts), misfit(own, *tiles)
+        rows, covered = row_errors(facts), without(found, frames.apart).covered
+        said, left = judged(facts, case.free.names, len(case.free.axes), tiles, rows, covered)
         known = uncertainty(facts.covariance(), systematic(facts, left), case.chart)
-        counts, covered = tiles.sum(axis=(1, 2)), without(found, frames.apart).covered
-        reason = Reason.FRAMES_DISAGREE if frames.refused else verdict(counts, rows, own, left, covered)
+        reason = Reason.FRAMES_DISAGREE if frames.refused else said.reason
     if reason is Reason.TOO_LITTLE_TEXTURE and any(legible(pair).enough for pair in case.images.pairs):
         reason = Reason.NO_MATCHES
     apart = () if frames is None else tuple(case.images.pairs[f].name for f in frames.apart)

@@ -144,6 +144,8 @@ def _remarks(solution: Any) -> list[str]:
         remarks.append(f"Not determined by these images: {'; '.join(known.undetermined)}; it stays as it was.")
     if solution.intrinsics is not None:
         remarks.append(str(solution.intrinsics))
+    if solution.ranges is not None:
+        remarks.append(f"Ranges: {solution.ranges}.")
     return remarks
 
 

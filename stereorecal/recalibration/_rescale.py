@@ -10,7 +10,7 @@ from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import BASELINE, Parameters, Reach, row_chart
-from stereorecal.recalibration._ranges import beams, resolved_ranges
+from stereorecal.recalibration._ranges import Beams, beams, resolved_ranges
 from stereorecal.recalibration._schedule import finest_scale
 from stereorecal.recalibration._uncertainty import NORMAL_95
 from stereorecal.recordings import Pairs, Range
@@ -18,7 +18,9 @@ from stereorecal.scoring import pyramid
 from stereorecal.scoring.host import ranged
 
 _ROUNDS = 8
-_YAW = 0.005  # degrees: what a repair leaves of yaw, which the ranges see too
+# Degrees: what repairs leave of yaw, which ranges see too. Single ones of real rigs scatter by 0.02 to 0.09 degrees
+# between recordings, several together by half of that (docs/accuracy.md).
+_YAW = 0.05
 _LONGER = 10.0  # percent: standard deviation of the length, far wider than any drift: the ranges decide
 
 
@@ -40,30 +42,46 @@ class Rescaled:
 
 
 def rescale_baseline(
-    rig: StereoRig, pairs: Pairs, ranges: Sequence[Range], *, matcher: AbstractMatcher | str | None = None
+    rig: StereoRig,
+    pairs: Pairs,
+    ranges: Sequence[Range],
+    *,
+    matcher: AbstractMatcher | str | None = None,
+    yaw_sigma: float = _YAW,
 ) -> Rescaled:
     """The length of the baseline under which depths agree with ranges; everything else is held (paper, section 3.3:
     images alone cannot tell it). A rig that has drifted is repaired first.
 
+    Args:
+        rig, pairs, matcher: as `recalibrate` has them.
+        ranges: near ones and far ones: only together they tell a longer baseline from a wrong yaw.
+        yaw_sigma: standard deviation of what the repair left of yaw, in degrees: the interval admits it.
+
     Raises:
-        InputError: if images and calibration do not fit, or no range has a match.
+        InputError: if images and calibration do not fit, no range has a match, or yaw_sigma is not positive.
     """
     refuse_tracers("sr.rescale_baseline", "it before tracing", rig)
     images = pyramid(rig, pairs)
     ranges = resolved_ranges(ranges, [("", images.pairs)])
     data = images.at(finest_scale(rig.left.size))
     found = beams(data, rig, ranged(matcher, images), images.pairs, ranges)
-    if not len(found.metres):
+    if not found:
         raise InputError("no range lies on a pixel with a sure match; give some on surfaces with texture, off edges.")
-    chart = row_chart(rig, Reach(), Parameters(("yaw", BASELINE), {"yaw": _YAW, BASELINE: _LONGER}))
+    change, deviation, used = _solved(found, rig, yaw_sigma)
+    extrinsics = np.array(rig.extrinsics, float)
+    extrinsics[3:] *= 1.0 + change / 100.0
+    return Rescaled(rig.with_extrinsics(extrinsics), change, NORMAL_95 * deviation, used)
+
+
+def _solved(found: Beams, rig: StereoRig, yaw_sigma: float) -> tuple[float, float, int]:
+    """The change of the length and its standard deviation, in percent, and how many ranges agree with it. Yaw is solved
+    for beside it, and left as it was: rows know it better."""
+    chart = row_chart(rig, Reach(), Parameters(("yaw", BASELINE), {"yaw": yaw_sigma, BASELINE: _LONGER}))
     z, normal = np.zeros(2), np.eye(2)
     for _ in range(_ROUNDS):
         normal, pull = found.normal_and_pull(chart, z)
         normal = normal + np.eye(2) / chart.prior**2
         z = z - np.linalg.solve(normal, pull + z / chart.prior**2)
     votes = found.votes(found.residuals(chart.rig_at(z)))
-    change = float(chart.units[1] * z[1])
-    deviation = float(chart.units[1] * np.sqrt(np.linalg.inv(normal)[1, 1]))
-    extrinsics = np.array(rig.extrinsics, float)
-    extrinsics[3:] *= 1.0 + change / 100.0
-    return Rescaled(rig.with_extrinsics(extrinsics), change, NORMAL_95 * deviation, int((votes > 0.5).sum()))
+    unit = float(chart.units[1])
+    return unit * float(z[1]), unit * float(np.sqrt(np.linalg.inv(normal)[1, 1])), int((votes > 0.5).sum())

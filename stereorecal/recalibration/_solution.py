@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
+from stereorecal._errors import InputError
 from stereorecal._extras import extra
 from stereorecal.geometry import AXES, StereoRig, View
 from stereorecal.io import write_text
@@ -23,7 +24,7 @@ from stereorecal.recalibration._expected import Expected, expected_of
 from stereorecal.recalibration._intrinsics import Intrinsics
 from stereorecal.recalibration._misfit import Cause, Misfit
 from stereorecal.recalibration._path import Waypoint, path_of
-from stereorecal.recalibration._ranges import NONE, Beams
+from stereorecal.recalibration._ranges import NONE, Beams, RangesSeen
 from stereorecal.recalibration._report import report_of
 from stereorecal.recalibration._stages import StageRun
 from stereorecal.recalibration._uncertainty import Uncertainty
@@ -56,12 +57,14 @@ class Solution:
         uncertainty: of the candidate; None in the same cases.
         misfit: of the candidate; None in the same cases.
         intrinsics: what became of intrinsics that were freed; None if none were.
-        kept: numbers of the pairs that the candidate rests on.
+        looked_at: numbers of the pairs that were looked at; None: all of them.
+        kept: which of those the candidate rests on.
         left_out: names of the pairs that show another rig than the others; the candidate does without them.
         disagreeing: the same where they are too many, and nothing is left out.
         stages: what each stage did.
         seconds: wall time.
-        beams: ranges that had a sure match.
+        beams: ranges that had a sure match, if most of them fit the calibration to use.
+        ranges: what became of ranges; None if there were none.
     """
 
     rig: StereoRig
@@ -87,7 +90,9 @@ class Solution:
     disagreeing: tuple[str, ...]
     stages: tuple[StageRun, ...]
     seconds: float
+    looked_at: tuple[int, ...] | None = None
     beams: Beams = NONE
+    ranges: RangesSeen | None = None
 
     @property
     def trace(self) -> Trace | None:
@@ -120,12 +125,12 @@ class Solution:
 
     @cached_property
     def expected(self) -> Expected | None:
-        """What to expect of the candidate: rows over the view and depth, with what misfit and intrinsics that were held
-        may do; None without an epipolar stage."""
+        """What to expect of the calibration to use: rows over the view and depth, with what misfit and intrinsics that
+        were held may do; None without an epipolar stage, or where the calibration is known to be bad."""
         found = self.found
-        if self.uncertainty is None or found is None:
+        if self.uncertainty is None or found is None or not self.reason.healthy:
             return None
-        return expected_of(self.candidate, found, self.beams, self.free, self.reach, self.view, self.uncertainty)
+        return expected_of(self.rig, found, self.beams, self.free, self.reach, self.view, self.uncertainty)
 
     @property
     def found(self) -> Correspondences | None:
@@ -172,7 +177,12 @@ class Solution:
         """
         with extra("figures", "an HTML page"):
             from stereorecal.report.repair_page import repair_page
-        write_text(Path(path), repair_page(report_of(self, as_pairs(pairs), name, settings or {}, absent)))
+        every = as_pairs(pairs)
+        if self.looked_at is not None:
+            if not every or max(self.looked_at) >= len(every):
+                raise InputError("these are not the pairs that were repaired; give the same, in the same order.")
+            every = tuple(every[number] for number in self.looked_at)
+        write_text(Path(path), repair_page(report_of(self, every, name, settings or {}, absent)))
 
     def __str__(self) -> str:
         verdict = "accepted" if self.accepted else "not accepted, the initial calibration stays"
@@ -187,13 +197,15 @@ class Solution:
             lines.append(f"misfit   {said}")
         if self.intrinsics is not None:
             lines.append(str(self.intrinsics))
+        if self.ranges is not None:
+            lines.append(f"ranges   {self.ranges}")
         if self.left_out:
             lines.append(f"left out, since they disagree with the others: {', '.join(self.left_out)}")
         if self.disagreeing:
             lines.append(f"these disagree with others: {', '.join(self.disagreeing)}")
         if self.uncertainty is not None and self.uncertainty.undetermined:
             lines.append(f"not determined by these images: {'; '.join(self.uncertainty.undetermined)}")
-        if self.expected is not None and self.reason.healthy:
+        if self.expected is not None:
             lines.append(f"expect   {self.expected}")
         if self.accepted:
             lines.append(f"depth was off: {depths(self.depth_error_percent)}")

@@ -25,7 +25,8 @@ def by_place(members: Sequence[Member], own: int) -> tuple[Medians, ...]:
 
 
 def by_recording(members: Sequence[Member], own: int, recording: Int[np.ndarray, "f"]) -> tuple[Medians, ...]:
-    """Each tile under shared parameters that saw nothing of its recording, and own ones that did not see its place.
+    """Each tile under shared parameters that saw nothing of its recording, nor its ranges, and own ones that did not
+    see its place.
 
     Args:
         recording: of each frame, where there is one member: its frames are then divided, and share all parameters.
@@ -37,10 +38,10 @@ def by_recording(members: Sequence[Member], own: int, recording: Int[np.ndarray,
         return (_medians(facts, recording[facts.tile // TILES_OF_A_FRAME], shifts),)
     medians = []
     for index, (member, part) in enumerate(zip(members, problem.parts, strict=True)):
-        others = problem.shift(lambda m, part, r=index: np.full(len(part.place), m != r))[problem.where(index)]
+        rest = problem.without_ranges(index)
+        others = rest.shift(lambda m, part, r=index: np.full(len(part.place), m != r))[problem.where(index)]
         facts, folds = member.facts(), fold_of(part.place)
-        known = problem.of_ranges[index]
-        shifts = [_own_shift(problem, part.of(folds != fold), known, member.z, others, own) for fold in range(FOLDS)]
+        shifts = [_own_shift(problem, part.of(folds != fold), member.z, others, own) for fold in range(FOLDS)]
         medians.append(_medians(facts, fold_of(facts.tile % TILES_OF_A_FRAME), shifts))
     return tuple(medians)
 
@@ -48,14 +49,13 @@ def by_recording(members: Sequence[Member], own: int, recording: Int[np.ndarray,
 def _own_shift(
     problem: Joint,
     part: Sums,
-    of_ranges: tuple[Float[np.ndarray, "n n"], Float[np.ndarray, "n"]],
     z: Float[np.ndarray, "n"],
     shift: Float[np.ndarray, "n"],
     own: int,
 ) -> Float[np.ndarray, "n"]:
     """The shift of own parameters that some tiles ask for, with that of the shared ones as it is."""
-    normal, prior = part.normal.sum(0) + of_ranges[0], np.eye(own) / problem.prior**2
-    pull = (part.pull.sum(0) + of_ranges[1])[:own] + normal[:own, own:] @ shift[own:] + prior @ z[:own]
+    normal, prior = part.normal.sum(0), np.eye(own) / problem.prior**2
+    pull = part.pull.sum(0)[:own] + normal[:own, own:] @ shift[own:] + prior @ z[:own]
     return np.concatenate([-np.linalg.solve(normal[:own, :own] + prior, pull), shift[own:]])
 
 

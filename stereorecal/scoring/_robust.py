@@ -7,7 +7,7 @@ from jaxtyping import Float
 
 from stereorecal.scoring._correspondences import Correspondences
 
-_SMALLEST_SPREAD = 0.05  # pixels; matching is never better than that
+SMALLEST_SPREAD = 0.05  # pixels; matching is never better than that
 _WELSCH = 0.25  # pixels: beyond about twice that a correspondence has no vote
 _WIDEST_WELSCH = 2.5  # robust standard deviations
 
@@ -23,7 +23,7 @@ def robust_spread(found: Correspondences, differences: Float[np.ndarray, "k m"])
     """Robust standard deviation of the row differences about zero, in pixels (1.4826 times the median)."""
     here = np.asarray(found.weight) > 0
     median = float(np.median(np.abs(differences[here]))) if here.any() else 0.0
-    return max(_SMALLEST_SPREAD, 1.4826 * median)
+    return max(SMALLEST_SPREAD, 1.4826 * median)
 
 
 def precisions(found: Correspondences, differences: Float[np.ndarray, "k m"], loss: Loss) -> Float[np.ndarray, "k m"]:

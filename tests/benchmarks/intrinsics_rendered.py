@@ -18,7 +18,16 @@ SIGMAS = {"f": 0.3, "cx": 1.5, "cy": 1.5, "k1": 0.01, "k2": 0.02}  # of wrong in
 PRIORS = {f"{side}.{name}": sigma for side in ("left", "right") for name, sigma in SIGMAS.items()}
 KINDS = ("harbour", "coast", "street")
 TRUE = sr.synthetic.default_rig()
-HEADS = ("part", "rows given", "refined, median / worst", "|depth| at 10 / 30 B, median", "taken", "harmful")
+HEADS = (
+    "part",
+    "rows fixed",
+    "all, median / worst",
+    "taken, median / worst",
+    "|depth| at 10 / 30 B",
+    "taken",
+    "harmful",
+)
+YAW = 0.05  # degrees: what repairs of real rigs leave
 REPAIRS = ("one", "each", "place", "ranges", "right")
 
 
@@ -51,17 +60,45 @@ def some_ranges(kind: str, seed: int, pair: sr.Pair | int, number: int, draw: in
 
 
 def repaired(given: Sequence[sr.Scene], seed: int, rig: sr.StereoRig, part: str) -> Iterator[tuple]:
-    """Rows before and after, depth at 10 and 30 baselines, whether the intrinsics were taken, harm."""
+    """Of the rig in use: rows where lenses are held, rows where they are free, depth at 10 and 30 baselines, whether
+    the intrinsics were taken, harm."""
     ranges = some_ranges(KINDS[0], 10, given[0].pairs[0], 10, seed) if part == "ranges" else []
     how = "each" if part == "each" else "one"
-    found = sr.recalibrate_many([replace(s, rig=rig) for s in given], free=BOTH, extrinsics=how, ranges=ranges)
-    for repair in found if how == "each" else found[:1]:
+    some = [replace(s, rig=rig) for s in given]
+    held = (
+        [sr.recalibrate(rig, [s.pairs[0] for s in given])]
+        if how == "one"
+        else [repair.solution for repair in sr.recalibrate_many(some)]
+    )
+    found = sr.recalibrate_many(some, free=BOTH, extrinsics=how, ranges=ranges)
+    for fixed, repair in zip(held, found, strict=False):
         solution = repair.solution
+        assert fixed is not None
         assert solution is not None
         assert solution.intrinsics is not None
-        depth = depth_errors(solution.candidate, TRUE)
-        before, after = rows(rig), rows(solution.rig)
-        yield before, rows(solution.candidate), depth[10], depth[30], solution.intrinsics.taken, after > before + 0.02
+        depth = depth_errors(solution.rig, TRUE)
+        yield (
+            rows(fixed.rig),
+            rows(solution.rig),
+            depth[10],
+            depth[30],
+            solution.intrinsics.taken,
+            harmful(solution, fixed),
+        )
+
+
+def harmful(solution: sr.Solution, fixed: sr.Solution) -> bool:
+    """Whether the rig in use is worse than what the extrinsics alone would have given: rows over the view, or depth
+    that lies outside of what was said to expect and farther off than before."""
+    if not solution.accepted:
+        return False
+    if rows(solution.rig) > rows(fixed.rig) + 0.02:
+        return True
+    said, now, before = solution.expected, depth_errors(solution.rig, TRUE), depth_errors(fixed.rig, TRUE)
+    return said is not None and any(
+        abs(now[d]) > abs(before[d]) and not said.depth_percent[d].low <= now[d] <= said.depth_percent[d].high
+        for d in (10, 30)
+    )
 
 
 def repairs(part: str, rigs: int) -> list[str]:
@@ -78,26 +115,32 @@ def repairs(part: str, rigs: int) -> list[str]:
         print(part, seed, *(np.round(row, 3).tolist() for row in some), flush=True)
     values = np.array(found, float)
     taken = values[values[:, 4] > 0]
-    after = taken if len(taken) else values
+
+    def middle_and_worst(some: np.ndarray) -> str:
+        return f"{np.median(some[:, 1]):.3f} / {some[:, 1].max():.3f}" if len(some) else ""
+
     return [
         part,
         f"{np.median(values[:, 0]):.2f}",
-        f"{np.median(after[:, 1]):.3f} / {after[:, 1].max():.3f}",
-        f"{np.median(np.abs(after[:, 2])):.2f} / {np.median(np.abs(after[:, 3])):.2f} %",
+        middle_and_worst(values),
+        middle_and_worst(taken),
+        f"{np.median(np.abs(values[:, 2])):.2f} / {np.median(np.abs(values[:, 3])):.2f} %",
         f"{sum(accepted)} of {rigs}",
         f"{int(values[:, 5].sum())} of {len(values)}",
     ]
 
 
 def baseline(rigs: int) -> None:
-    """Of the length, from 100 ranges of 1 %; ten draws for each rig of the other parts."""
+    """Of the length, from 100 ranges of 1 %; ten draws for each rig of the other parts, its yaw off as repairs leave
+    it."""
     errors, intervals = [], []
     for seed in range(2 * rigs):
         kind = KINDS[seed % 3]
         scene = sr.synthetic.render(kind, 100 + seed)
         for draw in range(5):
-            off = 1.0 + 0.01 * np.random.default_rng([seed, draw]).normal()
-            rig = TRUE.with_extrinsics(np.concatenate([TRUE.extrinsics[:3], off * TRUE.extrinsics[3:]]))
+            longer, yaw = np.random.default_rng([seed, draw]).normal(0.0, (0.01, np.radians(YAW)))
+            turned = TRUE.extrinsics[:3] + np.array([0.0, yaw, 0.0])
+            rig = TRUE.with_extrinsics(np.concatenate([turned, (1.0 + longer) * TRUE.extrinsics[3:]]))
             found = sr.rescale_baseline(rig, scene.pairs, some_ranges(kind, 100 + seed, 0, 100, draw))
             errors.append(100.0 * (float(found.rig.baseline / TRUE.baseline) - 1.0))
             intervals.append(found.interval)
@@ -144,12 +187,12 @@ def came_true(solution: sr.Solution) -> tuple[bool, bool, float]:
     """Whether depth at 10 and 30 baselines, and which share of the rows of the view, lie within their intervals."""
     said = solution.expected
     assert said is not None
-    off = depth_errors(solution.candidate, TRUE)
+    off = depth_errors(solution.rig, TRUE)
     near, far = (said.depth_percent[d].low <= off[d] <= said.depth_percent[d].high for d in (10, 30))
     height, width = said.rows.shape
     size = solution.view.size
     columns, lines = np.linspace(0, size[0] - 1, width), np.linspace(0, size[1] - 1, height)
-    apart = rows_apart(solution.candidate, TRUE, solution.view, columns, lines)[0]
+    apart = rows_apart(solution.rig, TRUE, solution.view, columns, lines)[0]
     seen = np.isfinite(apart) & np.isfinite(said.rows)
     within = np.abs(apart - said.rows) <= NORMAL_95 * said.rows_deviation
     return near, far, float(within[seen].mean())

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import stereorecal as sr
+from stereorecal.recalibration import RangesSeen
 
 PAGE = Path(__file__).parents[2] / "docs" / "reference" / "json.md"
 INTRINSICS = sr.Intrinsics(  # freeing them takes longer than a test may
@@ -65,7 +66,9 @@ def test_what_is_written_and_what_is_listed(command, schema: str, pages, clean_s
     assert content["schema"] == f"stereorecal.{schema}/1"
     if schema == "solution":
         assert content["repairs"][0]["intrinsics"] is None
+        assert content["repairs"][0]["ranges"] is None
         content["repairs"][0]["intrinsics"] = INTRINSICS.as_dict()
+        content["repairs"][0]["ranges"] = RangesSeen(5, 4, 1).as_dict()
     keys = pages["All schemas"] | pages[content["schema"]]
     written = set(paths(content))
     assert {path for path in written if not any(matched(key, path) for key in keys)} == set()

@@ -31,3 +31,26 @@ def test_tables_that_make_no_sense(tmp_path, text, said):
     path.write_text(text)
     with pytest.raises(sr.InputError, match=said):
         sr.io.load_ranges(path)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("pair,column,row,metres,sigma\n0,1,2,3,nan\n", "line 2"),
+        ("pair,column,row,metres,sigma\n0,1,2,3_000,\n", "no number that can be used"),
+        ("pair,column,row,metres,sigma\n0,1,2,1e400,\n", "no number that can be used"),
+        ("pair;column;row;metres\n0;1;2;3\n", "not divided by commas"),
+        ("pair\tcolumn\trow\tmetres\n0\t1\t2\t3\n", "not divided by commas"),
+    ],
+)
+def test_numbers_and_signs_that_make_no_sense(tmp_path, text, said):
+    path = tmp_path / "ranges.csv"
+    path.write_text(text)
+    with pytest.raises(sr.InputError, match=said):
+        sr.io.load_ranges(path)
+
+
+def test_the_horizon_is_a_range(tmp_path):
+    path = tmp_path / "ranges.csv"
+    path.write_text("pair,column,row,metres\n0,1,2,inf\n")
+    assert sr.io.load_ranges(path)[0].metres == float("inf")

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from stereorecal.recalibration import Reason, RowErrors
-from stereorecal.recalibration._acceptance import compared, verdict, verdict_on_count
+from stereorecal.recalibration._acceptance import Verdict, compared, verdict, verdict_on_count
 from stereorecal.recalibration._evidence import TILES_OF_A_FRAME, Evidence
 from stereorecal.recalibration._misfit import Cause, Misfit
 from stereorecal.scoring.host import Score
@@ -32,7 +32,7 @@ FITS = left_over()
 
 def judged(
     before=200_000, after=None, rows=(0.2, 0.2, 0.0), z=0.1, left=FITS, places=48, covered=0.5, frames=1, scale=1.0
-) -> Reason:
+) -> Verdict:
     """In images that were measured at a scale, the limits are in their pixels."""
     z = np.broadcast_to(np.asarray(z, float), 5).copy()
     counts = np.array([before, before if after is None else after])
@@ -115,7 +115,16 @@ CASES = {
 @pytest.mark.parametrize("case", CASES)
 def test_verdict(case, scale):
     expected, facts = CASES[case]
-    assert judged(**facts, scale=scale) is expected
+    assert judged(**facts, scale=scale).reason is expected
+
+
+def test_no_gain_is_not_the_same_as_doubt():
+    """Both leave a good calibration alone; only the first may be overruled by what is more than rows."""
+    assert judged() == Verdict(Reason.ALREADY_GOOD)
+    gains = {"rows": (0.28, 0.1, 10.0)}
+    assert judged(**gains, left=left_over(chance=0.0001)) == Verdict(Reason.ALREADY_GOOD, Reason.IMPLAUSIBLE)
+    assert judged(**gains, z=0.6) == Verdict(Reason.ALREADY_GOOD, Reason.IMPLAUSIBLE)
+    assert judged(**gains, left=left_over(after=0.45)) == Verdict(Reason.ALREADY_GOOD, Reason.MISFIT)
 
 
 def test_every_reason_has_its_case():
@@ -161,7 +170,7 @@ pixels = st.one_of(st.floats(0, 5), st.floats(0.45, 0.55))
 def test_never_accepted(before, after, rows, z, left, places, covered):
     """Nothing is accepted that loses 1 % of the count or 0.02 pixels, in too few places or too little of the image, or
     where the reach ends, or that leaves more than it takes; and nothing that gains neither."""
-    reason = judged(before, after, rows, z, left_over(*left), places, covered)
+    reason = judged(before, after, rows, z, left_over(*left), places, covered).reason
     gain = rows[0] - rows[1]
     if after < 0.99 * before or gain < -0.02 or places < 6 or covered < 0.1:
         assert not reason.accepted

@@ -1,5 +1,6 @@
 """Ranges: the length of the baseline, what they cannot harm, and what is said of those that make no sense."""
 
+import cv2
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
@@ -7,11 +8,14 @@ from hypothesis import given, settings, strategies as st
 import stereorecal as sr
 from stereorecal.objectives import Parameters, Reach, row_chart
 from stereorecal.recalibration._ranges import Beams, beams
+from stereorecal.recalibration._rescale import _YAW as YAW, _solved as lengthened
 from stereorecal.scoring import pyramid
 from stereorecal.scoring.host import ranged
 from stereorecal.synthetic import ranges as measured
 
 RIG = sr.synthetic.default_rig()
+SIZE = (320, 240)
+SMALL = RIG.resized(SIZE)
 
 
 @pytest.fixture(scope="module")
@@ -36,7 +40,7 @@ def test_the_length_of_the_baseline(harbour, percent):
     found = sr.rescale_baseline(bad, harbour.pairs, some())
     error = 100 * (found.rig.baseline / RIG.baseline - 1)
     assert abs(error) < 0.8
-    assert abs(error) < found.interval < 1.5
+    assert abs(error) < found.interval < 2.5
     assert found.used > 10
     np.testing.assert_array_equal(found.rig.extrinsics[:3], bad.extrinsics[:3])
     np.testing.assert_allclose(found.rig.translation / found.rig.baseline, bad.translation / bad.baseline)
@@ -86,6 +90,72 @@ def test_ranges_of_one_recording_among_others(harbour):
     repairs = sr.recalibrate_many(scenes, ranges=named)
     for repair in repairs:
         assert abs(100 * (repair.solution.rig.baseline / RIG.baseline - 1)) < 0.8
+
+
+@pytest.fixture(scope="module")
+def small() -> sr.Scene:
+    return sr.synthetic.render("harbour", 2, rig=SMALL)
+
+
+def of_small(times: float = 1.0, pair: sr.Pair | int = 0) -> list[sr.Range]:
+    pixels, metres = measured("harbour", 2, rig=SMALL, number=60)
+    return [sr.Range(pair, tuple(p), times * m) for p, m in zip(pixels.tolist(), metres.tolist(), strict=True)]
+
+
+def test_ranges_of_one_recording_are_no_reason_for_another(small):
+    """A shutter that rolls in one image poses as a drift; the recording keeps its extrinsics, and learns the length of
+    the baseline."""
+    street = sr.synthetic.render("street", 3, rig=SMALL)
+    pair, bad = street.pairs[0], longer(SMALL, 2.0)
+    lines, columns = np.mgrid[: SIZE[1], : SIZE[0]].astype(np.float32)
+    right = cv2.remap(np.asarray(pair.right), columns + 5 * lines / SIZE[1] - 2.5, lines, cv2.INTER_CUBIC)
+    rolled = sr.make_pair(pair.left, np.clip(right, 0, 255), name="rolled")
+    given_scenes = [sr.Scene("harbour", bad, small.pairs), sr.Scene("street", bad, (rolled,))]
+    alone = sr.recalibrate(bad, [rolled])
+    first, second = sr.recalibrate_many(given_scenes, ranges=of_small(pair=small.pairs[0]))
+    assert first.solution.reason is sr.Reason.RANGES
+    np.testing.assert_array_equal(second.solution.rig.rotation, alone.rig.rotation)
+    assert second.solution.rig.baseline == pytest.approx(first.solution.rig.baseline, rel=5e-4)
+    np.testing.assert_allclose(
+        second.solution.rig.translation / second.solution.rig.baseline, alone.rig.translation / alone.rig.baseline
+    )
+
+
+def test_a_repair_outlives_bad_ranges(small):
+    """In feet: the drift is repaired as without them, and they are named."""
+    off = SMALL.with_extrinsics(SMALL.extrinsics + np.array([*np.radians([0.5, 0.3, -0.4]), 0, 0, 0]))
+    solution = sr.recalibrate(off, small.pairs, ranges=of_small(3.2808))
+    assert solution.reason is sr.Reason.IMPROVED
+    assert abs(solution.rig.baseline / SMALL.baseline - 1) < 0.01
+    assert np.abs(np.degrees(solution.rig.extrinsics - SMALL.extrinsics)[:3]).max() < 0.1
+    seen = solution.ranges
+    assert seen.given == 60
+    assert 2 * seen.contradict > seen.matched > 20
+    assert "check their units" in str(solution)
+    assert solution.expected.depth_percent[30].high > 5.0  # they have no say in what is to be expected
+
+
+def test_ranges_without_a_match_are_told(small):
+    solution = sr.recalibrate(SMALL, small.pairs, ranges=[sr.Range(0, (c, 2.0), 10.0) for c in (5.0, 10.0, 15.0)])
+    assert (solution.ranges.given, solution.ranges.matched) == (3, 0)
+    assert "3 given, 0 matched" in str(solution)
+
+
+def test_the_interval_of_the_length_admits_what_repairs_leave_of_yaw():
+    """Exact geometry, ranges of 1 %, disparities of 0.1 px; yaw off as repairs of real rigs leave it."""
+    hits = []
+    for seed in range(24):
+        rng = np.random.default_rng(seed)
+        left, metres = rng.uniform([40, 40], [600, 440], (60, 2)), RIG.baseline * rng.uniform(5, 40, 60)
+        rays = RIG.left.rays(left)
+        points = rays / np.linalg.norm(rays, axis=-1, keepdims=True) * metres[:, None]
+        right = RIG.right.project(points @ RIG.rotation.T + RIG.translation) + rng.normal(0, 0.1, (60, 2))
+        metres = metres * (1 + 0.01 * rng.normal(size=60))
+        off = RIG.with_extrinsics(RIG.extrinsics + np.array([0, np.radians(0.06 * rng.normal()), 0, 0, 0, 0]))
+        found = Beams(left, right, metres, 0.01 * metres, np.full(60, 0.1))
+        change, deviation, _ = lengthened(found, off, YAW)
+        hits.append(abs(change) < 1.96 * deviation)
+    assert np.mean(hits) >= 0.85
 
 
 @settings(max_examples=30)

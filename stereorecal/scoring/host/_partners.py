@@ -14,6 +14,7 @@ from stereorecal.geometry import StereoRig, cubic_warp, rectifying_rotations, wi
 from stereorecal.matching import AbstractMatcher, Disparity
 from stereorecal.scoring._prepare import ScoringData
 from stereorecal.scoring._rectify import rectify_frames
+from stereorecal.scoring._robust import SMALLEST_SPREAD
 from stereorecal.scoring._subpixel import refine
 from stereorecal.scoring.host._disparities import disparities
 
@@ -27,7 +28,7 @@ class Partners(NamedTuple):
 
     Attributes:
         pixels: (n, 2) column, row.
-        deviation: (n,) the standard deviation of the disparity, in pixels.
+        deviation: (n,) the standard deviation of the disparity, in pixels of the right camera.
     """
 
     pixels: Float[np.ndarray, "n 2"]
@@ -79,7 +80,8 @@ def _right_pixels(
     sure = np.isfinite(deviation)
     turned = np.stack([(column - d - float(view.centre_right)) / focal, (line + v - middle) / focal, 0 * d + 1], -1)
     seen = np.asarray(rig.right.project(np.where(sure[:, None], turned, [0.0, 0.0, 1.0]) @ to_right))
-    return Partners(np.where(sure[:, None], seen, np.nan), deviation / data.scale)
+    # Of the view at its scale, as an angle, in pixels of the right camera.
+    return Partners(np.where(sure[:, None], seen, np.nan), deviation / focal * float(rig.right.matrix[0, 0]))
 
 
 def _planes_at(
@@ -104,5 +106,5 @@ def _planes_at(
     left = np.where(use, there[0] - np.einsum("nki,ni->nk", places, planes[..., 0]), 0.0)
     number = use.sum(axis=1)
     spread = np.sqrt((left**2).sum(axis=1) / np.maximum(number, 1))
-    deviation = spread * np.sqrt(number * np.linalg.inv(normal)[:, 0, 0])
+    deviation = np.maximum(spread, SMALLEST_SPREAD) * np.sqrt(number * np.linalg.inv(normal)[:, 0, 0])
     return planes[:, 0].T, np.where((number > _COVERED * len(step)) & (spread < _FLAT), deviation, np.nan)

@@ -1,0 +1,63 @@
+"""What recordings that are solved together ask of their images, each in a worker: matches, ranges, counts."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Int
+
+from stereorecal.geometry import StereoRig, View, with_unit_baseline
+from stereorecal.matching import AbstractMatcher
+from stereorecal.recalibration._ranges import Beams, beams
+from stereorecal.recordings import Pair, Range
+from stereorecal.scoring import Correspondences, pyramid
+from stereorecal.scoring.host import correspondences, counts_by_tile
+
+Each = Callable[[Callable[[Any], Any], Sequence[Any]], Sequence[Any]]  # does one thing to many, somewhere
+
+
+def one_by_one(function: Callable[[Any], Any], tasks: Sequence[Any]) -> Sequence[Any]:
+    """Here, one task after the other."""
+    return [function(task) for task in tasks]
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """Pairs to look at through rigs: no more than a worker needs travels to it.
+
+    Attributes:
+        scale: at which they are matched.
+    """
+
+    rigs: tuple[StereoRig, ...]
+    pairs: tuple[Pair, ...]
+    view: View
+    matcher: AbstractMatcher
+    scale: float
+    ranges: tuple[Range, ...] = ()
+
+
+def matched(task: Task) -> Correspondences:
+    """The correspondences under the first rig."""
+    rig = task.rigs[0]
+    data = pyramid(rig, task.pairs, task.view).at(task.scale)
+    return correspondences(data, with_unit_baseline(rig.extrinsics), task.matcher)
+
+
+def beams_of(task: Task) -> Beams:
+    """The ranges, matched under the first rig."""
+    rig = task.rigs[0]
+    return beams(pyramid(rig, task.pairs, task.view).at(task.scale), rig, task.matcher, task.pairs, task.ranges)
+
+
+def counted(task: Task) -> Int[np.ndarray, "rigs k tiles"]:
+    """Counts of the tiles of all frames at full scale, under each rig."""
+    return np.stack(
+        [
+            counts_by_tile(
+                pyramid(rig, task.pairs, task.view).at(1.0), with_unit_baseline(rig.extrinsics)[None], task.matcher
+            )[0]
+            for rig in task.rigs
+        ]
+    )
