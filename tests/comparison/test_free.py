@@ -51,6 +51,7 @@ def test_more_coordinates_and_the_same_errors(scene):
     assert len(more.as_dict()["settings"]["free"]) == 15
 
 
+@pytest.mark.slow
 def test_rows_with_lenses_in_the_box(scene):
     """Least squares over fifteen coordinates ends near the truth, and says so."""
     given_scene = scene()

@@ -34,6 +34,7 @@ def some(number: int = 60, noise: float = 0.01, draw: int = 0) -> list[sr.Range]
     ]
 
 
+@pytest.mark.slow(after=1)
 @pytest.mark.parametrize("percent", [-3.0, 0.0, 1.5])
 def test_the_length_of_the_baseline(harbour, percent):
     bad = longer(RIG, percent)
@@ -68,6 +69,7 @@ def test_ranges_of_other_things_have_no_say(harbour):
     assert abs(100 * (found.rig.baseline / RIG.baseline - 1)) < 1.0
 
 
+@pytest.mark.slow
 def test_a_repair_with_ranges(harbour):
     """Rows are as good as before; depth is what changes."""
     bad = longer(RIG, 2.0)
@@ -83,6 +85,7 @@ def test_a_repair_with_ranges(harbour):
     assert again.rig is RIG
 
 
+@pytest.mark.slow
 def test_ranges_of_one_recording_among_others(harbour):
     street = sr.synthetic.render("street", 3)
     scenes = [sr.Scene(s.name, longer(RIG, 2.0), s.pairs) for s in (harbour, street)]
@@ -193,6 +196,7 @@ def test_ranges_that_make_no_sense(values, said):
         sr.Range(*values)
 
 
+@pytest.mark.slow
 def test_names_that_several_pairs_have(harbour):
     """Scene folders call every pair the same."""
     street = sr.synthetic.render("street", 3)
@@ -211,6 +215,7 @@ def test_names_that_several_pairs_have(harbour):
         assert abs(100 * (repair.solution.rig.baseline / RIG.baseline - 1)) < 0.8
 
 
+@pytest.mark.slow
 def test_ranges_do_not_hide_frames_that_disagree(harbour):
     street = sr.synthetic.render("street", 3, rig=RIG.resized((320, 240)), frames=4)
     rolled = [sr.Pair(p.left, np.roll(p.right, 2 * (i % 2), axis=0), p.name) for i, p in enumerate(street.pairs)]

@@ -66,6 +66,7 @@ def test_one_rig(given_wrong):
     assert "px freed" in text
 
 
+@pytest.mark.slow
 def test_each_its_own_extrinsics_on_any_executor(given_wrong):
     alone = sr.recalibrate_many(given_wrong, free=BOTH)
     with ThreadPoolExecutor(2) as pool:
@@ -78,6 +79,7 @@ def test_each_its_own_extrinsics_on_any_executor(given_wrong):
     assert not np.array_equal(alone[0].solution.candidate.extrinsics, alone[1].solution.candidate.extrinsics)
 
 
+@pytest.mark.slow
 def test_right_intrinsics_stay(scenes):
     """Nothing to gain: they are kept, and the repair is that of the extrinsics, which are still one for all."""
     off = TRUE.with_extrinsics(TRUE.extrinsics + np.radians([0.5, 0.3, -0.4, 0, 0, 0]))
@@ -90,6 +92,7 @@ def test_right_intrinsics_stay(scenes):
         assert np.abs(np.degrees(repair.solution.rig.extrinsics - TRUE.extrinsics)[:3]).max() < 0.03
 
 
+@pytest.mark.slow(after=1)
 @pytest.mark.parametrize("scene", [1, 4])
 def test_one_frame_is_not_enough(given_wrong, scene):
     """What is missing is said, and the intrinsics stay."""
@@ -106,6 +109,7 @@ def test_one_frame_is_not_enough(given_wrong, scene):
     assert data["parameters"]["left.f"]["unit"] == "%"
 
 
+@pytest.mark.slow
 def test_a_lens_that_does_not_fit_is_said(given_wrong, scenes):
     """The misfit is radial: the way out is named, unless it was tried already."""
     lens = changed_camera(TRUE.left, {"k1": 0.03})
@@ -118,6 +122,7 @@ def test_a_lens_that_does_not_fit_is_said(given_wrong, scenes):
     assert "free them" not in str(tried)
 
 
+@pytest.mark.slow
 def test_fog_takes_no_part(given_wrong):
     noise = np.random.default_rng(0)
     left, right = (noise.normal(128, 0.5, SIZE[::-1]).round() for _ in "lr")
@@ -393,6 +398,7 @@ def test_the_recording_that_judges_had_no_say():
     assert other > 1.2 * own
 
 
+@pytest.mark.slow
 def test_the_covariance_is_honest_of_noise():
     """Shared parameters that are well determined scatter as their covariance says."""
     ends, sigmas = [], []
