@@ -75,7 +75,7 @@ def test_the_rig_at_a_point(z):
     np.testing.assert_allclose(
         np.degrees(rig.extrinsics[:3] - RIG.extrinsics[:3]), [change[n] for n in ("pitch", "yaw", "roll")], atol=1e-9
     )
-    assert -rig.extrinsics[3] == pytest.approx(-RIG.extrinsics[3] + change["baseline"] / 100 * RIG.baseline)
+    assert rig.extrinsics[3] == pytest.approx(RIG.extrinsics[3] * (1.0 + change["baseline"] / 100))
     assert rig.left.matrix[0, 0] == pytest.approx(RIG.left.matrix[0, 0] * np.exp(change["left.f"] / 100))
     assert rig.right.matrix[1, 2] == pytest.approx(RIG.right.matrix[1, 2] + change["right.cy"])
     assert rig.left.distortion[1] == pytest.approx(RIG.left.distortion[1] + change["left.k2"])
