@@ -10,6 +10,7 @@ import pytest
 TUTORIALS = Path(__file__).parents[2] / "docs" / "tutorials"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("page", "written"),
     [

@@ -27,6 +27,7 @@ def mixed(pair: Pair, mistake) -> list[Pair]:
     return [Pair(*(np.ascontiguousarray(image) for image in mistake(np.asarray(pair.left), np.asarray(pair.right))))]
 
 
+@pytest.mark.slow(after=5)
 @pytest.mark.parametrize("name", MISTAKES)
 @pytest.mark.parametrize("kind", ["harbour", "street"])
 def test_each_mistake_is_named(scene, kind, name):

@@ -167,12 +167,14 @@ def test_the_value_beside_a_gradient_is_the_soft_count(data, candidates):
         assert float(value) == pytest.approx(plain, rel=1e-5)
 
 
+@pytest.mark.slow
 def test_gradients_of_a_batch_are_those_of_its_members(data, candidates):
     batch = np.asarray(jax.vmap(jax.grad(soft(data)))(candidates))
     alone = np.stack([np.asarray(jax.grad(soft(data))(e)) for e in candidates])
     np.testing.assert_allclose(batch * UNIT, alone * UNIT, atol=1e-3 * np.linalg.norm(alone * UNIT))
 
 
+@pytest.mark.slow
 def test_chains_go_through(data, candidates):
     """The gradient of a function of the soft count of a function of something else."""
 

@@ -22,6 +22,7 @@ def turned(rig):
     return points
 
 
+@pytest.mark.slow(after=3)
 @pytest.mark.parametrize("kind", ["harbour", "coast", "street"])
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_synthetic(scene, kind, seed):
