@@ -39,6 +39,7 @@ def run(options: argparse.Namespace) -> int:
     budget, seed = as_budget(options.budget), _values.seed(options.seed)
     free = _values.free(options.free)
     places = _check_places(options)
+    journal = Journal(options.json, force=options.force)
     with executor(options.executor) as pool:
         with files_read() as read:
             scenes = _scenes(options)
@@ -58,12 +59,12 @@ def run(options: argparse.Namespace) -> int:
                 free=free,
                 executor=pool,
                 progress=progress,
-                on_trial=Journal(options.json),
+                on_trial=journal,
             )
         # Before the workers are waited for: a second Ctrl-C must find everything saved.
         deliver(
             lambda: _show(comparison, options),
-            lambda: _save_json(comparison, options),
+            lambda: _save_json(comparison, options, force=journal.force),
             lambda: _save_html(comparison, options),
         )
     if comparison.interrupted:
@@ -91,9 +92,9 @@ def _scenes(options: argparse.Namespace) -> list[Scene]:
     return scenes
 
 
-def _save_json(comparison: Comparison, options: argparse.Namespace) -> None:
+def _save_json(comparison: Comparison, options: argparse.Namespace, *, force: bool) -> None:
     if options.json is not None:
-        write_json(comparison.as_dict(), options.json)
+        write_json(comparison.as_dict(), options.json, force=force)
 
 
 def _save_html(comparison: Comparison, options: argparse.Namespace) -> None:

@@ -48,7 +48,7 @@ def run(options: argparse.Namespace) -> int:
             failed[what] = error if isinstance(error, InputError) else _unsaid(error, what, options)
 
     try:
-        with _json_lines(options.json) as log, _shown(options, scene) as show:
+        with _json_lines(options) as log, _shown(options, scene) as show:
             for stepped in steps(state, iter(pairs)):
                 state = stepped.state
                 attempt(partial(_keep, options, state), "--state")
@@ -130,11 +130,14 @@ def _told(stepped: Stepped) -> Iterator[str]:
 
 
 @contextmanager
-def _json_lines(target: str | None) -> Iterator[IO[str] | None]:
+def _json_lines(options: argparse.Namespace) -> Iterator[IO[str] | None]:
+    target = options.json
     if target is None or target == "-":
         yield None if target is None else sys.stdout
         return
-    file = open(target, "w", encoding="utf-8")  # noqa: SIM115  closed below, whatever is still held back
+    # What was not there before the work began is nobody else's; a device is.
+    mode = "w" if options.force or (Path(target).exists() and not Path(target).is_file()) else "x"
+    file = open(target, mode, encoding="utf-8")  # noqa: SIM115  closed below, whatever is still held back
     try:
         yield file
     finally:

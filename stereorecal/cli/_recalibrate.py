@@ -208,7 +208,7 @@ def _save_json(
             for scene, repair in zip(scenes, repairs, strict=True)
         ],
     }
-    write_json(content, options.json)
+    write_json(content, options.json, force=options.force)
 
 
 def _show(repairs: Sequence[Repair], options: argparse.Namespace) -> None:

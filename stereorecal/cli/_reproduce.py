@@ -94,7 +94,7 @@ def _show(data: dict[str, Any], options: argparse.Namespace) -> None:
 
 def _save_json(data: dict[str, Any], options: argparse.Namespace) -> None:
     if options.json is not None:
-        write_json(data, options.json)
+        write_json(data, options.json, force=options.force)
 
 
 def _save_all(found: Reproduction, log: Log, folder: Path) -> None:

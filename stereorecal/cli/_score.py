@@ -56,7 +56,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _save(content: dict[str, Any], options: argparse.Namespace) -> None:
     if options.json is not None:
-        write_json(content, options.json)
+        write_json(content, options.json, force=options.force)
 
 
 def _show(looked: Sequence[Health | InputError], rows: Sequence[dict[str, Any]], options: argparse.Namespace) -> None:

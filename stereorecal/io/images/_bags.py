@@ -10,6 +10,7 @@ import numpy as np
 
 from stereorecal._errors import InputError
 from stereorecal._extras import extra
+from stereorecal.io._inputs import note_input
 from stereorecal.io.images._files import quiet_opencv
 from stereorecal.io.images._source import Image, Source
 
@@ -35,6 +36,8 @@ def bag_sources(path: Path, topics: tuple[str, str]) -> tuple[Source, Source]:
     """
     if not path.exists():
         raise InputError(f"{path}: there is no such bag; check the path.")
+    for file in (path, *path.rglob("*")):
+        note_input(file)
     bag = _Bag(path)
     left, right = (bag.source(topic) for topic in topics)
     return left, right
