@@ -1,7 +1,6 @@
 """`python -m stereorecal compare`."""
 
 import argparse
-import sys
 from pathlib import Path
 
 from stereorecal._errors import InputError
@@ -15,6 +14,7 @@ from stereorecal.cli._journal import Journal
 from stereorecal.cli._json import write_json
 from stereorecal.cli._places import Place, check_places, deliver, places_of, spare
 from stereorecal.cli._progress import progress_bar
+from stereorecal.cli._streams import say
 from stereorecal.comparison import FAILED, Comparison, Drift, compare_scenes, load_strategies
 from stereorecal.io import files_read, load_scene
 from stereorecal.matching import as_matcher
@@ -68,7 +68,7 @@ def run(options: argparse.Namespace) -> int:
             lambda: _save_html(comparison, options),
         )
     if comparison.interrupted:
-        print(f"stereorecal: interrupted; {len(comparison.trials)} trials were finished.", file=sys.stderr)
+        say(f"interrupted; {len(comparison.trials)} trials were finished.")
         return INTERRUPTED
     return FAILURE if all(trial.status == FAILED for trial in comparison.trials) else 0
 

@@ -101,9 +101,9 @@ def output_of(
         for path in files:
             check_writable(Place("--in-place", path))
             check_writable(Place("--in-place, which keeps a copy,", next_copy(path)))
-            for place in _places(options):
-                if is_copy(place.path, of=path):
-                    raise InputError(f"{place}: --in-place keeps the old calibration there; choose another place.")
+            for other in _places(options):
+                if is_copy(other.path, of=path):
+                    raise InputError(f"{other}: --in-place keeps the old calibration there; choose another place.")
             if not os.access(path, os.W_OK):
                 raise InputError(f"--in-place {path}: the file is write-protected; allow writing, or give --output.")
         place: _calibrations.Place = (files[0], files[1]) if len(files) == 2 else files[0]

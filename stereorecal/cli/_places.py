@@ -2,14 +2,13 @@
 
 import argparse
 import os
-import sys
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from stereorecal._errors import InputError
 from stereorecal._signals import held
-from stereorecal.cli._streams import flush, given_up, leave_stdout
+from stereorecal.cli._streams import flush, given_up, leave_stdout, nobody_reads, say
 
 
 @dataclass(frozen=True)
@@ -106,14 +105,15 @@ def deliver(*steps: Callable[[], None]) -> None:
             try:
                 step()
                 flush()
-            except BrokenPipeError:  # nobody reads on
-                leave_stdout()
             except OSError as error:  # files that cannot be written raise InputError
-                errors.append(given_up(error) if error.filename is None else error)
+                if isinstance(error, BrokenPipeError) and nobody_reads():
+                    leave_stdout()
+                else:
+                    errors.append(given_up(error) if error.filename is None else error)
             except Exception as error:
                 errors.append(error)
     for error in errors[1:]:
-        print(f"stereorecal: {error}", file=sys.stderr)
+        say(error)
     if errors:
         raise errors[0]
 

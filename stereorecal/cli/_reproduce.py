@@ -1,7 +1,6 @@
 """`python -m stereorecal reproduce`."""
 
 import argparse
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +14,7 @@ from stereorecal.cli._exit_codes import FAILURE, INTERRUPTED
 from stereorecal.cli._json import write_json
 from stereorecal.cli._places import check_places, deliver, places_of, spare
 from stereorecal.cli._progress import progress_bar
+from stereorecal.cli._streams import say
 from stereorecal.io import files_read, load_log
 from stereorecal.objectives import Reach
 from stereorecal.recalibration import SCHEDULES
@@ -75,14 +75,14 @@ def run(options: argparse.Namespace) -> int:
         data = found.as_dict()
         deliver(lambda: _show(data, options), lambda: _save_json(data, options), lambda: _save_all(found, log, folder))
     for key, error in found.errors.items():
-        print(f"stereorecal: {key}: {error}", file=sys.stderr)
+        say(f"{key}: {error}")
     if not options.quiet:
-        print(f"stereorecal: tables and figures are in {folder}", file=sys.stderr)
+        say(f"tables and figures are in {folder}")
     for message in found.lost:
-        print(f"stereorecal: a worker was lost: {message}", file=sys.stderr)
+        say(f"a worker was lost: {message}")
     if found.unfinished:
         why = "workers were lost" if found.lost else "interrupted"
-        print(f"stereorecal: {why}; {found.unfinished} tasks are left: run it again.", file=sys.stderr)
+        say(f"{why}; {found.unfinished} tasks are left: run it again.")
         return FAILURE if found.lost else INTERRUPTED
     return FAILURE if found.errors and not any(found.rows.values()) else 0
 

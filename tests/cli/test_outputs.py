@@ -3,6 +3,7 @@
 import io
 import json
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -324,6 +325,45 @@ def test_stdout_is_full(clean_scene: Path, tmp_path: Path):
     assert ended.stderr.count("\n") == 1
     assert "stdout: cannot be written (No space left on device)" in ended.stderr
     assert target.exists()
+
+
+@pytest.mark.parametrize("closed", ["full", "nobody reads", "closed"])
+def test_stderr_that_takes_nothing(clean_scene: Path, tmp_path: Path, closed: str):
+    """The work is done all the same, and the exit code is its own."""
+    target, inner = tmp_path / "out.json", tmp_path / "scene"
+    shutil.copytree(clean_scene, inner)
+    calibration = json.loads((inner / "calib.json").read_text())
+    calibration["T"] = [100 * metres for metres in calibration["T"]]  # of which is warned
+    (inner / "calib.json").write_text(json.dumps(calibration))
+    words = [*RUN, "diff", str(inner), str(inner), "--json", str(target)]
+    if closed == "closed":
+        ended = subprocess.run(["sh", "-c", 'exec "$@" 2>&-', "sh", *words], stdout=subprocess.PIPE, check=False)
+    elif closed == "full":
+        with open("/dev/full", "w") as full:
+            ended = subprocess.run(words, stdout=subprocess.PIPE, stderr=full, check=False)
+    else:
+        reads, writes = os.pipe()
+        os.close(reads)
+        ended = subprocess.run(words, stdout=subprocess.PIPE, stderr=writes, check=False)
+        os.close(writes)
+    assert ended.returncode == 0
+    assert ended.stdout
+    assert json.loads(target.read_text())["schema"] == "stereorecal.difference/1"
+
+
+def test_stdout_is_closed(clean_scene: Path, tmp_path: Path):
+    target = tmp_path / "out.json"
+    words = [*RUN, "diff", str(clean_scene), str(clean_scene), "--json", str(target)]
+    closed = ["sh", "-c", 'exec "$@" >&- <&-', "sh", *words]
+    ended = subprocess.run(closed, stderr=subprocess.PIPE, text=True, check=False)
+    assert (ended.returncode, ended.stderr) == (0, "")
+    assert json.loads(target.read_text())["schema"] == "stereorecal.difference/1"
+
+
+def test_control_characters_in_names_are_spelt(command, tmp_path: Path):
+    answer = command("score", tmp_path / "a\x1b[31m\nb")
+    assert (answer.code, answer.err.count("\n")) == (2, 1)
+    assert r"a\x1b[31m\nb" in answer.err
 
 
 def test_a_terminal_that_writes_ascii_only(monkeypatch: pytest.MonkeyPatch):
