@@ -58,6 +58,9 @@ def run(options: argparse.Namespace) -> int:
             log = _log(options, seed, limit)
         folder = Path(options.output or f"reproduced/{log.name.rpartition('/')[2]}")
         spare(places, [*read, *store_files(folder)])
+        for place in places:
+            if place.path.resolve().parent == folder.resolve():
+                raise InputError(f"{place}: --output {folder} takes its own files only; choose another place.")
         with progress_bar(options.quiet) as progress:
             found = reproduce(
                 log,

@@ -229,6 +229,13 @@ def test_the_rows_of_a_reproduction_are_inputs(tmp_path: Path):
         _places.spare(places, store_files(tmp_path))
 
 
+def test_the_folder_of_a_reproduction_takes_its_own_files_only(command, clean_scene: Path, tmp_path: Path):
+    """Under the names of its results, the JSON would be replaced by them."""
+    answer = command(*words("reproduce", clean_scene, tmp_path), "--json", tmp_path / "accuracy.json")
+    assert (answer.code, list(tmp_path.iterdir())) == (2, [])
+    assert "takes its own files only" in answer.err
+
+
 # --- what cannot be written ---------------------------------------------------------------------------------
 
 
