@@ -46,7 +46,7 @@ def check_places(places: Sequence[Place], *, force: bool) -> None:
             raise InputError(f"{place}: the file exists already; choose another or add --force.")
         other = seen.setdefault(_identity(place.path), place)
         if other is not place:
-            raise InputError(f"{other} and {place} name the same file; give two.")
+            raise InputError(f"{other.option} and {place.option} name the same file; give two.")
 
 
 def check_writable(place: Place) -> None:
