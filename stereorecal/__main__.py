@@ -7,8 +7,10 @@ import sys
 def run() -> None:
     """Run the command line; the process ends with its exit code."""
     from stereorecal._signals import end_at_once, ignore
+    from stereorecal._standard_streams import secure
 
     end_at_once()  # before anything that takes time
+    secure()
     from stereorecal.cli import INTERRUPTED, main
 
     code = main()

@@ -1,7 +1,6 @@
 """`python -m stereorecal compare`."""
 
 import argparse
-import sys
 from pathlib import Path
 
 from stereorecal._errors import InputError
@@ -15,6 +14,7 @@ from stereorecal.cli._journal import Journal
 from stereorecal.cli._json import write_json
 from stereorecal.cli._places import Place, check_places, deliver, places_of, spare
 from stereorecal.cli._progress import progress_bar
+from stereorecal.cli._streams import say
 from stereorecal.comparison import FAILED, Comparison, Drift, compare_scenes, load_strategies
 from stereorecal.io import files_read, load_scene
 from stereorecal.matching import as_matcher
@@ -39,6 +39,7 @@ def run(options: argparse.Namespace) -> int:
     budget, seed = as_budget(options.budget), _values.seed(options.seed)
     free = _values.free(options.free)
     places = _check_places(options)
+    journal = Journal(options.json, force=options.force)
     with executor(options.executor) as pool:
         with files_read() as read:
             scenes = _scenes(options)
@@ -58,16 +59,16 @@ def run(options: argparse.Namespace) -> int:
                 free=free,
                 executor=pool,
                 progress=progress,
-                on_trial=Journal(options.json),
+                on_trial=journal,
             )
         # Before the workers are waited for: a second Ctrl-C must find everything saved.
         deliver(
             lambda: _show(comparison, options),
-            lambda: _save_json(comparison, options),
+            lambda: _save_json(comparison, options, force=journal.force),
             lambda: _save_html(comparison, options),
         )
     if comparison.interrupted:
-        print(f"stereorecal: interrupted; {len(comparison.trials)} trials were finished.", file=sys.stderr)
+        say(f"interrupted; {len(comparison.trials)} trials were finished.")
         return INTERRUPTED
     return FAILURE if all(trial.status == FAILED for trial in comparison.trials) else 0
 
@@ -91,9 +92,9 @@ def _scenes(options: argparse.Namespace) -> list[Scene]:
     return scenes
 
 
-def _save_json(comparison: Comparison, options: argparse.Namespace) -> None:
+def _save_json(comparison: Comparison, options: argparse.Namespace, *, force: bool) -> None:
     if options.json is not None:
-        write_json(comparison.as_dict(), options.json)
+        write_json(comparison.as_dict(), options.json, force=force)
 
 
 def _save_html(comparison: Comparison, options: argparse.Namespace) -> None:

@@ -5,9 +5,9 @@ from dataclasses import replace
 
 from stereorecal._errors import InputError
 from stereorecal.cli import _calibrations
-from stereorecal.cli._places import Place, check_places, spare
+from stereorecal.cli._places import Place, check_places, deliver, spare, written_or_printed
 from stereorecal.cli._rigs import rig_at, unit_written
-from stereorecal.io import files_read, save_rig
+from stereorecal.io import calibration_json, check_savable, files_read, save_rig
 
 
 def run(options: argparse.Namespace) -> int:
@@ -23,7 +23,13 @@ def run(options: argparse.Namespace) -> int:
     # Without --to the name alone decides, whatever the calibration was read from.
     written = rig if options.to else replace(rig, source=None)
     unit, said = unit_written(rig, written, target, options.to, options.unit)
-    save_rig(written, target, format=options.to, overwrite=options.force, unit=unit)
-    if not options.quiet:
-        print(f"{options.target}: written{said}")
+
+    def save() -> None:
+        how = {"format": options.to, "overwrite": options.force, "unit": unit}
+        written_or_printed(lambda: save_rig(written, target, **how), lambda: calibration_json(written))
+        if not options.quiet:
+            print(f"{options.target}: written{said}")
+
+    check_savable(written, target, format=options.to, unit=unit)
+    deliver(save)
     return 0

@@ -26,7 +26,8 @@ def run(options: argparse.Namespace) -> int:
 def _save(found: Difference, options: argparse.Namespace) -> None:
     if options.json is not None:
         names = {"before": options.before, "after": options.after}
-        write_json({"schema": SCHEMA, "versions": versions(), **names, **found.as_dict()}, options.json)
+        content = {"schema": SCHEMA, "versions": versions(), **names, **found.as_dict()}
+        write_json(content, options.json, force=options.force)
 
 
 def _show(found: Difference, options: argparse.Namespace) -> None:

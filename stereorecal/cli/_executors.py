@@ -7,10 +7,10 @@ from contextlib import AbstractContextManager, contextmanager, nullcontext
 from multiprocessing import active_children, get_context
 from typing import Any
 
-from stereorecal._errors import InputError
 from stereorecal._names import known
 from stereorecal.cli._cluster import cluster
 from stereorecal.cli._compiled import keep_compiled_programs
+from stereorecal.cli._values import positive, shortened
 
 
 def executor(text: str) -> AbstractContextManager[Executor | None]:
@@ -25,12 +25,12 @@ def executor(text: str) -> AbstractContextManager[Executor | None]:
         return nullcontext()
     if kind == "dask":
         return cluster(rest)
-    if not rest.isdecimal() or int(rest) < 1:
-        raise InputError(f"--executor is {text!r}; give the number of workers, such as {kind}:2.")
+    refusal = f"--executor is {shortened(text)}; give the number of workers, such as {kind}:2."
+    workers = positive(rest, refusal)
     if kind == "threads":
-        return _pool(ThreadPoolExecutor(int(rest)))
+        return _pool(ThreadPoolExecutor(workers))
     # Forking after JAX has started threads is unsafe.
-    return _pool(_Processes(int(rest), mp_context=get_context("spawn"), initializer=_begin_work))
+    return _pool(_Processes(workers, mp_context=get_context("spawn"), initializer=_begin_work))
 
 
 class _Processes(ProcessPoolExecutor):

@@ -8,8 +8,11 @@ from stereorecal.cli._places import written_or_printed
 from stereorecal.io import json_text, write_text
 
 
-def write_json(content: Mapping[str, Any], target: str) -> None:
+def write_json(content: Mapping[str, Any], target: str, *, force: bool) -> None:
     """Write to the file `target`, whole or not at all, or to stdout for "-". A number that is not finite is null.
+
+    Args:
+        force: whether a file is replaced that was not there when the command began, but is now.
 
     Raises:
         InputError: if it cannot be written to the file; it is printed then.
@@ -18,4 +21,4 @@ def write_json(content: Mapping[str, Any], target: str) -> None:
     if target == "-":
         sys.stdout.write(text)
     else:
-        written_or_printed(lambda: write_text(target, text), lambda: text)
+        written_or_printed(lambda: write_text(target, text, replace=force), lambda: text)

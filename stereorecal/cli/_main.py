@@ -1,7 +1,6 @@
 """Parsing, and the border at which exceptions become sentences and exit codes."""
 
 import argparse
-import sys
 import traceback
 import warnings
 from collections.abc import Iterator, Sequence
@@ -10,9 +9,9 @@ from importlib import import_module
 from typing import Any
 
 from stereorecal._errors import CalibrationWarning, InputError, StrategyError
-from stereorecal._signals import interruptible
+from stereorecal._signals import interrupted, interruptible
 from stereorecal.cli._exit_codes import BAD_INPUT, FAILURE, INTERRUPTED
-from stereorecal.cli._streams import flush, leave_stdout, spell_out
+from stereorecal.cli._streams import flush, leave_stdout, nobody_reads, say, spell_out
 from stereorecal.cli.arguments import parser
 
 
@@ -36,13 +35,14 @@ def _run(options: argparse.Namespace) -> int:
             code = command.run(options)
             flush()
             return code
-    except BrokenPipeError:  # nobody reads on; what had to be saved is saved
-        leave_stdout()
-        return 0
     except Exception as error:
+        if isinstance(error, BrokenPipeError) and nobody_reads():  # what had to be saved is saved
+            leave_stdout()
+            return 0
         if options.traceback:
             traceback.print_exception(error)
-        return _said(error)
+        code = _said(error)  # after a signal, perhaps since the terminal has gone
+        return INTERRUPTED if interrupted() else code
     except KeyboardInterrupt:
         return _say("interrupted", INTERRUPTED)
 
@@ -64,7 +64,7 @@ def _said(error: Exception) -> int:
 
 
 def _say(message: object, code: int) -> int:
-    print(f"stereorecal: {message}", file=sys.stderr)
+    say(message)
     return code
 
 
@@ -77,7 +77,7 @@ def _warnings_as_lines() -> Iterator[None]:
 
         def show(message: Warning | str, category: type[Warning], *where: Any) -> None:
             if issubclass(category, CalibrationWarning):
-                print(f"stereorecal: {message}", file=sys.stderr)
+                say(message)
             else:
                 show_others(message, category, *where)
 

@@ -10,11 +10,12 @@ from pathlib import Path
 from typing import IO
 
 from stereorecal._errors import InputError
+from stereorecal._signals import hold
 from stereorecal.cli._exit_codes import CANNOT_TELL, INTERRUPTED, REPAIR
 from stereorecal.cli._live import lines, live
 from stereorecal.cli._places import Place, check_places, deliver, image_inputs, places_of, spare, written_or_printed
 from stereorecal.cli._recordings import watched
-from stereorecal.cli._streams import given_up, leave_stdout
+from stereorecal.cli._streams import given_up, leave_stdout, nobody_reads, say
 from stereorecal.io import calibration_json, check_savable, files_read, json_line, save_rig
 from stereorecal.matching import as_matcher
 from stereorecal.online import Config, State, Stepped, init, load, reading, run as steps, save
@@ -40,23 +41,25 @@ def run(options: argparse.Namespace) -> int:
         try:
             if what not in failed:
                 step()
-        except BrokenPipeError:  # nobody reads on
-            if options.output is None and options.state is None:
-                raise
-            leave_stdout()
         except (InputError, OSError) as error:
-            failed[what] = error if isinstance(error, InputError) else _unsaid(error, what, options)
+            if isinstance(error, BrokenPipeError) and nobody_reads():
+                if options.output is None and options.state is None:
+                    raise  # nothing is left to be done
+                leave_stdout()
+            else:
+                failed[what] = error if isinstance(error, InputError) else _unsaid(error, what, options)
 
     try:
-        with _json_lines(options.json) as log, _shown(options, scene) as show:
+        with _json_lines(options) as log, _shown(options, scene) as show:
             for stepped in steps(state, iter(pairs)):
                 state = stepped.state
                 attempt(partial(_keep, options, state), "--state")
                 attempt(partial(_log, log, stepped), "--json")
                 attempt(partial(show, stepped), "stdout")
+            hold()
     except KeyboardInterrupt:
         interrupted = True
-        print(f"stereorecal: interrupted after {state.frame} pairs.", file=sys.stderr)
+        say(f"interrupted after {state.frame} pairs.")
     except InputError as error:  # a pair that cannot be read: what the others have told is kept
         if not state.frame:
             raise
@@ -130,11 +133,14 @@ def _told(stepped: Stepped) -> Iterator[str]:
 
 
 @contextmanager
-def _json_lines(target: str | None) -> Iterator[IO[str] | None]:
+def _json_lines(options: argparse.Namespace) -> Iterator[IO[str] | None]:
+    target = options.json
     if target is None or target == "-":
         yield None if target is None else sys.stdout
         return
-    file = open(target, "w", encoding="utf-8")  # noqa: SIM115  closed below, whatever is still held back
+    # What was not there before the work began is nobody else's; a device is.
+    mode = "w" if options.force or (Path(target).exists() and not Path(target).is_file()) else "x"
+    file = open(target, mode, encoding="utf-8")  # noqa: SIM115  closed below, whatever is still held back
     try:
         yield file
     finally:

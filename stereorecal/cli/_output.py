@@ -14,7 +14,7 @@ from stereorecal.cli._places import Place, check_places, check_writable, image_i
 from stereorecal.cli._rigs import unit_written
 from stereorecal.cli.arguments._calibrations import TWO_FILES
 from stereorecal.geometry import StereoRig, changed_camera
-from stereorecal.io import back_up, calibration_files, check_savable, save_rig
+from stereorecal.io import back_up, calibration_files, check_savable, is_copy, next_copy, save_rig
 from stereorecal.recordings import Scene
 
 
@@ -100,6 +100,10 @@ def output_of(
             raise InputError("--in-place: the calibration came from no file; give --output.")
         for path in files:
             check_writable(Place("--in-place", path))
+            check_writable(Place("--in-place, which keeps a copy,", next_copy(path)))
+            for other in _places(options):
+                if is_copy(other.path, of=path):
+                    raise InputError(f"{other}: --in-place keeps the old calibration there; choose another place.")
             if not os.access(path, os.W_OK):
                 raise InputError(f"--in-place {path}: the file is write-protected; allow writing, or give --output.")
         place: _calibrations.Place = (files[0], files[1]) if len(files) == 2 else files[0]

@@ -2,14 +2,13 @@
 
 import argparse
 import os
-import sys
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from stereorecal._errors import InputError
 from stereorecal._signals import held
-from stereorecal.cli._streams import flush, given_up, leave_stdout
+from stereorecal.cli._streams import flush, given_up, leave_stdout, nobody_reads, say
 
 
 @dataclass(frozen=True)
@@ -38,16 +37,16 @@ def check_places(places: Sequence[Place], *, force: bool) -> None:
     Raises:
         InputError: if a file exists, two have one place, or a place cannot be written to.
     """
-    seen: dict[Path, str] = {}
+    seen: dict[object, Place] = {}
     for place in places:
         check_writable(place)
         if place.path.exists() and not place.path.is_file():
             continue
         if place.path.exists() and not force:
             raise InputError(f"{place}: the file exists already; choose another or add --force.")
-        other = seen.setdefault(place.path.resolve(), place.option)
-        if other is not place.option:
-            raise InputError(f"{other} and {place.option} name the same file; give two.")
+        other = seen.setdefault(_identity(place.path), place)
+        if other is not place:
+            raise InputError(f"{other.option} and {place.option} name the same file; give two.")
 
 
 def check_writable(place: Place) -> None:
@@ -76,9 +75,9 @@ def spare(places: Iterable[Place], inputs: Iterable[Path], instead: str = "choos
     Raises:
         InputError: naming the option.
     """
-    real = {path.resolve() for path in inputs}
+    read = {_identity(path) for path in inputs}
     for place in places:
-        if place.path.resolve() in real:
+        if _identity(place.path) in read:
             raise InputError(f"{place}: this file is read, and is not replaced; {instead}.")
 
 
@@ -106,14 +105,15 @@ def deliver(*steps: Callable[[], None]) -> None:
             try:
                 step()
                 flush()
-            except BrokenPipeError:  # nobody reads on
-                leave_stdout()
             except OSError as error:  # files that cannot be written raise InputError
-                errors.append(given_up(error) if error.filename is None else error)
+                if isinstance(error, BrokenPipeError) and nobody_reads():
+                    leave_stdout()
+                else:
+                    errors.append(given_up(error) if error.filename is None else error)
             except Exception as error:
                 errors.append(error)
     for error in errors[1:]:
-        print(f"stereorecal: {error}", file=sys.stderr)
+        say(error)
     if errors:
         raise errors[0]
 
@@ -126,9 +126,18 @@ def written_or_printed(write: Callable[[], None], text: Callable[[], str]) -> No
     """
     try:
         write()
-    except InputError:
+    except (InputError, OSError):
         print(text())
         raise
+
+
+def _identity(path: Path) -> object:
+    """What all names of a file have in common, hard links too; of one that does not exist, where it would be."""
+    try:
+        found = os.stat(path)
+    except OSError:
+        return path.resolve()
+    return found.st_dev, found.st_ino
 
 
 def _takes_files(folder: Path) -> bool:

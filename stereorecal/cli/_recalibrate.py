@@ -3,7 +3,6 @@
 import argparse
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -11,6 +10,7 @@ from typing import Any
 from stereorecal._errors import InputError
 from stereorecal._names import known
 from stereorecal._run_all import Progress
+from stereorecal._signals import hold
 from stereorecal._versions import versions
 from stereorecal.cli import _output, _values
 from stereorecal.cli._console import table_console
@@ -21,6 +21,7 @@ from stereorecal.cli._json import write_json
 from stereorecal.cli._places import deliver, named_inputs, written_or_printed
 from stereorecal.cli._progress import progress_bar
 from stereorecal.cli._recordings import recordings, without
+from stereorecal.cli._streams import say
 from stereorecal.geometry import StereoRig
 from stereorecal.io import calibration_json, files_read, load_ranges, save_maps
 from stereorecal.matching import AbstractMatcher, as_matcher
@@ -73,15 +74,13 @@ def run(options: argparse.Namespace) -> int:
             "free": free,
         }
         with progress_bar(options.quiet) as progress:
-            repairs = _finished(scenes, repairs_as_finished(scenes, executor=pool, **arguments), progress)
-            interrupted = any(repair.fault is Fault.INTERRUPTED for repair in repairs)
-            if not interrupted:
-                try:
-                    how = {"extrinsics": options.extrinsics, "ranges": ranges, "executor": pool}
-                    repairs = repaired_together(scenes, repairs, free, **how)
-                except KeyboardInterrupt:  # the repairs of the extrinsics are there, and are kept
-                    interrupted = True
-                    print("stereorecal: interrupted; what recordings share was not solved.", file=sys.stderr)
+            how = {"extrinsics": options.extrinsics, "ranges": ranges, "executor": pool}
+            repairs, interrupted = _finished(
+                scenes,
+                repairs_as_finished(scenes, executor=pool, **arguments),
+                lambda repairs: repaired_together(scenes, repairs, free, **how),
+                progress,
+            )
         # Before the workers are waited for: a second Ctrl-C must find everything saved.
         if any(repair.solution for repair in repairs):
             settings = _settings(options, matcher, schedule, reach, budget, free)
@@ -95,24 +94,33 @@ def run(options: argparse.Namespace) -> int:
         if repair.error is not None:
             if options.traceback and repair.traceback is not None:
                 print(repair.traceback, file=sys.stderr)
-            print(f"stereorecal: {repair.name}: {repair.error}", file=sys.stderr)
+            say(f"{repair.name}: {repair.error}")
     return INTERRUPTED if interrupted else _exit_code(repairs)
 
 
 def _finished(
-    scenes: Sequence[Scene], repairs: Iterator[tuple[int, Repair]], progress: Progress | None
-) -> tuple[Repair, ...]:
-    """All repairs, in the order of the scenes; those that Ctrl-C has left are faults."""
-    finished: dict[int, Repair] = {}
-    with suppress(KeyboardInterrupt):
-        for index, repair in repairs:
+    scenes: Sequence[Scene],
+    repairs: Iterator[tuple[int, Repair]],
+    together: Callable[[Sequence[Repair]], tuple[Repair, ...]],
+    progress: Progress | None,
+) -> tuple[tuple[Repair, ...], bool]:
+    """All repairs, in the order of the scenes, and whether Ctrl-C came first: those that it has left are faults, and
+    what recordings share is not solved then."""
+    left = Fault.INTERRUPTED
+    finished = [Repair(scene.name, error=left.value, fault=left) for scene in scenes]
+    try:
+        for done, (index, repair) in enumerate(repairs, 1):
             finished[index] = repair
             if progress is not None:
-                progress(len(finished), len(scenes))
-    left = Fault.INTERRUPTED
-    return tuple(
-        finished.get(index) or Repair(scene.name, error=left.value, fault=left) for index, scene in enumerate(scenes)
-    )
+                progress(done, len(scenes))
+        whole = all(repair.fault is not left for repair in finished)
+        found = together(finished) if whole else tuple(finished)
+        hold()
+    except KeyboardInterrupt:
+        if all(repair.fault is not left for repair in finished):
+            say("interrupted; what recordings share was not solved.")
+        return tuple(finished), True
+    return found, not whole
 
 
 def _schedule(options: argparse.Namespace) -> Schedule:
@@ -208,7 +216,7 @@ def _save_json(
             for scene, repair in zip(scenes, repairs, strict=True)
         ],
     }
-    write_json(content, options.json)
+    write_json(content, options.json, force=options.force)
 
 
 def _show(repairs: Sequence[Repair], options: argparse.Namespace) -> None:

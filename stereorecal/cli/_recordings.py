@@ -1,7 +1,6 @@
 """The recordings that a command is about: scene folders, or images, videos and bags that lie anywhere."""
 
 import argparse
-import sys
 from collections.abc import Callable, Sequence, Sized
 from dataclasses import dataclass, replace
 from functools import partial
@@ -9,6 +8,7 @@ from pathlib import Path
 
 from stereorecal._errors import InputError
 from stereorecal.cli import _calibrations, _values
+from stereorecal.cli._streams import say
 from stereorecal.cli.arguments._calibrations import TWO_FILES
 from stereorecal.io import calibrated_scene, load_scene, open_pairs
 from stereorecal.recalibration import MOST_FRAMES, chosen_frames
@@ -162,9 +162,6 @@ def _told(unpaired: Sequence[str]) -> list[tuple[str, str]]:
     number = len(unpaired)
     frames = "1 frame has" if number == 1 else f"{number} frames have"
     few = ", ".join(unpaired[:3]) + (", …" if number > 3 else "")
-    print(
-        f"stereorecal: {frames} no partner in the other camera and {'is' if number == 1 else 'are'} left out: {few}",
-        file=sys.stderr,
-    )
+    say(f"{frames} no partner in the other camera and {'is' if number == 1 else 'are'} left out: {few}")
     more = [(f"{number - _FEW} more frames", why)] if number > _FEW else []
     return [(name, why) for name in unpaired[:_FEW]] + more

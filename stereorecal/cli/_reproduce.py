@@ -1,7 +1,6 @@
 """`python -m stereorecal reproduce`."""
 
 import argparse
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +14,7 @@ from stereorecal.cli._exit_codes import FAILURE, INTERRUPTED
 from stereorecal.cli._json import write_json
 from stereorecal.cli._places import check_places, deliver, places_of, spare
 from stereorecal.cli._progress import progress_bar
+from stereorecal.cli._streams import say
 from stereorecal.io import files_read, load_log
 from stereorecal.objectives import Reach
 from stereorecal.recalibration import SCHEDULES
@@ -58,6 +58,9 @@ def run(options: argparse.Namespace) -> int:
             log = _log(options, seed, limit)
         folder = Path(options.output or f"reproduced/{log.name.rpartition('/')[2]}")
         spare(places, [*read, *store_files(folder)])
+        for place in places:
+            if place.path.resolve().parent == folder.resolve():
+                raise InputError(f"{place}: --output {folder} takes its own files only; choose another place.")
         with progress_bar(options.quiet) as progress:
             found = reproduce(
                 log,
@@ -75,14 +78,14 @@ def run(options: argparse.Namespace) -> int:
         data = found.as_dict()
         deliver(lambda: _show(data, options), lambda: _save_json(data, options), lambda: _save_all(found, log, folder))
     for key, error in found.errors.items():
-        print(f"stereorecal: {key}: {error}", file=sys.stderr)
+        say(f"{key}: {error}")
     if not options.quiet:
-        print(f"stereorecal: tables and figures are in {folder}", file=sys.stderr)
+        say(f"tables and figures are in {folder}")
     for message in found.lost:
-        print(f"stereorecal: a worker was lost: {message}", file=sys.stderr)
+        say(f"a worker was lost: {message}")
     if found.unfinished:
         why = "workers were lost" if found.lost else "interrupted"
-        print(f"stereorecal: {why}; {found.unfinished} tasks are left: run it again.", file=sys.stderr)
+        say(f"{why}; {found.unfinished} tasks are left: run it again.")
         return FAILURE if found.lost else INTERRUPTED
     return FAILURE if found.errors and not any(found.rows.values()) else 0
 
@@ -94,7 +97,7 @@ def _show(data: dict[str, Any], options: argparse.Namespace) -> None:
 
 def _save_json(data: dict[str, Any], options: argparse.Namespace) -> None:
     if options.json is not None:
-        write_json(data, options.json)
+        write_json(data, options.json, force=options.force)
 
 
 def _save_all(found: Reproduction, log: Log, folder: Path) -> None:

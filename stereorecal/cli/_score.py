@@ -1,18 +1,19 @@
 """`python -m stereorecal score`."""
 
 import argparse
-import sys
 from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
 from stereorecal._errors import InputError
+from stereorecal._signals import hold
 from stereorecal._versions import versions
 from stereorecal.cli._console import table_console
 from stereorecal.cli._exit_codes import BAD_INPUT, CANNOT_TELL, INTERRUPTED, REPAIR
 from stereorecal.cli._json import write_json
 from stereorecal.cli._places import check_places, deliver, image_inputs, places_of, spare
 from stereorecal.cli._recordings import recordings
+from stereorecal.cli._streams import say
 from stereorecal.io import about, files_read
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.recalibration import HEALTH_LIMITS, Condition, Health, health
@@ -36,6 +37,7 @@ def run(options: argparse.Namespace) -> int:
     try:
         for scene in scenes:
             looked.append(_look(scene, matcher))
+        hold()
     except KeyboardInterrupt:
         interrupted = True
     rows = [_row(scene, found) for scene, found in zip(scenes, looked, strict=False)]
@@ -44,9 +46,9 @@ def run(options: argparse.Namespace) -> int:
         deliver(lambda: _show(looked, rows, options), lambda: _save(content, options))
     for found in looked:
         if isinstance(found, InputError):
-            print(f"stereorecal: {found}", file=sys.stderr)
+            say(found)
     if interrupted:
-        print(f"stereorecal: interrupted; {len(looked)} of {len(scenes)} recordings were finished.", file=sys.stderr)
+        say(f"interrupted; {len(looked)} of {len(scenes)} recordings were finished.")
         return INTERRUPTED
     if any(isinstance(found, InputError) for found in looked):
         return BAD_INPUT
@@ -56,7 +58,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _save(content: dict[str, Any], options: argparse.Namespace) -> None:
     if options.json is not None:
-        write_json(content, options.json)
+        write_json(content, options.json, force=options.force)
 
 
 def _show(looked: Sequence[Health | InputError], rows: Sequence[dict[str, Any]], options: argparse.Namespace) -> None:

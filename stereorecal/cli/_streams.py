@@ -3,6 +3,8 @@
 import codecs
 import io
 import os
+import re
+import select
 import sys
 from contextlib import suppress
 
@@ -10,12 +12,19 @@ from stereorecal._errors import InputError
 
 _ASCII = {"±": "+-", "°": " deg", "…": "...", "×": "x", "²": "^2", "→": "->", "≥": ">=", "≤": "<="}  # noqa: RUF001
 
+_CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f]")
+
 
 def spell_out() -> None:
     """From now on, what a terminal or a file cannot write is written otherwise, such as +- for ±."""
     codecs.register_error("stereorecal", _spelt)
     if isinstance(sys.stdout, io.TextIOWrapper) and sys.stdout.errors == "strict":
         sys.stdout.reconfigure(errors="stereorecal")
+
+
+def say(message: object) -> None:
+    """A line on stderr. Control characters, as names of files may hold, are spelt: a terminal would obey them."""
+    print(f"stereorecal: {_CONTROL.sub(lambda sign: repr(sign[0])[1:-1], str(message))}", file=sys.stderr)
 
 
 def flush() -> None:
@@ -36,6 +45,16 @@ def given_up(error: OSError) -> InputError:
     """Nothing more goes to stdout; what to say of it."""
     leave_stdout()
     return InputError(f"stdout: cannot be written ({error.strerror}); make room, or give --json FILE.")
+
+
+def nobody_reads() -> bool:
+    """Whether it is stdout whose reader has gone: a BrokenPipeError does not say which pipe it is about."""
+    if hasattr(select, "poll"):
+        with suppress(OSError, ValueError):  # stdout is no file
+            asked = select.poll()
+            asked.register(sys.stdout.fileno(), 0)
+            return bool(asked.poll(0))
+    return True
 
 
 def leave_stdout() -> None:

@@ -54,18 +54,30 @@ def limit(text: str | None, default: int | None) -> int | None:
     """A positive number, "all" for None, or the default."""
     if text is None or text == "all":
         return default if text is None else None
-    if not text.isdecimal() or int(text) < 1:
-        raise InputError(f"--limit is {text!r}; give a positive number or all.")
-    return int(text)
+    return positive(text, f"--limit is {shortened(text)}; give a positive number or all.")
 
 
 def frame_limit(text: str) -> int | None:
     """A positive number, or "all" for None."""
     if text == "all":
         return None
-    if not text.isdecimal() or int(text) < 1:
-        raise InputError(f"--frames is {text!r}; give a positive number or all.")
+    return positive(text, f"--frames is {shortened(text)}; give a positive number or all.")
+
+
+def positive(text: str, refusal: str) -> int:
+    """A positive whole number below a thousand million.
+
+    Raises:
+        InputError: the refusal.
+    """
+    if not text.isdecimal() or len(text) > 9 or int(text) < 1:
+        raise InputError(refusal)
     return int(text)
+
+
+def shortened(text: str) -> str:
+    """In quotes, for a message."""
+    return repr(text if len(text) <= 40 else f"{text[:40]}…")
 
 
 def free(text: str) -> Parameters:

@@ -10,6 +10,7 @@ import numpy as np
 
 from stereorecal._errors import InputError, StrategyError
 from stereorecal._run_all import Progress, run_all
+from stereorecal._signals import hold
 from stereorecal._versions import versions
 from stereorecal.comparison._comparison import Comparison
 from stereorecal.comparison._entrants import entrants_of
@@ -193,6 +194,7 @@ def compare_scenes(
                 progress(len(trials), len(tasks))
             if on_trial is not None:
                 on_trial(so_far())
+        hold()
     except KeyboardInterrupt:
         return so_far()
     return replace(so_far(), interrupted=False)

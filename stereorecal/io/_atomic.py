@@ -10,25 +10,36 @@ from pathlib import Path
 from stereorecal._errors import InputError
 
 
-def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
+class FileTaken(InputError):
+    """A file exists already, and was not to be replaced."""
+
+
+def write_bytes(path: str | os.PathLike[str], data: bytes, *, replace: bool = True) -> None:
     """Write `data` to `path`, replacing an existing file only once all data is on the disk.
 
     An interrupted program leaves the old file or the new one, never a part of it. A path that exists and is not a
     regular file (a pipe, /dev/null) is written to directly.
 
+    Args:
+        replace: whether an existing file is replaced; if not, also one that another program makes meanwhile stays.
+
     Raises:
+        FileTaken: an InputError, if there is a file that must stay.
         InputError: if the place cannot be written to.
     """
-    write_files({Path(path): data})
+    write_files({Path(path): data}, replace=replace)
 
 
-def write_files(contents: Mapping[Path, bytes]) -> None:
+def write_files(contents: Mapping[Path, bytes], *, replace: bool = True) -> None:
     """Write files that belong together, each as `write_bytes` does; none is replaced before all are on the disk.
 
     Raises:
-        InputError: naming the place that cannot be written to; all files are as they were.
+        FileTaken, InputError: naming the place that cannot be written to; all files are as they were.
     """
-    replaced: list[tuple[Path, bytes | None]] = []
+    for path in () if replace else contents:
+        if os.path.isfile(path):
+            raise _taken(path)
+    written: list[tuple[Path, bytes | None]] = []
     waiting: dict[Path, tuple[Path, Path]] = {}  # by place: the complete new file, and where it goes
     try:
         for path, data in contents.items():
@@ -39,11 +50,11 @@ def write_files(contents: Mapping[Path, bytes]) -> None:
                     waiting[path] = _beside(_followed(path), data)
         for path, (temporary, final) in waiting.items():
             with _said(path):
-                old = final.read_bytes() if final.exists() else None
-                os.replace(temporary, final)
-                replaced.append((final, old))
-    except InputError:
-        for final, old in replaced:
+                old = final.read_bytes() if replace and final.exists() else None
+                (os.replace if replace else _put_where_none_is)(temporary, final)
+                written.append((final, old))
+    except BaseException:
+        for final, old in written:
             with suppress(OSError):
                 _put_back(final, old)
         raise
@@ -51,6 +62,27 @@ def write_files(contents: Mapping[Path, bytes]) -> None:
         for temporary, _ in waiting.values():
             with suppress(OSError):
                 temporary.unlink(missing_ok=True)
+
+
+def take_after(path: Path, model: Path) -> None:
+    """Give a file the permissions of another and, where that is allowed, its owner."""
+    about = model.stat()
+    if hasattr(os, "chown"):
+        with suppress(OSError):
+            os.chown(path, about.st_uid, about.st_gid)
+    shutil.copymode(model, path)
+
+
+def _put_where_none_is(temporary: Path, final: Path) -> None:
+    """Give a complete file its name; FileExistsError if somebody else has it."""
+    try:
+        os.link(temporary, final)
+    except FileExistsError:
+        raise
+    except OSError:  # a file system without links: the name is taken first
+        with open(final, "xb"):
+            pass
+        os.replace(temporary, final)
 
 
 def _put_back(path: Path, old: bytes | None) -> None:
@@ -73,9 +105,9 @@ def make_folder(path: Path) -> None:
         raise InputError(f"{path}: cannot become a folder ({error.strerror}); choose another.") from error
 
 
-def write_text(path: str | os.PathLike[str], text: str) -> None:
-    """As `write_bytes`, for text, encoded as UTF-8."""
-    write_bytes(path, text.encode("utf-8"))
+def write_text(path: str | os.PathLike[str], text: str, *, replace: bool = True) -> None:
+    """As `write_bytes`, for text, encoded as UTF-8; what it cannot hold, as in names of files, is spelt \\udc80."""
+    write_bytes(path, text.encode("utf-8", "backslashreplace"), replace=replace)
 
 
 @contextmanager
@@ -83,8 +115,14 @@ def _said(path: Path) -> Iterator[None]:
     """Around the writing of a file: an OSError becomes a sentence."""
     try:
         yield
+    except FileExistsError:
+        raise _taken(path) from None
     except OSError as error:
         raise InputError(f"{path}: cannot be written ({error.strerror}); choose another place or make room.") from error
+
+
+def _taken(path: Path) -> FileTaken:
+    return FileTaken(f"{path}: the file exists already; choose another name, or say overwrite=True (--force).")
 
 
 def _followed(path: Path) -> Path:
@@ -96,14 +134,14 @@ def _followed(path: Path) -> Path:
 
 def _beside(path: Path, data: bytes) -> tuple[Path, Path]:
     """A complete file beside `path`, which can take its place, and `path`."""
-    temporary = path.with_name(f".{path.name[:200]}.{uuid.uuid4().hex[:8]}.tmp")
+    temporary = path.with_name(f".{uuid.uuid4().hex[:16]}.tmp")  # short: `path` may be as long as names can be
     try:
         with open(temporary, "xb") as file:
             file.write(data)
             file.flush()
             os.fsync(file.fileno())
         if path.exists():
-            shutil.copymode(path, temporary)
+            take_after(temporary, path)
     except BaseException:
         temporary.unlink(missing_ok=True)
         raise

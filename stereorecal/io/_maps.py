@@ -1,11 +1,9 @@
 """Rectifying maps in a file."""
 
 import io
-from pathlib import Path
 
 import numpy as np
 
-from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig, rectification
 from stereorecal.io._atomic import write_bytes
 from stereorecal.io._paths import AnyPath
@@ -18,8 +16,6 @@ def save_maps(rig: StereoRig, path: AnyPath, overwrite: bool = False) -> None:
     Raises:
         InputError: if the file exists already, or the place cannot be written to.
     """
-    if Path(path).exists() and not overwrite:
-        raise InputError(f"{path}: the file exists already; choose another name, or say overwrite=True.")
     made = rectification(rig)
     (left_x, left_y), (right_x, right_y) = made.maps
     file = io.BytesIO()
@@ -36,4 +32,4 @@ def save_maps(rig: StereoRig, path: AnyPath, overwrite: bool = False) -> None:
         P2=made.P2,
         Q=made.Q,
     )
-    write_bytes(path, file.getvalue())
+    write_bytes(path, file.getvalue(), replace=overwrite)

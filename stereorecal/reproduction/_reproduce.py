@@ -14,6 +14,7 @@ import numpy as np
 from stereorecal._errors import InputError
 from stereorecal._plain import plain
 from stereorecal._run_all import Progress, run_all
+from stereorecal._signals import hold
 from stereorecal._versions import versions
 from stereorecal.geometry import StereoRig
 from stereorecal.matching import AbstractMatcher
@@ -180,6 +181,7 @@ def _run(
                 lost[str(found) or repr(found)] = None
             if progress is not None:
                 progress(len(rows) + len(errors), len(planned))
+        hold()
     except KeyboardInterrupt:
         pass
     return rows, errors, tuple(lost)

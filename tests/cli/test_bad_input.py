@@ -287,3 +287,11 @@ def test_missing_compass_gives_the_install_line(command, clean_scene: Path, monk
     refused(command("compare", "--scene", clean_scene, "--strategies", "all"), "pip install 'stereorecal[default]'")
     refused(command("recalibrate", clean_scene), "pip install 'stereorecal[default]'")
     refused(command("recalibrate", clean_scene, "--schedule", "count"), "pip install 'stereorecal[default]'")
+
+
+@pytest.mark.parametrize("option", ["--frames {}", "--limit {}", "--executor threads:{}", "--executor processes:{}"])
+def test_numbers_without_end(command, clean_scene: Path, option: str):
+    """Python itself refuses to read more than 4 300 digits."""
+    answer = command("recalibrate", clean_scene, *option.format("9" * 5000).split())
+    assert (answer.code, answer.err.count("\n")) == (2, 1), answer.err
+    assert len(answer.err) < 200

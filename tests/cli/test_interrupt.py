@@ -1,14 +1,17 @@
 """Signals while it works: exit code 130, and what is finished is printed and saved; kill -9: it is on the disk."""
 
 import json
+import os
 import shutil
 import signal
+import subprocess
 import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from slow import plant, sleeping
+from slow import plant, sleeping, terminal
 
 SLOWLY = ("--schedule", "count", "--scale", "0.5", "--strategy", "slow")
 
@@ -61,6 +64,38 @@ def test_recordings_that_are_finished_are_kept(
     assert content["interrupted"] is True
     assert [repair["fault"] for repair in content["repairs"]] == [None, "interrupted"]
     assert content["repairs"][0]["score_after"]["count"] > 0
+
+
+def test_two_signals_at_once(planted: dict[str, str], clean_scene: Path, drifted_scene: Path, tmp_path: Path):
+    target = tmp_path / "out.json"
+    with sleeping(planted, "recalibrate", drifted_scene, clean_scene, *SLOWLY, "--json", target) as process:
+        for number in (signal.SIGTERM, signal.SIGINT, signal.SIGTERM):
+            process.send_signal(number)
+            time.sleep(0.01)
+        out, err = process.communicate(timeout=120)
+    assert (process.returncode, err.count("\n")) == (130, 1), err
+    assert "not improved" in out
+    assert [repair["fault"] for repair in json.loads(target.read_text())["repairs"]] == [None, "interrupted"]
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="has no such signal")
+def test_a_terminal_that_is_closed(planted: dict[str, str], clean_scene: Path, drifted_scene: Path, tmp_path: Path):
+    """Neither its progress bar nor its lines can be written any more."""
+    import pty
+
+    target, started = tmp_path / "out.json", Path(planted["SLOW_STARTED"])
+    words = ["-m", "stereorecal", "recalibrate", drifted_scene, clean_scene, *SLOWLY, "--json", target]
+    run, (ours, theirs) = terminal(*words), pty.openpty()
+    env = os.environ | planted
+    with subprocess.Popen(run, stdin=theirs, stdout=theirs, stderr=theirs, env=env, start_new_session=True) as process:
+        os.close(theirs)
+        while not started.exists():
+            assert process.poll() is None
+            time.sleep(0.05)
+        os.close(ours)
+        process.send_signal(signal.SIGHUP)
+        assert process.wait(60) == 130
+    assert [repair["fault"] for repair in json.loads(target.read_text())["repairs"]] == [None, "interrupted"]
 
 
 # --- in this process: the strategy itself is interrupted -----------------------------------------------------

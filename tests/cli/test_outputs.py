@@ -3,15 +3,18 @@
 import io
 import json
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
+from bags import write_bag
 
 from stereorecal._errors import InputError
 from stereorecal.cli import _places, _streams, main
-from stereorecal.io import save_rig
+from stereorecal.io import back_up, save_rig
 from stereorecal.synthetic import default_rig
 
 NOTHING = ("--schedule", "count", "--budget", 1)
@@ -42,11 +45,12 @@ def state(folder: Path) -> dict[Path, bytes]:
 
 @pytest.mark.parametrize(("verb", "option"), OPTIONS)
 @pytest.mark.parametrize("force", [True, False])
-@pytest.mark.parametrize("name", ["calib.json", "left.png", "link", "own"])
+@pytest.mark.parametrize("name", ["calib.json", "left.png", "link", "hard link", "own"])
 def test_no_input_is_replaced(command, folder: Path, tmp_path: Path, verb: str, option: str, force: bool, name: str):
     if verb == "diff" and name == "left.png":
         pytest.skip("reads no image")
     (folder / "link").symlink_to("calib.json")
+    (folder / "hard link").hardlink_to(folder / "calib.json")
     (folder / "own").symlink_to("own")
     before = state(tmp_path)
     answer = command(*words(verb, folder, tmp_path / "made"), option, folder / name, *(["--force"] if force else []))
@@ -70,6 +74,79 @@ def test_what_else_is_read(command, clean_scene: Path, tmp_path: Path, option: s
         answer = command("recalibrate", *sides, *NOTHING, *given)
         assert answer.code == 2, answer.err
     assert state(tmp_path) == before
+
+
+@pytest.mark.parametrize("force", [True, False])
+@pytest.mark.parametrize("option", ["--json", "--html", "--maps"])
+@pytest.mark.parametrize("number", ["", "2"])
+def test_the_copy_that_in_place_keeps_is_reserved(command, folder: Path, option: str, force: bool, number: str):
+    before = state(folder)
+    place = folder / f"calib.json.bak{number}"
+    asked = ("recalibrate", folder, *NOTHING, "--in-place", option, place, *(["--force"] if force else []))
+    answer = command(*asked)
+    assert answer.code == 2
+    assert "keeps the old calibration there" in answer.err or "maps are written as .npz" in answer.err
+    assert state(folder) == before
+
+
+def test_a_copy_with_too_long_a_name_is_refused_before_the_work(command, folder: Path):
+    (folder / "calib.json").rename(folder / ("c" * 248 + ".json"))
+    sides = ("--left", folder / "left.png", "--right", folder / "right.png")
+    answer = command("recalibrate", *sides, "--calibration", folder / ("c" * 248 + ".json"), *COUNT, "--in-place")
+    assert (answer.code, answer.out) == (2, "")
+    assert "File name too long" in answer.err
+
+
+def test_all_files_of_a_bag_are_inputs(command, clean_scene: Path, tmp_path: Path):
+    pytest.importorskip("rosbags", reason="rosbags is not installed")
+    noise = np.random.default_rng(0).integers(0, 256, (2, 120, 160), np.uint8)
+    bag = write_bag(tmp_path / "bag", [("/left", 10**9, noise[0]), ("/right", 10**9, noise[1])], ros1=False)
+    before = state(bag)
+    assert len(before) == 2
+    about = ("--bag", bag, "--left-topic", "/left", "--right-topic", "/right", "--calibration", clean_scene)
+    for path in before:
+        answer = command("score", *about, "--json", path, "--force")
+        assert (answer.code, "is read, and is not replaced" in answer.err) == (2, True), answer.err
+    assert state(bag) == before
+
+
+def test_a_file_that_another_run_has_written_meanwhile_stays(command, folder: Path, tmp_path: Path, monkeypatch):
+    """The result is printed in place of being written."""
+    from stereorecal.cli import _diff
+
+    target, spare = tmp_path / "out.json", _diff.spare
+
+    def meanwhile(*arguments):
+        spare(*arguments)
+        target.write_text("theirs")
+
+    monkeypatch.setattr(_diff, "spare", meanwhile)
+    answer = command("diff", folder, folder, "--quiet", "--json", target)
+    assert (answer.code, target.read_text()) == (2, "theirs")
+    assert json.loads(answer.out)["schema"] == "stereorecal.difference/1"
+    assert "exists already" in answer.err
+
+
+def test_two_runs_that_keep_a_copy_at_once(tmp_path: Path, monkeypatch):
+    """Another run keeps its copy, and repairs, when this one has found a name for its own."""
+    path, fsync = tmp_path / "calib.json", os.fsync
+    path.write_text("original")
+
+    def meanwhile(file: int) -> None:
+        fsync(file)
+        monkeypatch.setattr(os, "fsync", fsync)
+        back_up(path)
+        path.write_text("repaired")
+
+    monkeypatch.setattr(os, "fsync", meanwhile)
+    assert back_up(path).name == "calib.json.bak2"
+    assert [(tmp_path / f"calib.json.bak{number}").read_text() for number in ("", "2")] == ["original"] * 2
+
+
+def test_both_cameras_in_one_file(command, folder: Path, tmp_path: Path):
+    answer = command("recalibrate", folder, *NOTHING, "--output", f"{tmp_path}/a.yaml,{tmp_path}/./a.yaml")
+    assert (answer.code, answer.out) == (2, "")
+    assert "name the same file" in answer.err
 
 
 def test_convert(command, folder: Path):
@@ -137,8 +214,10 @@ def test_what_does_not_go_to_stdout(command, clean_scene: Path, tmp_path: Path, 
     assert list(tmp_path.iterdir()) == []
 
 
-def test_devices_need_no_force(command, clean_scene: Path):
+def test_devices_need_no_force(command, clean_scene: Path, drifted_scene: Path):
     assert command("diff", clean_scene, clean_scene, "--json", os.devnull).code == 0
+    answer = command("recalibrate", drifted_scene, *COUNT, "--output", os.devnull, "--maps", os.devnull)
+    assert (answer.code, answer.err) == (0, "")
     assert not Path(os.devnull).is_file()
 
 
@@ -148,6 +227,13 @@ def test_the_rows_of_a_reproduction_are_inputs(tmp_path: Path):
     places = [_places.Place("--json", tmp_path / "rows.jsonl")]
     with pytest.raises(InputError, match="is read, and is not replaced"):
         _places.spare(places, store_files(tmp_path))
+
+
+def test_the_folder_of_a_reproduction_takes_its_own_files_only(command, clean_scene: Path, tmp_path: Path):
+    """Under the names of its results, the JSON would be replaced by them."""
+    answer = command(*words("reproduce", clean_scene, tmp_path), "--json", tmp_path / "accuracy.json")
+    assert (answer.code, list(tmp_path.iterdir())) == (2, [])
+    assert "takes its own files only" in answer.err
 
 
 # --- what cannot be written ---------------------------------------------------------------------------------
@@ -161,12 +247,21 @@ def test_a_full_disk_loses_nothing(command, drifted_scene: Path, tmp_path: Path)
     full.symlink_to("/dev/full")
     answer = command("recalibrate", drifted_scene, *COUNT, "--output", full, "--json", "/dev/full", "--maps", maps)
     assert answer.code == 2
-    assert "No space left on device" in answer.err
-    assert "Traceback" not in answer.err
+    for place in ("/dev/full", full):
+        assert answer.err.count(f"stereorecal: {place}: cannot be written (No space left on device)") == 1
+    assert answer.err.count("\n") == 2
     assert answer.out.startswith("accepted")
     assert '"K_left"' in answer.out
     assert '"stereorecal.solution/1"' in answer.out
     assert maps.exists()
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="has no full device")
+def test_convert_prints_what_it_cannot_write(command, clean_scene: Path):
+    answer = command("convert", clean_scene, "/dev/full")
+    assert answer.code == 2
+    assert answer.err.startswith("stereorecal: /dev/full: cannot be written (No space left on device)")
+    assert '"K_left"' in answer.out
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="has no full device")
@@ -182,7 +277,7 @@ def test_a_watch_goes_on_when_its_log_finds_no_room(command, clean_scene: Path, 
 def test_a_quiet_run_prints_what_it_cannot_write(command, clean_scene: Path, tmp_path: Path, monkeypatch):
     from stereorecal.cli import _json
 
-    def fail(*_):
+    def fail(*_, **__):
         raise InputError("no room")
 
     monkeypatch.setattr(_json, "write_text", fail)
@@ -237,6 +332,45 @@ def test_stdout_is_full(clean_scene: Path, tmp_path: Path):
     assert ended.stderr.count("\n") == 1
     assert "stdout: cannot be written (No space left on device)" in ended.stderr
     assert target.exists()
+
+
+@pytest.mark.parametrize("closed", ["full", "nobody reads", "closed"])
+def test_stderr_that_takes_nothing(clean_scene: Path, tmp_path: Path, closed: str):
+    """The work is done all the same, and the exit code is its own."""
+    target, inner = tmp_path / "out.json", tmp_path / "scene"
+    shutil.copytree(clean_scene, inner)
+    calibration = json.loads((inner / "calib.json").read_text())
+    calibration["T"] = [100 * metres for metres in calibration["T"]]  # of which is warned
+    (inner / "calib.json").write_text(json.dumps(calibration))
+    words = [*RUN, "diff", str(inner), str(inner), "--json", str(target)]
+    if closed == "closed":
+        ended = subprocess.run(["sh", "-c", 'exec "$@" 2>&-', "sh", *words], stdout=subprocess.PIPE, check=False)
+    elif closed == "full":
+        with open("/dev/full", "w") as full:
+            ended = subprocess.run(words, stdout=subprocess.PIPE, stderr=full, check=False)
+    else:
+        reads, writes = os.pipe()
+        os.close(reads)
+        ended = subprocess.run(words, stdout=subprocess.PIPE, stderr=writes, check=False)
+        os.close(writes)
+    assert ended.returncode == 0
+    assert ended.stdout
+    assert json.loads(target.read_text())["schema"] == "stereorecal.difference/1"
+
+
+def test_stdout_is_closed(clean_scene: Path, tmp_path: Path):
+    target = tmp_path / "out.json"
+    words = [*RUN, "diff", str(clean_scene), str(clean_scene), "--json", str(target)]
+    closed = ["sh", "-c", 'exec "$@" >&- <&-', "sh", *words]
+    ended = subprocess.run(closed, stderr=subprocess.PIPE, text=True, check=False)
+    assert (ended.returncode, ended.stderr) == (0, "")
+    assert json.loads(target.read_text())["schema"] == "stereorecal.difference/1"
+
+
+def test_control_characters_in_names_are_spelt(command, tmp_path: Path):
+    answer = command("score", tmp_path / "a\x1b[31m\nb")
+    assert (answer.code, answer.err.count("\n")) == (2, 1)
+    assert r"a\x1b[31m\nb" in answer.err
 
 
 def test_a_terminal_that_writes_ascii_only(monkeypatch: pytest.MonkeyPatch):

@@ -73,10 +73,71 @@ def test_results_are_saved_before_the_run_ends(number: signal.Signals):
     assert signal.getsignal(number) is before
 
 
-def test_a_second_signal_does_not_wait():
+def test_signals_that_come_together_are_one():
+    """A terminal that is closed sends two; those after the first wait for what is finished to be saved."""
+    saved = []
+
+    @_signals.interruptible()
+    def save() -> None:
+        signal.signal(signal.SIGTERM, _signals._interrupt)
+        with pytest.raises(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGTERM)
+        signal.raise_signal(signal.SIGTERM)
+        with _signals.held():
+            signal.raise_signal(signal.SIGTERM)
+        saved.append(1)
+
+    save()
+    assert saved == [1]
+
+
+def test_between_the_last_task_and_saving():
+    saved = []
+
+    @_signals.interruptible()
+    def save() -> None:
+        signal.signal(signal.SIGTERM, _signals._interrupt)
+        _signals.hold()
+        signal.raise_signal(signal.SIGTERM)
+        with _signals.held():
+            saved.append(1)
+        pytest.fail("went on")
+
+    with pytest.raises(KeyboardInterrupt):
+        save()
+    assert saved == [1]
+
+
+@pytest.mark.parametrize("when", ["before", "while"])
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="has no such pipes")
+def test_saving_has_an_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, when: str):
+    """Nobody reads the pipe."""
+    os.mkfifo(tmp_path / "pipe")
+    monkeypatch.setattr(_signals, "_SAVING_S", 0.1)
+
+    @_signals.interruptible()
+    def save() -> None:
+        signal.signal(signal.SIGTERM, _signals._interrupt)
+        if when == "before":
+            with pytest.raises(KeyboardInterrupt):
+                signal.raise_signal(signal.SIGTERM)
+        else:
+            _signals.hold()
+            signal.raise_signal(signal.SIGTERM)
+        with _signals.held():
+            (tmp_path / "pipe").write_text("results")
+
+    with pytest.raises(KeyboardInterrupt):
+        save()
+
+
+def test_a_second_signal_does_not_wait(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(_signals, "_TOGETHER_S", 0.0)
+
     @_signals.interruptible()
     @_signals.held()
     def save() -> None:
+        signal.signal(signal.SIGTERM, _signals._interrupt)
         signal.raise_signal(signal.SIGTERM)
         signal.raise_signal(signal.SIGTERM)
         pytest.fail("went on")

@@ -1,6 +1,7 @@
 """Images in bags of ROS 1 and ROS 2."""
 
 import pickle
+import struct
 import sys
 
 import cv2
@@ -10,6 +11,7 @@ from bags import write_bag
 
 from stereorecal._errors import InputError
 from stereorecal.io import open_pairs
+from stereorecal.io.images import _files
 
 pytest.importorskip("rosbags", reason="rosbags is not installed")
 TOPICS = {"left_topic": "/left/image", "right_topic": "/right/image"}
@@ -120,3 +122,28 @@ def test_without_the_extra(tmp_path, monkeypatch):
 
 def test_opencv_names_bayer_patterns_as_we_think():
     assert cv2.COLOR_BayerBG2BGR == cv2.COLOR_BayerRGGB2BGR
+
+
+@pytest.mark.parametrize("error", [AssertionError(), struct.error("unpack"), KeyError("std_msgs"), MemoryError()])
+@pytest.mark.parametrize("when", ["opened", "read"])
+def test_whatever_a_damaged_bag_raises(tmp_path, monkeypatch, error: Exception, when: str):
+    from rosbags.highlevel import AnyReader
+
+    def damaged(*_, **__):
+        raise error
+
+    path = write_bag(tmp_path / "a.bag", stamped((0,)), ros1=True)
+    if when == "read":
+        recorded = open_pairs(path, **TOPICS)
+    monkeypatch.setattr(AnyReader, "deserialize", damaged)
+    with pytest.raises(InputError, match=r"a\.bag: not a bag that can be read, or a damaged one"):
+        recorded.pairs[0] if when == "read" else open_pairs(path, **TOPICS)
+
+
+def test_a_compressed_image_that_claims_to_be_large(tmp_path, monkeypatch):
+    """It is refused before it is decoded."""
+    path = write_bag(tmp_path / "a.bag", stamped((0,)), ros1=True, compressed=True)
+    pairs = open_pairs(path, **TOPICS).pairs
+    monkeypatch.setattr(_files, "MOST_PIXELS", 32 * 24 - 1)
+    with pytest.raises(InputError, match=r"a\.bag, /left/image.*claims to be 32x24"):
+        pairs[0]

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from stereorecal._errors import InputError
+from stereorecal.io._text import read_text
 from stereorecal.io.images._files import read_image
-from stereorecal.io.images._headers import announced_size, ends_properly
+from stereorecal.io.images._headers import announced_size, bytes_per_pixel, ends_properly
 
 ENDINGS = [".png", ".jpg", ".tif", ".bmp", ".pgm", ".ppm", ".webp", ".jp2"]
 IMAGE = np.random.default_rng(0).integers(0, 255, (70, 81, 3), np.uint8)
@@ -26,11 +27,36 @@ def test_announced_size(ending: str):
     assert announced_size(encoded(ending)) == (81, 70)
 
 
+@pytest.mark.parametrize("ending", [".png", ".tif"])
+@pytest.mark.parametrize("channels", [1, 3, 4])
+@pytest.mark.parametrize("kind", [np.uint8, np.uint16])
+def test_bytes_per_pixel(ending: str, channels: int, kind: type):
+    image = np.zeros((7, 9, channels), kind)
+    assert bytes_per_pixel(cv2.imencode(ending, image)[1].tobytes()) == channels * np.dtype(kind).itemsize
+
+
+def test_an_image_that_would_take_too_much(tmp_path: Path):
+    """16 bit and four channels: half a gigabyte each. It is refused before it is decoded."""
+    path, size = tmp_path / "image.png", 8191
+    about = b"IHDR" + struct.pack(">IIBBBBB", size, size, 16, 6, 0, 0, 0)
+    path.write_bytes(b"\x89PNG\r\n\x1a\n" + struct.pack(">I", 13) + about + struct.pack(">I", zlib.crc32(about)))
+    with pytest.raises(InputError, match="takes more than 256 MB"):
+        read_image(str(path))
+
+
+@pytest.mark.skipif(not Path("/dev/zero").exists(), reason="has no endless file")
+@pytest.mark.parametrize("read", [lambda path: read_text(Path(path)), read_image])
+def test_files_without_end(read):
+    with pytest.raises(InputError, match="more than"):
+        read("/dev/zero")
+
+
 @pytest.mark.parametrize("ending", ENDINGS)
 def test_a_damaged_header_is_no_crash(ending: str):
     data = encoded(ending)
     for length in range(64):
         announced_size(data[:length])
+        bytes_per_pixel(data[:length])
         assert not (length > 8 and ending in (".png", ".jpg") and ends_properly(data[:length]))
     for place in range(64):
         announced_size(data[:place] + b"\xff" + data[place + 1 :])

@@ -1,6 +1,7 @@
 """Pairs from side-by-side images, videos and bags: the same images, paired by time, read when asked for."""
 
 import pickle
+import struct
 from pathlib import Path
 
 import cv2
@@ -156,6 +157,20 @@ def test_what_is_refused(videos, tmp_path):
     cv2.imwrite(str(tmp_path / "odd.png"), image(0, 0)[:, :-1])
     with pytest.raises(InputError, match="63 pixels wide, which cannot be halved"):
         open_pairs(tmp_path / "odd.png").pairs[0]
+
+
+def test_a_video_that_claims_more_than_it_has(videos, tmp_path, monkeypatch):
+    """200 million frames in 30 kB, or frames of 900 million pixels; neither is prepared for."""
+    data, path = bytearray(videos[2].read_bytes()), tmp_path / "many.avi"
+    for header, place in ((b"avih", 16), (b"strh", 32)):
+        start = data.index(header) + 8 + place
+        data[start : start + 4] = struct.pack("<I", 200_000_000)
+    path.write_bytes(data)
+    with pytest.raises(InputError, match=r"many\.avi: the video claims 200000000 frames"):
+        open_pairs(path)
+    monkeypatch.setattr(_videos, "MOST_PIXELS", 100)
+    with pytest.raises(InputError, match="which are too large"):
+        open_pairs(videos[2])
 
 
 def test_a_video_that_is_cut(videos, tmp_path):

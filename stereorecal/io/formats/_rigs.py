@@ -1,15 +1,16 @@
 """A rig without images: the file that holds its calibration."""
 
 import os
-import shutil
+import re
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from itertools import count
 from pathlib import Path
 from typing import Any
 
 from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig
-from stereorecal.io._atomic import write_bytes, write_files
+from stereorecal.io._atomic import FileTaken, take_after, write_bytes, write_files
 from stereorecal.io._json import parse_json
 from stereorecal.io._paths import AnyPath
 from stereorecal.io.formats._format import Hints
@@ -102,11 +103,9 @@ def save_rig(
     if info and chosen_format(paths, source, format).NAME == "stereorecal":
         texts[0] = _with_info(texts[0], info)
     for place in paths:
-        if place.exists() and not overwrite:
-            raise InputError(f"{place}: the file exists already; choose another name, or say overwrite=True.")
         if not place.parent.is_dir():  # before the first of two is written
             raise InputError(f"{place}: cannot be written, there is no such folder; choose another place.")
-    write_files({place: text.encode() for place, text in zip(paths, texts, strict=True)})
+    write_files({place: text.encode() for place, text in zip(paths, texts, strict=True)}, replace=overwrite)
 
 
 def check_savable(
@@ -152,15 +151,29 @@ def back_up(path: AnyPath) -> Path:
         InputError: if it cannot be read, or there is no room.
     """
     path = Path(path)
-    names = (path.with_name(f"{path.name}.bak{number if number > 1 else ''}") for number in count(1))
-    copy = next(name for name in names if not name.exists())
     try:
         data = path.read_bytes()
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror}); check the file.") from error
-    write_bytes(copy, data)
-    shutil.copymode(path, copy)
-    return copy
+    while True:
+        copy = next_copy(path)
+        with suppress(FileTaken):  # by another run, since it was looked for
+            write_bytes(copy, data, replace=False)
+            take_after(copy, path)
+            return copy
+
+
+def next_copy(path: AnyPath) -> Path:
+    """Where `back_up` will copy a file to."""
+    path = Path(path)
+    names = (path.with_name(f"{path.name}.bak{number if number > 1 else ''}") for number in count(1))
+    return next(name for name in names if not os.path.lexists(name))
+
+
+def is_copy(path: AnyPath, of: AnyPath) -> bool:
+    """Whether a path is where `back_up` has copied, or may copy, a file to."""
+    path, of = Path(path).resolve(), Path(of)
+    return path.parent == of.parent.resolve() and re.fullmatch(rf"{re.escape(of.name)}\.bak\d*", path.name) is not None
 
 
 def _paths(path: AnyPath | Sequence[AnyPath]) -> list[Path]:

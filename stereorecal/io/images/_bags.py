@@ -1,6 +1,8 @@
 """ROS 1 and ROS 2 bags, read without ROS. Needs rosbags: pip install 'stereorecal[bags]'."""
 
 import weakref
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -10,7 +12,8 @@ import numpy as np
 
 from stereorecal._errors import InputError
 from stereorecal._extras import extra
-from stereorecal.io.images._files import quiet_opencv
+from stereorecal.io._inputs import note_input
+from stereorecal.io.images._files import decode_image
 from stereorecal.io.images._source import Image, Source
 
 _RAW, _COMPRESSED = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
@@ -35,6 +38,8 @@ def bag_sources(path: Path, topics: tuple[str, str]) -> tuple[Source, Source]:
     """
     if not path.exists():
         raise InputError(f"{path}: there is no such bag; check the path.")
+    for file in (path, *path.rglob("*")):
+        note_input(file)
     bag = _Bag(path)
     left, right = (bag.source(topic) for topic in topics)
     return left, right
@@ -49,14 +54,10 @@ class _Bag:
         self.path = path
         # For bags of ROS 2 that do not say what their messages look like; images have not changed since.
         kept = types.get_typestore(types.Stores.ROS2_HUMBLE)
-        try:
+        with _sound(path):
             self._reader = ros.AnyReader([path], default_typestore=kept)
             self._reader.open()
             weakref.finalize(self, self._reader.close)
-        except (ros.AnyReaderError, OSError, ValueError) as error:
-            raise InputError(
-                f"{path}: not a bag that can be read, or a damaged one ({error}); record it again."
-            ) from error
 
     def source(self, topic: str) -> Source:
         """The images of a topic, in the order of their stamps."""
@@ -68,9 +69,10 @@ class _Bag:
                 + (f"choose from {', '.join(known)}." if known else "the bag has no images at all.")
             )
         entries = []  # when it was stamped, when it was recorded
-        for connection, recorded, data in self._reader.messages(connections=connections):
-            stamp = self._reader.deserialize(data, connection.msgtype).header.stamp
-            entries.append((stamp.sec * 10**9 + stamp.nanosec or recorded, recorded))
+        with _sound(self.path):
+            for connection, recorded, data in self._reader.messages(connections=connections):
+                stamp = self._reader.deserialize(data, connection.msgtype).header.stamp
+                entries.append((stamp.sec * 10**9 + stamp.nanosec or recorded, recorded))
         entries.sort()
         if not entries:
             raise InputError(f"{self.path}: the topic {topic} is empty; choose another.")
@@ -78,15 +80,28 @@ class _Bag:
 
         def read(index: int) -> Image:
             stamp, recorded = entries[index]
-            for connection, _, data in self._reader.messages(connections, start=recorded, stop=recorded + 1):
-                message = self._reader.deserialize(data, connection.msgtype)
-                own = message.header.stamp
-                if (own.sec * 10**9 + own.nanosec or recorded) == stamp:
-                    return _image(message, connection.msgtype, f"{self.path}, {topic}, {stamp}")
+            with _sound(self.path):
+                for connection, _, data in self._reader.messages(connections, start=recorded, stop=recorded + 1):
+                    message = self._reader.deserialize(data, connection.msgtype)
+                    own = message.header.stamp
+                    if (own.sec * 10**9 + own.nanosec or recorded) == stamp:
+                        return _image(message, connection.msgtype, f"{self.path}, {topic}, {stamp}")
             raise InputError(f"{self.path}: the message {stamp} on {topic} has gone; was the bag written to?")
 
         names = tuple(f"{topic} {stamp / 1e9:.3f}" for stamp in stamps)
         return Source(f"{self.path}, {topic}", names, np.array(stamps) / 1e9, read)
+
+
+@contextmanager
+def _sound(path: Path) -> Iterator[None]:
+    """Around what reads a bag: of a damaged one, anything may be raised."""
+    try:
+        yield
+    except InputError:
+        raise
+    except Exception as error:
+        why = str(error)[:200] or type(error).__name__
+        raise InputError(f"{path}: not a bag that can be read, or a damaged one ({why}); record it again.") from error
 
 
 def _image(message: Any, kind: str, where: str) -> Image:
@@ -96,13 +111,7 @@ def _image(message: Any, kind: str, where: str) -> Image:
         InputError: if they are damaged, or encoded in a way that is not known.
     """
     if kind == _COMPRESSED:
-        with quiet_opencv():
-            image = (
-                cv2.imdecode(np.asarray(message.data, np.uint8), cv2.IMREAD_UNCHANGED) if len(message.data) else None
-            )
-        if image is None:
-            raise InputError(f"{where}: the compressed image ({message.format}) cannot be decoded; leave it out.")
-        return image
+        return decode_image(bytes(message.data), f"{where} ({message.format})")
     encoding = _SAME.get(message.encoding, str(message.encoding))
     name = encoding.rstrip("0123456789")
     pattern = name.removeprefix("bayer_").rstrip("0123456789")

@@ -12,10 +12,11 @@ from jaxtyping import Float, Num
 from stereorecal._errors import InputError
 from stereorecal.io._atomic import make_folder, write_bytes
 from stereorecal.io._inputs import note_input
-from stereorecal.io.images._headers import announced_size, ends_properly
+from stereorecal.io.images._headers import announced_size, bytes_per_pixel, ends_properly
 
 _SUFFIXES = (".png", ".jpg", ".jpeg", ".jp2", ".tif", ".tiff", ".bmp", ".pgm", ".ppm", ".pnm", ".webp")
-_MOST_PIXELS = 1 << 26  # of an image: 67 million, which take 0.2 GB to decode in colour
+MOST_PIXELS = 1 << 26  # of an image: 67 million, which take 0.2 GB to decode in colour
+_MOST_BYTES = 1 << 28  # of an image, or of its file
 
 
 def images_in(folder: Path) -> list[Path]:
@@ -53,25 +54,37 @@ def read_image(path: str) -> Num[np.ndarray, "..."]:
     """
     note_input(path)
     try:
-        data = Path(path).read_bytes()
+        with open(path, "rb") as file:
+            data = file.read(_MOST_BYTES + 1)
     except FileNotFoundError:
         raise InputError(f"{path}: there is no such file; check the path.") from None
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror}); check the file.") from error
+    return decode_image(data, path)
+
+
+def decode_image(data: bytes, where: str) -> Num[np.ndarray, "..."]:
+    """The pixels of what an image file holds, as `read_image` gives them.
+
+    Raises:
+        InputError: about `where`, if they are too many, truncated, or of no kind that OpenCV can read.
+    """
     if not data:
-        raise InputError(f"{path}: the file is empty; copy or record it again.")
+        raise InputError(f"{where}: the file is empty; copy or record it again.")
     width, height = announced_size(data) or (0, 0)
-    if width * height > _MOST_PIXELS:
-        raise InputError(f"{path}: the image claims to be {width}x{height}; at most {_MOST_PIXELS} pixels are read.")
+    if width * height > MOST_PIXELS:
+        raise InputError(f"{where}: the image claims to be {width}x{height}; at most {MOST_PIXELS} pixels are read.")
+    if len(data) > _MOST_BYTES or width * height * bytes_per_pixel(data) > _MOST_BYTES:
+        raise InputError(f"{where}: the image takes more than {_MOST_BYTES >> 20} MB; store it grey, or with 8 bit.")
     if not ends_properly(data):
-        raise InputError(f"{path}: the image is truncated or damaged; copy or record it again.")
+        raise InputError(f"{where}: the image is truncated or damaged; copy or record it again.")
     with quiet_opencv():
         try:
             image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
         except cv2.error:
             image = None
     if image is None:
-        raise InputError(f"{path}: not an image that OpenCV can read, or a damaged one; give a PNG, JPEG or TIFF.")
+        raise InputError(f"{where}: not an image that OpenCV can read, or a damaged one; give a PNG, JPEG or TIFF.")
     return image
 
 

@@ -9,6 +9,7 @@ _PNG, _JPEG = b"\x89PNG\r\n\x1a\n", b"\xff\xd8"
 # JPEG: the markers of a frame's header (not C4, C8 and CC), and those that stand alone within data.
 _FRAMES = {*range(0xC0, 0xD0)} - {0xC4, 0xC8, 0xCC}
 _SCAN, _END = 0xDA, 0xD9
+_WIDTH, _HEIGHT, _DEPTH, _SAMPLES = 256, 257, 258, 277  # tags of a TIFF
 _IN_DATA = re.compile(rb"\xff+[^\x00\xd0-\xd7\xff]", re.DOTALL)
 
 
@@ -35,6 +36,23 @@ def announced_size(data: bytes) -> tuple[int, int] | None:
     except (struct.error, ValueError, IndexError):
         pass
     return None
+
+
+def bytes_per_pixel(data: bytes) -> int:
+    """Of the decoded image, where a PNG or TIFF says it; else those of colour in 8 bit."""
+    try:
+        if data.startswith(_PNG):
+            depth, kind = data[24], data[25]
+            return {0: 1, 2: 3, 3: 4, 4: 4, 6: 4}.get(kind, 4) * (2 if depth == 16 else 1)
+        if data[:4] in (b"II*\0", b"MM\0*"):
+            tags, order = _tags(data), "little" if data[:2] == b"II" else "big"
+            samples, depth = tags.get(_SAMPLES, 1), tags.get(_DEPTH, 8)
+            if samples > 2:  # their depths do not fit into the tag, which says where they are
+                depth = int.from_bytes(data[depth : depth + 2], order)
+            return samples * -(-depth // 8)
+    except (struct.error, IndexError):
+        pass
+    return 3
 
 
 def ends_properly(data: bytes) -> bool:
@@ -77,15 +95,23 @@ def _of_frame(data: bytes, start: int) -> tuple[int, int]:
 
 
 def _of_tiff(data: bytes) -> tuple[int, int] | None:
+    found = _tags(data)
+    return (found[_WIDTH], found[_HEIGHT]) if _WIDTH in found and _HEIGHT in found else None
+
+
+def _tags(data: bytes) -> dict[int, int]:
+    """Of a TIFF."""
     order = "<" if data[:2] == b"II" else ">"
     (first,) = struct.unpack_from(f"{order}I", data, 4)
     (count,) = struct.unpack_from(f"{order}H", data, first)
     found = {}
     for start in range(first + 2, first + 2 + 12 * count, 12):
         tag, kind = struct.unpack_from(f"{order}HH", data, start)
-        if tag in (256, 257):
-            (found[tag],) = struct.unpack_from(f"{order}{'H' if kind == 3 else 'I'}", data, start + 8)
-    return (found[256], found[257]) if len(found) == 2 else None
+        if tag in (_WIDTH, _HEIGHT, _DEPTH, _SAMPLES):
+            count_at = struct.unpack_from(f"{order}I", data, start + 4)[0]
+            short = kind == 3 and count_at <= 2
+            (found[tag],) = struct.unpack_from(f"{order}{'H' if short else 'I'}", data, start + 8)
+    return found
 
 
 def _of_webp(data: bytes) -> tuple[int, int] | None:

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 
 from stereorecal._errors import InputError
-from stereorecal.io.images._files import quiet_opencv
+from stereorecal.io.images._files import MOST_PIXELS, quiet_opencv
 from stereorecal.io.images._source import Image, Source
 
 _SUFFIXES = (".avi", ".m4v", ".mjpeg", ".mjpg", ".mkv", ".mov", ".mp4", ".mpeg", ".mpg", ".ogv", ".ts", ".webm", ".wmv")
@@ -41,6 +41,12 @@ class _Video:
         self._open()
         self.rate = self._video.get(cv2.CAP_PROP_FPS)
         self.frames = int(self._video.get(cv2.CAP_PROP_FRAME_COUNT))
+        width, height = (self._video.get(what) for what in (cv2.CAP_PROP_FRAME_WIDTH, cv2.CAP_PROP_FRAME_HEIGHT))
+        if self.frames > path.stat().st_size or width * height > MOST_PIXELS:
+            raise InputError(
+                f"{path}: the video claims {self.frames} frames of {width:.0f}x{height:.0f}, which it cannot hold, or "
+                "which are too large; copy or convert it."
+            )
         if self.frames < 1 or not self.rate > 0.0:
             raise InputError(f"{path}: the video does not say how many frames it has, or their rate; convert it.")
 

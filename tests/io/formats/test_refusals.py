@@ -12,6 +12,7 @@ from every import SAMPLES
 from stereorecal import CalibrationWarning, InputError, UnsupportedModelError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io import load_rig, save_rig, write_text
+from stereorecal.io._atomic import FileTaken
 
 
 def refused(call, words: str, kind: type[InputError] = InputError) -> None:
@@ -218,7 +219,7 @@ def test_one_rectification_of_four_cameras(tmp_path: Path):
 def test_nothing_is_overwritten(tmp_path: Path):
     paths = SAMPLES["ros"].write(tmp_path)
     rig = load_rig(*paths)
-    refused(lambda: save_rig(rig, (tmp_path / "new.yaml", paths[1])), "the file exists already")
+    refused(lambda: save_rig(rig, (tmp_path / "new.yaml", paths[1])), "the file exists already", FileTaken)
     assert not (tmp_path / "new.yaml").exists()
 
 
@@ -244,7 +245,7 @@ def test_two_files_or_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     refused(lambda: save_rig(moved, (left, right), overwrite=True), f"{right}: cannot be written")
     assert [path.read_bytes() for path in (left, right)] == before
     calls.clear()
-    refused(lambda: save_rig(moved, (tmp_path / "a.yaml", tmp_path / "b.yaml")), "cannot be written")
+    refused(lambda: save_rig(moved, (tmp_path / "a.yaml", tmp_path / "b.yaml"), overwrite=True), "cannot be written")
     assert sorted(tmp_path.iterdir()) == [left, right]
 
 
