@@ -31,6 +31,10 @@ _MOST_LOST = 0.2  # share of the tiles
 # one, which moves the rows less than most drifts would.
 _SWAY = 0.05
 _MOST_SWAY = 0.25
+# What poses as a drift moves y or z, by 0.74 of its prior's standard deviation and more in all harmful repairs that only
+# sway gave away: where both stay, the drift is a rotation, which rows tell for sure.
+_STAYS = 0.5
+_SWAY_OF_ROTATIONS = 0.5
 _UNUSUAL = 0.05  # share of drifts in random directions that would move the rows as little
 _STRANGE = 0.0002  # share of drifts in random directions that would move the rows as little
 LEAST_COVERED = 0.1  # of the image; good rigs cover a half, rigs half a degree out 0 to 6 %: what false matches cover
@@ -101,7 +105,7 @@ def verdict_on_count(before: Score, after: Score, *, signal: bool) -> Reason:
     return Reason.MORE_MATCHES if after.count > before.count else Reason.NOT_IMPROVED
 
 
-def misfits(left: Misfit, scale: float) -> bool:
+def misfits(left: Misfit, scale: float, shift: float) -> bool:
     """Whether a repair leaves, or rests on, what the parameters cannot explain: regions are worse than before or match
     no longer, the misfit is large, or large beside the gain, or an effect that is in no model would explain much of the
     gain as well.
@@ -111,12 +115,14 @@ def misfits(left: Misfit, scale: float) -> bool:
 
     Args:
         scale: pixels in which rows were measured, per pixel at full size.
+        shift: by how much the candidate moves y or z, in standard deviations of their priors.
     """
+    sway = _SWAY if left.chance < _UNUSUAL else _MOST_SWAY
     return bool(
         left.high * scale > _MOST_MISFIT
         or (left.high * scale > _SOME_MISFIT and left.rms > _BESIDE_GAIN * left.rms_before)
         or regions_worse(left, scale)
-        or left.sway > (_SWAY if left.chance < _UNUSUAL else _MOST_SWAY) * left.rms_before
+        or left.sway > (max(sway, _SWAY_OF_ROTATIONS) if shift < _STAYS else sway) * left.rms_before
     )
 
 
@@ -169,7 +175,9 @@ def behind(before: int, after: int, rows_before: float, rows_after: float) -> bo
     return after < (1.0 - _COUNT_LOSS) * before or rows_after - rows_before > _ROW_LOSS
 
 
-def verdict(counts: Int[np.ndarray, "2"], rows: RowErrors, facts: Evidence, left: Misfit, covered: float) -> Verdict:
+def verdict(
+    counts: Int[np.ndarray, "2"], rows: RowErrors, facts: Evidence, left: Misfit, covered: float, shift: float
+) -> Verdict:
     """The verdict on a candidate with correspondences.
 
     Accepted: a significant gain in count or in row error on held-out regions, no loss beyond 1 % of the count and
@@ -185,6 +193,7 @@ def verdict(counts: Int[np.ndarray, "2"], rows: RowErrors, facts: Evidence, left
         facts: the evidence of all parameters whose prior says how far they may be, at the candidate.
         left: the misfit of the candidate.
         covered: by correspondences, share of the frame that shows most.
+        shift: as `misfits` has it.
     """
     before, after = counts
     if facts.places < FEWEST_PLACES or covered < LEAST_COVERED:
@@ -204,7 +213,7 @@ def verdict(counts: Int[np.ndarray, "2"], rows: RowErrors, facts: Evidence, left
         return Verdict(Reason.ALREADY_GOOD if aligned else Reason.WORSE_ON_HELD_OUT)
     if implausible(facts.z, facts.prior) or left.chance < _STRANGE:
         return _refused(Reason.IMPLAUSIBLE, aligned)
-    if misfits(left, facts.scale):
+    if misfits(left, facts.scale, shift):
         return _refused(Reason.MISFIT, aligned)
     return Verdict(Reason.IMPROVED)
 

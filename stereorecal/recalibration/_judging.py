@@ -11,6 +11,8 @@ from stereorecal.recalibration._acceptance import RowErrors, Verdict, verdict
 from stereorecal.recalibration._evidence import Evidence
 from stereorecal.recalibration._misfit import Misfit, misfit
 
+_SHIFTS = ("y", "z")
+
 
 def judged(
     facts: Evidence,
@@ -38,4 +40,6 @@ def judged(
         # vouches for those are rows that took no part.
         left = replace(left, chance=1.0)
     bounded = facts.only(np.array([name not in settled for name in names]))
-    return verdict(counts.sum(axis=(1, 2)), rows, bounded, left, covered), left
+    shifts = [abs(z) for z, name in zip(facts.z.tolist(), names, strict=True) if name in _SHIFTS]
+    shift = max(shifts, default=np.inf)  # where they are held, that they stay says nothing
+    return verdict(counts.sum(axis=(1, 2)), rows, bounded, left, covered, shift / facts.prior), left
