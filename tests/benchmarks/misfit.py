@@ -25,7 +25,7 @@ from pathlib import Path
 import cv2
 import jax
 import numpy as np
-from accuracy import errors
+from accuracy import consensus, errors
 from rich.console import Console
 from rich.table import Table
 
@@ -267,16 +267,6 @@ def turning() -> None:
     Console().print(table)
 
 
-def with_truth(scene: Scene) -> Scene:
-    """A real scene with the median end point of three repairs in place of its stored rig."""
-    if scene.reference == "truth":
-        return scene
-    assert scene.rig is not None
-    starts = [sr.synthetic.decalibrate(scene.rig, jax.random.key(k), 0.3, 0.003) for k in range(3)]
-    ends = [np.asarray(sr.recalibrate(start, scene.pairs).candidate.extrinsics) for start in starts]
-    return replace(scene, rig=scene.rig.with_extrinsics(np.median(ends, axis=0)))
-
-
 def judged(scene: Scene, given: Scene, case: str, explained: bool, draws: int, judge) -> Iterator[Row]:
     """Repair a spoiled scene from every start."""
     rig = scene.rig
@@ -368,7 +358,7 @@ def main() -> None:
             if number % parts != part:
                 continue
             if scene is None or judge is None:
-                scene = with_truth(clean)
+                scene = consensus(clean)
                 assert scene.rig is not None
                 images = pyramid(scene.rig, scene.pairs)
                 judge = host.correspondences(
