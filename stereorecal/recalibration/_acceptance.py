@@ -31,8 +31,8 @@ _MOST_LOST = 0.2  # share of the tiles
 # one, which moves the rows less than most drifts would.
 _SWAY = 0.05
 _MOST_SWAY = 0.25
-# What poses as a drift moves y or z, by 0.74 of its prior's standard deviation and more in all harmful repairs that only
-# sway gave away: where both stay, the drift is a rotation, which rows tell for sure.
+# What poses as a drift moves y or z, by 0.74 of its prior's standard deviation and more in all harmful repairs that
+# nothing but sway gave away: where both stay, the drift is a rotation, which rows tell for sure.
 _STAYS = 0.5
 _SWAY_OF_ROTATIONS = 0.5
 _UNUSUAL = 0.05  # share of drifts in random directions that would move the rows as little

@@ -1,10 +1,11 @@
 """Damaged files by the thousand: does any end the process, escape as a traceback, hang, or eat the memory?
 
-Files of every format, of every layout and images are flipped, cut, repeated, filled and nested at places that a seed
-chooses, and read. A child process does the reading, with a limit on memory and on time; where it dies, the seed is
-noted and the next child goes on. Printed: how many were read, how many were refused, and what went wrong.
+Files of every format, of every layout, images, videos, bags and saved states are flipped, cut, repeated, filled and
+nested at places that a seed chooses, and read. A child process does the reading, with a limit on memory and on time;
+where it dies, the seed is noted and the next child goes on. Printed: how many were read, how many were refused, and
+what went wrong.
 
-    python tests/benchmarks/fuzz.py [--inputs 100000] [--first 0] [--megabytes 1000] [--seconds 20]
+    python tests/benchmarks/fuzz.py [--inputs 100000] [--first 0] [--only NAME,…] [--megabytes 1000] [--seconds 20]
 """
 
 import argparse
@@ -20,7 +21,7 @@ import sys
 import tempfile
 import time
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -31,15 +32,30 @@ import numpy as np
 TESTS = Path(__file__).parents[1]
 sys.path[:0] = [str(TESTS), str(TESTS / "io" / "formats")]
 
-from damage import damaged  # noqa: E402  beside this suite's tests
+from bags import write_bag  # noqa: E402  beside this suite's tests
+from damage import damaged  # noqa: E402
 from every import SAMPLES  # noqa: E402
 from trees import TREES  # noqa: E402
 
+from stereorecal import online  # noqa: E402
 from stereorecal._errors import InputError  # noqa: E402
-from stereorecal.io import load_log, load_pair, load_ranges, load_rig, load_scene, save_rig, save_scene  # noqa: E402
+from stereorecal.io import (  # noqa: E402
+    load_log,
+    load_pair,
+    load_ranges,
+    load_rig,
+    load_scene,
+    open_pairs,
+    save_rig,
+    save_scene,
+)
+from stereorecal.recordings import Pair  # noqa: E402
 from stereorecal.synthetic import default_rig, render  # noqa: E402
 
 ENDINGS = (".png", ".jpg", ".tif", ".bmp", ".pgm", ".webp", ".jp2")
+CODECS = {".avi": "MJPG", ".mp4": "mp4v"}
+SIDES = ("left", "right")
+TOPICS = {"left_topic": "/left", "right_topic": "/right"}
 
 
 @dataclass(frozen=True)
@@ -61,7 +77,7 @@ def cases(folder: Path) -> dict[str, Case]:
             files_of(place), lambda at, paths=paths, s=sample: load_rig(*(at / p for p in paths), size=s.size)
         )
     rig = default_rig().resized((160, 120))
-    scene = render("harbour", 0, rig=rig)
+    scene = render("harbour", 0, rig=rig, frames=3)
     save_scene(scene, folder / "scene")
     found["scene folder"] = Case(files_of(folder / "scene"), lambda at: load_scene(at))
     for name in ("depthai", "stereorecal"):
@@ -77,6 +93,25 @@ def cases(folder: Path) -> dict[str, Case]:
         ]
         files = {f"{side}{ending}": data for side, data in zip(("left", "right"), sides, strict=True)}
         found[f"image {ending}"] = Case(files, lambda at, e=ending: load_pair(at / f"left{e}", at / f"right{e}"))
+    sides = [[np.uint8(pair.left), np.uint8(pair.right)] for pair in scene.pairs]
+    for ending, codec in CODECS.items():
+        write_video(folder / f"both{ending}", codec, [np.hstack(pair) for pair in sides])
+        files = {f"both{ending}": (folder / f"both{ending}").read_bytes()}
+        found[f"video {ending}"] = Case(files, lambda at, e=ending: read_all(open_pairs(at / f"both{e}").pairs))
+    for name, ros1, compressed in (
+        ("drive.bag", True, False),
+        ("drive", False, False),
+        ("drive compressed", False, True),
+    ):
+        stamped = [(f"/{side}", i * 10**8, pair[k]) for i, pair in enumerate(sides) for k, side in enumerate(SIDES)]
+        write_bag(folder / name, stamped, ros1=ros1, compressed=compressed)
+        files = {name: (folder / name).read_bytes()} if ros1 else files_of(folder / name)
+        inside = name if ros1 else "."
+        found[f"bag {name}"] = Case(files, lambda at, n=inside: read_all(open_pairs(at / n, **TOPICS).pairs))
+    online.save(online.init(rig), folder / "kept.state")
+    found["state"] = Case(
+        {"kept.state": (folder / "kept.state").read_bytes()}, lambda at: online.load(at / "kept.state")
+    )
     table = b"pair,column,row,metres,sigma\n0,20,30,10.5,0.1\n0,21,30,inf,\n"
     found["ranges"] = Case({"ranges.csv": table}, lambda at: load_ranges(at / "ranges.csv"))
     return found
@@ -85,21 +120,34 @@ def cases(folder: Path) -> dict[str, Case]:
 def read_log(folder: Path) -> None:
     """With all its images, which are read when they are asked for."""
     for mission in load_log(folder).missions:
-        for _ in mission.pairs:
-            pass
+        read_all(mission.pairs)
+
+
+def read_all(pairs: Iterable[Pair]) -> None:
+    """One after the other."""
+    for _ in pairs:
+        pass
+
+
+def write_video(path: Path, codec: str, images: Sequence[np.ndarray]) -> None:
+    height, width = images[0].shape
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*codec), 10.0, (width, height), isColor=False)
+    for image in images:
+        writer.write(image)
+    writer.release()
 
 
 def files_of(folder: Path) -> dict[str, bytes]:
     return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
 
 
-def work(first: int, last: int, journal: Path, megabytes: int, seconds: int) -> None:
+def work(first: int, last: int, only: str, journal: Path, megabytes: int, seconds: int) -> None:
     """In the child: read the inputs of these seeds; a line for each into the journal."""
     warnings.simplefilter("ignore")
     with tempfile.TemporaryDirectory() as name:
         scratch = Path(name)
         known = cases_in(scratch / "good")
-        kinds = list(known)
+        kinds = [kind for kind in known if any(part in kind for part in only.split(","))]
         used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
         resource.setrlimit(resource.RLIMIT_AS, (used + megabytes * 2**20,) * 2)
         signal.signal(signal.SIGALRM, too_slow)
@@ -148,15 +196,16 @@ def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--inputs", type=int, default=100_000)
     parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--only", default="", help="parts of names of kinds, comma separated")
     parser.add_argument("--megabytes", type=int, default=1000, help="more than this is too much memory")
     parser.add_argument("--seconds", type=int, default=20, help="longer than this is too long")
     parser.add_argument("--journal", type=Path, default=None)
     parser.add_argument("--child", type=int, nargs=2, help=argparse.SUPPRESS)
     options = parser.parse_args()
     journal = options.journal or Path(tempfile.mkdtemp()) / "journal.jsonl"
-    limits = ["--megabytes", options.megabytes, "--seconds", options.seconds]
+    limits = ["--only", options.only, "--megabytes", options.megabytes, "--seconds", options.seconds]
     if options.child:
-        work(*options.child, journal, options.megabytes, options.seconds)
+        work(*options.child, options.only, journal, options.megabytes, options.seconds)
         return
     next_one, last = options.first, options.first + options.inputs
     began, deaths, peak = time.monotonic(), collections.Counter(), 0

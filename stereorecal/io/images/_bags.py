@@ -66,7 +66,7 @@ class _Bag:
         if not connections or any(one.msgtype not in (_RAW, _COMPRESSED) for one in connections):
             raise InputError(
                 f"{self.path}: there are no images on the topic {topic}; "
-                + (f"choose from {', '.join(known)}." if known else "the bag has no images at all.")
+                + (f"choose from {_in_a_line(', '.join(known))}." if known else "the bag has no images at all.")
             )
         entries = []  # when it was stamped, when it was recorded
         with _sound(self.path):
@@ -100,8 +100,13 @@ def _sound(path: Path) -> Iterator[None]:
     except InputError:
         raise
     except Exception as error:
-        why = str(error)[:200] or type(error).__name__
+        why = _in_a_line(str(error)) or type(error).__name__
         raise InputError(f"{path}: not a bag that can be read, or a damaged one ({why}); record it again.") from error
+
+
+def _in_a_line(text: str) -> str:
+    """What a bag or the library that reads it says, short and without breaks."""
+    return " ".join(text.split())[:200]
 
 
 def _image(message: Any, kind: str, where: str) -> Image:
@@ -111,14 +116,14 @@ def _image(message: Any, kind: str, where: str) -> Image:
         InputError: if they are damaged, or encoded in a way that is not known.
     """
     if kind == _COMPRESSED:
-        return decode_image(bytes(message.data), f"{where} ({message.format})")
+        return decode_image(bytes(message.data), f"{where} ({_in_a_line(message.format)})")
     encoding = _SAME.get(message.encoding, str(message.encoding))
     name = encoding.rstrip("0123456789")
     pattern = name.removeprefix("bayer_").rstrip("0123456789")
     channels = 1 if pattern in _BAYER else _CHANNELS.get(name)
     depth = encoding.removeprefix(name)
     if channels is None or depth not in ("8", "16"):
-        raise InputError(f"{where}: the encoding {message.encoding} is not known; republish as mono8 or bgr8.")
+        raise InputError(f"{where}: the encoding {_in_a_line(encoding)} is not known; republish as mono8 or bgr8.")
     order = ">" if message.is_bigendian else "<"
     width = channels * int(depth) // 8 * message.width
     if message.step < width or len(message.data) < message.step * message.height:
