@@ -1,5 +1,6 @@
 """Steps in a process of its own, beside a capture loop that must not wait."""
 
+import math
 import multiprocessing
 import os
 import threading
@@ -35,6 +36,7 @@ class Beside:
         *,
         keep: str | Path | None = None,
         nice: int = 10,
+        seconds: float | None = math.inf,
     ) -> None:
         """Start the process; it is ready some seconds later, and pairs wait until then.
 
@@ -42,6 +44,8 @@ class Beside:
             rig: the calibration to start from, or a state to go on from.
             keep: a file in which each state is saved, and from which it goes on, if the file exists.
             nice: by how much the process gives way to others.
+            seconds: of each step, for a repair, as `step` has it; default all that it takes: pairs that come meanwhile
+                are dropped.
         """
         state = rig if isinstance(rig, State) else init(rig, config)
         if keep is not None and Path(keep).exists():
@@ -49,7 +53,7 @@ class Beside:
         # Not forked: JAX has threads, and a copy of a process without them hangs.
         ours, theirs = multiprocessing.get_context("spawn").Pipe()
         context = multiprocessing.get_context("spawn")
-        self._process = context.Process(target=_worker, args=(theirs, state, keep, nice), daemon=True)
+        self._process = context.Process(target=_worker, args=(theirs, state, keep, nice, seconds), daemon=True)
         self._lock, self._there = threading.Lock(), threading.Condition()
         self._state, self._events, self._dropped = state, (), 0
         self._waiting: Pair | Images | None = None
@@ -124,12 +128,12 @@ def _plain(pair: Pair | Images | None) -> Images:
     return (pair.left, pair.right) if isinstance(pair, Pair) else (np.asarray(pair[0]), np.asarray(pair[1]))
 
 
-def _worker(pipe: Connection, state: State, keep: str | Path | None, nice: int) -> None:
+def _worker(pipe: Connection, state: State, keep: str | Path | None, nice: int, seconds: float | None) -> None:
     with suppress(OSError, AttributeError):
         os.nice(nice)
     with suppress(EOFError, KeyboardInterrupt):
         while True:
-            state, events = step(state, pipe.recv())
+            state, events = step(state, pipe.recv(), seconds)
             if keep is not None:
                 save(state, keep)
             pipe.send((state, events))

@@ -1,32 +1,53 @@
 """A repair of what the looks cannot follow: rigs so far off that hardly anything matches."""
 
 from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
 
 from stereorecal._errors import InputError
+from stereorecal.objectives import Parameters, Reach
 from stereorecal.online._events import Event, Kind
+from stereorecal.online._job import Job
 from stereorecal.online._reading import reading
 from stereorecal.online._state import State
 from stereorecal.online._switching import after_repair
-from stereorecal.recalibration import Reason, Solution, recalibrate
+from stereorecal.recalibration import Case, Progress, Reason, Schedule, Solution, next_slice
 from stereorecal.recordings import Pair
+from stereorecal.scoring import pyramid
 
 _FAR = 1.5  # pixels: beyond it a window meets other things
 
 
-def repaired(state: State, pairs: Sequence[Pair]) -> tuple[State, list[Event]]:
-    """The state after a repair on pairs that hardly match: a candidate on trial, if it was accepted."""
-    events = [Event(state.frame, Kind.REPAIRING, f"from {len(pairs)} pairs")]
+def begun(state: State, pairs: Sequence[Pair]) -> tuple[State, list[Event]]:
+    """The state with a repair under way, on pairs that hardly match."""
+    event = Event(state.frame, Kind.REPAIRING, f"from {len(pairs)} pairs")
+    return state.but(job=Job(tuple(pairs), np.asarray(state.rig.extrinsics, float))), [event]
+
+
+def continued(state: State) -> tuple[State, list[Event]]:
+    """The state after one more slice of its repair; after the last one a candidate on trial, if it was accepted."""
+    job, matcher = state.job, state.matcher
+    assert job is not None
+    assert matcher is not None
+    rig = state.rig
     try:
-        solution = recalibrate(state.rig, list(pairs), matcher=state.matcher)
+        case = Case(pyramid(rig, job.pairs), matcher, Reach(), Parameters())
+        ended = next_slice(case, Schedule.default(), Progress(rig.with_extrinsics(job.at), job.done))
     except InputError as error:  # such as: images that are exchanged
-        return state, [*events, Event(state.frame, Kind.REJECTED, str(error))]
+        return state.but(job=None), [Event(state.frame, Kind.REJECTED, str(error))]
+    if isinstance(ended, Progress):
+        return state.but(job=replace(job, at=np.asarray(ended.rig.extrinsics, float), done=ended.done)), []
+    return _judged(state.but(job=None), ended)
+
+
+def _judged(state: State, solution: Solution) -> tuple[State, list[Event]]:
     if not solution.accepted or solution.covariance is None:
-        return state, [*events, _rejected(state, solution)]
+        return state, [_rejected(state, solution)]
     offset = state.offset_of(solution.rig)
     change = dict(zip(state.chart.names, (offset - state.using).tolist(), strict=True))
     knock = Event(state.frame, Kind.KNOCK, "hardly anything matched", {"change": change})
-    if state.said is not Kind.KNOCK:
-        events.append(knock)
+    events = [] if state.said is Kind.KNOCK else [knock]
     return after_repair(state.but(said=Kind.KNOCK, ready=0), offset, solution.covariance), events
 
 

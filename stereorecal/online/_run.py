@@ -1,5 +1,6 @@
 """Steps through a recording, for scripts."""
 
+import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
@@ -26,14 +27,20 @@ class Stepped:
     events: tuple[Event, ...]
 
 
-def run(rig: StereoRig | State, pairs: Iterable[Pair | Images], config: Config = Config()) -> Iterator[Stepped]:  # noqa: B008
+def run(
+    rig: StereoRig | State,
+    pairs: Iterable[Pair | Images],
+    config: Config = Config(),  # noqa: B008
+    seconds: float | None = math.inf,
+) -> Iterator[Stepped]:
     """A step for each pair, as they come.
 
     Args:
         rig: the calibration to start from, or a state to go on from (whose own config counts).
         pairs: any iterable: a recording, a drive, a camera.
+        seconds: of each step, for a repair, as `step` has it; default all that it takes.
     """
     state = rig if isinstance(rig, State) else init(rig, config)
     for pair in pairs:
-        state, events = step(state, pair)
+        state, events = step(state, pair, seconds)
         yield Stepped(pair, state, events)

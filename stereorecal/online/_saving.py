@@ -18,6 +18,7 @@ from stereorecal.matching import BM, SAD, SGBM
 from stereorecal.online._config import Config
 from stereorecal.online._estimate import Estimate, Measurement
 from stereorecal.online._events import Kind
+from stereorecal.online._job import Job
 from stereorecal.online._state import State
 from stereorecal.online._trial import Trial
 from stereorecal.recordings import Pair
@@ -25,7 +26,7 @@ from stereorecal.recordings import Pair
 SCHEMA = "stereorecal.state/1"
 _KNOWN: dict[str, Any] = {
     kind.__name__: kind
-    for kind in (State, Config, Estimate, Measurement, Trial, StereoRig, Camera, View, Pair, SAD, BM, SGBM, Kind)
+    for kind in (State, Config, Estimate, Measurement, Job, Trial, StereoRig, Camera, View, Pair, SAD, BM, SGBM, Kind)
 }
 
 

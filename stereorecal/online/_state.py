@@ -12,6 +12,7 @@ from stereorecal.objectives import Reach, RigChart, row_chart
 from stereorecal.online._config import Config
 from stereorecal.online._estimate import Estimate, Measurement
 from stereorecal.online._events import Kind
+from stereorecal.online._job import Job
 from stereorecal.online._trial import Trial
 from stereorecal.online._turning import Small
 from stereorecal.recalibration import depth_slopes
@@ -47,6 +48,7 @@ class State:
             fit; up to three: what a repair after a knock rests on.
         darkness: how many pairs hardly matched, one after the other.
         attempt: at how many of them the next repair is tried.
+        job: the repair under way.
         trial: the candidate on trial.
         ready: the pair from which on a candidate may be nominated.
         previous: offsets of calibrations that were in use before, the last one last.
@@ -70,6 +72,7 @@ class State:
     strange: tuple[Pair, ...] = ()
     darkness: int = 0
     attempt: int = 2
+    job: Job | None = None
     trial: Trial | None = None
     ready: int = 0
     previous: tuple[Offset, ...] = ()

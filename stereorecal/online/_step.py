@@ -1,5 +1,6 @@
 """One step: a pair comes, and what is known of the rig follows."""
 
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -11,7 +12,7 @@ from stereorecal.online._config import Config
 from stereorecal.online._estimate import SIZE, at_start
 from stereorecal.online._events import Event, Kind
 from stereorecal.online._glance import Glance, glance
-from stereorecal.online._repairing import repaired, too_far
+from stereorecal.online._repairing import begun, continued, too_far
 from stereorecal.online._state import State, nearing
 from stereorecal.online._switching import judged, matched, nominated, switched
 from stereorecal.online._turning import small, turn
@@ -41,24 +42,33 @@ def init(rig: StereoRig, config: Config = Config()) -> State:  # noqa: B008  fro
     return blank.but(estimate=at_start(blank.prior), matcher=known, attempt=_FIRST)
 
 
-def step(state: State, pair: Pair | Images) -> tuple[State, tuple[Event, ...]]:
+def step(state: State, pair: Pair | Images, seconds: float | None = None) -> tuple[State, tuple[Event, ...]]:
     """The state after one more pair, and what happened. A pair that cannot be used is an event, never an exception.
 
-    A step is one look at the pair; after a knock that leaves hardly anything to match, one repair of up to three pairs
-    as well. After `sr.warm_up(rig, matcher=..., disparities=...)` nothing is compiled in it.
+    A step is one look at the pair. After a knock that leaves hardly anything to match a repair of up to three pairs is
+    under way, and each step does one slice of it in place of a look: the survey, a stage on the count, one round of
+    matching and solving. After `sr.warm_up(rig, matcher=..., disparities=...)` nothing is compiled in it.
+
+    Args:
+        seconds: slices of a repair go on until so much time has passed since the step began; infinite: to its end.
+            None: one slice a step, so that the same pairs give the same states.
     """
+    until = None if seconds is None else time.monotonic() + seconds
     try:
         (pair,) = check_pairs(state.initial, [pair])
         after, events = _seen(state, pair)
     except InputError as error:
         event = Event(state.frame, Kind.BAD_FRAME, str(error))
         return state.but(frame=state.frame + 1, last=None, said=Kind.BAD_FRAME), (event,)
+    while until is not None and after.job is not None and time.monotonic() < until:
+        after, more = continued(after)
+        events += more
     return after.but(frame=state.frame + 1), tuple(events)
 
 
 def freeze(state: State, frozen: bool = True) -> State:
     """The same state, in which nothing is switched any more; or, not `frozen`, in which it is again."""
-    return state.but(config=replace(state.config, repair=not frozen), trial=None)
+    return state.but(config=replace(state.config, repair=not frozen), job=None, trial=None)
 
 
 def rollback(state: State) -> State:
@@ -78,6 +88,8 @@ def _seen(state: State, pair: Pair) -> Outcome:
     turned = None if state.last is None else turn(state.initial.left, state.last, now)
     estimate = state.estimate.later(config.wander, config.shift)
     state = state.but(last=now, estimate=estimate)
+    if state.job is not None:
+        return continued(state)
     if state.frame % config.every:
         return state, []
     matcher = state.matcher
@@ -102,7 +114,7 @@ def _seen(state: State, pair: Pair) -> Outcome:
     knocked = any(event.kind is Kind.KNOCK for event in events)
     state = state.with_strange(pair) if knocked or state.suspect is not None else state.but(strange=())
     if knocked and too_far(state):
-        state, more = repaired(state, state.strange)
+        state, more = begun(state, state.strange)
         return state, [*events, *more]
     state, more = judged(state, measured, look)
     state, last = nominated(state)
@@ -122,7 +134,7 @@ def _blind(state: State, pair: Pair, look: Glance) -> Outcome:
         return matched(state, look.covered, lambda: glance(state.rig_at(offset), pair, state.view, matcher))
     if state.darkness < state.attempt:
         return state, []
-    return repaired(state.but(attempt=_PATIENCE * state.darkness), state.strange)
+    return begun(state.but(attempt=_PATIENCE * state.darkness), state.strange)
 
 
 def _too_little(state: State) -> Outcome:

@@ -55,7 +55,13 @@ def switched(state: State, offset: Offset) -> State:
     """Another calibration in use; the one before it is kept."""
     previous = (*state.previous, state.using)[-state.config.keep :]
     return state.using_now(offset).but(
-        previous=previous, ready=state.frame + state.config.rest, trial=None, strange=(), darkness=0, attempt=2
+        previous=previous,
+        ready=state.frame + state.config.rest,
+        job=None,
+        trial=None,
+        strange=(),
+        darkness=0,
+        attempt=2,
     )
 
 

@@ -47,6 +47,7 @@ from stereorecal.recalibration._schedule import (
     watching_scale as watching_scale,
 )
 from stereorecal.recalibration._sequence import recalibrate_sequence as recalibrate_sequence
+from stereorecal.recalibration._slices import Progress as Progress, next_slice as next_slice
 from stereorecal.recalibration._solution import Solution as Solution
 from stereorecal.recalibration._stages import FEWEST as FEWEST, Case as Case
 from stereorecal.recalibration._uncertainty import NORMAL_95 as NORMAL_95, Uncertainty as Uncertainty

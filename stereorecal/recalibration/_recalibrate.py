@@ -103,15 +103,22 @@ def searched(case: Case, schedule: Schedule, budget: Budget, seed: int) -> Solut
         NeedNotMet: if a strategy needs what a score does not offer over this box.
         StrategyError: if a strategy crashes.
     """
-    began, asked, offset, of_survey = time.perf_counter(), case.matcher, np.zeros(6), 0.0
+    began, asked = time.perf_counter(), case.matcher
+    case, start, cost = started(case, schedule)
+    widest, stages = _run_schedule(case, schedule, asked, start, budget, began, seed)
+    return solution_of(widest, schedule, stages, cost, began)
+
+
+def started(case: Case, schedule: Schedule) -> tuple[Case, StereoRig, Cost]:
+    """What comes before the first stage: the case with a disparity range, where the stage begins, and what it took."""
+    asked, offset, of_survey = case.matcher, np.zeros(6), 0.0
     if schedule.survey or asked.num_disparities is None:
         radians = float(np.radians(case.reach.degrees))
         seen = survey(case.images, case.rig.extrinsics, radians)
         case, of_survey = case.with_matcher(seen.with_range(asked, radians)), seen.cost
         offset = seen.offset if schedule.survey else offset
     start, of_starts = better_start(case, schedule.stages[0], offset)
-    widest, stages = _run_schedule(case, schedule, asked, start, budget, began, seed)
-    return _judged(widest, schedule, stages, Cost(survey=of_survey, starts=of_starts), began)
+    return case, start, Cost(survey=of_survey, starts=of_starts)
 
 
 def _run_schedule(
@@ -141,7 +148,13 @@ def _run_schedule(
     return widest, tuple(stages)
 
 
-def _judged(case: Case, schedule: Schedule, stages: tuple[StageRun, ...], cost: Cost, began: float) -> Solution:
+def solution_of(case: Case, schedule: Schedule, stages: tuple[StageRun, ...], cost: Cost, began: float) -> Solution:
+    """The end of the stages of a schedule, judged.
+
+    Args:
+        cost: of what came before them.
+        began: when the clock was started.
+    """
     candidate = stages[-1].ended if stages else case.rig
     runs = [run for stage in stages for run in stage.runs]
     found = next((stage.found for stage in reversed(stages) if stage.found is not None), None)

@@ -1,0 +1,53 @@
+"""A repair cut into slices, for those who cannot wait for all of it at once."""
+
+import time
+from dataclasses import dataclass, replace
+
+from stereorecal.geometry import StereoRig
+from stereorecal.recalibration._cost import Cost
+from stereorecal.recalibration._recalibrate import solution_of, started
+from stereorecal.recalibration._schedule import Schedule, ScoreKind, Stage
+from stereorecal.recalibration._solution import Solution
+from stereorecal.recalibration._stages import Case, run_stage
+from stereorecal.strategies import Budget
+
+
+@dataclass(frozen=True, eq=False)
+class Progress:
+    """How far a repair is.
+
+    Attributes:
+        rig: where the next slice begins: the best so far.
+        done: slices so far.
+    """
+
+    rig: StereoRig
+    done: int = 0
+
+
+def next_slice(case: Case, schedule: Schedule, at: Progress, seed: int = 0) -> Progress | Solution:
+    """One slice more: first the survey, then a stage on the count, or one round of a stage on the rows, each begun
+    where the one before it ended; the last one is judged with it.
+
+    Args:
+        case: with a disparity range.
+        schedule: whose last stage has rows.
+    """
+    began = time.perf_counter()
+    if at.done == 0:
+        return Progress(started(case, schedule)[1], 1)
+    stages = _rounds(schedule)
+    stage = stages[at.done - 1]
+    done = run_stage(case, stage, at.rig, Budget(), seed)
+    if at.done < len(stages):
+        return Progress(done.ended, at.done + 1)
+    return solution_of(case, replace(schedule, stages=(stage,)), (done,), Cost(), began)
+
+
+def _rounds(schedule: Schedule) -> tuple[Stage, ...]:
+    """The stages, those on the rows cut into their rounds."""
+    return tuple(
+        replace(stage, rounds=1)
+        for stage in schedule.stages
+        for _ in range(stage.rounds if stage.score is ScoreKind.EPIPOLAR else 1)
+    )

@@ -1,0 +1,76 @@
+"""A repair of a rig that is far off, cut into slices: one for each step, unless time is given."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rides import BEFORE, Ride, error
+
+import stereorecal as sr
+from stereorecal.online import Kind, State, init, load, save, step
+from stereorecal.recordings import Pair
+
+SLICES = 7  # the survey, the count, half scale, four rounds at full scale
+
+
+@pytest.fixture(scope="module")
+def lost(ride: Ride) -> State:
+    """So far off that hardly anything matches."""
+    off = np.radians([-1.5, 1.0, 2.0, 0.0, 0.0, 0.0])
+    return init(ride.rig.with_extrinsics(ride.rig.extrinsics + off)).but(matcher=sr.SAD(num_disparities=48))
+
+
+def stepped(state: State, pairs: list[Pair], seconds: float | None = None) -> tuple[State, list[Kind]]:
+    """Until a candidate is on trial: the state, and what happened."""
+    kinds = []
+    for pair in pairs:
+        state, events = step(state, pair, seconds)
+        kinds += [event.kind for event in events]
+        if state.trial is not None:
+            return state, kinds
+    raise AssertionError(f"no candidate: {kinds}")
+
+
+def test_a_step_does_a_slice(ride: Ride, lost: State):
+    state, done, kinds = lost, [], []
+    for pair in ride.pairs[BEFORE : BEFORE + 3 + SLICES]:
+        state, events = step(state, pair)
+        kinds += [event.kind for event in events]
+        done += [state.job.done] if state.job is not None else []
+        if state.trial is not None:
+            break
+    assert done == list(range(SLICES))
+    assert kinds == [Kind.REPAIRING, Kind.KNOCK]
+    assert state.trial is not None
+    assert (error(state.but(using=state.trial.offset), ride.knocked) < [0.05, 0.2, 0.05]).all()
+
+
+def test_as_many_as_time_allows(ride: Ride, lost: State):
+    """All in the step in which it begins, to the same end."""
+    pairs = ride.pairs[BEFORE:]
+    at_once, kinds = stepped(lost, pairs, math.inf)
+    one_by_one, same = stepped(lost, pairs, 0.0)
+    assert kinds == same
+    assert at_once.frame == one_by_one.frame - SLICES
+    assert at_once.trial is not None
+    assert one_by_one.trial is not None
+    np.testing.assert_array_equal(at_once.trial.offset, one_by_one.trial.offset)
+
+
+def test_a_repair_under_way_is_kept(ride: Ride, lost: State, tmp_path: Path):
+    state, pairs = lost, ride.pairs[BEFORE:]
+    while state.job is None or state.job.done < 3:
+        state, _ = step(state, pairs[state.frame])
+    save(state, tmp_path / "state")
+    ends = [stepped(one, pairs[state.frame :])[0].trial for one in (state, load(tmp_path / "state"))]
+    assert ends[0] is not None
+    assert ends[1] is not None
+    np.testing.assert_array_equal(ends[0].offset, ends[1].offset)
+
+
+def test_freezing_ends_it(ride: Ride, lost: State):
+    state, pairs = lost, ride.pairs[BEFORE:]
+    while state.job is None:
+        state, _ = step(state, pairs[state.frame])
+    assert sr.online.freeze(state).job is None
