@@ -3,6 +3,7 @@
 import io
 import json
 import zipfile
+import zlib
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from enum import Enum
@@ -28,6 +29,9 @@ _KNOWN: dict[str, Any] = {
     kind.__name__: kind
     for kind in (State, Config, Estimate, Measurement, Job, Trial, StereoRig, Camera, View, Pair, SAD, BM, SGBM, Kind)
 }
+# What zipfile, NumPy and the classes raise for what is damaged; RuntimeError for flags that no archive of ours has.
+_DAMAGED = (ValueError, LookupError, TypeError, AttributeError, RuntimeError, EOFError, OSError, MemoryError)
+_DAMAGED += (zipfile.BadZipFile, zlib.error)
 
 
 def save(state: State, path: str | Path) -> None:
@@ -61,7 +65,7 @@ def load(path: str | Path) -> State:
         if content["schema"] != SCHEMA:
             raise InputError(f"{path}: the state is of version {content['schema']!r}, not {SCHEMA!r}; begin anew.")
         return _made(content["state"], arrays)
-    except (ValueError, KeyError, TypeError, AttributeError, EOFError, OSError, zipfile.BadZipFile) as error:
+    except _DAMAGED as error:
         raise InputError(f"{path}: is no state of this library, or cut short ({error}); begin anew.") from error
 
 

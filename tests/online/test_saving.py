@@ -55,6 +55,12 @@ def test_what_is_no_state_is_refused(ride: Ride, tmp_path: Path):
         path.write_bytes(whole[:cut])
         with pytest.raises(sr.InputError, match="no state"):
             load(path)
+    for flag in (0x01, 0x20):  # of the archive's first member: encrypted, patched
+        flipped = bytearray(whole)
+        flipped[whole.rindex(b"PK\1\2") + 8] |= flag
+        path.write_bytes(flipped)
+        with pytest.raises(sr.InputError, match="no state"):
+            load(path)
     path.write_text("left,right\n1,2\n")
     with pytest.raises(sr.InputError, match="no state"):
         load(path)
