@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from json_page import differences
 from rides import BEFORE, Ride, error, kinds
 
 import stereorecal as sr
@@ -35,6 +36,17 @@ def test_events_are_plain_data(ridden: list[Stepped]):
             assert told["schema"] == "stereorecal.events/1"
             assert sr.io.parse_json(sr.io.json_text(told)) is not None
             assert str(event.frame) in str(event)
+
+
+def test_events_and_readings_are_those_of_the_page(ridden: list[Stepped]):
+    """Those of other kinds have no keys of their own, but for a candidate that loses."""
+    events = [event.as_dict() for stepped in ridden for event in stepped.events]
+    (repaired, *_) = [event for event in events if event["event"] == "repaired"]
+    lost = {"schema": repaired["schema"], "candidate": repaired["new"], "proof": repaired["proof"]}
+    told = {"schema": repaired["schema"], **reading(ridden[-1].state).as_dict()}
+    unlisted, unwritten = differences([*events, lost, told])
+    assert unlisted == set()
+    assert unwritten == {"versions.*"}
 
 
 @pytest.mark.slow

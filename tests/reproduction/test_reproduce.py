@@ -7,6 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from json_page import differences
 
 import stereorecal as sr
 from stereorecal._errors import InputError
@@ -68,6 +69,12 @@ def test_every_experiment_has_its_rows(log, serial):
     assert serial.unfinished == 0
     number = {name: len(rows) for name, rows in serial.rows.items()}
     assert number == {"validity": 4, "sweeps": 10, "repair": 2, "generalise": 2, "ex_nihilo": 2, "sequential": 3}
+
+
+def test_its_json_is_that_of_the_page(serial):
+    """But for what the rows of each experiment hold, which is in their CSV files too."""
+    told = {**serial.as_dict(), "summary": None, "rows": None, "errors": {"repair:1": "why"}}
+    assert differences([told]) == (set(), set())
 
 
 def test_validity_counts_each_pair_under_each_calibration(log, serial):

@@ -1,0 +1,44 @@
+"""The page on JSON, read by tests, and held against what is written."""
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+PAGE = Path(__file__).parents[1] / "docs" / "reference" / "json.md"
+
+
+def listed() -> dict[str, set[str]]:
+    """Keys by the heading that they stand under."""
+    parts = re.split(r"^## (.*)$", PAGE.read_text(), flags=re.MULTILINE)[1:]
+    return {
+        head.strip(" `"): {
+            key for row in re.findall(r"^\| (`.*?) \|", body, re.MULTILINE) for key in row[1:-1].split("`, `")
+        }
+        for head, body in zip(parts[::2], parts[1::2], strict=True)
+    }
+
+
+def paths(content: Any, at: str = "") -> Iterator[str]:
+    """Of all that is neither an object nor a list of objects."""
+    if isinstance(content, dict) and content:
+        for key, value in content.items():
+            yield from paths(value, f"{at}.{key}" if at else key)
+    elif isinstance(content, list) and content and isinstance(content[0], dict):
+        for value in content:
+            yield from paths(value, f"{at}[]")
+    else:
+        yield at
+
+
+def matched(key: str, path: str) -> bool:
+    return re.fullmatch(re.escape(key).replace(r"\*", r"[^.]+"), path) is not None
+
+
+def differences(contents: list[dict[str, Any]]) -> tuple[set[str], set[str]]:
+    """Paths that are written under a schema and not listed; keys that are listed and that nobody writes."""
+    pages = listed()
+    keys = pages["All schemas"] | pages[contents[0]["schema"]]
+    written = {path for content in contents for path in paths(content)}
+    unlisted = {path for path in written if not any(matched(key, path) for key in keys)}
+    return unlisted, {key for key in keys if not any(matched(key, path) for path in written)}
