@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from stereorecal.comparison import Comparison, compare_scenes
+from stereorecal.comparison._pictures import pictures_of
 from stereorecal.comparison._profiles import solved_at
 from stereorecal.matching import SAD
 from stereorecal.report.page import comparison_page
@@ -208,6 +209,21 @@ def test_to_html_writes_the_page(table: Comparison, page: str, tmp_path):
     assert all(value and value.startswith("data:image/jpeg;") for value in pictures)
     assert sum(name == "alt" and bool(value) for name, value in read.attributes) == len(pictures)
     assert EVIL not in written
+
+
+def test_pictures_are_ranked_as_the_table_is(table: Comparison):
+    """A wrong calibration that out-scores the right one is not the best trial."""
+    first, second = (trial for trial in table.trials if trial.strategy == "compass")
+    near, far = dict.fromkeys(("pitch", "yaw", "roll"), 0.01), dict.fromkeys(("pitch", "yaw", "roll"), 0.5)
+    wrong, right = (
+        replace(first, ratio=1.2, rotation_error_deg=far),
+        replace(second, ratio=0.99, rotation_error_deg=near),
+    )
+    titles = [picture.title for picture in pictures_of([wrong, right], table.shown, table.thresholds)]
+    assert titles == [
+        f"best: compass, schedule count, draw {right.draw}, r = 0.990, a success",
+        f"worst: compass, schedule count, draw {wrong.draw}, r = 1.200, no success",
+    ]
 
 
 def test_data_profiles(table: Comparison):
