@@ -65,7 +65,7 @@ def compare(
     executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> Comparison:
-    """Compare strategies on one scene, whose `rig` the drift is drawn from. Arguments and errors: see `compare_scenes`."""
+    """Compare strategies on one scene, from whose `rig` the drift is drawn. Arguments and errors: `compare_scenes`."""
     return compare_scenes(
         [Scene("scene", rig, check_pairs(rig, pairs))],
         strategies=strategies,

@@ -65,7 +65,9 @@ class Trial:
         score_at: best value of the stage's own score after 100, 300 and 1000 units; None where a schedule has several
             stages, whose scores do not compare.
         course: how it went, after each step: "cost" [units], "rotation_error_deg" (angle to the reference),
-            "axes_deg" (its pitch, yaw and roll) and "score" (the best so far; None where scores do not compare).
+            "axes_deg" (its pitch, yaw and roll) and "score" (the best so far; None where scores do not compare). Of the
+            candidate, accepted or not. A strategy that evaluates nothing itself, inside JAX or on images, has no steps
+            between its start and its end.
         extrinsics: "start", "final" and "reference": pitch, yaw, roll [rad], x, y, z [m].
     """
 
