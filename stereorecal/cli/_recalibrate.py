@@ -64,6 +64,7 @@ def run(options: argparse.Namespace) -> int:
         output = _output.output_of(options, found.scenes, free.names, read)
         scenes, ranges = sharing(found.scenes, free, ranges, options.extrinsics, schedule)
         absent = found.absent + without(found.scenes[0].pairs, scenes[0].pairs, "others show more texture")
+        pairing = {"pairing": found.pairing} if found.pairing else {}
         del found
         arguments = {
             "matcher": matcher,
@@ -88,7 +89,7 @@ def run(options: argparse.Namespace) -> int:
                 lambda: _show(repairs, options),
                 *_saving(scenes, repairs, options, output),
                 lambda: _save_json(scenes, repairs, settings, options, interrupted=interrupted),
-                lambda: write_report(options.html, scenes, repairs, {"seed": seed}, absent),
+                lambda: write_report(options.html, scenes, repairs, {"seed": seed, **pairing}, absent),
             )
     for repair in repairs:
         if repair.error is not None:

@@ -45,6 +45,14 @@ def test_pairs_of_a_bag(tmp_path, ros1: bool, compressed: bool):
     assert recorded.pairs[0].name == "/left/image 1700000000.000"
 
 
+def test_a_bag_by_one_of_its_files(tmp_path):
+    path = write_bag(tmp_path / "run", stamped(), ros1=False)
+    for part in (path / "metadata.yaml", next(path.glob("*.db3"))):
+        assert len(open_pairs(part, **TOPICS).pairs) == 4
+        with pytest.raises(InputError, match="this is a bag; say which topics"):
+            open_pairs(part)
+
+
 def test_frames_without_partner_are_named(tmp_path):
     path = write_bag(tmp_path / "a.bag", stamped(right=(0, 3)), ros1=True)
     recorded = open_pairs(path, **TOPICS)
