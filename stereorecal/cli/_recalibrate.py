@@ -224,7 +224,8 @@ def _show(repairs: Sequence[Repair], options: argparse.Namespace) -> None:
     if options.quiet or options.json == "-":
         return
     if len(repairs) > 1:
-        table_console().print(repairs_table([repair.as_row() for repair in repairs]))
+        console = table_console()
+        console.print(repairs_table([repair.as_row() for repair in repairs], console.width))
         return
     print(repairs[0].solution)
 

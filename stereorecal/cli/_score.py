@@ -65,7 +65,8 @@ def _show(looked: Sequence[Health | InputError], rows: Sequence[dict[str, Any]],
     if options.quiet or options.json == "-":
         return
     if len(looked) > 1:
-        table_console().print(scores_table(rows))
+        console = table_console()
+        console.print(scores_table(rows, console.width))
     elif looked and isinstance(looked[0], Health):
         print(looked[0])
 

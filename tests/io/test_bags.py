@@ -99,7 +99,7 @@ def test_bayer(tmp_path, pattern: str):
     for colour in "rgb":
         here = np.array([c == colour for c in pattern]).reshape(2, 2)[rows % 2, columns % 2]
         mosaic = (200 * here * texture).astype(np.uint8)
-        images = [(topic, START, mosaic) for topic in TOPICS.values()]
+        images = [(topic, START, mosaic // part) for part, topic in enumerate(TOPICS.values(), 1)]
         path = write_bag(tmp_path / f"{colour}.bag", images, ros1=True, encoding=f"bayer_{pattern}8")
         luma[colour] = float(open_pairs(path, **TOPICS).pairs[0].left[4:20, 4:12].mean())
     np.testing.assert_allclose([luma[c] / 200 for c in "rgb"], [0.299, 0.587, 0.114], atol=0.02)
