@@ -111,7 +111,8 @@ def test_pairs_in_order_are_told(command, seen, calibration, tmp_path):
     answer = command("recalibrate", *words, "--html", tmp_path / "out.html")
     assert answer.err == (
         f"stereorecal: {left}/shot 1.png: no name on the left has a partner on the right, so 2 pairs are made in the "
-        "order of the names, this one with x 10%.png; check that none is missing.\n"
+        "order of the names, this one with x 10%.png; check that none is missing, or give a tolerance if the names "
+        "are times.\n"
     )
     assert "in order, since no name on the left has a partner" in (tmp_path / "out.html").read_text(encoding="utf-8")
 

@@ -111,6 +111,8 @@ def test_what_is_refused(tmp_path):
         open_pairs(path, left_topic="/none", right_topic="/right/image")
     with pytest.raises(InputError, match="this is a bag; say which topics"):
         open_pairs(path)
+    with pytest.raises(InputError, match=r"neither a \.bag file nor a folder with a metadata\.yaml"):
+        open_pairs(tmp_path, **TOPICS)
     with pytest.raises(InputError, match="there is no such bag"):
         open_pairs(tmp_path / "none.bag", **TOPICS)
     (tmp_path / "bad.bag").write_bytes(b"#ROSBAG V2.0\nnothing")

@@ -176,6 +176,12 @@ def test_names_without_anything_in_common_go_by_order():
         assert find_partners(left, right).by_order
 
 
+def test_a_marker_may_stand_last():
+    left, right = ([Path(f"{number}_{side}.png") for number in ("0010", "0011")] for side in (0, 1))
+    found = find_partners(left, right[::-1])
+    assert (found.matched, found.by_order) == (list(zip(left, right, strict=True)), False)
+
+
 def test_one_file_on_each_side_needs_no_warning():
     assert not find_partners([Path("a.png")], [Path("b.png")]).by_order
 

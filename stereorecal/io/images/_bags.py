@@ -45,6 +45,8 @@ def bag_sources(path: Path, topics: tuple[str, str]) -> tuple[Source, Source]:
     """
     if not path.exists():
         raise InputError(f"{path}: there is no such bag; check the path.")
+    if not is_bag(path):
+        raise InputError(f"{path}: neither a .bag file nor a folder with a {_METADATA} in it; give one of these.")
     for file in (path, *path.rglob("*")):
         note_input(file)
     bag = _Bag(path)

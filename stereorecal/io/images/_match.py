@@ -3,6 +3,7 @@
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 
 from stereorecal._errors import InputError, PairingWarning
@@ -122,8 +123,8 @@ def by_stem(folder: Path) -> dict[str, Path]:
 
 def _by_name(left: Sequence[Path], right: Sequence[Path]) -> tuple[dict[str, Path], dict[str, Path]]:
     """Both sides by what a name has in common with its partner's; empty if no name has one."""
-    for markers in _MARKERS:
-        lefts, rights = (_by_key(files, m) for files, m in zip((left, right), markers, strict=True))
+    for last, markers in product((False, True), _MARKERS):
+        lefts, rights = (_by_key(files, m, last) for files, m in zip((left, right), markers, strict=True))
         if lefts.keys() & rights.keys():
             return lefts, rights
     return {}, {}
@@ -137,16 +138,21 @@ def _in_order(left: Sequence[Path], right: Sequence[Path]) -> Matched:
     if len(left) > 1:
         warnings.warn(
             f"{left[0]}: no name on the left has a partner on the right, so {len(left)} pairs are made in the order of "
-            f"the names, this one with {right[0].name}; check that none is missing.",
+            f"the names, this one with {right[0].name}; check that none is missing, or give a tolerance if the names "
+            "are times.",
             PairingWarning,
             stacklevel=2,
         )
     return list(zip(left, right, strict=True))
 
 
-def _by_key(files: Sequence[Path], marker: str) -> dict[str, Path]:
-    """Files by their names without `marker`; none if those names are not unique."""
-    by_key = {path.stem.replace(marker, "", 1): path for path in files if marker in path.stem}
+def _by_key(files: Sequence[Path], marker: str, last: bool) -> dict[str, Path]:
+    """Files by their names without `marker` where it stands first, or last; none if those names are not unique."""
+    by_key = {}
+    for path in files:
+        at = path.stem.rfind(marker) if last else path.stem.find(marker)
+        if at >= 0:
+            by_key[path.stem[:at] + path.stem[at + len(marker) :]] = path
     return by_key if len(by_key) == len(files) else {}
 
 
