@@ -13,7 +13,7 @@ from stereorecal._run_all import Progress
 from stereorecal._signals import hold
 from stereorecal._versions import versions
 from stereorecal.cli import _output, _values
-from stereorecal.cli._console import table_console
+from stereorecal.cli._console import print_lines, table_console
 from stereorecal.cli._executors import executor
 from stereorecal.cli._exit_codes import BAD_INPUT, CANNOT_TELL, FAILURE, INTERRUPTED
 from stereorecal.cli._html import check_page, write_report
@@ -227,7 +227,7 @@ def _show(repairs: Sequence[Repair], options: argparse.Namespace) -> None:
         console = table_console()
         console.print(repairs_table([repair.as_row() for repair in repairs], console.width))
         return
-    print(repairs[0].solution)
+    print_lines(repairs[0].solution)
 
 
 def _exit_code(repairs: Sequence[Repair]) -> int:

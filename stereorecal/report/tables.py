@@ -185,7 +185,7 @@ def _legend(data: Mapping[str, Any]) -> str:
         "".join(schedules)
         + "N_i, N_o, N_GT: pixels matched with the initial, the recalibrated and the reference calibration.\n"
         f"r = N_o / N_GT; ! above {limits['flagged_ratio']}: a wrong calibration may score higher than the right one.\n"
-        f"errors: relative to {'; '.join(REFERENCES.get(r, r) for r in references)}.\n"
+        f"reference, also of errors: {'; '.join(REFERENCES.get(r, r) for r in references)}.\n"
         f"success: r >= {limits['ratio']}, pitch and roll within {limits['pitch_roll_deg']}°, "
         f"yaw within {limits['yaw_deg']}°.\n"
     )

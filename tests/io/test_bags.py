@@ -83,6 +83,23 @@ def test_encodings(tmp_path, encoding: str):
     np.testing.assert_allclose(pair.left, image(0, 0), atol=0.51)
 
 
+@pytest.mark.parametrize("encoding", ["bgr8", "bgra8", "rgb8", "rgba8", "bgr16", "bgra16", "rgb16", "rgba16"])
+def test_order_of_channels(tmp_path, encoding: str):
+    """Red and blue weigh as luma has it, whichever comes first."""
+    grey = image(0, 0).astype(np.float64)
+    colour = np.stack([grey, 0 * grey, 255 - grey, np.full_like(grey, 255)], axis=-1)  # red, green, blue, alpha
+    if encoding.startswith("bgr"):
+        colour = colour[..., [2, 1, 0, 3]]
+    deep = encoding.endswith("16")
+    pixels = (colour[..., : 4 if "a" in encoding else 3] * (257 if deep else 1)).astype(np.uint16 if deep else np.uint8)
+    images = [("/left/image", START, pixels), ("/right/image", START, pixels // 2)]
+    left = open_pairs(write_bag(tmp_path / "a.bag", images, ros1=True, encoding=encoding), **TOPICS).pairs[0].left
+    expected = 0.299 * grey + 0.114 * (255 - grey)
+    if deep:  # scaled so that the brightest is 255
+        expected *= 255.0 / expected.max()
+    np.testing.assert_allclose(left, expected, atol=0.6)
+
+
 def test_sixteen_bit(tmp_path):
     images = [(topic, stamp, grey.astype(np.uint16) * 257) for topic, stamp, grey in stamped((0,))]
     pair = open_pairs(write_bag(tmp_path / "a.bag", images, ros1=True, encoding="mono16"), **TOPICS).pairs[0]

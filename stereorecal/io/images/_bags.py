@@ -18,7 +18,8 @@ from stereorecal.io.images._source import Image, Source
 
 _METADATA, _PARTS = "metadata.yaml", (".db3", ".mcap")
 _RAW, _COMPRESSED = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
-_TO_BGR = {"rgb8": cv2.COLOR_RGB2BGR, "rgba8": cv2.COLOR_RGBA2BGR, "rgb16": cv2.COLOR_RGB2BGR}
+_TO_BGR = {"rgb8": cv2.COLOR_RGB2BGR, "rgba8": cv2.COLOR_RGBA2BGR}
+_TO_BGR |= {"rgb16": cv2.COLOR_RGB2BGR, "rgba16": cv2.COLOR_RGBA2BGR}
 # OpenCV names a Bayer pattern by its second row, ROS by its first.
 _BAYER = {"rggb": cv2.COLOR_BayerBG2BGR, "bggr": cv2.COLOR_BayerRG2BGR, "gbrg": cv2.COLOR_BayerGR2BGR}
 _BAYER["grbg"] = cv2.COLOR_BayerGB2BGR
