@@ -19,9 +19,3 @@ def first_that_fits(layouts: Iterable[Callable[[], Sequence[Table]]], width: int
         if all(width_of(table) <= width for table in tables):
             break
     return tables
-
-
-def short_names(names: Sequence[str]) -> dict[str, str]:
-    """Names of scenes without those of their data sets, if they stay distinct."""
-    short = [name.rpartition("/")[2] for name in names]
-    return dict(zip(names, short if len(set(short)) == len(names) else names, strict=True))

@@ -11,7 +11,7 @@ from rich.console import Group
 from rich.table import Table
 from rich.text import Text
 
-from stereorecal.report._fitting import first_that_fits, short_names, width_of
+from stereorecal.report._fitting import first_that_fits, width_of
 from stereorecal.report.cells import change, number, percent
 
 _AXES = {"rotation_deg": ("pitch", "yaw", "roll"), "translation_percent": ("y", "z")}
@@ -41,11 +41,10 @@ def repairs_table(repairs: Rows, width: int) -> Group:
 
 
 def _repairs_table(repairs: Rows, parts: Sequence["_Part"], folds: tuple[int, int]) -> list[Table]:
-    names = short_names([repair["scene"] for repair in repairs])
     words = [head for part in parts for head in part.words]
     table = _table(("scene", *words), [head for part in parts for head in part.numbers])
     for repair in repairs:
-        cells = [_named(names[repair["scene"]], folds[0])]
+        cells = [_named(repair["scene"], folds[0])]
         for part in parts:
             cells += part.cells(repair, folds[1])
         table.add_row(*map(Text, cells))
@@ -60,11 +59,10 @@ def scores_table(scenes: Rows, width: int) -> Table:
 
 
 def _scores_table(scenes: Rows, folds: tuple[int, int]) -> list[Table]:
-    names = short_names([scene["scene"] for scene in scenes])
     heads = [_folded(head, folds[1]) for head in ("matched", "row error px", "yaw to mend °", "depth at 30 B")]
     table = _table(("scene",), heads, ("verdict",))
     for scene in scenes:
-        name = _named(names[scene["scene"]], folds[0])
+        name = _named(scene["scene"], folds[0])
         found = ("-", "-", "-", "-", "cannot be used") if scene["error"] is not None else _score(scene)
         table.add_row(*map(Text, (name, *(_folded(cell, folds[1]) for cell in found))))
     return [table]

@@ -12,7 +12,7 @@ from rich.table import Column, Table
 from rich.text import Text
 
 from stereorecal.report._entrants import several_schedules, strategies_of, title_of
-from stereorecal.report._fitting import first_that_fits, short_names
+from stereorecal.report._fitting import first_that_fits
 from stereorecal.report.cells import count, number, percent
 
 WIDE = 120  # columns of a table that is not printed to a terminal
@@ -199,7 +199,10 @@ def _troubles(data: Mapping[str, Any]) -> str:
 
 
 def _short_names(data: Mapping[str, Any]) -> dict[str, str]:
-    return short_names([scene["name"] for scene in data["scenes"]])
+    """Scene names without the name of their data set, if they stay distinct."""
+    names = [scene["name"] for scene in data["scenes"]]
+    short = [name.rpartition("/")[2] for name in names]
+    return dict(zip(names, short if len(set(short)) == len(names) else names, strict=True))
 
 
 def _table(title: str, data: Mapping[str, Any]) -> Table:

@@ -34,7 +34,7 @@ def repair(scene: str, reason: Reason, **changes: Any) -> dict[str, Any]:
 
 
 def repairs() -> list[dict[str, Any]]:
-    """One of each verdict, twice of the same name in two data sets, and one that failed."""
+    """One of each verdict, and one that failed."""
     rows = [repair(f"{NAME}-{number}", reason) for number, reason in enumerate(Reason)]
     return [*rows, repair("KITTI/2011_09_26_drive_0001_extract", Reason.IMPROVED, error="it broke", fault="input")]
 
@@ -69,7 +69,7 @@ def test_scores_are_whole(width: int):
     rows = [score(f"{NAME}-1"), score("KITTI/drive_0001", mending=None), score("b", error="bad")]
     words = " ".join(printed(scores_table(rows, width), width)).split()
     assert {"cannot", "tell", "(too", "little", "texture)", "matched", "mend", "times", "+3.00", "±"} <= set(words)
-    assert {"2026-06-02-", "2026-06-02-harbour-1"} & set(words) or width == 60
+    assert f"{NAME}-1" in words or width < 200  # names are folded first
 
 
 def test_wide_terminals_hold_one_table_of_repairs():
