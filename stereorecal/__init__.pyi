@@ -17,6 +17,7 @@ from . import (
 from ._errors import (
     CalibrationWarning as CalibrationWarning,
     InputError as InputError,
+    PairingWarning as PairingWarning,
     StrategyError as StrategyError,
     UnsupportedModelError as UnsupportedModelError,
 )

@@ -1,4 +1,4 @@
-"""The exceptions and the warning of stereorecal."""
+"""The exceptions and the warnings of stereorecal."""
 
 
 class InputError(ValueError):
@@ -26,6 +26,13 @@ class BudgetExhausted(Exception):
 
 class CalibrationWarning(UserWarning):
     """A calibration can be used but looks wrong; the message is one sentence.
+
+    The command line prints it as a line and goes on.
+    """
+
+
+class PairingWarning(UserWarning):
+    """Images are paired that may not belong together; the message is one sentence.
 
     The command line prints it as a line and goes on.
     """

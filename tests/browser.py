@@ -74,8 +74,8 @@ class Page:
             self._next()
 
     def evaluate(self, code: str) -> Any:
-        """The value of an expression in the page."""
-        answer = self.send("Runtime.evaluate", expression=code, returnByValue=True)
+        """The value of an expression in the page; of a promise, what it comes to."""
+        answer = self.send("Runtime.evaluate", expression=code, returnByValue=True, awaitPromise=True)
         assert "exceptionDetails" not in answer, answer
         return answer["result"].get("value")
 

@@ -8,7 +8,7 @@ from contextlib import contextmanager, suppress
 from importlib import import_module
 from typing import Any
 
-from stereorecal._errors import CalibrationWarning, InputError, StrategyError
+from stereorecal._errors import CalibrationWarning, InputError, PairingWarning, StrategyError
 from stereorecal._signals import interrupted, interruptible
 from stereorecal.cli._exit_codes import BAD_INPUT, FAILURE, INTERRUPTED
 from stereorecal.cli._streams import flush, leave_stdout, nobody_reads, say, spell_out
@@ -70,13 +70,15 @@ def _say(message: object, code: int) -> int:
 
 @contextmanager
 def _warnings_as_lines() -> Iterator[None]:
-    """A calibration that looks wrong is one line on stderr, without the line of code that Python would show."""
+    """What looks wrong is one line on stderr, without the line of code that Python would show."""
+    ours = (CalibrationWarning, PairingWarning)
     with warnings.catch_warnings():
-        warnings.simplefilter("always", CalibrationWarning)
+        for kind in ours:
+            warnings.simplefilter("always", kind)
         show_others = warnings.showwarning
 
         def show(message: Warning | str, category: type[Warning], *where: Any) -> None:
-            if issubclass(category, CalibrationWarning):
+            if issubclass(category, ours):
                 say(message)
             else:
                 show_others(message, category, *where)

@@ -13,7 +13,7 @@ from stereorecal._run_all import Progress
 from stereorecal._signals import hold
 from stereorecal._versions import versions
 from stereorecal.cli import _output, _values
-from stereorecal.cli._console import table_console
+from stereorecal.cli._console import print_lines, table_console
 from stereorecal.cli._executors import executor
 from stereorecal.cli._exit_codes import BAD_INPUT, CANNOT_TELL, FAILURE, INTERRUPTED
 from stereorecal.cli._html import check_page, write_report
@@ -64,6 +64,7 @@ def run(options: argparse.Namespace) -> int:
         output = _output.output_of(options, found.scenes, free.names, read)
         scenes, ranges = sharing(found.scenes, free, ranges, options.extrinsics, schedule)
         absent = found.absent + without(found.scenes[0].pairs, scenes[0].pairs, "others show more texture")
+        pairing = {"pairing": found.pairing} if found.pairing else {}
         del found
         arguments = {
             "matcher": matcher,
@@ -88,7 +89,7 @@ def run(options: argparse.Namespace) -> int:
                 lambda: _show(repairs, options),
                 *_saving(scenes, repairs, options, output),
                 lambda: _save_json(scenes, repairs, settings, options, interrupted=interrupted),
-                lambda: write_report(options.html, scenes, repairs, {"seed": seed}, absent),
+                lambda: write_report(options.html, scenes, repairs, {"seed": seed, **pairing}, absent),
             )
     for repair in repairs:
         if repair.error is not None:
@@ -223,9 +224,10 @@ def _show(repairs: Sequence[Repair], options: argparse.Namespace) -> None:
     if options.quiet or options.json == "-":
         return
     if len(repairs) > 1:
-        table_console().print(repairs_table([repair.as_row() for repair in repairs]))
+        console = table_console()
+        console.print(repairs_table([repair.as_row() for repair in repairs], console.width))
         return
-    print(repairs[0].solution)
+    print_lines(repairs[0].solution)
 
 
 def _exit_code(repairs: Sequence[Repair]) -> int:

@@ -21,6 +21,8 @@ _GIVE = (
     " or --bag, --left-topic and --right-topic"
 )
 
+_BY_ORDER = "in order, since no name on the left has a partner on the right"
+
 _Select = Callable[..., tuple[tuple[Pair, ...], tuple[tuple[str, str], ...]]]  # as `_selected`
 
 
@@ -31,10 +33,12 @@ class Recordings:
     Attributes:
         scenes: each with a rig.
         absent: frames, by name or how many, that are not among their pairs, and why.
+        pairing: what told which images belong together, if that was not their names or times.
     """
 
     scenes: list[Scene]
     absent: tuple[tuple[str, str], ...]
+    pairing: str | None = None
 
 
 def recordings(options: argparse.Namespace, *, few: bool = False) -> Recordings:
@@ -95,6 +99,10 @@ def _loose(options: argparse.Namespace) -> bool:
 def _scenes(options: argparse.Namespace, select: _Select) -> Recordings:
     if options.format or (options.unit and getattr(options, "output_format", None) is None):
         raise InputError("--format and --unit belong to --calibration; leave them out.")
+    if options.tolerance is not None:
+        raise InputError(
+            "--tolerance belongs to --left and --right, or --bag; a scene folder pairs by names: leave it out."
+        )
     absent: list[tuple[str, str]] = []
 
     def chosen(pairs: LazyPairs, path: str) -> tuple[Pair, ...]:
@@ -120,17 +128,19 @@ def _recorded(options: argparse.Namespace, select: _Select) -> Recordings:
     topics = {"left_topic": options.left_topic, "right_topic": options.right_topic}
     place = options.left or options.side_by_side or options.bag
     absent: list[tuple[str, str]] = []
+    pairing: list[str] = []
 
     def pairs() -> tuple[Pair, ...]:
         recorded = open_pairs(place, options.right, tolerance=options.tolerance, **topics)
         absent.extend(_told(recorded.unpaired))
+        pairing.extend([_BY_ORDER] * recorded.by_order)
         chosen, left_out = select(recorded.pairs, options, stream=recorded.stream, about=place)
         absent.extend(left_out)
         return chosen
 
     calibration = _calibrations.place(options.calibration, "--calibration")
     scene = calibrated_scene(str(place), pairs, calibration, format=options.format, unit=options.unit)
-    return Recordings([scene], tuple(absent))
+    return Recordings([scene], tuple(absent), *pairing)
 
 
 def _selected(

@@ -8,7 +8,7 @@ from typing import Any
 from stereorecal._errors import InputError
 from stereorecal._signals import hold
 from stereorecal._versions import versions
-from stereorecal.cli._console import table_console
+from stereorecal.cli._console import print_lines, table_console
 from stereorecal.cli._exit_codes import BAD_INPUT, CANNOT_TELL, INTERRUPTED, REPAIR
 from stereorecal.cli._json import write_json
 from stereorecal.cli._places import check_places, deliver, image_inputs, places_of, spare
@@ -65,9 +65,10 @@ def _show(looked: Sequence[Health | InputError], rows: Sequence[dict[str, Any]],
     if options.quiet or options.json == "-":
         return
     if len(looked) > 1:
-        table_console().print(scores_table(rows))
+        console = table_console()
+        console.print(scores_table(rows, console.width))
     elif looked and isinstance(looked[0], Health):
-        print(looked[0])
+        print_lines(looked[0])
 
 
 def _look(scene: Scene, matcher: AbstractMatcher) -> Health | InputError:

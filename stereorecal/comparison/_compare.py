@@ -65,7 +65,7 @@ def compare(
     executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> Comparison:
-    """Compare strategies on one scene whose `rig` is the reference. Arguments and errors: see `compare_scenes`."""
+    """Compare strategies on one scene, from whose `rig` the drift is drawn. Arguments and errors: `compare_scenes`."""
     return compare_scenes(
         [Scene("scene", rig, check_pairs(rig, pairs))],
         strategies=strategies,
@@ -102,13 +102,13 @@ def compare_scenes(
 ) -> Comparison:
     """Decalibrate each scene's rig `draws` times and let every strategy repair each of them.
 
-    All strategies see the same draws, the same matcher with the same disparity range, and the same budget. Errors are
-    against the truth where it is known, else against the consensus of the scene's frames (where the default schedule
-    ends, started from the stored calibration), else against the stored calibration. Ctrl-C ends the comparison; what is
-    finished is returned with `interrupted` set.
+    All strategies see the same draws, the same matcher with the same disparity range, and the same budget. The
+    reference, with which N_GT is counted and against which errors are, is the truth where it is known, else the
+    consensus of the scene's frames (where the default schedule ends, started from the stored calibration), else the
+    stored calibration. Ctrl-C ends the comparison; what is finished is returned with `interrupted` set.
 
     Args:
-        scenes: each with a rig, from which the drift is drawn and with which N_GT is counted.
+        scenes: each with a rig, from which the drift is drawn.
         strategies: names from the registry, or a mapping from names to strategies with options of their own; default
             those of the schedule.
         matcher: a matcher, or "sad" (default), "bm" or "sgbm"; without `num_disparities` each scene's range is measured
@@ -219,7 +219,7 @@ def _plan(scene: Scene, matcher: AbstractMatcher, reach: Reach, scale: float) ->
 
 
 def _reference(scene: Scene, rig: StereoRig, matcher: AbstractMatcher) -> tuple[StereoRig, str]:
-    """The rig that errors are measured against, and what it is worth."""
+    """The rig that N_GT is counted with and errors are measured against, and what it is worth."""
     if scene.reference != "stored":
         return rig, scene.reference
     try:

@@ -75,4 +75,6 @@ class Comparison:
         with extra("figures", "an HTML page"):
             from stereorecal.report.page import comparison_page
         profile = [plain(asdict(curve)) for curve in self.data_profile()]
-        write_text(Path(path), comparison_page(self.as_dict(), profile, pictures_of(self.trials, self.shown)))
+        write_text(
+            Path(path), comparison_page(self.as_dict(), profile, pictures_of(self.trials, self.shown, self.thresholds))
+        )

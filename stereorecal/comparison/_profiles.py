@@ -15,6 +15,7 @@ from stereorecal.comparison._summary import Thresholds
 from stereorecal.comparison._trial import SKIPPED, Trial
 
 _POINTS = 60  # of a curve
+_LEAST = 1.0  # units over which curves are shown, if none was spent
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +40,8 @@ class Curve:
 
 
 def curves(trials: Sequence[Trial], thresholds: Thresholds) -> tuple[Curve, ...]:
-    """A curve for each scene, strategy and schedule that has a finished trial; all of a scene over the same cost."""
+    """A curve for each scene, strategy and schedule that has a finished trial; all of a scene over the same cost, and
+    level where they have ended: from the start if nothing was spent."""
     groups: dict[tuple[str, str, str], list[Trial]] = {}
     for trial in trials:
         if trial.status != SKIPPED:
@@ -47,7 +49,7 @@ def curves(trials: Sequence[Trial], thresholds: Thresholds) -> tuple[Curve, ...]
     ends: dict[str, float] = {}
     for trial in trials:
         if trial.course is not None:
-            ends[trial.scene] = max(ends.get(trial.scene, 0.0), trial.course["cost"][-1], trial.cost or 0.0)
+            ends[trial.scene] = max(ends.get(trial.scene, _LEAST), trial.course["cost"][-1], trial.cost or 0.0)
     return tuple(
         _curve(key, group, np.linspace(0.0, ends[key[0]], _POINTS), thresholds)
         for key, group in groups.items()

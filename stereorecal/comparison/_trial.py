@@ -24,8 +24,8 @@ class Task:
     """All that a worker needs for one trial; pickles small when the scene's pairs came from files.
 
     Attributes:
-        scene: its rig is what N_GT is counted with.
-        reference: the rig that errors are measured against, and what it is worth: "truth", "consensus" or "stored".
+        reference: the rig that N_GT is counted with and errors are measured against, and what it is worth: "truth",
+            "consensus" or "stored".
         start: the decalibrated rig.
         matcher: with its disparity range.
         schedule: with the strategy in it.
@@ -53,8 +53,8 @@ class Trial:
     """One row of a comparison; numbers that a skipped or failed trial does not have are None.
 
     Attributes:
-        score_initial, score_final, score_reference: the paper's N_i, N_o and N_GT: counts at full scale, all in the
-            view of the start.
+        score_initial, score_final, score_reference: the paper's N_i, N_o and N_GT (of the reference rig): counts at
+            full scale, all in the view of the start.
         ratio: the paper's r = N_o / N_GT.
         rotation_error_deg: |pitch|, |yaw|, |roll| error against the reference rig.
         translation_error_percent: |y|, |z| error in percent of the baseline.
@@ -65,8 +65,10 @@ class Trial:
         score_at: best value of the stage's own score after 100, 300 and 1000 units; None where a schedule has several
             stages, whose scores do not compare.
         course: how it went, after each step: "cost" [units], "rotation_error_deg" (angle to the reference),
-            "axes_deg" (its pitch, yaw and roll) and "score" (the best so far; None where scores do not compare).
-        extrinsics: "start" and "final": pitch, yaw, roll [rad], x, y, z [m].
+            "axes_deg" (its pitch, yaw and roll) and "score" (the best so far; None where scores do not compare). Of the
+            candidate, accepted or not. A strategy that evaluates nothing itself, inside JAX or on images, has no steps
+            between its start and its end.
+        extrinsics: "start", "final" and "reference": pitch, yaw, roll [rad], x, y, z [m].
     """
 
     scene: str
@@ -116,9 +118,8 @@ def _repair(task: Task) -> Solution:
 
 
 def _finished(task: Task, solution: Solution) -> Trial:
-    calibrated, (reference, _) = task.scene.rig, task.reference
-    assert calibrated is not None
-    target = score(calibrated, task.scene.pairs, matcher=task.matcher, view=solution.view).count
+    reference, _ = task.reference
+    target = score(reference, task.scene.pairs, matcher=task.matcher, view=solution.view).count
     final = (solution.score_after if solution.accepted else solution.score_before).count
     errors = axis_errors(solution.rig, reference)
     return Trial(
@@ -138,10 +139,11 @@ def _finished(task: Task, solution: Solution) -> Trial:
         cost_total=solution.cost.total,
         seconds=solution.seconds,
         score_at=_scores_at(task, solution) if len(task.schedule.stages) == 1 else None,
-        course=course_of(task.reference[0], solution, one_score=len(task.schedule.stages) == 1),
+        course=course_of(reference, solution, one_score=len(task.schedule.stages) == 1),
         extrinsics={
             "start": list(map(float, task.start.extrinsics)),
             "final": list(map(float, solution.rig.extrinsics)),
+            "reference": list(map(float, reference.extrinsics)),
         },
     )
 

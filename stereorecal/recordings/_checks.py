@@ -30,6 +30,15 @@ def check_pairs(rig: StereoRig, pairs: Pairs) -> tuple[Pair, ...]:
                 f"{rig.left.size[0]}x{rig.left.size[1]} (left) and {rig.right.size[0]}x{rig.right.size[1]} (right); "
                 "use images and calibration of the same size."
             )
-        if np.array_equal(pair.left, pair.right) and np.ptp(pair.left) > 0:
-            raise InputError(f"{pair.name}: left and right are the same image; give one from each camera.")
+        check_two_images(pair)
     return pairs
+
+
+def check_two_images(pair: Pair) -> None:
+    """Refuse a pair that is one image twice.
+
+    Raises:
+        InputError: about the pair.
+    """
+    if np.array_equal(pair.left, pair.right) and np.ptp(pair.left) > 0:
+        raise InputError(f"{pair.name}: left and right are the same image; give one from each camera.")

@@ -6,7 +6,8 @@ Needs jinja2 and matplotlib: pip install 'stereorecal[figures]'.
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from stereorecal.report._curves import curves_figure
+from stereorecal.report._colour_bar import colour_bar
+from stereorecal.report._curves import curve_figures, lines_of
 from stereorecal.report._entrants import strategies_of, title_of
 from stereorecal.report._pictures import data_uri, disparity_picture
 from stereorecal.report._strips import Series, strips
@@ -53,26 +54,32 @@ def _rank(row: Row, data: Mapping[str, Any]) -> tuple[int, float, float]:
     return scenes.index(row["scene"]), -(row["success_rate"] or 0.0), -(row["ratio_median"] or 0.0)
 
 
-def _curves(data: Mapping[str, Any], profile: Sequence[Row]) -> dict[str, Markup]:
-    """The curves of each scene."""
+def _curves(data: Mapping[str, Any], profile: Sequence[Row]) -> dict[str, dict[str, Any]]:
+    """The curves of each scene, with their legend."""
+    free = {(row["scene"], title_of(row, data)) for row in data["summary"] if row["cost_median"] == 0.0}
     found = {}
     for scene in dict.fromkeys(row["scene"] for row in profile):
         rows = [row for row in profile if row["scene"] == scene]
-        found[scene] = Markup(curves_figure(rows, [title_of(row, data) for row in rows]))
+        titles = [title_of(row, data) for row in rows]
+        lines = lines_of([title + ", no units spent" * ((scene, title) in free) for title in titles])
+        found[scene] = {"lines": lines, "panels": [Markup(panel) for panel in curve_figures(rows, lines)]}
     return found
 
 
-def _pictures(pictures: Sequence[TrialPicture]) -> list[dict[str, Any]]:
-    """Scene, title, and pictures with what they show, of each trial; one scale for each scene."""
-    found = []
-    for one in pictures:
-        shown = [maps for other in pictures if other.scene == one.scene for maps in (other.before, other.after)]
-        least, largest = colour_range(shown)
-        sides = {
-            when: (data_uri(disparity_picture(*maps, least, largest, _WIDE)), float(maps[1].mean()))
-            for when, maps in (("before", one.before), ("after", one.after))
+def _pictures(pictures: Sequence[TrialPicture]) -> dict[str, dict[str, Any]]:
+    """The pictures of each scene, on one scale, with that scale: the title of each trial, and what it shows."""
+    found = {}
+    for scene in dict.fromkeys(one.scene for one in pictures):
+        trials = [one for one in pictures if one.scene == scene]
+        least, largest = colour_range(maps for one in trials for maps in (one.before, one.after))
+        shown = {
+            one.title: {
+                when: (data_uri(disparity_picture(*maps, least, largest, _WIDE)), float(maps[1].mean()))
+                for when, maps in (("before", one.before), ("after", one.after))
+            }
+            for one in trials
         }
-        found.append({"scene": one.scene, "title": one.title, "sides": sides})
+        found[scene] = {"bar": colour_bar(least, largest), "trials": shown}
     return found
 
 

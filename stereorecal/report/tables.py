@@ -2,15 +2,17 @@
 
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 from rich import box
 from rich.cells import cell_len
-from rich.console import Console, Group
+from rich.console import Group
 from rich.table import Column, Table
 from rich.text import Text
 
 from stereorecal.report._entrants import several_schedules, strategies_of, title_of
+from stereorecal.report._fitting import first_that_fits
 from stereorecal.report.cells import count, number, percent
 
 WIDE = 120  # columns of a table that is not printed to a terminal
@@ -32,35 +34,35 @@ _ROTATIONS, _TRANSLATIONS = ("pitch", "yaw", "roll"), ("y", "z")
 _COUNTS = ("initial", "final", "reference")
 
 Row = Mapping[str, Any]
+_Make = Callable[[Mapping[str, Any], Sequence[str], int], Table]
 
 
 def comparison_tables(data: Mapping[str, Any], width: int, most_trials: int = 24) -> Group:
     """All trials if `most_trials` or fewer, then their medians; scores and errors side by side if `width` allows."""
-    tables = []
+    kinds: list[tuple[str, _Make]] = [("the medians", _summary_table)]
     if 1 < len(data["trials"]) <= most_trials:
-        tables += _fitted(_trials_table, data, width)
-    tables += _fitted(_summary_table, data, width)
-    narrowed = [_narrowed(table, width) for table in tables]
-    tables = [table for table, _ in narrowed]
-    dropped = dict.fromkeys(head for _, heads in narrowed for head in heads)
-    said = f"left out in {width} columns: {', '.join(dropped)}.\n" if dropped else ""
+        kinds.insert(0, ("the trials", _trials_table))
+    tables, missed = [], []
+    for name, make in kinds:
+        narrowed = [_narrowed(table, width) for table in _fitted(make, data, width)]
+        tables += [table for table, _ in narrowed]
+        dropped = dict.fromkeys(head for _, heads in narrowed for head in heads)
+        missed += [f"{', '.join(dropped)} of {name}"] * bool(dropped)
+    said = f"left out in {width} columns: {'; '.join(missed)}.\n" if missed else ""
     leaders = _leaders_table(data)
     if len(data["settings"]["strategies"]) > 1 and leaders.row_count:
         tables.append(leaders)
     return Group(*tables, Text(said + _legend(data) + _troubles(data)))
 
 
-def _fitted(
-    make: Callable[[Mapping[str, Any], Sequence[str], int], Table], data: Mapping[str, Any], width: int
-) -> list[Table]:
+def _fitted(make: _Make, data: Mapping[str, Any], width: int) -> Sequence[Table]:
     """The widest layout of a table, in one part or in two, that fits; else the narrowest."""
+
+    def layout(parts: Sequence[Sequence[str]], fold: int) -> list[Table]:
+        return [make(data, part, fold) for part in parts]
+
     layouts = [(_SIDE_BY_SIDE, fold) for fold in _FOLDS[:2]] + [(_APART, fold) for fold in _FOLDS]
-    tables: list[Table] = []
-    for parts, fold in layouts:
-        tables = [make(data, part, fold) for part in parts]
-        if all(_width(table) <= width for table in tables):
-            break
-    return tables
+    return first_that_fits([partial(layout, *one) for one in layouts], width)
 
 
 def _narrowed(table: Table, width: int) -> tuple[Table, list[str]]:
@@ -79,10 +81,6 @@ def _narrowed(table: Table, width: int) -> tuple[Table, list[str]]:
     for cells in zip(*(column.cells for column in columns), strict=True):
         narrow.add_row(*cells)
     return narrow, dropped
-
-
-def _width(table: Table) -> int:
-    return Console(width=10_000).measure(table).maximum
 
 
 def _least(columns: Sequence[Column]) -> int:
@@ -187,7 +185,7 @@ def _legend(data: Mapping[str, Any]) -> str:
         "".join(schedules)
         + "N_i, N_o, N_GT: pixels matched with the initial, the recalibrated and the reference calibration.\n"
         f"r = N_o / N_GT; ! above {limits['flagged_ratio']}: a wrong calibration may score higher than the right one.\n"
-        f"errors: relative to {'; '.join(REFERENCES.get(r, r) for r in references)}.\n"
+        f"reference, also of errors: {'; '.join(REFERENCES.get(r, r) for r in references)}.\n"
         f"success: r >= {limits['ratio']}, pitch and roll within {limits['pitch_roll_deg']}°, "
         f"yaw within {limits['yaw_deg']}°.\n"
     )

@@ -89,6 +89,47 @@ def test_what_does_not_go_together(command, words):
     assert answer.err.count("\n") == 1
 
 
+def image_files(folder: Path, seen, names: tuple[list[str], list[str]]) -> tuple[Path, Path]:
+    for side, (which, kept) in enumerate(zip(("left", "right"), names, strict=True)):
+        (folder / which).mkdir()
+        for number, name in enumerate(kept):
+            cv2.imwrite(str(folder / which / f"{name}.png"), seen[number][side])
+    return folder / "left", folder / "right"
+
+
+def test_a_frame_that_one_camera_lost_is_told(command, seen, calibration, tmp_path):
+    left, right = image_files(tmp_path, seen, (["a", "b", "c"], ["a", "b"]))
+    answer = command("score", "--left", left, "--right", right, "--calibration", calibration)
+    assert answer.code in (0, 1)
+    assert answer.err == "stereorecal: 1 frame has no partner in the other camera and is left out: left/c.png\n"
+
+
+def test_pairs_in_order_are_told(command, seen, calibration, tmp_path):
+    """Names with spaces and percent signs are names like others."""
+    left, right = image_files(tmp_path, seen, (["shot 1", "shot 2"], ["x 10%", "x 100%"]))
+    words = ("--left", left, "--right", right, "--calibration", calibration, "--budget", 40)
+    answer = command("recalibrate", *words, "--html", tmp_path / "out.html")
+    assert answer.err == (
+        f"stereorecal: {left}/shot 1.png: no name on the left has a partner on the right, so 2 pairs are made in the "
+        "order of the names, this one with x 10%.png; check that none is missing, or give a tolerance if the names "
+        "are times.\n"
+    )
+    assert "in order, since no name on the left has a partner" in (tmp_path / "out.html").read_text(encoding="utf-8")
+
+
+def test_one_image_twice_is_no_fault_of_the_calibration(command, seen, calibration, tmp_path):
+    left, right = image_files(tmp_path, [(one, one) for one, _ in seen], (["a"], ["a"]))
+    answer = command("score", "--left", left, "--right", right, "--calibration", calibration)
+    assert answer.code == 2
+    assert answer.err.startswith(f"stereorecal: {left}/a.png and {right}/a.png: left and right are the same image; ")
+
+
+def test_a_tolerance_is_not_for_scene_folders(command, clean_scene):
+    answer = command("score", clean_scene, "--tolerance", 0.01)
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err.startswith("stereorecal: --tolerance belongs to --left and --right, or --bag; ")
+
+
 NOTHING_LEFT = {
     "from": (["--from", 5], "of 1 pairs, --from, --to and --every leave none"),
     "every": (["--every", 0], "--every is 0"),

@@ -1,13 +1,15 @@
 """The HTML page of a comparison: whole, self-contained, escaped, light."""
 
 import re
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from html.parser import HTMLParser
 
 import numpy as np
 import pytest
 
+from stereorecal._plain import plain
 from stereorecal.comparison import Comparison, compare_scenes
+from stereorecal.comparison._pictures import pictures_of
 from stereorecal.comparison._profiles import solved_at
 from stereorecal.matching import SAD
 from stereorecal.report.page import comparison_page
@@ -88,7 +90,7 @@ def test_numbers_are_those_of_the_comparison(table: Comparison, page: str):
     for trial in (trial for trial in table.trials if trial.ratio is not None):
         for number in (f"{trial.ratio:.3f}", f"{trial.rotation_error_deg['yaw']:.3f}", f"{trial.cost:.1f}"):
             assert number in [cell.strip() for cell in cells]
-    assert "from the true rig" in " ".join(text["dd"])
+    assert "reference calibration, which is of data/<b>harbour</b> the true rig" in " ".join(text["dd"])
     assert any("within 0.05°" in entry for entry in text["dd"])
     assert table.versions["jax"] in cells
 
@@ -202,12 +204,30 @@ def test_to_html_writes_the_page(table: Comparison, page: str, tmp_path):
     read = Reader(written)
     assert read.opened == []
     assert {"Over the units spent", "What trials look like"} <= {text.strip() for text in read.texts["h2"]}
-    assert read.names.count("svg") == Reader(page).names.count("svg") + 1
+    panels, lines = 3, 2
+    assert read.names.count("svg") == Reader(page).names.count("svg") + panels + lines
     pictures = [value for name, value in read.attributes if name == "src"]
-    assert len(pictures) == 2 * 3
+    assert len(pictures) == 2 * 3 + 1  # before and after, and the colour bar
+    said = " ".join(read.texts["p"])
+    assert re.search(r"far, \d+ px\d+ px, near; black: none", said)
     assert all(value and value.startswith("data:image/jpeg;") for value in pictures)
     assert sum(name == "alt" and bool(value) for name, value in read.attributes) == len(pictures)
     assert EVIL not in written
+
+
+def test_pictures_are_ranked_as_the_table_is(table: Comparison):
+    """A wrong calibration that out-scores the right one is not the best trial."""
+    first, second = (trial for trial in table.trials if trial.strategy == "compass")
+    near, far = dict.fromkeys(("pitch", "yaw", "roll"), 0.01), dict.fromkeys(("pitch", "yaw", "roll"), 0.5)
+    wrong, right = (
+        replace(first, ratio=1.2, rotation_error_deg=far),
+        replace(second, ratio=0.99, rotation_error_deg=near),
+    )
+    titles = [picture.title for picture in pictures_of([wrong, right], table.shown, table.thresholds)]
+    assert titles == [
+        f"best: compass, schedule count, draw {right.draw}, r = 0.990, a success",
+        f"worst: compass, schedule count, draw {wrong.draw}, r = 1.200, no success",
+    ]
 
 
 def test_data_profiles(table: Comparison):
@@ -220,6 +240,30 @@ def test_data_profiles(table: Comparison):
         assert np.all(np.diff(curve.rotation_error_deg, axis=0) >= 0.0)  # quartiles in order
         assert curve.score is not None
         assert np.all(np.diff(curve.score[1]) >= 0.0)
+
+
+def test_curves_of_a_strategy_that_spends_nothing(scene):
+    """It is level from the start at what it ended with, over a range that can be seen; and the page says so."""
+    pytest.importorskip("stereorecal_features", reason="the plug-in is not installed")
+    chosen = {"features": strategy("features")}
+    small = {"matcher": SAD(num_disparities=48), "draws": 1, "scale": 0.5}
+    comparison = compare_scenes([scene("harbour", 0, (320, 240))], strategies=chosen, **small)
+    [curve], [trial] = comparison.data_profile(), comparison.trials
+    assert trial.cost == 0.0
+    assert (curve.cost[0], curve.cost[-1]) == (0.0, 1.0)
+    assert curve.score is not None
+    assert np.all(curve.score == trial.score_at["100"])
+    assert trial.score_at["100"] > trial.course["score"][0]
+    page = comparison_page(comparison.as_dict(), [plain(asdict(curve))])
+    assert any("features, no units spent" in entry for entry in Reader(page).texts["li"])
+    assert "level where its trials have ended" in " ".join(Reader(page).texts["p"])
+
+
+def test_wide_tables_are_reached_by_keyboard(page: str):
+    boxes = re.findall(r'<div class="wide"[^>]*>', page)
+    assert len(boxes) == 4
+    for box in boxes:
+        assert 'role="region" tabindex="0" aria-label="' in box
 
 
 def test_when_a_trial_is_solved(table: Comparison):

@@ -6,8 +6,10 @@ import pytest
 from stereorecal._errors import InputError
 from stereorecal.comparison import Drift, compare, compare_scenes
 from stereorecal.comparison._entrants import entrants_of
+from stereorecal.geometry import axis_errors, view
 from stereorecal.matching import SAD
 from stereorecal.recalibration import Schedule, recalibrate
+from stereorecal.scoring.host import score
 from stereorecal.strategies import Budget, strategy
 
 MATCHER = SAD(num_disparities=64)
@@ -47,6 +49,20 @@ def test_without_a_truth_errors_are_against_the_consensus(table):
         assert comparison.scenes[0]["reference"] == "consensus"
         assert comparison.trials[0].reference == "consensus"
         assert comparison.settings["schedule"] == comparison.trials[0].schedule
+
+
+def test_counts_and_errors_have_one_reference(table, scene):
+    given_scene = scene("harbour", 2, SIZE)
+    for comparison in table.values():
+        [trial] = comparison.trials
+        start, final, reference = (
+            given_scene.rig.with_extrinsics(np.array(trial.extrinsics[name]))
+            for name in ("start", "final", "reference")
+        )
+        assert not np.array_equal(reference.extrinsics, given_scene.rig.extrinsics)
+        counted = score(reference, given_scene.pairs, matcher=MATCHER, view=view(start))
+        assert trial.score_reference == counted.count
+        assert trial.rotation_error_deg == pytest.approx(axis_errors(final, reference).rotation_deg)
 
 
 def test_without_the_default_strategies_errors_are_against_the_stored_calibration(scene, monkeypatch):

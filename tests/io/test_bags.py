@@ -45,6 +45,14 @@ def test_pairs_of_a_bag(tmp_path, ros1: bool, compressed: bool):
     assert recorded.pairs[0].name == "/left/image 1700000000.000"
 
 
+def test_a_bag_by_one_of_its_files(tmp_path):
+    path = write_bag(tmp_path / "run", stamped(), ros1=False)
+    for part in (path / "metadata.yaml", next(path.glob("*.db3"))):
+        assert len(open_pairs(part, **TOPICS).pairs) == 4
+        with pytest.raises(InputError, match="this is a bag; say which topics"):
+            open_pairs(part)
+
+
 def test_frames_without_partner_are_named(tmp_path):
     path = write_bag(tmp_path / "a.bag", stamped(right=(0, 3)), ros1=True)
     recorded = open_pairs(path, **TOPICS)
@@ -75,6 +83,23 @@ def test_encodings(tmp_path, encoding: str):
     np.testing.assert_allclose(pair.left, image(0, 0), atol=0.51)
 
 
+@pytest.mark.parametrize("encoding", ["bgr8", "bgra8", "rgb8", "rgba8", "bgr16", "bgra16", "rgb16", "rgba16"])
+def test_order_of_channels(tmp_path, encoding: str):
+    """Red and blue weigh as luma has it, whichever comes first."""
+    grey = image(0, 0).astype(np.float64)
+    colour = np.stack([grey, 0 * grey, 255 - grey, np.full_like(grey, 255)], axis=-1)  # red, green, blue, alpha
+    if encoding.startswith("bgr"):
+        colour = colour[..., [2, 1, 0, 3]]
+    deep = encoding.endswith("16")
+    pixels = (colour[..., : 4 if "a" in encoding else 3] * (257 if deep else 1)).astype(np.uint16 if deep else np.uint8)
+    images = [("/left/image", START, pixels), ("/right/image", START, pixels // 2)]
+    left = open_pairs(write_bag(tmp_path / "a.bag", images, ros1=True, encoding=encoding), **TOPICS).pairs[0].left
+    expected = 0.299 * grey + 0.114 * (255 - grey)
+    if deep:  # scaled so that the brightest is 255
+        expected *= 255.0 / expected.max()
+    np.testing.assert_allclose(left, expected, atol=0.6)
+
+
 def test_sixteen_bit(tmp_path):
     images = [(topic, stamp, grey.astype(np.uint16) * 257) for topic, stamp, grey in stamped((0,))]
     pair = open_pairs(write_bag(tmp_path / "a.bag", images, ros1=True, encoding="mono16"), **TOPICS).pairs[0]
@@ -91,7 +116,7 @@ def test_bayer(tmp_path, pattern: str):
     for colour in "rgb":
         here = np.array([c == colour for c in pattern]).reshape(2, 2)[rows % 2, columns % 2]
         mosaic = (200 * here * texture).astype(np.uint8)
-        images = [(topic, START, mosaic) for topic in TOPICS.values()]
+        images = [(topic, START, mosaic // part) for part, topic in enumerate(TOPICS.values(), 1)]
         path = write_bag(tmp_path / f"{colour}.bag", images, ros1=True, encoding=f"bayer_{pattern}8")
         luma[colour] = float(open_pairs(path, **TOPICS).pairs[0].left[4:20, 4:12].mean())
     np.testing.assert_allclose([luma[c] / 200 for c in "rgb"], [0.299, 0.587, 0.114], atol=0.02)
@@ -103,6 +128,8 @@ def test_what_is_refused(tmp_path):
         open_pairs(path, left_topic="/none", right_topic="/right/image")
     with pytest.raises(InputError, match="this is a bag; say which topics"):
         open_pairs(path)
+    with pytest.raises(InputError, match=r"neither a \.bag file nor a folder with a metadata\.yaml"):
+        open_pairs(tmp_path, **TOPICS)
     with pytest.raises(InputError, match="there is no such bag"):
         open_pairs(tmp_path / "none.bag", **TOPICS)
     (tmp_path / "bad.bag").write_bytes(b"#ROSBAG V2.0\nnothing")

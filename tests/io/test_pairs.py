@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from stereorecal._errors import InputError
+from stereorecal._errors import InputError, PairingWarning
 from stereorecal.io import load_pair, load_pairs
-from stereorecal.io.images._match import match_files
+from stereorecal.io.images._match import find_partners, match_files
 
 SIZE = (24, 16)
 
@@ -170,12 +170,44 @@ def test_markers_of_the_side_are_no_part_of_the_name(left: list[str], right: lis
 
 def test_names_without_anything_in_common_go_by_order():
     left, right = [Path(f"{i}ns.png") for i in (15, 27, 39)], [Path(f"{i}ns.png") for i in (16, 28, 40)]
-    assert match_files(left, right) == list(zip(left, right, strict=True))
+    with pytest.warns(PairingWarning, match=r"15ns\.png: no name .* 3 pairs .* order .* with 16ns\.png"):
+        assert match_files(left, right) == list(zip(left, right, strict=True))
+    with pytest.warns(PairingWarning):
+        assert find_partners(left, right).by_order
+
+
+def test_a_marker_may_stand_last():
+    left, right = ([Path(f"{number}_{side}.png") for number in ("0010", "0011")] for side in (0, 1))
+    found = find_partners(left, right[::-1])
+    assert (found.matched, found.by_order) == (list(zip(left, right, strict=True)), False)
+
+
+def test_one_file_on_each_side_needs_no_warning():
+    assert not find_partners([Path("a.png")], [Path("b.png")]).by_order
+
+
+def test_frames_that_a_camera_lost_are_left_over():
+    left, right = ([Path(f"{side}/{i}.png") for i in kept] for side, kept in (("l", (1, 2, 4)), ("r", (2, 3, 4))))
+    found = find_partners(left, right)
+    assert found.matched == [(left[1], right[0]), (left[2], right[2])]
+    assert found.alone == (left[0], right[1])
+
+
+def test_a_few_equal_names_are_chance():
+    left, right = ([Path(f"{i}.png") for i in range(first, first + 10)] for first in (0, 7))
+    with pytest.raises(InputError, match=r"^0\.png: this image has no partner"):
+        find_partners(left, right)
+
+
+def test_digits_of_different_length():
+    left, right = ([Path(f"{side}{i}.png") for i in (1, 2, 10)] for side in ("left", "right"))
+    assert find_partners(left, right[::-1]).matched == list(zip(left, right, strict=True))
 
 
 def test_names_that_repeat_in_many_folders_go_by_order():
     left, right = ([Path(f"{scene}/im{side}.png") for scene in "abc"] for side in (0, 1))
-    assert match_files(left, right) == list(zip(left, right, strict=True))
+    with pytest.warns(PairingWarning):
+        assert match_files(left, right) == list(zip(left, right, strict=True))
 
 
 @given(st.permutations(range(12)), st.sets(st.integers(0, 11), min_size=1))
@@ -321,6 +353,13 @@ def test_one_file_for_both_sides(tmp_path: Path, right: Path, monkeypatch: pytes
     monkeypatch.chdir(tmp_path)
     with pytest.raises(InputError, match="both the left and the right"):
         load_pair("right.png", right)
+
+
+def test_one_image_under_two_names(tmp_path: Path, right: Path):
+    """The files are blamed, by name: not the calibration that they are checked against."""
+    copy = write(tmp_path / "copy.png", texture(1))
+    with pytest.raises(InputError, match=r"^\S*copy\.png and \S*right\.png: left and right are the same image"):
+        load_pair(copy, right)
 
 
 def test_floating_point_images(tmp_path: Path, right: Path):

@@ -2,13 +2,15 @@
 
 import pickle
 import struct
+import subprocess
+import sys
 from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
 
-from stereorecal._errors import InputError
+from stereorecal._errors import InputError, PairingWarning
 from stereorecal.io import load_pairs, open_pairs
 from stereorecal.io.images import _videos
 from stereorecal.recalibration import chosen_frames
@@ -123,6 +125,19 @@ def test_files_by_name_as_load_pairs_does(tmp_path):
     np.testing.assert_array_equal(recorded.pairs[1].right, load_pairs(*places)[1].right)
 
 
+def test_files_that_one_camera_lost(tmp_path):
+    recorded = open_pairs(*folders(tmp_path, ["a", "b", "d"], ["a", "b", "c"]))
+    assert [pair.name for pair in recorded.pairs] == ["a.png", "b.png"]
+    assert recorded.unpaired == ("0/d.png", "1/c.png")  # with the folder: both may lack one of a name
+
+
+def test_files_by_order(tmp_path):
+    with pytest.warns(PairingWarning, match="2 pairs are made in the order"):
+        recorded = open_pairs(*folders(tmp_path, ["a", "b"], ["x", "y"]))
+    assert recorded.by_order
+    assert alike(recorded.pairs[1].right, 1, 1)
+
+
 def test_files_by_time(tmp_path):
     start = 1403715273262142976
     left = [str(start + step) for step in (0, 50_000_000, 100_000_000)]
@@ -152,6 +167,10 @@ def test_what_is_refused(videos, tmp_path):
     (tmp_path / "bad.avi").write_bytes(b"no video at all")
     with pytest.raises(InputError, match="not a video that OpenCV can read"):
         open_pairs(tmp_path / "bad.avi")
+    with pytest.raises(InputError, match=r"right\.avi: the halves of an image are of one time; leave"):
+        open_pairs(right, tolerance=0.1)
+    with pytest.raises(InputError, match=r"left\.avi 000000 and left\.avi 000000: left and right are the same image"):
+        open_pairs(left, left).pairs[0]
     with pytest.raises(InputError, match="both a left and a right topic"):
         open_pairs(left, left_topic="/left")
     cv2.imwrite(str(tmp_path / "odd.png"), image(0, 0)[:, :-1])
@@ -171,6 +190,15 @@ def test_a_video_that_claims_more_than_it_has(videos, tmp_path, monkeypatch):
     monkeypatch.setattr(_videos, "MOST_PIXELS", 100)
     with pytest.raises(InputError, match="which are too large"):
         open_pairs(videos[2])
+
+
+def test_ffmpeg_says_nothing_itself(tmp_path):
+    """In a process of its own: OpenCV asks once how much FFmpeg may say."""
+    (tmp_path / "bad.mp4").write_bytes(b"\0\0\0\x20ftypisom" + bytes(500))
+    code = "import sys, stereorecal as sr\ntry: sr.io.open_pairs(sys.argv[1])\nexcept sr.InputError: print('refused')"
+    words = [sys.executable, "-c", code, tmp_path / "bad.mp4"]
+    answer = subprocess.run(words, capture_output=True, text=True, check=True)
+    assert (answer.stdout, answer.stderr) == ("refused\n", "")
 
 
 def test_a_video_that_is_cut(videos, tmp_path):

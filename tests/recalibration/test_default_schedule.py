@@ -138,7 +138,7 @@ def test_no_interval_of_what_was_rejected(repaired):
     assert "depth was off" not in str(rejected)
     for solution, shown in ((repaired, True), (rejected, False)):
         page = StringIO()
-        Console(width=120, file=page).print(repairs_table([Repair("harbour", solution).as_dict()]))
+        Console(width=120, file=page).print(repairs_table([Repair("harbour", solution).as_dict()], 120))
         assert ("±" in page.getvalue()) == shown
 
 

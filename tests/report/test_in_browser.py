@@ -77,6 +77,34 @@ def test_no_label_is_cut(page: Page):
     assert page.evaluate(cut) == []
 
 
+def test_figures_can_be_read_on_a_phone(browser: Page, files: dict[str, Path]):
+    page = opened(browser, files["comparison"])
+    page.look(400)
+    sizes = """[...document.querySelectorAll('svg text')].map(text => {
+        const whole = text.ownerSVGElement;
+        const scale = whole.getBoundingClientRect().width / whole.viewBox.baseVal.width;
+        return scale * parseFloat(getComputedStyle(text).fontSize);
+    })"""
+    assert min(page.evaluate(sizes)) > 10
+
+
+def test_a_wide_table_scrolls_by_keyboard(browser: Page, files: dict[str, Path]):
+    page = opened(browser, files["comparison"])
+    page.look(400)
+    page.press("Tab", 9)
+    box = "document.activeElement"
+    assert page.evaluate(f"{box}.className + ': ' + {box}.ariaLabel") == "wide: Summary, a wide table"
+    assert page.evaluate(f"{box}.scrollWidth > {box}.clientWidth")
+    page.press("ArrowRight", 39)
+    scrolled = f"""new Promise(done => {{
+        const end = performance.now() + 10000;  // the browser scrolls smoothly
+        const ended = () => {box}.scrollLeft > 0 || performance.now() > end;
+        const look = () => ended() ? done({box}.scrollLeft) : setTimeout(look, 20);
+        look();
+    }})"""
+    assert page.evaluate(scrolled) > 0
+
+
 def test_slider_by_keyboard(repair: Page):
     assert float(repair.evaluate(AFTER)) == 1.0
     repair.evaluate("document.querySelector('input[type=range]').focus()")

@@ -95,7 +95,9 @@ def test_narrow_terminals_lose_the_least_important_columns(width):
     """And are told which."""
     lines = printed(comparison(BOTH), width)
     found = heads(lines)
-    assert sum(line.startswith(f"left out in {width} columns: ") for line in lines) == 1
+    said = " ".join(lines).partition(f"left out in {width} columns: ")[2].partition(".")[0]
+    assert said.endswith("of the medians")  # which have more columns than the trials
+    assert ("of the trials; " in said) == (width < 64)
     assert all({"r", "N_o"} <= set(head) or {"pitch°", "yaw°", "roll°"} <= set(head) for head in found)
     tables = [line for above, line in pairwise(lines) if set(line.strip()) == {"─"}]
     assert all(len(line) <= width for line in tables)

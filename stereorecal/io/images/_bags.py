@@ -16,8 +16,10 @@ from stereorecal.io._inputs import note_input
 from stereorecal.io.images._files import decode_image
 from stereorecal.io.images._source import Image, Source
 
+_METADATA, _PARTS = "metadata.yaml", (".db3", ".mcap")
 _RAW, _COMPRESSED = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
-_TO_BGR = {"rgb8": cv2.COLOR_RGB2BGR, "rgba8": cv2.COLOR_RGBA2BGR, "rgb16": cv2.COLOR_RGB2BGR}
+_TO_BGR = {"rgb8": cv2.COLOR_RGB2BGR, "rgba8": cv2.COLOR_RGBA2BGR}
+_TO_BGR |= {"rgb16": cv2.COLOR_RGB2BGR, "rgba16": cv2.COLOR_RGBA2BGR}
 # OpenCV names a Bayer pattern by its second row, ROS by its first.
 _BAYER = {"rggb": cv2.COLOR_BayerBG2BGR, "bggr": cv2.COLOR_BayerRG2BGR, "gbrg": cv2.COLOR_BayerGR2BGR}
 _BAYER["grbg"] = cv2.COLOR_BayerGB2BGR
@@ -27,7 +29,13 @@ _CHANNELS = {"mono": 1, "bgr": 3, "rgb": 3, "bgra": 4, "rgba": 4, "bayer_": 1}
 
 def is_bag(path: Path) -> bool:
     """Whether the path is that of a bag: a file of ROS 1, a folder with metadata.yaml of ROS 2."""
-    return path.suffix.lower() == ".bag" or (path / "metadata.yaml").is_file()
+    return path.suffix.lower() == ".bag" or (path / _METADATA).is_file()
+
+
+def bag_folder(path: Path) -> Path:
+    """The bag that a path names: of ROS 2 its folder, for one of the files in it."""
+    part = path.name == _METADATA or path.suffix.lower() in _PARTS
+    return path.parent if part and is_bag(path.parent) else path
 
 
 def bag_sources(path: Path, topics: tuple[str, str]) -> tuple[Source, Source]:
@@ -38,6 +46,8 @@ def bag_sources(path: Path, topics: tuple[str, str]) -> tuple[Source, Source]:
     """
     if not path.exists():
         raise InputError(f"{path}: there is no such bag; check the path.")
+    if not is_bag(path):
+        raise InputError(f"{path}: neither a .bag file nor a folder with a {_METADATA} in it; give one of these.")
     for file in (path, *path.rglob("*")):
         note_input(file)
     bag = _Bag(path)

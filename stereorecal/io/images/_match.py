@@ -1,15 +1,55 @@
 """Which image files belong together: left and right partners, by their names."""
 
+import warnings
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 
-from stereorecal._errors import InputError
+from stereorecal._errors import InputError, PairingWarning
 from stereorecal.io.images._files import images_in
 
 Matched = Sequence[tuple[Path, Path]]  # the left and the right file of each pair
 
 # What may distinguish the name of a left image from that of its partner.
 _MARKERS = (("", ""), ("left", "right"), ("Left", "Right"), ("L", "R"), ("l", "r"), ("0", "1"))
+
+
+@dataclass(frozen=True)
+class Partners:
+    """What became of the files of both sides.
+
+    Attributes:
+        matched: those that belong together, in the order of the left ones.
+        alone: those without partner, left ones first.
+        by_order: whether no name told which belong together.
+    """
+
+    matched: Matched
+    alone: tuple[Path, ...] = ()
+    by_order: bool = False
+
+
+def find_partners(left: Sequence[Path], right: Sequence[Path]) -> Partners:
+    """The files that belong together by their names; those that a camera has lost are left over. If no name has a
+    partner, files go together in the order given.
+
+    Raises:
+        InputError: naming a file without a partner, if most have none.
+
+    Warns:
+        PairingWarning: if the order was all there was to go by.
+    """
+    lefts, rights = _by_name(left, right)
+    matched = [(path, rights[key]) for key, path in lefts.items() if key in rights]
+    if not matched:
+        return Partners(_in_order(left, right), by_order=len(left) > 1)
+    if 2 * len(matched) < min(len(left), len(right)):  # equal by chance, it seems
+        match_keys(lefts, rights)
+    alone = [
+        path for files, others in ((lefts, rights), (rights, lefts)) for key, path in files.items() if key not in others
+    ]
+    return Partners(matched, tuple(alone))
 
 
 def match_files(left: Sequence[Path], right: Sequence[Path], *, by_order: bool = True) -> Matched:
@@ -20,15 +60,16 @@ def match_files(left: Sequence[Path], right: Sequence[Path], *, by_order: bool =
 
     Raises:
         InputError: naming a file without a partner.
+
+    Warns:
+        PairingWarning: as `find_partners`.
     """
-    for markers in _MARKERS:
-        by_key_left, by_key_right = (_by_key(files, m) for files, m in zip((left, right), markers, strict=True))
-        if by_key_left.keys() & by_key_right.keys():
-            return match_keys(by_key_left, by_key_right)
-    if len(left) != len(right) or not by_order:
-        shorter = min(len(left), len(right)) if by_order else 0
-        raise _alone(*((left[shorter], "right") if len(left) > shorter else (right[shorter], "left")))
-    return list(zip(left, right, strict=True))
+    lefts, rights = _by_name(left, right)
+    if lefts:
+        return match_keys(lefts, rights)
+    if not by_order:
+        raise _alone(left[0], "right")
+    return _in_order(left, right)
 
 
 def match_equal(left: Path, right: Path) -> Matched:
@@ -80,9 +121,38 @@ def by_stem(folder: Path) -> dict[str, Path]:
     return files
 
 
-def _by_key(files: Sequence[Path], marker: str) -> dict[str, Path]:
-    """Files by their names without `marker`; none if those names are not unique."""
-    by_key = {path.stem.replace(marker, "", 1): path for path in files if marker in path.stem}
+def _by_name(left: Sequence[Path], right: Sequence[Path]) -> tuple[dict[str, Path], dict[str, Path]]:
+    """Both sides by what a name has in common with its partner's; empty if no name has one."""
+    for last, markers in product((False, True), _MARKERS):
+        lefts, rights = (_by_key(files, m, last) for files, m in zip((left, right), markers, strict=True))
+        if lefts.keys() & rights.keys():
+            return lefts, rights
+    return {}, {}
+
+
+def _in_order(left: Sequence[Path], right: Sequence[Path]) -> Matched:
+    """The files as they come; a single one on each side is what was asked for, and needs no warning."""
+    if len(left) != len(right):
+        shorter = min(len(left), len(right))
+        raise _alone(*((left[shorter], "right") if len(left) > shorter else (right[shorter], "left")))
+    if len(left) > 1:
+        warnings.warn(
+            f"{left[0]}: no name on the left has a partner on the right, so {len(left)} pairs are made in the order of "
+            f"the names, this one with {right[0].name}; check that none is missing, or give a tolerance if the names "
+            "are times.",
+            PairingWarning,
+            stacklevel=2,
+        )
+    return list(zip(left, right, strict=True))
+
+
+def _by_key(files: Sequence[Path], marker: str, last: bool) -> dict[str, Path]:
+    """Files by their names without `marker` where it stands first, or last; none if those names are not unique."""
+    by_key = {}
+    for path in files:
+        at = path.stem.rfind(marker) if last else path.stem.find(marker)
+        if at >= 0:
+            by_key[path.stem[:at] + path.stem[at + len(marker) :]] = path
     return by_key if len(by_key) == len(files) else {}
 
 

@@ -11,7 +11,7 @@ from stereorecal.io._inputs import note_input
 from stereorecal.io._paths import AnyPath
 from stereorecal.io.images._files import images_in, natural_order, read_image
 from stereorecal.io.images._match import Matched, match_files
-from stereorecal.recordings import LazyPairs, Pair, make_pair
+from stereorecal.recordings import LazyPairs, Pair, check_two_images, make_pair
 
 
 def load_pair(left_path: AnyPath, right_path: AnyPath) -> Pair:
@@ -21,7 +21,7 @@ def load_pair(left_path: AnyPath, right_path: AnyPath) -> Pair:
 
     Raises:
         InputError: if a file is missing, empty, truncated or not an image, if the two images differ in size or
-            bit depth, or if one is constant.
+            bit depth or do not differ at all, or if one is constant.
     """
     left, right = os.path.abspath(left_path), os.path.abspath(right_path)
     if left == right:
@@ -33,6 +33,7 @@ def load_pair(left_path: AnyPath, right_path: AnyPath) -> Pair:
         name=f"{left} and {right}",  # what errors are about
         origin=(load_pair, (left, right)),
     )
+    check_two_images(pair)
     return replace(pair, name=Path(left).name)
 
 
@@ -40,13 +41,16 @@ def load_pairs(left: AnyPath, right: AnyPath, limit: int | None = None) -> tuple
     """Pairs from two sets of image files, each a glob pattern, a folder or one file.
 
     Files whose names are equal, or equal but for left/right, L/R or 0/1, belong together. If no name has a
-    partner, files are matched in natural order (9 before 10).
+    partner, files are matched in natural order (9 before 10). `open_pairs` does without frames that one camera lost.
 
     Args:
         limit: read only the first `limit` pairs.
 
     Raises:
         InputError: if nothing matches, an image has no partner, or a file is bad (see `load_pair`).
+
+    Warns:
+        PairingWarning: if the order was all there was to go by.
     """
     return tuple(load_matched(match_files(find_images(left), find_images(right)), limit))
 

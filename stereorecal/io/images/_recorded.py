@@ -9,14 +9,14 @@ import numpy as np
 
 from stereorecal._errors import InputError
 from stereorecal.io._paths import AnyPath
-from stereorecal.io.images._bags import bag_sources, is_bag
+from stereorecal.io.images._bags import bag_folder, bag_sources, is_bag
 from stereorecal.io.images._by_time import pairs_by_time
 from stereorecal.io.images._files import read_image
-from stereorecal.io.images._match import match_files
+from stereorecal.io.images._match import find_partners
 from stereorecal.io.images._pairs import find_images, load_matched
 from stereorecal.io.images._source import Source, halves
 from stereorecal.io.images._videos import is_video, video_source
-from stereorecal.recordings import LazyPairs, Pair, make_pair
+from stereorecal.recordings import LazyPairs, Pair, check_two_images, make_pair
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,11 +28,13 @@ class Recorded:
             other; `tuple(recorded.pairs)` reads all.
         unpaired: names of frames that have no partner.
         stream: whether they are frames of a video or a bag, which are many and show the same again and again.
+        by_order: whether neither names nor times, but only their order, told which images belong together.
     """
 
     pairs: LazyPairs
     unpaired: tuple[str, ...]
     stream: bool
+    by_order: bool = False
 
 
 @dataclass(frozen=True)
@@ -57,21 +59,28 @@ def open_pairs(
 
     Args:
         left: left images (a file, a folder or a pattern) or a video; without `right` side-by-side images or a video
-            of them; with topics a ROS bag: a file of ROS 1 or a folder of ROS 2.
+            of them; with topics a ROS bag: a file of ROS 1, or a folder of ROS 2 or its metadata.yaml.
         right: the right images or the right video.
         left_topic, right_topic: of the bag: images, raw or compressed.
         tolerance: seconds that two frames of a pair may lie apart; default a quarter of the time between left frames.
-            Files are matched by their names (as `load_pairs` does); with a tolerance by the times that are their
-            names, in seconds, or in nanoseconds if they have 16 digits and more.
+            Files are matched by their names (as `load_pairs` does, but without those that one camera lost); with a
+            tolerance by the times that are their names, in seconds, or in nanoseconds if they have 16 digits and more.
 
     Raises:
-        InputError: if nothing is found, a file or video cannot be read, or no frame has a partner.
+        InputError: if nothing is found, a file or video cannot be read, no frame or, by names, hardly one has a
+            partner, or there is nothing for a tolerance to hold for.
+
+    Warns:
+        PairingWarning: if the order was all there was to go by.
     """
     topics = None
     if left_topic is not None or right_topic is not None:
         if left_topic is None or right_topic is None or right is not None:
             raise InputError("a bag takes both a left and a right topic, and no right images.")
         topics = (left_topic, right_topic)
+    if tolerance is not None and topics is None and right is None:
+        raise InputError(f"{left}: the halves of an image are of one time; leave the tolerance out.")
+    left = bag_folder(Path(left))
     absolute = [None if place is None else str(Path(place).absolute()) for place in (left, right)]
     assert absolute[0] is not None
     return _opened(_Places(absolute[0], absolute[1], topics, tolerance))
@@ -91,8 +100,9 @@ def _opened(places: _Places) -> Recorded:
     elif is_video(left) or tolerance is not None:
         sources, stream = (_source(left, timed=True), _source(Path(right), timed=True)), is_video(left)
     else:
-        matched = match_files(find_images(left), find_images(right))
-        return Recorded(load_matched(matched), (), False)
+        found = find_partners(find_images(left), find_images(right))
+        alone = tuple("/".join(path.parts[-2:]) for path in found.alone)  # with the folder, which tells whose it is
+        return Recorded(load_matched(found.matched), alone, False, found.by_order)
     return _recorded(places, *sources, pairs_by_time(*sources, tolerance), stream)
 
 
@@ -112,6 +122,7 @@ def _recorded(places: _Places, left: Source, right: Source, found: list[tuple[in
         pair = make_pair(
             left.read(first), right.read(second), channels="bgr", name=about, origin=(_again, (places, number))
         )
+        check_two_images(pair)
         return replace(pair, name=name)
 
     frames = [_Frame(places, number, read) for number in range(len(found))]

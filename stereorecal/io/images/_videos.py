@@ -1,5 +1,6 @@
 """Videos, read by OpenCV."""
 
+import os
 from pathlib import Path
 
 import cv2
@@ -53,6 +54,8 @@ class _Video:
     def _open(self) -> None:
         if not self.path.is_file():
             raise InputError(f"{self.path}: there is no such file; check the path.")
+        # FFmpeg's own lines about damaged videos; OpenCV asks once, when it first needs FFmpeg.
+        os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
         with quiet_opencv():
             self._video = cv2.VideoCapture(str(self.path))
         if not self._video.isOpened():
