@@ -13,6 +13,7 @@ from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import Parameters, Reach, as_parameters, as_reach
 from stereorecal.recalibration._acceptance import Reason, row_errors, verdict_on_count
 from stereorecal.recalibration._agreement import agreed, without
+from stereorecal.recalibration._asked import Asked
 from stereorecal.recalibration._cost import Cost
 from stereorecal.recalibration._frames import looked_at
 from stereorecal.recalibration._judging import judged
@@ -88,7 +89,8 @@ def recalibrate(
         (solution,) = together([recording], free, one=True, each=one_by_one)
     except np.linalg.LinAlgError:  # a problem that nothing determines: the repair of the extrinsics stands
         solution = unsolved(recording, free)
-    return replace(solution, looked_at=numbers, seconds=time.perf_counter() - began)
+    wanted = solution.asked and replace(solution.asked, free=free.names)
+    return replace(solution, looked_at=numbers, asked=wanted, seconds=time.perf_counter() - began)
 
 
 def searched(case: Case, schedule: Schedule, budget: Budget, seed: int) -> Solution:
@@ -104,6 +106,7 @@ def searched(case: Case, schedule: Schedule, budget: Budget, seed: int) -> Solut
         StrategyError: if a strategy crashes.
     """
     began, asked, offset, of_survey = time.perf_counter(), case.matcher, np.zeros(6), 0.0
+    settings = Asked(asked, schedule, budget, seed, case.free.names)
     if schedule.survey or asked.num_disparities is None:
         radians = float(np.radians(case.reach.degrees))
         seen = survey(case.images, case.rig.extrinsics, radians)
@@ -111,7 +114,7 @@ def searched(case: Case, schedule: Schedule, budget: Budget, seed: int) -> Solut
         offset = seen.offset if schedule.survey else offset
     start, of_starts = better_start(case, schedule.stages[0], offset)
     widest, stages = _run_schedule(case, schedule, asked, start, budget, began, seed)
-    return _judged(widest, schedule, stages, Cost(survey=of_survey, starts=of_starts), began)
+    return _judged(widest, settings, stages, Cost(survey=of_survey, starts=of_starts), began)
 
 
 def _run_schedule(
@@ -141,11 +144,11 @@ def _run_schedule(
     return widest, tuple(stages)
 
 
-def _judged(case: Case, schedule: Schedule, stages: tuple[StageRun, ...], cost: Cost, began: float) -> Solution:
+def _judged(case: Case, asked: Asked, stages: tuple[StageRun, ...], cost: Cost, began: float) -> Solution:
     candidate = stages[-1].ended if stages else case.rig
     runs = [run for stage in stages for run in stage.runs]
     found = next((stage.found for stage in reversed(stages) if stage.found is not None), None)
-    cut = len(stages) < len(schedule.stages) or any(stage.cut for stage in stages)
+    cut = len(stages) < len(asked.schedule.stages) or any(stage.cut for stage in stages)
     frames = None
     if found is not None and found.found >= FEWEST and not cut:
         frames = agreed(case.chart, found, case.chart.coordinates_of(candidate), case.images.pairs)
@@ -201,6 +204,7 @@ def _judged(case: Case, schedule: Schedule, stages: tuple[StageRun, ...], cost: 
         disagreeing=apart if reason is Reason.FRAMES_DISAGREE else (),
         stages=stages,
         seconds=time.perf_counter() - began,
+        asked=asked,
     )
 
 
