@@ -58,7 +58,7 @@ def report_of(
     after = "after" if solution.accepted else "candidate, which was not taken"
     return RepairReport(
         name=name,
-        verdict=_verdict(solution.reason),
+        verdict=verdict_of(solution.reason),
         reason=solution.reason.value,
         search=f"{solution.message} ({count(solution.evaluations)} evaluations, {solution.seconds:.1f} s)",
         baseline=float(solution.rig.baseline),
@@ -83,7 +83,8 @@ def report_of(
     )
 
 
-def _verdict(reason: Reason) -> Verdict:
+def verdict_of(reason: Reason) -> Verdict:
+    """What became of the calibration, for those who read a page."""
     if reason in _UNKNOWN:
         return Verdict.UNKNOWN
     if not reason.healthy:
