@@ -8,7 +8,7 @@ from stereorecal.geometry import Camera
 from stereorecal.report.repair import Lens
 
 _DISTORTION = ("k1", "k2", "p1", "p2", "k3")  # as OpenCV orders them
-_CALLED = {"f": "focal length", "cx": "centre, column", "cy": "centre, row", "aspect": "fy / fx"}
+_CALLED = {"f": "focal length, f", "cx": "centre, cx", "cy": "centre, cy", "aspect": "aspect, fy / fx"}
 
 
 def lenses_of(solution: Any) -> list[Lens]:

@@ -52,7 +52,7 @@ def report_of(
     telling = solution.reason not in _SAYS_NOTHING
     if found is not None and found.found and telling:
         rows, frame = seen_rows(found, solution.initial, solution.candidate, solution.view)
-        way = way_of(found, solution.initial, solution.candidate, solution.path)
+        way = way_of(found, solution.path)
     pair = pairs[solution.kept[frame] if solution.kept else 0]
     expected = solution.expected
     after = "after" if solution.accepted else "candidate, which was not taken"
@@ -161,7 +161,7 @@ def _remarks(solution: Any) -> list[str]:
     if known is not None and known.undetermined:
         open_ = "; ".join(known.undetermined)
         remarks.append(
-            f"Not determined by these images: {open_}. What is said of that is mostly assumed: small drifts."
+            f"Not determined by these images: {open_}. Their values are mostly assumed: that they changed little."
         )
     if seen is not None:
         said = str(seen).splitlines()[0]

@@ -24,5 +24,7 @@ def where(report: RepairReport) -> list[str]:
         return []
     said = [where_not(report.misfit, report.when, "" if report.accepted else "With the calibration that you keep")]
     if report.verdict is Verdict.REFUSED:
-        said.append(where_not(report.misfit, "after", "With the candidate, which was not taken"))
+        said.append(
+            where_not(report.misfit, "after", "With the candidate, which was not taken", "it does not fit there")
+        )
     return [*said, *filter(None, [unseen(report.misfit)])]

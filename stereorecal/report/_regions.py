@@ -9,7 +9,7 @@ PLACES = GRID[0] * GRID[1]
 LIMIT = 0.2  # pixels of rows, beyond two standard errors: more than that and stereo matching suffers
 _SPARSE = 0.25  # of a part of the view: fewer of its regions matched, and the part is not covered
 _NEARLY_ALL = 0.7  # of the regions that matched: to name their parts would say less
-_FEW = 2  # parts that fit into a headline
+_FEW = 4  # parts that fit into a headline
 _PARTS = (
     ("upper left", "upper middle", "upper right"),
     ("left", "centre", "right"),
@@ -46,12 +46,13 @@ def in_short(misfit: Mapping[str, Any], when: str) -> str | None:
     return f"at the {_listed(parts)}" if len(parts) <= _FEW else f"in {len(parts)} parts of the image"
 
 
-def where_not(misfit: Mapping[str, Any], when: str, whose: str = "") -> str:
+def where_not(misfit: Mapping[str, Any], when: str, whose: str = "", hence: str = "do not trust depth there") -> str:
     """One sentence on where rows lie apart.
 
     Args:
         when: "before" or "after": under which calibration.
-        whose: what it is called, such as "With the candidate, in"; default nothing.
+        whose: what it is called, such as "With the candidate"; default nothing.
+        hence: what follows from it.
     """
     places, regions = spoiled(misfit, when), len(set(misfit["place"]))
     begin = f"{whose}, in" if whose else "In"
@@ -61,7 +62,7 @@ def where_not(misfit: Mapping[str, Any], when: str, whose: str = "") -> str:
     here = "nearly everywhere" if _nearly_everywhere(places, misfit) else f"at the {_listed(_parts(places))}"
     return (
         f"{begin} {len(places)} of the {regions} regions of the view that matched rows lie more than {LIMIT} px apart "
-        f"({worst:.2f} px at worst), {here}: do not trust depth there."
+        f"({worst:.2f} px at worst), {here}: {hence}."
     )
 
 

@@ -1,5 +1,6 @@
 """The figures of a page about a repair, as SVG; each fits a telephone."""
 
+from collections import Counter
 from collections.abc import Sequence
 
 import cv2
@@ -7,19 +8,22 @@ import numpy as np
 from jaxtyping import Float
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Colormap, Normalize, SymLogNorm
+from matplotlib.collections import LineCollection
+from matplotlib.colors import Normalize, SymLogNorm
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 from matplotlib.scale import SymmetricalLogTransform
 
 from stereorecal.report._regions import GRID, LIMIT
 from stereorecal.report._svg import COLOURS, style, svg
+from stereorecal.report.cells import percent
 from stereorecal.report.repair import Climb, Rows
 
 _WIDTH = 3.8  # inches
 _LEAST_SCALE = 0.5  # pixels: smaller rows look pale, as they are
 _BACKGROUND = 360  # pixels wide
 _TALLEST = 1.5  # height over width
+_MOST = 0.95  # of the view: lenses at the very corners would make all else look alike
 _OVER = 0.8  # how much colours hide of the image below
 _EXTENT = (0.0, 1.0, 1.0, 0.0)  # of every map: the whole view
 _TICKS = (LIMIT, 1.0, 10.0, 100.0)  # pixels, on either side of zero
@@ -29,15 +33,22 @@ Map = Float[np.ndarray, "h w"]
 Grey = Float[np.ndarray, "height width"]
 
 
-def field_figures(rows: Rows, image: Grey, names: tuple[str, str]) -> list[str]:
-    """Row differences over the view, over the image, before and after, on one scale that holds both."""
+def field_figures(
+    rows: Rows, image: Grey, names: tuple[str, str], spoiled: tuple[Sequence[int], Sequence[int]]
+) -> list[str]:
+    """Row differences over the view, over the image, before and after, on one scale that holds both.
+
+    Args:
+        spoiled: places whose rows lie too far apart, which are outlined.
+    """
     largest = _scale(rows.field_before, rows.field_after)
     norm = SymLogNorm(LIMIT, vmin=-largest, vmax=largest)
     found = []
-    for name, field in zip(names, (rows.field_before, rows.field_after), strict=True):
+    for name, field, places in zip(names, (rows.field_before, rows.field_after), spoiled, strict=True):
         with style(("field", name, largest, image.shape)):
             figure, axis = _map(field, image, "RdBu_r", norm, "row difference [px]", _ticks(largest))
             axis.set_title(name, loc="left")
+            axis.add_collection(LineCollection(outline(places), colors="k", linewidths=1.8), autolim=False)
             found.append(svg(figure, f"Map over the view: median row differences of matches, {name}."))
     return found
 
@@ -49,18 +60,20 @@ def histogram_figure(rows: Rows, names: tuple[str, str]) -> str:
     end = float(scale.transform(np.array([largest]))[0])
     bins = scale.inverted().transform(np.linspace(-end, end, 61)).tolist()
     with style(("histogram", largest, rows.all_before.size)):
-        figure = Figure(figsize=(_WIDTH, 2.8), layout="constrained")
+        figure = Figure(figsize=(_WIDTH, 3.1), layout="constrained")
         axis = figure.subplots()
         for name, values, colour in zip(names, (rows.all_before, rows.all_after), COLOURS[1::-1], strict=True):
             # To the edge of the outermost bins: rounding must lose no match.
-            axis.hist(values.clip(bins[0], bins[-1]), bins, color=colour, alpha=0.6, label=name)
+            label = f"{name}: {percent(float(np.mean(np.abs(values) <= LIMIT)))} within {LIMIT} px"
+            axis.hist(values.clip(bins[0], bins[-1]), bins, color=colour, alpha=0.6, label=label)
+        axis.axvspan(-LIMIT, LIMIT, color=COLOURS[2], alpha=0.2, lw=0.0)
         axis.set_xscale("symlog", linthresh=LIMIT)
         axis.set_xticks(_ticks(largest), [f"{tick:g}" for tick in _ticks(largest)])
         axis.set_xticks([], minor=True)
         axis.set_xlabel("row difference [px]")
         axis.set_ylabel("matches")
         axis.spines[["top", "right"]].set_visible(False)
-        figure.legend(frameon=False, loc="outside upper left", ncols=2)
+        figure.legend(frameon=False, loc="outside upper left")
         return svg(figure, f"Histogram of the row differences of all matches, {names[0]} and {names[1]}.")
 
 
@@ -70,13 +83,15 @@ def expected_figure(expected: Map, image: Grey, larger: Sequence[int], unmeasure
     Args:
         larger, unmeasured: places where measured rows lie farther apart than that, and where none were measured.
     """
-    largest = max(_LEAST_SCALE, float(np.nanmax(expected, initial=0.0)))
+    largest = max(_LEAST_SCALE, float(np.nanquantile(expected, _MOST))) if np.isfinite(expected).any() else _LEAST_SCALE
     marks = {
         "rows measured there lie farther apart": (_LARGER, larger),
         "nothing matched there: extrapolated": (_UNMEASURED, unmeasured),
     }
     with style(("expected", largest, *larger, -1, *unmeasured)):
-        figure, axis = _map(expected, image, "YlOrBr", Normalize(0.0, largest), "row error, 95 % below [px]")
+        figure, axis = _map(
+            expected, image, "YlOrBr", Normalize(0.0, largest), "row error, 95 % below [px]", extend="max"
+        )
         for hatch, places in marks.values():
             for place in places:
                 row, column = divmod(place, GRID[0])
@@ -110,7 +125,13 @@ def progress_figures(climbs: Sequence[Climb], way: Climb | None) -> list[str]:
 
 
 def _map(
-    values: Map, image: Grey, colours: str | Colormap, norm: Normalize, label: str, ticks: Sequence[float] | None = None
+    values: Map,
+    image: Grey,
+    colours: str,
+    norm: Normalize,
+    label: str,
+    ticks: Sequence[float] | None = None,
+    extend: str = "neither",
 ) -> tuple[Figure, Axes]:
     """Values in colours over the image in grey; no colour where there is none."""
     figure = Figure(figsize=(_WIDTH, 0.82 * _WIDTH * _aspect(image) + 0.4), layout="constrained")
@@ -124,13 +145,26 @@ def _map(
     axis.set_box_aspect(_aspect(image))
     axis.set_xticks([])
     axis.set_yticks([])
-    bar = figure.colorbar(
-        ScalarMappable(norm, colours), ax=axis, label=label, fraction=0.05
-    )  # opaque, as the map is not
+    # Of its own: that of the map would be as translucent as the map.
+    bar = figure.colorbar(ScalarMappable(norm, colours), ax=axis, label=label, fraction=0.05, extend=extend)
     if ticks is not None:
         bar.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks], minor=False)
         bar.minorticks_off()
     return figure, axis
+
+
+def outline(places: Sequence[int]) -> list[tuple[tuple[float, float], tuple[float, float]]]:
+    """The edges of regions of the view that no two of them share: from where to where, over the width and height."""
+    edges = Counter()
+    for place in places:
+        y, x = divmod(place, GRID[0])
+        edges.update([((x, y), (x + 1, y)), ((x, y + 1), (x + 1, y + 1))])
+        edges.update([((x, y), (x, y + 1)), ((x + 1, y), (x + 1, y + 1))])
+    return [
+        ((x / GRID[0], y / GRID[1]), (u / GRID[0], v / GRID[1]))
+        for ((x, y), (u, v)), number in edges.items()
+        if number == 1
+    ]
 
 
 def _aspect(image: Grey) -> float:

@@ -13,6 +13,7 @@ from typing import Any
 from stereorecal.report._beside import larger_than_expected, unmeasured
 from stereorecal.report._headlines import headline, where
 from stereorecal.report._pictures import data_uri, disparity_picture, rows_picture
+from stereorecal.report._regions import spoiled
 from stereorecal.report._repair_figures import expected_figure, field_figures, histogram_figure, progress_figures
 from stereorecal.report._templates import Markup, rendered
 from stereorecal.report.disparity import colour_range
@@ -56,7 +57,9 @@ def _figures(report: RepairReport, names: tuple[str, str]) -> dict[str, list[Mar
     """SVG elements, by what they show; none where there is nothing to draw."""
     drawn: dict[str, list[str]] = {"progress": progress_figures(report.climbs, report.way)}
     if report.rows is not None:
-        drawn["field"] = field_figures(report.rows, report.after.left, names)
+        left = report.misfit
+        places = ([], []) if left is None else (spoiled(left, "before"), spoiled(left, "after"))
+        drawn["field"] = field_figures(report.rows, report.after.left, names, places)
         drawn["histogram"] = [histogram_figure(report.rows, names)]
     if report.expected is not None:
         used = report.after if report.accepted else report.before

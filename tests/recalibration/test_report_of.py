@@ -11,6 +11,7 @@ from stereorecal.geometry import changed_camera
 from stereorecal.recalibration import Reason
 from stereorecal.recalibration._lenses import lenses_of
 from stereorecal.recalibration._report import report_of, verdict_of
+from stereorecal.recalibration._seen_rows import seen_rows
 from stereorecal.report.repair import RepairReport, Verdict
 
 RIG = sr.synthetic.default_rig().resized((320, 240))
@@ -106,6 +107,15 @@ def test_what_was_left_out_is_not_counted(repaired, harbour):
     assert [state for _, state, _ in found.frames] == ["used", "left out"]
 
 
+def test_rows_under_other_lenses(repaired):
+    """Matches are what the initial cameras saw: under them the true rig's rows agree, under others they do not."""
+    lenses = replace(RIG, right=changed_camera(RIG.right, {"f": 0.02, "cy": 2.0}))
+    initial, other = (rig.with_extrinsics(repaired.rig.extrinsics) for rig in (RIG, lenses))
+    rows, _ = seen_rows(repaired.found, initial, other, repaired.view)
+    assert np.median(np.abs(rows.all_before)) < 0.2
+    assert np.median(np.abs(rows.all_after)) > 1.5
+
+
 def test_lenses():
     """In units of a calibration file, with intervals in the same."""
     right = changed_camera(RIG.right, {"f": 0.01, "cx": 2.0, "k1": 0.02})
@@ -113,7 +123,7 @@ def test_lenses():
     seen = SimpleNamespace(taken=True, names=names, interval=interval, undetermined=("right.cx",))
     solution = SimpleNamespace(intrinsics=seen, initial=RIG, candidate=replace(RIG, right=right))
     focal, centre, first = lenses_of(solution)
-    assert (focal.camera, focal.name, focal.unit) == ("right", "focal length", "px")
+    assert (focal.camera, focal.name, focal.unit) == ("right", "focal length, f", "px")
     before = float(RIG.right.matrix[0, 0])
     np.testing.assert_allclose([focal.before, focal.after], [before, before * np.exp(0.01)])
     np.testing.assert_allclose(focal.half_width, 0.005 * focal.after)
