@@ -156,6 +156,9 @@ def _remarks(solution: Any) -> list[str]:
     known, left, seen = solution.uncertainty, solution.misfit, solution.intrinsics
     whose = "Misfit" if solution.accepted else "Misfit of the candidate, which was not taken:"
     remarks = []
+    if solution.left_out:
+        out = len(solution.left_out)
+        remarks.append(f"{out} {'frame was' if out == 1 else 'frames were'} left out: see Frames below.")
     if left is not None and (solution.reason is Reason.MISFIT or left.high > _WORTH_SAYING):
         remarks.append(f"{whose} {number(left.high, 2)} px in the worst tenth of the regions; {left.cause.value}.")
     if known is not None and known.undetermined:

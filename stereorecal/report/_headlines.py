@@ -3,6 +3,11 @@
 from stereorecal.report._regions import in_short, unseen, where_not
 from stereorecal.report.repair import RepairReport, Verdict
 
+_NOT_MEASURED = (
+    "Rows were not measured, only matches counted: that tells neither where in the image depth can be trusted, nor how "
+    "far."
+)
+
 
 def headline(report: RepairReport) -> str:
     """What to do, in one sentence."""
@@ -21,7 +26,7 @@ def headline(report: RepairReport) -> str:
 def where(report: RepairReport) -> list[str]:
     """Where rows lie apart under the calibration to use, and, where a candidate was refused, under that."""
     if report.misfit is None:
-        return []
+        return [_NOT_MEASURED] if report.verdict in (Verdict.REPAIRED, Verdict.GOOD) else []
     said = [where_not(report.misfit, report.when, "" if report.accepted else "With the calibration that you keep")]
     if report.verdict is Verdict.REFUSED:
         said.append(

@@ -105,6 +105,7 @@ def test_what_was_left_out_is_not_counted(repaired, harbour):
     assert dict(found.facts) == dict(reported(repaired, harbour).facts)
     assert "matched, of 76 800 pixels" in found.facts
     assert [state for _, state, _ in found.frames] == ["used", "left out"]
+    assert "1 frame was left out: see Frames below." in found.remarks
 
 
 def test_rows_under_other_lenses(repaired):

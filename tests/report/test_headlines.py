@@ -77,3 +77,9 @@ def test_what_was_not_seen():
     said = where(made_up(misfit=left))
     assert said[0].startswith("In none of the 24 regions of the view that matched")
     assert said[1].startswith("Little or nothing matched at the upper left, upper middle and upper right:")
+
+
+def test_a_count_alone_does_not_say_where():
+    (said,) = where(made_up(misfit=None))
+    assert "tells neither where in the image depth can be trusted" in said
+    assert where(made_up(verdict=Verdict.UNKNOWN, misfit=None)) == []
