@@ -100,7 +100,7 @@ def _sight(solution: Any, rig: StereoRig, pair: Pair) -> Sight:
 
 def _facts(solution: Any, pairs: Sequence[Pair], *, telling: bool) -> dict[str, tuple[str, str]]:
     before, after = solution.score_before, solution.score_after
-    if len(solution.kept) < len(pairs):  # what was left out has no say
+    if 0 < len(solution.kept) < len(pairs):  # what was left out has no say
         kept, how = [pairs[index] for index in solution.kept], {"matcher": solution.matcher, "view": solution.view}
         before, after = (score(rig, kept, **how) for rig in (solution.initial, solution.candidate))
     facts = {f"matched, of {count(before.pixels)} pixels": (percent(before.fraction), percent(after.fraction))}

@@ -186,6 +186,8 @@ class Solution:
         if self.looked_at is not None:
             if not every or max(self.looked_at) >= len(every):
                 raise InputError("these are not the pairs that were repaired; give the same, in the same order.")
+            if rest := len(every) - len(self.looked_at):
+                absent = (*absent, (f"{rest} other {'pair' if rest == 1 else 'pairs'}", "others show more texture"))
             every = tuple(every[number] for number in self.looked_at)
         write_text(Path(path), repair_page(report_of(self, every, name, command, settings or {}, absent)))
 

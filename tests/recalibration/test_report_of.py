@@ -108,6 +108,13 @@ def test_what_was_left_out_is_not_counted(repaired, harbour):
     assert "1 frame was left out: see Frames below." in found.remarks
 
 
+def test_pairs_that_were_not_looked_at_are_on_the_page(repaired, harbour, tmp_path):
+    replace(repaired, looked_at=(0,)).to_html(tmp_path / "out.html", [*harbour, *harbour])
+    page = (tmp_path / "out.html").read_text(encoding="utf-8")
+    assert "1 other pair</td>" in page
+    assert "1 frame was used." in page
+
+
 def test_rows_under_other_lenses(repaired):
     """Matches are what the initial cameras saw: under them the true rig's rows agree, under others they do not."""
     lenses = replace(RIG, right=changed_camera(RIG.right, {"f": 0.02, "cy": 2.0}))
