@@ -1,6 +1,7 @@
 """The page of a repair: whole, self-contained, escaped, with words for every picture."""
 
 import re
+from dataclasses import replace
 from html import unescape
 from html.parser import HTMLParser
 
@@ -145,6 +146,11 @@ def test_what_nobody_can_tell_has_no_empty_tables():
         "Frames",
         "To run it again",
     ]
+
+
+def test_no_column_of_dashes():
+    axes = [replace(axis, half_width=None) for axis in made_up().axes]
+    assert "95 % interval" not in repair_page(made_up(measured=False, axes=axes, lenses=()))
 
 
 def test_lenses_are_a_table(page: str):
