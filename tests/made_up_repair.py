@@ -1,8 +1,11 @@
 """A made-up repair, with everything that its page can show, and names that try to break out."""
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 
-from stereorecal.report.repair import Axis, Climb, Depth, RepairReport, Rows, Sight
+from stereorecal.report.repair import Axis, Climb, Depth, Lens, RepairReport, Rows, Sight, Verdict
 
 EVIL = "<script>alert('x')</script>"
 
@@ -16,41 +19,50 @@ def sight(size: tuple[int, int], seed: int) -> Sight:
     )
 
 
+def misfit(
+    *, before: Mapping[int, float] | None = None, after: Mapping[int, float] | None = None, frames: int = 1, **changes
+) -> dict[str, Any]:
+    """Of regions whose rows lie 0.02 px apart, but for those that are given by place, in the first frame."""
+    places = [*range(48)] * frames
+    apart = {
+        when: [{**dict.fromkeys(range(48), 0.02), **(given if index < 48 else {})}[p] for index, p in enumerate(places)]
+        for when, given in (("before", before or {}), ("after", after or {}))
+    }
+    frame = [index // 48 for index in range(48 * frames)]
+    return {"frame": frame, "place": places, **apart, "error": [0.01] * len(places), **changes}
+
+
 def made_up(
-    size: tuple[int, int] = (320, 240), *, accepted: bool = True, measured: bool = True, **changes
+    size: tuple[int, int] = (320, 240), verdict: Verdict = Verdict.REPAIRED, *, measured: bool = True, **changes
 ) -> RepairReport:
     """A report; without rows, misfit and expectations unless `measured`."""
     rng = np.random.default_rng(0)
     field = rng.normal(0.0, 0.1, (18, 24))
     field[3, 4] = np.nan
-    places = list(range(48))
-    misfit = {
-        "frame": [0] * 48,
-        "place": places,
-        "after": [0.9 if place in (0, 1, 8) else 0.02 for place in places],
-        "error": [0.01] * 48,
-    }
+    accepted, healthy = verdict is Verdict.REPAIRED, verdict in (Verdict.REPAIRED, Verdict.GOOD)
     parts = {
         "name": f"harbour {EVIL}",
-        "accepted": accepted,
-        "healthy": accepted,
+        "verdict": verdict,
         "reason": "the candidate is better" if accepted else "the candidate leaves rows of whole regions apart",
         "search": "the strategy met its own stopping rule",
+        "baseline": 0.356,
         "facts": {"row error": ("8.92 px", "0.10 px")},
         "frame": f"0001.png {EVIL}",
         "before": sight(size, 1),
         "after": sight(size, 2),
         "rows": Rows(9.0 + field, field, rng.normal(9, 1, 500), rng.normal(0, 0.2, 500)) if measured else None,
-        "misfit": misfit if measured else None,
-        "expected": np.abs(field[:13, :17]) if measured else None,
-        "expected_said": "rows 0.07 px apart over the view" if measured else None,
+        "misfit": misfit(after={0: 0.9, 1: 0.9, 8: 0.9}) if measured else None,
+        "expected": np.abs(field[:13, :17]) if measured and healthy else None,
+        "expected_said": "rows 0.07 px apart over the view; depth at 10 B -4 %" if measured and healthy else None,
         "axes": [Axis("pitch", "°", 0.1, 0.9, 0.002, True), Axis("z", "mm", 1.0, 2.0, None, False)],
+        "lenses": [Lens("left", "focal length", "px", 2, 500.0, 501.25, 0.75, True)],
         "depths": [Depth(5, 1.8, -7.6, (-1.0, 1.2)), Depth(100, 35.6, float("inf"), None)],
         "climbs": [Climb("best count at scale 0.25", np.array([0.0, 1.0]), np.array([10.0, 12.0]))],
         "way": Climb("median row error [px]", np.array([0.0, 2.0]), np.array([9.0, 0.1])) if measured else None,
         "frames": [("0001.png", "used", ""), ("0002.png", "left out", "it shows another rig than the others")],
         "remarks": ["Not determined by these images: y with z."],
-        "settings": {"command": f"python -m stereorecal {EVIL}", "matcher": {"block_size": 9}, "stages": ["a", "b"]},
+        "command": f"python -m stereorecal recalibrate '{EVIL} a b'",
+        "settings": {"seed": 7, "matcher": {"block_size": 9}, "stages": ["a", "b"], "ranges": EVIL},
         "calibrations": {"before": {"T": [1.0, 0.0, 0.0]}, "after": {"T": [1.0, 0.0, 0.1]}},
     }
     return RepairReport(**{**parts, **changes})

@@ -1,8 +1,8 @@
 """Pages: what is refused before the work is done, and the page of a repair."""
 
+import argparse
 import importlib
 import shlex
-import sys
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -31,7 +31,7 @@ def check_page(html: str | None, module: str) -> None:
 
 
 def write_report(
-    html: str | None,
+    options: argparse.Namespace,
     scenes: Sequence[Scene],
     repairs: Sequence[Repair],
     settings: Mapping[str, Any],
@@ -40,11 +40,12 @@ def write_report(
     """The page of the only recording, if one is wanted and there is an answer.
 
     Args:
+        settings: what is needed to run it again beside what a solution knows.
         absent: frames that did not come to the repair, and why.
     """
     solution = repairs[0].solution
-    if html is None or solution is None:
+    if options.html is None or solution is None:
         return
-    command = shlex.join(["python", "-m", "stereorecal", *sys.argv[1:]])
+    command = shlex.join(["python", "-m", "stereorecal", *options.words])
     pairs, name = scenes[0].pairs, scenes[0].name
-    solution.to_html(html, pairs, name=name, settings={"command": command, **settings}, absent=absent)
+    solution.to_html(options.html, pairs, name=name, command=command, settings=settings, absent=absent)

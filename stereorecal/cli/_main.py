@@ -1,6 +1,7 @@
 """Parsing, and the border at which exceptions become sentences and exit codes."""
 
 import argparse
+import sys
 import traceback
 import warnings
 from collections.abc import Iterator, Sequence
@@ -17,7 +18,9 @@ from stereorecal.cli.arguments import parser
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit code. Bad input is one sentence on stderr, never a traceback."""
-    options = parser().parse_args(arguments)
+    words = sys.argv[1:] if arguments is None else list(arguments)
+    options = parser().parse_args(words)
+    options.words = words  # a page says how it was made
     spell_out()
     try:
         return _run(options)

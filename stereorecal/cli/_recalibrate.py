@@ -89,7 +89,7 @@ def run(options: argparse.Namespace) -> int:
                 lambda: _show(repairs, options),
                 *_saving(scenes, repairs, options, output),
                 lambda: _save_json(scenes, repairs, settings, options, interrupted=interrupted),
-                lambda: write_report(options.html, scenes, repairs, {"seed": seed, **pairing}, absent),
+                lambda: write_report(options, scenes, repairs, {**_beside(options, free), **pairing}, absent),
             )
     for repair in repairs:
         if repair.error is not None:
@@ -164,6 +164,12 @@ def _settings(
         "ranges": options.ranges,
         "seed": options.seed,
     }
+
+
+def _beside(options: argparse.Namespace, free: Parameters) -> dict[str, Any]:
+    """What a page says of the settings beside what its solution knows: a repair of extrinsics may know nothing of what
+    was solved for afterwards."""
+    return {"free": ", ".join(free.names), "extrinsics": options.extrinsics, "ranges": options.ranges or "none"}
 
 
 def _saving(

@@ -13,6 +13,7 @@ from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import Parameters, Reach, as_parameters, as_reach
 from stereorecal.recalibration._acceptance import Reason, row_errors, verdict_on_count
 from stereorecal.recalibration._agreement import agreed, without
+from stereorecal.recalibration._asked import Asked
 from stereorecal.recalibration._cost import Cost
 from stereorecal.recalibration._frames import looked_at
 from stereorecal.recalibration._judging import judged
@@ -88,7 +89,8 @@ def recalibrate(
         (solution,) = together([recording], free, one=True, each=one_by_one)
     except np.linalg.LinAlgError:  # a problem that nothing determines: the repair of the extrinsics stands
         solution = unsolved(recording, free)
-    return replace(solution, looked_at=numbers, seconds=time.perf_counter() - began)
+    wanted = solution.asked and replace(solution.asked, free=free.names)
+    return replace(solution, looked_at=numbers, asked=wanted, seconds=time.perf_counter() - began)
 
 
 def searched(case: Case, schedule: Schedule, budget: Budget, seed: int) -> Solution:
@@ -103,10 +105,10 @@ def searched(case: Case, schedule: Schedule, budget: Budget, seed: int) -> Solut
         NeedNotMet: if a strategy needs what a score does not offer over this box.
         StrategyError: if a strategy crashes.
     """
-    began, asked = time.perf_counter(), case.matcher
+    began, asked = time.perf_counter(), Asked(case.matcher, schedule, budget, seed, case.free.names)
     case, start, cost = started(case, schedule)
-    widest, stages = _run_schedule(case, schedule, asked, start, budget, began, seed)
-    return solution_of(widest, schedule, stages, cost, began)
+    widest, stages = _run_schedule(case, schedule, asked.matcher, start, budget, began, seed)
+    return solution_of(widest, asked, stages, cost, began)
 
 
 def started(case: Case, schedule: Schedule) -> tuple[Case, StereoRig, Cost]:
@@ -148,17 +150,18 @@ def _run_schedule(
     return widest, tuple(stages)
 
 
-def solution_of(case: Case, schedule: Schedule, stages: tuple[StageRun, ...], cost: Cost, began: float) -> Solution:
+def solution_of(case: Case, asked: Asked, stages: tuple[StageRun, ...], cost: Cost, began: float) -> Solution:
     """The end of the stages of a schedule, judged.
 
     Args:
+        asked: what was asked for, the schedule included.
         cost: of what came before them.
         began: when the clock was started.
     """
     candidate = stages[-1].ended if stages else case.rig
     runs = [run for stage in stages for run in stage.runs]
     found = next((stage.found for stage in reversed(stages) if stage.found is not None), None)
-    cut = len(stages) < len(schedule.stages) or any(stage.cut for stage in stages)
+    cut = len(stages) < len(asked.schedule.stages) or any(stage.cut for stage in stages)
     frames = None
     if found is not None and found.found >= FEWEST and not cut:
         frames = agreed(case.chart, found, case.chart.coordinates_of(candidate), case.images.pairs)
@@ -214,6 +217,7 @@ def solution_of(case: Case, schedule: Schedule, stages: tuple[StageRun, ...], co
         disagreeing=apart if reason is Reason.FRAMES_DISAGREE else (),
         stages=stages,
         seconds=time.perf_counter() - began,
+        asked=asked,
     )
 
 

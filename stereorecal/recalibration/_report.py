@@ -1,7 +1,6 @@
 """A solution as the plain data of its page."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -11,19 +10,28 @@ from stereorecal._plain import plain
 from stereorecal._versions import versions
 from stereorecal.geometry import AXES, StereoRig
 from stereorecal.objectives import BASELINE
+from stereorecal.recalibration._acceptance import Reason
+from stereorecal.recalibration._asked import matcher_as_text
 from stereorecal.recalibration._consequences import NORMAL_95
+from stereorecal.recalibration._lenses import lenses_of
 from stereorecal.recalibration._seen_rows import climbs_of, seen_rows, way_of
 from stereorecal.recordings import Pair
 from stereorecal.report.cells import count, number, percent
-from stereorecal.report.repair import Axis, Depth, RepairReport, Sight
-from stereorecal.scoring.host import disparity, rectify
+from stereorecal.report.repair import Axis, Depth, RepairReport, Sight, Verdict
+from stereorecal.scoring.host import disparity, rectify, score
 from stereorecal.strategies import name_of
+
+# Too little was seen, or judged, for the candidate to mean anything: what its axes are would be read as an answer.
+_SAYS_NOTHING = (Reason.TOO_LITTLE_TEXTURE, Reason.NO_MATCHES, Reason.OUT_OF_BUDGET)
+_UNKNOWN = (Reason.TOO_LITTLE_TEXTURE, Reason.OUT_OF_BUDGET)
+_WORTH_SAYING = 0.2  # pixels of misfit
 
 
 def report_of(
     solution: Any,  # a Solution, whose module imports this one
     pairs: Sequence[Pair],
     name: str,
+    command: str | None,
     settings: Mapping[str, Any],
     absent: Sequence[tuple[str, str]],
 ) -> RepairReport:
@@ -31,7 +39,8 @@ def report_of(
 
     Args:
         pairs: those that were repaired, in their order.
-        settings: what else is needed to run it again, such as the command.
+        command: that repeats it, if it was one.
+        settings: what else is needed to run it again.
         absent: frames that did not come to the repair, and why.
 
     Raises:
@@ -40,39 +49,47 @@ def report_of(
     if not pairs or max(solution.kept, default=0) >= len(pairs):
         raise InputError("these are not the pairs that were repaired; give the same, in the same order.")
     found, rows, frame, way = solution.found, None, 0, None
-    if found is not None and found.found:
+    telling = solution.reason not in _SAYS_NOTHING
+    if found is not None and found.found and telling:
         rows, frame = seen_rows(found, solution.initial, solution.candidate, solution.view)
-        way = way_of(found, solution.initial, solution.candidate, solution.path)
+        way = way_of(found, solution.path)
     pair = pairs[solution.kept[frame] if solution.kept else 0]
     expected = solution.expected
+    after = "after" if solution.accepted else "candidate, which was not taken"
     return RepairReport(
         name=name,
-        accepted=solution.accepted,
-        healthy=solution.reason.healthy,
+        verdict=verdict_of(solution.reason),
         reason=solution.reason.value,
         search=f"{solution.message} ({count(solution.evaluations)} evaluations, {solution.seconds:.1f} s)",
-        facts=_facts(solution),
+        baseline=float(solution.rig.baseline),
+        facts=_facts(solution, pairs, telling=telling),
         frame=pair.name,
         before=_sight(solution, solution.initial, pair),
         after=_sight(solution, solution.candidate, pair),
         rows=rows,
-        misfit=solution.misfit and solution.misfit.as_dict(),
+        misfit=solution.misfit.as_dict() if solution.misfit is not None and telling else None,
         expected=expected and np.abs(expected.rows) + NORMAL_95 * expected.rows_deviation,
         expected_said=expected and str(expected),
-        axes=_axes(solution),
-        depths=_depths(solution),
+        axes=_axes(solution) if telling else (),
+        lenses=lenses_of(solution) if telling else (),
+        depths=_depths(solution) if telling else (),
         climbs=climbs_of(solution.stages),
         way=way,
         frames=[*_frames(solution, pairs), *((frame, "not used", why) for frame, why in absent)],
-        remarks=_remarks(solution),
-        settings={**settings, **_settings(solution)},
-        calibrations={
-            "before": _calibration(solution.initial),
-            f"after ({'accepted' if solution.accepted else 'the candidate, not accepted'})": _calibration(
-                solution.candidate
-            ),
-        },
+        remarks=_remarks(solution) if telling else (),
+        command=command,
+        settings={**_settings(solution), **settings},
+        calibrations={"before": _calibration(solution.initial), after: _calibration(solution.candidate)},
     )
+
+
+def verdict_of(reason: Reason) -> Verdict:
+    """What became of the calibration, for those who read a page."""
+    if reason in _UNKNOWN:
+        return Verdict.UNKNOWN
+    if not reason.healthy:
+        return Verdict.REFUSED
+    return Verdict.REPAIRED if reason.accepted else Verdict.GOOD
 
 
 def _sight(solution: Any, rig: StereoRig, pair: Pair) -> Sight:
@@ -81,15 +98,15 @@ def _sight(solution: Any, rig: StereoRig, pair: Pair) -> Sight:
     return Sight(left, right, np.asarray(found.values), np.asarray(found.valid))
 
 
-def _facts(solution: Any) -> dict[str, tuple[str, str]]:
+def _facts(solution: Any, pairs: Sequence[Pair], *, telling: bool) -> dict[str, tuple[str, str]]:
     before, after = solution.score_before, solution.score_after
-    facts = {
-        "matched pixels": (percent(before.fraction), percent(after.fraction)),
-        "of how many": (count(before.pixels), count(after.pixels)),
-    }
-    if solution.row_errors is not None:
+    if 0 < len(solution.kept) < len(pairs):  # what was left out has no say
+        kept, how = [pairs[index] for index in solution.kept], {"matcher": solution.matcher, "view": solution.view}
+        before, after = (score(rig, kept, **how) for rig in (solution.initial, solution.candidate))
+    facts = {f"matched, of {count(before.pixels)} pixels": (percent(before.fraction), percent(after.fraction))}
+    if solution.row_errors is not None and telling:
         facts["row error"] = (f"{solution.row_errors.before:.2f} px", f"{solution.row_errors.after:.2f} px")
-    if solution.misfit is not None:
+    if solution.misfit is not None and telling:
         facts["misfit of regions"] = (f"{solution.misfit.rms_before:.2f} px", f"{solution.misfit.rms:.2f} px")
     return facts
 
@@ -136,33 +153,40 @@ def _frames(solution: Any, pairs: Sequence[Pair]) -> list[tuple[str, str, str]]:
 
 
 def _remarks(solution: Any) -> list[str]:
-    known, left = solution.uncertainty, solution.misfit
+    known, left, seen = solution.uncertainty, solution.misfit, solution.intrinsics
+    whose = "Misfit" if solution.accepted else "Misfit of the candidate, which was not taken:"
     remarks = []
-    if left is not None and (solution.reason.name == "MISFIT" or left.high > 0.2):
-        remarks.append(f"Misfit of {number(left.high, 2)} px in the worst tenth of the regions: {left.cause.value}.")
+    if solution.left_out:
+        out = len(solution.left_out)
+        remarks.append(f"{out} {'frame was' if out == 1 else 'frames were'} left out: see Frames below.")
+    if left is not None and (solution.reason is Reason.MISFIT or left.high > _WORTH_SAYING):
+        remarks.append(f"{whose} {number(left.high, 2)} px in the worst tenth of the regions; {left.cause.value}.")
     if known is not None and known.undetermined:
-        remarks.append(f"Not determined by these images: {'; '.join(known.undetermined)}; it stays as it was.")
-    if solution.intrinsics is not None:
-        remarks.append(str(solution.intrinsics))
+        open_ = "; ".join(known.undetermined)
+        remarks.append(
+            f"Not determined by these images: {open_}. Their values are mostly assumed: that they changed little."
+        )
+    if seen is not None:
+        said = str(seen).splitlines()[0]
+        remarks.append(f"{said[:1].upper()}{said[1:]}.")
     if solution.ranges is not None:
         remarks.append(f"Ranges: {solution.ranges}.")
     return remarks
 
 
 def _settings(solution: Any) -> dict[str, Any]:
-    stages = [
-        f"{run.stage.score.name.lower()} at scale {run.scale:.3g} by {name_of(run.stage.strategy)} "
-        f"{asdict(run.stage.strategy)}"
-        for run in solution.stages
-    ]
+    """Of a solution that was asked for, and what the run made of it."""
+    asked, view = solution.asked, solution.view
+    stages = [f"{name_of(run.stage.strategy)} at scale {run.scale:.3g}" for run in solution.stages]
     return plain(
         {
-            "matcher": {"name": type(solution.matcher).__name__, **asdict(solution.matcher)},
-            "stages": stages,
-            "free": list(solution.free.names),
-            "reach": asdict(solution.reach),
+            **(asked.as_text() if asked is not None else {}),
+            "reach": f"{solution.reach.degrees:g}°, {solution.reach.baseline_fraction:g} of the baseline",
+            "view": f"{view.size[0]} x {view.size[1]} pixels, focal length {view.focal:.3f} px",
+            "matcher, with the range that was measured": matcher_as_text(solution.matcher),
+            "stages that ran": "; ".join(stages) or "none",
             "cost": f"{solution.cost.total:.1f} units",
-            "versions": versions(),
+            "versions": {**versions(), **({"plug-ins": ", ".join(asked.origins)} if asked is not None else {})},
         }
     )
 

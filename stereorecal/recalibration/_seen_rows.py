@@ -20,11 +20,16 @@ _ENOUGH = 0.5  # of the matches of the frame that has most: below that a frame i
 
 def seen_rows(found: Correspondences, initial: StereoRig, candidate: StereoRig, view: View) -> tuple[Rows, int]:
     """Row differences in pixels at full size, and the number of the frame that is shown: the one whose rows lie
-    farthest apart under the candidate, of those that match well."""
+    farthest apart under the candidate, of those that match well.
+
+    Args:
+        found: with the rays that the cameras of `initial` give, as all stages have them.
+    """
     here = np.asarray(found.weight) > 0
-    before, after = (_differences(found, candidate, rig) for rig in (initial, candidate))
+    read = read_by(found, taken=initial, rig=candidate)
+    before, after = _differences(found, initial), _differences(read, candidate)
     frame = _worst(after, here)
-    cells = _cells(found, candidate, view, here, frame)
+    cells = _cells(read, candidate, view, here, frame)
     first, second = (_medians(cells, rows[frame][here[frame]]) for rows in (before, after))
     return Rows(first, second, before[here], after[here]), frame
 
@@ -41,16 +46,15 @@ def climbs_of(stages: Sequence[StageRun]) -> tuple[Climb, ...]:
     return tuple(found)
 
 
-def way_of(found: Correspondences, initial: StereoRig, candidate: StereoRig, path: Sequence[Waypoint]) -> Climb:
-    """The median row error of the last matches, in pixels, along the repair."""
-    read = read_by(found, taken=candidate, rig=initial)
-    errors = [median_row_error(read, with_unit_baseline(point.extrinsics)) for point in path]
+def way_of(found: Correspondences, path: Sequence[Waypoint]) -> Climb:
+    """The median row error of the last matches, in pixels, along the search of the extrinsics."""
+    errors = [median_row_error(found, with_unit_baseline(point.extrinsics)) for point in path]
     return Climb("median row error [px]", np.array([point.cost for point in path]), np.array(errors))
 
 
-def _differences(found: Correspondences, taken: StereoRig, rig: StereoRig) -> Float[np.ndarray, "k m"]:
-    rows = row_differences(read_by(found, taken=taken, rig=rig), with_unit_baseline(rig.extrinsics))
-    return np.asarray(rows) / float(found.scale)
+def _differences(found: Correspondences, rig: StereoRig) -> Float[np.ndarray, "k m"]:
+    """Of rays that the cameras of the rig give."""
+    return np.asarray(row_differences(found, with_unit_baseline(rig.extrinsics))) / float(found.scale)
 
 
 def _worst(after: Float[np.ndarray, "k m"], here: Bool[np.ndarray, "k m"]) -> int:

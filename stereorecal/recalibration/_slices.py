@@ -4,6 +4,7 @@ import time
 from dataclasses import dataclass, replace
 
 from stereorecal.geometry import StereoRig
+from stereorecal.recalibration._asked import Asked
 from stereorecal.recalibration._cost import Cost
 from stereorecal.recalibration._recalibrate import solution_of, started
 from stereorecal.recalibration._schedule import Schedule, ScoreKind, Stage
@@ -41,7 +42,8 @@ def next_slice(case: Case, schedule: Schedule, at: Progress, seed: int = 0) -> P
     done = run_stage(case, stage, at.rig, Budget(), seed)
     if at.done < len(stages):
         return Progress(done.ended, at.done + 1)
-    return solution_of(case, replace(schedule, stages=(stage,)), (done,), Cost(), began)
+    asked = Asked(case.matcher, replace(schedule, stages=(stage,)), Budget(), seed, case.free.names)
+    return solution_of(case, asked, (done,), Cost(), began)
 
 
 def _rounds(schedule: Schedule) -> tuple[Stage, ...]:

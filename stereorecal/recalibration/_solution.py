@@ -17,6 +17,7 @@ from stereorecal.io import write_text
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import BASELINE, Parameters, Reach
 from stereorecal.recalibration._acceptance import Reason, RowErrors
+from stereorecal.recalibration._asked import Asked
 from stereorecal.recalibration._cost import Cost
 from stereorecal.recalibration._difference import Difference, difference
 from stereorecal.recalibration._evidence import TILES_OF_A_FRAME
@@ -65,6 +66,7 @@ class Solution:
         seconds: wall time.
         beams: ranges that had a sure match, if most of them fit the calibration to use.
         ranges: what became of ranges; None if there were none.
+        asked: the settings with which it can be repeated.
     """
 
     rig: StereoRig
@@ -93,6 +95,7 @@ class Solution:
     looked_at: tuple[int, ...] | None = None
     beams: Beams = NONE
     ranges: RangesSeen | None = None
+    asked: Asked | None = None
 
     @property
     def trace(self) -> Trace | None:
@@ -159,6 +162,7 @@ class Solution:
         pairs: Pairs,
         *,
         name: str = "",
+        command: str | None = None,
         settings: Mapping[str, Any] | None = None,
         absent: Sequence[tuple[str, str]] = (),
     ) -> None:
@@ -168,7 +172,8 @@ class Solution:
         Args:
             pairs: those that were repaired, in their order.
             name: of the recording.
-            settings: what else is needed to run it again, such as the command; plain data.
+            command: that repeats it, as it can be pasted into a shell.
+            settings: what else is needed to run it again, or was asked for in other words; plain data.
             absent: names of frames that did not come to the repair, each with a reason.
 
         Raises:
@@ -181,8 +186,10 @@ class Solution:
         if self.looked_at is not None:
             if not every or max(self.looked_at) >= len(every):
                 raise InputError("these are not the pairs that were repaired; give the same, in the same order.")
+            if rest := len(every) - len(self.looked_at):
+                absent = (*absent, (f"{rest} other {'pair' if rest == 1 else 'pairs'}", "others show more texture"))
             every = tuple(every[number] for number in self.looked_at)
-        write_text(Path(path), repair_page(report_of(self, every, name, settings or {}, absent)))
+        write_text(Path(path), repair_page(report_of(self, every, name, command, settings or {}, absent)))
 
     def __str__(self) -> str:
         verdict = "accepted" if self.accepted else "not accepted, the initial calibration stays"

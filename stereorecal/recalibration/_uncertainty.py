@@ -60,12 +60,15 @@ def uncertainty(
 
 
 def _directions(covariance: Float[np.ndarray, "n n"], free: tuple[str, ...]) -> tuple[str, ...]:
-    """The directions that stay mostly as uncertain as the prior, in its units: their axes, the largest part first."""
+    """The directions that stay mostly as uncertain as the prior, in its units: their axes, the largest part first; each
+    axis by itself where as many directions as axes share the same ones."""
     variances, axes = np.linalg.eigh(covariance)
-    found = []
+    found: dict[frozenset[str], list[list[str]]] = {}
     for variance, direction in zip(variances, axes.T, strict=True):
         if variance > OBSERVED**2:
             parts = np.argsort(-np.abs(direction))
             names = [free[i] for i in parts if abs(direction[i]) > _PART]
-            found.append(" with ".join(names))
-    return tuple(found)
+            found.setdefault(frozenset(names), []).append(names)
+    alone = [name for some in found.values() if len(some) >= len(some[0]) for name in some[0]]
+    together = [" with ".join(some[0]) for some in found.values() if len(some) < len(some[0])]
+    return tuple(dict.fromkeys([*alone, *together]))

@@ -1,96 +1,118 @@
-"""The figures of a page about a repair, as SVG."""
+"""The figures of a page about a repair, as SVG; each fits a telephone."""
 
+from collections import Counter
 from collections.abc import Sequence
 
 import cv2
 import numpy as np
 from jaxtyping import Float
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import LineCollection
+from matplotlib.colors import Normalize, SymLogNorm
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch, Rectangle
+from matplotlib.scale import SymmetricalLogTransform
 
+from stereorecal.report._regions import GRID, LIMIT
 from stereorecal.report._svg import COLOURS, style, svg
+from stereorecal.report.cells import percent
 from stereorecal.report.repair import Climb, Rows
 
-_WIDTH = 7.6  # inches, of two panels side by side
+_WIDTH = 3.8  # inches
 _LEAST_SCALE = 0.5  # pixels: smaller rows look pale, as they are
 _BACKGROUND = 360  # pixels wide
 _TALLEST = 1.5  # height over width
+_MOST = 0.95  # of the view: lenses at the very corners would make all else look alike
+_OVER = 0.8  # how much colours hide of the image below
+_EXTENT = (0.0, 1.0, 1.0, 0.0)  # of every map: the whole view
+_TICKS = (LIMIT, 1.0, 10.0, 100.0)  # pixels, on either side of zero
+_LARGER, _UNMEASURED = "////", "..."  # hatches
 
 Map = Float[np.ndarray, "h w"]
 Grey = Float[np.ndarray, "height width"]
 
 
-def field_figure(rows: Rows, image: Grey, after: str) -> str:
-    """Row differences over the view, before and after on one scale, over the image."""
-    fields = {"before": rows.field_before, after: rows.field_after}
-    largest = _scale(rows)
-    with style(("field", largest, image.shape)):
-        figure, panels = _side_by_side(image)
-        shown = None
-        for axis, (title, field) in zip(panels, fields.items(), strict=True):
-            _background(axis, image)
-            shown = axis.imshow(
-                np.ma.masked_invalid(field),
-                cmap="coolwarm",
-                vmin=-largest,
-                vmax=largest,
-                alpha=0.75,
-                extent=_EXTENT,
-                aspect="auto",
-            )
-            axis.set_title(title, loc="left")
-        if shown is not None:
-            figure.colorbar(shown, ax=panels, label="row difference [px]", fraction=0.03, extend="both")
-        return svg(figure, "Maps over the view: median row differences of matches before and after the repair.")
+def field_figures(
+    rows: Rows, image: Grey, names: tuple[str, str], spoiled: tuple[Sequence[int], Sequence[int]]
+) -> list[str]:
+    """Row differences over the view, over the image, before and after, on one scale that holds both.
+
+    Args:
+        spoiled: places whose rows lie too far apart, which are outlined.
+    """
+    largest = _scale(rows.field_before, rows.field_after)
+    norm = SymLogNorm(LIMIT, vmin=-largest, vmax=largest)
+    found = []
+    for name, field, places in zip(names, (rows.field_before, rows.field_after), spoiled, strict=True):
+        with style(("field", name, largest, image.shape)):
+            figure, axis = _map(field, image, "RdBu_r", norm, "row difference [px]", _ticks(largest))
+            axis.set_title(name, loc="left")
+            axis.add_collection(LineCollection(outline(places), colors="k", linewidths=1.8), autolim=False)
+            found.append(svg(figure, f"Map over the view: median row differences of matches, {name}."))
+    return found
 
 
-def histogram_figure(rows: Rows, after: str) -> str:
-    """How often matches lie how many rows apart, before and after."""
-    largest = 2.0 * _scale(rows)
-    bins = np.linspace(-largest, largest, 61).tolist()
+def histogram_figure(rows: Rows, names: tuple[str, str]) -> str:
+    """How often matches lie how many rows apart, before and after, none left out; logarithmic far from zero."""
+    largest = _scale(rows.all_before, rows.all_after)
+    scale = SymmetricalLogTransform(10.0, LIMIT, 1.0)
+    end = float(scale.transform(np.array([largest]))[0])
+    bins = scale.inverted().transform(np.linspace(-end, end, 61)).tolist()
     with style(("histogram", largest, rows.all_before.size)):
-        figure = Figure(figsize=(_WIDTH / 2, 2.6), layout="constrained")
+        figure = Figure(figsize=(_WIDTH, 3.1), layout="constrained")
         axis = figure.subplots()
-        for name, values, colour in (
-            ("before", rows.all_before, COLOURS[1]),
-            (after, rows.all_after, COLOURS[0]),
-        ):
-            axis.hist(values.clip(-largest, largest), bins, color=colour, alpha=0.6, label=name)
+        for name, values, colour in zip(names, (rows.all_before, rows.all_after), COLOURS[1::-1], strict=True):
+            # To the edge of the outermost bins: rounding must lose no match.
+            label = f"{name}: {percent(float(np.mean(np.abs(values) <= LIMIT)))} within {LIMIT} px"
+            axis.hist(values.clip(bins[0], bins[-1]), bins, color=colour, alpha=0.6, label=label)
+        axis.axvspan(-LIMIT, LIMIT, color=COLOURS[2], alpha=0.2, lw=0.0)
+        axis.set_xscale("symlog", linthresh=LIMIT)
+        axis.set_xticks(_ticks(largest), [f"{tick:g}" for tick in _ticks(largest)])
+        axis.set_xticks([], minor=True)
         axis.set_xlabel("row difference [px]")
         axis.set_ylabel("matches")
         axis.spines[["top", "right"]].set_visible(False)
-        axis.legend(frameon=False)
-        return svg(figure, "Histogram of the row differences of all matches, before and after the repair.")
+        figure.legend(frameon=False, loc="outside upper left")
+        return svg(figure, f"Histogram of the row differences of all matches, {names[0]} and {names[1]}.")
 
 
-def expected_figure(expected: Map, image: Grey) -> str:
-    """Row errors to expect over the view."""
-    largest = max(_LEAST_SCALE, float(np.nanmax(expected, initial=0.0)))
-    with style(("expected", largest)):
-        figure = Figure(figsize=(_WIDTH / 2, _height(image) + 0.3), layout="constrained")
-        axis = figure.subplots()
-        _background(axis, image)
-        shown = axis.imshow(
-            np.ma.masked_invalid(expected),
-            cmap="magma_r",
-            vmin=0,
-            vmax=largest,
-            alpha=0.7,
-            extent=_EXTENT,
-            aspect="auto",
+def expected_figure(expected: Map, image: Grey, larger: Sequence[int], unmeasured: Sequence[int]) -> str:
+    """Row errors to expect over the view.
+
+    Args:
+        larger, unmeasured: places where measured rows lie farther apart than that, and where none were measured.
+    """
+    largest = max(_LEAST_SCALE, float(np.nanquantile(expected, _MOST))) if np.isfinite(expected).any() else _LEAST_SCALE
+    marks = {
+        "rows measured there lie farther apart": (_LARGER, larger),
+        "nothing matched there: extrapolated": (_UNMEASURED, unmeasured),
+    }
+    with style(("expected", largest, *larger, -1, *unmeasured)):
+        figure, axis = _map(
+            expected, image, "YlOrBr", Normalize(0.0, largest), "row error, 95 % below [px]", extend="max"
         )
-        figure.colorbar(shown, ax=axis, label="row error, 95 % below [px]", fraction=0.04)
-        return svg(figure, "Map over the view: row errors to expect of the candidate.")
+        for hatch, places in marks.values():
+            for place in places:
+                row, column = divmod(place, GRID[0])
+                corner = column / GRID[0], row / GRID[1]
+                axis.add_patch(Rectangle(corner, 1 / GRID[0], 1 / GRID[1], fill=False, hatch=hatch, ec="k", lw=0.0))
+        shown = {name: hatch for name, (hatch, places) in marks.items() if places}
+        if shown:
+            handles = [Patch(fc="#ffe9b8", ec="k", lw=0.0, hatch=hatch, label=name) for name, hatch in shown.items()]
+            figure.legend(handles=handles, frameon=False, loc="outside lower left")
+        return svg(figure, "Map over the view: row errors to expect of the calibration to use.")
 
 
-def progress_figure(climbs: Sequence[Climb], way: Climb | None) -> str | None:
-    """Scores, and the row error, over cost; None if there is nothing to draw."""
-    curves = [climb for climb in [*climbs, way] if climb is not None and len(climb.cost) > 0]
-    if not curves:
-        return None
-    with style(("progress", [curve.label for curve in curves])):
-        figure = Figure(figsize=(_WIDTH / 2 * len(curves), 2.5), layout="constrained")
-        for axis, curve in zip(figure.subplots(1, len(curves), squeeze=False)[0], curves, strict=True):
+def progress_figures(climbs: Sequence[Climb], way: Climb | None) -> list[str]:
+    """Scores, and the row error, over cost; of those that there is something to draw for."""
+    found = []
+    for curve in [*climbs, way]:
+        if curve is None or len(curve.cost) == 0:
+            continue
+        with style(("progress", len(found), curve.label)):
+            figure = Figure(figsize=(_WIDTH, 2.5), layout="constrained")
+            axis = figure.subplots()
             axis.step(curve.cost, curve.best, where="post", color=COLOURS[0])
             axis.plot(curve.cost[-1], curve.best[-1], "o", color=COLOURS[0])
             axis.set_ylabel(curve.label)
@@ -98,19 +120,51 @@ def progress_figure(climbs: Sequence[Climb], way: Climb | None) -> str | None:
             axis.spines[["top", "right"]].set_visible(False)
             if curve is way:
                 axis.set_ylim(bottom=0.0)
-        return svg(figure, f"Over the units spent: {', '.join(curve.label for curve in curves)}.")
+            found.append(svg(figure, f"Over the units spent: {curve.label}."))
+    return found
 
 
-_EXTENT = (0.0, 1.0, 1.0, 0.0)  # of every map: the whole view
+def _map(
+    values: Map,
+    image: Grey,
+    colours: str,
+    norm: Normalize,
+    label: str,
+    ticks: Sequence[float] | None = None,
+    extend: str = "neither",
+) -> tuple[Figure, Axes]:
+    """Values in colours over the image in grey; no colour where there is none."""
+    figure = Figure(figsize=(_WIDTH, 0.82 * _WIDTH * _aspect(image) + 0.4), layout="constrained")
+    axis = figure.subplots()
+    height, width = image.shape
+    size = min(_BACKGROUND, width), max(1, round(height * min(_BACKGROUND, width) / width))
+    small = cv2.resize(image, size, interpolation=cv2.INTER_AREA)
+    axis.imshow(small, cmap="gray", vmin=0, vmax=255, extent=_EXTENT, aspect="auto")
+    over = np.ma.masked_invalid(values)
+    axis.imshow(over, cmap=colours, norm=norm, alpha=_OVER, extent=_EXTENT, aspect="auto")
+    axis.set_box_aspect(_aspect(image))
+    axis.set_xticks([])
+    axis.set_yticks([])
+    # Of its own: that of the map would be as translucent as the map.
+    bar = figure.colorbar(ScalarMappable(norm, colours), ax=axis, label=label, fraction=0.05, extend=extend)
+    if ticks is not None:
+        bar.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks], minor=False)
+        bar.minorticks_off()
+    return figure, axis
 
 
-def _side_by_side(image: Grey) -> tuple[Figure, list[Axes]]:
-    figure = Figure(figsize=(_WIDTH, _height(image) + 0.4), layout="constrained")
-    return figure, list(figure.subplots(1, 2))
-
-
-def _height(image: Grey) -> float:
-    return 0.44 * _WIDTH * _aspect(image)
+def outline(places: Sequence[int]) -> list[tuple[tuple[float, float], tuple[float, float]]]:
+    """The edges of regions of the view that no two of them share: from where to where, over the width and height."""
+    edges = Counter()
+    for place in places:
+        y, x = divmod(place, GRID[0])
+        edges.update([((x, y), (x + 1, y)), ((x, y + 1), (x + 1, y + 1))])
+        edges.update([((x, y), (x, y + 1)), ((x + 1, y), (x + 1, y + 1))])
+    return [
+        ((x / GRID[0], y / GRID[1]), (u / GRID[0], v / GRID[1]))
+        for ((x, y), (u, v)), number in edges.items()
+        if number == 1
+    ]
 
 
 def _aspect(image: Grey) -> float:
@@ -118,18 +172,11 @@ def _aspect(image: Grey) -> float:
     return min(image.shape[0] / image.shape[1], _TALLEST)
 
 
-def _background(axis: Axes, image: Grey) -> None:
-    """The image in pale grey, and no ticks."""
-    height, width = image.shape
-    size = min(_BACKGROUND, width), max(1, round(height * min(_BACKGROUND, width) / width))
-    small = cv2.resize(image, size, interpolation=cv2.INTER_AREA)
-    axis.imshow(small, cmap="gray", vmin=0, vmax=255, extent=_EXTENT, aspect="auto")
-    axis.set_box_aspect(_aspect(image))
-    axis.set_xticks([])
-    axis.set_yticks([])
+def _scale(*values: Float[np.ndarray, "..."]) -> float:
+    """Pixels at the ends of a scale that holds all that lies apart before and after."""
+    return max(float(np.nanmax(np.abs(some), initial=_LEAST_SCALE)) for some in values)
 
 
-def _scale(rows: Rows) -> float:
-    """Pixels at the ends of the colours, before and after: what is left after the repair must be seen."""
-    left = np.abs(rows.all_after)
-    return max(_LEAST_SCALE, float(np.quantile(left, 0.98))) if left.size else _LEAST_SCALE
+def _ticks(largest: float) -> list[float]:
+    shown = [tick for tick in _TICKS if tick <= largest]
+    return [*(-tick for tick in reversed(shown)), 0.0, *shown]

@@ -1,11 +1,21 @@
 """What a page about a repair shows, as plain data: numbers, text and arrays, made by whoever repaired."""
 
+import enum
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float
+
+
+class Verdict(enum.Enum):
+    """What became of the calibration that a repair started from."""
+
+    REPAIRED = "it is replaced"
+    GOOD = "it stays, since it is good"
+    REFUSED = "it stays, since nothing better is sure; it is not known to be good"
+    UNKNOWN = "it stays, since the images do not tell"
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,13 +84,35 @@ class Axis:
 
 
 @dataclass(frozen=True)
+class Lens:
+    """What became of one number of a camera that was refined.
+
+    Attributes:
+        camera, name, unit: as people write them.
+        digits: with which it is written.
+        before, after: values.
+        half_width: of the 95 % interval of the change.
+        observed: whether the images determine it.
+    """
+
+    camera: str
+    name: str
+    unit: str
+    digits: int
+    before: float
+    after: float
+    half_width: float
+    observed: bool
+
+
+@dataclass(frozen=True)
 class Depth:
     """Errors of depth at one distance, in percent; infinite where points seem to lie beyond infinity.
 
     Attributes:
         baselines, metres: the distance.
         before: of the calibration that the repair started from, if the candidate is right.
-        expected: ends of the 95 % interval of the candidate's; None if it is not known.
+        expected: ends of the 95 % interval of that of the calibration to use; None if it is not known.
     """
 
     baselines: int
@@ -95,30 +127,33 @@ class RepairReport:
 
     Attributes:
         name: of the recording.
-        accepted, healthy: whether the candidate is used; whether what is used is good.
+        verdict: what became of the calibration.
         reason: why, in words.
         search: how the search ended, in words.
-        facts: of the whole, name and value, such as matched pixels.
+        baseline: distance between the cameras, in metres.
+        facts: of the whole, name and value of both calibrations, such as matched pixels.
         frame: name of the pair that is shown.
-        before, after: that pair, under both calibrations.
+        before, after: that pair, under the initial calibration and under the candidate.
         rows: None if none were measured.
         misfit: None or the plain data of a misfit; its regions are numbered by rows of 8 by 6.
-        expected: (h, w) half width of the 95 % interval around zero of the candidate's row errors over the view.
+        expected: (h, w) half width of the 95 % interval around zero of the row errors of the calibration to use, over
+            the view; NaN where not both cameras see the point.
         expected_said: the expectations in a sentence.
-        axes, depths: tables.
+        axes, lenses, depths: tables; empty where the candidate means nothing, or nothing was refined.
         climbs: of the stages that maximise a count.
         way: median row error after so many units, along the whole repair; None if it is not known.
         frames: each pair's name, what became of it, and why.
         remarks: sentences, such as which directions the images do not determine.
+        command: as it can be pasted into a shell; None if the repair was no command.
         settings: what is needed to run it again, by name.
         calibrations: before and after, by title, as a calib.json has them.
     """
 
     name: str
-    accepted: bool
-    healthy: bool
+    verdict: Verdict
     reason: str
     search: str
+    baseline: float
     facts: Mapping[str, tuple[str, str]]
     frame: str
     before: Sight
@@ -128,10 +163,22 @@ class RepairReport:
     expected: Float[np.ndarray, "h_e w_e"] | None
     expected_said: str | None
     axes: Sequence[Axis]
+    lenses: Sequence[Lens]
     depths: Sequence[Depth]
     climbs: Sequence[Climb]
     way: Climb | None
     frames: Sequence[tuple[str, str, str]]
     remarks: Sequence[str]
+    command: str | None
     settings: Mapping[str, Any]
     calibrations: Mapping[str, Mapping[str, Any]]
+
+    @property
+    def accepted(self) -> bool:
+        """Whether the candidate is used."""
+        return self.verdict is Verdict.REPAIRED
+
+    @property
+    def when(self) -> str:
+        """Which calibration is to be used: that "before" the repair, or "after"."""
+        return "after" if self.accepted else "before"

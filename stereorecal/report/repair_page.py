@@ -10,9 +10,11 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from stereorecal.report._beside import larger_than_expected, unmeasured
+from stereorecal.report._headlines import headline, where
 from stereorecal.report._pictures import data_uri, disparity_picture, rows_picture
-from stereorecal.report._regions import spoiled, where_not
-from stereorecal.report._repair_figures import expected_figure, field_figure, histogram_figure, progress_figure
+from stereorecal.report._regions import spoiled
+from stereorecal.report._repair_figures import expected_figure, field_figures, histogram_figure, progress_figures
 from stereorecal.report._templates import Markup, rendered
 from stereorecal.report.disparity import colour_range
 from stereorecal.report.repair import RepairReport
@@ -23,26 +25,26 @@ _SCRIPT = Path(__file__).with_name("slider.js")
 
 def repair_page(report: RepairReport) -> str:
     """The page as HTML text, at most some hundred kilobytes for images of any size; names are escaped."""
-    after = "after" if report.accepted else "candidate"
-    sights = {"before": report.before, after: report.after}
-    shown = [(sight.disparity, sight.valid) for sight in sights.values()]
-    least, largest = colour_range(shown)
+    names = ("before", "after") if report.accepted else ("kept", "candidate")
+    sights = dict(zip(names, (report.before, report.after), strict=True))
+    least, largest = colour_range([(sight.disparity, sight.valid) for sight in sights.values()])
     script = _SCRIPT.read_text(encoding="utf-8")
     return rendered(
         "repair.html.jinja",
         report=report,
+        verdict=report.verdict.name.lower(),
         headline=headline(report),
-        where=None if report.misfit is None else where_not(report.misfit),
-        pairs={name: data_uri(rows_picture(sight.left, sight.right, _WIDE)) for name, sight in sights.items()},
-        disparities={
-            name: data_uri(disparity_picture(sight.disparity, sight.valid, least, largest, _NARROW))
-            for name, sight in sights.items()
-        },
-        shares={name: float(sight.valid.mean()) for name, sight in sights.items()},
+        where=where(report),
+        names=names,
+        pairs=[data_uri(rows_picture(sight.left, sight.right, _WIDE)) for sight in sights.values()],
+        disparities=[
+            data_uri(disparity_picture(sight.disparity, sight.valid, least, largest, _NARROW))
+            for sight in sights.values()
+        ],
+        shares=[float(sight.valid.mean()) for sight in sights.values()],
         least=least,
         largest=largest,
-        figures=_figures(report, after),
-        after_name=after,
+        figures=_figures(report, names),
         used=sum(state == "used" for _, state, _ in report.frames),
         settings=list(_flat(report.settings)),
         calibrations={title: json.dumps(content, indent=1) for title, content in report.calibrations.items()},
@@ -51,24 +53,19 @@ def repair_page(report: RepairReport) -> str:
     )
 
 
-def headline(report: RepairReport) -> str:
-    """What to do, in a sentence."""
-    if not report.healthy:
-        return "Do not trust either calibration yet"
-    best = "Use the new calibration" if report.accepted else "Keep the calibration that you have"
-    return f"{best}, but not everywhere" if report.misfit is not None and spoiled(report.misfit) else best
-
-
-def _figures(report: RepairReport, after: str) -> dict[str, Markup]:
-    """SVG elements, by what they show; those that there is something to draw for."""
-    image = report.after.left
-    drawn = {
-        "field": report.rows and field_figure(report.rows, image, after),
-        "histogram": report.rows and histogram_figure(report.rows, after),
-        "expected": None if report.expected is None else expected_figure(report.expected, image),
-        "progress": progress_figure(report.climbs, report.way),
-    }
-    return {name: Markup(figure) for name, figure in drawn.items() if figure}
+def _figures(report: RepairReport, names: tuple[str, str]) -> dict[str, list[Markup]]:
+    """SVG elements, by what they show; none where there is nothing to draw."""
+    drawn: dict[str, list[str]] = {"progress": progress_figures(report.climbs, report.way)}
+    if report.rows is not None:
+        left = report.misfit
+        places = ([], []) if left is None else (spoiled(left, "before"), spoiled(left, "after"))
+        drawn["field"] = field_figures(report.rows, report.after.left, names, places)
+        drawn["histogram"] = [histogram_figure(report.rows, names)]
+    if report.expected is not None:
+        used = report.after if report.accepted else report.before
+        marks = larger_than_expected(report), unmeasured(report)
+        drawn["expected"] = [expected_figure(report.expected, used.left, *marks)]
+    return {name: [Markup(figure) for figure in figures] for name, figures in drawn.items()}
 
 
 def _flat(settings: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, str]]:

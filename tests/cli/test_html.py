@@ -1,5 +1,9 @@
-"""`compare --html`: what is refused before any work, and what is written."""
+"""Pages of the command line: what is refused before any work, and what is written."""
 
+import html
+import re
+import shlex
+import shutil
 import sys
 from pathlib import Path
 
@@ -75,3 +79,29 @@ def test_without_the_extra(command, no_work, clean_scene: Path, tmp_path: Path, 
     assert (answer.code, answer.out) == (2, "")
     install = "run: pip install 'stereorecal[figures]'"
     assert answer.err == f"stereorecal: --html needs {missing[0]}, which is not installed; {install}\n"
+
+
+def test_a_repair_says_how_to_run_it_again(command, clean_scene: Path, tmp_path: Path):
+    """Pasted into a shell, names with blanks, quotes and markup stay one word each."""
+    scene = tmp_path / "a 'rig' <b>$HOME"
+    shutil.copytree(clean_scene, scene)
+    words = [
+        "recalibrate",
+        scene,
+        "--html",
+        tmp_path / "out page.html",
+        "--budget",
+        3,
+        "--seed",
+        5,
+        "--reach",
+        "2,0.02",
+    ]
+    command(*words)
+    page = (tmp_path / "out page.html").read_text(encoding="utf-8")
+    (shown,) = re.findall(r'<pre class="command"[^>]*>(.*?)</pre>', page, flags=re.DOTALL)
+    assert shlex.split(html.unescape(shown)) == ["python", "-m", "stereorecal", *map(str, words)]
+    rows = dict(re.findall(r'<tr><td class="name">([^<]*)</td><td class="name">([^<]*)</td></tr>', page))
+    assert (rows["budget units"], rows["seed"], rows["reach"]) == ("3", "5", "2°, 0.02 of the baseline")
+    assert (rows["extrinsics"], rows["ranges"], rows["free"]) == ("each", "none", "pitch, yaw, roll, y, z")
+    assert "stereorecal-compass" in rows["versions plug-ins"]

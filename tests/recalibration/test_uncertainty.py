@@ -55,6 +55,17 @@ def test_a_direction_that_is_left_to_the_prior_is_named():
     assert known.undetermined == ("y with pitch",)
 
 
+def test_as_many_directions_as_axes_leave_each_axis_open():
+    """Two directions of y and z are no "y with z; z with y"."""
+    chart = row_chart(RIG, Reach(3.0, 0.03))
+    covariance = np.diag(np.full(5, 0.01**2))
+    for along, share in (((0.8, 0.6), 0.9), ((-0.6, 0.8), 0.7)):
+        direction = np.zeros(5)
+        direction[[3, 4]] = along
+        covariance = covariance + np.outer(direction, direction) * (share * PRIOR) ** 2
+    assert set(uncertainty(covariance, np.zeros((5, 5)), chart).undetermined) == {"y", "z"}
+
+
 def test_misfit_widens():
     chart, chance = row_chart(RIG, Reach(3.0, 0.03)), np.diag(np.full(5, 0.01**2))
     known = uncertainty(chance, 3 * chance, chart)

@@ -114,6 +114,34 @@ def test_slider_by_keyboard(repair: Page):
     assert float(repair.evaluate(AFTER)) == pytest.approx(0.01)
 
 
+def test_slider_says_what_it_shows(repair: Page):
+    said = "document.querySelector('input[type=range]').getAttribute('aria-valuetext')"
+    assert repair.evaluate(said) == "0 % before, 100 % after"
+    repair.evaluate("document.querySelector('input[type=range]').focus()")
+    repair.press("Home", 36)
+    assert repair.evaluate(said) == "100 % before, 0 % after"
+
+
+@pytest.mark.parametrize("width", [400, 1200])
+def test_figures_are_read(repair: Page, width: int):
+    """On a telephone too, no letter is smaller than 9 pixels."""
+    repair.look(width)
+    sizes = """[...document.querySelectorAll('svg text')].map(text => {
+        const across = text.getScreenCTM();
+        return Math.hypot(across.a, across.b) * parseFloat(getComputedStyle(text).fontSize);
+    })"""
+    assert min(repair.evaluate(sizes)) >= 9.0
+
+
+def test_wide_tables_scroll_by_keyboard(repair: Page):
+    repair.look(320)
+    repair.evaluate("document.querySelectorAll('details').forEach(part => part.open = true)")
+    assert repair.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    unreached = "[...document.querySelectorAll('*')].filter(e => e.scrollWidth > e.clientWidth + 1 && e.tabIndex < 0"
+    shown = "&& /auto|scroll/.test(getComputedStyle(e).overflowX)).map(e => e.outerHTML.slice(0, 80))"
+    assert repair.evaluate(unreached + shown) == []
+
+
 def test_slider_by_mouse(repair: Page):
     place = "(() => { const e = document.querySelector('input[type=range]'); e.scrollIntoView({block: 'center'});"
     box = repair.evaluate(

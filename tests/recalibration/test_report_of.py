@@ -1,0 +1,142 @@
+"""What the page of a repair is given: of the calibration that is to be used, and nothing where nothing was found."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import stereorecal as sr
+from stereorecal.geometry import changed_camera
+from stereorecal.recalibration import Reason
+from stereorecal.recalibration._lenses import lenses_of
+from stereorecal.recalibration._report import report_of, verdict_of
+from stereorecal.recalibration._seen_rows import seen_rows
+from stereorecal.report.repair import RepairReport, Verdict
+
+RIG = sr.synthetic.default_rig().resized((320, 240))
+SAD_64 = sr.SAD(num_disparities=64)
+DRIFTED = RIG.with_extrinsics(RIG.extrinsics + np.radians([0.6, -0.3, 0.5, 0.0, 0.0, 0.0]))
+
+
+@pytest.fixture(scope="module")
+def harbour() -> tuple[sr.Pair, ...]:
+    return sr.synthetic.render("harbour", 0, rig=RIG).pairs
+
+
+@pytest.fixture(scope="module")
+def repaired(harbour) -> sr.Solution:
+    return sr.recalibrate(DRIFTED, harbour, matcher=SAD_64, budget=sr.Budget(evaluations=200), seed=7)
+
+
+def reported(solution: sr.Solution, pairs, **settings) -> RepairReport:
+    return report_of(solution, pairs, "", None, settings, ())
+
+
+def test_all_that_repeats_a_repair(repaired, harbour):
+    said = reported(repaired, harbour, extrinsics="one").settings
+    assert said["free"] == "pitch, yaw, roll, y, z"
+    assert said["reach"] == "3°, 0.03 of the baseline"
+    assert said["budget"] == {"units": "200", "seconds": "no limit"}
+    assert (said["seed"], said["schedule"], said["extrinsics"]) == (7, "default", "one")
+    assert said["matcher"].startswith("SAD(min_disparity=0, num_disparities=64, block_size=11")
+    assert list(said["stage"]) == ["1", "2", "3"]
+    assert "compass(step=0.125, min_step=0.0625" in said["stage"]["1"]
+    assert "rounds 4" in said["stage"]["3"]
+    assert "compass 0." in said["versions"]["plug-ins"]
+    assert "levenberg-marquardt 0." in said["versions"]["plug-ins"]
+
+
+def test_a_range_that_was_measured_is_no_setting(repaired, harbour):
+    assert repaired.asked is not None
+    said = reported(replace(repaired, asked=replace(repaired.asked, matcher=sr.SAD())), harbour).settings
+    assert "num_disparities=None" in said["matcher"]
+    assert "num_disparities=64" in said["matcher, with the range that was measured"]
+
+
+def test_what_was_good_speaks_of_itself(harbour):
+    solution = sr.recalibrate(RIG, harbour, matcher=SAD_64)
+    found = reported(solution, harbour)
+    assert found.verdict is Verdict.GOOD
+    assert not found.accepted
+    assert found.when == "before"
+    assert solution.expected is not None
+    low, high = found.depths[0].expected
+    assert (low, high) == (solution.expected.depth_percent[5].low, solution.expected.depth_percent[5].high)
+    assert any("not taken" in title for title in found.calibrations)
+
+
+def test_what_nobody_can_tell_has_no_tables(harbour):
+    dark = [sr.Pair(0.01 * pair.left, 0.01 * pair.right, pair.name) for pair in harbour]
+    solution = sr.recalibrate(DRIFTED, dark, matcher=SAD_64)
+    assert solution.reason is Reason.TOO_LITTLE_TEXTURE
+    found = reported(solution, dark)
+    assert found.verdict is Verdict.UNKNOWN
+    assert (list(found.axes), list(found.depths), list(found.remarks)) == ([], [], [])
+    assert found.rows is found.misfit is found.expected is None
+
+
+VERDICTS = dict.fromkeys(Reason, Verdict.REFUSED) | {
+    Reason.IMPROVED: Verdict.REPAIRED,
+    Reason.MORE_MATCHES: Verdict.REPAIRED,
+    Reason.RANGES: Verdict.REPAIRED,
+    Reason.ALREADY_GOOD: Verdict.GOOD,
+    Reason.TOO_LITTLE_TEXTURE: Verdict.UNKNOWN,
+    Reason.OUT_OF_BUDGET: Verdict.UNKNOWN,
+}
+
+
+@pytest.mark.parametrize(("reason", "verdict"), VERDICTS.items(), ids=[reason.name for reason in VERDICTS])
+def test_verdicts(reason: Reason, verdict: Verdict):
+    assert verdict_of(reason) is verdict
+
+
+def test_hardly_any_match_gives_no_axes(repaired, harbour):
+    """But the calibration, under which nothing matches, is no good one."""
+    found = reported(replace(repaired, reason=Reason.NO_MATCHES, accepted=False), harbour)
+    assert found.verdict is Verdict.REFUSED
+    assert (list(found.axes), list(found.depths), list(found.facts)) == ([], [], ["matched, of 76 800 pixels"])
+
+
+def test_what_was_left_out_is_not_counted(repaired, harbour):
+    """Nothing matches in the frame that was left out."""
+    stripes = np.broadcast_to(np.arange(240, dtype=np.float32)[:, None], (240, 320))
+    found = reported(replace(repaired, left_out=("other",)), [*harbour, sr.Pair(stripes, stripes, "other")])
+    assert dict(found.facts) == dict(reported(repaired, harbour).facts)
+    assert "matched, of 76 800 pixels" in found.facts
+    assert [state for _, state, _ in found.frames] == ["used", "left out"]
+    assert "1 frame was left out: see Frames below." in found.remarks
+
+
+def test_pairs_that_were_not_looked_at_are_on_the_page(repaired, harbour, tmp_path):
+    replace(repaired, looked_at=(0,)).to_html(tmp_path / "out.html", [*harbour, *harbour])
+    page = (tmp_path / "out.html").read_text(encoding="utf-8")
+    assert "1 other pair</td>" in page
+    assert "1 frame was used." in page
+
+
+def test_rows_under_other_lenses(repaired):
+    """Matches are what the initial cameras saw: under them the true rig's rows agree, under others they do not."""
+    lenses = replace(RIG, right=changed_camera(RIG.right, {"f": 0.02, "cy": 2.0}))
+    initial, other = (rig.with_extrinsics(repaired.rig.extrinsics) for rig in (RIG, lenses))
+    rows, _ = seen_rows(repaired.found, initial, other, repaired.view)
+    assert np.median(np.abs(rows.all_before)) < 0.2
+    assert np.median(np.abs(rows.all_after)) > 1.5
+
+
+def test_lenses():
+    """In units of a calibration file, with intervals in the same."""
+    right = changed_camera(RIG.right, {"f": 0.01, "cx": 2.0, "k1": 0.02})
+    names, interval = ("baseline", "right.f", "right.cx", "right.k1"), np.array([0.1, 0.5, 0.25, 0.001])
+    seen = SimpleNamespace(taken=True, names=names, interval=interval, undetermined=("right.cx",))
+    solution = SimpleNamespace(intrinsics=seen, initial=RIG, candidate=replace(RIG, right=right))
+    focal, centre, first = lenses_of(solution)
+    assert (focal.camera, focal.name, focal.unit) == ("right", "focal length, f", "px")
+    before = float(RIG.right.matrix[0, 0])
+    np.testing.assert_allclose([focal.before, focal.after], [before, before * np.exp(0.01)])
+    np.testing.assert_allclose(focal.half_width, 0.005 * focal.after)
+    assert (centre.observed, first.observed) == (False, True)
+    np.testing.assert_allclose([centre.after - centre.before, centre.half_width], [2.0, 0.25])
+    np.testing.assert_allclose(first.after - first.before, 0.02)
+    assert lenses_of(SimpleNamespace(intrinsics=None)) == []
+    assert lenses_of(SimpleNamespace(intrinsics=SimpleNamespace(taken=False))) == []

@@ -1,0 +1,84 @@
+"""Figures of a repair: scales that hold before and after, and marks where measured and expected rows contradict."""
+
+import base64
+import re
+from dataclasses import replace
+
+import cv2
+import numpy as np
+import pytest
+from made_up_repair import made_up, misfit
+
+from stereorecal.report._beside import larger_than_expected, unmeasured
+from stereorecal.report._repair_figures import expected_figure, field_figures, histogram_figure, outline
+from stereorecal.report.repair import Rows, Verdict
+
+IMAGE = np.full((60, 80), 128.0)
+NAMES = ("before", "after")
+
+
+def words(figure: str) -> list[str]:
+    return [text.replace("\N{MINUS SIGN}", "-") for text in re.findall(r"<text[^>]*>([^<]*)</text>", figure)]
+
+
+@pytest.fixture(scope="module")
+def rows() -> Rows:
+    rng = np.random.default_rng(0)
+    field = rng.normal(0.0, 0.1, (18, 24))
+    return Rows(-12.0 + field, field, rng.normal(-12.0, 0.1, 500), np.repeat([0.1, 0.5], [375, 125]))
+
+
+def test_both_maps_hold_what_was_before(rows: Rows):
+    for figure in field_figures(rows, IMAGE, NAMES, ([], [])):
+        assert {"-10", "-1", "-0.2", "0", "0.2", "1", "10"} <= set(words(figure))
+
+
+def test_the_histogram_holds_all_and_says_how_much_is_harmless(rows: Rows):
+    figure = histogram_figure(rows, NAMES)
+    assert {"-10", "0", "10", "before: 0 % within 0.2 px", "after: 75 % within 0.2 px"} <= set(words(figure))
+
+
+def test_colour_bars_are_opaque(rows: Rows):
+    """Over a dark page, half of it would shine through."""
+    for figure in (*field_figures(rows, IMAGE, NAMES, ([], [])), expected_figure(np.ones((13, 17)), IMAGE, [], [])):
+        coded = [base64.b64decode(data) for data in re.findall(r'base64,([^"]+)"', figure)]
+        pictures = [cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED) for data in coded]
+        (bar,) = [picture for picture in pictures if picture.shape[0] > 5 * picture.shape[1]]
+        assert (bar[..., 3] == 255).all()
+
+
+def test_regions_are_outlined_together():
+    assert outline([]) == []
+    assert len(outline([9])) == 4
+    assert len(outline([9, 10])) == 6  # what they share is no edge
+    assert ((1 / 8, 1 / 6), (2 / 8, 1 / 6)) in outline([9])
+
+
+def test_where_measured_rows_are_larger_than_expected():
+    """Beyond chance, and under the calibration that is used."""
+    expected = np.full((13, 17), 0.3)
+    expected[:, 9:] = 1.0
+    left = misfit(before={5: 9.0}, after={0: 0.9, 1: 0.31, 7: 0.9})
+    report = made_up(expected=expected, misfit=left)
+    assert larger_than_expected(report) == [0]
+    assert larger_than_expected(replace(report, verdict=Verdict.GOOD)) == [5]
+    assert larger_than_expected(replace(report, expected=np.full((13, 17), np.nan))) == []
+
+
+def test_where_nothing_was_measured():
+    left = {key: value[3:] for key, value in misfit().items()}
+    assert unmeasured(made_up(misfit=left)) == [0, 1, 2]
+
+
+def test_marks_are_drawn_and_named():
+    plain = expected_figure(np.ones((13, 17)), IMAGE, [], [])
+    assert "fill: url(#" not in plain
+    marked = expected_figure(np.ones((13, 17)), IMAGE, [3], [4, 5])
+    assert marked.count("fill: url(#") == 3 + 2  # in the map, and in its legend
+    assert {"rows measured there lie farther apart", "nothing matched there: extrapolated"} <= set(words(marked))
+
+
+def test_corners_do_not_take_all_colours():
+    expected = np.full((13, 17), 0.4)
+    expected[0, 0] = 40.0
+    assert "0.5" in words(expected_figure(expected, IMAGE, [], []))
