@@ -30,7 +30,7 @@ class Config:
 
     matcher: AbstractMatcher | str | None = None
     every: int = 1
-    wander: tuple[float, float, float] = (5e-4, 2e-3, 5e-4)
+    wander: tuple[float, float, float] = (7e-4, 3e-3, 7e-4)
     shift: float = 1e-4
     together: int = 8
     knock: float = 1e-6

@@ -37,6 +37,7 @@ class Reading:
         depth_percent: error of depth at 5, 10, 30 and 100 baselines.
         delay: of the right shutter, in frames.
         chance: of an offset as large as this one, or larger, if the calibration in use were right.
+        chance_of_rotation: the same of pitch, yaw and roll alone.
     """
 
     axes: Mapping[str, Interval]
@@ -45,6 +46,7 @@ class Reading:
     depth_percent: Mapping[int, Interval]
     delay: Interval
     chance: float
+    chance_of_rotation: float
 
     @property
     def matters(self) -> bool:
@@ -103,6 +105,7 @@ def reading(state: State) -> Reading:
         depth_percent={at: Interval(*map(depth_error, three)) for at, three in zip(DISTANCES, depths, strict=True)},
         delay=Interval(delay, delay - float(widths[SIZE]), delay + float(widths[SIZE])),
         chance=float(chdtrc(SIZE, float(apart @ np.linalg.solve(covariance, apart)))),
+        chance_of_rotation=float(chdtrc(3, float(apart[:3] @ np.linalg.solve(covariance[:3, :3], apart[:3])))),
     )
 
 

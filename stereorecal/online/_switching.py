@@ -66,15 +66,20 @@ def switched(state: State, offset: Offset) -> State:
 
 
 def nominated(state: State) -> tuple[State, list[Event]]:
-    """The estimate as a candidate, where it says that the calibration in use is not the true one."""
+    """The rotation of the estimate as a candidate, where it says that the one in use is not the true one.
+
+    y and z stay: a shutter that is late on a rig that travels straight on poses as a shift, and no look tells them
+    apart. A repair of pairs that hardly match, which is judged by its own misfit, may change them.
+    """
     if not state.config.repair or state.trial is not None or state.suspect is not None:
         return state, []
     if state.frame < state.ready:
         return state, []
     found = reading(state)
-    if found.late or found.chance > _WORTH:
+    if found.late or found.chance_of_rotation > _WORTH:
         return state, []
-    return state.but(trial=Trial(state.estimate.offset.copy(), "looks", state.frame)), []
+    turned = np.concatenate([state.estimate.offset[:3], state.using[3:]])
+    return state.but(trial=Trial(turned, "looks", state.frame)), []
 
 
 def after_repair(state: State, offset: Offset, covariance: Float[np.ndarray, "5 5"]) -> State:
