@@ -72,7 +72,7 @@ def report_of(
         expected_said=expected and str(expected),
         axes=_axes(solution) if telling else (),
         lenses=lenses_of(solution) if telling else (),
-        depths=_depths(solution) if telling else (),
+        depths=_depths(solution) if solution.reason.healthy else (),  # a wrong candidate tells none
         climbs=climbs_of(solution.stages),
         way=way,
         frames=[*_frames(solution, pairs), *((frame, "not used", why) for frame, why in absent)],

@@ -261,7 +261,7 @@ def test_curves_of_a_strategy_that_spends_nothing(scene):
 
 def test_wide_tables_are_reached_by_keyboard(page: str):
     boxes = re.findall(r'<div class="wide"[^>]*>', page)
-    assert len(boxes) == 4
+    assert len(boxes) == 5
     for box in boxes:
         assert 'role="region" tabindex="0" aria-label="' in box
 

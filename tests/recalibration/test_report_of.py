@@ -76,6 +76,15 @@ def test_what_nobody_can_tell_has_no_tables(harbour):
     assert found.rows is found.misfit is found.expected is None
 
 
+def test_a_wrong_candidate_tells_no_depth(repaired, harbour):
+    """Its difference to the calibration that is kept may be small, of which the depth is no better for it."""
+    found = reported(replace(repaired, reason=Reason.MISFIT, accepted=False), harbour)
+    assert found.verdict is Verdict.REFUSED
+    assert list(found.depths) == []
+    assert len(found.axes) == 6
+    assert len(reported(repaired, harbour).depths) == 4
+
+
 VERDICTS = dict.fromkeys(Reason, Verdict.REFUSED) | {
     Reason.IMPROVED: Verdict.REPAIRED,
     Reason.MORE_MATCHES: Verdict.REPAIRED,
