@@ -263,7 +263,7 @@ def test_wide_tables_are_reached_by_keyboard(page: str):
     boxes = re.findall(r'<div class="wide"[^>]*>', page)
     assert len(boxes) == 5
     for box in boxes:
-        assert 'role="region" tabindex="0" aria-label="' in box
+        assert 'tabindex="0" role="region" aria-label="' in box
 
 
 def test_when_a_trial_is_solved(table: Comparison):
