@@ -54,7 +54,7 @@ class Trial:
 
     Attributes:
         score_initial, score_final, score_reference: the paper's N_i, N_o and N_GT (of the reference rig): counts at
-            full scale, all in the view of the start.
+            full scale, all in the view of the start and over all frames.
         ratio: the paper's r = N_o / N_GT.
         rotation_error_deg: |pitch|, |yaw|, |roll| error against the reference rig.
         translation_error_percent: |y|, |z| error in percent of the baseline.
