@@ -41,11 +41,16 @@ def report() -> None:
     with tempfile.TemporaryDirectory() as name:
         page, picture = Path(name) / "report.html", Path(name) / "report.png"
         sr.recalibrate(bad, scene.pairs).to_html(page, scene.pairs, name="harbour")
-        size = ["--window-size=1000,3640", "--hide-scrollbars", f"--screenshot={picture}"]
+        size = ["--window-size=1000,3850", "--hide-scrollbars", f"--screenshot={picture}"]
         subprocess.run(["chromium", "--headless", "--no-sandbox", *size, page.as_uri()], check=True)
         shown = cv2.imread(str(picture))
     assert shown is not None
-    halves = np.concatenate([shown[:1820], shown[1820:3640]], axis=1)  # side by side: a README is wide, not long
+    first, second = (
+        shown[:1840],
+        shown[1840:],
+    )  # side by side: a README is wide, not long; cut above "Rows that lie apart"
+    first = np.pad(first, ((0, len(second) - len(first)), (0, 0), (0, 0)), constant_values=255)
+    halves = np.concatenate([first, second], axis=1)
     cv2.imwrite(str(HERE / "report.jpg"), cv2.resize(halves, None, fx=0.6, fy=0.6, interpolation=cv2.INTER_AREA))
 
 

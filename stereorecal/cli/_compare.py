@@ -99,7 +99,7 @@ def _save_json(comparison: Comparison, options: argparse.Namespace, *, force: bo
 
 def _save_html(comparison: Comparison, options: argparse.Namespace) -> None:
     if options.html is not None:
-        comparison.to_html(options.html)
+        comparison.to_html(options.html, overwrite=options.force)
 
 
 def _show(comparison: Comparison, options: argparse.Namespace) -> None:

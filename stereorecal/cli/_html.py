@@ -48,4 +48,5 @@ def write_report(
         return
     command = shlex.join(["python", "-m", "stereorecal", *options.words])
     pairs, name = scenes[0].pairs, scenes[0].name
-    solution.to_html(options.html, pairs, name=name, command=command, settings=settings, absent=absent)
+    about = {"name": name, "command": command, "settings": settings, "absent": absent}
+    solution.to_html(options.html, pairs, **about, overwrite=options.force)

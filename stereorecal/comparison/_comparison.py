@@ -3,7 +3,6 @@
 import os
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
-from pathlib import Path
 from typing import Any
 
 from stereorecal._extras import extra
@@ -66,15 +65,18 @@ class Comparison:
         """Write the JSON file, whole or not at all."""
         write_json(path, self.as_dict())
 
-    def to_html(self, path: str | os.PathLike[str]) -> None:
+    def to_html(self, path: str | os.PathLike[str], *, overwrite: bool = True) -> None:
         """Write one HTML page that needs nothing else, whole or not at all.
 
+        Args:
+            overwrite: whether an existing file may be replaced.
+
         Raises:
-            InputError: if jinja2 or matplotlib is not installed, or the place cannot be written to.
+            InputError: if jinja2 or matplotlib is not installed, a file exists that must stay, or the place cannot be
+                written to.
         """
         with extra("figures", "an HTML page"):
             from stereorecal.report.page import comparison_page
         profile = [plain(asdict(curve)) for curve in self.data_profile()]
-        write_text(
-            Path(path), comparison_page(self.as_dict(), profile, pictures_of(self.trials, self.shown, self.thresholds))
-        )
+        pictures = pictures_of(self.trials, self.shown, self.thresholds)
+        write_text(path, comparison_page(self.as_dict(), profile, pictures), replace=overwrite)

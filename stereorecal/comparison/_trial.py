@@ -54,7 +54,7 @@ class Trial:
 
     Attributes:
         score_initial, score_final, score_reference: the paper's N_i, N_o and N_GT (of the reference rig): counts at
-            full scale, all in the view of the start.
+            full scale, all in the view of the start and over all frames.
         ratio: the paper's r = N_o / N_GT.
         rotation_error_deg: |pitch|, |yaw|, |roll| error against the reference rig.
         translation_error_percent: |y|, |z| error in percent of the baseline.
@@ -119,8 +119,7 @@ def _repair(task: Task) -> Solution:
 
 def _finished(task: Task, solution: Solution) -> Trial:
     reference, _ = task.reference
-    target = score(reference, task.scene.pairs, matcher=task.matcher, view=solution.view).count
-    final = (solution.score_after if solution.accepted else solution.score_before).count
+    initial, final, target = _counts(task, solution)
     errors = axis_errors(solution.rig, reference)
     return Trial(
         **_key(task),
@@ -128,7 +127,7 @@ def _finished(task: Task, solution: Solution) -> Trial:
         message=solution.message,
         accepted=solution.accepted,
         reason=solution.reason.name.lower(),
-        score_initial=solution.score_before.count,
+        score_initial=initial,
         score_final=final,
         score_reference=target,
         ratio=final / target if target else None,
@@ -146,6 +145,17 @@ def _finished(task: Task, solution: Solution) -> Trial:
             "reference": list(map(float, reference.extrinsics)),
         },
     )
+
+
+def _counts(task: Task, solution: Solution) -> tuple[int, int, int]:
+    """Of the start, of what the repair ended with and of the reference, over all frames: strategies do not compare on
+    those that each of them left out."""
+    pairs, how = task.scene.pairs, {"matcher": task.matcher, "view": solution.view}
+    before, after = solution.score_before, solution.score_after
+    if len(solution.kept) < len(pairs):
+        before, after = (score(rig, pairs, **how) for rig in (solution.initial, solution.candidate))
+    final = after if solution.accepted else before
+    return before.count, final.count, score(task.reference[0], pairs, **how).count
 
 
 def _scores_at(task: Task, solution: Solution) -> dict[str, float | None] | None:

@@ -58,7 +58,10 @@ class Reason(enum.Enum):
     MISFIT = "the candidate leaves rows of whole regions apart, which no rotation or shift of the cameras explains"
     FRAMES_DISAGREE = "the frames show different rigs; take them at rest, or check the synchronisation of the cameras"
     IMPLAUSIBLE = "the candidate is an unlikely drift: too far on all axes together, or far where rows hardly tell"
-    REACH_EDGE = "the search ended at twice the reach; the drift may be larger: give a larger reach"
+    REACH_EDGE = (
+        "the search ended at twice the reach: the drift is larger, so give a larger reach, or something moved between "
+        "the two exposures"
+    )
 
     @property
     def accepted(self) -> bool:

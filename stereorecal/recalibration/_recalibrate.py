@@ -167,7 +167,9 @@ def solution_of(case: Case, asked: Asked, stages: tuple[StageRun, ...], cost: Co
         frames = agreed(case.chart, found, case.chart.coordinates_of(candidate), case.images.pairs)
         candidate = case.chart.rig_at(frames.facts.z)
     tiles, of_scores = _scores(case, candidate)
-    before, after = (Score(int(counts.sum()), case.images.at(1.0).pixels) for counts in tiles)
+    kept = np.ones(len(case.images.pairs), bool) if frames is None else frames.kept
+    tiles, pixels = tiles[:, kept], case.images.at(1.0).pixels * int(kept.sum()) // len(kept)  # all of one size
+    before, after = (Score(int(counts.sum()), pixels) for counts in tiles)
     status, message = (runs[-1].status, runs[-1].message) if runs else (Status.NO_SIGNAL, Status.NO_SIGNAL.value)
     if cut:
         status, message = Status.BUDGET, Status.BUDGET.value
@@ -179,7 +181,7 @@ def solution_of(case: Case, asked: Asked, stages: tuple[StageRun, ...], cost: Co
     elif frames is None:
         reason = Reason.TOO_LITTLE_TEXTURE
     else:
-        facts, tiles = frames.facts, tiles[:, frames.kept]
+        facts = frames.facts
         rows, covered = row_errors(facts), without(found, frames.apart).covered
         said, left = judged(facts, case.free.names, len(case.free.axes), tiles, rows, covered)
         known = uncertainty(facts.covariance(), systematic(facts, left), case.chart)
@@ -212,7 +214,7 @@ def solution_of(case: Case, asked: Asked, stages: tuple[StageRun, ...], cost: Co
         uncertainty=known,
         misfit=left,
         intrinsics=None,
-        kept=tuple(np.flatnonzero(np.ones(len(case.images.pairs)) if frames is None else frames.kept).tolist()),
+        kept=tuple(np.flatnonzero(kept).tolist()),
         left_out=() if reason is Reason.FRAMES_DISAGREE else apart,
         disagreeing=apart if reason is Reason.FRAMES_DISAGREE else (),
         stages=stages,

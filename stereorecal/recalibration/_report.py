@@ -18,7 +18,7 @@ from stereorecal.recalibration._seen_rows import climbs_of, seen_rows, way_of
 from stereorecal.recordings import Pair
 from stereorecal.report.cells import count, number, percent
 from stereorecal.report.repair import Axis, Depth, RepairReport, Sight, Verdict
-from stereorecal.scoring.host import disparity, rectify, score
+from stereorecal.scoring.host import disparity, rectify
 from stereorecal.strategies import name_of
 
 # Too little was seen, or judged, for the candidate to mean anything: what its axes are would be read as an answer.
@@ -62,7 +62,7 @@ def report_of(
         reason=solution.reason.value,
         search=f"{solution.message} ({count(solution.evaluations)} evaluations, {solution.seconds:.1f} s)",
         baseline=float(solution.rig.baseline),
-        facts=_facts(solution, pairs, telling=telling),
+        facts=_facts(solution, telling=telling),
         frame=pair.name,
         before=_sight(solution, solution.initial, pair),
         after=_sight(solution, solution.candidate, pair),
@@ -72,7 +72,7 @@ def report_of(
         expected_said=expected and str(expected),
         axes=_axes(solution) if telling else (),
         lenses=lenses_of(solution) if telling else (),
-        depths=_depths(solution) if telling else (),
+        depths=_depths(solution) if solution.reason.healthy else (),  # a wrong candidate tells none
         climbs=climbs_of(solution.stages),
         way=way,
         frames=[*_frames(solution, pairs), *((frame, "not used", why) for frame, why in absent)],
@@ -98,11 +98,8 @@ def _sight(solution: Any, rig: StereoRig, pair: Pair) -> Sight:
     return Sight(left, right, np.asarray(found.values), np.asarray(found.valid))
 
 
-def _facts(solution: Any, pairs: Sequence[Pair], *, telling: bool) -> dict[str, tuple[str, str]]:
+def _facts(solution: Any, *, telling: bool) -> dict[str, tuple[str, str]]:
     before, after = solution.score_before, solution.score_after
-    if 0 < len(solution.kept) < len(pairs):  # what was left out has no say
-        kept, how = [pairs[index] for index in solution.kept], {"matcher": solution.matcher, "view": solution.view}
-        before, after = (score(rig, kept, **how) for rig in (solution.initial, solution.candidate))
     facts = {f"matched, of {count(before.pixels)} pixels": (percent(before.fraction), percent(after.fraction))}
     if solution.row_errors is not None and telling:
         facts["row error"] = (f"{solution.row_errors.before:.2f} px", f"{solution.row_errors.after:.2f} px")

@@ -4,7 +4,6 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -53,7 +52,7 @@ class Solution:
         reach: within which it was searched.
         free: what could move in the calibration to use.
         cost: units that it took, by what they were spent on; `cost.total` is all of it.
-        score_before, score_after: of `initial` and `candidate`, at full scale in `view`.
+        score_before, score_after: of `initial` and `candidate`, at full scale in `view`, over the pairs in `kept`.
         row_errors: epipolar errors before and after; None if the schedule has no epipolar stage, or it found nothing.
         uncertainty: of the candidate; None in the same cases.
         misfit: of the candidate; None in the same cases.
@@ -165,6 +164,7 @@ class Solution:
         command: str | None = None,
         settings: Mapping[str, Any] | None = None,
         absent: Sequence[tuple[str, str]] = (),
+        overwrite: bool = True,
     ) -> None:
         """Write one HTML page that needs nothing else, whole or not at all: the verdict, pictures of one pair before
         and after, where rows fit and where not, and what is needed to run it again.
@@ -175,10 +175,11 @@ class Solution:
             command: that repeats it, as it can be pasted into a shell.
             settings: what else is needed to run it again, or was asked for in other words; plain data.
             absent: names of frames that did not come to the repair, each with a reason.
+            overwrite: whether an existing file may be replaced.
 
         Raises:
-            InputError: if jinja2 or matplotlib is not installed, the pairs are not those of the solution, or the place
-                cannot be written to.
+            InputError: if jinja2 or matplotlib is not installed, the pairs are not those of the solution, a file exists
+                that must stay, or the place cannot be written to.
         """
         with extra("figures", "an HTML page"):
             from stereorecal.report.repair_page import repair_page
@@ -189,7 +190,8 @@ class Solution:
             if rest := len(every) - len(self.looked_at):
                 absent = (*absent, (f"{rest} other {'pair' if rest == 1 else 'pairs'}", "others show more texture"))
             every = tuple(every[number] for number in self.looked_at)
-        write_text(Path(path), repair_page(report_of(self, every, name, command, settings or {}, absent)))
+        page = repair_page(report_of(self, every, name, command, settings or {}, absent))
+        write_text(path, page, replace=overwrite)
 
     def __str__(self) -> str:
         verdict = "accepted" if self.accepted else "not accepted, the initial calibration stays"

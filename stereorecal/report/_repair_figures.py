@@ -27,6 +27,7 @@ _MOST = 0.95  # of the view: lenses at the very corners would make all else look
 _OVER = 0.8  # how much colours hide of the image below
 _EXTENT = (0.0, 1.0, 1.0, 0.0)  # of every map: the whole view
 _TICKS = (LIMIT, 1.0, 10.0, 100.0)  # pixels, on either side of zero
+_SMOOTH = 0.9 / np.log(10.0)  # of the linear part of a logarithmic axis: it goes over without a jump in its density
 _LARGER, _UNMEASURED = "////", "..."  # hatches
 
 Map = Float[np.ndarray, "h w"]
@@ -54,27 +55,40 @@ def field_figures(
 
 
 def histogram_figure(rows: Rows, names: tuple[str, str]) -> str:
-    """How often matches lie how many rows apart, before and after, none left out; logarithmic far from zero."""
+    """How densely matches lie at how many rows apart, before and after, none left out; logarithmic far from zero."""
     largest = _scale(rows.all_before, rows.all_after)
-    scale = SymmetricalLogTransform(10.0, LIMIT, 1.0)
-    end = float(scale.transform(np.array([largest]))[0])
-    bins = scale.inverted().transform(np.linspace(-end, end, 61)).tolist()
+    bins = _bins(largest)
     with style(("histogram", largest, rows.all_before.size)):
         figure = Figure(figsize=(_WIDTH, 3.1), layout="constrained")
         axis = figure.subplots()
         for name, values, colour in zip(names, (rows.all_before, rows.all_after), COLOURS[1::-1], strict=True):
-            # To the edge of the outermost bins: rounding must lose no match.
             label = f"{name}: {percent(float(np.mean(np.abs(values) <= LIMIT)))} within {LIMIT} px"
-            axis.hist(values.clip(bins[0], bins[-1]), bins, color=colour, alpha=0.6, label=label)
+            axis.stairs(density(values, bins), bins, color=colour, alpha=0.6, fill=True, label=label)
+            axis.stairs(density(values, bins), bins, color=colour, lw=1.0)  # seen where it is low
         axis.axvspan(-LIMIT, LIMIT, color=COLOURS[2], alpha=0.2, lw=0.0)
-        axis.set_xscale("symlog", linthresh=LIMIT)
+        axis.set_xscale("symlog", linthresh=LIMIT, linscale=_SMOOTH)
         axis.set_xticks(_ticks(largest), [f"{tick:g}" for tick in _ticks(largest)])
         axis.set_xticks([], minor=True)
         axis.set_xlabel("row difference [px]")
-        axis.set_ylabel("matches")
+        axis.set_ylabel("share of matches per px")
+        axis.set_ylim(bottom=0.0)
         axis.spines[["top", "right"]].set_visible(False)
         figure.legend(frameon=False, loc="outside upper left")
         return svg(figure, f"Histogram of the row differences of all matches, {names[0]} and {names[1]}.")
+
+
+def density(values: Float[np.ndarray, "m"], bins: Float[np.ndarray, "b1"]) -> Float[np.ndarray, "b"]:
+    """The share of the values in each bin, over its width: in wide bins far from zero, the same number would make a
+    peak of what is spread. What rounding puts beyond the outermost bins is in those."""
+    counts = np.histogram(values.clip(bins[0], bins[-1]), bins)[0]
+    return counts / max(values.size, 1) / np.diff(bins)
+
+
+def _bins(largest: float) -> Float[np.ndarray, "b1"]:
+    """Edges that lie evenly on an axis that is linear near zero and logarithmic far from it."""
+    scale = SymmetricalLogTransform(10.0, LIMIT, _SMOOTH)
+    end = float(scale.transform(np.array([largest]))[0])
+    return scale.inverted().transform(np.linspace(-end, end, 61))
 
 
 def expected_figure(expected: Map, image: Grey, larger: Sequence[int], unmeasured: Sequence[int]) -> str:

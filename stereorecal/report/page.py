@@ -3,13 +3,14 @@
 Needs jinja2 and matplotlib: pip install 'stereorecal[figures]'.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from stereorecal.report._colour_bar import colour_bar
 from stereorecal.report._curves import curve_figures, lines_of
 from stereorecal.report._entrants import strategies_of, title_of
 from stereorecal.report._pictures import data_uri, disparity_picture
+from stereorecal.report._settings import flat
 from stereorecal.report._strips import Series, strips
 from stereorecal.report._templates import Markup, rendered
 from stereorecal.report.comparison import TrialPicture
@@ -40,7 +41,7 @@ def comparison_page(data: Mapping[str, Any], profile: Sequence[Row] = (), pictur
         marks=_marks(data),
         best=_best(data),
         troubles=_troubles(data),
-        settings=list(_flat(data["settings"])),
+        settings=_settings(data),
         references=REFERENCES,
         schedules=schedules_legend(data),
         planned=len(data["scenes"]) * data["settings"]["draws"] * len(data["settings"]["entrants"]),
@@ -144,15 +145,10 @@ def _troubles(data: Mapping[str, Any]) -> dict[tuple[str, str, str], int]:
     return troubles
 
 
-def _flat(settings: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, str]]:
-    """Nested settings as a flat list of pairs: key, such as "matcher block_size", and value."""
-    for key, value in settings.items():
-        if isinstance(value, Mapping):
-            yield from _flat(value, f"{above}{key} ")
-        elif key == "entrants":
-            for entrant in value:
-                yield f"schedule {entrant['schedule']}, {entrant['strategy']}", strategies_of(entrant)
-        elif isinstance(value, list):
-            yield above + key, ", ".join(map(str, value))
-        else:
-            yield above + key, "-" if value is None else str(value)
+def _settings(data: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """By name, with the strategies of each entrant in full."""
+    settings = dict(data["settings"])
+    entrants = {
+        f"schedule {one['schedule']}, {one['strategy']}": strategies_of(one) for one in settings.pop("entrants")
+    }
+    return list(flat({**settings, **entrants, **data["versions"]}))

@@ -139,7 +139,8 @@ class RepairReport:
         expected: (h, w) half width of the 95 % interval around zero of the row errors of the calibration to use, over
             the view; NaN where not both cameras see the point.
         expected_said: the expectations in a sentence.
-        axes, lenses, depths: tables; empty where the candidate means nothing, or nothing was refined.
+        axes, lenses, depths: tables; empty where the candidate means nothing, or nothing was refined. No depths of a
+            calibration that is not known to be good.
         climbs: of the stages that maximise a count.
         way: median row error after so many units, along the whole repair; None if it is not known.
         frames: each pair's name, what became of it, and why.

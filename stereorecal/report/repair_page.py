@@ -6,15 +6,15 @@ Needs jinja2 and matplotlib: pip install 'stereorecal[figures]'.
 import base64
 import hashlib
 import json
-from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
 
 from stereorecal.report._beside import larger_than_expected, unmeasured
+from stereorecal.report._colour_bar import colour_bar
 from stereorecal.report._headlines import headline, where
 from stereorecal.report._pictures import data_uri, disparity_picture, rows_picture
 from stereorecal.report._regions import spoiled
 from stereorecal.report._repair_figures import expected_figure, field_figures, histogram_figure, progress_figures
+from stereorecal.report._settings import flat
 from stereorecal.report._templates import Markup, rendered
 from stereorecal.report.disparity import colour_range
 from stereorecal.report.repair import RepairReport
@@ -42,11 +42,10 @@ def repair_page(report: RepairReport) -> str:
             for sight in sights.values()
         ],
         shares=[float(sight.valid.mean()) for sight in sights.values()],
-        least=least,
-        largest=largest,
+        bar=colour_bar(least, largest),
         figures=_figures(report, names),
         used=sum(state == "used" for _, state, _ in report.frames),
-        settings=list(_flat(report.settings)),
+        settings=list(flat(report.settings)),
         calibrations={title: json.dumps(content, indent=1) for title, content in report.calibrations.items()},
         script=Markup(script),
         script_hash=base64.b64encode(hashlib.sha256(script.encode()).digest()).decode("ascii"),
@@ -66,13 +65,3 @@ def _figures(report: RepairReport, names: tuple[str, str]) -> dict[str, list[Mar
         marks = larger_than_expected(report), unmeasured(report)
         drawn["expected"] = [expected_figure(report.expected, used.left, *marks)]
     return {name: [Markup(figure) for figure in figures] for name, figures in drawn.items()}
-
-
-def _flat(settings: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, str]]:
-    """Nested settings as a flat list of names, such as "matcher block_size", and values."""
-    for key, value in settings.items():
-        if isinstance(value, Mapping):
-            yield from _flat(value, f"{above}{key} ")
-        else:
-            text = "; ".join(map(str, value)) if isinstance(value, list) else "-" if value is None else str(value)
-            yield above + key, text

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from stereorecal.cli import _compare
+from stereorecal.cli import _compare, _recalibrate
 
 SMALL = ("--schedule", "count", "--draws", 2, "--scale", 0.5, "--budget", 5)
 
@@ -48,6 +48,30 @@ def test_an_interrupted_comparison_is_written(command, clean_scene: Path, tmp_pa
     answer = command("compare", "--scene", clean_scene, *SMALL, "--html", tmp_path / "out.html")
     assert answer.code == 130
     assert "1 trial was finished of 2." in (tmp_path / "out.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("force", [False, True])
+@pytest.mark.parametrize("verb", ["compare", "recalibrate"])
+def test_a_page_that_another_run_has_written_meanwhile(
+    command, clean_scene: Path, tmp_path: Path, monkeypatch, verb: str, force: bool
+):
+    """It stays, and the rest of the result is not lost; with --force it is replaced."""
+    target, module = tmp_path / "out.html", {"compare": _compare, "recalibrate": _recalibrate}[verb]
+    deliver = module.deliver
+
+    def meanwhile(*steps):
+        target.write_text("theirs")
+        deliver(*steps)
+
+    monkeypatch.setattr(module, "deliver", meanwhile)
+    words = ["--scene", clean_scene, *SMALL] if verb == "compare" else [clean_scene, "--dry-run", "--budget", 5]
+    answer = command(verb, *words, "--html", target, *(["--force"] if force else []))
+    assert {"compare": "compass", "recalibrate": "before  "}[verb] in answer.out
+    if force:
+        assert target.read_text(encoding="utf-8").rstrip().endswith("</html>")
+        return
+    assert (answer.code, target.read_text()) == (2, "theirs")
+    assert "exists already" in answer.err
 
 
 @pytest.mark.parametrize(

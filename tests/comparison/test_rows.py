@@ -1,12 +1,14 @@
 """Whatever a strategy does becomes a row; no table is lost."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.metadata import EntryPoint, EntryPoints
 
 import pytest
 
-from stereorecal.comparison import compare_scenes
+from stereorecal.comparison import _trial, compare_scenes
 from stereorecal.matching import SAD
+from stereorecal.recalibration import searched
+from stereorecal.scoring.host import Score
 from stereorecal.strategies import AbstractStrategy, Budget, Need, Outcome, Status, _registry, strategy
 
 SMALL = {"matcher": SAD(num_disparities=24), "draws": 2, "scale": 0.5, "budget": Budget(evaluations=5)}
@@ -56,6 +58,22 @@ def test_a_strategy_that_does_not_move_changes_nothing(scene):
         assert trial.score_final == trial.score_initial
         assert 0 < max(trial.rotation_error_deg.values()) <= 0.5 + 1e-9
     assert table.summary[0].success_rate == 0.0
+
+
+def test_counts_are_of_all_frames_even_of_those_that_a_repair_left_out(scene, monkeypatch):
+    """Or r would compare a few frames with all."""
+    given_scene, whole = scene("harbour", 0, (160, 120), 2), []
+
+    def leaves_out(*arguments):
+        solution = searched(*arguments)
+        whole.append(solution)
+        half = Score(solution.score_before.count // 2, solution.score_before.pixels // 2)
+        return replace(solution, kept=(0,), score_before=half, score_after=half)
+
+    monkeypatch.setattr(_trial, "searched", leaves_out)
+    table = compare_scenes([given_scene], strategies={"idle": Idle()}, **(SMALL | {"draws": 1}))
+    assert [trial.score_initial for trial in table.trials] == [found.score_before.count for found in whole]
+    assert [trial.score_final for trial in table.trials] == [found.score_before.count for found in whole]
 
 
 def test_a_need_that_is_not_met_is_skipped_with_the_reason(scene):

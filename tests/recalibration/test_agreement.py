@@ -52,18 +52,42 @@ def street(scene):
     return scene("street", 0, (320, 240), 4)
 
 
-@pytest.mark.slow
-def test_a_frame_that_is_late_is_left_out(street):
-    """Its right image is two rows off: the other three frames are used, and the rig is theirs."""
+def one_late(street: sr.Scene) -> sr.Scene:
+    """The right image of the third frame is two rows off, and the rig is out."""
     pairs = list(street.pairs)
     pairs[2] = sr.Pair(pairs[2].left, np.roll(pairs[2].right, 2, axis=0), "late")
     bad = street.rig.with_extrinsics(street.rig.extrinsics + np.radians([0.6, 0.2, -0.5, 0, 0, 0]))
+    return replace(street, rig=bad, pairs=tuple(pairs))
+
+
+@pytest.mark.slow
+def test_a_frame_that_is_late_is_left_out(street):
+    """The other three frames are used, and the rig is theirs."""
+    late = one_late(street)
+    bad, pairs = late.rig, late.pairs
     solution = sr.recalibrate(bad, pairs)
     assert solution.left_out == ("late",)
     assert solution.accepted
     error = np.degrees(solution.rig.extrinsics[:3] - street.rig.extrinsics[:3])
     assert np.abs(error).max() < 0.03
     assert "late" in str(solution)
+    assert_counts_of_kept(solution, pairs)
+
+
+def assert_counts_of_kept(solution: sr.Solution, pairs) -> None:
+    kept, how = [pairs[index] for index in solution.kept], {"matcher": solution.matcher, "view": solution.view}
+    assert len(kept) < len(pairs)
+    assert solution.score_before == sr.score(solution.initial, kept, **how)
+    assert solution.score_after == sr.score(solution.candidate, kept, **how)
+
+
+@pytest.mark.slow
+def test_counts_of_a_joint_repair_are_of_the_frames_that_take_part(street, scene):
+    late, other = one_late(street), scene("street", 1, (320, 240))
+    repairs = sr.recalibrate_many([late, replace(other, rig=late.rig)], extrinsics="one")
+    solution = repairs[0].solution
+    assert solution.accepted
+    assert_counts_of_kept(solution, late.pairs)
 
 
 def test_frames_of_different_rigs_are_refused(street):

@@ -10,7 +10,7 @@ import pytest
 from made_up_repair import made_up, misfit
 
 from stereorecal.report._beside import larger_than_expected, unmeasured
-from stereorecal.report._repair_figures import expected_figure, field_figures, histogram_figure, outline
+from stereorecal.report._repair_figures import _bins, density, expected_figure, field_figures, histogram_figure, outline
 from stereorecal.report.repair import Rows, Verdict
 
 IMAGE = np.full((60, 80), 128.0)
@@ -36,6 +36,18 @@ def test_both_maps_hold_what_was_before(rows: Rows):
 def test_the_histogram_holds_all_and_says_how_much_is_harmless(rows: Rows):
     figure = histogram_figure(rows, NAMES)
     assert {"-10", "0", "10", "before: 0 % within 0.2 px", "after: 75 % within 0.2 px"} <= set(words(figure))
+
+
+def test_rows_that_are_spread_make_no_peak_far_from_zero():
+    """Where bins are wide; and none where the axis becomes logarithmic."""
+    bins = _bins(12.0)
+    spread = density(np.random.default_rng(0).uniform(-12, 12, 200_000), bins)
+    np.testing.assert_allclose((spread * np.diff(bins)).sum(), 1.0)
+    np.testing.assert_allclose(spread[np.diff(bins) > 0.1], 1 / 24, rtol=0.1)
+    wide, narrow = (density(np.random.default_rng(1).normal(at, by, 5000), bins) for at, by in ((-9, 0.5), (0, 0.1)))
+    assert narrow.max() > 3 * wide.max()
+    steps = np.diff(bins)[1:] / np.diff(bins)[:-1]
+    assert steps.max() < 1.5
 
 
 def test_colour_bars_are_opaque(rows: Rows):

@@ -68,7 +68,7 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
         "is already good",
     )
     add("--dry-run", action="store_true", help="write no calibration and no maps, say what would be written")
-    add("--force", action="store_true", help="--output, --maps and --json may replace a file that is no input")
+    add("--force", action="store_true", help="--output, --maps, --json and --html may replace a file that is no input")
     add("--json", metavar="FILE|-", help="write everything as JSON")
     add("--html", metavar="FILE", help="write one HTML page with pictures, to look at and to pass on")
     add("--quiet", action="store_true", help="no progress and no report")
