@@ -228,8 +228,8 @@ def test_the_count_sees_no_ranges(harbour):
         sr.recalibrate(RIG, harbour.pairs, schedule="count", ranges=some())
 
 
-def test_ranges_make_depth_surer(harbour):
-    alone, ranged = sr.recalibrate(RIG, harbour.pairs), sr.recalibrate(RIG, harbour.pairs, ranges=some())
+def test_ranges_make_depth_surer(small):
+    alone, ranged = sr.recalibrate(SMALL, small.pairs), sr.recalibrate(SMALL, small.pairs, ranges=of_small())
     widths = [s.expected.depth_percent[30].high - s.expected.depth_percent[30].low for s in (alone, ranged)]
     assert widths[1] < 0.6 * widths[0]
 
