@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 
@@ -67,6 +68,19 @@ def test_nothing_is_said_of_what_shows_nothing(scene):
     left, right = (np.clip(noise.normal(8, 4, (240, 320)), 0, 255).round().astype(np.float32) for _ in "lr")
     assert not legible(Pair(left, right)).enough
     refuse_mixed_up(pyramid(scene("street", 0, (320, 240)).rig, [Pair(left, right)]))
+
+
+def test_the_sun_on_waves_is_no_mistake(scene):
+    """Glints are elsewhere in each image, and all that an open sea shows."""
+    given, draw = scene("open-sea", 1, (640, 480)), np.random.default_rng(0)
+    height, width = given.pairs[0].left.shape
+    images = []
+    for image in (given.pairs[0].left, given.pairs[0].right):
+        spoiled = np.array(image)
+        for x, y in zip(draw.integers(0, width, 400), draw.integers(height // 2, height, 400), strict=True):
+            cv2.ellipse(spoiled, (int(x), int(y)), draw.integers(1, 8, 2).tolist(), 0.0, 0.0, 360.0, 255.0, -1)
+        images.append(spoiled)
+    refuse_mixed_up(pyramid(given.rig, [Pair(*images)]))
 
 
 @pytest.mark.slow(after=2)

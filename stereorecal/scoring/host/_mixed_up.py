@@ -18,6 +18,8 @@ from stereorecal.scoring._prepare import Pyramid
 _FRAMES = 2
 _WIDTH = 640  # pixels, at which features are sought
 _FEATURES = 1200  # in an image, at most
+_GLARE = 250  # grey level
+_AROUND = 8  # pixels around glare
 _RATIO = 0.8  # of the distances to the best and to the second best partner
 _ENOUGH = 300  # features in each image: some of them must have partners if both show the same
 _CHANCE = 14  # pairs that agree on some rigid motion by chance: it has five degrees of freedom
@@ -44,8 +46,9 @@ def refuse_mixed_up(images: Pyramid) -> None:
 def _named(rig: StereoRig, pair: Pair) -> str | None:
     if not legible(pair).enough:
         return None
-    (left, first), (right, second) = (_features(np.asarray(image)) for image in (pair.left, pair.right))
-    if min(len(left), len(right)) < _ENOUGH // (4 if pair.size[0] < _WIDTH // 2 else 1):
+    (left, first, clear), (right, second, clear_too) = (_features(np.asarray(i)) for i in (pair.left, pair.right))
+    enough = _ENOUGH // (4 if pair.size[0] < _WIDTH // 2 else 1)
+    if min(len(left), len(right)) < enough:
         return None
     here, there = _partners(first, second)
     sides = (rig.left, left[here]), (rig.right, right[there])
@@ -55,6 +58,8 @@ def _named(rig: StereoRig, pair: Pair) -> str | None:
     if agree.sum() <= _CHANCE:
         if not (_distinct(first) and _distinct(second)):
             return None  # a texture that repeats has no unambiguous partners in the right image either
+        if min(clear.sum(), clear_too.sum()) < enough:
+            return None  # the sun on waves is elsewhere in each image
         return "the left and right images show different things; give images that both cameras took at the same time."
     if agree.sum() < _SURE or agree.mean() < _MOST:
         return None
@@ -75,15 +80,18 @@ def _named(rig: StereoRig, pair: Pair) -> str | None:
     return None
 
 
-def _features(image: np.ndarray) -> tuple[Float[np.ndarray, "n 2"], np.ndarray]:
-    """Where features are, in pixels of the image, and their descriptors."""
+def _features(image: np.ndarray) -> tuple[Float[np.ndarray, "n 2"], np.ndarray, Bool[np.ndarray, "n"]]:
+    """Where features are, in pixels of the image, their descriptors, and which are clear of glare."""
     scale = _WIDTH / image.shape[1]
     how = cv2.INTER_AREA if scale < 1.0 else cv2.INTER_CUBIC
     grey = np.clip(np.round(cv2.resize(image, None, fx=scale, fy=scale, interpolation=how)), 0, 255).astype(np.uint8)
     points, descriptors = cv2.SIFT.create(_FEATURES).detectAndCompute(grey, None)
     if descriptors is None:
-        return np.zeros((0, 2)), np.zeros((0, 128), np.float32)
-    return (np.array([point.pt for point in points]) + 0.5) / scale - 0.5, descriptors
+        return np.zeros((0, 2)), np.zeros((0, 128), np.float32), np.zeros(0, bool)
+    where = np.array([point.pt for point in points])
+    glare = cv2.dilate((grey >= _GLARE).astype(np.uint8), np.ones((2 * _AROUND + 1,) * 2, np.uint8))
+    column, row = np.clip(np.round(where), 0, np.array(grey.shape)[::-1] - 1).astype(int).T
+    return (where + 0.5) / scale - 0.5, descriptors, glare[row, column] == 0
 
 
 def _partners(
