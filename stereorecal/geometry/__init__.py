@@ -13,6 +13,7 @@ from stereorecal.geometry._distortion import (
 from stereorecal.geometry._intrinsics import (
     camera_changes as camera_changes,
     changed_camera as changed_camera,
+    intrinsic as intrinsic,
     ray_slopes as ray_slopes,
     reread as reread,
 )

@@ -32,6 +32,17 @@ def changed_camera(camera: Camera, changes: Mapping[str, float]) -> Camera:
     return Camera(camera.size, matrix, coefficients)
 
 
+def intrinsic(camera: Camera, name: str) -> float:
+    """One of what `changed_camera` changes: "f" is the focal length along x, "aspect" that along y over it; pixels but
+    for "aspect" and the coefficients. A coefficient that the lens model lacks is 0."""
+    matrix = np.asarray(camera.matrix)
+    of_matrix = {"f": matrix[0, 0], "aspect": matrix[1, 1] / matrix[0, 0], "cx": matrix[0, 2], "cy": matrix[1, 2]}
+    if name in of_matrix:
+        return float(of_matrix[name])
+    index = _COEFFICIENTS.index(name)
+    return float(camera.distortion[index]) if index < len(camera.distortion) else 0.0
+
+
 def camera_changes(camera: Camera, changed: Camera) -> dict[str, float]:
     """The changes by which `changed_camera` makes one camera from another, all of them."""
     ratios = np.log(np.diag(changed.matrix)[:2] / np.diag(camera.matrix)[:2])

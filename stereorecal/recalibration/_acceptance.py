@@ -121,11 +121,13 @@ def misfits(left: Misfit, scale: float, shift: float) -> bool:
         shift: by how much the candidate moves y or z, in standard deviations of their priors.
     """
     sway = _SWAY if left.chance < _UNUSUAL else _MOST_SWAY
+    if shift < _STAYS:
+        sway = _SWAY_OF_ROTATIONS
     return bool(
         left.high * scale > _MOST_MISFIT
         or (left.high * scale > _SOME_MISFIT and left.rms > _BESIDE_GAIN * left.rms_before)
         or regions_worse(left, scale)
-        or left.sway > (max(sway, _SWAY_OF_ROTATIONS) if shift < _STAYS else sway) * left.rms_before
+        or left.sway > sway * left.rms_before
     )
 
 

@@ -23,6 +23,7 @@ _NEARLY = 0.8  # of what a lens explains
 _IMHOF = (-12.0, 25.0, 4000)  # log of the variable of an integral: from where to where, in how many steps
 _MATCHED = 0.3  # of the count of the tile that shows most: a tile that shows something
 _KEPT = 0.6  # of its count: below that, a tile has lost its matches
+WORTH_SAYING = 0.2  # pixels, of `Misfit.high`
 EFFECT = 1.0  # pixels at the edge of the image: standard deviation of an effect that is in no model
 
 

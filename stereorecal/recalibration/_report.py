@@ -14,6 +14,7 @@ from stereorecal.recalibration._acceptance import Reason
 from stereorecal.recalibration._asked import matcher_as_text
 from stereorecal.recalibration._consequences import NORMAL_95
 from stereorecal.recalibration._lenses import lenses_of
+from stereorecal.recalibration._misfit import WORTH_SAYING
 from stereorecal.recalibration._seen_rows import climbs_of, seen_rows, way_of
 from stereorecal.recordings import Pair
 from stereorecal.report.cells import count, number, percent
@@ -24,7 +25,6 @@ from stereorecal.strategies import name_of
 # Too little was seen, or judged, for the candidate to mean anything: what its axes are would be read as an answer.
 _SAYS_NOTHING = (Reason.TOO_LITTLE_TEXTURE, Reason.NO_MATCHES, Reason.OUT_OF_BUDGET)
 _UNKNOWN = (Reason.TOO_LITTLE_TEXTURE, Reason.OUT_OF_BUDGET)
-_WORTH_SAYING = 0.2  # pixels of misfit
 
 
 def report_of(
@@ -156,7 +156,7 @@ def _remarks(solution: Any) -> list[str]:
     if solution.left_out:
         out = len(solution.left_out)
         remarks.append(f"{out} {'frame was' if out == 1 else 'frames were'} left out: see Frames below.")
-    if left is not None and (solution.reason is Reason.MISFIT or left.high > _WORTH_SAYING):
+    if left is not None and (solution.reason is Reason.MISFIT or left.high > WORTH_SAYING):
         remarks.append(f"{whose} {number(left.high, 2)} px in the worst tenth of the regions; {left.cause.value}.")
     if known is not None and known.undetermined:
         open_ = "; ".join(known.undetermined)

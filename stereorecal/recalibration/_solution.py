@@ -22,7 +22,7 @@ from stereorecal.recalibration._difference import Difference, difference
 from stereorecal.recalibration._evidence import TILES_OF_A_FRAME
 from stereorecal.recalibration._expected import Expected, expected_of
 from stereorecal.recalibration._intrinsics import Intrinsics
-from stereorecal.recalibration._misfit import Cause, Misfit
+from stereorecal.recalibration._misfit import WORTH_SAYING, Cause, Misfit
 from stereorecal.recalibration._path import Waypoint, path_of
 from stereorecal.recalibration._ranges import NONE, Beams, RangesSeen
 from stereorecal.recalibration._report import report_of
@@ -34,7 +34,6 @@ from stereorecal.scoring import Correspondences
 from stereorecal.scoring.host import Score
 from stereorecal.strategies import Status, Trace
 
-_WORTH_SAYING = 0.2  # pixels of misfit
 _SYSTEMATIC = 0.05  # pixels of radial misfit that regions share; right intrinsics leave 0.01
 
 
@@ -225,7 +224,7 @@ class Solution:
         if left.cause is Cause.RADIAL and left.alike > _SYSTEMATIC:
             remedy = "; free them with several scenes" if self.intrinsics is None else ""
             return f"the intrinsics do not fit: {left.alike:.2f} px of the rows' error is systematic{remedy}"
-        if left.high > _WORTH_SAYING or self.reason is Reason.MISFIT:
+        if left.high > WORTH_SAYING or self.reason is Reason.MISFIT:
             return f"{left.high:.2f} px in the worst tenth of the regions; {left.cause.value}"
         return None
 
