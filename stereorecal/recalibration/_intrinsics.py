@@ -48,7 +48,8 @@ class Intrinsics:
         fixed_elsewhere_px, freed_elsewhere_px: the same by intrinsics that have not seen the recording (or, of one
             recording, the frame); NaN where there is nothing else.
         shown: share of the places of the view that hold correspondences.
-        expected_px: root mean square of the rows to expect over the view with freed intrinsics.
+        expected_px: root mean square of the rows to expect over the view with freed intrinsics, of the recording that
+            is surest: others add what they do not know of their own extrinsics.
         refused: why the calibration that they belong to was refused, where it was that.
     """
 

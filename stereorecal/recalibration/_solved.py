@@ -211,10 +211,7 @@ class Solved:
         places = np.concatenate([np.unique(tile % TILES_OF_A_FRAME) for tile in self._tiles])
         here, there = self._elsewhere(self.fixed), self._elsewhere(self.members)
         covariance = self.by_chance + self.by_misfit
-        of_member = problem.where(0)
-        spread = covariance[np.ix_(of_member, of_member)]
-        rig, view = chart.rig_at(member.z), self.recordings[0].repair.view
-        expects = expected(rig, chart, member.z, spread, view).rows_px
+        expects = min(self._expected_rows(index, covariance) for index in range(len(self.members)))
         scale = self.scale
         shown = len(np.unique(places)) / TILES_OF_A_FRAME
         deviations = np.sqrt(np.diag(covariance)[shared])
@@ -249,6 +246,12 @@ class Solved:
             shown=shown,
             expected_px=expects,
         )
+
+    def _expected_rows(self, index: int, covariance: Float[np.ndarray, "N N"]) -> float:
+        """To be expected over the view of a member, if all parameters have this covariance."""
+        member, where = self.members[index], self.problem.where(index)
+        rig, view = member.chart.rig_at(member.z), self.recordings[index].repair.view
+        return expected(rig, member.chart, member.z, covariance[np.ix_(where, where)], view).rows_px
 
     def gain(self, before: Sequence[Float[np.ndarray, "t"]]) -> Float[np.ndarray, "p"]:
         """Against other row errors of the same tiles, at each place of the view; pixels of the images in which rows

@@ -77,6 +77,11 @@ def test_each_its_own_extrinsics_on_any_executor(given_wrong):
     matrices = [repair.solution.candidate.left.matrix for repair in alone]
     assert all(np.array_equal(matrix, matrices[0]) for matrix in matrices)
     assert not np.array_equal(alone[0].solution.candidate.extrinsics, alone[1].solution.candidate.extrinsics)
+    # One of them suffices to say that the lenses are known: the others are unsure of their own extrinsics.
+    seen, expected = alone[0].solution.intrinsics, [repair.solution.expected.rows_px for repair in alone]
+    assert seen.taken
+    assert seen.expected_px == pytest.approx(min(expected), rel=1e-3)
+    assert min(expected) < 0.1 < expected[0]
 
 
 @pytest.mark.slow
