@@ -113,13 +113,19 @@ def good() -> None:
         )
 
 
+def shared(recordings: Sequence[sr.Scene]) -> sr.Solution:
+    """A solution with the intrinsics that recordings share: of the first one that takes them, if one does."""
+    found = [solved(repair.solution) for repair in sr.recalibrate_many(recordings, free=BOTH)]
+    return next((one for one in found if one.intrinsics is not None and one.intrinsics.taken), found[0])
+
+
 def bumblebee2() -> None:
     """Intrinsics from some scenes of the camera, rows and end points of the others."""
     given = bumblebee()
     table = Table("intrinsics from", "rows of", "given px", "refined px", "intrinsics", box=None)
     before, after = [], []
     for chosen in combinations(range(4), 2):
-        found = solved(sr.recalibrate_many([given[i] for i in chosen], free=BOTH)[0].solution)
+        found = shared([given[i] for i in chosen])
         assert found.intrinsics is not None
         for other in sorted(set(range(4)) - set(chosen)):
             scene = given[other]
@@ -135,7 +141,7 @@ def bumblebee2() -> None:
     rest = []
     for left_out, scene in enumerate(given):
         others = [given[i] for i in range(4) if i != left_out]
-        found = solved(sr.recalibrate_many(others, free=BOTH)[0].solution)
+        found = shared(others)
         rigs = (rig_of(scene), with_lenses(scene, found))
         rest.append([end(sr.recalibrate(rig, scene.pairs).candidate) for rig in rigs])
     for name, scatter in zip(("given", "refined"), np.std(np.array(rest), axis=0, ddof=1), strict=True):
