@@ -17,6 +17,7 @@ from stereorecal.recordings import Scene
 from stereorecal.synthetic import default_rig, render
 
 _CACHE = "STEREORECAL_TEST_CACHE"
+_COMPILED_FAST = "--xla_backend_optimization_level=1 --xla_cpu_use_fusion_emitters=false"
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -37,6 +38,9 @@ def pytest_configure(config: pytest.Config) -> None:
         os.environ[_CACHE] = os.environ["JAX_COMPILATION_CACHE_DIR"] = folder
         os.environ["JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS"] = "0.1"
     config.option.slow |= config.args_source is not pytest.Config.ArgsSource.TESTPATHS and not _is_worker(config)
+    if not config.option.slow:
+        # Half of the quick suite's time went by in XLA. With --slow, programs are those that users have.
+        os.environ.setdefault("XLA_FLAGS", _COMPILED_FAST)
     config.pluginmanager.register(typechecking)  # whose tests may lie outside this folder
     jax.config.update("jax_compilation_cache_dir", folder)
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.1)

@@ -1,22 +1,37 @@
 """The run-time type checker of the test suite: beartype, with an int where a float is asked for (PEP 484).
 
 The first calls of each test are checked, whichever functions they go to. A search asks thousands of times the same
-way, and checking all of them takes ten times as long as the search.
+way, and checking all of them takes ten times as long as the search. Functions within functions are not checked: they
+are made at each call of the outer one, and their checks would be made anew as well, a sixth of all the suite's time.
 """
 
+import ast
 from collections.abc import Callable
 from functools import wraps
 from typing import Any
 
 from beartype import BeartypeConf, beartype
-from jaxtyping import config
+from jaxtyping import _import_hook, config
 
 _ENOUGH = 3000  # checks a test; less than a quarter of a second
 _beartype = beartype(conf=BeartypeConf(is_pep484_tower=True))
 _calls = [0]
 
 
-def checked(function: Callable[..., Any]) -> Callable[..., Any]:
+class _Outermost(_import_hook.JaxtypingTransformer):
+    """Marks functions of modules and methods for checking, and not what is within them."""
+
+    def visit_FunctionDef(self, node: ast.FunctionDef) -> ast.FunctionDef:
+        within, node.body = node.body, []
+        super().visit_FunctionDef(node)
+        node.body = within
+        return node
+
+
+_import_hook.JaxtypingTransformer = _Outermost  # pyright: ignore[reportPrivateImportUsage]
+
+
+def outermost(function: Callable[..., Any]) -> Callable[..., Any]:
     """Check what goes in and out of `function`, and count."""
     look = _beartype(function)
 

@@ -10,7 +10,7 @@ from stereorecal.objectives import Reach, count_chart, objective
 from stereorecal.strategies import Objective
 from stereorecal.synthetic import default_rig, render
 
-_SIZE = (240, 180)
+_SIZE = (160, 120)
 _REACH = Reach(degrees=1.0, baseline_fraction=0.01)
 _TRUTH = np.array([0.45, -0.3, 0.4, 0.3, -0.2])  # relative to the start, in units of the reach; our choice
 
@@ -23,4 +23,4 @@ def stereo_objective() -> tuple[Objective, Float[np.ndarray, "n"]]:
     offset = count_chart(true, _REACH).extrinsics(_TRUTH) - true.extrinsics
     drifted = true.with_extrinsics(true.extrinsics - offset)
     truth = np.asarray(count_chart(drifted, _REACH).coordinates(true.extrinsics))
-    return objective(drifted, scene.pairs, matcher=SAD(num_disparities=48, block_size=7), reach=_REACH), truth
+    return objective(drifted, scene.pairs, matcher=SAD(num_disparities=32, block_size=7), reach=_REACH), truth

@@ -105,6 +105,7 @@ def of_small(times: float = 1.0, pair: sr.Pair | int = 0) -> list[sr.Range]:
     return [sr.Range(pair, tuple(p), times * m) for p, m in zip(pixels.tolist(), metres.tolist(), strict=True)]
 
 
+@pytest.mark.slow
 def test_ranges_of_one_recording_are_no_reason_for_another(small):
     """A shutter that rolls in one image poses as a drift; the recording keeps its extrinsics, and learns the length of
     the baseline."""

@@ -108,6 +108,7 @@ def test_a_users_own_jit_traces_once(compilations, data, at):
     check(compilations, lambda k: score(at + 1e-4 * k))
 
 
+@pytest.mark.slow
 def test_the_objective(compilations, given):
     asked = sr.objective(given.rig, given.pairs, matcher=MATCHER)
     points = np.random.default_rng(0).uniform(-0.2, 0.2, (2, 5))
@@ -145,7 +146,8 @@ def test_what_looks_once(compilations, given, matcher):
     check(compilations, call)
 
 
-@pytest.mark.parametrize("schedule", ["count", "default"])
+@pytest.mark.slow(after=1)
+@pytest.mark.parametrize("schedule", ["default", "count"])
 def test_a_repair(compilations, given, schedule):
     bad = given.rig.with_extrinsics(given.rig.extrinsics + np.radians([0.4, -0.2, 0.3, 0, 0, 0]))
     kept = {"matcher": MATCHER, "budget": 40} if schedule == "count" else {}

@@ -157,6 +157,7 @@ def test_all_modes_give_one_gradient(data, candidates):
         np.testing.assert_allclose(gradient * UNIT, expected, atol=1e-3 * np.linalg.norm(expected), err_msg=name)
 
 
+@pytest.mark.slow
 def test_the_value_beside_a_gradient_is_the_soft_count(data, candidates):
     plain = float(sr.soft_count(data, candidates[0], MATCHER))
     for value in (
