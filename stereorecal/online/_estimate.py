@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Float
 
 SIZE = 5
+POSES = 3
 _DELAY = 0.5  # frames: standard deviation before anything is known
 _LATE = 0.3  # frames: a delay that is thought possible before one is named
 _TRAVEL = 3.0  # percent of the baseline: by what the rig may travel during a delay
@@ -39,15 +40,9 @@ class Measurement:
         return np.column_stack([np.eye(SIZE), self.turn])
 
     @property
-    def if_late(self) -> "Measurement":
-        """What is left of it where a shutter may be late: what the rig's turn and travel would pose as says nothing.
-
-        The delay and the travel are integrated out (Woodbury's identity for the inverse of a sum).
-        """
-        poses = np.column_stack([_LATE * self.turn, _TRAVEL * np.eye(SIZE)[:, 3:]])
-        seen = self.information @ poses
-        known = self.information - seen @ np.linalg.solve(np.eye(3) + poses.T @ seen, seen.T)
-        return replace(self, information=0.5 * (known + known.T))
+    def poses(self) -> Float[np.ndarray, "5 3"]:
+        """What a late shutter would add, a standard deviation each: of the rig's turn, of its travel along y and z."""
+        return np.column_stack([_LATE * self.turn, _TRAVEL * np.eye(SIZE)[:, 3:]])
 
     def weighed(self, share: float) -> "Measurement":
         """The same with a share of its information."""

@@ -24,7 +24,7 @@ def judged(state: State, measured: Measurement, look: Glance) -> tuple[State, li
     if reading(state).late:  # what was measured may be the shutter's
         return state.but(trial=None), []
     after = look.rows(state.rig_at(trial.offset))
-    return decided(state.but(trial=trial.measured(state.using, measured.if_late, state.row_error, after)))
+    return decided(state.but(trial=trial.measured(state.using, measured, state.row_error, after)))
 
 
 def matched(state: State, before: float, look: Callable[[], Glance]) -> tuple[State, list[Event]]:

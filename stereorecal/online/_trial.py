@@ -1,21 +1,22 @@
 """A candidate against the calibration in use, on looks that came after those it was fitted to.
 
-Wald's sequential test of two hypotheses (Wald 1945): the logarithm of their likelihood ratio is summed over looks until
-it leaves one of two bounds. One look counts for so much and no more, or a single one that is wrong would decide.
+Wald's sequential test of two hypotheses (Wald 1945): the logarithm of their likelihood ratio over all looks, until it
+leaves one of two bounds. One look counts for about so much, or a single one that is wrong would decide. A shutter
+may be late throughout a trial, and its delay is integrated out of all looks at once: on a rig that turns evenly it says
+the same in each, which is no more proof than once.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.online._estimate import Measurement
+from stereorecal.online._estimate import POSES, Measurement
 
 _MOST_OF_ONE = 4.0  # of the logarithm
 _LOST = -3.0
 _LONGEST = 60  # looks
 _FEWEST = 3  # likewise
-_ROWS_LOST = 0.02  # pixels, as the acceptance of a repair has it
 _BLIND_TOO = 0.5  # of the logarithm: neither sees anything
 _MATCHES = 2.0  # times as many correspondences: it sees where the other is blind
 
@@ -28,47 +29,66 @@ class Trial:
         offset: (5,) of the candidate.
         by: what it was fitted by: "looks" or "repair".
         since: the last frame that it was fitted to.
-        evidence: the logarithm of the likelihood ratio against the calibration in use.
         looks: that came later.
         rows_before, rows_after: sums over these looks of the row error in use, and of the candidate, pixels.
         compared: looks that both could measure.
+        matches: the logarithm of the likelihood ratio from looks in which the one in use is blind.
+        misses: (2,) of the calibration in use and of the candidate: how far off the other looks measure them, squared,
+            in standard deviations, summed.
+        pulls: (2, 3) towards a delay and a travel that would explain these.
+        known: (3, 3) what these looks know of the two.
     """
 
     offset: Float[np.ndarray, "5"]
     by: str
     since: int
-    evidence: float = 0.0
     looks: int = 0
     rows_before: float = 0.0
     rows_after: float = 0.0
     compared: int = 0
+    matches: float = 0.0
+    misses: Float[np.ndarray, "2"] = field(default_factory=lambda: np.zeros(2))
+    pulls: Float[np.ndarray, "2 3"] = field(default_factory=lambda: np.zeros((2, POSES)))
+    known: Float[np.ndarray, "3 3"] = field(default_factory=lambda: np.zeros((POSES, POSES)))
 
     def measured(self, using: Float[np.ndarray, "5"], seen: Measurement, before: float, after: float) -> "Trial":
         """With a look that both share, and their row errors in it."""
-
-        def misses(offset: Float[np.ndarray, "5"]) -> float:
-            miss = seen.offset - offset
-            return 0.5 * float(miss @ seen.information @ miss)
-
-        gain = float(np.clip(misses(using) - misses(self.offset), -_MOST_OF_ONE, _MOST_OF_ONE))
+        gain = self._weighing(using, seen).evidence - self.evidence
+        bounded = seen.weighed(min(1.0, _MOST_OF_ONE / max(abs(gain), 1e-12)))
         return replace(
-            self,
-            evidence=self.evidence + gain,
+            self._weighing(using, bounded),
             looks=self.looks + 1,
             rows_before=self.rows_before + before,
             rows_after=self.rows_after + after,
             compared=self.compared + 1,
         )
 
+    def _weighing(self, using: Float[np.ndarray, "5"], seen: Measurement) -> "Trial":
+        off = seen.offset - np.stack([using, self.offset])
+        pulled = seen.information @ seen.poses
+        return replace(
+            self,
+            misses=self.misses + np.einsum("hi,ij,hj->h", off, seen.information, off),
+            pulls=self.pulls + off @ pulled,
+            known=self.known + seen.poses.T @ pulled,
+        )
+
+    @property
+    def evidence(self) -> float:
+        """The logarithm of the likelihood ratio against the calibration in use."""
+        explained = np.einsum("hp,hp->h", self.pulls, np.linalg.solve(np.eye(POSES) + self.known, self.pulls.T).T)
+        using, candidate = (self.misses - explained).tolist()
+        return self.matches + 0.5 * (using - candidate)
+
     def matched(self, before: float, after: float) -> "Trial":
         """With a look in which the one in use is blind: shares of the image in which matches were found."""
         gain = _MOST_OF_ONE if after > _MATCHES * before else -_BLIND_TOO
-        return replace(self, evidence=self.evidence + gain, looks=self.looks + 1)
+        return replace(self, matches=self.matches + gain, looks=self.looks + 1)
 
     def won(self, chance: float) -> bool:
         """Whether it is better, at this chance that it is not."""
-        lost = self.compared and (self.rows_after - self.rows_before) / self.compared > _ROWS_LOST
-        return self.looks >= _FEWEST and self.evidence > -np.log(chance) and not lost
+        sure = self.looks >= _FEWEST and self.evidence > -np.log(chance)
+        return bool(sure and self.rows_after <= self.rows_before)
 
     @property
     def lost(self) -> bool:

@@ -80,3 +80,18 @@ def test_a_trial_is_not_won_by_one_look_nor_by_worse_rows():
     for _ in range(10):
         trial = trial.measured(np.zeros(5), look, 0.1, 0.2)
     assert not trial.won(1e-3)
+
+
+@pytest.mark.parametrize("late", [True, False])
+def test_an_even_turn_is_no_proof_however_long(late):
+    """A shutter that is late by 0.2 frames on a rig that turns evenly looks like a yaw in every look. A rig that is
+    off by that yaw shows it when it no longer turns."""
+    draw, yaw = np.random.default_rng(4), np.array([0.0, 0.2, 0.0, 0.0, 0.0])
+    trial, won = Trial(yaw, "looks", 0), []
+    for frame in range(50):
+        turn = 1.0 if frame < 40 else 0.0  # degrees a frame
+        look = measured(frame, 0.0 * yaw if late else yaw, draw, turn, 0.2 if late else 0.0)
+        trial = trial.measured(np.zeros(5), look, 0.2, 0.2)
+        won.append(trial.won(1e-3))
+    assert not any(won[:40])
+    assert won[-1] is not late
