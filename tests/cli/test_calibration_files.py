@@ -150,6 +150,7 @@ def test_a_folder_of_images_and_another_format(command, rig: sr.StereoRig, drift
 # --- recalibrate --------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow(after=1)
 @pytest.mark.parametrize("name", ["opencv", "ros"])
 def test_the_form_in_which_it_came(command, rig: sr.StereoRig, drifted_scene: Path, sides, tmp_path: Path, name: str):
     files = [tmp_path / "a.yaml"] if name == "opencv" else [tmp_path / "l.yaml", tmp_path / "r.yaml"]

@@ -25,6 +25,7 @@ def scheduler():
         yield cluster.scheduler_address
 
 
+@pytest.mark.slow(after=1)
 @pytest.mark.parametrize("scheme", ["tcp://", ""])
 def test_compare(command, scheduler: str, clean_scene: Path, scheme: str):
     address = f"dask:{scheme}{scheduler.removeprefix('tcp://')}"

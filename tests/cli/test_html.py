@@ -50,6 +50,7 @@ def test_an_interrupted_comparison_is_written(command, clean_scene: Path, tmp_pa
     assert "1 trial was finished of 2." in (tmp_path / "out.html").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow(after=2)
 @pytest.mark.parametrize("force", [False, True])
 @pytest.mark.parametrize("verb", ["compare", "recalibrate"])
 def test_a_page_that_another_run_has_written_meanwhile(

@@ -49,6 +49,7 @@ def test_a_comparison_keeps_what_is_finished(planted: dict[str, str], clean_scen
         assert content["versions"]["strategy slow"] == "slow 1.0"
 
 
+@pytest.mark.slow(after=1)
 @pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="has no such signal")
 @pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP"])
 def test_recordings_that_are_finished_are_kept(

@@ -334,6 +334,7 @@ def test_stdout_is_full(clean_scene: Path, tmp_path: Path):
     assert target.exists()
 
 
+@pytest.mark.slow(after=1)
 @pytest.mark.parametrize("closed", ["full", "nobody reads", "closed"])
 def test_stderr_that_takes_nothing(clean_scene: Path, tmp_path: Path, closed: str):
     """The work is done all the same, and the exit code is its own."""
@@ -390,6 +391,7 @@ def test_a_table_on_such_a_terminal(clean_scene: Path, drifted_scene: Path, monk
     assert b"drifted" in stream.buffer.getvalue()  # pyright: ignore[reportAttributeAccessIssue]
 
 
+@pytest.mark.slow(after=1)
 @pytest.mark.parametrize("extra", [{"LC_ALL": "C", "PYTHONIOENCODING": "ascii"}, {"PYTHONOPTIMIZE": "1"}])
 def test_poor_surroundings(clean_scene: Path, drifted_scene: Path, tmp_path: Path, extra: dict[str, str]):
     """No home, no cache that can be written, ASCII only, no assertions."""

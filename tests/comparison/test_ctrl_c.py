@@ -104,6 +104,7 @@ def test_recalibrate_many_without_an_executor(scene, module):
         recalibrate_many([scene()], matcher=SAD(num_disparities=24), schedule=Schedule.count(module.Interrupted()))
 
 
+@pytest.mark.slow(after=1)
 def test_compare_keeps_what_is_finished(scene, module, pool):
     table = compare_scenes([scene()], strategies={"slow": module.Interrupted(seed=1)}, executor=pool, **SMALL)
     assert table.interrupted

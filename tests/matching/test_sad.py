@@ -90,6 +90,7 @@ def test_the_form_for_a_gpu_finds_the_same(matcher, seed, shift):
         np.testing.assert_array_equal(planes.from_right, rows.from_right)
 
 
+@pytest.mark.slow(after=1)
 @pytest.mark.parametrize("matcher", [SAD(pre_filter_cap=0, block_size=21), SAD(block_size=31)])
 def test_wide_windows_do_not_overflow(matcher):
     matcher = type(matcher)(**{**matcher.__dict__, "num_disparities": 16})

@@ -145,6 +145,7 @@ def test_ranges_without_a_match_are_told(small):
     assert "3 given, 0 matched" in str(solution)
 
 
+@pytest.mark.slow
 def test_the_interval_of_the_length_admits_what_repairs_leave_of_yaw():
     """Exact geometry, ranges of 1 %, disparities of 0.1 px; yaw off as repairs of real rigs leave it."""
     hits = []
@@ -229,6 +230,7 @@ def test_the_count_sees_no_ranges(harbour):
         sr.recalibrate(RIG, harbour.pairs, schedule="count", ranges=some())
 
 
+@pytest.mark.slow
 def test_ranges_make_depth_surer(small):
     alone, ranged = sr.recalibrate(SMALL, small.pairs), sr.recalibrate(SMALL, small.pairs, ranges=of_small())
     widths = [s.expected.depth_percent[30].high - s.expected.depth_percent[30].low for s in (alone, ranged)]

@@ -314,6 +314,7 @@ def test_a_stretched_image_is_no_focal_length(stretch):
     assert over < 0.002 if stretch else over > 0.008
 
 
+@pytest.mark.slow
 def test_lenses_far_beyond_their_priors():
     """What was said of them is wrong: they are not taken, and the way out is named. With honest priors they are."""
     tight = {"f": 0.03, "cx": 0.1, "cy": 0.1, "k1": 0.001, "k2": 0.002}

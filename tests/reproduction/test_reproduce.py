@@ -324,6 +324,7 @@ def test_unknown_names(log):
         reproduce(log, strategy="compas")
 
 
+@pytest.mark.slow
 def test_files(log, serial, tmp_path):
     written = write_files(serial, log, tmp_path / "out")
     assert {path.name for path in written} == {path.name for path in (tmp_path / "out").iterdir()}

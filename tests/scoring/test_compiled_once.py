@@ -56,7 +56,7 @@ def pure(name, data, found):
     }[name]
 
 
-@pytest.mark.slow(after=1)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["count", "soft_count", "correspondences", "row_differences"])
 @pytest.mark.parametrize("kind", ["plain", "NumPy", "vmap"])
 def test_pure_functions(compilations, data, found, at, name, kind):

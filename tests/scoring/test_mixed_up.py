@@ -51,6 +51,7 @@ def test_images_of_different_things(scene):
         score(one.rig, [Pair(one.pairs[0].left, other.pairs[0].right)])
 
 
+@pytest.mark.slow(after=1)
 @pytest.mark.slow(after=2)
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("size", [(160, 120), (320, 240)])

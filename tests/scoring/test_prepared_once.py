@@ -26,6 +26,7 @@ def bad(rig):
     return rig.with_extrinsics(rig.extrinsics + np.radians([0.4, -0.2, 0.3, 0, 0, 0]))
 
 
+@pytest.mark.slow(after=1)
 @pytest.mark.parametrize("frames", [1, 6])
 def test_a_default_repair(scene, prepared, frames):
     """Survey, count, two epipolar stages with their rounds, surveys between them, counts at the end."""

@@ -167,6 +167,7 @@ def test_stopped_anywhere_it_loses_nothing(strategy, limit, seed):
     assert len(asked) <= len(run.trace.values) + 2  # the judge's two
 
 
+@pytest.mark.slow(after=28)
 @each(HOST)
 @pytest.mark.parametrize("planted", [KeyboardInterrupt, ZeroDivisionError])
 @pytest.mark.parametrize("after", [0, 1, 2, 30])
