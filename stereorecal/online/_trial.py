@@ -1,7 +1,7 @@
 """A candidate against the calibration in use, on looks that came after those it was fitted to.
 
 Wald's sequential test of two hypotheses (Wald 1945): the logarithm of their likelihood ratio over all looks, until it
-leaves one of two bounds. One look counts for about so much, or a single one that is wrong would decide. A shutter
+leaves one of two bounds. The weight of one look is cut, or a single one that is wrong would decide. A shutter
 may be late throughout a trial, and its delay is integrated out of all looks at once: on a rig that turns evenly it says
 the same in each, which is no more proof than once.
 """

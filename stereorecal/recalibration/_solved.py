@@ -211,7 +211,7 @@ class Solved:
         places = np.concatenate([np.unique(tile % TILES_OF_A_FRAME) for tile in self._tiles])
         here, there = self._elsewhere(self.fixed), self._elsewhere(self.members)
         covariance = self.by_chance + self.by_misfit
-        expects = min(self._expected_rows(index, covariance) for index in range(len(self.members)))
+        expects = float(np.min([self._expected_rows(index, covariance) for index in range(len(self.members))]))
         scale = self.scale
         shown = len(np.unique(places)) / TILES_OF_A_FRAME
         deviations = np.sqrt(np.diag(covariance)[shared])

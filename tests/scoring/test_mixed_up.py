@@ -52,7 +52,6 @@ def test_images_of_different_things(scene):
 
 
 @pytest.mark.slow(after=1)
-@pytest.mark.slow(after=2)
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("size", [(160, 120), (320, 240)])
 def test_no_false_alarm_however_far_off(scene, kind, size):
