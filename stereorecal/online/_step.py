@@ -116,7 +116,8 @@ def _seen(state: State, pair: Pair) -> Outcome:
     if knocked and too_far(state):
         state, more = begun(state, state.strange)
         return state, [*events, *more]
-    state, more = judged(state, measured, look)
+    # How far a shutter could explain a look is not known where the rig's turn is not.
+    state, more = (state, []) if turned is None else judged(state, measured, look)
     state, last = nominated(state)
     return state, [*events, *more, *last]
 

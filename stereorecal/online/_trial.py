@@ -1,7 +1,7 @@
 """A candidate against the calibration in use, on looks that came after those it was fitted to.
 
 Wald's sequential test of two hypotheses (Wald 1945): the logarithm of their likelihood ratio over all looks, until it
-leaves one of two bounds. The weight of one look is cut, or a single one that is wrong would decide. A shutter
+leaves one of two bounds. One look counts for so much and no more, or a single one that is wrong would decide. A shutter
 may be late throughout a trial, and its delay is integrated out of all looks at once: on a rig that turns evenly it says
 the same in each, which is no more proof than once.
 """
@@ -53,17 +53,19 @@ class Trial:
 
     def measured(self, using: Float[np.ndarray, "5"], seen: Measurement, before: float, after: float) -> "Trial":
         """With a look that both share, and their row errors in it."""
-        gain = self._weighing(using, seen).evidence - self.evidence
-        bounded = seen.weighed(min(1.0, _MOST_OF_ONE / max(abs(gain), 1e-12)))
+        added = self._with(using, seen)
+        while abs(added.evidence - self.evidence) > _MOST_OF_ONE:
+            seen = seen.weighed(0.5)
+            added = self._with(using, seen)
         return replace(
-            self._weighing(using, bounded),
+            added,
             looks=self.looks + 1,
             rows_before=self.rows_before + before,
             rows_after=self.rows_after + after,
             compared=self.compared + 1,
         )
 
-    def _weighing(self, using: Float[np.ndarray, "5"], seen: Measurement) -> "Trial":
+    def _with(self, using: Float[np.ndarray, "5"], seen: Measurement) -> "Trial":
         off = seen.offset - np.stack([using, self.offset])
         pulled = seen.information @ seen.poses
         return replace(

@@ -95,3 +95,15 @@ def test_an_even_turn_is_no_proof_however_long(late):
         won.append(trial.won(1e-3))
     assert not any(won[:40])
     assert won[-1] is not late
+
+
+def test_one_look_counts_for_so_much_and_no_more():
+    """Whatever the rig's turn would explain of it."""
+    draw = np.random.default_rng(5)
+    for _ in range(200):
+        trial = Trial(np.append(0.0, [draw.uniform(-0.3, 0.3), 0.0, 0.0, 0.0]), "looks", 0)
+        for frame in range(6):
+            sharp = measured(frame, draw.uniform(-0.5, 0.5, 5), draw, draw.uniform(-1.0, 1.0)).weighed(25.0)
+            after = trial.measured(np.zeros(5), sharp, 0.2, 0.2)
+            assert abs(after.evidence - trial.evidence) <= 4.0 + 1e-9
+            trial = after
