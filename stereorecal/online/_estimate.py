@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Float
 
 SIZE = 5
-POSES = 3
+POSES = 3  # ways in which a late shutter poses as an offset
 _DELAY = 0.5  # frames: standard deviation before anything is known
 _LATE = 0.3  # frames: a delay that is thought possible before one is named
 _TRAVEL = 3.0  # percent of the baseline: by what the rig may travel during a delay

@@ -17,7 +17,7 @@ _AFTER_REPAIR = 0.1  # degrees and percent: how well a repair of few frames is t
 
 
 def judged(state: State, measured: Measurement, look: Glance) -> tuple[State, list[Event]]:
-    """The trial after a look through the calibration in use that fits what is known."""
+    """The trial after a look through the calibration in use; one that does not fit what is known takes no part."""
     trial = state.trial
     if trial is None or measured.frame <= trial.since or state.suspect is not None:
         return state, []

@@ -35,8 +35,8 @@ class Trial:
         matches: the logarithm of the likelihood ratio from looks in which the one in use is blind.
         misses: (2,) of the calibration in use and of the candidate: how far off the other looks measure them, squared,
             in standard deviations, summed.
-        pulls: (2, 3) towards a delay and a travel that would explain these.
-        known: (3, 3) what these looks know of the two.
+        pulls: (2, 3) towards a delay and a travel along y and z that would explain these.
+        known: (3, 3) the information that these looks hold on the three.
     """
 
     offset: Float[np.ndarray, "5"]
