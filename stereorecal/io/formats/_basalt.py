@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, StereoRig
@@ -77,6 +76,8 @@ def _pose(content: Mapping[str, Any], index: int) -> Pose:
     place, turn = (np.array([float(numbers(stated, key, ())) for key in keys]) for keys in (_PLACE, _TURN))
     if np.linalg.norm(turn) < 1e-6:
         raise InputError("the quaternion of T_imu_cam is zero; correct it.")
+    from scipy.spatial.transform import Rotation  # a third of a second to import
+
     return pose(Rotation.from_quat(turn).as_matrix(), place)
 
 
@@ -98,6 +99,8 @@ def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
     (document,) = target.documents
     content = document.content["value0"]
     moved = _pose(content, 0) @ inverse(left_to_right(rig))
+    from scipy.spatial.transform import Rotation
+
     turn = Rotation.from_matrix(moved[:3, :3]).as_quat()
     place = zip(_PLACE + _TURN, [*moved[:3, 3].tolist(), *turn.tolist()], strict=True)
     values: dict[Keys, Any] = {("value0", "T_imu_cam", 1, key): number for key, number in place}

@@ -2,12 +2,14 @@
 
 import io
 import re
-from typing import Any
-from xml.etree import ElementTree
+from typing import TYPE_CHECKING, Any
 
 from stereorecal._errors import InputError
 from stereorecal.io.formats._numbers import number_or_word
 from stereorecal.io.formats.text._values import Keys, Values, leaves, number_text
+
+if TYPE_CHECKING:
+    from xml.etree import ElementTree
 
 _BESIDE = re.compile(r"(?:\s|<\?.*?\?>|<!--.*?-->)*", re.DOTALL)  # the root
 _DAMAGED = "not an XML file as OpenCV writes it, or truncated; correct or copy it again."
@@ -31,6 +33,8 @@ def changed(text: str, values: Values) -> str:
     Raises:
         InputError: if a key is missing.
     """
+    from xml.etree import ElementTree
+
     root = _root(text)
     for keys, value in values.items():
         _element(root, keys).text = " ".join(number_text(leaf) for leaf in leaves(value))
@@ -43,9 +47,11 @@ def changed(text: str, values: Values) -> str:
     return (head[0] if head else "") + file.getvalue() + (tail or "\n")
 
 
-def _root(text: str) -> ElementTree.Element:
+def _root(text: str) -> "ElementTree.Element":
     if "<!DOCTYPE" in text or "<!ENTITY" in text:  # OpenCV writes none, and entities can grow without end
         raise InputError(_DAMAGED)
+    from xml.etree import ElementTree  # as long to import as all of YAML, and few files need it
+
     parser = ElementTree.XMLParser(target=ElementTree.TreeBuilder(insert_comments=True))
     try:
         return ElementTree.fromstring(text.lstrip(), parser)
@@ -53,7 +59,7 @@ def _root(text: str) -> ElementTree.Element:
         raise InputError(_DAMAGED) from None
 
 
-def _element(element: ElementTree.Element, keys: Keys) -> ElementTree.Element:
+def _element(element: "ElementTree.Element", keys: Keys) -> "ElementTree.Element":
     for key in keys:
         found = element.find(str(key))
         if found is None:
@@ -62,7 +68,7 @@ def _element(element: ElementTree.Element, keys: Keys) -> ElementTree.Element:
     return element
 
 
-def _plain(element: ElementTree.Element) -> Any:
+def _plain(element: "ElementTree.Element") -> Any:
     children = [child for child in element if isinstance(child.tag, str)]
     if children and all(child.tag == "_" for child in children):
         return [_plain(child) for child in children]
