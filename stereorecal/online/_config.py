@@ -16,9 +16,11 @@ class Config:
         matcher: a matcher, or "sad", "bm" or "sgbm"; without `num_disparities` the range is measured on the first pairs
             that show something.
         every: a look at every so many pairs; the others only tell how the rig moves.
-        wander: standard deviations of what pitch, yaw and roll drift by from one pair to the next, degrees. Heat bends
-            the bar between the cameras, which is yaw, more than it twists it.
+        wander: standard deviations of what pitch, yaw and roll jump by from one pair to the next, degrees: vibration.
         shift: the same of y and z, percent of the baseline.
+        heating: standard deviations of the rates at which they drift one way for a while, degrees a pair. Heat bends
+            the bar between the cameras, which is yaw, more than it twists it.
+        lasting: pairs for which such a rate lasts.
         together: looks that err together, since they show the same things in the same windows: each counts for that
             much less in what is fused.
         knock: chance that a look is taken for a sign of a knock though nothing happened; two that agree are a knock.
@@ -30,8 +32,10 @@ class Config:
 
     matcher: AbstractMatcher | str | None = None
     every: int = 1
-    wander: tuple[float, float, float] = (7e-4, 3e-3, 7e-4)
+    wander: tuple[float, float, float] = (2e-4, 4e-4, 2e-4)
     shift: float = 1e-4
+    heating: tuple[float, float, float] = (2e-4, 8e-4, 2e-4)
+    lasting: float = 250.0
     together: int = 8
     knock: float = 1e-6
     switch: float = 1e-3
@@ -43,7 +47,9 @@ class Config:
         for name in ("every", "together", "keep"):
             if getattr(self, name) < 1:
                 raise InputError(f"{name} is {getattr(self, name)}; give at least 1.")
-        for name in ("wander", "shift", "rest"):
+        if not 1.0 <= self.lasting < np.inf:
+            raise InputError(f"lasting is {self.lasting}; give at least 1 pair.")
+        for name in ("wander", "shift", "heating", "rest"):
             if not np.all(np.asarray(getattr(self, name)) >= 0):
                 raise InputError(f"{name} is {getattr(self, name)}; give 0 or more.")
         for name in ("knock", "switch"):

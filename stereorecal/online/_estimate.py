@@ -1,14 +1,21 @@
 """A recursive estimate of where the true rig stands, and by how much a shutter is late.
 
-A Kalman filter in its information form (Anderson & Moore 1979, chapter 6), over six numbers: the offset of the true rig
-from the one that was given first (pitch, yaw, roll in degrees, y, z in percent of the baseline), and the delay of the
-right shutter in frames. What one look measures is the offset plus the delay times the rig's own turn between frames.
+A Kalman filter in its information form (Anderson & Moore 1979, chapter 6), over nine numbers: the offset of the true
+rig from the one that was given first (pitch, yaw, roll in degrees, y, z in percent of the baseline), the delay of the
+right shutter in frames, and the rates at which the angles drift, in degrees a frame. What one look measures is the
+offset plus the delay times the rig's own turn between frames.
+
+Heat drifts one way for minutes. A rate that is forgotten slowly (a process of Ornstein and Uhlenbeck) follows it; a
+random walk alone would lag behind, and not know it.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
+
+from stereorecal.online._config import Config
 
 SIZE = 5
 POSES = 3  # ways in which a late shutter poses as an offset
@@ -16,6 +23,8 @@ _DELAY = 0.5  # frames: standard deviation before anything is known
 _LATE = 0.3  # frames: a delay that is thought possible before one is named
 _TRAVEL = 3.0  # percent of the baseline: by what the rig may travel during a delay
 _DELAY_WANDER = 5e-3  # a frame, likewise
+_TURN_ERROR = 0.3  # of the rig's turn: what is near seems to turn when the rig travels
+_RATES = slice(SIZE + 1, SIZE + 4)
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,9 +44,9 @@ class Measurement:
     turn: Float[np.ndarray, "5"]
 
     @property
-    def design(self) -> Float[np.ndarray, "5 6"]:
+    def design(self) -> Float[np.ndarray, "5 9"]:
         """What is measured of an estimate."""
-        return np.column_stack([np.eye(SIZE), self.turn])
+        return np.column_stack([np.eye(SIZE), self.turn, np.zeros((SIZE, 3))])
 
     @property
     def poses(self) -> Float[np.ndarray, "5 3"]:
@@ -51,10 +60,10 @@ class Measurement:
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """Mean (6,) and covariance (6, 6): the offset, and the delay."""
+    """Mean (9,) and covariance (9, 9): the offset, the delay, and the rates of the angles."""
 
-    mean: Float[np.ndarray, "6"]
-    covariance: Float[np.ndarray, "6 6"]
+    mean: Float[np.ndarray, "9"]
+    covariance: Float[np.ndarray, "9 9"]
 
     @property
     def offset(self) -> Float[np.ndarray, "5"]:
@@ -66,26 +75,36 @@ class Estimate:
         """The covariance of the offset."""
         return self.covariance[:SIZE, :SIZE]
 
-    def later(self, wander: tuple[float, float, float], shift: float) -> "Estimate":
-        """A frame later: a random walk."""
-        steps = np.array([*wander, shift, shift, _DELAY_WANDER]) ** 2
-        covariance = self.covariance + np.diag(steps)
+    @property
+    def delay(self) -> float:
+        """Of the right shutter, in frames."""
+        return float(self.mean[SIZE])
+
+    def later(self, config: Config) -> "Estimate":
+        """A frame later: the angles go on at their rates, which are slowly forgotten; everything wanders a little."""
+        onwards, kept = np.eye(len(self.mean)), np.exp(-1.0 / config.lasting)
+        onwards[:3, _RATES] = np.eye(3)
+        onwards[_RATES, _RATES] = kept * np.eye(3)
+        rates = np.sqrt(1.0 - kept**2) * np.asarray(config.heating)
+        steps = np.array([*config.wander, config.shift, config.shift, _DELAY_WANDER, *rates]) ** 2
+        covariance = onwards @ self.covariance @ onwards.T + np.diag(steps)
         covariance[SIZE, SIZE] = min(covariance[SIZE, SIZE], _DELAY**2)
-        return replace(self, covariance=covariance)
+        return Estimate(onwards @ self.mean, covariance)
 
     def seen(self, measured: Measurement) -> "Estimate":
         """With one more measurement."""
-        design = measured.design
-        pull = design.T @ measured.information @ (measured.offset - design @ self.mean)
-        known = np.linalg.inv(self.covariance) + design.T @ measured.information @ design
-        covariance = np.linalg.inv(known)
+        design, information = measured.design, self._told_by(measured)
+        pull = design.T @ information @ (measured.offset - design @ self.mean)
+        # Not the inverse of the covariance: what does not drift at all has none.
+        known = np.eye(len(self.mean)) + self.covariance @ design.T @ information @ design
+        covariance = np.linalg.solve(known, self.covariance)
         return Estimate(self.mean + covariance @ pull, 0.5 * (covariance + covariance.T))
 
     def chance_of(self, measured: Measurement) -> float:
         """Of a measurement as far from the estimate as this one, or farther (chi-square of the innovation)."""
         from scipy.special import chdtrc  # a third of a second to import
 
-        values, axes = np.linalg.eigh(measured.information)
+        values, axes = np.linalg.eigh(self._told_by(measured))
         kept = values > 1e-9 * max(float(values[-1]), 1e-12)
         if not kept.any():
             return 1.0
@@ -94,16 +113,36 @@ class Estimate:
         spread = design @ self.covariance @ design.T + np.diag(1.0 / values[kept])
         return float(chdtrc(int(kept.sum()), float(innovation @ np.linalg.solve(spread, innovation))))
 
+    def _told_by(self, measured: Measurement) -> Float[np.ndarray, "5 5"]:
+        """The information of a measurement, less what a delay makes of an error of the turn."""
+        turn = _TURN_ERROR * self.delay * float(np.linalg.norm(measured.turn))
+        doubt = np.diag([turn**2] * 3 + [0.0, 0.0])
+        return measured.information @ np.linalg.inv(np.eye(SIZE) + doubt @ measured.information)
+
     def late(self) -> "Estimate":
         """After a shutter may have begun to be late, or ceased: the rig turns and travels while it is."""
-        steps = np.array([0.0, 0.0, 0.0, _TRAVEL, _TRAVEL, _DELAY]) ** 2
-        return replace(self, covariance=self.covariance + np.diag(steps))
+        return self._widened([0.0, 0.0, 0.0, _TRAVEL, _TRAVEL, _DELAY])
 
     def shaken(self, prior: Float[np.ndarray, "5"]) -> "Estimate":
         """After a knock: as far away as the prior says."""
-        return replace(self, covariance=self.covariance + np.diag(np.append(prior, 0.0) ** 2))
+        return self._widened(prior)
+
+    def moved(self, offset: Float[np.ndarray, "5"], covariance: Float[np.ndarray, "5 5"]) -> "Estimate":
+        """With an offset from elsewhere; delay and rates stay, and depend on it no more."""
+        mean, known = self.mean.copy(), self.covariance.copy()
+        mean[:SIZE] = offset
+        known[:SIZE], known[:, :SIZE] = 0.0, 0.0
+        known[:SIZE, :SIZE] = covariance
+        return Estimate(mean, known)
+
+    def _widened(self, by: Sequence[float] | Float[np.ndarray, "n"]) -> "Estimate":
+        """By standard deviations of the first numbers."""
+        variances = np.zeros(len(self.mean))
+        variances[: len(by)] = np.square(by)
+        return replace(self, covariance=self.covariance + np.diag(variances))
 
 
-def at_start(prior: Float[np.ndarray, "5"]) -> Estimate:
+def at_start(prior: Float[np.ndarray, "5"], config: Config) -> Estimate:
     """The rig that was given, and how far it may be off (standard deviations)."""
-    return Estimate(np.zeros(SIZE + 1), np.diag(np.append(prior, _DELAY) ** 2))
+    spread = np.array([*prior, _DELAY, *config.heating])
+    return Estimate(np.zeros(len(spread)), np.diag(spread**2))

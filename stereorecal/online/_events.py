@@ -17,6 +17,7 @@ class Kind(enum.Enum):
     DRIFTING = "the rig has drifted by more than matters"
     KNOCK = "the rig has been knocked"
     LATE = "one shutter is late: the offset between the cameras follows the rig's own motion; nothing is switched"
+    SHIFTED = "the right camera is shifted, or its shutter late on a rig that travels straight on; nothing is switched"
     REPAIRING = "a repair has begun"
     REPAIRED = "a better calibration is in use: it wins on pairs that came later than those it was fitted to"
     REJECTED = "a candidate was not better"

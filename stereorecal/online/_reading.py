@@ -4,10 +4,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Float
 
 from stereorecal._plain import plain
 from stereorecal.online._estimate import SIZE
-from stereorecal.online._state import State
+from stereorecal.online._state import Offset, State
 from stereorecal.recalibration import (
     DEPTH_MATTERS,
     DEPTH_WRONG,
@@ -38,6 +39,8 @@ class Reading:
         delay: of the right shutter, in frames.
         chance: of an offset as large as this one, or larger, if the calibration in use were right.
         chance_of_rotation: the same of pitch, yaw and roll alone.
+        matters: whether it is more than 0.1 pixels of row, or 5 % of depth at 30 baselines.
+        rotation_matters: whether pitch, yaw and roll alone would be.
     """
 
     axes: Mapping[str, Interval]
@@ -47,17 +50,15 @@ class Reading:
     delay: Interval
     chance: float
     chance_of_rotation: float
-
-    @property
-    def matters(self) -> bool:
-        """Whether it is more than 0.1 pixels of row, or 5 % of depth at 30 baselines."""
-        return self.rows_px.value > ROWS_MATTER or abs(self.depth_percent[FAR].value) > DEPTH_MATTERS
+    matters: bool
+    rotation_matters: bool
 
     @property
     def condition(self) -> Condition:
-        """Repair, if the change is significant and matters. Healthy, if none that matters is in sight, no shutter is
-        late, and the intervals stay within 0.3 pixels and 10 %. Cannot tell, otherwise."""
-        if self.matters and self.chance < SURE:
+        """Repair, if a change of the rotation is significant and matters, and the whole does. Healthy, if none that
+        matters is in sight, no shutter is late, and the intervals stay within 0.3 pixels and 10 %. Cannot tell,
+        otherwise."""
+        if self.matters and self.rotation_matters and self.chance_of_rotation < SURE:
             return Condition.REPAIR
         wide = self.rows_px.high > ROWS_APART or self.depth_percent[FAR].farthest > DEPTH_WRONG
         return Condition.CANNOT_TELL if self.matters or wide or self.late else Condition.HEALTHY
@@ -67,6 +68,17 @@ class Reading:
         """Whether a shutter is late: by 4 standard errors, and 0.03 frames."""
         half = (self.delay.high - self.delay.low) / 2.0
         return abs(self.delay.value) > max(LATE * half / NORMAL_95, LATE_MATTERS)
+
+    @property
+    def shifted(self) -> bool:
+        """Whether it is y and z that are off. A bar that bends turns the cameras as well; a shutter that is late on a
+        rig that travels straight on looks like this."""
+        return self.matters and self.chance < SURE and self.condition is not Condition.REPAIR
+
+    @property
+    def travels(self) -> bool:
+        """Whether what is off may be the rig's own motion, seen by a late shutter."""
+        return self.late or self.shifted
 
     def as_dict(self) -> dict:
         """Plain data for JSON."""
@@ -88,13 +100,11 @@ def reading(state: State) -> Reading:
 
     apart, covariance = state.estimate.offset - state.using, state.estimate.of_offset
     widths = NORMAL_95 * np.sqrt(np.diag(state.estimate.covariance))
-    steep = np.zeros((SIZE, SIZE)) if state.steepness is None else state.steepness
-    rows = float(np.sqrt(max(apart @ steep @ apart, 0.0)))
-    wide = NORMAL_95 * float(np.sqrt(max(np.trace(steep @ covariance), 0.0)))
-    near = 1.0 + state.nearing @ apart
+    rows, near = _effect(state, apart)
+    wide = NORMAL_95 * float(np.sqrt(max(np.trace(_steepness(state) @ covariance), 0.0)))
     nearer = NORMAL_95 * np.sqrt(np.maximum(np.sum(state.nearing @ covariance * state.nearing, axis=-1), 0.0))
     depths = np.stack([near, near + nearer, near - nearer], axis=-1).tolist()
-    delay = float(state.estimate.mean[SIZE])
+    delay = state.estimate.delay
     return Reading(
         axes={
             name: Interval(value, value - width, value + width)
@@ -106,7 +116,24 @@ def reading(state: State) -> Reading:
         delay=Interval(delay, delay - float(widths[SIZE]), delay + float(widths[SIZE])),
         chance=float(chdtrc(SIZE, float(apart @ np.linalg.solve(covariance, apart)))),
         chance_of_rotation=float(chdtrc(3, float(apart[:3] @ np.linalg.solve(covariance[:3, :3], apart[:3])))),
+        matters=_matters(state, apart),
+        rotation_matters=_matters(state, np.concatenate([apart[:3], np.zeros(SIZE - 3)])),
     )
+
+
+def _effect(state: State, apart: Offset) -> tuple[float, Float[np.ndarray, "4"]]:
+    """Of an offset from the calibration in use: root mean square of rows, and the true depth over the one reported."""
+    return float(np.sqrt(max(apart @ _steepness(state) @ apart, 0.0))), 1.0 + state.nearing @ apart
+
+
+def _steepness(state: State) -> Float[np.ndarray, "5 5"]:
+    return np.zeros((SIZE, SIZE)) if state.steepness is None else state.steepness
+
+
+def _matters(state: State, apart: Offset) -> bool:
+    rows, near = _effect(state, apart)
+    far = depth_error(near.tolist()[list(DISTANCES).index(FAR)])
+    return rows > ROWS_MATTER or abs(far) > DEPTH_MATTERS
 
 
 def _ends(found: Interval) -> dict[str, float]:

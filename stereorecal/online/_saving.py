@@ -24,7 +24,7 @@ from stereorecal.online._state import State
 from stereorecal.online._trial import Trial
 from stereorecal.recordings import Pair
 
-SCHEMA = "stereorecal.state/2"
+SCHEMA = "stereorecal.state/3"
 _KNOWN: dict[str, Any] = {
     kind.__name__: kind
     for kind in (State, Config, Estimate, Measurement, Job, Trial, StereoRig, Camera, View, Pair, SAD, BM, SGBM, Kind)

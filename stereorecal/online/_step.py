@@ -37,9 +37,9 @@ def init(rig: StereoRig, config: Config = Config()) -> State:  # noqa: B008  fro
         InputError: if the matcher is none.
     """
     matcher = as_matcher(config.matcher)
-    blank = State(config, rig, view_of(rig), np.zeros(SIZE), at_start(np.ones(SIZE)), nearing(rig))
+    blank = State(config, rig, view_of(rig), np.zeros(SIZE), at_start(np.ones(SIZE), config), nearing(rig))
     known = matcher if matcher.num_disparities is not None else None
-    return blank.but(estimate=at_start(blank.prior), matcher=known, attempt=_FIRST)
+    return blank.but(estimate=at_start(blank.prior, config), matcher=known, attempt=_FIRST)
 
 
 def step(state: State, pair: Pair | Images, seconds: float | None = None) -> tuple[State, tuple[Event, ...]]:
@@ -84,10 +84,8 @@ def rollback(state: State) -> State:
 
 
 def _seen(state: State, pair: Pair) -> Outcome:
-    config, now = state.config, small(pair.left)
-    turned = None if state.last is None else turn(state.initial.left, state.last, now)
-    estimate = state.estimate.later(config.wander, config.shift)
-    state = state.but(last=now, estimate=estimate)
+    config, before, now = state.config, state.last, small(pair.left)
+    state = state.but(last=now, estimate=state.estimate.later(config))
     if state.job is not None:
         return continued(state)
     if state.frame % config.every:
@@ -101,6 +99,7 @@ def _seen(state: State, pair: Pair) -> Outcome:
     look = glance(state.rig, pair, state.view, matcher)
     if look.facts is None:
         return _blind(state, pair, look)
+    turned = None if before is None else turn(state.initial.left, before, now)
     measured = measurement(state, look, turned)
     slopes = look.facts.jacobian / look.chart.units
     state = state.but(
@@ -118,8 +117,8 @@ def _seen(state: State, pair: Pair) -> Outcome:
         return state, [*events, *more]
     # How far a shutter could explain a look is not known where the rig's turn is not.
     state, more = (state, []) if turned is None else judged(state, measured, look)
-    state, last = nominated(state)
-    return state, [*events, *more, *last]
+    state, put_up = nominated(state)
+    return state, [*events, *more, *put_up]
 
 
 def _blind(state: State, pair: Pair, look: Glance) -> Outcome:

@@ -5,14 +5,14 @@ from collections.abc import Callable
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.online._estimate import SIZE, Estimate, Measurement
+from stereorecal.online._estimate import SIZE, Measurement
 from stereorecal.online._events import Event, Kind
 from stereorecal.online._glance import Glance
 from stereorecal.online._reading import reading
 from stereorecal.online._state import Offset, State
 from stereorecal.online._trial import Trial
 
-_WORTH = 1e-2  # chance of an offset, below which the estimate becomes a candidate
+_WORTH = 1e-3  # chance of an offset, below which the estimate becomes a candidate
 _AFTER_REPAIR = 0.1  # degrees and percent: how well a repair of few frames is trusted, beyond its own covariance
 
 
@@ -21,7 +21,7 @@ def judged(state: State, measured: Measurement, look: Glance) -> tuple[State, li
     trial = state.trial
     if trial is None or measured.frame <= trial.since or state.suspect is not None:
         return state, []
-    if reading(state).late:  # what was measured may be the shutter's
+    if reading(state).travels:  # what was measured may be the shutter's
         return state.but(trial=None), []
     after = look.rows(state.rig_at(trial.offset))
     return decided(state.but(trial=trial.measured(state.using, measured, state.row_error, after)))
@@ -76,7 +76,7 @@ def nominated(state: State) -> tuple[State, list[Event]]:
     if state.frame < state.ready:
         return state, []
     found = reading(state)
-    if found.late or found.chance_of_rotation > _WORTH:
+    if found.travels or found.chance_of_rotation > _WORTH:
         return state, []
     turned = np.concatenate([state.estimate.offset[:3], state.using[3:]])
     return state.but(trial=Trial(turned, "looks", state.frame)), []
@@ -84,12 +84,9 @@ def nominated(state: State) -> tuple[State, list[Event]]:
 
 def after_repair(state: State, offset: Offset, covariance: Float[np.ndarray, "5 5"]) -> State:
     """A candidate of a repair on trial, unless nothing is to be switched."""
-    known = np.zeros((SIZE + 1, SIZE + 1))
-    known[:SIZE, :SIZE] = covariance + np.eye(SIZE) * _AFTER_REPAIR**2
-    known[SIZE, SIZE] = state.estimate.covariance[SIZE, SIZE]
-    mean = np.append(offset, state.estimate.mean[SIZE])
+    estimate = state.estimate.moved(offset, covariance + np.eye(SIZE) * _AFTER_REPAIR**2)
     trial = Trial(offset, "repair", state.frame) if state.config.repair else None
-    return state.but(trial=trial, estimate=Estimate(mean, known), suspect=None)
+    return state.but(trial=trial, estimate=estimate, suspect=None)
 
 
 def _named(state: State, offset: Offset) -> dict[str, list[float]]:

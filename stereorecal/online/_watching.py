@@ -54,7 +54,7 @@ def followed(state: State, measured: Measurement) -> tuple[State, list[Event]]:
     estimate, knocked = changed
     before, state = state.estimate, state.but(estimate=estimate, suspect=None, odd=0)
     moved = estimate.offset - before.offset
-    if not knocked or not reading(state.using_now(before.offset)).matters:
+    if not knocked or reading(state.using_now(before.offset)).condition is not Condition.REPAIR:
         return _standing(state)
     facts = {"change": dict(zip(state.chart.names, moved.tolist(), strict=True))}
     return state.but(trial=None, ready=0, said=Kind.KNOCK), [
@@ -83,13 +83,22 @@ def _standing(state: State) -> tuple[State, list[Event]]:
     kind = _kind(found)
     if kind is None or kind is state.said or (kind is Kind.DRIFTING and state.said is Kind.KNOCK):
         return state, []
-    why = f"by {found.delay.value:.2f} frames" if kind is Kind.LATE else ""
-    return state.but(said=kind), [Event(state.frame, kind, why, found.as_dict())]
+    return state.but(said=kind), [Event(state.frame, kind, _why(kind, found), found.as_dict())]
+
+
+def _why(kind: Kind, found: Reading) -> str:
+    if kind is Kind.LATE:
+        return f"by {found.delay.value:.2f} frames"
+    if kind is Kind.SHIFTED:
+        return f"y {found.axes['y'].value:+.1f}, z {found.axes['z'].value:+.1f} % of the baseline"
+    return ""
 
 
 def _kind(found: Reading) -> Kind | None:
     if found.late:
         return Kind.LATE
+    if found.shifted:
+        return Kind.SHIFTED
     standing = {Condition.HEALTHY: Kind.HEALTHY, Condition.REPAIR: Kind.DRIFTING}
     return standing.get(found.condition)
 

@@ -3,11 +3,13 @@
 import numpy as np
 import pytest
 
+from stereorecal.online import Config
 from stereorecal.online._estimate import Estimate, Measurement, at_start
 from stereorecal.online._trial import Trial
 
 SIGMA = np.array([0.01, 0.1, 0.02, 0.5, 1.0])
 PRIOR = np.ones(5)
+STILL = Config(wander=(0.0, 0.0, 0.0), shift=0.0, heating=(0.0, 0.0, 0.0))
 
 
 def measured(frame: int, offset: np.ndarray, draw: np.random.Generator, turn: float = 0.0, late: float = 0.0):
@@ -17,10 +19,10 @@ def measured(frame: int, offset: np.ndarray, draw: np.random.Generator, turn: fl
 
 
 def fused(frames: int, offset: np.ndarray, draw: np.random.Generator, late: float = 0.0) -> Estimate:
-    estimate = at_start(PRIOR)
+    estimate = at_start(PRIOR, STILL)
     for frame in range(frames):
         turn = float(np.sin(0.2 * frame))
-        estimate = estimate.later((0.0, 0.0, 0.0), 0.0).seen(measured(frame, offset, draw, turn, late))
+        estimate = estimate.later(STILL).seen(measured(frame, offset, draw, turn, late))
     return estimate
 
 
@@ -37,22 +39,39 @@ def test_intervals_hold():
 def test_what_follows_the_motion_is_a_delay():
     """And leaves the yaw alone."""
     estimate = fused(60, np.zeros(5), np.random.default_rng(1), late=0.3)
-    assert estimate.mean[5] == pytest.approx(0.3, abs=0.06)
+    assert estimate.delay == pytest.approx(0.3, abs=0.06)
     assert abs(estimate.offset[1]) < 0.05
 
 
 def test_false_alarms_are_as_rare_as_said():
-    draw, estimate, rare = np.random.default_rng(2), at_start(PRIOR), []
+    shaking = Config(wander=(0.001, 0.001, 0.001), shift=0.001, heating=(0.0, 0.0, 0.0))
+    draw, estimate, rare = np.random.default_rng(2), at_start(PRIOR, shaking), []
     for frame in range(3000):
         look = measured(frame, np.zeros(5), draw)
-        estimate = estimate.later((0.001, 0.001, 0.001), 0.001)
+        estimate = estimate.later(shaking)
         rare.append(estimate.chance_of(look) < 0.01)
         estimate = estimate.seen(look)
     assert np.mean(rare) == pytest.approx(0.01, abs=0.005)
 
 
+def test_heat_is_followed_and_the_intervals_know_it():
+    """Bars that bend one way for 300 pairs, then back: the mean error stays small, the truth within its interval."""
+    draw, config, far, inside = np.random.default_rng(6), Config(), [], []
+    ramp = np.concatenate([np.arange(300), np.arange(300)[::-1]])
+    for sides in np.sign(draw.uniform(-1.0, 1.0, (6, 5))):
+        estimate = at_start(PRIOR, config)
+        for frame, hot in enumerate(ramp):
+            truth = np.array([2e-4, 8e-4, 2e-4, 0.0, 0.0]) * sides * hot
+            estimate = estimate.later(config).seen(measured(frame, truth, draw))
+            if frame >= 50:
+                far.append(np.abs(estimate.offset - truth)[:3])
+                inside.append(far[-1] < 1.96 * np.sqrt(np.diag(estimate.of_offset))[:3])
+    assert np.all(np.mean(far, axis=0) < [0.004, 0.03, 0.008])
+    assert np.all(np.mean(inside, axis=0) > 0.9)
+
+
 def test_a_look_that_says_nothing_changes_nothing():
-    estimate = at_start(PRIOR)
+    estimate = at_start(PRIOR, STILL)
     nothing = Measurement(0, np.full(5, 9.0), np.zeros((5, 5)), np.zeros(5))
     np.testing.assert_allclose(estimate.seen(nothing).mean, estimate.mean, atol=1e-12)
     assert estimate.chance_of(nothing) == 1.0

@@ -1,0 +1,194 @@
+"""What does watching a rig cost, does it last, and does it see knocks in real sequences? Prints three tables.
+
+    python tests/benchmarks/monitoring.py [--only cost,memory,kill,real] [--steps 10000]
+
+*cost*: steps at ten pairs of 640x480 a second, in a process bound to one core while another process keeps the other
+core busy. *memory*: the resident memory of a process over many steps. *kill*: `monitor` is killed at moments drawn at
+random, and goes on from its state. *real*: the sequences of STEREORECAL_DATA, forth as they are, then back and forth
+as if the right camera had been turned by 0.3 degrees of pitch or roll, or 1 degree of yaw.
+"""
+
+import argparse
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import cv2
+import numpy as np
+from drives import ALARMS, harmful
+from rich.console import Console
+from rich.table import Table
+
+import stereorecal as sr
+from stereorecal.geometry import Camera, StereoRig
+from stereorecal.io import save_scene
+from stereorecal.recordings import Pair, Scene
+from stereorecal.synthetic import photographs, plan_drive, render
+
+RATE = 10.0  # pairs a second
+SEQUENCES = ("kitti_odometry/suburb_seq", "euroc/vicon_room_seq")
+KNOCKS = {"pitch": (0.3, 0.0, 0.0), "yaw": (0.0, 1.0, 0.0), "roll": (0.0, 0.0, 0.3)}  # degrees
+
+
+def resident() -> int:
+    """Megabytes of this process."""
+    status = Path("/proc/self/status").read_text().splitlines()
+    return int(next(line for line in status if line.startswith("VmRSS")).split()[1]) // 1024
+
+
+def steps_at_rate(every: int, seconds: float) -> None:
+    """Run as a process of its own: prints its share of the core, and how long steps took."""
+    cv2.setNumThreads(1)
+    rig = sr.synthetic.default_rig().resized((640, 480))
+    pairs = [pair for seed in range(4) for pair in render("harbour", seed, rig=rig).pairs]
+    state = sr.online.init(rig, sr.online.Config(every=every))
+    for pair in pairs * 2:
+        state, _ = sr.online.step(state, pair)
+    took, began, spent = [], time.perf_counter(), time.process_time()
+    for number in range(int(seconds * RATE)):
+        time.sleep(max(0.0, began + number / RATE - time.perf_counter()))
+        at = time.perf_counter()
+        state, _ = sr.online.step(state, pairs[number // 10 % len(pairs)])
+        took.append(time.perf_counter() - at)
+    share = (time.process_time() - spent) / (time.perf_counter() - began)
+    print(json.dumps([share, *(1e3 * np.quantile(took, (0.5, 0.99))).tolist()]))
+
+
+def cost() -> Table:
+    table = Table(
+        "looks at", "share of one core (target 25 %)", "a step, median / 99th percentile", title="640x480, 10 Hz"
+    )
+    mine, other = sorted(os.sched_getaffinity(0))[:2]
+    with subprocess.Popen([sys.executable, "-c", "while True: pass"]) as busy:
+        os.sched_setaffinity(busy.pid, {other})
+        for every in (1, 2, 3):
+            words = [sys.executable, __file__, "--part", str(every)]
+            done = subprocess.run(
+                words, capture_output=True, text=True, check=True, preexec_fn=lambda: os.sched_setaffinity(0, {mine})
+            )
+            share, median, most = json.loads(done.stdout.splitlines()[-1])
+            table.add_row(f"1 pair in {every}", f"{100 * share:.0f} %", f"{median:.0f} / {most:.0f} ms")
+        busy.kill()
+    return table
+
+
+def memory(steps: int) -> Table:
+    table = Table("steps", "resident", title="320x240, one drive again and again")
+    drive = plan_drive("harbour", 2, 40)
+    pairs, state = list(photographs(drive)), sr.online.init(drive.rig)
+    for number in range(1, steps + 1):
+        state, _ = sr.online.step(state, pairs[number % len(pairs)])
+        if number in (100, 1000) or number % 2500 == 0:
+            table.add_row(str(number), f"{resident()} MB")
+    return table
+
+
+def kill(times: int = 12) -> Table:
+    """Each start goes on from the state that was left; what it says first tells at which pair."""
+    table = Table("killed", "went on at the pair after the last one it had told of", "lost more than that step")
+    kept = lost = 0
+    with tempfile.TemporaryDirectory() as folder:
+        scene, place = Path(folder) / "scene", Path(folder)
+        rig = sr.synthetic.default_rig().resized((320, 240))
+        save_scene(render("harbour", 0, frames=40, rig=rig), scene)
+        words = [sys.executable, "-m", "stereorecal", "monitor", str(scene), "--state", str(place / "state")]
+        last, draw = None, random.Random(0)
+        for number in range(times):
+            said = place / f"{number}.jsonl"
+            with subprocess.Popen([*words, "--json", str(said), "--quiet"], stderr=subprocess.DEVNULL) as process:
+                while process.poll() is None and not (said.exists() and said.stat().st_size):
+                    time.sleep(0.01)
+                time.sleep(draw.uniform(0.0, 1.0))
+                process.send_signal(signal.SIGKILL)
+            frames = [json.loads(line)["frame"] for line in said.read_text().splitlines() if line.endswith("}")]
+            if last is not None:
+                # What is saved is at most one step ahead of what was told.
+                kept += frames[0] in (last + 1, last + 2)
+                lost += frames[0] <= last
+            last = frames[-1]
+    table.add_row(str(times), f"{kept} of {times - 1}", str(lost))
+    return table
+
+
+def as_if_turned(pair: Pair, camera: Camera, turn: np.ndarray) -> Pair:
+    """The pair whose right camera is turned: x -> R(turn) x."""
+    width, height = camera.size
+    across, down = np.meshgrid(np.arange(width, dtype=float), np.arange(height, dtype=float))
+    rays = np.asarray(camera.rays(np.stack([across, down], axis=-1))) @ cv2.Rodrigues(turn)[0]  # its inverse
+    where = np.asarray(camera.project(rays)).astype(np.float32)
+    right = cv2.remap(
+        np.asarray(pair.right), where[..., 0], where[..., 1], cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE
+    )
+    return Pair(pair.left, np.clip(right, 0, 255), pair.name)
+
+
+def turned(rig: StereoRig, turn: np.ndarray) -> StereoRig:
+    by = cv2.Rodrigues(turn)[0]
+    return StereoRig.from_rotation(rig.left, rig.right, by @ np.asarray(rig.rotation), by @ np.asarray(rig.translation))
+
+
+def loaded(name: str) -> Scene:
+    return sr.io.load_scene(Path(os.environ["STEREORECAL_DATA"]) / name)
+
+
+def knocked(scene: Scene, degrees: tuple[float, float, float], sign: float) -> tuple[int | None, int, int, str]:
+    """Pairs until it was noticed, switches, harmful ones, and the error at the end."""
+    assert scene.rig is not None
+    turn, forth = sign * np.radians(degrees), list(scene.pairs)
+    truth = sr.recalibrate(scene.rig, forth).rig
+    there = [as_if_turned(pair, scene.rig.right, turn) for pair in forth]
+    pairs = [*forth, *there[::-1], *there]
+    state, before = sr.online.init(scene.rig), np.zeros(5)
+    noticed, switches, worse, apart = None, 0, 0, before
+    for number, pair in enumerate(pairs):
+        state, events = sr.online.step(state, pair, float("inf"))
+        after = number - len(forth) + 1
+        if after > 0 and noticed is None and any(event.kind in ALARMS for event in events):
+            noticed = after
+        true = state.offset_of(turned(truth, turn) if after > 0 else truth)
+        apart = state.using - true
+        if np.any(state.using != before):
+            switches += 1
+            half = 1.96 * np.sqrt(np.diag(state.estimate.of_offset))
+            worse += harmful(state, before - true, apart, half)
+        before = state.using
+    return noticed, switches, worse, " ".join(f"{value:+.3f}" for value in apart[:3])
+
+
+def real() -> Table:
+    table = Table(
+        "sequence", "knock", "noticed with pair", "switches", "harmful", "left: pitch, yaw, roll", title="real"
+    )
+    for name in SEQUENCES:
+        scene = loaded(name)
+        for axis, degrees in KNOCKS.items():
+            for sign in (1.0, -1.0):
+                noticed, switches, worse, left = knocked(replace(scene), degrees, sign)
+                said = "never" if noticed is None else str(noticed)
+                table.add_row(name, f"{axis} {sign * max(degrees):+.1f}", said, str(switches), str(worse), left)
+    return table
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--only", default="cost,memory,kill,real")
+    parser.add_argument("--steps", type=int, default=10_000)
+    parser.add_argument("--part", type=int, help=argparse.SUPPRESS)
+    options = parser.parse_args()
+    if options.part:
+        steps_at_rate(options.part, 20.0)
+        return
+    parts = {"cost": cost, "memory": lambda: memory(options.steps), "kill": kill, "real": real}
+    for name in options.only.split(","):
+        Console(width=140).print(parts[name]())
+
+
+if __name__ == "__main__":
+    main()
