@@ -21,6 +21,7 @@ def test_table_and_json(command, clean_scene: Path, tmp_path: Path):
     assert content["scenes"][0]["name"].endswith("/clean")
 
 
+@pytest.mark.slow
 def test_both_schedules_side_by_side(command, clean_scene: Path, tmp_path: Path):
     page = tmp_path / "out.html"
     answer = command("compare", "--scene", clean_scene, "--draws", 1, "--budget", 5, "--html", page)

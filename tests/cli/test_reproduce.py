@@ -54,6 +54,7 @@ def test_a_second_run_repeats_nothing(command, words, tmp_path: Path, monkeypatc
     assert (tmp_path / "one.json").read_text() == (tmp_path / "two.json").read_text()
 
 
+@pytest.mark.slow
 def test_json_to_a_pipe_is_nothing_but_json(command, words):
     found = command("reproduce", "ex-nihilo", *words, "--json", "-")
     content = json.loads(found.out)
@@ -129,6 +130,7 @@ def test_results_of_another_run_are_left_alone(command, words):
     assert "other settings" in found.err
 
 
+@pytest.mark.slow
 def test_without_a_log_one_is_rendered_once(command, tmp_path: Path, monkeypatch):
     monkeypatch.setattr(_synthetic_log, "_QUICK_SIZE", (160, 120))
     monkeypatch.setattr(_synthetic_log, "_QUICK_PAIRS", 1)

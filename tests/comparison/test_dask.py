@@ -85,6 +85,7 @@ def test_a_worker_that_is_killed_costs_nothing(workers, scene, serial, deadly, t
     assert rows(table) == serial
 
 
+@pytest.mark.slow
 def test_a_worker_that_is_killed_costs_no_row_of_an_experiment(workers, scene, deadly, tmp_path, monkeypatch):
     """`reproduce`: the task is done again, and the rows are those of one process."""
     memory, taken = tmp_path / "killed", scene(frames=2)

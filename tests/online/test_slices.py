@@ -46,6 +46,7 @@ def test_a_step_does_a_slice(ride: Ride, lost: State):
     assert (error(state.but(using=state.trial.offset), ride.knocked) < [0.05, 0.2, 0.05]).all()
 
 
+@pytest.mark.slow
 def test_as_many_as_time_allows(ride: Ride, lost: State):
     """All in the step in which it begins, to the same end."""
     pairs = ride.pairs[BEFORE:]

@@ -231,3 +231,13 @@ def test_frames_that_show_nothing_are_no_frames(frames, seen):
     before, after = replace(found, **cut).held_out()
     assert len(before) == len(after) == len(seen) * TILES
     assert np.median(after) < 0.3 < 5 < np.median(before)
+
+
+@settings(max_examples=25)
+@given(seed=st.integers(0, 999))
+def test_medians_are_those_of_numpy_tile_by_tile(seed):
+    rng = np.random.default_rng(seed)
+    found = replace(problem()[0], tile=rng.choice(rng.integers(0, 60, 9), len(problem()[0].tile)).astype(np.int32))
+    differences = rng.normal(0, 1, len(found.tile)).round(1)
+    expected = [np.median(np.abs(differences[found.tile == tile])) for tile in np.unique(found.tile)]
+    np.testing.assert_array_equal(found.medians(differences), expected)

@@ -125,6 +125,7 @@ def test_ranges_of_one_recording_are_no_reason_for_another(small):
     )
 
 
+@pytest.mark.slow
 def test_a_repair_outlives_bad_ranges(small):
     """In feet: the drift is repaired as without them, and they are named."""
     off = SMALL.with_extrinsics(SMALL.extrinsics + np.array([*np.radians([0.5, 0.3, -0.4]), 0, 0, 0]))

@@ -86,10 +86,12 @@ def test_jvp_of_the_soft_count(compilations, data, found, at):
     check(compilations, lambda k: jax.jvp(pure("soft_count", data, found), (at + 1e-4 * k,), (jnp.ones(6),)))
 
 
+@pytest.mark.slow
 def test_the_jacobian_of_row_differences(compilations, data, found, at):
     check(compilations, lambda k: jax.jacfwd(pure("row_differences", data, found))(at + 1e-4 * k))
 
 
+@pytest.mark.slow
 def test_other_data_of_the_same_shape(compilations, scene, data, at):
     """Other images, another rig, another temperature: programs depend on the shape, the scale and the matcher."""
     other = scene("street", 1, (160, 120))

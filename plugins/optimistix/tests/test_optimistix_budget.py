@@ -37,6 +37,7 @@ def test_no_time_no_work(strategy_class, problem):
     assert len(objective.trace.values) == 0
 
 
+@pytest.mark.slow(after=3)
 def test_it_converges_without_a_budget(strategy_class, problem):
     run = run_strategy(strategy_class(), Objective(problem()), START)
     assert run.status is Status.CONVERGED

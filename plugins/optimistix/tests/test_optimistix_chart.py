@@ -43,6 +43,7 @@ def test_the_start_never_lacks_a_slope(start, step):
     assert (slope > 0.1 * step).all()
 
 
+@pytest.mark.slow(after=6)
 @pytest.mark.parametrize("corner", [(1.0, 1.0, 1.0), (-1.0, 1.0, -1.0)])
 def test_a_corner_is_left(strategy_class, problem, corner):
     run = run_strategy(strategy_class(), Objective(problem(), 1200), np.array(corner))

@@ -49,6 +49,7 @@ def compilations():
     jax.monitoring.unregister_event_duration_listener(note)
 
 
+@pytest.mark.slow(after=3)
 def test_new_data_and_new_starts_compile_nothing(strategy_class, problem, compilations, traces):
     first, second = problem((0.4, -0.3)), problem((-0.1, 0.2))
     run_strategy(strategy_class(), Objective(first), np.zeros(2))
