@@ -1,12 +1,14 @@
-"""Warmed up, a repair compiles nothing, whatever the images show and however many there are."""
+"""Warmed up, neither a repair nor a step on the vehicle compiles anything, whatever the images show and however many there are."""
 
 import jax
+import numpy as np
 import pytest
 
 import stereorecal as sr
 from stereorecal.matching import SAD
 
 SIZE = (160, 120)
+FAR = np.radians([-1.5, 1.0, 2.0, 0.0, 0.0, 0.0])
 
 
 def test_nothing_is_left_to_compile(scene, caplog):
@@ -17,6 +19,9 @@ def test_nothing_is_left_to_compile(scene, caplog):
     with jax.log_compiles(), caplog.at_level("WARNING"):
         sr.recalibrate(bad, two.pairs[:1], matcher=matcher)
         sr.recalibrate(bad, two.pairs, matcher=matcher)
+        for rig in (two.rig, two.rig.with_extrinsics(two.rig.extrinsics + FAR)):
+            watched = list(sr.online.run(rig, [*two.pairs, *two.pairs], sr.online.Config(matcher=matcher)))
+    assert any(event.kind is sr.online.Kind.REPAIRING for stepped in watched for event in stepped.events)
     assert [record.message for record in caplog.records if "ompil" in record.message] == []
 
 
