@@ -21,7 +21,6 @@ class Kind(enum.Enum):
     REPAIRING = "a repair has begun"
     REPAIRED = "a better calibration is in use: it wins on pairs that came later than those it was fitted to"
     REJECTED = "a candidate was not better"
-    ROLLED_BACK = "an earlier calibration is in use again"
     FRAMES_DISAGREE = "the frames show different rigs"
     TOO_LITTLE_TEXTURE = "too little light or texture to tell"
     BAD_FRAME = "the pair cannot be used"

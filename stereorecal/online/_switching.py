@@ -12,7 +12,7 @@ from stereorecal.online._reading import reading
 from stereorecal.online._state import Offset, State
 from stereorecal.online._trial import Trial
 
-_WORTH = 1e-3  # chance of an offset, below which the estimate becomes a candidate
+_WORTH = 1e-2  # chance of an offset, below which the estimate becomes a candidate
 _AFTER_REPAIR = 0.1  # degrees and percent: how well a repair of few frames is trusted, beyond its own covariance
 
 
