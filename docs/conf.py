@@ -1,5 +1,6 @@
 """The documentation as a site: `python -m sphinx -W -n docs build/site`."""
 
+import enum
 import inspect
 import re
 
@@ -44,6 +45,8 @@ def _said_already(app, what, name, member, skip, options):
 def _as_written(app, what, name, member, options, lines):
     """After Napoleon: a property's "What it is: more" names no type, "left, right: …" are two names of one kind, and
     |x| is a magnitude, not a substitution."""
+    if what == "class" and issubclass(member, enum.Enum):
+        lines += ["", *(f"- `{one.name}`: {one.value if isinstance(one.value, str) else ''}" for one in member), ""]
     if what == "property":
         lines[:] = [*(inspect.getdoc(member) or "").splitlines(), ""]
     for index, line in enumerate(lines):

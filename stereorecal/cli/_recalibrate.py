@@ -177,7 +177,7 @@ def _saving(
 ) -> list[Callable[[], None]]:
     """Steps that write the calibration and the maps, and say so."""
     first = repairs[0].solution
-    told = not options.quiet and options.json != "-" and len(repairs) == 1
+    told = not options.quiet and options.json != "-"
 
     def step(names: Sequence[Path], wanted: bool, save: Callable[[StereoRig], list[Path]], note: str) -> None:
         """`save` returns the copies of what it replaced."""
@@ -232,6 +232,9 @@ def _show(repairs: Sequence[Repair], options: argparse.Namespace) -> None:
     if len(repairs) > 1:
         console = table_console()
         console.print(repairs_table([repair.as_row() for repair in repairs], console.width))
+        shared = [repair.solution.intrinsics for repair in repairs if repair.solution and repair.solution.intrinsics]
+        for line in dict.fromkeys(map(str, shared)):  # each once
+            print_lines(line)
         return
     print_lines(repairs[0].solution)
 

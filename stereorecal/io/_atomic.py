@@ -24,8 +24,7 @@ def write_bytes(path: str | os.PathLike[str], data: bytes, *, replace: bool = Tr
         replace: whether an existing file is replaced; if not, also one that another program makes meanwhile stays.
 
     Raises:
-        FileTaken: an InputError, if there is a file that must stay.
-        InputError: if the place cannot be written to.
+        InputError: if there is a file that must stay, or the place cannot be written to.
     """
     write_files({Path(path): data}, replace=replace)
 
@@ -34,7 +33,7 @@ def write_files(contents: Mapping[Path, bytes], *, replace: bool = True) -> None
     """Write files that belong together, each as `write_bytes` does; none is replaced before all are on the disk.
 
     Raises:
-        FileTaken, InputError: naming the place that cannot be written to; all files are as they were.
+        InputError: naming the place that cannot be written to; all files are as they were.
     """
     for path in () if replace else contents:
         if os.path.isfile(path):

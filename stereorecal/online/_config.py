@@ -27,7 +27,8 @@ class Config:
         switch: chance that one calibration wins against another that is as good.
         rest: pairs between two switches, at least.
         keep: calibrations that can be returned to.
-        repair: False watches alone, and switches nothing: the freeze switch.
+        repair: False watches alone, and switches nothing: the freeze switch. What moved a rig of which hardly anything
+            matches is still searched for, to say it.
     """
 
     matcher: AbstractMatcher | str | None = None

@@ -17,6 +17,7 @@ from stereorecal.online._state import State, nearing
 from stereorecal.online._switching import judged, matched, nominated, switched
 from stereorecal.online._turning import small, turn
 from stereorecal.online._watching import followed, measurement
+from stereorecal.recalibration import Schedule
 from stereorecal.recordings import Images, Pair, check_pairs
 from stereorecal.scoring import legible, pyramid
 from stereorecal.scoring.host import ranged
@@ -34,8 +35,9 @@ def init(rig: StereoRig, config: Config = Config()) -> State:  # noqa: B008  fro
         rig: the calibration to start from.
 
     Raises:
-        InputError: if the matcher is none.
+        InputError: if the matcher is none, or a strategy that repairs need is not installed; it says the install line.
     """
+    Schedule.default()  # raises now, and not after the first knock
     matcher = as_matcher(config.matcher)
     blank = State(config, rig, view_of(rig), np.zeros(SIZE), at_start(np.ones(SIZE), config), nearing(rig))
     known = matcher if matcher.num_disparities is not None else None

@@ -9,9 +9,15 @@ import pytest
 
 import stereorecal as sr
 from stereorecal.cli import _recalibrate
+from stereorecal.cli.arguments._calibrations import FORMATS
 from stereorecal.io import load_rig, load_scene, save_rig
+from stereorecal.io.formats._registry import NAMES
 
 COUNT = ("--schedule", "count", "--scale", 0.5, "--budget", 40)  # improves the drifted scene
+
+
+def test_help_names_every_format():
+    assert sorted(FORMATS.split(", ")) == sorted(NAMES)
 
 
 @pytest.fixture

@@ -234,9 +234,20 @@ def test_nothing_but_the_rotation_moves(command, drifted_scene: Path, tmp_path: 
 def test_intrinsics_of_several_recordings(command, drifted_scene: Path, tmp_path: Path):
     """The same small scene twice tells nothing of lenses: they stay, and it is said why."""
     target = tmp_path / "solution.json"
-    words = ["--free", "extrinsics,intrinsics", "--extrinsics", "one", "--json", target]
+    words = [
+        "--free",
+        "extrinsics,intrinsics",
+        "--extrinsics",
+        "one",
+        "--json",
+        target,
+        "--output",
+        tmp_path / "new.json",
+    ]
     answer = command("recalibrate", drifted_scene, drifted_scene, *words)
     assert answer.code in (0, 1)
+    assert answer.out.count("the intrinsics stay") == 1
+    assert "new.json: " in answer.out
     for repair in json.loads(target.read_text())["repairs"]:
         assert repair["intrinsics"]["outcome"] != "refined"
         assert "the intrinsics stay" in repair["intrinsics"]["verdict"]

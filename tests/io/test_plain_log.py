@@ -49,6 +49,20 @@ def test_what_is_written_comes_back(folder: Path, mission: Mission, calibrations
         np.testing.assert_allclose(pair.right, original.right, atol=0.5)
 
 
+def test_one_sequence_of_several(folder: Path, mission: Mission, calibrations, monkeypatch):
+    """By its path, also one that is relative; all of them at once are no scene."""
+    save_mission(replace(mission, name="2021-02-03-bay", calibration=None), folder)
+    with pytest.raises(InputError, match="2 sequences are in there"):
+        load_scene(folder)
+    monkeypatch.chdir(folder / "sequences" / "2021-02-03-bay")
+    for place, date in ((folder / "sequences" / mission.name, "2020-05-01"), (Path("."), "2021-01-01")):
+        found = load_scene(place)
+        assert found.name == ("2021-02-03-bay" if place == Path(".") else mission.name)
+        assert found.rig is not None
+        np.testing.assert_allclose(found.rig.extrinsics, calibrations[date].extrinsics, atol=1e-12)
+        assert len(found.pairs) == len(mission.pairs)
+
+
 def test_the_first_pairs_only(folder: Path):
     assert [pair.name for pair in load_log(folder, limit=2).missions[0].pairs] == ["000.png", "001.png"]
 

@@ -1,4 +1,4 @@
-"""Warmed up, neither a repair nor a step on the vehicle compiles anything, whatever the images show and however many there are."""
+"""Warmed up, neither a repair nor a step on the vehicle compiles anything, whatever the images show."""
 
 import jax
 import numpy as np

@@ -1,5 +1,6 @@
 """The plain log, the layout that this library writes: one folder per sequence, one calibration file per date."""
 
+import os
 from bisect import bisect_right
 from collections.abc import Mapping
 from dataclasses import replace
@@ -20,13 +21,22 @@ from stereorecal.io.layouts._names import name_of
 from stereorecal.io.layouts._scene_folder import load_sides
 from stereorecal.recordings import Log, Mission, names_of
 
-LAYOUT = "a plain log (calibrations/DATE.json, sequences/DATE.../left and right)"
+LAYOUT = "a plain log (calibrations/DATE.json, sequences/DATE.../left and right), or one sequence of it"
 _CALIBRATIONS, _SEQUENCES, _FACTS, _TRUTH = "calibrations", "sequences", "mission.json", "truth.json"
 
 
 def recognises(folder: Path) -> bool:
-    """Whether the folder holds a plain log."""
+    """Whether the folder is a plain log or one of its sequences."""
+    return _is_log(folder) or _is_sequence(folder)
+
+
+def _is_log(folder: Path) -> bool:
     return any((folder / _CALIBRATIONS).glob("*.json")) and (folder / _SEQUENCES).is_dir()
+
+
+def _is_sequence(folder: Path) -> bool:
+    place = Path(os.path.abspath(folder))  # "." has no name
+    return place.parent.name == _SEQUENCES and _is_log(place.parents[1])
 
 
 def read(folder: Path, limit: int | None) -> Log:
@@ -39,8 +49,10 @@ def read(folder: Path, limit: int | None) -> Log:
     Raises:
         InputError: naming the file, if something is missing or damaged.
     """
-    calibrations = {path.stem: load_rig(path) for path in natural_order((folder / _CALIBRATIONS).glob("*.json"))}
-    sequences = natural_order(path for path in (folder / _SEQUENCES).iterdir() if path.is_dir())
+    one, place = _is_sequence(folder), Path(os.path.abspath(folder))
+    root = place.parents[1] if one else folder
+    calibrations = {path.stem: load_rig(path) for path in natural_order((root / _CALIBRATIONS).glob("*.json"))}
+    sequences = [place] if one else natural_order(path for path in (root / _SEQUENCES).iterdir() if path.is_dir())
     with about(folder):
         return Log(name_of(folder), calibrations, tuple(_mission(path, calibrations, limit) for path in sequences))
 
