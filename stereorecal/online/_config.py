@@ -50,8 +50,12 @@ class Config:
                 raise InputError(f"{name} is {getattr(self, name)}; give at least 1.")
         if not 1.0 <= self.lasting < np.inf:
             raise InputError(f"lasting is {self.lasting}; give at least 1 pair.")
+        for name in ("wander", "heating"):
+            if np.shape(getattr(self, name)) != (3,):
+                raise InputError(f"{name} is {getattr(self, name)}; give three numbers, of pitch, yaw and roll.")
         for name in ("wander", "shift", "heating", "rest"):
-            if not np.all(np.asarray(getattr(self, name)) >= 0):
+            given = np.asarray(getattr(self, name), float)
+            if not np.all((given >= 0) & np.isfinite(given)):
                 raise InputError(f"{name} is {getattr(self, name)}; give 0 or more.")
         for name in ("knock", "switch"):
             if not 0.0 < getattr(self, name) < 1.0:

@@ -23,7 +23,7 @@ _DELAY = 0.5  # frames: standard deviation before anything is known
 _LATE = 0.3  # frames: a delay that is thought possible before one is named
 _TRAVEL = 3.0  # percent of the baseline: by what the rig may travel during a delay
 _DELAY_WANDER = 5e-3  # a frame, likewise
-_TURN_ERROR = 0.3  # of the rig's turn: what is near seems to turn when the rig travels
+_TURN_ERROR = 0.1  # of the rig's turn: what is near seems to turn when the rig travels
 _RATES = slice(SIZE + 1, SIZE + 4)
 
 
@@ -82,18 +82,20 @@ class Estimate:
 
     def later(self, config: Config) -> "Estimate":
         """A frame later: the angles go on at their rates, which are slowly forgotten; everything wanders a little."""
-        onwards, kept = np.eye(len(self.mean)), np.exp(-1.0 / config.lasting)
+        onwards, lasting = np.eye(len(self.mean)), np.exp(-1.0 / config.lasting)
         onwards[:3, _RATES] = np.eye(3)
-        onwards[_RATES, _RATES] = kept * np.eye(3)
-        rates = np.sqrt(1.0 - kept**2) * np.asarray(config.heating)
+        onwards[_RATES, _RATES] = lasting * np.eye(3)
+        rates = np.sqrt(1.0 - lasting**2) * np.asarray(config.heating)
         steps = np.array([*config.wander, config.shift, config.shift, _DELAY_WANDER, *rates]) ** 2
         covariance = onwards @ self.covariance @ onwards.T + np.diag(steps)
-        covariance[SIZE, SIZE] = min(covariance[SIZE, SIZE], _DELAY**2)
-        return Estimate(onwards @ self.mean, covariance)
+        # Row and column together: an element that is cut alone leaves what is no covariance.
+        kept = np.ones(len(self.mean))
+        kept[SIZE] = min(1.0, _DELAY / np.sqrt(covariance[SIZE, SIZE]))
+        return Estimate(onwards @ self.mean, covariance * np.outer(kept, kept))
 
     def seen(self, measured: Measurement) -> "Estimate":
         """With one more measurement."""
-        design, information = measured.design, self._told_by(measured)
+        design, information = measured.design, measured.information
         pull = design.T @ information @ (measured.offset - design @ self.mean)
         # Not the inverse of the covariance: what does not drift at all has none.
         known = np.eye(len(self.mean)) + self.covariance @ design.T @ information @ design
@@ -104,7 +106,8 @@ class Estimate:
         """Of a measurement as far from the estimate as this one, or farther (chi-square of the innovation)."""
         from scipy.special import chdtrc  # a third of a second to import
 
-        values, axes = np.linalg.eigh(self._told_by(measured))
+        measured = self.doubted(measured)
+        values, axes = np.linalg.eigh(measured.information)
         kept = values > 1e-9 * max(float(values[-1]), 1e-12)
         if not kept.any():
             return 1.0
@@ -113,11 +116,13 @@ class Estimate:
         spread = design @ self.covariance @ design.T + np.diag(1.0 / values[kept])
         return float(chdtrc(int(kept.sum()), float(innovation @ np.linalg.solve(spread, innovation))))
 
-    def _told_by(self, measured: Measurement) -> Float[np.ndarray, "5 5"]:
-        """The information of a measurement, less what a delay makes of an error of the turn."""
+    def doubted(self, measured: Measurement) -> Measurement:
+        """The measurement, less sure by what the delay makes of an error of the turn."""
         turn = _TURN_ERROR * self.delay * float(np.linalg.norm(measured.turn))
         doubt = np.diag([turn**2] * 3 + [0.0, 0.0])
-        return measured.information @ np.linalg.inv(np.eye(SIZE) + doubt @ measured.information)
+        return replace(
+            measured, information=measured.information @ np.linalg.inv(np.eye(SIZE) + doubt @ measured.information)
+        )
 
     def late(self) -> "Estimate":
         """After a shutter may have begun to be late, or ceased: the rig turns and travels while it is."""

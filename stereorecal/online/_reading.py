@@ -55,11 +55,12 @@ class Reading:
 
     @property
     def condition(self) -> Condition:
-        """Repair, if a change of the rotation is significant and matters, and the whole does. Healthy, if none that
-        matters is in sight, no shutter is late, and the intervals stay within 0.3 pixels and 10 %. Cannot tell,
-        otherwise."""
-        if self.matters and self.rotation_matters and self.chance_of_rotation < SURE:
+        """Repair, if the change is significant and matters. Healthy, if none that matters is in sight, no shutter is
+        late, and the intervals stay within 0.3 pixels and 10 %. Cannot tell, otherwise."""
+        if self.matters and self.chance < SURE:
             return Condition.REPAIR
+        if not np.isfinite(self.chance):
+            return Condition.CANNOT_TELL
         wide = self.rows_px.high > ROWS_APART or self.depth_percent[FAR].farthest > DEPTH_WRONG
         return Condition.CANNOT_TELL if self.matters or wide or self.late else Condition.HEALTHY
 
@@ -71,20 +72,17 @@ class Reading:
 
     @property
     def shifted(self) -> bool:
-        """Whether it is y and z that are off. A bar that bends turns the cameras as well; a shutter that is late on a
-        rig that travels straight on looks like this."""
-        return self.matters and self.chance < SURE and self.condition is not Condition.REPAIR
-
-    @property
-    def travels(self) -> bool:
-        """Whether what is off may be the rig's own motion, seen by a late shutter."""
-        return self.late or self.shifted
+        """Whether it is to be repaired for y and z: its rotation alone does not matter, or is not significant. A bar
+        that bends turns the cameras as well; a shutter that is late on a rig that travels straight on looks so."""
+        turned = self.rotation_matters and self.chance_of_rotation < SURE
+        return self.condition is Condition.REPAIR and not turned
 
     def as_dict(self) -> dict:
         """Plain data for JSON."""
         return plain(
             {
                 "condition": self.condition.name.lower(),
+                "shifted": self.shifted,
                 "axes": {name: _ends(axis) for name, axis in self.axes.items()},
                 "row_error_px": self.row_error,
                 "rows_px": _ends(self.rows_px),

@@ -61,7 +61,8 @@ def step(state: State, pair: Pair | Images, seconds: float | None = None) -> tup
         after, events = _seen(state, pair)
     except InputError as error:
         event = Event(state.frame, Kind.BAD_FRAME, str(error))
-        return state.but(frame=state.frame + 1, last=None, said=Kind.BAD_FRAME), (event,)
+        later = state.estimate.later(state.config)
+        return state.but(frame=state.frame + 1, estimate=later, last=None, said=Kind.BAD_FRAME), (event,)
     while until is not None and after.job is not None and time.monotonic() < until:
         after, more = continued(after)
         events += more

@@ -21,7 +21,8 @@ def judged(state: State, measured: Measurement, look: Glance) -> tuple[State, li
     trial = state.trial
     if trial is None or measured.frame <= trial.since or state.suspect is not None:
         return state, []
-    if reading(state).travels:  # what was measured may be the shutter's
+    found = reading(state)
+    if found.late or (found.shifted and trial.by == "looks"):  # what was measured may be the shutter's
         return state.but(trial=None), []
     after = look.rows(state.rig_at(trial.offset))
     return decided(state.but(trial=trial.measured(state.using, measured, state.row_error, after)))
@@ -76,7 +77,7 @@ def nominated(state: State) -> tuple[State, list[Event]]:
     if state.frame < state.ready:
         return state, []
     found = reading(state)
-    if found.travels or found.chance_of_rotation > _WORTH:
+    if found.late or found.shifted or found.chance_of_rotation > _WORTH:
         return state, []
     turned = np.concatenate([state.estimate.offset[:3], state.using[3:]])
     return state.but(trial=Trial(turned, "looks", state.frame)), []

@@ -42,7 +42,7 @@ def followed(state: State, measured: Measurement) -> tuple[State, list[Event]]:
     """The state after an informative look."""
     config = state.config
     if state.estimate.chance_of(measured) >= config.knock:
-        state = state.but(estimate=state.estimate.seen(_counted(state, measured)), suspect=None, odd=0)
+        state = state.but(estimate=_with(state.estimate, state, measured), suspect=None, odd=0)
         return _standing(state)
     if state.suspect is None:
         return state.but(suspect=measured), []
@@ -54,27 +54,29 @@ def followed(state: State, measured: Measurement) -> tuple[State, list[Event]]:
     estimate, knocked = changed
     before, state = state.estimate, state.but(estimate=estimate, suspect=None, odd=0)
     moved = estimate.offset - before.offset
-    if not knocked or reading(state.using_now(before.offset)).condition is not Condition.REPAIR:
+    if not knocked:
+        return _standing(state)
+    state = state.but(trial=None, ready=0)  # it was fitted to another rig
+    found = reading(state.using_now(before.offset))
+    if not found.matters or found.shifted:
         return _standing(state)
     facts = {"change": dict(zip(state.chart.names, moved.tolist(), strict=True))}
-    return state.but(trial=None, ready=0, said=Kind.KNOCK), [
-        Event(state.frame, Kind.KNOCK, _named(facts["change"]), facts)
-    ]
+    return state.but(said=Kind.KNOCK), [Event(state.frame, Kind.KNOCK, _named(facts["change"]), facts)]
 
 
 def _explained(state: State, first: Measurement, second: Measurement) -> tuple[Estimate, bool] | None:
     """The estimate after two looks that agree with each other, and whether the rig was knocked; None if they do not.
     A delay explains with one number what a knock explains with five, so it is asked first."""
-    late = state.estimate.late().seen(_counted(state, first))
+    late = _with(state.estimate.late(), state, first)
     if state.estimate.late().chance_of(first) > _AGREE and late.chance_of(second) > _AGREE:
-        return late.seen(_counted(state, second)), False
-    knocked = state.estimate.shaken(state.prior).seen(_counted(state, first))
-    return (knocked.seen(_counted(state, second)), True) if knocked.chance_of(second) > _AGREE else None
+        return _with(late, state, second), False
+    knocked = _with(state.estimate.shaken(state.prior), state, first)
+    return (_with(knocked, state, second), True) if knocked.chance_of(second) > _AGREE else None
 
 
-def _counted(state: State, measured: Measurement) -> Measurement:
-    """What a look counts for in what is fused: nothing votes twice."""
-    return measured.weighed(1.0 / state.config.together)
+def _with(estimate: Estimate, state: State, measured: Measurement) -> Estimate:
+    """The estimate with a look, of which a share counts: nothing votes twice. The turn errs in all looks alike, too."""
+    return estimate.seen(estimate.doubted(measured).weighed(1.0 / state.config.together))
 
 
 def _standing(state: State) -> tuple[State, list[Event]]:

@@ -162,6 +162,8 @@ def rows(all_seen: dict[str, list[tuple[Drive, Seen]]]) -> Iterator[tuple[str, s
     calm = [seen for case in ("calm", "late") for _, seen in all_seen[case]]
     alarms = [event for seen in calm for event in seen.events if event.kind in ALARMS]
     yield "false alarms without ramp or knock", "0", f"{len(alarms)} in {sum(len(s.errors) for s in calm)} frames"
+    shifted = [sum(event.kind is Kind.SHIFTED for event in seen.events) for seen in calm]
+    yield "  said to be shifted (or a late shutter)", "-", f"{sum(shifted)} times in {np.count_nonzero(shifted)} drives"
     for case in ("heat", "calm"):
         parts = [np.abs(seen.errors[SETTLED:]) for _, seen in all_seen[case] if len(seen.errors) > SETTLED]
         if parts:

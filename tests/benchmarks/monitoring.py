@@ -1,4 +1,4 @@
-"""What does watching a rig cost, does it last, and does it see knocks in real sequences? Prints three tables.
+"""What does watching a rig cost, does it last, and does it see knocks in real sequences? Prints a table of each.
 
     python tests/benchmarks/monitoring.py [--only cost,memory,kill,real] [--steps 10000]
 
@@ -17,7 +17,6 @@ import subprocess
 import sys
 import tempfile
 import time
-from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -68,14 +67,20 @@ def cost() -> Table:
     mine, other = sorted(os.sched_getaffinity(0))[:2]
     with subprocess.Popen([sys.executable, "-c", "while True: pass"]) as busy:
         os.sched_setaffinity(busy.pid, {other})
-        for every in (1, 2, 3):
-            words = [sys.executable, __file__, "--part", str(every)]
-            done = subprocess.run(
-                words, capture_output=True, text=True, check=True, preexec_fn=lambda: os.sched_setaffinity(0, {mine})
-            )
-            share, median, most = json.loads(done.stdout.splitlines()[-1])
-            table.add_row(f"1 pair in {every}", f"{100 * share:.0f} %", f"{median:.0f} / {most:.0f} ms")
-        busy.kill()
+        try:
+            for every in (1, 2, 3):
+                words = [sys.executable, __file__, "--part", str(every)]
+                done = subprocess.run(
+                    words,
+                    capture_output=True,
+                    text=True,
+                    check=True,
+                    preexec_fn=lambda: os.sched_setaffinity(0, {mine}),
+                )
+                share, median, most = json.loads(done.stdout.splitlines()[-1])
+                table.add_row(f"1 pair in {every}", f"{100 * share:.0f} %", f"{median:.0f} / {most:.0f} ms")
+        finally:
+            busy.kill()
     return table
 
 
@@ -108,11 +113,11 @@ def kill(times: int = 12) -> Table:
                 time.sleep(draw.uniform(0.0, 1.0))
                 process.send_signal(signal.SIGKILL)
             frames = [json.loads(line)["frame"] for line in said.read_text().splitlines() if line.endswith("}")]
-            if last is not None:
+            if last is not None and frames:
                 # What is saved is at most one step ahead of what was told.
                 kept += frames[0] in (last + 1, last + 2)
                 lost += frames[0] <= last
-            last = frames[-1]
+            last = frames[-1] if frames else last
     table.add_row(str(times), f"{kept} of {times - 1}", str(lost))
     return table
 
@@ -170,7 +175,7 @@ def real() -> Table:
         scene = loaded(name)
         for axis, degrees in KNOCKS.items():
             for sign in (1.0, -1.0):
-                noticed, switches, worse, left = knocked(replace(scene), degrees, sign)
+                noticed, switches, worse, left = knocked(scene, degrees, sign)
                 said = "never" if noticed is None else str(noticed)
                 table.add_row(name, f"{axis} {sign * max(degrees):+.1f}", said, str(switches), str(worse), left)
     return table

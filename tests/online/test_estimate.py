@@ -1,7 +1,10 @@
 """The recursive estimate and the trial, on measurements that are drawn."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from hypothesis import given, settings, strategies as st
 
 from stereorecal.online import Config
 from stereorecal.online._estimate import Estimate, Measurement, at_start
@@ -68,6 +71,39 @@ def test_heat_is_followed_and_the_intervals_know_it():
                 inside.append(far[-1] < 1.96 * np.sqrt(np.diag(estimate.of_offset))[:3])
     assert np.all(np.mean(far, axis=0) < [0.004, 0.03, 0.008])
     assert np.all(np.mean(inside, axis=0) > 0.9)
+
+
+def test_a_turn_that_is_badly_known_says_less_while_a_shutter_is_late():
+    """A tenth of a third of a degree of turn, times a delay of 0.3 frames: a hundredth of a degree."""
+    late = fused(60, np.zeros(5), np.random.default_rng(1), late=0.3)
+    look = Measurement(0, np.zeros(5), np.diag([1e6, 1e6, 1e6, 1.0, 1.0]), np.array([0.0, 1 / 3, 0.0, 0.0, 0.0]))
+    spread = np.sqrt(np.diag(np.linalg.inv(late.doubted(look).information)))
+    np.testing.assert_allclose(spread[:3], 0.01, rtol=0.3)
+    np.testing.assert_allclose(spread[3:], 1.0)
+    still = replace(look, turn=np.zeros(5))
+    np.testing.assert_allclose(late.doubted(still).information, still.information)
+
+
+@settings(max_examples=30)
+@given(st.integers(0, 10**6), st.lists(st.sampled_from(("dark", "look", "late", "knock")), min_size=5, max_size=40))
+def test_a_covariance_stays_one(seed, events):
+    """Whatever comes after whatever, with darkness of a thousand pairs in between."""
+    draw, config = np.random.default_rng(seed), Config()
+    estimate = at_start(PRIOR, config)
+    for frame, event in enumerate(events):
+        for _ in range(1000 if event == "dark" else 1):
+            estimate = estimate.later(config)
+        if event == "late":
+            estimate = estimate.late()
+        elif event == "knock":
+            estimate = estimate.shaken(PRIOR)
+        elif event == "look":
+            for _ in range(5):
+                look = measured(frame, np.zeros(5), draw, draw.uniform(0.5, 1.0), 0.3).weighed(0.125)
+                estimate = estimate.seen(estimate.doubted(look))
+        spread = np.sqrt(np.diag(estimate.covariance))
+        assert np.linalg.eigvalsh(estimate.covariance / np.outer(spread, spread))[0] > -1e-9
+        assert estimate.later(config).covariance[5, 5] <= 0.25 + 1e-9
 
 
 def test_a_look_that_says_nothing_changes_nothing():

@@ -1,10 +1,16 @@
 """What a state says of the calibration in use, for offsets that are made up."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from stereorecal.online import Reading, State, Stepped, reading
-from stereorecal.online._switching import nominated
+from stereorecal.online import Kind, Reading, State, Stepped, reading
+from stereorecal.online._estimate import Measurement
+from stereorecal.online._glance import Glance
+from stereorecal.online._switching import judged, nominated
+from stereorecal.online._trial import Trial
+from stereorecal.online._watching import _standing, followed
 from stereorecal.recalibration import Condition
 
 SIGMA = np.array([0.005, 0.02, 0.005, 0.2, 0.5])
@@ -26,24 +32,59 @@ def read(state: State, *offset: float) -> Reading:
 def test_nothing(healthy):
     found = read(healthy, 0.0, 0.0, 0.0, 0.0, 0.0)
     assert found.condition is Condition.HEALTHY
-    assert not found.travels
+    assert not found.shifted
 
 
 def test_a_turn_is_to_be_repaired(healthy):
     found = read(healthy, 0.2, 0.0, 0.0, 0.0, 0.0)
     assert found.condition is Condition.REPAIR
-    assert not found.travels
+    assert not found.shifted
     assert nominated(off_by(healthy, 0.2, 0.0, 0.0, 0.0, 0.0))[0].trial is not None
 
 
 @pytest.mark.parametrize("turn", [0.0, 0.02])
 def test_a_shift_may_be_the_rigs_own_motion(healthy, turn):
-    """Though a turn that does not matter is significant beside it."""
-    offset = (turn, 0.0, 0.0, 4.0, -5.0)
-    found = read(healthy, *offset)
+    """Though a turn that does not matter is significant beside it. It is to be repaired, as `health` says, but not on
+    the word of looks."""
+    state = off_by(healthy, turn, 0.0, 0.0, 4.0, -5.0)
+    found = reading(state)
     assert found.shifted
-    assert found.condition is Condition.CANNOT_TELL
-    assert nominated(off_by(healthy, *offset))[0].trial is None
+    assert found.condition is Condition.REPAIR
+    assert nominated(state)[0].trial is None
+    assert _standing(state)[1][0].kind is Kind.SHIFTED
+
+
+@pytest.mark.parametrize("by", ["looks", "repair"])
+def test_a_repair_may_move_y_and_z(healthy, by):
+    """It was judged by its own misfit; a candidate of looks is dropped."""
+    state = off_by(healthy, 0.0, 0.0, 0.0, 4.0, -5.0)
+    state = state.but(trial=Trial(state.estimate.offset, by, state.frame - 1))
+    look = Glance(state.chart, 0.5)
+    after, _ = judged(state, Measurement(state.frame, state.estimate.offset, np.diag(SIGMA**-2.0), np.zeros(5)), look)
+    assert (after.trial is not None) is (by == "repair")
+
+
+@pytest.mark.parametrize("pitch", [0.9, 1.1])
+def test_significant_is_one_in_ten_thousand(healthy, pitch):
+    """Of five numbers: 5.07 standard errors of one."""
+    found = reading(off_by(healthy.but(steepness=1e6 * np.eye(5)), pitch * 5.07 * SIGMA[0], 0.0, 0.0, 0.0, 0.0))
+    assert found.matters
+    assert (found.condition is Condition.REPAIR) is (pitch > 1.0)
+
+
+def test_what_is_no_number_is_not_healthy(healthy):
+    broken = healthy.but(estimate=replace(healthy.estimate, mean=healthy.estimate.mean * np.nan))
+    assert reading(broken).condition is Condition.CANNOT_TELL
+
+
+def test_after_a_knock_nothing_that_came_before_is_on_trial(healthy):
+    """Not even where too little is known to say that it was one."""
+    state = healthy.but(trial=Trial(healthy.using + 0.01, "looks", 0), ready=99, suspect=None)
+    for frame in (1, 2):
+        far = Measurement(frame, healthy.using + np.array([0.0, 2.0, 0.0, 0.0, 0.0]), np.diag(SIGMA**-2.0), np.zeros(5))
+        state, _ = followed(state, far)
+    assert state.trial is None
+    assert state.ready == 0
 
 
 def test_a_shift_beside_a_turn_that_matters(healthy):
