@@ -43,7 +43,7 @@ def seconds(words: list[str], cores: int = 2, **environment: str) -> float:
         words,
         capture_output=True,
         check=False,
-        env={**os.environ, **environment},
+        env={**{name: value for name, value in os.environ.items() if not name.startswith("JAX_")}, **environment},
         preexec_fn=lambda: os.sched_setaffinity(0, bound),
     )
     if done.returncode not in (0, 1):
