@@ -114,8 +114,8 @@ def reading(state: State) -> Reading:
         delay=Interval(delay, delay - float(widths[SIZE]), delay + float(widths[SIZE])),
         chance=float(chdtrc(SIZE, float(apart @ np.linalg.solve(covariance, apart)))),
         chance_of_rotation=float(chdtrc(3, float(apart[:3] @ np.linalg.solve(covariance[:3, :3], apart[:3])))),
-        matters=_matters(state, apart),
-        rotation_matters=_matters(state, np.concatenate([apart[:3], np.zeros(SIZE - 3)])),
+        matters=_matters(rows, near),
+        rotation_matters=_matters(*_effect(state, np.concatenate([apart[:3], np.zeros(SIZE - 3)]))),
     )
 
 
@@ -128,10 +128,9 @@ def _steepness(state: State) -> Float[np.ndarray, "5 5"]:
     return np.zeros((SIZE, SIZE)) if state.steepness is None else state.steepness
 
 
-def _matters(state: State, apart: Offset) -> bool:
-    rows, near = _effect(state, apart)
-    far = depth_error(near.tolist()[list(DISTANCES).index(FAR)])
-    return rows > ROWS_MATTER or abs(far) > DEPTH_MATTERS
+def _matters(rows: float, near: Float[np.ndarray, "4"]) -> bool:
+    """Whether such an effect does."""
+    return rows > ROWS_MATTER or abs(depth_error(float(near[DISTANCES.index(FAR)]))) > DEPTH_MATTERS
 
 
 def _ends(found: Interval) -> dict[str, float]:

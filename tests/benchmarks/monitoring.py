@@ -22,6 +22,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 from drives import ALARMS, harmful
+from intrinsics_real import loaded
 from rich.console import Console
 from rich.table import Table
 
@@ -137,10 +138,6 @@ def as_if_turned(pair: Pair, camera: Camera, turn: np.ndarray) -> Pair:
 def turned(rig: StereoRig, turn: np.ndarray) -> StereoRig:
     by = cv2.Rodrigues(turn)[0]
     return StereoRig.from_rotation(rig.left, rig.right, by @ np.asarray(rig.rotation), by @ np.asarray(rig.translation))
-
-
-def loaded(name: str) -> Scene:
-    return sr.io.load_scene(Path(os.environ["STEREORECAL_DATA"]) / name)
 
 
 def knocked(scene: Scene, degrees: tuple[float, float, float], sign: float) -> tuple[int | None, int, int, str]:

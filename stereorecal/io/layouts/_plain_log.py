@@ -27,16 +27,17 @@ _CALIBRATIONS, _SEQUENCES, _FACTS, _TRUTH = "calibrations", "sequences", "missio
 
 def recognises(folder: Path) -> bool:
     """Whether the folder is a plain log or one of its sequences."""
-    return _is_log(folder) or _is_sequence(folder)
+    return _is_log(folder) or _is_log(_around(folder))
 
 
 def _is_log(folder: Path) -> bool:
     return any((folder / _CALIBRATIONS).glob("*.json")) and (folder / _SEQUENCES).is_dir()
 
 
-def _is_sequence(folder: Path) -> bool:
-    place = Path(os.path.abspath(folder))  # "." has no name
-    return place.parent.name == _SEQUENCES and _is_log(place.parents[1])
+def _around(sequence: Path) -> Path:
+    """The folder of the log that a sequence would be of; itself, where it lies in none."""
+    place = Path(os.path.abspath(sequence))  # "." has no name
+    return place.parents[1] if place.parent.name == _SEQUENCES else place
 
 
 def read(folder: Path, limit: int | None) -> Log:
@@ -49,10 +50,11 @@ def read(folder: Path, limit: int | None) -> Log:
     Raises:
         InputError: naming the file, if something is missing or damaged.
     """
-    one, place = _is_sequence(folder), Path(os.path.abspath(folder))
-    root = place.parents[1] if one else folder
+    one = not _is_log(folder)
+    root = _around(folder) if one else folder
     calibrations = {path.stem: load_rig(path) for path in natural_order((root / _CALIBRATIONS).glob("*.json"))}
-    sequences = [place] if one else natural_order(path for path in (root / _SEQUENCES).iterdir() if path.is_dir())
+    places = (root / _SEQUENCES).iterdir() if not one else [Path(os.path.abspath(folder))]
+    sequences = natural_order(path for path in places if path.is_dir())
     with about(folder):
         return Log(name_of(folder), calibrations, tuple(_mission(path, calibrations, limit) for path in sequences))
 
