@@ -11,8 +11,9 @@ import os
 import threading
 import uuid
 from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
-from functools import cache, wraps
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -29,37 +30,73 @@ _FOLDER = "stereorecal-traced"
 Leaves = tuple[AnyArray, ...]
 
 
-def kept(function: Callable[..., Leaves], *, static: tuple[str, ...] = ()) -> Callable[..., Leaves]:
-    """`function`, compiled, and kept across processes where JAX's compilation cache is switched on.
+class Kept:
+    """A function that is compiled, and kept across processes where JAX's compilation cache is switched on."""
+
+    def __init__(self, function: Callable[..., Leaves], static: tuple[str, ...]):
+        self._function = function
+        self.compiled = jax.jit(function, static_argnames=static)  # where nothing is kept
+        self._programs: dict[Any, Callable[..., Any]] = {}
+        self._lock = threading.Lock()
+        self._asked: set[Any] = set()  # of `ahead`
+        self._begun: dict[Any, Future[None]] = {}
+
+    def __call__(self, *arguments: Any, **statics: Any) -> Leaves:
+        if self._begun and (begun := self._begun.get(_key(arguments, statics))):
+            begun.result()
+        return self._called(*arguments, **statics)
+
+    def ahead(self, *arguments: Any, **statics: Any) -> None:
+        """Begin to compile in a thread what such arguments need; a call waits until it is done."""
+        key = _key(arguments, statics)
+        with self._lock:
+            if key not in self._asked and key not in self._programs:
+                self._asked.add(key)
+                self._begun[key] = _beside(os.getpid()).submit(self._begin, key, arguments, statics)
+
+    def _begin(self, key: Any, arguments: tuple[Any, ...], statics: dict[str, Any]) -> None:
+        with suppress(Exception):  # which the call will meet again
+            self._called(*arguments, **statics)
+        with self._lock:
+            del self._begun[key]
+
+    def _called(self, *arguments: Any, **statics: Any) -> Leaves:
+        folder = _folder()
+        if folder is None or not all(_ours(value) for value in statics.values()):
+            return self.compiled(*arguments, **statics)
+        key = _key(arguments, statics)
+        program = self._programs.get(key)
+        if program is None:
+            with self._lock:
+                program = self._programs.get(key) or _program(self._function, arguments, statics, folder)
+                self._programs[key] = program
+        return tuple(program(*jax.tree.leaves(arguments)))
+
+
+def kept(function: Callable[..., Leaves], *, static: tuple[str, ...] = ()) -> Kept:
+    """`function`, compiled, and kept.
 
     Args:
         function: pure; pytrees in, a tuple of arrays out.
         static: names of its keyword arguments that are part of the program: hashable, with a `repr` that tells all.
             One that is, or belongs to, somebody else's code is not kept, since that code may change.
     """
-    compiled = jax.jit(function, static_argnames=static)
-    programs: dict[Any, Callable[..., Any]] = {}
-    lock = threading.Lock()
-
-    @wraps(function)
-    def call(*arguments: Any, **statics: Any) -> Leaves:
-        folder = _folder()
-        if folder is None or not all(_ours(value) for value in statics.values()):
-            return compiled(*arguments, **statics)
-        leaves, structure = jax.tree.flatten(arguments)
-        key = (structure, tuple((np.shape(x), jax.dtypes.result_type(x)) for x in leaves), *statics.items())
-        program = programs.get(key)
-        if program is None:
-            with lock:
-                program = programs.get(key) or _program(function, structure, leaves, statics, folder)
-                programs[key] = program
-        return tuple(program(*leaves))
-
-    call.compiled = compiled  # pyright: ignore[reportAttributeAccessIssue]  for those who look at JAX's caches
-    return call
+    return Kept(function, static)
 
 
-def _program(function: Callable, structure: Any, leaves: list, statics: dict[str, Any], folder: Path) -> Callable:
+@cache
+def _beside(process: int) -> ThreadPoolExecutor:
+    """A thread that compiles ahead; a fork has none of its parent's."""
+    return ThreadPoolExecutor(1)
+
+
+def _key(arguments: tuple[Any, ...], statics: dict[str, Any]) -> Any:
+    leaves, structure = jax.tree.flatten(arguments)
+    return (structure, tuple((np.shape(x), jax.dtypes.result_type(x)) for x in leaves), *statics.items())
+
+
+def _program(function: Callable, arguments: tuple[Any, ...], statics: dict[str, Any], folder: Path) -> Callable:
+    leaves, structure = jax.tree.flatten(arguments)
     shapes = [jax.ShapeDtypeStruct(np.shape(x), jax.dtypes.result_type(x)) for x in leaves]
     known = [function.__module__, function.__qualname__, str(structure), str(shapes), _told(statics), _made_with()]
     path = folder / f"{function.__name__.strip('_')}-{hashlib.sha256(repr(known).encode()).hexdigest()[:32]}"

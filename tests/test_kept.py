@@ -1,5 +1,8 @@
 """Programs that are kept: read back in the next process, made anew in doubt, and never a reason to fail."""
 
+import threading
+from concurrent.futures import ThreadPoolExecutor
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -91,3 +94,46 @@ def test_off_where_jax_keeps_nothing(monkeypatch, tmp_path):
         monkeypatch.setattr(type(jax.config), "values", settings)
         assert _kept._folder() is None
         monkeypatch.undo()
+
+
+def test_compiled_ahead_is_compiled_once(folder):
+    call = kept(program, static=("matcher", "times"))
+    arguments = ({"x": jnp.full(3, 1.0)}, np.float32(2.0))
+    for _ in range(3):
+        call.ahead(*arguments, times=3)
+    np.testing.assert_array_equal(call(*arguments, times=3)[0], [9, 9, 9])
+    call.ahead(*arguments, times=3)
+    assert len(TRACES) == 1
+    assert not call._begun
+
+
+def test_a_call_waits_for_what_is_begun(folder):
+    begun, go_on = threading.Event(), threading.Event()
+
+    def slow(x):
+        TRACES.append("traced")
+        if x.shape == (2,):
+            begun.set()
+            assert go_on.wait(30)
+        return (2 * x,)
+
+    call = kept(slow)
+    call.ahead(np.ones(2))
+    assert begun.wait(30)
+    with ThreadPoolExecutor(1) as other:
+        waiting = other.submit(call, np.ones(2))
+        with pytest.raises(TimeoutError):
+            waiting.result(timeout=0.2)
+        go_on.set()
+        np.testing.assert_array_equal(waiting.result(timeout=30)[0], [2, 2])
+    assert len(TRACES) == 1
+
+
+def test_what_fails_ahead_fails_when_it_is_called(folder):
+    def broken(x):
+        raise ValueError("no such program")
+
+    call = kept(broken)
+    call.ahead(np.ones(3))
+    with pytest.raises(ValueError, match="no such program"):
+        call(np.ones(3))

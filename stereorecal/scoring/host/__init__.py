@@ -1,6 +1,7 @@
 """Scores on the host: NumPy arrays, on all cores of a CPU, for every matcher. What repairs and comparisons run on."""
 
 from stereorecal.scoring.host._correspondences import (
+    compile_ahead as compile_ahead,
     correspondences as correspondences,
     correspondences_and_count as correspondences_and_count,
 )

@@ -6,13 +6,23 @@ from jaxtyping import Float
 
 from stereorecal._arrays import AnyArray
 from stereorecal._kept import kept
-from stereorecal.matching import AbstractMatcher
+from stereorecal.matching import AbstractMatcher, Disparity
 from stereorecal.scoring._correspondences import Correspondences, gathered, refined
 from stereorecal.scoring._prepare import ScoringData
 from stereorecal.scoring.host._cores import on_all_cores
 from stereorecal.scoring.host._disparities import disparities
+from stereorecal.scoring.host._rectified import rectified
 
 _refined = kept(refined)
+
+
+def compile_ahead(data: ScoringData) -> None:
+    """Begin to compile, in a thread, what `correspondences` of such data needs apart from the match: where the images
+    are new, that takes longer than all that comes before it."""
+    frame, (width, height) = data.frames[0], data.view.size
+    nothing = Disparity(np.zeros((height, width), np.float32), np.zeros((height, width), bool))
+    for program, more in ((rectified, ()), (_refined, (_of_one(nothing),))):
+        program.ahead(frame, np.asarray([0.0, 0.0, 0.0, -1.0, 0.0, 0.0], np.float32), *more)
 
 
 def correspondences(data: ScoringData, extrinsics: Float[AnyArray, "6"], matcher: AbstractMatcher) -> Correspondences:
@@ -33,9 +43,14 @@ def correspondences_and_count(
 
     def one(frame: ScoringData) -> tuple[np.ndarray, np.ndarray, np.ndarray, int]:
         found = disparities(frame, single, matcher)[0]
-        rays = _refined(frame, single, jax.tree.map(lambda leaf: leaf[None], found))
+        rays = _refined(frame, single, _of_one(found))
         left, right, weight = map(np.asarray, rays)
         return left, right, weight, int(np.sum(found.valid))
 
     left, right, weight, counts = zip(*on_all_cores(one, data.frames), strict=True)
     return gathered(data, *map(np.concatenate, (left, right, weight))), sum(counts)
+
+
+def _of_one(found: Disparity) -> Disparity:
+    """The disparity of one frame as that of all: (1, h, w)."""
+    return jax.tree.map(lambda leaf: leaf[None], found)

@@ -11,10 +11,11 @@ from stereorecal.scoring._rectify import Rectified, rectify_frames
 
 def rectified_frame(data: ScoringData, extrinsics: Float[AnyArray, "6"]) -> Rectified:
     """The one frame of `data` rectified by `extrinsics`, float32."""
-    return Rectified(*_rectified(data, extrinsics))
+    return Rectified(*rectified(data, extrinsics))
 
 
 @kept
-def _rectified(data: ScoringData, extrinsics: Extrinsics) -> tuple[jax.Array, ...]:
+def rectified(data: ScoringData, extrinsics: Extrinsics) -> tuple[jax.Array, ...]:
+    """The images and the areas of it, as they lie in a `Rectified`."""
     frames = rectify_frames(data, extrinsics, lambda frame: frame)
     return frames.left[0], frames.right[0], frames.left_area[0], frames.right_area[0]
