@@ -2,10 +2,13 @@
 
 import enum
 import inspect
+import os
 import re
 
 import stereorecal
+from stereorecal.cli.arguments import parser
 
+os.environ["COLUMNS"] = "88"  # of what `--help` says
 project = "stereorecal"
 author = copyright = "The stereorecal authors"  # Sphinx reads it under this name
 version = release = stereorecal.__version__
@@ -55,7 +58,16 @@ def _as_written(app, what, name, member, options, lines):
         lines[index] = (names + line[len(names) + field[0].count(", ") :] if field else line).replace("|", r"\|")
 
 
+def _with_help(app, page, source):
+    """On the page of the command line: what `--help` says of each command."""
+    if page == "reference/command-line":
+        commands = next(action.choices for action in parser()._actions if action.metavar == "COMMAND")
+        helps = (f"### `{name}`\n\n```text\n{one.format_help()}```\n" for name, one in commands.items())
+        source[0] += "\n" + "\n".join(helps)
+
+
 def setup(app):
     """Sphinx calls it."""
+    app.connect("source-read", _with_help)
     app.connect("autodoc-skip-member", _said_already)
     app.connect("autodoc-process-docstring", _as_written, priority=900)

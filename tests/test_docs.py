@@ -7,6 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from stereorecal.cli import _exit_codes
+from stereorecal.cli.arguments import parser
+
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
 PAGES = sorted(DOCS.rglob("*.md"))
@@ -68,3 +71,12 @@ def test_what_contributors_copy_is_there():
     assert len(paths) > 10
     for path in paths:
         assert (ROOT / path).exists(), path
+
+
+def test_the_command_line_has_its_page():
+    page = (DOCS / "reference" / "command-line.md").read_text()
+    rows = re.findall(r"^\| `?([\w-]+)`? \|", page, re.MULTILINE)
+    (verbs,) = (action.choices for action in parser()._actions if action.dest == "verb" or action.metavar == "COMMAND")
+    assert set(rows) >= set(verbs)
+    codes = [value for name, value in vars(_exit_codes).items() if name.isupper()]
+    assert {int(row) for row in rows if row.isdigit()} == {0, *codes}

@@ -7,25 +7,32 @@ import jax
 from platformdirs import user_cache_path
 
 _LEAST_SECONDS = 0.1  # of compiling; what is faster is not worth a file
+_ELSEWHERE = "every command will compile anew, for some ten seconds; set JAX_COMPILATION_CACHE_DIR to another folder"
 
 
-def keep_compiled_programs() -> None:
-    """Use JAX's persistent compilation cache, unless the user has set one up, has switched it off
-    (`JAX_ENABLE_COMPILATION_CACHE=false`), or cannot write to the folder.
+def keep_compiled_programs() -> str | None:
+    """Use JAX's persistent compilation cache, unless the user has switched it off
+    (`JAX_ENABLE_COMPILATION_CACHE=false`): in the folder that is set up, or else in the user's cache.
 
     A repair leaves some forty files of 30 kB for each image size and each of the few disparity ranges.
+
+    Returns:
+        What to tell the user if programs cannot be kept though that was not switched off.
     """
     settings = jax.config.values
-    if not settings["jax_enable_compilation_cache"] or settings["jax_compilation_cache_dir"] is not None:
-        return
-    try:
-        folder = user_cache_path("stereorecal") / "programs"
-        folder.mkdir(parents=True, exist_ok=True)
-    except (OSError, RuntimeError):  # a user without a home
-        return
-    if os.access(folder, os.W_OK):
+    if not settings["jax_enable_compilation_cache"]:
+        return None
+    if settings["jax_compilation_cache_dir"] is None:
+        try:
+            folder = user_cache_path("stereorecal") / "programs"
+            folder.mkdir(parents=True, exist_ok=True)
+        except (OSError, RuntimeError) as error:  # RuntimeError: a user without a home
+            return f"compiled programs cannot be kept ({error}); {_ELSEWHERE}."
+        if not os.access(folder, os.W_OK):
+            return f"compiled programs cannot be kept in {folder}, which is not writable; {_ELSEWHERE}."
         jax.config.update("jax_compilation_cache_dir", str(folder))
-        if "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS" not in os.environ:
-            jax.config.update("jax_persistent_cache_min_compile_time_secs", _LEAST_SECONDS)
-        # A file that a full disk cut short costs a compilation, not a line for the user.
-        warnings.filterwarnings("ignore", message="Error (reading|writing) persistent compilation cache entry")
+    if "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS" not in os.environ:
+        jax.config.update("jax_persistent_cache_min_compile_time_secs", _LEAST_SECONDS)
+    # A file that a full disk cut short costs a compilation, not a line for the user.
+    warnings.filterwarnings("ignore", message="Error (reading|writing) persistent compilation cache entry")
+    return None

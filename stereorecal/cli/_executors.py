@@ -1,5 +1,6 @@
 """Who does the work of a command: this process, threads, processes, or a cluster."""
 
+import os
 import signal
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
@@ -29,6 +30,9 @@ def executor(text: str) -> AbstractContextManager[Executor | None]:
     workers = positive(rest, refusal)
     if kind == "threads":
         return _pool(ThreadPoolExecutor(workers))
+    # Who is interrupted leaves semaphores to Python's tracker of such things, which removes them and need not complain.
+    others = os.environ.get("PYTHONWARNINGS")
+    os.environ["PYTHONWARNINGS"] = ",".join(filter(None, [others, "ignore:resource_tracker:UserWarning"]))
     # Forking after JAX has started threads is unsafe.
     return _pool(_Processes(workers, mp_context=get_context("spawn"), initializer=_begin_work))
 

@@ -15,6 +15,8 @@ from stereorecal.cli._exit_codes import BAD_INPUT, FAILURE, INTERRUPTED
 from stereorecal.cli._streams import flush, leave_stdout, nobody_reads, say, spell_out
 from stereorecal.cli.arguments import parser
 
+_WITHOUT_PROGRAMS = ("convert", "diff", "strategies")
+
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit code. Bad input is one sentence on stderr, never a traceback."""
@@ -32,7 +34,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _run(options: argparse.Namespace) -> int:
     try:
         # Not before: what is only asked for help, or mistyped, does not wait for JAX.
-        import_module("stereorecal.cli._compiled").keep_compiled_programs()
+        trouble = import_module("stereorecal.cli._compiled").keep_compiled_programs()
+        if trouble and options.verb not in _WITHOUT_PROGRAMS:
+            say(trouble)
         command = import_module(f"stereorecal.cli._{options.verb}")
         with _warnings_as_lines(), interruptible():
             code = command.run(options)

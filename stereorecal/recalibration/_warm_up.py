@@ -28,8 +28,8 @@ def warm_up(
 
     What is compiled depends on the size of the images, on how many lens coefficients there are, and on the disparity
     range; neither on their contents, nor on how many there are, nor on the numbers of the calibration. It stays in this
-    process; where JAX's compilation cache is switched on (`jax.config.update("jax_compilation_cache_dir", folder)`, as
-    the command line does), later processes find it there.
+    process; where JAX's compilation cache is switched on, as the command line does, later processes find it there:
+    `jax.config.update("jax_compilation_cache_dir", folder)`, and `"jax_persistent_cache_min_compile_time_secs", 0.1`.
 
     Args:
         matcher: a matcher, or "sad" (default), "bm" or "sgbm"; with `num_disparities`, that range alone is compiled.

@@ -48,14 +48,18 @@ def strategy(name: str, /, **options: Any) -> AbstractStrategy:
     """The strategy registered as `name`, with the given options.
 
     Raises:
-        InputError: if no such strategy is installed, two distributions claim the name, or it has no such option.
+        InputError: if no such strategy is installed, two distributions claim the name, or an option is unknown or
+            refused by the strategy.
         StrategyError: if it cannot be imported.
     """
     cls = _load(_entry_point(name))
     known = [field.name for field in dataclasses.fields(cls)]
     if unknown := sorted(set(options) - set(known)):
         raise InputError(f"strategy {name} has no option {unknown[0]!r}; it has: {', '.join(known) or 'none'}.")
-    return cls(**options)
+    try:
+        return cls(**options)
+    except (TypeError, ValueError) as error:  # its own check, or an option that is missing
+        raise InputError(f"strategy {name}: {str(error).rstrip('.')}.") from error
 
 
 def describe(name: str) -> StrategyInfo:

@@ -59,10 +59,37 @@ def test_a_user_without_a_home(monkeypatch: pytest.MonkeyPatch):
 
     monkeypatch.setattr(_compiled, "user_cache_path", lost)
     monkeypatch.setattr(_compiled.jax.config, "update", lost)
-    monkeypatch.setitem(_compiled.jax.config.values, "jax_enable_compilation_cache", True)
-    _compiled.keep_compiled_programs()
+    settings = {"jax_enable_compilation_cache": True, "jax_compilation_cache_dir": None}
+    monkeypatch.setattr(type(_compiled.jax.config), "values", dict(_compiled.jax.config.values) | settings)
+    trouble = _compiled.keep_compiled_programs()
+    assert trouble is not None
+    assert "Could not determine home directory" in trouble
 
 
 def test_nowhere_to_write_to(tmp_path: Path):
     (tmp_path / "file").write_text("in the way")
     assert where(XDG_CACHE_HOME=tmp_path / "file", HOME=tmp_path / "file") == "None"
+
+
+@linux_only
+@pytest.mark.parametrize(("command", "told"), [("score", True), ("diff", False)])
+def test_those_who_would_compile_at_every_start_are_told(tmp_path: Path, command: str, told: bool):
+    (tmp_path / "file").write_text("in the way")
+    words = [sys.executable, "-m", "stereorecal", command, *["nowhere"] * (1 if told else 2)]
+    plain = {k: v for k, v in os.environ.items() if not k.startswith("JAX_")}
+    answer = subprocess.run(
+        words, env=plain | {"XDG_CACHE_HOME": str(tmp_path / "file")}, capture_output=True, text=True, check=False
+    )
+    assert answer.returncode == 2
+    lines = answer.stderr.splitlines()
+    assert len(lines) == 1 + told
+    assert lines[0].startswith("stereorecal: compiled programs cannot be kept") == told
+
+
+def test_what_compiles_quickly_is_kept_in_a_folder_of_the_users_too(tmp_path: Path):
+    seconds = "print(jax.config.jax_persistent_cache_min_compile_time_secs)"
+    plain = {k: v for k, v in os.environ.items() if not k.startswith("JAX_")}
+    given = {"JAX_COMPILATION_CACHE_DIR": str(tmp_path)}
+    command = [sys.executable, "-c", WHERE + seconds]
+    answer = subprocess.run(command, env=plain | given, capture_output=True, text=True, check=True)
+    assert answer.stdout.split() == [str(tmp_path), "0.1"]

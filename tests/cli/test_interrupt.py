@@ -67,6 +67,12 @@ def test_recordings_that_are_finished_are_kept(
     assert content["repairs"][0]["score_after"]["count"] > 0
 
 
+def test_worker_processes_leave_nothing_to_complain_of(planted: dict[str, str], clean_scene: Path, drifted_scene: Path):
+    words = ["recalibrate", drifted_scene, clean_scene, *SLOWLY, "--executor", "processes:1"]
+    _, err = interrupted(planted, signal.SIGINT, *words)
+    assert err.count("\n") == 1
+
+
 def test_two_signals_at_once(planted: dict[str, str], clean_scene: Path, drifted_scene: Path, tmp_path: Path):
     target = tmp_path / "out.json"
     with sleeping(planted, "recalibrate", drifted_scene, clean_scene, *SLOWLY, "--json", target) as process:

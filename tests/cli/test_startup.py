@@ -19,7 +19,7 @@ except SystemExit as end:
     code = end.code
 print(code, *(name for name in ("jax", "cv2", "numpy", "rich") if name in sys.modules))
 """
-VERBS = ("recalibrate", "score", "diff", "compare", "reproduce", "strategies")
+VERBS = ("recalibrate", "score", "monitor", "diff", "convert", "compare", "reproduce", "strategies")
 
 
 @pytest.mark.parametrize(
@@ -42,6 +42,29 @@ def test_answers_at_once(words: list[str], code: int):
     assert done.stdout.splitlines()[-1] == str(code), done.stdout + done.stderr
     assert ("stereorecal" in done.stdout) == (code == 0)
     assert ("see python -m stereorecal" in done.stderr) == (code == 2)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("score scene --jsno out.json", "score: unrecognized arguments: --jsno out.json (did you mean --json?); see"),
+        (
+            "recalibrate scene --in-palce",
+            "recalibrate: unrecognized arguments: --in-palce (did you mean --in-place?); see",
+        ),
+        ("compare --drwas=3", "compare: unrecognized arguments: --drwas=3 (did you mean --draws?); see"),
+        ("score scene --zzzz", "score: unrecognized arguments: --zzzz; see"),
+        ("--verison score", "stereorecal: unrecognized arguments: --verison (did you mean --version?); see"),
+        ("diff a.yaml b.yaml c.yaml", "diff: unrecognized arguments: c.yaml (the two files of a calibration are named"),
+    ],
+)
+def test_an_option_that_is_written_wrongly(words: str, said: str, capsys):
+    with pytest.raises(SystemExit) as end:
+        parser().parse_args(words.split())
+    assert end.value.code == 2
+    line = capsys.readouterr().err
+    assert said in line
+    assert line.count("\n") == 1
 
 
 def help_of(verb: str, capsys) -> str:

@@ -281,6 +281,12 @@ def test_what_is_no_name_is_refused_with_the_right_call():
     assert len(long) < 200
 
 
+@pytest.mark.parametrize("options", [{"step": -2.0}, {"min_step": 3.0}], ids=str)
+def test_what_a_strategy_says_of_its_options(options):
+    with pytest.raises(InputError, match=r"^strategy compass: .*[^.]\.$"):
+        strategy("compass", **options)
+
+
 def test_an_option_may_be_called_name(installed):
     installed(point("local", f"{__name__}:Local"))
     with pytest.raises(InputError, match="strategy local has no option 'name'; it has: step"):

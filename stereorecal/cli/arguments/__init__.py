@@ -4,6 +4,7 @@ Nothing here imports JAX, OpenCV or NumPy: help, the version and mistyped option
 """
 
 import argparse
+from difflib import get_close_matches
 from typing import NoReturn
 
 from stereorecal._version import __version__
@@ -13,10 +14,22 @@ from stereorecal.cli.arguments._calibrations import TWO_FILES
 
 
 class _Parser(argparse.ArgumentParser):
+    def parse_known_args(self, args=None, namespace=None):  # pyright: ignore[reportIncompatibleMethodOverride]
+        """What a command does not know is said by it, not by the parser of all commands."""
+        found, others = super().parse_known_args(args, namespace)
+        if others:
+            self.error(f"unrecognized arguments: {' '.join(others)}{self._hint(others[0])}")
+        return found, others
+
     def error(self, message: str) -> NoReturn:
-        if message.startswith("unrecognized arguments: ") and not message.partition(": ")[2].startswith("-"):
-            message += f" ({TWO_FILES})"
         self.exit(BAD_INPUT, f"{self.prog}: {message}; see {self.prog} --help\n")
+
+    def _hint(self, word: str) -> str:
+        if not word.startswith("-"):
+            return f" ({TWO_FILES})"
+        options = [name for action in self._actions for name in action.option_strings]
+        close = get_close_matches(word.partition("=")[0], options, 1)
+        return f" (did you mean {close[0]}?)" if close else ""
 
 
 def parser() -> argparse.ArgumentParser:
