@@ -3,6 +3,7 @@
 JAX's own compilation cache keeps what XLA compiled, and needs the traced program to find it. Kept programs lie in a
 folder of that cache, and are used where it is switched on. Each is keyed by everything that it was traced from: this
 package's files, versions, platform, structure, shapes and static arguments; where in doubt it is traced anew.
+What will surely be needed can be compiled ahead, in a thread.
 """
 
 import hashlib
@@ -55,10 +56,12 @@ class Kept:
                 self._begun[key] = _beside(os.getpid()).submit(self._begin, key, arguments, statics)
 
     def _begin(self, key: Any, arguments: tuple[Any, ...], statics: dict[str, Any]) -> None:
-        with suppress(Exception):  # which the call will meet again
-            self._called(*arguments, **statics)
-        with self._lock:
-            del self._begun[key]
+        try:
+            with suppress(Exception):  # which the call will meet again
+                self._called(*arguments, **statics)
+        finally:
+            with self._lock:
+                del self._begun[key]
 
     def _called(self, *arguments: Any, **statics: Any) -> Leaves:
         folder = _folder()

@@ -248,10 +248,18 @@ def test_limit_reads_no_more_files_than_that(tmp_path: Path):
         load_pairs(tmp_path / "a", tmp_path / "b", limit=0)
 
 
-@pytest.mark.parametrize("where", ["nothing/*.png", "nothing", "empty", "missing.png"])
-def test_nothing_matches(tmp_path: Path, right: Path, where: str):
+@pytest.mark.parametrize(
+    ("where", "said"),
+    [
+        ("nothing/*.png", "no image matches"),
+        ("empty", "no image matches"),
+        ("nothing", "there is no such file or folder"),
+        ("missing.png", "there is no such file or folder"),
+    ],
+)
+def test_nothing_matches(tmp_path: Path, right: Path, where: str, said: str):
     (tmp_path / "empty").mkdir()
-    with pytest.raises(InputError, match=rf"{where.replace('*', '[*]')}: no image matches"):
+    with pytest.raises(InputError, match=rf"{where.replace('*', '[*]')}: {said}"):
         load_pairs(f"{tmp_path}/{where}", right)
 
 

@@ -83,6 +83,8 @@ def find_images(where: AnyPath) -> list[Path]:
     found = images_in(path) or natural_order(Path(name) for name in glob.glob(str(where), recursive=True))
     found = [path for path in found if path.is_file()]
     if not found:
+        if not path.exists() and glob.escape(str(where)) == str(where):
+            raise InputError(f"{where}: there is no such file or folder; check the path.")
         raise InputError(
             f"{where}: no image matches; give a file, a folder of images or a pattern such as 'left/*.png'."
         )
