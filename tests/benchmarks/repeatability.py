@@ -26,8 +26,8 @@ from stereorecal_features._fit import fitted
 from stereorecal_features._matches import matched_pixels, seen_by_both
 
 import stereorecal as sr
-from stereorecal.objectives import Reach, epipolar_objective
-from stereorecal.recalibration._stages import Case, differences_at
+from stereorecal.objectives import Reach, epipolar_objective, linearised
+from stereorecal.recalibration import Case
 from stereorecal.recordings import Scene
 from stereorecal.scoring import TILES, Loss, precisions, pyramid
 from stereorecal.strategies import Budget, run_strategy
@@ -77,19 +77,20 @@ def over_tiles(scene: Scene, samples: int) -> list[np.ndarray]:
 def dense_solver(rig: sr.StereoRig, pair: sr.Pair):
     """times -> rig: the last correspondences of `recalibrate`, each as often as its tile was drawn."""
     solution = sr.recalibrate(rig, [pair])
-    box = Case(pyramid(rig, [pair], solution.view), solution.matcher, Reach()).box
+    chart = Case(pyramid(rig, [pair], solution.view), solution.matcher, Reach(), solution.free).chart
     last = solution.stages[-1]
     found = last.found
     assert found is not None
 
     def solve(times):
         sample = replace(found, weight=np.asarray(found.weight) * times[np.asarray(found.tile)])
-        best = np.asarray(chart.coordinates(last.best))
+        best = chart.coordinates_of(last.ended)
         for _ in range(_ROUNDS):
-            weights = precisions(sample, differences_at(sample, chart, best), Loss.WELSCH)
-            asked = epipolar_objective(sample, weights, box, Budget(1000))
-            best = run_strategy(last.stage.strategy, asked, best, 0).best
-        return rig.with_extrinsics(chart.extrinsics(best))
+            rows = linearised(sample, chart, best)
+            weights = precisions(sample, rows.differences, Loss.WELSCH)
+            asked = epipolar_objective(rows, weights, chart.prior, Budget(1000))
+            best = run_strategy(last.stage.strategy, asked, rows.z, 0).best
+        return chart.rig_at(best)
 
     return solve
 

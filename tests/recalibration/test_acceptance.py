@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from stereorecal.recalibration import Reason, RowErrors
-from stereorecal.recalibration._acceptance import Verdict, compared, verdict, verdict_on_count
+from stereorecal.recalibration._acceptance import Verdict, behind, compared, verdict, verdict_on_count
 from stereorecal.recalibration._evidence import TILES_OF_A_FRAME, Evidence
 from stereorecal.recalibration._misfit import Cause, Misfit
 from stereorecal.scoring.host import Score
@@ -222,3 +222,17 @@ def test_significance_is_that_of_a_paired_test():
 
 def test_one_tile_proves_nothing():
     assert paired(np.array([5.0]), np.array([0.1])).significance == 0.0
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "rows_before", "rows_after", "lost"),
+    [
+        (1000, 1000, 0.2, 0.2, False),
+        (1000, 1500, 0.2, 0.1, False),
+        (1000, 900, 0.2, 0.1, True),  # a tenth of the matches, whatever the rows say
+        (1000, 1500, 0.1, 0.3, True),  # rows, whatever the matches say
+        (1000, 999, 0.2, 0.201, False),
+    ],
+)
+def test_behind_what_is_there_already(before: int, after: int, rows_before: float, rows_after: float, lost: bool):
+    assert behind(before, after, rows_before, rows_after) == lost
