@@ -38,9 +38,10 @@ class Kept:
         self._function = function
         self.compiled = jax.jit(function, static_argnames=static)  # where nothing is kept
         self._programs: dict[Any, Callable[..., Any]] = {}
-        self._lock = threading.Lock()
+        self._tracing = threading.Lock()
         self._asked: set[Any] = set()  # of `ahead`
         self._begun: dict[Any, Future[None]] = {}
+        self._beginning = threading.Lock()  # another: who begins does not wait for who traces
 
     def __call__(self, *arguments: Any, **statics: Any) -> Leaves:
         if self._begun and (begun := self._begun.get(_key(arguments, statics))):
@@ -50,7 +51,7 @@ class Kept:
     def ahead(self, *arguments: Any, **statics: Any) -> None:
         """Begin to compile in a thread what such arguments need; a call waits until it is done."""
         key = _key(arguments, statics)
-        with self._lock:
+        with self._beginning:
             if key not in self._asked and key not in self._programs:
                 self._asked.add(key)
                 self._begun[key] = _beside(os.getpid()).submit(self._begin, key, arguments, statics)
@@ -60,7 +61,7 @@ class Kept:
             with suppress(Exception):  # which the call will meet again
                 self._called(*arguments, **statics)
         finally:
-            with self._lock:
+            with self._beginning:
                 del self._begun[key]
 
     def _called(self, *arguments: Any, **statics: Any) -> Leaves:
@@ -70,7 +71,7 @@ class Kept:
         key = _key(arguments, statics)
         program = self._programs.get(key)
         if program is None:
-            with self._lock:
+            with self._tracing:
                 program = self._programs.get(key) or _program(self._function, arguments, statics, folder)
                 self._programs[key] = program
         return tuple(program(*jax.tree.leaves(arguments)))
