@@ -18,7 +18,7 @@ from stereorecal.cli._recordings import watched
 from stereorecal.cli._streams import given_up, leave_stdout, nobody_reads, say
 from stereorecal.io import calibration_json, check_savable, files_read, json_line, save_rig
 from stereorecal.matching import as_matcher
-from stereorecal.online import Config, State, Stepped, init, load, reading, run as steps, save
+from stereorecal.online import EVENTS_SCHEMA, Config, State, Stepped, init, load, reading, run as steps, save
 from stereorecal.recalibration import Condition
 from stereorecal.recordings import Scene
 
@@ -27,7 +27,9 @@ _CODES = {Condition.HEALTHY: 0, Condition.REPAIR: REPAIR, Condition.CANNOT_TELL:
 
 def run(options: argparse.Namespace) -> int:
     """Check, watch, save; returns the exit code."""
-    places = _check_places(options)
+    goes_on = options.state is not None and Path(options.state).exists()
+    appended = goes_on and _is_log(options.json)
+    places = _check_places(options, appended)
     with files_read() as read:
         scene, pairs = watched(options)
     spare(places, {*read, *image_inputs(options)})
@@ -50,7 +52,7 @@ def run(options: argparse.Namespace) -> int:
                 failed[what] = error if isinstance(error, InputError) else _unsaid(error, what, options)
 
     try:
-        with _json_lines(options) as log, _shown(options, scene) as show:
+        with _json_lines(options, appended) as log, _shown(options, scene) as show:
             for stepped in steps(state, iter(pairs)):
                 state = stepped.state
                 attempt(partial(_keep, options, state), "--state")
@@ -111,7 +113,7 @@ def _raise(error: Exception) -> None:
 def _start(options: argparse.Namespace, scene: Scene) -> State:
     config = Config(matcher=as_matcher(options.matcher), repair=not options.once)
     if options.state is not None and Path(options.state).exists():
-        kept = load(options.state)
+        kept = load(options.state, scene.rig)
         return kept.but(config=replace(config, matcher=kept.config.matcher))
     assert scene.rig is not None
     return init(scene.rig, config)
@@ -119,27 +121,35 @@ def _start(options: argparse.Namespace, scene: Scene) -> State:
 
 def _about(options: argparse.Namespace, state: State) -> str:
     if not state.using.any():
-        return "the calibration is the one that was given"
+        return "the calibration in use is the one that was given"
     if options.output is None:
-        return "it is a repaired one; --output FILE would write it"
-    return f"it is a repaired one, written to {options.output}"
+        return "the calibration in use is a repaired one; --output FILE would write it"
+    return f"the calibration in use is a repaired one, written to {options.output}"
 
 
 def _told(stepped: Stepped) -> Iterator[str]:
     """The events of a step, and what the state reads after it."""
     yield from (json_line(event.as_dict()) for event in stepped.events)
-    about = {"schema": "stereorecal.events/1", "frame": stepped.state.frame - 1, "event": "reading"}
+    about = {"schema": EVENTS_SCHEMA, "frame": stepped.state.frame - 1, "event": "reading"}
     yield json_line({**about, **reading(stepped.state).as_dict()})
 
 
+def _is_log(path: str | None) -> bool:
+    """Whether a file holds what an earlier run has told."""
+    if path is None or not Path(path).is_file():
+        return False
+    with open(path, "rb") as file:
+        return EVENTS_SCHEMA.encode() in file.readline(1 << 12)
+
+
 @contextmanager
-def _json_lines(options: argparse.Namespace) -> Iterator[IO[str] | None]:
+def _json_lines(options: argparse.Namespace, appended: bool) -> Iterator[IO[str] | None]:
     target = options.json
     if target is None or target == "-":
         yield None if target is None else sys.stdout
         return
     # What was not there before the work began is nobody else's; a device is.
-    mode = "w" if options.force or (Path(target).exists() and not Path(target).is_file()) else "x"
+    mode = "a" if appended else "w" if options.force or (Path(target).exists() and not Path(target).is_file()) else "x"
     file = open(target, mode, encoding="utf-8")  # noqa: SIM115  closed below, whatever is still held back
     try:
         yield file
@@ -158,12 +168,14 @@ def _shown(options: argparse.Namespace, scene: Scene):
         yield stack.enter_context(live(scene.name)) if sys.stdout.isatty() else lines
 
 
-def _check_places(options: argparse.Namespace) -> list[Place]:
-    """The files to be written; what could not be is refused before the work. That of the state is gone on with."""
+def _check_places(options: argparse.Namespace, appended: bool) -> list[Place]:
+    """The files to be written; what could not be is refused before the work. That of the state is gone on with, and so
+    are the events that were told with it."""
     for option, what in (("output", "a calibration"), ("state", "a state")):
         if getattr(options, option) == "-":
             raise InputError(f"--{option} -: {what} is written to a file; give the name of one.")
-    replaced, kept = places_of(options, "json", "output"), places_of(options, "state")
+    replaced = places_of(options, "output") if appended else places_of(options, "json", "output")
+    kept = places_of(options, "state", "json") if appended else places_of(options, "state")
     check_places(replaced, force=options.force)
     check_places([*replaced, *kept], force=True)
     return [*replaced, *kept]

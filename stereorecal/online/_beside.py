@@ -20,6 +20,10 @@ from stereorecal.online._step import init, step
 from stereorecal.recordings import Images, Pair
 
 _PATIENCE = 10.0  # seconds that the process has to end by itself
+_DEAD = (
+    "the process beside has died (exit code {}), and nobody watches the rig. If it did so at once: it imports the "
+    'program that started it, which must start it under `if __name__ == "__main__":`.'
+)
 
 
 class Beside:
@@ -42,14 +46,18 @@ class Beside:
 
         Args:
             rig: the calibration to start from, or a state to go on from.
-            keep: a file in which each state is saved, and from which it goes on, if the file exists.
+            keep: a file in which each state is saved, and from which it goes on, if the file exists; it must be of
+                this calibration.
             nice: by how much the process gives way to others.
             seconds: of each step, for a repair, as `step` has it; default all that it takes: pairs that come meanwhile
                 are dropped.
+
+        Raises:
+            InputError: as `init` and `load`.
         """
         state = rig if isinstance(rig, State) else init(rig, config)
         if keep is not None and Path(keep).exists():
-            state = load(keep)
+            state = load(keep, None if isinstance(rig, State) else rig)
         # Not forked: JAX has threads, and a copy of a process without them hangs.
         ours, theirs = multiprocessing.get_context("spawn").Pipe()
         context = multiprocessing.get_context("spawn")
@@ -64,7 +72,12 @@ class Beside:
         self._thread.start()
 
     def put(self, pair: Pair | Images) -> bool:
-        """Hand over a pair, at once; False if one that waited is dropped for it. The arrays must not change after."""
+        """Hand over a pair, at once; False if one that waited is dropped for it. The arrays must not change after.
+
+        Raises:
+            RuntimeError: if the process has died.
+        """
+        self._check_alive()
         with self._there:
             dropped = self._waiting is not None
             self._waiting = pair
@@ -73,7 +86,12 @@ class Beside:
         return not dropped
 
     def latest(self) -> tuple[State, tuple[Event, ...]]:
-        """The newest state, at once, and what has happened since this was asked before."""
+        """The newest state, at once, and what has happened since this was asked before.
+
+        Raises:
+            RuntimeError: if the process has died.
+        """
+        self._check_alive()
         with self._lock:
             events, self._events = self._events, ()
             return self._state, events
@@ -98,6 +116,10 @@ class Beside:
         if self._process.is_alive():
             self._process.terminate()
             self._process.join()
+
+    def _check_alive(self) -> None:
+        if not self._closed and not self.alive:
+            raise RuntimeError(_DEAD.format(self._process.exitcode))
 
     def __enter__(self) -> "Beside":
         return self

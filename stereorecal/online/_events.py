@@ -7,7 +7,7 @@ from typing import Any
 
 from stereorecal._plain import plain
 
-SCHEMA = "stereorecal.events/1"
+EVENTS_SCHEMA = "stereorecal.events/1"
 
 
 class Kind(enum.Enum):
@@ -44,7 +44,12 @@ class Event:
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data for JSON."""
-        named = {"schema": SCHEMA, "frame": self.frame, "event": self.kind.name.lower(), "message": self.kind.value}
+        named = {
+            "schema": EVENTS_SCHEMA,
+            "frame": self.frame,
+            "event": self.kind.name.lower(),
+            "message": self.kind.value,
+        }
         return plain({**named, "why": self.why, **self.facts})
 
     def __str__(self) -> str:

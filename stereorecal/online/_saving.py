@@ -32,6 +32,7 @@ _KNOWN: dict[str, Any] = {
 # What zipfile, NumPy and the classes raise for what is damaged; RuntimeError for flags that no archive of ours has.
 _DAMAGED = (ValueError, LookupError, TypeError, AttributeError, RuntimeError, EOFError, OSError, MemoryError)
 _DAMAGED += (zipfile.BadZipFile, zlib.error)
+_ANEW = "remove it, or name another file, to begin anew"
 
 
 def save(state: State, path: str | Path) -> None:
@@ -48,12 +49,42 @@ def save(state: State, path: str | Path) -> None:
     write_bytes(path, buffer.getvalue())
 
 
-def load(path: str | Path) -> State:
+def load(path: str | Path, rig: StereoRig | None = None) -> State:
     """The state in a file that `save` wrote; steps go on from it as if there had been no break.
 
+    Args:
+        rig: the calibration at hand, which must be the one that the state began with or the one that it uses: a state
+            knows nothing of a new one.
+
     Raises:
-        InputError: if the file cannot be read, or is of another version.
+        InputError: if the file cannot be read, is of another version, or of another calibration.
     """
+    state = _loaded(path)
+    if rig is not None and not any(_alike(rig, known) for known in (state.initial, state.rig)):
+        raise InputError(
+            f"{path}: the state is of another calibration than the one that is given; name another file to begin anew "
+            "with this one."
+        )
+    return state
+
+
+def _alike(one: StereoRig, other: StereoRig) -> bool:
+    """Whether two calibrations are one, which may have been written with some digits less."""
+    cameras = ((one.left, other.left), (one.right, other.right))
+    return all(a.size == b.size and _near(a.matrix, b.matrix) for a, b in cameras) and all(
+        _near(np.pad(p, (0, len(q))), np.pad(q, (0, len(p))))
+        for p, q in (
+            *((np.asarray(a.distortion), np.asarray(b.distortion)) for a, b in cameras),
+            (np.asarray(one.extrinsics), np.asarray(other.extrinsics)),
+        )
+    )
+
+
+def _near(one: Any, other: Any) -> bool:
+    return np.allclose(one, other, rtol=1e-6, atol=1e-6)
+
+
+def _loaded(path: str | Path) -> State:
     try:
         whole = Path(path).read_bytes()
     except OSError as error:
@@ -62,11 +93,11 @@ def load(path: str | Path) -> State:
         with np.load(io.BytesIO(whole), allow_pickle=False) as file:
             arrays = {name: file[name] for name in file.files}
         content = json.loads(arrays["content"].tobytes())
-        if content["schema"] != SCHEMA:
-            raise InputError(f"{path}: the state is of version {content['schema']!r}, not {SCHEMA!r}; begin anew.")
-        return _made(content["state"], arrays)
+        if content["schema"] == SCHEMA:
+            return _made(content["state"], arrays)
     except _DAMAGED as error:
-        raise InputError(f"{path}: is no state of this library, or cut short ({error}); begin anew.") from error
+        raise InputError(f"{path}: is no state of this library, or cut short; {_ANEW}.") from error
+    raise InputError(f"{path}: the state is of version {content['schema']!r}, not {SCHEMA!r}; {_ANEW}.")
 
 
 def _told(value: Any, arrays: dict[str, np.ndarray]) -> Any:

@@ -71,7 +71,7 @@ def test_a_pair_that_cannot_be_read_ends_the_watch_and_costs_nothing_else(comman
     answer = command("monitor", broken, "--once", "--state", state)
     assert answer.code == 2
     assert "002.png: the image is truncated" in answer.err
-    assert "the calibration is the one that was given" in answer.out
+    assert "the calibration in use is the one that was given" in answer.out
     assert load(state).frame == 2
 
 
@@ -94,6 +94,33 @@ def test_nobody_reads_on(command, scene: Path, tmp_path: Path, monkeypatch):
     monkeypatch.setattr(_monitor, "leave_stdout", lambda: None)
     assert command("monitor", scene, "--once", "--frames", 2, "--state", tmp_path / "state").code in (0, 1, 4)
     assert load(tmp_path / "state").frame == 2
+
+
+def test_a_watch_that_goes_on(command, scene: Path, tmp_path: Path):
+    """Events are appended to those of before; pairs are counted on."""
+    log, state = tmp_path / "log.jsonl", tmp_path / "state"
+    words = ("monitor", scene, "--once", "--quiet", "--frames", 2, "--state", state, "--json", log)
+    for _ in range(2):
+        assert command(*words).code in (0, 1, 4)
+    readings = [line for line in map(json.loads, log.read_text().splitlines()) if line["event"] == "reading"]
+    assert [line["frame"] for line in readings] == [0, 1, 2, 3]
+    log.write_text("something else\n")
+    refused = command(*words)
+    assert (refused.code, log.read_text()) == (2, "something else\n")
+
+
+def test_a_new_calibration_is_not_watched_with_an_old_state(command, scene: Path, tmp_path: Path):
+    recalibrated, state = Path(shutil.copytree(scene, tmp_path / "ride")), tmp_path / "state"
+    words = ("--once", "--quiet", "--frames", 1, "--state", state)
+    assert command("monitor", scene, *words).code in (0, 1, 4)
+    kept = state.read_bytes()
+    content = json.loads((recalibrated / "calib.json").read_text())
+    content["K_left"][0][0] *= 1.1
+    (recalibrated / "calib.json").write_text(json.dumps(content))
+    answer = command("monitor", recalibrated, *words)
+    assert answer.code == 2
+    assert "of another calibration than the one that is given; name another file" in answer.err
+    assert state.read_bytes() == kept
 
 
 def test_two_scenes_are_refused(command, scene: Path):

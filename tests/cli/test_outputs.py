@@ -270,7 +270,7 @@ def test_a_watch_goes_on_when_its_log_finds_no_room(command, clean_scene: Path, 
     answer = command("monitor", clean_scene, "--once", "--json", "/dev/full", "--state", state)
     assert answer.code == 2
     assert answer.err == "stereorecal: --json /dev/full: cannot be written (No space left on device); make room.\n"
-    assert "the calibration is the one that was given" in answer.out
+    assert "the calibration in use is the one that was given" in answer.out
     assert state.exists()
 
 

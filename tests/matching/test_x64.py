@@ -12,6 +12,11 @@ from stereorecal.matching import SAD
 from stereorecal.matching.sad._planes import winners as winners_by_planes
 from stereorecal.matching.sad._sad import winners_by_rows
 
+try:
+    from jax import enable_x64
+except ImportError:  # before JAX 0.8
+    from jax.experimental import enable_x64
+
 MATCHER = SAD(num_disparities=16, block_size=5)
 IMAGE = np.random.default_rng(0).uniform(0, 255, (24, 48)).astype(np.float32)
 
@@ -29,7 +34,7 @@ print(sr.recalibrate(scene.rig, scene.pairs))
 def test_search(by):
     whole = IMAGE.astype(np.int16), np.roll(IMAGE, -3, 1).astype(np.int16)
     expected = by(*map(jax.numpy.asarray, whole), MATCHER)
-    with jax.enable_x64(True):
+    with enable_x64(True):
         found = by(*map(jax.numpy.asarray, whole), MATCHER)
     for one, other in zip(expected, found, strict=True):
         assert one.dtype == other.dtype
@@ -37,7 +42,7 @@ def test_search(by):
 
 
 def test_soft_search():
-    with jax.enable_x64(True):
+    with enable_x64(True):
         found = MATCHER.soft_match(IMAGE, np.roll(IMAGE, -3, 1), 0.1)
     assert found.confidence.dtype == np.float32
 

@@ -4,9 +4,21 @@ import os
 import time
 
 import numpy as np
+import pytest
 from rides import Ride
 
 from stereorecal.online import Beside, Kind
+
+
+def test_a_process_that_died_is_told(ride: Ride):
+    with Beside(ride.rig) as beside:
+        assert beside.latest()[1] == ()
+        beside._process.kill()
+        beside._process.join()
+        black = np.zeros((240, 320), np.uint8)
+        for use in (beside.latest, lambda: beside.put((black, black))):
+            with pytest.raises(RuntimeError, match=r"has died .*__main__"):
+                use()
 
 
 def test_put_never_waits(ride: Ride):

@@ -9,6 +9,7 @@ import pytest
 from rides import BEFORE, Ride
 
 import stereorecal as sr
+from stereorecal.geometry import changed_camera
 from stereorecal.online import Config, Kind, Stepped, init, load, run, save, step
 
 
@@ -68,6 +69,27 @@ def test_what_is_no_state_is_refused(ride: Ride, tmp_path: Path):
         np.savez(file, content=np.frombuffer(json.dumps({"schema": "stereorecal.state/9"}).encode(), np.uint8))
     with pytest.raises(sr.InputError, match="of version"):
         load(path)
+
+
+def test_a_state_of_another_calibration_is_refused(ride: Ride, tmp_path: Path):
+    """A new calibration is not watched, and not written over, with what was learnt of the old one."""
+    path = tmp_path / "state"
+    began = init(ride.rig)
+    save(began.using_now(np.array([0.3, 0.0, 0.0, 0.0, 0.0])), path)
+    used = load(path).rig
+    assert not np.allclose(used.extrinsics, ride.rig.extrinsics)
+    sr.io.save_rig(used, (tmp_path / "ros_left.yaml", tmp_path / "ros_right.yaml"), format="ros")
+    written = sr.io.load_rig(tmp_path / "ros_left.yaml", tmp_path / "ros_right.yaml")
+    for known in (ride.rig, used, written):
+        assert load(path, known).using[0] == 0.3
+    turned = ride.rig.with_extrinsics(ride.rig.extrinsics + 1e-4 * np.eye(6)[1])
+    longer = replace(ride.rig, left=changed_camera(ride.rig.left, {"f": 1e-4}))
+    bent = replace(ride.rig, right=changed_camera(ride.rig.right, {"k1": 1e-4}))
+    for other in (turned, longer, bent, ride.rig.resized((160, 120))):
+        with pytest.raises(sr.InputError, match="of another calibration"):
+            load(path, other)
+        with pytest.raises(sr.InputError, match="of another calibration"):
+            sr.online.Beside(other, keep=path)
 
 
 def test_a_failed_save_leaves_the_old_file(ride: Ride, tmp_path: Path):

@@ -21,13 +21,21 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("--matcher", default="sad", metavar="NAME", help="sad, bm or sgbm (default: %(default)s)")
     add("--once", action="store_true", help="watch alone, switch nothing: a check of the calibration, for cron")
-    add("--state", metavar="FILE", help="go on from the state in this file, and keep it there")
+    add(
+        "--state",
+        metavar="FILE",
+        help="go on from the state in this file, which is of this calibration; keep it there",
+    )
     add(
         "--output",
         metavar="FILE",
         help="write the repaired calibration there, in the form in which it was read, if there is one",
     )
     add("--force", action="store_true", help="--output and --json may replace files")
-    add("--json", metavar="FILE|-", help="write events and readings as JSON lines")
+    add(
+        "--json",
+        metavar="FILE|-",
+        help="write events and readings as JSON lines; append them if a --state goes on",
+    )
     add("--quiet", action="store_true", help="show nothing, only the exit code")
     parser.set_defaults(verb="monitor")
