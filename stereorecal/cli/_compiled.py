@@ -2,9 +2,12 @@
 
 import os
 import warnings
+from pathlib import Path
 
 import jax
 from platformdirs import user_cache_path
+
+from stereorecal._errors import InputError
 
 _LEAST_SECONDS = 0.1  # of compiling; what is faster is not worth a file
 _ELSEWHERE = "every command will compile anew, for some ten seconds; set JAX_COMPILATION_CACHE_DIR to another folder"
@@ -22,17 +25,39 @@ def keep_compiled_programs() -> str | None:
     settings = jax.config.values
     if not settings["jax_enable_compilation_cache"]:
         return None
-    if settings["jax_compilation_cache_dir"] is None:
-        try:
-            folder = user_cache_path("stereorecal") / "programs"
-            folder.mkdir(parents=True, exist_ok=True)
-        except (OSError, RuntimeError) as error:  # RuntimeError: a user without a home
-            return f"compiled programs cannot be kept ({error}); {_ELSEWHERE}."
+    asked = settings["jax_compilation_cache_dir"]
+    if asked is not None and "://" in asked:  # a bucket somewhere, which is JAX's to reach
+        return None
+    try:
+        folder = user_cache_path("stereorecal") / "programs" if asked is None else Path(asked)
+        folder.mkdir(parents=True, exist_ok=True)
         if not os.access(folder, os.W_OK):
-            return f"compiled programs cannot be kept in {folder}, which is not writable; {_ELSEWHERE}."
+            raise PermissionError(f"{folder} is not writable")
+    except (OSError, RuntimeError) as error:  # RuntimeError: a user without a home
+        jax.config.update("jax_enable_compilation_cache", False)
+        return f"compiled programs cannot be kept ({error}); {_ELSEWHERE}."
+    if asked is None:
         jax.config.update("jax_compilation_cache_dir", str(folder))
     if "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS" not in os.environ:
         jax.config.update("jax_persistent_cache_min_compile_time_secs", _LEAST_SECONDS)
     # A file that a full disk cut short costs a compilation, not a line for the user.
     warnings.filterwarnings("ignore", message="Error (reading|writing) persistent compilation cache entry")
     return None
+
+
+def check_platform() -> None:
+    """Refuse a platform that `JAX_PLATFORMS` names and this machine, or this installation of JAX, does not have.
+
+    Raises:
+        InputError: says what to install.
+    """
+    if not (asked := os.environ.get("JAX_PLATFORMS")):
+        return
+    try:
+        jax.devices()
+    except Exception as error:  # an AssertionError, a RuntimeError, whatever a plug-in of JAX raises
+        why = str(error).partition("\n")[0] or "it is not there"
+        raise InputError(
+            f"JAX_PLATFORMS is {asked!r}, which JAX cannot use here ({why}); leave it out, or install what it "
+            "needs, such as pip install 'jax[cuda12]' for NVIDIA's."
+        ) from error

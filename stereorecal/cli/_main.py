@@ -34,9 +34,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _run(options: argparse.Namespace) -> int:
     try:
         # Not before: what is only asked for help, or mistyped, does not wait for JAX.
-        trouble = import_module("stereorecal.cli._compiled").keep_compiled_programs()
-        if trouble and options.verb not in _WITHOUT_PROGRAMS:
-            say(trouble)
+        compiled = import_module("stereorecal.cli._compiled")
+        trouble = compiled.keep_compiled_programs()
+        if options.verb not in _WITHOUT_PROGRAMS:
+            compiled.check_platform()
+            if trouble:
+                say(trouble)
         command = import_module(f"stereorecal.cli._{options.verb}")
         with _warnings_as_lines(), interruptible():
             code = command.run(options)

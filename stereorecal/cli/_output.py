@@ -62,8 +62,9 @@ def checked(options: argparse.Namespace) -> None:
     wanted = [name for name in ("output", "maps") if getattr(options, name) is not None]
     wanted = [f"--{name}" for name in wanted] + ["--in-place"] * options.in_place
     if wanted and len(options.scenes) > 1 and options.extrinsics != "one":
+        hint = "" if wanted[0] == "--in-place" else f" ({TWO_FILES})"
         raise InputError(
-            f"{wanted[0]} takes the calibration of one recording; give one, or leave {wanted[0]} out ({TWO_FILES})."
+            f"{wanted[0]} takes the calibration of one recording; give one, or leave {wanted[0]} out{hint}."
         )
     if options.in_place and len(options.scenes) > 1:
         raise InputError("--in-place takes one recording; give one, or --output.")

@@ -23,7 +23,7 @@ from stereorecal.cli._progress import progress_bar
 from stereorecal.cli._recordings import recordings, without
 from stereorecal.cli._streams import say
 from stereorecal.geometry import StereoRig
-from stereorecal.io import calibration_json, files_read, load_ranges, save_maps
+from stereorecal.io import calibration_json, files_read, load_ranges, next_copy, save_maps
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import Parameters, Reach
 from stereorecal.recalibration import (
@@ -186,6 +186,8 @@ def _saving(
             rig, kept = first.rig, []
             written_or_printed(lambda: kept.extend(save(rig)), lambda: calibration_json(rig))
             notes = [f"{note}; the old one is {copy}" for copy in kept] or notes
+        elif options.dry_run and output.replaced and names == output.files:
+            notes = [f"{note}; the old one would be kept as {next_copy(name)}" for name in names]
         done = "would be written" if options.dry_run else "written"
         for name, more in zip(names, notes, strict=True) if told else ():
             print(f"{name}: {done}{more}" if wanted else f"{name}: not written, since the initial calibration stays")
@@ -195,6 +197,8 @@ def _saving(
             save_maps(rig, path, overwrite=options.force)
         return []
 
+    if options.dry_run and told and not (output.files or output.maps_files):
+        return [lambda: print("nothing would be written: no --output, --in-place or --maps names a place")]
     accepted, good = first is not None and first.accepted, first is not None and first.reason.healthy
     initial = "" if accepted else " for the initial calibration"
     return [

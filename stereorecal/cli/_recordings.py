@@ -78,7 +78,10 @@ def _recordings(options: argparse.Namespace, select: _Select) -> Recordings:
     found = _scenes(options, select) if options.scenes and not _loose(options) else _recorded(options, select)
     for scene in found.scenes:
         if scene.rig is None:
-            raise InputError(f"{scene.name}: the scene has no calibration; give one to start from.")
+            raise InputError(
+                f"{scene.name}: the scene has no calibration; give one with --calibration, and the images with --left "
+                "and --right."
+            )
     if len({scene.name for scene in found.scenes}) < len(found.scenes):
         named = [replace(scene, name=path) for scene, path in zip(found.scenes, options.scenes, strict=True)]
         return replace(found, scenes=named)

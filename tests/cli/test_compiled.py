@@ -42,7 +42,8 @@ def test_the_users_own_choice_stands(tmp_path: Path):
     own = tmp_path / "own"
     assert where(XDG_CACHE_HOME=tmp_path, JAX_COMPILATION_CACHE_DIR=own) == str(own)
     assert where(XDG_CACHE_HOME=tmp_path, JAX_ENABLE_COMPILATION_CACHE="false") == "None"
-    assert list(tmp_path.iterdir()) == []
+    assert where(XDG_CACHE_HOME=tmp_path, JAX_COMPILATION_CACHE_DIR="gs://bucket/own") == "gs://bucket/own"
+    assert list(tmp_path.iterdir()) == [own]
 
 
 @linux_only
@@ -57,13 +58,15 @@ def test_a_user_without_a_home(monkeypatch: pytest.MonkeyPatch):
     def lost(*_):
         raise RuntimeError("Could not determine home directory.")
 
+    told: list[tuple[str, object]] = []
     monkeypatch.setattr(_compiled, "user_cache_path", lost)
-    monkeypatch.setattr(_compiled.jax.config, "update", lost)
+    monkeypatch.setattr(_compiled.jax.config, "update", lambda *what: told.append(what))
     settings = {"jax_enable_compilation_cache": True, "jax_compilation_cache_dir": None}
     monkeypatch.setattr(type(_compiled.jax.config), "values", dict(_compiled.jax.config.values) | settings)
     trouble = _compiled.keep_compiled_programs()
     assert trouble is not None
     assert "Could not determine home directory" in trouble
+    assert told == [("jax_enable_compilation_cache", False)]
 
 
 def test_nowhere_to_write_to(tmp_path: Path):
@@ -93,3 +96,25 @@ def test_what_compiles_quickly_is_kept_in_a_folder_of_the_users_too(tmp_path: Pa
     command = [sys.executable, "-c", WHERE + seconds]
     answer = subprocess.run(command, env=plain | given, capture_output=True, text=True, check=True)
     assert answer.stdout.split() == [str(tmp_path), "0.1"]
+
+
+@pytest.mark.parametrize("platform", ["cuda", "cda"])
+def test_a_platform_that_is_not_there(tmp_path: Path, platform: str):
+    command = [sys.executable, "-m", "stereorecal", "score", "nowhere"]
+    given = {"JAX_PLATFORMS": platform, "XDG_CACHE_HOME": str(tmp_path)}
+    answer = subprocess.run(command, env=os.environ | given, capture_output=True, text=True, check=False)
+    if "there is no such folder" in answer.stderr:
+        pytest.skip(f"JAX computes on {platform} here")
+    assert answer.returncode == 2
+    assert f"stereorecal: JAX_PLATFORMS is '{platform}', which JAX cannot use here" in answer.stderr
+
+
+def test_a_folder_of_the_users_that_cannot_be_made(tmp_path: Path):
+    (tmp_path / "file").write_text("in the way")
+    command = [sys.executable, "-m", "stereorecal", "score", "nowhere"]
+    given = {"JAX_COMPILATION_CACHE_DIR": str(tmp_path / "file" / "own")}
+    answer = subprocess.run(command, env=os.environ | given, capture_output=True, text=True, check=False)
+    assert answer.returncode == 2
+    first, second = answer.stderr.splitlines()
+    assert first.startswith("stereorecal: compiled programs cannot be kept")
+    assert "no such folder" in second

@@ -1,6 +1,7 @@
 """`recalibrate` on small scenes: exit codes, what is printed, what is written, and what is not."""
 
 import json
+import re
 import shutil
 import sys
 from dataclasses import asdict, replace
@@ -336,7 +337,9 @@ def test_the_calibration_in_use_is_replaced_in_place_only(command, drifted_scene
         assert (folder / "calib.json").read_bytes() == old
     assert "this file is read, and is not replaced; replace it with --in-place" in answer.err
     answer = command("recalibrate", folder, *COUNT, "--in-place", "--dry-run")
-    assert answer.out.endswith("calib.json: would be written\n")
+    assert re.search(r"calib.json: would be written; the old one would be kept as .*calib.json.bak\n$", answer.out)
+    answer = command("recalibrate", folder, *COUNT, "--dry-run")
+    assert answer.out.endswith("nothing would be written: no --output, --in-place or --maps names a place\n")
     assert (folder / "calib.json").read_bytes() == old
     assert command("recalibrate", folder, *COUNT, "--in-place").code == 0
     assert (folder / "calib.json.bak").read_bytes() == old

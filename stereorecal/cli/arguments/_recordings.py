@@ -13,7 +13,8 @@ def add_recordings_to(parser: argparse.ArgumentParser) -> None:
         "scenes",
         nargs="*",
         metavar="SCENE",
-        help=f"folder with left and right images and their calibration, in any layout of docs/data.md: {_LAYOUTS}",
+        help="folder with left and right images and their calibration, in any layout that is known (documentation, "
+        f"page Your data): {_LAYOUTS}",
     )
     add = parser.add_argument_group("images from elsewhere, with --calibration").add_argument
     add("--left", metavar="FILES", help="left images: a file, a folder or 'left/*.png'; or a video")

@@ -19,7 +19,7 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
     )
     add = parser.add_argument
     add("experiments", nargs="*", default=["all"], metavar="EXPERIMENT", help=_EXPERIMENTS)
-    add("--log", metavar="DIR", help="folder of missions, in any layout of docs/data.md")
+    add("--log", metavar="DIR", help="folder of missions, in any layout (documentation, page Your data)")
     add("--frames", metavar="N|all", help="first pairs of each sequence of --log (default: 10)")
     add(
         "--schedule",

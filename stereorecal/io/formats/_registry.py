@@ -72,4 +72,4 @@ def usual(path: Path) -> Format:
 
 def unknown() -> str:
     """What to say where nothing is recognised."""
-    return f"no calibration that is known; expected one of {', '.join(NAMES)}: docs/data.md describes them."
+    return f"no calibration that is known; expected one of {', '.join(NAMES)} (documentation, page Your data)."

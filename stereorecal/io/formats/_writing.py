@@ -80,7 +80,7 @@ def syntax_for(paths: Sequence[Path], format: Format, source: Source | None) -> 
         wanted = " or ".join(format.SYNTAX)
         raise InputError(
             f"{paths[0]}: the ending contradicts what is to be written ({format.NAME}: {format.ABOUT}); give a name "
-            f"ending in {wanted}, or another format with format= (--to)."
+            f"ending in {wanted}, or another format with format= (--to of convert, --output-format of recalibrate)."
         )
     (syntax,) = found
     assert syntax is not None

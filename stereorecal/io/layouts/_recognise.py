@@ -112,7 +112,9 @@ def _read_scene(folder: Path, limit: int | None, choose: Callable[[LazyPairs], t
     log = _read_log(folder, limit)
     mission, *others = log.missions
     if others:
-        raise InputError(f"{folder}: {len(log.missions)} sequences are in there ({mission.name} …); give one of them.")
+        raise InputError(
+            f"{folder}: {len(log.missions)} sequences are in there ({mission.name} …); give the folder of one of them."
+        )
     assert isinstance(mission.pairs, LazyPairs)
     return Scene(mission.name, log.calibration_of(mission), choose(mission.pairs))
 

@@ -36,6 +36,7 @@ _PARSERS: dict[Syntax, tuple[_Parsed, _Changed]] = {
 # Two numbers with nothing but a space between them are no YAML that anybody writes for a calibration.
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _COLONS = re.compile(rf"^\w+:[ \t]+{_NUMBER}[ \t]+{_NUMBER}(?!\S)", re.MULTILINE)
+_SECTION = re.compile(r"\A\s*\[[A-Za-z_][^\]\n]*\][ \t]*$", re.MULTILINE)  # of an INI file
 _EQUALS = re.compile(r"^\w+[ \t]*=", re.MULTILINE)
 
 
@@ -93,7 +94,7 @@ def read_document(
 
 def _syntax_of(text: str, lines: bool) -> Syntax:
     start = text.lstrip()[:1]
-    if start in "{[":
+    if start == "{" or (start == "[" and not _SECTION.search(text)):
         return Syntax.JSON
     if start == "<":
         return Syntax.XML
