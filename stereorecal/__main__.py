@@ -2,6 +2,7 @@
 
 import os
 import sys
+from contextlib import suppress
 
 
 def run() -> None:
@@ -11,13 +12,14 @@ def run() -> None:
 
     end_at_once()  # before anything that takes time
     secure()
-    from stereorecal.cli import INTERRUPTED, main
+    from stereorecal.cli import main
 
     code = main()
     ignore()
-    if code == INTERRUPTED:  # everything is said and saved: threads that still work are not waited for
-        os._exit(code)
-    sys.exit(code)
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(OSError, ValueError):  # nobody reads, or it is closed
+            stream.flush()
+    os._exit(code)  # everything is said and saved: threads that still work are not waited for
 
 
 if __name__ == "__main__":

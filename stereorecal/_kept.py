@@ -3,7 +3,7 @@
 JAX's own compilation cache keeps what XLA compiled, and needs the traced program to find it. Kept programs lie in a
 folder of that cache, and are used where it is switched on. Each is keyed by everything that it was traced from: this
 package's files, versions, platform, structure, shapes and static arguments; where in doubt it is traced anew.
-What will surely be needed can be compiled ahead, in a thread.
+What will be needed soon can be compiled ahead, in a thread.
 """
 
 import hashlib
@@ -12,9 +12,9 @@ import os
 import threading
 import uuid
 from collections.abc import Callable
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Future
 from contextlib import suppress
-from functools import cache
+from functools import cache, update_wrapper
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -23,11 +23,13 @@ import jax
 import jax.export
 import numpy as np
 
+from stereorecal._ahead import begin
 from stereorecal._arrays import AnyArray
 from stereorecal._version import __version__
 
 LOG = logging.getLogger("stereorecal")
 _FOLDER = "stereorecal-traced"
+_TELLING = ("jax_enable_x64", "jax_numpy_dtype_promotion", "jax_default_matmul_precision")
 Leaves = tuple[AnyArray, ...]
 
 
@@ -35,13 +37,12 @@ class Kept:
     """A function that is compiled, and kept across processes where JAX's compilation cache is switched on."""
 
     def __init__(self, function: Callable[..., Leaves], static: tuple[str, ...]):
+        update_wrapper(self, function)
         self._function = function
         self.compiled = jax.jit(function, static_argnames=static)  # where nothing is kept
         self._programs: dict[Any, Callable[..., Any]] = {}
         self._tracing = threading.Lock()
-        self._asked: set[Any] = set()  # of `ahead`
         self._begun: dict[Any, Future[None]] = {}
-        self._beginning = threading.Lock()  # another: who begins does not wait for who traces
 
     def __call__(self, *arguments: Any, **statics: Any) -> Leaves:
         if self._begun and (begun := self._begun.get(_key(arguments, statics))):
@@ -49,20 +50,16 @@ class Kept:
         return self._called(*arguments, **statics)
 
     def ahead(self, *arguments: Any, **statics: Any) -> None:
-        """Begin to compile in a thread what such arguments need; a call waits until it is done."""
-        key = _key(arguments, statics)
-        with self._beginning:
-            if key not in self._asked and key not in self._programs:
-                self._asked.add(key)
-                self._begun[key] = _beside(os.getpid()).submit(self._begin, key, arguments, statics)
+        """Begin to compile in a thread what such arguments need; a call waits until that is done."""
+        key, over = _key(arguments, statics), Future()
+        if key in self._programs or self._begun.setdefault(key, over) is not over:
+            return
 
-    def _begin(self, key: Any, arguments: tuple[Any, ...], statics: dict[str, Any]) -> None:
-        try:
-            with suppress(Exception):  # which the call will meet again
+        def work() -> None:
+            if _key(arguments, statics) == key:  # else JAX is set up otherwise in the caller's thread alone
                 self._called(*arguments, **statics)
-        finally:
-            with self._beginning:
-                del self._begun[key]
+
+        begin(work).add_done_callback(lambda _: over.set_result(None))
 
     def _called(self, *arguments: Any, **statics: Any) -> Leaves:
         folder = _folder()
@@ -88,21 +85,17 @@ def kept(function: Callable[..., Leaves], *, static: tuple[str, ...] = ()) -> Ke
     return Kept(function, static)
 
 
-@cache
-def _beside(process: int) -> ThreadPoolExecutor:
-    """A thread that compiles ahead; a fork has none of its parent's."""
-    return ThreadPoolExecutor(1)
-
-
 def _key(arguments: tuple[Any, ...], statics: dict[str, Any]) -> Any:
     leaves, structure = jax.tree.flatten(arguments)
-    return (structure, tuple((np.shape(x), jax.dtypes.result_type(x)) for x in leaves), *statics.items())
+    shapes = tuple((np.shape(x), jax.dtypes.result_type(x)) for x in leaves)
+    return (os.getpid(), _settings(), structure, shapes, *statics.items())
 
 
 def _program(function: Callable, arguments: tuple[Any, ...], statics: dict[str, Any], folder: Path) -> Callable:
     leaves, structure = jax.tree.flatten(arguments)
     shapes = [jax.ShapeDtypeStruct(np.shape(x), jax.dtypes.result_type(x)) for x in leaves]
-    known = [function.__module__, function.__qualname__, str(structure), str(shapes), _told(statics), _made_with()]
+    known = [function.__module__, function.__qualname__, str(structure), str(shapes), _told(statics)]
+    known += [_settings(), _made_with()]
     path = folder / f"{function.__name__.strip('_')}-{hashlib.sha256(repr(known).encode()).hexdigest()[:32]}"
     with suppress(Exception):  # missing, cut short, of another format: whatever it is, it is traced anew
         return jax.jit(jax.export.deserialize(bytearray(path.read_bytes())).call)
@@ -139,18 +132,18 @@ def _folder() -> Path | None:
     return Path(folder) / _FOLDER if folder and settings["jax_enable_compilation_cache"] else None
 
 
+def _settings() -> tuple[Any, ...]:
+    """What JAX was told that makes another program, perhaps in this thread alone."""
+    return tuple(getattr(jax.config, name) for name in _TELLING)
+
+
 @cache
 def _made_with() -> tuple[Any, ...]:
-    """What a program was traced by: versions, this package's files as they are, and what JAX was told."""
+    """What a program was traced by: versions, the platform, and this package's files as they are."""
     root = Path(__file__).parent
     files = [(str(p.relative_to(root)), p.stat().st_size, p.stat().st_mtime_ns) for p in sorted(root.rglob("*.py"))]
     names = ("jax", "jaxlib", "numpy")
-    settings = (
-        jax.default_backend(),
-        jax.config.values["jax_enable_x64"],
-        jax.config.values["jax_numpy_dtype_promotion"],
-    )
-    return (__version__, *(version(name) for name in names), *settings, files)
+    return (__version__, *(version(name) for name in names), jax.default_backend(), files)
 
 
 def _write(path: Path, content: bytes) -> None:

@@ -1,5 +1,7 @@
 """Programs that are kept: read back in the next process, made anew in doubt, and never a reason to fail."""
 
+import subprocess
+import sys
 import threading
 from concurrent.futures import ThreadPoolExecutor
 
@@ -9,8 +11,14 @@ import numpy as np
 import pytest
 
 from stereorecal import _kept
+from stereorecal._ahead import begin
 from stereorecal._kept import kept
 from stereorecal.matching import SAD
+
+try:
+    from jax import enable_x64
+except ImportError:  # before JAX 0.8
+    from jax.experimental import enable_x64
 
 TRACES: list[str] = []
 
@@ -103,8 +111,11 @@ def test_compiled_ahead_is_compiled_once(folder):
         call.ahead(*arguments, times=3)
     np.testing.assert_array_equal(call(*arguments, times=3)[0], [9, 9, 9])
     call.ahead(*arguments, times=3)
-    assert len(TRACES) == 1
-    assert not call._begun
+    called = kept(program, static=("matcher", "times"))
+    called(*arguments, times=2)
+    called.ahead(*arguments, times=2)  # which it is already
+    assert len(TRACES) == 2
+    assert not called._begun
 
 
 def test_a_call_waits_for_what_is_begun(folder):
@@ -133,7 +144,50 @@ def test_what_fails_ahead_fails_when_it_is_called(folder):
     def broken(x):
         raise ValueError("no such program")
 
-    call = kept(broken)
+    call, after = kept(broken), kept(program, static=("times",))
     call.ahead(np.ones(3))
+    after.ahead({"x": jnp.zeros(3)}, np.float32(0))
     with pytest.raises(ValueError, match="no such program"):
         call(np.ones(3))
+    after({"x": jnp.zeros(3)}, np.float32(0))
+    assert TRACES == ["traced"]  # by the thread, which has survived
+
+
+def test_compiled_ahead_where_nothing_is_kept(monkeypatch):
+    TRACES.clear()
+    monkeypatch.setattr(_kept, "_folder", lambda: None)
+    call = kept(program, static=("times",))
+    call.ahead({"x": jnp.full(3, 1.0)}, np.float32(2.0), times=3)
+    np.testing.assert_array_equal(call({"x": jnp.full(3, 1.0)}, np.float32(2.0), times=3)[0], [9, 9, 9])
+    assert len(TRACES) == 1
+
+
+def test_what_a_thread_alone_was_told_makes_another_program(folder):
+    """Contexts of JAX are those of a thread: what was begun beside it is none of theirs."""
+    call = kept(program, static=("times",))
+    with enable_x64(True):
+        call.ahead({"x": np.ones(3)}, np.ones(3))
+        found = call({"x": np.ones(3)}, np.ones(3))
+    assert found[0].dtype == np.float64
+    assert call({"x": np.ones(3)}, np.ones(3))[0].dtype == np.float32
+    assert len(TRACES) == 2
+
+
+def test_a_program_that_ends_waits_for_nothing_that_has_not_begun():
+    code = """
+import threading, time
+from stereorecal._ahead import begin
+began = threading.Event()
+begin(lambda: (began.set(), time.sleep(0.5), print("first", flush=True)))
+begin(lambda: print("second", flush=True))
+began.wait()
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert (done.stdout.split(), done.stderr) == (["first"], "")
+
+
+def test_one_after_the_other():
+    seen: list[int] = []
+    for over in [begin(lambda n=n: seen.append(n)) for n in range(5)]:
+        over.result(timeout=30)
+    assert seen == [0, 1, 2, 3, 4]

@@ -1,7 +1,6 @@
 """`python -m stereorecal compare`."""
 
 import argparse
-from collections.abc import Sequence
 from pathlib import Path
 
 from stereorecal._errors import InputError
@@ -16,7 +15,7 @@ from stereorecal.cli._json import write_json
 from stereorecal.cli._places import Place, check_places, deliver, places_of, spare
 from stereorecal.cli._progress import progress_bar
 from stereorecal.cli._streams import say
-from stereorecal.comparison import FAILED, Comparison, Drift, Trial, compare_scenes, load_strategies
+from stereorecal.comparison import FAILED, Comparison, Drift, compare_scenes, load_strategies
 from stereorecal.io import files_read, load_scene
 from stereorecal.matching import as_matcher
 from stereorecal.objectives import Reach
@@ -71,15 +70,7 @@ def run(options: argparse.Namespace) -> int:
     if comparison.interrupted:
         say(f"interrupted; {len(comparison.trials)} trials were finished.")
         return INTERRUPTED
-    return FAILURE if _one_failed(comparison.trials) else 0
-
-
-def _one_failed(trials: Sequence[Trial]) -> bool:
-    """Whether all trials of one entrant failed: nothing was learnt of it, whatever the others did."""
-    status: dict[tuple[str, str], set[str]] = {}
-    for trial in trials:
-        status.setdefault((trial.schedule, trial.strategy), set()).add(trial.status)
-    return {FAILED} in status.values()
+    return FAILURE if all(trial.status == FAILED for trial in comparison.trials) else 0
 
 
 def _check_places(options: argparse.Namespace) -> list[Place]:

@@ -32,10 +32,11 @@ def keep_compiled_programs() -> str | None:
         folder = user_cache_path("stereorecal") / "programs" if asked is None else Path(asked)
         folder.mkdir(parents=True, exist_ok=True)
         if not os.access(folder, os.W_OK):
-            raise PermissionError(f"{folder} is not writable")
+            raise PermissionError(None, "not writable", str(folder))
     except (OSError, RuntimeError) as error:  # RuntimeError: a user without a home
         jax.config.update("jax_enable_compilation_cache", False)
-        return f"compiled programs cannot be kept ({error}); {_ELSEWHERE}."
+        why = f"{error.filename}: {error.strerror}" if isinstance(error, OSError) else error
+        return f"compiled programs cannot be kept ({why}); {_ELSEWHERE}."
     if asked is None:
         jax.config.update("jax_compilation_cache_dir", str(folder))
     if "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS" not in os.environ:

@@ -13,6 +13,8 @@ from stereorecal.cli._cluster import cluster
 from stereorecal.cli._compiled import keep_compiled_programs
 from stereorecal.cli._values import positive, shortened
 
+_NO_COMPLAINTS = "ignore:resource_tracker:UserWarning"
+
 
 def executor(text: str) -> AbstractContextManager[Executor | None]:
     """A context with the executor that one of EXECUTORS stands for; None for serial.
@@ -31,8 +33,9 @@ def executor(text: str) -> AbstractContextManager[Executor | None]:
     if kind == "threads":
         return _pool(ThreadPoolExecutor(workers))
     # Who is interrupted leaves semaphores to Python's tracker of such things, which removes them and need not complain.
-    others = os.environ.get("PYTHONWARNINGS")
-    os.environ["PYTHONWARNINGS"] = ",".join(filter(None, [others, "ignore:resource_tracker:UserWarning"]))
+    others = os.environ.get("PYTHONWARNINGS", "")
+    if _NO_COMPLAINTS not in others:
+        os.environ["PYTHONWARNINGS"] = ",".join(filter(None, [others, _NO_COMPLAINTS]))
     # Forking after JAX has started threads is unsafe.
     return _pool(_Processes(workers, mp_context=get_context("spawn"), initializer=_begin_work))
 

@@ -15,7 +15,7 @@ from stereorecal.cli._exit_codes import BAD_INPUT, FAILURE, INTERRUPTED
 from stereorecal.cli._streams import flush, leave_stdout, nobody_reads, say, spell_out
 from stereorecal.cli.arguments import parser
 
-_WITHOUT_PROGRAMS = ("convert", "diff", "strategies")
+_WITHOUT_PROGRAMS = (("convert", None), ("diff", None), ("strategies", "list"))  # and actions
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -36,7 +36,7 @@ def _run(options: argparse.Namespace) -> int:
         # Not before: what is only asked for help, or mistyped, does not wait for JAX.
         compiled = import_module("stereorecal.cli._compiled")
         trouble = compiled.keep_compiled_programs()
-        if options.verb not in _WITHOUT_PROGRAMS:
+        if (options.verb, getattr(options, "action", None)) not in _WITHOUT_PROGRAMS:
             compiled.check_platform()
             if trouble:
                 say(trouble)

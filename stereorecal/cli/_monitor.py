@@ -1,6 +1,7 @@
 """`python -m stereorecal monitor`."""
 
 import argparse
+import json
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
@@ -22,6 +23,7 @@ from stereorecal.online import EVENTS_SCHEMA, Config, State, Stepped, init, load
 from stereorecal.recalibration import Condition
 from stereorecal.recordings import Scene
 
+_TAIL = 1 << 16  # bytes of a log, in which its last line is
 _CODES = {Condition.HEALTHY: 0, Condition.REPAIR: REPAIR, Condition.CANNOT_TELL: CANNOT_TELL}
 
 
@@ -37,6 +39,9 @@ def run(options: argparse.Namespace) -> int:
     if options.output is not None:
         check_savable(scene.rig, options.output)
     state, interrupted = _start(options, scene), False
+    began = state.frame
+    if appended:
+        _check_follows(options.json, state)
     failed: dict[str, Exception] = {}  # what could not be read or written; the rest goes on
 
     def attempt(step: Callable[[], None], what: str) -> None:
@@ -61,9 +66,9 @@ def run(options: argparse.Namespace) -> int:
             hold()
     except KeyboardInterrupt:
         interrupted = True
-        say(f"interrupted after {state.frame} pairs.")
+        say(f"interrupted after {state.frame - began} pairs.")
     except InputError as error:  # a pair that cannot be read: what the others have told is kept
-        if not state.frame:
+        if state.frame == began:
             raise
         failed["a pair"] = error
     deliver(
@@ -138,8 +143,23 @@ def _is_log(path: str | None) -> bool:
     """Whether a file holds what an earlier run has told."""
     if path is None or not Path(path).is_file():
         return False
+    with open(path, "rb") as file, suppress(ValueError):
+        first = json.loads(file.readline(1 << 16))
+        return isinstance(first, dict) and first.get("schema") == EVENTS_SCHEMA
+    return False
+
+
+def _check_follows(path: str, state: State) -> None:
+    """Refuse to append to what another watch has told: of pairs that this one has not come to."""
     with open(path, "rb") as file:
-        return EVENTS_SCHEMA.encode() in file.readline(1 << 12)
+        file.seek(max(0, file.seek(0, 2) - _TAIL))
+        lines = file.read().splitlines()
+    frames = [0]
+    for line in lines:
+        with suppress(ValueError, TypeError, KeyError):  # cut short
+            frames.append(int(json.loads(line)["frame"]))
+    if frames[-1] >= max(state.frame, 1):
+        raise InputError(f"--json {path}: tells of pairs that the watch in --state has not seen; choose another.")
 
 
 @contextmanager
@@ -151,6 +171,8 @@ def _json_lines(options: argparse.Namespace, appended: bool) -> Iterator[IO[str]
     # What was not there before the work began is nobody else's; a device is.
     mode = "a" if appended else "w" if options.force or (Path(target).exists() and not Path(target).is_file()) else "x"
     file = open(target, mode, encoding="utf-8")  # noqa: SIM115  closed below, whatever is still held back
+    if appended and not Path(target).read_bytes().endswith(b"\n"):
+        file.write("\n")  # the last line was cut short, by a loss of power: it spoils no other
     try:
         yield file
     finally:

@@ -198,7 +198,7 @@ def _saving(
         return []
 
     if options.dry_run and told and not (output.files or output.maps_files):
-        return [lambda: print("nothing would be written: no --output, --in-place or --maps names a place")]
+        return [lambda: print("no calibration would be written: no --output, --in-place or --maps names a place")]
     accepted, good = first is not None and first.accepted, first is not None and first.reason.healthy
     initial = "" if accepted else " for the initial calibration"
     return [

@@ -20,10 +20,9 @@ from stereorecal.online._step import init, step
 from stereorecal.recordings import Images, Pair
 
 _PATIENCE = 10.0  # seconds that the process has to end by itself
-_DEAD = (
-    "the process beside has died (exit code {}), and nobody watches the rig. If it did so at once: it imports the "
-    'program that started it, which must start it under `if __name__ == "__main__":`.'
-)
+_DEAD = "the process beside has died (exit code {}), and nobody watches the rig; "
+_AT_ONCE = 'it imports the program that starts it, which must do so under `if __name__ == "__main__":`.'
+_LATER = "look at what it printed, and start another."
 
 
 class Beside:
@@ -65,7 +64,7 @@ class Beside:
         self._lock, self._there = threading.Lock(), threading.Condition()
         self._state, self._events, self._dropped = state, (), 0
         self._waiting: Pair | Images | None = None
-        self._closed = False
+        self._closed = self._answered = False
         self._process.start()
         theirs.close()
         self._thread = threading.Thread(target=self._serve, args=(ours,), daemon=True)
@@ -89,11 +88,12 @@ class Beside:
         """The newest state, at once, and what has happened since this was asked before.
 
         Raises:
-            RuntimeError: if the process has died.
+            RuntimeError: if the process has died, and all that happened before has been told.
         """
-        self._check_alive()
         with self._lock:
             events, self._events = self._events, ()
+            if not events:
+                self._check_alive()
             return self._state, events
 
     @property
@@ -119,7 +119,7 @@ class Beside:
 
     def _check_alive(self) -> None:
         if not self._closed and not self.alive:
-            raise RuntimeError(_DEAD.format(self._process.exitcode))
+            raise RuntimeError(_DEAD.format(self._process.exitcode) + (_LATER if self._answered else _AT_ONCE))
 
     def __enter__(self) -> "Beside":
         return self
@@ -139,6 +139,7 @@ class Beside:
                         break
                 pipe.send(_plain(pair))
                 state, events = pipe.recv()
+                self._answered = True
                 with self._lock:
                     self._state, self._events = state, (*self._events, *events)
         pipe.close()

@@ -53,14 +53,16 @@ def load(path: str | Path, rig: StereoRig | None = None) -> State:
     """The state in a file that `save` wrote; steps go on from it as if there had been no break.
 
     Args:
-        rig: the calibration at hand, which must be the one that the state began with or the one that it uses: a state
-            knows nothing of a new one.
+        rig: the calibration at hand, which must be the one that the state began with, or one that it uses or has used:
+            a state knows nothing of a new one.
 
     Raises:
         InputError: if the file cannot be read, is of another version, or of another calibration.
     """
     state = _loaded(path)
-    if rig is not None and not any(_alike(rig, known) for known in (state.initial, state.rig)):
+    if rig is not None and not any(
+        _alike(rig, known) for known in (state.initial, state.rig, *map(state.rig_at, state.previous))
+    ):
         raise InputError(
             f"{path}: the state is of another calibration than the one that is given; name another file to begin anew "
             "with this one."
@@ -70,18 +72,14 @@ def load(path: str | Path, rig: StereoRig | None = None) -> State:
 
 def _alike(one: StereoRig, other: StereoRig) -> bool:
     """Whether two calibrations are one, which may have been written with some digits less."""
-    cameras = ((one.left, other.left), (one.right, other.right))
-    return all(a.size == b.size and _near(a.matrix, b.matrix) for a, b in cameras) and all(
-        _near(np.pad(p, (0, len(q))), np.pad(q, (0, len(p))))
-        for p, q in (
-            *((np.asarray(a.distortion), np.asarray(b.distortion)) for a, b in cameras),
-            (np.asarray(one.extrinsics), np.asarray(other.extrinsics)),
-        )
-    )
+    return np.allclose(_numbers(one), _numbers(other), rtol=1e-6, atol=1e-6)
 
 
-def _near(one: Any, other: Any) -> bool:
-    return np.allclose(one, other, rtol=1e-6, atol=1e-6)
+def _numbers(rig: StereoRig) -> np.ndarray:
+    """All that a calibration says; coefficients that a lens does not have are 0."""
+    lenses = [np.pad(camera.distortion, (0, 14 - len(camera.distortion))) for camera in (rig.left, rig.right)]
+    cameras = [np.concatenate([camera.size, np.ravel(camera.matrix)]) for camera in (rig.left, rig.right)]
+    return np.concatenate([*cameras, *lenses, rig.extrinsics])
 
 
 def _loaded(path: str | Path) -> State:

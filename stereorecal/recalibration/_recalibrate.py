@@ -119,9 +119,9 @@ def started(case: Case, schedule: Schedule) -> tuple[Case, StereoRig, Cost]:
         seen = survey(case.images, case.rig.extrinsics, radians)
         case, of_survey = case.with_matcher(seen.with_range(asked, radians)), seen.cost
         offset = seen.offset if schedule.survey else offset
-    for stage in schedule.stages:  # which nothing but a budget refuses any more
+    for stage in schedule.stages:  # the images belong together, so most repairs come to these
         if stage.score is ScoreKind.EPIPOLAR:
-            host.compile_ahead(case.images.at(case.scale_of(stage), stage.frames))
+            host.compile_ahead(case.images.sample(case.scale_of(stage)))
     start, of_starts = better_start(case, schedule.stages[0], offset)
     return case, start, Cost(survey=of_survey, starts=of_starts)
 

@@ -87,6 +87,10 @@ class Pyramid:
             self._levels[scale, number] = _prepared(self.rig, informative(self.pairs, number), self.view, scale)
         return self._levels[scale, number]
 
+    def sample(self, scale: float) -> ScoringData:
+        """The first pair alone at `scale`: for those who ask for shapes before anything else is needed there."""
+        return self.at(scale) if len(self.pairs) == 1 else _prepared(self.rig, self.pairs[:1], self.view, scale)
+
 
 def pyramid(rig: StereoRig, pairs: Pairs, view: View | None = None) -> Pyramid:
     """The pyramid of pairs that `rig` took.

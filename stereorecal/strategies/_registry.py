@@ -50,16 +50,24 @@ def strategy(name: str, /, **options: Any) -> AbstractStrategy:
     Raises:
         InputError: if no such strategy is installed, two distributions claim the name, or an option is unknown or
             refused by the strategy.
-        StrategyError: if it cannot be imported.
+        StrategyError: if it cannot be imported, or crashes when it is made.
     """
-    cls = _load(_entry_point(name))
-    known = [field.name for field in dataclasses.fields(cls)]
+    point = _entry_point(name)
+    cls = _load(point)
+    fields = dataclasses.fields(cls)
+    known = [field.name for field in fields]
     if unknown := sorted(set(options) - set(known)):
         raise InputError(f"strategy {name} has no option {unknown[0]!r}; it has: {', '.join(known) or 'none'}.")
+    if missing := [field.name for field in fields if _is_needed(field) and field.name not in options]:
+        raise InputError(f"strategy {name} needs the option {missing[0]!r}; give it.")
     try:
         return cls(**options)
-    except (TypeError, ValueError) as error:  # its own check, or an option that is missing
-        raise InputError(f"strategy {name}: {str(error).rstrip('.')}.") from error
+    except ValueError as error:  # its own check of its options
+        raise InputError(f"strategy {name}: {(str(error) or repr(error)).rstrip('.')}.") from error
+    except Exception as error:
+        raise StrategyError(
+            f"strategy {name} of {' '.join(_distribution(point))} cannot be made ({error!r})."
+        ) from error
 
 
 def describe(name: str) -> StrategyInfo:
@@ -96,6 +104,10 @@ def origin_of(instance: AbstractStrategy) -> str:
         except PackageNotFoundError:
             continue
     return type(instance).__module__
+
+
+def _is_needed(field: dataclasses.Field) -> bool:
+    return field.init and field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
 
 
 def _place(point: _EntryPoint) -> tuple[str, str]:

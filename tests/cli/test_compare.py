@@ -6,9 +6,6 @@ from pathlib import Path
 
 import pytest
 
-from stereorecal.cli import _compare
-from stereorecal.comparison import Trial
-
 SMALL = ("--schedule", "count", "--draws", 2, "--scale", 0.5, "--budget", 5)
 
 
@@ -87,10 +84,9 @@ def test_3_when_every_row_failed(command, clean_scene: Path, crashing):
     assert "Traceback" not in answer.err
 
 
-def test_3_when_one_strategy_failed_throughout(command, clean_scene: Path, crashing):
-    """The others are printed and saved as ever."""
+def test_0_when_only_some_failed(command, clean_scene: Path, crashing):
     answer = command("compare", "--scene", clean_scene, *SMALL, "--strategies", "crashing,compass")
-    assert answer.code == 3
+    assert answer.code == 0
     assert "FAILED" in answer.out
     assert "BUDGET" in answer.out
 
@@ -98,21 +94,6 @@ def test_3_when_one_strategy_failed_throughout(command, clean_scene: Path, crash
 def test_all_strategies(command, clean_scene: Path, crashing):
     answer = command("compare", "--scene", clean_scene, *SMALL, "--strategies", "all", "--json", "-")
     assert [t["strategy"] for t in json.loads(answer.out)["trials"]] == ["compass", "crashing"] * 2
-
-
-@pytest.mark.parametrize(
-    ("one", "failed"),
-    [(["FAILED", "FAILED"], True), (["FAILED", "BUDGET"], False), (["SKIPPED", "SKIPPED"], False)],
-    ids=["failed", "one draw", "skipped"],
-)
-def test_one_draw_that_worked_tells_something(one: list[str], failed: bool):
-    statuses = {"one": one, "other": ["BUDGET", "CONVERGED"]}
-    trials = [
-        Trial("a", name, "sad", "count", draw, status, "", False, None, "truth", (name,))
-        for name, rows in statuses.items()
-        for draw, status in enumerate(rows)
-    ]
-    assert _compare._one_failed(trials) == failed
 
 
 @pytest.mark.parametrize("matcher", ["bm", "sgbm"])

@@ -75,10 +75,12 @@ def test_nowhere_to_write_to(tmp_path: Path):
 
 
 @linux_only
-@pytest.mark.parametrize(("command", "told"), [("score", True), ("diff", False)])
+@pytest.mark.parametrize(
+    ("command", "told"), [("score nowhere", True), ("strategies check no", True), ("diff no no", False)]
+)
 def test_those_who_would_compile_at_every_start_are_told(tmp_path: Path, command: str, told: bool):
     (tmp_path / "file").write_text("in the way")
-    words = [sys.executable, "-m", "stereorecal", command, *["nowhere"] * (1 if told else 2)]
+    words = [sys.executable, "-m", "stereorecal", *command.split()]
     plain = {k: v for k, v in os.environ.items() if not k.startswith("JAX_")}
     answer = subprocess.run(
         words, env=plain | {"XDG_CACHE_HOME": str(tmp_path / "file")}, capture_output=True, text=True, check=False

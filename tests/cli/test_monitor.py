@@ -104,9 +104,19 @@ def test_a_watch_that_goes_on(command, scene: Path, tmp_path: Path):
         assert command(*words).code in (0, 1, 4)
     readings = [line for line in map(json.loads, log.read_text().splitlines()) if line["event"] == "reading"]
     assert [line["frame"] for line in readings] == [0, 1, 2, 3]
-    log.write_text("something else\n")
-    refused = command(*words)
-    assert (refused.code, log.read_text()) == (2, "something else\n")
+    with open(log, "a") as file:
+        file.write('{"schema": "stereorecal.ev')  # the power failed
+    assert command(*words).code in (0, 1, 4)
+    told = log.read_text().splitlines()
+    assert [json.loads(line)["frame"] for line in told if line.endswith("}") and '"reading"' in line] == list(range(6))
+    another = json.dumps({"schema": "stereorecal.events/1", "frame": 900, "event": "reading"})
+    for other in ("something else\n", "of stereorecal.events/1\n", f"{another}\n"):
+        log.write_text(other)
+        refused = command(*words)
+        assert (refused.code, log.read_text()) == (2, other)
+    log.write_text("")
+    assert command(*words, "--force").code in (0, 1, 4)
+    assert command(*words[:-4], "--json", log).code == 2  # without a state nothing goes on
 
 
 def test_a_new_calibration_is_not_watched_with_an_old_state(command, scene: Path, tmp_path: Path):

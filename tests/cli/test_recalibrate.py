@@ -339,7 +339,7 @@ def test_the_calibration_in_use_is_replaced_in_place_only(command, drifted_scene
     answer = command("recalibrate", folder, *COUNT, "--in-place", "--dry-run")
     assert re.search(r"calib.json: would be written; the old one would be kept as .*calib.json.bak\n$", answer.out)
     answer = command("recalibrate", folder, *COUNT, "--dry-run")
-    assert answer.out.endswith("nothing would be written: no --output, --in-place or --maps names a place\n")
+    assert answer.out.endswith("no calibration would be written: no --output, --in-place or --maps names a place\n")
     assert (folder / "calib.json").read_bytes() == old
     assert command("recalibrate", folder, *COUNT, "--in-place").code == 0
     assert (folder / "calib.json.bak").read_bytes() == old

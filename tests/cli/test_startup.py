@@ -55,6 +55,9 @@ def test_answers_at_once(words: list[str], code: int):
         ("compare --drwas=3", "compare: unrecognized arguments: --drwas=3 (did you mean --draws?); see"),
         ("score scene --zzzz", "score: unrecognized arguments: --zzzz; see"),
         ("--verison score", "stereorecal: unrecognized arguments: --verison (did you mean --version?); see"),
+        ("recalibrate sc --quite also", "unrecognized arguments: --quite also (did you mean --quiet?); see"),
+        ("diff a b c --jsno", "unrecognized arguments: c --jsno (did you mean --json?); see"),
+        ("compare harbour", "compare: unrecognized arguments: harbour; see"),
         ("diff a.yaml b.yaml c.yaml", "diff: unrecognized arguments: c.yaml (the two files of a calibration are named"),
     ],
 )

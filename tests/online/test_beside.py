@@ -7,18 +7,24 @@ import numpy as np
 import pytest
 from rides import Ride
 
-from stereorecal.online import Beside, Kind
+from stereorecal.online import Beside, Event, Kind
 
 
 def test_a_process_that_died_is_told(ride: Ride):
+    black = np.zeros((240, 320), np.uint8)
     with Beside(ride.rig) as beside:
         assert beside.latest()[1] == ()
         beside._process.kill()
         beside._process.join()
-        black = np.zeros((240, 320), np.uint8)
         for use in (beside.latest, lambda: beside.put((black, black))):
             with pytest.raises(RuntimeError, match=r"has died .*__main__"):
                 use()
+        happened = Event(3, Kind.BAD_FRAME)
+        beside._events, beside._answered = (happened,), True
+        assert beside.latest()[1] == (happened,)  # what came before is told first
+        with pytest.raises(RuntimeError, match="look at what it printed"):
+            beside.latest()
+    assert beside.latest()[1] == ()
 
 
 def test_put_never_waits(ride: Ride):

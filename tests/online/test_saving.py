@@ -75,17 +75,21 @@ def test_a_state_of_another_calibration_is_refused(ride: Ride, tmp_path: Path):
     """A new calibration is not watched, and not written over, with what was learnt of the old one."""
     path = tmp_path / "state"
     began = init(ride.rig)
-    save(began.using_now(np.array([0.3, 0.0, 0.0, 0.0, 0.0])), path)
+    before = np.array([0.2, 0.0, 0.0, 0.0, 0.0])
+    save(began.using_now(np.array([0.3, 0.0, 0.0, 0.0, 0.0])).but(previous=(np.zeros(5), before)), path)
     used = load(path).rig
     assert not np.allclose(used.extrinsics, ride.rig.extrinsics)
     sr.io.save_rig(used, (tmp_path / "ros_left.yaml", tmp_path / "ros_right.yaml"), format="ros")
     written = sr.io.load_rig(tmp_path / "ros_left.yaml", tmp_path / "ros_right.yaml")
-    for known in (ride.rig, used, written):
+    for known in (ride.rig, used, written, began.rig_at(before)):
         assert load(path, known).using[0] == 0.3
-    turned = ride.rig.with_extrinsics(ride.rig.extrinsics + 1e-4 * np.eye(6)[1])
-    longer = replace(ride.rig, left=changed_camera(ride.rig.left, {"f": 1e-4}))
-    bent = replace(ride.rig, right=changed_camera(ride.rig.right, {"k1": 1e-4}))
-    for other in (turned, longer, bent, ride.rig.resized((160, 120))):
+    turned = ride.rig.with_extrinsics(ride.rig.extrinsics + 1e-5 * np.eye(6)[1])
+    longer = replace(ride.rig, left=changed_camera(ride.rig.left, {"f": 1e-5}))
+    bent = replace(ride.rig, right=changed_camera(ride.rig.right, {"k1": 1e-5}))
+    cropped = replace(
+        ride.rig, **{side: replace(getattr(ride.rig, side), size=(320, 200)) for side in ("left", "right")}
+    )
+    for other in (turned, longer, bent, cropped, ride.rig.resized((160, 120))):
         with pytest.raises(sr.InputError, match="of another calibration"):
             load(path, other)
         with pytest.raises(sr.InputError, match="of another calibration"):

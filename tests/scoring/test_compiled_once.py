@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import stereorecal as sr
+from stereorecal._kept import Kept
 from stereorecal.geometry import with_unit_baseline
 
 MATCHER = sr.SAD(num_disparities=24)
@@ -166,3 +167,10 @@ def test_a_comparison(compilations, given):
         sr.compare(given.rig, given.pairs, strategies=["compass"], draws=1, seed=0, matcher=MATCHER, budget=20)
 
     check(compilations, call)
+
+
+def test_what_later_stages_need_is_begun_before_they_come(given, monkeypatch):
+    begun: list[str] = []
+    monkeypatch.setattr(Kept, "ahead", lambda self, frame, *_: begun.append(self.__name__))
+    sr.recalibrate(given.rig, given.pairs, matcher=MATCHER)
+    assert begun == ["rectified", "refined"] * 2  # of two epipolar stages

@@ -287,6 +287,31 @@ def test_what_a_strategy_says_of_its_options(options):
         strategy("compass", **options)
 
 
+@dataclass(frozen=True)
+class Wanting(AbstractStrategy):
+    """Has an option without a default, and a mistake."""
+
+    step: float
+
+    def __post_init__(self):
+        if self.step < 0:
+            raise ValueError
+        len(self.step)
+
+    def run(self, objective, start, seed):
+        raise NotImplementedError
+
+
+def test_what_a_strategy_does_with_its_options(installed):
+    installed(point("wanting", f"{__name__}:Wanting"))
+    with pytest.raises(InputError, match=r"^strategy wanting needs the option 'step'; give it\.$"):
+        strategy("wanting")
+    with pytest.raises(InputError, match=r"^strategy wanting: ValueError\(\)\.$"):
+        strategy("wanting", step=-1.0)
+    with pytest.raises(StrategyError, match=r"strategy wanting of .* cannot be made .*has no len"):
+        strategy("wanting", step=1.0)
+
+
 def test_an_option_may_be_called_name(installed):
     installed(point("local", f"{__name__}:Local"))
     with pytest.raises(InputError, match="strategy local has no option 'name'; it has: step"):

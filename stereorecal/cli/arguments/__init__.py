@@ -4,6 +4,7 @@ Nothing here imports JAX, OpenCV or NumPy: help, the version and mistyped option
 """
 
 import argparse
+from collections.abc import Sequence
 from difflib import get_close_matches
 from typing import NoReturn
 
@@ -18,17 +19,18 @@ class _Parser(argparse.ArgumentParser):
         """What a command does not know is said by it, not by the parser of all commands."""
         found, others = super().parse_known_args(args, namespace)
         if others:
-            self.error(f"unrecognized arguments: {' '.join(others)}{self._hint(others[0])}")
+            self.error(f"unrecognized arguments: {' '.join(others)}{self._hint(others)}")
         return found, others
 
     def error(self, message: str) -> NoReturn:
         self.exit(BAD_INPUT, f"{self.prog}: {message}; see {self.prog} --help\n")
 
-    def _hint(self, word: str) -> str:
-        if not word.startswith("-"):
-            return f" ({TWO_FILES})"
-        options = [name for action in self._actions for name in action.option_strings]
-        close = get_close_matches(word.partition("=")[0], options, 1)
+    def _hint(self, others: Sequence[str]) -> str:
+        known = [name for action in self._actions for name in action.option_strings]
+        option = next((word.partition("=")[0] for word in others if word.startswith("-")), None)
+        if option is None:
+            return f" ({TWO_FILES})" if "--unit" in known else ""
+        close = get_close_matches(option, known, 1)
         return f" (did you mean {close[0]}?)" if close else ""
 
 

@@ -31,7 +31,7 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="write the repaired calibration there, in the form in which it was read, if there is one",
     )
-    add("--force", action="store_true", help="--output and --json may replace files")
+    add("--force", action="store_true", help="--output and --json may replace files (not a log that goes on)")
     add(
         "--json",
         metavar="FILE|-",

@@ -36,7 +36,7 @@ _PARSERS: dict[Syntax, tuple[_Parsed, _Changed]] = {
 # Two numbers with nothing but a space between them are no YAML that anybody writes for a calibration.
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _COLONS = re.compile(rf"^\w+:[ \t]+{_NUMBER}[ \t]+{_NUMBER}(?!\S)", re.MULTILINE)
-_SECTION = re.compile(r"\A\s*\[[A-Za-z_][^\]\n]*\][ \t]*$", re.MULTILINE)  # of an INI file
+_SECTION = re.compile(r"\A\s*\[[A-Za-z_][^\]\n]*\]\s*(?:[;#].*)?$", re.MULTILINE)  # of an INI file
 _EQUALS = re.compile(r"^\w+[ \t]*=", re.MULTILINE)
 
 
