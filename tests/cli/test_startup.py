@@ -47,18 +47,18 @@ def test_answers_at_once(words: list[str], code: int):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ("score scene --jsno out.json", "score: unrecognized arguments: --jsno out.json (did you mean --json?); see"),
+        ("score scene --jsno out.json", "stereorecal: unrecognized arguments: --jsno out.json (did you mean --json?); see"),
         (
             "recalibrate scene --in-palce",
-            "recalibrate: unrecognized arguments: --in-palce (did you mean --in-place?); see",
+            "stereorecal: unrecognized arguments: --in-palce (did you mean --in-place?); see",
         ),
-        ("compare --drwas=3", "compare: unrecognized arguments: --drwas=3 (did you mean --draws?); see"),
-        ("score scene --zzzz", "score: unrecognized arguments: --zzzz; see"),
+        ("compare --drwas=3", "stereorecal: unrecognized arguments: --drwas=3 (did you mean --draws?); see"),
+        ("score scene --zzzz", "stereorecal: unrecognized arguments: --zzzz; see"),
         ("--verison score", "stereorecal: unrecognized arguments: --verison (did you mean --version?); see"),
         ("recalibrate sc --quite also", "unrecognized arguments: --quite also (did you mean --quiet?); see"),
         ("diff a b c --jsno", "unrecognized arguments: c --jsno (did you mean --json?); see"),
-        ("compare harbour", "compare: unrecognized arguments: harbour; see"),
-        ("diff a.yaml b.yaml c.yaml", "diff: unrecognized arguments: c.yaml (the two files of a calibration are named"),
+        ("compare harbour", "stereorecal: unrecognized arguments: harbour; see"),
+        ("diff a.yaml b.yaml c.yaml", "stereorecal: unrecognized arguments: c.yaml (the two files of a calibration are named"),
     ],
 )
 def test_an_option_that_is_written_wrongly(words: str, said: str, capsys):

@@ -23,7 +23,7 @@ class _Parser(argparse.ArgumentParser):
         return found, others
 
     def error(self, message: str) -> NoReturn:
-        self.exit(BAD_INPUT, f"{self.prog}: {message}; see {self.prog} --help\n")
+        self.exit(BAD_INPUT, f"stereorecal: {message}; see {self.prog} --help\n")
 
     def _hint(self, others: Sequence[str]) -> str:
         known = [name for action in self._actions for name in action.option_strings]
