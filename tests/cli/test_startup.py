@@ -47,18 +47,18 @@ def test_answers_at_once(words: list[str], code: int):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ("score scene --jsno out.json", "stereorecal: unrecognized arguments: --jsno out.json (did you mean --json?); see"),
+        ("score scene --jsno out.json", "unrecognized arguments: --jsno out.json (did you mean --json?); see"),
         (
             "recalibrate scene --in-palce",
-            "stereorecal: unrecognized arguments: --in-palce (did you mean --in-place?); see",
+            "unrecognized arguments: --in-palce (did you mean --in-place?); see",
         ),
-        ("compare --drwas=3", "stereorecal: unrecognized arguments: --drwas=3 (did you mean --draws?); see"),
-        ("score scene --zzzz", "stereorecal: unrecognized arguments: --zzzz; see"),
-        ("--verison score", "stereorecal: unrecognized arguments: --verison (did you mean --version?); see"),
+        ("compare --drwas=3", "unrecognized arguments: --drwas=3 (did you mean --draws?); see"),
+        ("score scene --zzzz", "unrecognized arguments: --zzzz; see"),
+        ("--verison score", "unrecognized arguments: --verison (did you mean --version?); see"),
         ("recalibrate sc --quite also", "unrecognized arguments: --quite also (did you mean --quiet?); see"),
         ("diff a b c --jsno", "unrecognized arguments: c --jsno (did you mean --json?); see"),
-        ("compare harbour", "stereorecal: unrecognized arguments: harbour; see"),
-        ("diff a.yaml b.yaml c.yaml", "stereorecal: unrecognized arguments: c.yaml (the two files of a calibration are named"),
+        ("compare harbour", "unrecognized arguments: harbour; see"),
+        ("diff a.yaml b.yaml c.yaml", "unrecognized arguments: c.yaml (the two files of a calibration are named"),
     ],
 )
 def test_an_option_that_is_written_wrongly(words: str, said: str, capsys):
@@ -67,6 +67,7 @@ def test_an_option_that_is_written_wrongly(words: str, said: str, capsys):
     assert end.value.code == 2
     line = capsys.readouterr().err
     assert said in line
+    assert line.startswith("stereorecal: ")
     assert line.count("\n") == 1
 
 
