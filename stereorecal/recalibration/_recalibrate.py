@@ -119,9 +119,10 @@ def started(case: Case, schedule: Schedule) -> tuple[Case, StereoRig, Cost]:
         seen = survey(case.images, case.rig.extrinsics, radians)
         case, of_survey = case.with_matcher(seen.with_range(asked, radians)), seen.cost
         offset = seen.offset if schedule.survey else offset
-    for stage in schedule.stages:  # the images belong together, so most repairs come to these
-        if stage.score is ScoreKind.EPIPOLAR:
-            host.compile_ahead(case.images.sample(case.scale_of(stage)))
+    # The images belong together, so most repairs come to these.
+    later = [case.scale_of(stage) for stage in schedule.stages if stage.score is ScoreKind.EPIPOLAR]
+    for scale in dict.fromkeys(later):
+        host.compile_ahead(case.images.sample(scale))
     start, of_starts = better_start(case, schedule.stages[0], offset)
     return case, start, Cost(survey=of_survey, starts=of_starts)
 
