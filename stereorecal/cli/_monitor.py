@@ -151,15 +151,19 @@ def _is_log(path: str | None) -> bool:
 
 def _check_follows(path: str, state: State) -> None:
     """Refuse to append to what another watch has told: of pairs that this one has not come to."""
-    with open(path, "rb") as file:
-        file.seek(max(0, file.seek(0, 2) - _TAIL))
-        lines = file.read().splitlines()
     frames = [0]
-    for line in lines:
+    for line in _end(path).splitlines():
         with suppress(ValueError, TypeError, KeyError):  # cut short
             frames.append(int(json.loads(line)["frame"]))
     if frames[-1] >= max(state.frame, 1):
         raise InputError(f"--json {path}: tells of pairs that the watch in --state has not seen; choose another.")
+
+
+def _end(path: str) -> bytes:
+    """Of a log that may be long."""
+    with open(path, "rb") as file:
+        file.seek(max(0, file.seek(0, 2) - _TAIL))
+        return file.read()
 
 
 @contextmanager
@@ -171,7 +175,7 @@ def _json_lines(options: argparse.Namespace, appended: bool) -> Iterator[IO[str]
     # What was not there before the work began is nobody else's; a device is.
     mode = "a" if appended else "w" if options.force or (Path(target).exists() and not Path(target).is_file()) else "x"
     file = open(target, mode, encoding="utf-8")  # noqa: SIM115  closed below, whatever is still held back
-    if appended and not Path(target).read_bytes().endswith(b"\n"):
+    if appended and not _end(target).endswith(b"\n"):
         file.write("\n")  # the last line was cut short, by a loss of power: it spoils no other
     try:
         yield file
