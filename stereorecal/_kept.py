@@ -45,27 +45,28 @@ class Kept:
         self._begun: dict[Any, Future[None]] = {}
 
     def __call__(self, *arguments: Any, **statics: Any) -> Leaves:
-        if self._begun and (begun := self._begun.get(_key(arguments, statics))):
+        folder = _folder_of(statics)
+        if folder is None and not self._begun:
+            return self.compiled(*arguments, **statics)
+        key = _key(arguments, statics)
+        if begun := self._begun.get(key):
             begun.result()
-        return self._called(*arguments, **statics)
+        return self._run(key, folder, arguments, statics)
 
     def ahead(self, *arguments: Any, **statics: Any) -> None:
         """Begin to compile in a thread what such arguments need; a call waits until that is done."""
-        key, over = _key(arguments, statics), Future()
-        if key in self._programs or self._begun.setdefault(key, over) is not over:
-            return
+        key = _key(arguments, statics)
 
         def work() -> None:
             if _key(arguments, statics) == key:  # else JAX is set up otherwise in the caller's thread alone
-                self._called(*arguments, **statics)
+                self._run(key, _folder_of(statics), arguments, statics)
 
-        begin(work).add_done_callback(lambda _: over.set_result(None))
+        if key not in self._programs and key not in self._begun:
+            self._begun[key] = begin(work)
 
-    def _called(self, *arguments: Any, **statics: Any) -> Leaves:
-        folder = _folder()
-        if folder is None or not all(_ours(value) for value in statics.values()):
+    def _run(self, key: Any, folder: Path | None, arguments: tuple[Any, ...], statics: dict[str, Any]) -> Leaves:
+        if folder is None:
             return self.compiled(*arguments, **statics)
-        key = _key(arguments, statics)
         program = self._programs.get(key)
         if program is None:
             with self._tracing:
@@ -123,6 +124,11 @@ def _ours(value: Any) -> bool:
     """Whether a static argument is plain, or of this package."""
     module = value.__module__ if callable(value) else type(value).__module__
     return module == "builtins" or module.partition(".")[0] == "stereorecal"
+
+
+def _folder_of(statics: dict[str, Any]) -> Path | None:
+    """Where a program is kept; None where it is not."""
+    return _folder() if all(_ours(value) for value in statics.values()) else None
 
 
 def _folder() -> Path | None:

@@ -200,8 +200,9 @@ def _check_places(options: argparse.Namespace, appended: bool) -> list[Place]:
     for option, what in (("output", "a calibration"), ("state", "a state")):
         if getattr(options, option) == "-":
             raise InputError(f"--{option} -: {what} is written to a file; give the name of one.")
-    replaced = places_of(options, "output") if appended else places_of(options, "json", "output")
-    kept = places_of(options, "state", "json") if appended else places_of(options, "state")
+    going_on = ("state", "json") if appended else ("state",)
+    replaced = places_of(options, *(name for name in ("json", "output") if name not in going_on))
+    kept = places_of(options, *going_on)
     check_places(replaced, force=options.force)
     check_places([*replaced, *kept], force=True)
     return [*replaced, *kept]
