@@ -1,0 +1,91 @@
+"""How a rig to judge rectifies pixels and images: its geometry, and nothing of what finds or judges calibrations."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+import stereorecal as sr
+
+_ENOUGH = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 200, 1e-12)
+
+
+@dataclass(frozen=True, eq=False)
+class Optics:
+    """A rig and its rectification."""
+
+    rig: sr.StereoRig
+    made: sr.Rectification
+
+    @property
+    def focal(self) -> float:
+        """Of both rectified cameras, in pixels."""
+        return float(self.made.P1[0, 0])
+
+    @property
+    def focal_baseline(self) -> float:
+        """Disparity times depth [px m]."""
+        return -float(self.made.P2[0, 3])
+
+    @property
+    def at_infinity(self) -> float:
+        """Disparity of what is infinitely far away."""
+        return float(self.made.P1[0, 2] - self.made.P2[0, 2])
+
+    def images(self, pair: sr.Pair) -> tuple[np.ndarray, np.ndarray]:
+        """Both images rectified, 8 bit; black where nothing is seen."""
+        grey = (np.clip(np.round(image), 0, 255).astype(np.uint8) for image in (pair.left, pair.right))
+        left, right = (cv2.remap(g, *maps, cv2.INTER_CUBIC) for g, maps in zip(grey, self.made.maps, strict=True))
+        return left, right
+
+    def left(self, pixels: np.ndarray) -> np.ndarray:
+        """Raw pixels (n, 2) of the left image, rectified."""
+        return _undistorted(pixels, self.rig.left, self.made.R1, self.made.P1)
+
+    def right(self, pixels: np.ndarray) -> np.ndarray:
+        """Raw pixels (n, 2) of the right image, rectified."""
+        return _undistorted(pixels, self.rig.right, self.made.R2, self.made.P2)
+
+    def raw(self, left: np.ndarray, right: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Where rectified pixels (n, 2) lie in the images as they were taken."""
+        made = self.made
+        return (
+            _distorted(left, self.rig.left, made.R1, made.P1),
+            _distorted(right, self.rig.right, made.R2, made.P2),
+        )
+
+    def rectified_depth(self, pixels: np.ndarray, depth: np.ndarray) -> np.ndarray:
+        """Depth in the rectified frame of points that this rig's left camera sees at raw pixels, at a depth along its
+        own axis."""
+        rays = _undistorted(pixels, self.rig.left, np.eye(3), np.eye(3, 4))
+        return np.column_stack([rays, np.ones(len(rays))]) @ self.made.R1[2] * depth
+
+
+def optics(rig: sr.StereoRig) -> Optics:
+    """Of a rig, in its own view."""
+    return Optics(rig, sr.rectification(rig))
+
+
+def _undistorted(pixels: np.ndarray, camera: sr.Camera, turn: np.ndarray, projection: np.ndarray) -> np.ndarray:
+    given = np.ascontiguousarray(pixels, np.float64).reshape(-1, 1, 2)
+    lens = np.asarray(camera.distortion, float) if np.size(camera.distortion) else np.zeros(4)
+    found = cv2.undistortPoints(given, np.asarray(camera.matrix), lens, None, turn, projection[:, :3], _ENOUGH)
+    return found.reshape(-1, 2)
+
+
+def _distorted(pixels: np.ndarray, camera: sr.Camera, turn: np.ndarray, projection: np.ndarray) -> np.ndarray:
+    rays = np.column_stack([pixels, np.ones(len(pixels))]) @ np.linalg.inv(projection[:, :3]).T @ turn
+    lens = np.asarray(camera.distortion, float) if np.size(camera.distortion) else np.zeros(4)
+    return cv2.projectPoints(rays, np.zeros(3), np.zeros(3), np.asarray(camera.matrix), lens)[0].reshape(-1, 2)
+
+
+def sgbm(images: tuple[np.ndarray, np.ndarray], least: int, most: float) -> np.ndarray:
+    """OpenCV's disparities (h, w) in pixels, NaN where there is none.
+
+    Paths from all eight sides: with the default five, disparities of roads lag behind by 0.3 px.
+    """
+    count = int(np.ceil((most - least) / 16) * 16)
+    matcher = cv2.StereoSGBM.create(least, count, 5, 200, 800, 1, 63, 10, 100, 2, cv2.STEREO_SGBM_MODE_HH)
+    disparity = matcher.compute(*images).astype(np.float32) / 16.0
+    disparity[disparity < least] = np.nan
+    return disparity

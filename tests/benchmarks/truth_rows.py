@@ -1,0 +1,59 @@
+"""Rows of a rig by corners that are followed from the left image to the right one."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import cv2
+import numpy as np
+from truth_optics import optics, sgbm
+
+import stereorecal as sr
+
+_NEAREST = 0.25  # of the width: disparities that are looked for
+_WINDOW = {"winSize": (15, 15), "criteria": (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 50, 1e-4)}
+_RETURN = 0.2  # pixels between a corner and where it comes back to
+_MOST_ROWS, _MOST_ALONG = 8.0, 2.0  # pixels from the stored rig's row, and from SGBM's disparity
+
+
+@dataclass(frozen=True)
+class Rows:
+    """Row differences of followed corners [px of the stored left camera]: median of amounts, median, how many."""
+
+    median_px: float
+    bias_px: float
+    corners: int
+
+
+def rows(judged: sr.StereoRig, stored: sr.StereoRig, scene: sr.Scene) -> Rows:
+    """Of the corners of a scene. They are followed once, in images that the stored rig rectifies, and taken back to raw
+    pixels: every rig is judged by the same ones."""
+    apart = np.concatenate([row_differences(judged, stored, *followed(stored, pair)) for pair in scene.pairs])
+    return Rows(float(np.median(np.abs(apart))), float(np.median(apart)), len(apart))
+
+
+def row_differences(judged: sr.StereoRig, stored: sr.StereoRig, left: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Row of left less row of right raw pixels (n, 2), rectified by a rig, at the focal length of the stored one."""
+    made = optics(judged)
+    return (made.left(left)[:, 1] - made.right(right)[:, 1]) * float(stored.left.matrix[0, 0]) / made.focal
+
+
+@lru_cache(maxsize=64)
+def followed(rig: sr.StereoRig, pair: sr.Pair) -> tuple[np.ndarray, np.ndarray]:
+    """Corners of a pair and where they are found in the right image, raw pixels (n, 2) each.
+
+    Begun at SGBM's disparity, followed down a pyramid by Lucas-Kanade to parts of a pixel, and back.
+    """
+    made = optics(rig)
+    images = made.images(pair)
+    disparity = sgbm(images, -16, _NEAREST * images[0].shape[1])
+    corners = cv2.goodFeaturesToTrack(images[0], 6000, 0.003, 5).reshape(-1, 2)
+    begun = disparity[tuple(np.rint(corners[:, ::-1]).astype(int).T)]
+    corners, begun = corners[np.isfinite(begun)], begun[np.isfinite(begun)]
+    guess = (corners - np.column_stack([begun, 0 * begun])).astype(np.float32)
+    flags = cv2.OPTFLOW_USE_INITIAL_FLOW
+    found, there, _ = cv2.calcOpticalFlowPyrLK(*images, corners, guess.copy(), maxLevel=1, flags=flags, **_WINDOW)
+    back, here, _ = cv2.calcOpticalFlowPyrLK(*images[::-1], found, corners.copy(), maxLevel=1, flags=flags, **_WINDOW)
+    good = (there.ravel() > 0) & (here.ravel() > 0) & (np.linalg.norm(back - corners, axis=1) < _RETURN)
+    good &= np.abs(corners[:, 0] - found[:, 0] - begun) < _MOST_ALONG
+    good &= np.abs(corners[:, 1] - found[:, 1]) < _MOST_ROWS
+    return made.raw(corners[good].astype(float), found[good].astype(float))
