@@ -14,14 +14,15 @@ CORE = ROOT / "stereorecal"
 PLUGINS = [path for path in (ROOT / "plugins").glob("*/stereorecal_*") if path.is_dir()]
 
 # Each may import the ones after it; objectives are where strategies, which know no stereo, and scores meet.
-CHAIN = ("cli", "comparison", "recalibration", "objectives", "scoring", "matching", "recordings", "geometry")
+CHAIN = ("cli", "comparison", "recalibration", "estimation", "objectives", "scoring", "matching", "recordings")
+CHAIN = (*CHAIN, "geometry")
 MAY_IMPORT = {name: set(CHAIN[index + 1 :]) for index, name in enumerate(CHAIN)} | {
     "strategies": set(),
     "report": set(),
     "io": {"recordings", "geometry"},
     "synthetic": {"recordings", "geometry"},
 }
-for above in ("cli", "comparison", "recalibration", "objectives"):
+for above in ("cli", "comparison", "recalibration", "estimation", "objectives"):
     MAY_IMPORT[above].add("strategies")
 MAY_IMPORT["testing"] = MAY_IMPORT["objectives"] | {"objectives", "synthetic"}
 MAY_IMPORT["recalibration"] |= {"report", "io"}  # how numbers read, and a page: a solution shows itself

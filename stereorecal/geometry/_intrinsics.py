@@ -9,7 +9,7 @@ from jaxtyping import Float
 from stereorecal.geometry._camera import Camera
 from stereorecal.geometry._distortion import COEFFICIENT_COUNTS, distort, undistort
 
-_COEFFICIENTS = ("k1", "k2", "p1", "p2", "k3")
+_COEFFICIENTS = ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6", "s1", "s2", "s3", "s4")
 _TINY = 1e-30
 
 
@@ -18,7 +18,7 @@ def changed_camera(camera: Camera, changes: Mapping[str, float]) -> Camera:
 
     Args:
         changes: "f", "aspect": by which the logarithms of both focal lengths, or of fy alone, grow; "cx", "cy": pixels;
-            "k1", "k2", "p1", "p2", "k3": added to the coefficients. A lens model of fewer coefficients grows.
+            "k1", "k2", "p1", "p2", "k3", … "s4": added to the coefficients. A lens model of fewer coefficients grows.
     """
     matrix = np.array(camera.matrix, float)
     matrix[0, 0] *= np.exp(changes.get("f", 0.0))

@@ -13,13 +13,14 @@ from stereorecal.objectives._names import BASELINE, EXTRINSICS, ROTATION, SIDES
 from stereorecal.objectives._reach import Reach
 
 _LENS = ("f", "cx", "cy", "k1", "k2")
-_LENS_ON_REQUEST = ("aspect", "p1", "p2", "k3")
+_LENS_ON_REQUEST = ("aspect", "p1", "p2", "k3", "s1", "s2", "s3", "s4")
 INTRINSICS = tuple(f"{side}.{name}" for side in SIDES for name in _LENS)
 GROUPS = {"rotation": ROTATION, "extrinsics": EXTRINSICS, "intrinsics": INTRINSICS}
 NAMES = (*EXTRINSICS, BASELINE, *(f"{side}.{name}" for side in SIDES for name in (*_LENS, *_LENS_ON_REQUEST)))
 # Standard deviations. A chessboard's focal length is good to some tenths of a percent, its centre to a pixel or two of
 # a VGA image, k1 to a hundredth (evidence: repeated calibrations of public data sets).
 _SIGMAS = {"f": 0.5, "cx": 2.0, "cy": 2.0, "k1": 0.01, "k2": 0.02, "aspect": 0.1, "p1": 5e-4, "p2": 5e-4, "k3": 0.02}
+_SIGMAS |= {"s1": 5e-4, "s2": 5e-4, "s3": 5e-4, "s4": 5e-4}
 _OF_BASELINE = 1.0  # percent
 _UNITS = {"f": "%", "aspect": "%", "cx": "px", "cy": "px"}
 _WIDTH = 640  # pixels of the image for which the centres' standard deviation is given
@@ -48,7 +49,8 @@ class Parameters:
 
     Attributes:
         free: of "pitch", "yaw", "roll", "y", "z", "baseline", and of each camera "left.f" (focal length), "left.cx",
-            "left.cy", "left.k1", "left.k2", on request "left.aspect", "left.p1", "left.p2", "left.k3"; or of the groups
+            "left.cy", "left.k1", "left.k2", on request "left.aspect", "left.p1", "left.p2", "left.k3", "left.s1" to
+            "left.s4"; or of the groups
             "rotation", "extrinsics" (the first five) and "intrinsics" (the first five of each camera). The rest is held
             exactly.
         priors: standard deviations by name where they are not the default: degrees for angles, percent of the baseline

@@ -1,0 +1,16 @@
+"""The estimate of a rig: all its parameters, the prior of what its calibration left, a drift, and rows, in one least
+squares; `docs/estimate.md` explains it.
+
+`_parameters` names θ, `_calibration_prior` and `_drift` are its prior, `_groups` the rows as data, `_misfit` what no
+parameter explains, `_evidence` integrates in closed form, `_least_squares` solves, `_posterior` is the answer,
+`_consequences` what errors of a rig do to rows and depth, `_candidates` the rigs that may be written.
+"""
+
+from stereorecal.estimation._calibration_prior import (
+    CalibrationPrior as CalibrationPrior,
+    calibration_prior as calibration_prior,
+    exact_prior as exact_prior,
+)
+from stereorecal.estimation._estimate import Estimate as Estimate, estimate as estimate
+from stereorecal.estimation._parameters import rig_parameters as rig_parameters
+from stereorecal.estimation._posterior import Posterior as Posterior

@@ -1,0 +1,165 @@
+"""What a calibration leaves: the covariance of the errors of a chessboard calibration of a rig.
+
+The inverse Fisher information of simulated views of a board, whose poses are marginalised. Its correlations are the
+point: whatever keeps boards in place (a principal point with a rotation, a focal length with z) is loose, whatever
+moves the depth of a board is tight.
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal.estimation._posterior import root
+from stereorecal.geometry import StereoRig, rotation_from_vector
+from stereorecal.objectives import BASELINE, RigChart
+
+_CORNER_NOISE = 0.2  # pixels, standard deviation of a corner in an image 640 wide
+# How much worse than their noise calibrations are, told apart by the evidence of the images.
+KAPPAS = (0.5, 1.0, 2.0, 4.0, 8.0)
+
+
+class _Views(NamedTuple):
+    """How a board was shown.
+
+    Attributes:
+        boards: how many views.
+        depths: nearest and farthest, baselines.
+        tilt: at most, degrees.
+        beside: centre of the board from that of the image, at most, as a share of the image.
+        widths: smallest and largest, as a share of the image.
+    """
+
+    boards: int
+    depths: tuple[float, float]
+    tilt: float
+    beside: float
+    widths: tuple[float, float]
+
+
+# A careful calibration, a hasty one, one of a few views that are nearly frontal: what is loose differs between them.
+_KINDS = (
+    _Views(12, (3.0, 12.0), 35.0, 0.3, (0.33, 0.5)),
+    _Views(6, (3.0, 12.0), 20.0, 0.2, (0.33, 0.5)),
+    _Views(4, (3.0, 8.0), 15.0, 0.2, (0.25, 0.4)),
+)
+_CORNERS = (9, 6)
+_FEWEST = 20  # corners that both cameras see
+_SEED = 7
+_WIDTH = 640
+# Never wider than what is physical.
+_WIDEST = {"f": 2.0, "aspect": 0.5, "cx": 15.0, "cy": 15.0, "k1": 0.05, "k2": 0.1, "p1": 0.005, "p2": 0.005, "k3": 0.1}
+_WIDEST |= dict.fromkeys(("s1", "s2", "s3", "s4"), 0.01)
+_WIDEST_ANGLE, _WIDEST_SHIFT, _WIDEST_LENGTH = 3.0, 5.0, 2.0  # degrees, percent of the baseline
+_POSE_STEP = 1e-4  # radians, and sizes of a board
+_SQUARES = 0.15  # percent: printed squares are off by so much, and the baseline's length with them
+_STEPS = {"%": 1e-2, "px": 1e-2, "deg": 1e-3, "": 1e-5}  # of central differences, by unit
+
+
+@dataclass(frozen=True, eq=False)
+class CalibrationPrior:
+    """What may be wrong with the given calibration before any drift: normal, with one of a few covariances.
+
+    Attributes:
+        roots: (j, n, n) S of the covariances S Sᵀ of θ.
+        weights: (j,) probabilities of each.
+    """
+
+    roots: Float[np.ndarray, "j n n"]
+    weights: Float[np.ndarray, "j"]
+
+
+def calibration_prior(chart: RigChart) -> CalibrationPrior:
+    """What a chessboard calibration of the rig at θ = 0 leaves."""
+    roots = np.stack([root(covariance) for covariance in calibration_covariances(chart)])
+    return CalibrationPrior(roots, np.full(len(roots), 1.0 / len(roots)))
+
+
+def exact_prior(chart: RigChart) -> CalibrationPrior:
+    """Nothing is wrong but what has drifted: the paper's assumption."""
+    return CalibrationPrior(np.zeros((1, chart.dim, chart.dim)), np.ones(1))
+
+
+def calibration_covariances(chart: RigChart) -> Float[np.ndarray, "j n n"]:
+    """The covariance of θ that a calibration leaves: for each kind of views, one after the other, each of KAPPAS."""
+    widest = np.diag(1.0 / _widest(chart) ** 2)
+    noise = _CORNER_NOISE * chart.rig.left.size[0] / _WIDTH
+    scale, of_squares = _widest(chart), np.diag([_SQUARES**2 * (name == BASELINE) for name in chart.names])
+    found = []
+    for views in _KINDS:
+        information = _information(chart, views)
+        for kappa in KAPPAS:
+            inverse = np.linalg.inv(scale[:, None] * (information / (kappa * noise) ** 2 + widest) * scale)
+            found.append(scale[:, None] * inverse * scale + of_squares)
+    return np.stack(found)
+
+
+def _widest(chart: RigChart) -> Float[np.ndarray, "n"]:
+    """The largest standard deviations, in the units of θ."""
+    width = chart.rig.left.size[0] / _WIDTH
+    found = []
+    for parameter in chart.parameters:
+        if "." in parameter.name:
+            found.append(_WIDEST[parameter.name.split(".")[1]] * (width if parameter.unit == "px" else 1.0))
+        elif parameter.unit == "deg":
+            found.append(_WIDEST_ANGLE)
+        else:
+            found.append(_WIDEST_LENGTH if parameter.name == "baseline" else _WIDEST_SHIFT)
+    return np.array(found)
+
+
+def _information(chart: RigChart, views: _Views) -> Float[np.ndarray, "n n"]:
+    """The Fisher information of corners with a noise of one pixel, poses of the boards marginalised."""
+    rig = chart.rig
+    points = _boards(rig, views)
+    at = _pixels(rig, points)
+    width, height = rig.left.size
+    seen = ((at >= 0.0) & (at <= np.array([width, height, width, height]) - 1.0)).all(axis=-1)
+    seen &= (seen.sum(axis=1) >= _FEWEST)[:, None]
+    steps = np.array([_STEPS[parameter.unit] for parameter in chart.parameters])
+    by_rig = [
+        (_pixels(chart.rig_at(step * axis), points) - _pixels(chart.rig_at(-step * axis), points)) / (2.0 * step)
+        for step, axis in zip(steps, np.eye(chart.dim), strict=True)
+    ]
+    by_pose = [(_pixels(rig, more) - _pixels(rig, less)) / (2.0 * _POSE_STEP) for more, less in _moved(points)]
+    information = np.zeros((chart.dim, chart.dim))
+    slopes = np.where(seen[..., None], np.stack([*by_rig, *by_pose]), 0.0)  # (n + 6, boards, corners, 4)
+    for board in np.moveaxis(slopes, 1, 0).reshape(len(points), len(slopes), -1):
+        normal = board @ board.T
+        cross, own = normal[chart.dim :, : chart.dim], normal[chart.dim :, chart.dim :]
+        information += normal[: chart.dim, : chart.dim] - cross.T @ np.linalg.pinv(own, hermitian=True) @ cross
+    return information
+
+
+def _pixels(rig: StereoRig, points: Float[np.ndarray, "b c 3"]) -> Float[np.ndarray, "b c 4"]:
+    """Of points in the frame of the left camera, in the left and the right image."""
+    right = points @ rig.rotation.T + rig.translation
+    return np.concatenate([rig.left.project(points), rig.right.project(right)], axis=-1)
+
+
+def _boards(rig: StereoRig, views: _Views) -> Float[np.ndarray, "b c 3"]:
+    """The corners of boards, metres in the frame of the left camera; always the same for a rig."""
+    draw = np.random.default_rng(_SEED)
+    (width, height), baseline = rig.left.size, float(rig.baseline)
+    flat = np.stack(np.meshgrid(*(np.arange(n) - 0.5 * (n - 1) for n in _CORNERS)), axis=-1).reshape(-1, 2)
+    boards = []
+    most = np.radians(views.tilt)
+    for _ in range(views.boards):
+        depth = baseline * draw.uniform(*views.depths)
+        square = depth * draw.uniform(*views.widths) * width / float(rig.left.matrix[0, 0]) / _CORNERS[0]
+        middle = (0.5 + draw.uniform(-views.beside, views.beside, 2)) * [width, height]
+        tilt = rotation_from_vector(draw.uniform(-most, most, 3))
+        corners = np.concatenate([square * flat, np.zeros((len(flat), 1))], axis=-1) @ np.asarray(tilt).T
+        boards.append(corners + depth * np.asarray(rig.left.rays(middle[None]))[0])
+    return np.stack(boards)
+
+
+def _moved(points: Float[np.ndarray, "b c 3"]):
+    """The points of boards that are turned or shifted a little, to and fro, for each of six coordinates."""
+    middle = points.mean(axis=1, keepdims=True)
+    size = np.linalg.norm(points - middle, axis=-1).max(axis=1)[:, None, None]
+    for axis in np.eye(3):
+        turned = np.cross(axis, points - middle)
+        yield points + _POSE_STEP * turned, points - _POSE_STEP * turned
+        yield points + _POSE_STEP * size * axis, points - _POSE_STEP * size * axis

@@ -1,0 +1,58 @@
+"""Rigs that may be written: the one that loses least, and the most probable one that reads depth as the given one."""
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from stereorecal.estimation._consequences import DISTANCES, Consequences, consequences, points_of_view, readings
+from stereorecal.objectives import RigChart
+
+_KEPT_AT = (10, 30)  # baselines: an offset of disparity and a scale of depth
+_STEPS = 4
+_ROWS_MATTER = 0.1  # pixels: what a matcher notices
+_DEPTH_MATTERS = 0.01  # of the disparity
+_SEEN_AT = (4, 10, 30)  # baselines
+
+
+def depth_kept(
+    chart: RigChart, mean: Float[np.ndarray, "n"], covariance: Float[np.ndarray, "n n"]
+) -> Float[np.ndarray, "n"]:
+    """The most probable θ whose disparities are those of the rig at θ = 0, on average over the view; Newton steps along
+    the covariance."""
+    sets = [points_of_view(chart.rig, distance) for distance in _KEPT_AT]
+    slopes = consequences(chart, mean).nearness[[DISTANCES.index(distance) for distance in _KEPT_AT]]
+    pull = covariance @ slopes.T
+    theta = mean
+    for _ in range(_STEPS):
+        here = np.array([readings(chart.rig_at(theta), chart.rig, points)[1].mean() for points in sets])
+        wanted = slopes @ (mean - theta) + here
+        theta = mean - pull @ np.linalg.lstsq(slopes @ pull, wanted, rcond=None)[0]
+    return theta
+
+
+def least_loss(
+    near: Consequences,
+    mean: Float[np.ndarray, "n"],
+    nearness: Float[np.ndarray, "d"],
+    free: Bool[np.ndarray, "n"],
+) -> Float[np.ndarray, "n"]:
+    """θ that loses least, in rows over the view and in depth, of those whose held parameters are as given (0).
+
+    Args:
+        near: the linear maps at the mean.
+        mean: of θ.
+        nearness: relative disparity that the rig should read, less that of the rig at the mean, at each of DISTANCES.
+        free: which parameters may change.
+    """
+    if free.all() and not nearness.any():
+        return mean
+    rows, wanted = [], []
+    for index, distance in enumerate(DISTANCES):
+        if distance in _SEEN_AT:
+            slopes = near.rows[index] / (_ROWS_MATTER * np.sqrt(len(near.rows[index]) * len(_SEEN_AT)))
+            rows += [slopes, near.nearness[index : index + 1] / _DEPTH_MATTERS]
+            wanted += [slopes @ mean, rows[-1] @ mean + nearness[index] / _DEPTH_MATTERS]
+    maps, goal = np.concatenate(rows), np.concatenate(wanted)
+    scale = np.linalg.norm(maps[:, free], axis=0)
+    found = np.zeros(len(mean))
+    found[free] = np.linalg.lstsq(maps[:, free] / scale, goal, rcond=1e-10)[0] / scale
+    return found

@@ -1,0 +1,84 @@
+"""What a rig's errors do: rows apart and wrong disparities of points over the view, at some distances.
+
+Both follow points of the world: the true rig says in which pixels they appear, the used one reads those pixels.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal.geometry import StereoRig, rectifying_rotations, reread, same_camera
+from stereorecal.objectives import RigChart
+
+DISTANCES = (4, 10, 30, 100)  # baselines
+_GRID = (9, 7)  # points of the left image
+_MARGIN = 0.05  # of the image, at each side
+
+
+def points_of_view(rig: StereoRig, distance: float) -> Float[np.ndarray, "p 3"]:
+    """Points over the left image, at a distance along its axis in baselines, that both cameras see; metres."""
+    width, height = rig.left.size
+    share = [np.linspace(_MARGIN, 1.0 - _MARGIN, n) for n in _GRID]
+    pixels = np.stack(np.meshgrid(*share), axis=-1).reshape(-1, 2) * [width - 1, height - 1]
+    rays = np.asarray(rig.left.rays(pixels))
+    points = rays * distance * float(rig.baseline)
+    right = points @ rig.rotation.T + rig.translation
+    ahead = (right[:, 2] > 0.0) & (np.hypot(rays[:, 0], rays[:, 1]) < float(rig.left.lens_radius))
+    at_1 = right / np.where(ahead, right[:, 2], 1.0)[:, None]
+    inside = np.hypot(at_1[:, 0], at_1[:, 1]) < float(rig.right.lens_radius)
+    seen = np.asarray(rig.right.project(at_1))
+    return points[ahead & inside & ((seen >= 0.0) & (seen <= np.array([width, height]) - 1.0)).all(axis=-1)]
+
+
+def readings(
+    used: StereoRig, true: StereoRig, points: Float[np.ndarray, "p 3"]
+) -> tuple[Float[np.ndarray, "p"], Float[np.ndarray, "p"]]:
+    """Row differences of points, and their relative errors of disparity (true depth over that read, less 1), as `used`
+    reads the pixels in which `true` sees them; rows in pixels of the mean focal length of `used`."""
+    to_left, to_right = rectifying_rotations(used.rotation, used.translation)
+    focal = float(np.mean([camera.matrix[i, i] for camera in (used.left, used.right) for i in (0, 1)]))
+
+    def read(ray: Float[np.ndarray, "p 3"], true_camera, used_camera, rotation) -> Float[np.ndarray, "p 3"]:
+        at_1 = ray / ray[:, 2:]
+        seen = at_1 if same_camera(true_camera, used_camera) else reread(at_1, true_camera, used_camera)
+        turned = seen @ rotation.T
+        return turned / turned[:, 2:]
+
+    left = read(points, true.left, used.left, to_left)
+    right = read(points @ true.rotation.T + true.translation, true.right, used.right, to_right)
+    # Depth along the used left camera's axis against that along the true one's.
+    axis = left @ to_left
+    depth = float(used.baseline) * axis[:, 2]  # over the disparity
+    return focal * (left[:, 1] - right[:, 1]), points[:, 2] * (left[:, 0] - right[:, 0]) / depth - 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Consequences:
+    """`readings` near a used rig, linear in what the truth differs by.
+
+    Attributes:
+        rows: for each of DISTANCES, (p, n) pixels a unit of θ(used) - θ(true).
+        nearness: (d, n) mean relative error of disparity over the view at each of DISTANCES, likewise.
+    """
+
+    rows: tuple[Float[np.ndarray, "p n"], ...]
+    nearness: Float[np.ndarray, "d n"]
+
+
+_STEPS = {"%": 1e-2, "px": 1e-2, "deg": 1e-3, "": 1e-5}
+
+
+def consequences(chart: RigChart, theta: Float[np.ndarray, "n"]) -> Consequences:
+    """The linear maps at the rig at θ."""
+    used = chart.rig_at(theta)
+    sets = [points_of_view(used, distance) for distance in DISTANCES]
+    ends = np.cumsum([len(points) for points in sets])[:-1]
+    points = np.concatenate(sets)
+    steps = np.array([_STEPS[parameter.unit] for parameter in chart.parameters])
+    slopes = []
+    for step, axis in zip(steps, np.eye(chart.dim), strict=True):
+        more, less = (readings(used, chart.rig_at(theta - sign * step * axis), points) for sign in (1.0, -1.0))
+        slopes.append([(a - b) / (2.0 * step) for a, b in zip(more, less, strict=True)])
+    rows, nearness = np.moveaxis(np.array(slopes), 0, -1)
+    return Consequences(tuple(np.split(rows, ends)), np.stack([part.mean(axis=0) for part in np.split(nearness, ends)]))

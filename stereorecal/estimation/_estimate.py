@@ -1,0 +1,148 @@
+"""The estimate: from correspondences and a prior to what is known of a rig, and the rigs that may be written."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Float
+from threadpoolctl import ThreadpoolController
+
+from stereorecal.estimation._calibration_prior import CalibrationPrior, calibration_prior
+from stereorecal.estimation._candidates import depth_kept, least_loss
+from stereorecal.estimation._consequences import DISTANCES, Consequences, consequences, points_of_view, readings
+from stereorecal.estimation._least_squares import fit
+from stereorecal.estimation._parameters import rig_parameters
+from stereorecal.estimation._posterior import Posterior
+from stereorecal.geometry import StereoRig
+from stereorecal.objectives import RigChart
+from stereorecal.scoring import Correspondences
+
+_SAMPLES = 2000
+_SEED = 0
+_LEAST_NEARNESS = 1e-3  # a thousandth of the true nearness: what lies beyond is called infinitely far
+
+
+@dataclass(frozen=True, eq=False)
+class Estimate:
+    """What the images of a rig and the prior of its calibration say of it together.
+
+    Attributes:
+        chart: from θ, changes of all parameters in the units of people, to rigs; θ = 0 is the given one.
+        posterior: of θ.
+        misfit: pixels of row difference that stay together in regions and are in no parameter: of each frame, and
+            common to all frames.
+        groups: how many mean row differences it rests on.
+        residual_px: root mean square of those, at the posterior's mean.
+    """
+
+    chart: RigChart
+    posterior: Posterior
+    misfit: tuple[float, float]
+    groups: int
+    residual_px: float
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of all parameters, in the order of θ."""
+        return self.chart.names
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """Of all parameters: "deg", "%", "px" or "" for coefficients."""
+        return tuple(parameter.unit for parameter in self.chart.parameters)
+
+    @property
+    def theta(self) -> Float[np.ndarray, "n"]:
+        """The posterior's mean of θ."""
+        return self.posterior.mean
+
+    @cached_property
+    def intervals(self) -> Float[np.ndarray, "n 2"]:
+        """95 % of each parameter, marginal over all others."""
+        return np.percentile(self._samples, [2.5, 97.5], axis=0).T
+
+    @property
+    def mean_rig(self) -> StereoRig:
+        """The rig at the posterior's mean: all parameters change."""
+        return self.chart.rig_at(self.theta)
+
+    @cached_property
+    def depth_kept(self) -> Float[np.ndarray, "n"]:
+        """The most probable θ whose depth is that of the given rig."""
+        return depth_kept(self.chart, self.theta, self.posterior.covariance)
+
+    def with_free(self, names: Sequence[str]) -> Float[np.ndarray, "n"]:
+        """θ that loses least in rows and depth if only these parameters may change."""
+        free = np.isin(self.chart.names, names)
+        return least_loss(self._consequences, self.theta, self._target_nearness, free)
+
+    @cached_property
+    def _samples(self) -> Float[np.ndarray, "s n"]:
+        return self.posterior.samples(_SAMPLES, _SEED)
+
+    @cached_property
+    def _consequences(self) -> Consequences:
+        return consequences(self.chart, self.theta)
+
+    @cached_property
+    def _target_nearness(self) -> Float[np.ndarray, "d"]:
+        """What a rig should read, relative to the one at the mean: the median, since what is lost is |error|."""
+        return np.median((self._samples - self.theta) @ self._consequences.nearness.T, axis=0)
+
+    def depth_error_percent(self, used: Float[np.ndarray, "n"]) -> dict[int, tuple[float, float, float]]:
+        """The error of depth of the rig at θ = used, at distances in baselines: median, and 95 % interval; positive: it
+        reports too far; infinite where a point seems to lie at infinity or beyond. Over the view, on average."""
+        near = self._nearness(used)
+        found = {}
+        for distance, of_samples in zip(DISTANCES, near.T, strict=True):
+            middle, low, high = (
+                float("inf") if value < _LEAST_NEARNESS else 100.0 * (1.0 / value - 1.0)
+                for value in (1.0 + np.percentile(of_samples, [50.0, 97.5, 2.5])).tolist()
+            )
+            found[distance] = (middle, low, high)
+        return found
+
+    def row_error_px(self, used: Float[np.ndarray, "n"]) -> dict[int, tuple[float, float, float]]:
+        """The row error of the rig at θ = used, root mean square over the view, of points at distances in baselines:
+        median, and 95 % interval; pixels of the images."""
+        apart = self._samples - self.theta
+        found = {}
+        for distance, slopes in zip(DISTANCES, self._consequences.rows, strict=True):
+            rows, _ = readings(self.chart.rig_at(used), self.mean_rig, points_of_view(self.mean_rig, distance))
+            if len(rows) != len(slopes):
+                continue
+            size = np.sqrt(np.mean((rows - apart @ slopes.T) ** 2, axis=1))
+            middle, low, high = np.percentile(size, [50.0, 2.5, 97.5]).tolist()
+            found[distance] = (middle, low, high)
+        return found
+
+    def _nearness(self, used: Float[np.ndarray, "n"]) -> Float[np.ndarray, "s d"]:
+        """Relative error of disparity of the rig at θ = used, for each sample and distance: exact at the mean, linear
+        around it."""
+        rig, mean = self.chart.rig_at(used), self.mean_rig
+        at_mean = [readings(rig, mean, points_of_view(mean, distance))[1].mean() for distance in DISTANCES]
+        return np.array(at_mean) - (self._samples - self.theta) @ self._consequences.nearness.T
+
+
+def estimate(
+    found: Correspondences,
+    rig: StereoRig,
+    prior: CalibrationPrior | None = None,
+    start: Float[np.ndarray, "n"] | None = None,
+) -> Estimate:
+    """The estimate of a rig.
+
+    Args:
+        found: correspondences of one or several frames, with the rays that the cameras of `rig` give.
+        rig: the given calibration.
+        prior: of what it leaves; default that of a chessboard calibration.
+        start: θ to begin at; default 0.
+    """
+    chart = rig_parameters(rig)
+    # Hundreds of small matrices: threads would wait for each other, and for other processes on these cores.
+    with ThreadpoolController().limit(limits=1, user_api="blas"):
+        solved = fit(found, chart, prior or calibration_prior(chart), start)
+    residual = solved.rows.residual(solved.posterior.mean)
+    rms = float(np.sqrt(np.mean(residual**2)))
+    return Estimate(chart, solved.posterior, solved.misfit, len(residual), rms)

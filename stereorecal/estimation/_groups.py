@@ -1,0 +1,151 @@
+"""Correspondences in groups by frame, place and disparity: each group one mean row difference and its deviation.
+
+Neighbours err together (windows overlap, a surface slants), so many correspondences of one place tell little more than
+a few; and what lies near and far there tells apart what a mean of both would hide.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from stereorecal.geometry import rectifying_rotations, with_unit_baseline
+from stereorecal.objectives import LinearRows, RigChart, differences_at, linearised, read_by
+from stereorecal.scoring import Correspondences
+
+PLACES = (14, 9)  # columns and rows of places in the left image
+_DISPARITIES = 3  # near, middle, far: a third of all correspondences each
+_FEWEST = 4  # correspondences in a group
+_FAR_OFF = 3.0  # robust deviations: beyond, a correspondence has no part in the mean of its group
+_LEAST_SPREAD = 0.02  # pixels
+_LEAST_WEIGHT = 0.05  # of a mean correspondence
+FLOOR = 0.03  # pixels at full size: what the rows of a group have in common, whatever their number
+
+
+@dataclass(frozen=True, eq=False)
+class Groups:
+    """Mean row differences of g groups, near a rig θ.
+
+    Attributes:
+        left, right: (g, 3) mean rays, as the cameras of the chart's rig give them.
+        offset: (g,) pixels at full size that the mean row difference exceeds that of the mean rays.
+        deviation: (g,) standard deviation of the mean, pixels at full size.
+        frame, place: (g,) of each group; places are numbered by rows.
+        disparity: (g,) pixels at full size, under the rig at which they were grouped.
+        count: (g,) correspondences.
+        focal: of the rectified rows, in pixels at full size.
+    """
+
+    left: Float[np.ndarray, "g 3"]
+    right: Float[np.ndarray, "g 3"]
+    offset: Float[np.ndarray, "g"]
+    deviation: Float[np.ndarray, "g"]
+    frame: Int[np.ndarray, "g"]
+    place: Int[np.ndarray, "g"]
+    disparity: Float[np.ndarray, "g"]
+    count: Int[np.ndarray, "g"]
+    focal: float
+
+    def __len__(self) -> int:
+        return len(self.offset)
+
+    def of(self, which: Any) -> "Groups":
+        """Some of them."""
+        names = ("left", "right", "offset", "deviation", "frame", "place", "disparity", "count")
+        return replace(self, **{name: getattr(self, name)[which] for name in names})
+
+    def rows(self, chart: RigChart, theta: Float[np.ndarray, "n"]) -> LinearRows:
+        """Their mean row differences at θ and the derivatives there, in pixels that the cameras at θ have: (1, g),
+        (n, 1, g). Noise is in pixels of the images: longer focal lengths must not make it smaller."""
+        rows = linearised(self._as_correspondences(), chart, theta)
+        by_focal = np.array([0.005 * name.endswith(".f") for name in chart.names])  # of the mean of both, per percent
+        zoom = float(np.exp(by_focal @ theta))
+        differences = zoom * (rows.differences + self.offset)
+        jacobian = zoom * rows.jacobian + by_focal[:, None, None] * differences
+        return replace(rows, differences=differences, jacobian=jacobian)
+
+    def _as_correspondences(self) -> Correspondences:
+        one, number = np.float64(1.0), len(self)
+        return Correspondences(
+            self.left[None],
+            self.right[None],
+            np.ones((1, number)),
+            np.zeros((1, number), np.int32),
+            self.focal,
+            one,
+            one,
+        )
+
+
+def grouped(found: Correspondences, chart: RigChart, theta: Float[np.ndarray, "n"]) -> Groups:
+    """The groups of correspondences, whose rays the cameras of the chart's rig give; outliers are told from the others
+    of their group under the rig at θ."""
+    focal, scale = float(found.focal), float(found.scale)
+    seen = np.asarray(found.weight) > 0
+    frame = np.nonzero(seen)[0]
+    left, right, weight = (np.asarray(part, float)[seen] for part in (found.left, found.right, found.weight))
+    rows, disparity = _rectified(found, chart, theta, seen)
+    places = _places(chart, left)
+    cuts = np.quantile(disparity, np.arange(1, _DISPARITIES) / _DISPARITIES) if len(disparity) else []
+    key = (frame * np.prod(PLACES) + places) * _DISPARITIES + np.searchsorted(cuts, disparity)
+    order = np.argsort(key, kind="stable")
+    keys, first, counts = np.unique(key[order], return_index=True, return_counts=True)
+    number = np.repeat(np.arange(len(keys)), counts)
+    rows, disparity, weight = rows[order], disparity[order], weight[order]
+    middle = _medians(rows, number, first, counts)
+    spread = 1.4826 * _medians(np.abs(rows - middle[number]), number, first, counts) + _LEAST_SPREAD
+    kept = np.abs(rows - middle[number]) < _FAR_OFF * spread[number]
+
+    def mean(values):
+        return np.bincount(number, kept * weight * values, len(keys)) / np.maximum(total, 1e-300)
+
+    total = np.bincount(number, kept * weight, len(keys))
+    n = np.bincount(number, kept, len(keys)).astype(int)
+    means = {
+        name: np.stack([mean(rays[order][:, axis]) for axis in range(3)], axis=-1)
+        for name, rays in (("left", left), ("right", right))
+    }
+    by_noise = spread / np.sqrt(np.maximum(n * float(found.independent), 1.0)) / scale
+    # What windows on weak texture have in common is larger, as is their noise.
+    texture = np.maximum(total / np.maximum(n, 1), _LEAST_WEIGHT) / max(float(np.median(weight)), _LEAST_WEIGHT)
+    deviation = np.hypot(by_noise, FLOOR / np.sqrt(np.minimum(texture, 1.0)))
+    groups = Groups(
+        **means,
+        offset=np.zeros(len(keys)),
+        deviation=deviation,
+        frame=frame[order][first],
+        place=places[order][first],
+        disparity=mean(disparity) / scale,
+        count=n,
+        focal=focal / scale,
+    ).of(n >= _FEWEST)
+    of_rays = differences_at(groups._as_correspondences(), chart, theta)[0]
+    return replace(groups, offset=(mean(rows) / scale)[n >= _FEWEST] - of_rays)
+
+
+def _rectified(found: Correspondences, chart: RigChart, theta: Float[np.ndarray, "n"], seen):
+    """Row differences and disparities of what was found, in pixels of its scale, under the rig at θ."""
+    rig = chart.rig_at(theta)
+    read = read_by(found, chart.rig, rig)
+    extrinsics = with_unit_baseline(rig.extrinsics)
+    rotations = rectifying_rotations(rig.rotation, extrinsics[3:])
+    (x, y), (u, v) = (
+        (lambda ray: (ray[:, 0] / ray[:, 2], ray[:, 1] / ray[:, 2]))(np.asarray(rays, float)[seen] @ rotation.T)
+        for rays, rotation in zip((read.left, read.right), rotations, strict=True)
+    )
+    return float(found.focal) * (y - v), float(found.focal) * (x - u)
+
+
+def _places(chart: RigChart, left: Float[np.ndarray, "m 3"]) -> Int[np.ndarray, "m"]:
+    """Places of the left image in which rays lie."""
+    width, height = chart.rig.left.size
+    share = chart.rig.left.project(left) / [width, height]
+    column, row = (np.clip((share[:, axis] * PLACES[axis]).astype(int), 0, PLACES[axis] - 1) for axis in (0, 1))
+    return row * PLACES[0] + column
+
+
+def _medians(values, number, first, counts) -> Float[np.ndarray, "g"]:
+    """The median of the values of each group; `number` runs up."""
+    ordered = values[np.lexsort((values, number))]
+    return 0.5 * (ordered[first + (counts - 1) // 2] + ordered[first + counts // 2])
