@@ -14,3 +14,12 @@ from stereorecal.estimation._calibration_prior import (
 from stereorecal.estimation._estimate import Estimate as Estimate, estimate as estimate
 from stereorecal.estimation._parameters import rig_parameters as rig_parameters
 from stereorecal.estimation._posterior import Posterior as Posterior
+from stereorecal.estimation._priors import (
+    DEFAULT as DEFAULT,
+    EXACT as EXACT,
+    CalibrationCovariance as CalibrationCovariance,
+    Prior as Prior,
+    as_prior as as_prior,
+    check_prior as check_prior,
+    is_exact as is_exact,
+)

@@ -13,11 +13,15 @@ from jaxtyping import Float
 
 from stereorecal.estimation._posterior import root
 from stereorecal.geometry import StereoRig, rotation_from_vector
-from stereorecal.objectives import BASELINE, RigChart
+from stereorecal.objectives import BASELINE, SIDES, RigChart
 
 _CORNER_NOISE = 0.2  # pixels, standard deviation of a corner in an image 640 wide
 # How much worse than their noise calibrations are, told apart by the evidence of the images.
 KAPPAS = (0.5, 1.0, 2.0, 4.0, 8.0)
+# The direction that boards leave loosest, principal points that differ in x with a yaw and tangential terms that keep
+# boards where they are, has heavier tails than the others: public rigs have it at several deviations.
+_PAIR_WORSE = 5.0
+_PAIR_PROBABILITY = 0.3
 
 
 class _Views(NamedTuple):
@@ -72,8 +76,17 @@ class CalibrationPrior:
 
 def calibration_prior(chart: RigChart) -> CalibrationPrior:
     """What a chessboard calibration of the rig at θ = 0 leaves."""
-    roots = np.stack([root(covariance) for covariance in calibration_covariances(chart)])
-    return CalibrationPrior(roots, np.full(len(roots), 1.0 / len(roots)))
+    plain = calibration_covariances(chart)
+    both = np.concatenate([plain, [_with_pair(chart, covariance) for covariance in plain]])
+    weights = np.repeat([1.0 - _PAIR_PROBABILITY, _PAIR_PROBABILITY], len(plain)) / len(plain)
+    return CalibrationPrior(np.stack([root(covariance) for covariance in both]), weights)
+
+
+def _with_pair(chart: RigChart, covariance: Float[np.ndarray, "n n"]) -> Float[np.ndarray, "n n"]:
+    """With a difference of the principal points in x, and all that follows it, so much worse."""
+    left, right = (chart.names.index(f"{side}.cx") for side in SIDES)
+    follows = covariance[:, right] - covariance[:, left]
+    return covariance + (_PAIR_WORSE**2 - 1.0) * np.outer(follows, follows) / (follows[right] - follows[left])
 
 
 def exact_prior(chart: RigChart) -> CalibrationPrior:

@@ -10,7 +10,7 @@ _KEPT_AT = (10, 30)  # baselines: an offset of disparity and a scale of depth
 _STEPS = 4
 _ROWS_MATTER = 0.1  # pixels: what a matcher notices
 _DEPTH_MATTERS = 0.01  # of the disparity
-_SEEN_AT = (4, 10, 30)  # baselines
+_SEEN_AT = (5, 10, 30)  # baselines
 
 
 def depth_kept(

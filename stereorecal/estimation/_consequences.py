@@ -11,7 +11,7 @@ from jaxtyping import Float
 from stereorecal.geometry import StereoRig, rectifying_rotations, reread, same_camera
 from stereorecal.objectives import RigChart
 
-DISTANCES = (4, 10, 30, 100)  # baselines
+DISTANCES = (5, 10, 30, 100)  # baselines
 _GRID = (9, 7)  # points of the left image
 _MARGIN = 0.05  # of the image, at each side
 

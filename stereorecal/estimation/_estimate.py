@@ -8,12 +8,12 @@ import numpy as np
 from jaxtyping import Float
 from threadpoolctl import ThreadpoolController
 
-from stereorecal.estimation._calibration_prior import CalibrationPrior, calibration_prior
 from stereorecal.estimation._candidates import depth_kept, least_loss
 from stereorecal.estimation._consequences import DISTANCES, Consequences, consequences, points_of_view, readings
 from stereorecal.estimation._least_squares import fit
 from stereorecal.estimation._parameters import rig_parameters
 from stereorecal.estimation._posterior import Posterior
+from stereorecal.estimation._priors import Prior, as_prior
 from stereorecal.geometry import StereoRig
 from stereorecal.objectives import RigChart
 from stereorecal.scoring import Correspondences
@@ -128,7 +128,7 @@ class Estimate:
 def estimate(
     found: Correspondences,
     rig: StereoRig,
-    prior: CalibrationPrior | None = None,
+    prior: Prior = None,
     start: Float[np.ndarray, "n"] | None = None,
 ) -> Estimate:
     """The estimate of a rig.
@@ -142,7 +142,7 @@ def estimate(
     chart = rig_parameters(rig)
     # Hundreds of small matrices: threads would wait for each other, and for other processes on these cores.
     with ThreadpoolController().limit(limits=1, user_api="blas"):
-        solved = fit(found, chart, prior or calibration_prior(chart), start)
+        solved = fit(found, chart, as_prior(prior, chart), start)
     residual = solved.rows.residual(solved.posterior.mean)
     rms = float(np.sqrt(np.mean(residual**2)))
     return Estimate(chart, solved.posterior, solved.misfit, len(residual), rms)

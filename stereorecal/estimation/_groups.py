@@ -66,16 +66,9 @@ class Groups:
         return replace(rows, differences=differences, jacobian=jacobian)
 
     def _as_correspondences(self) -> Correspondences:
-        one, number = np.float64(1.0), len(self)
-        return Correspondences(
-            self.left[None],
-            self.right[None],
-            np.ones((1, number)),
-            np.zeros((1, number), np.int32),
-            self.focal,
-            one,
-            one,
-        )
+        number, one = len(self), np.ones(())
+        weight, tile = np.ones((1, number)), np.zeros((1, number), np.int32)
+        return Correspondences(self.left[None], self.right[None], weight, tile, np.asarray(self.focal), one, one)
 
 
 def grouped(found: Correspondences, chart: RigChart, theta: Float[np.ndarray, "n"]) -> Groups:
@@ -140,7 +133,7 @@ def _rectified(found: Correspondences, chart: RigChart, theta: Float[np.ndarray,
 def _places(chart: RigChart, left: Float[np.ndarray, "m 3"]) -> Int[np.ndarray, "m"]:
     """Places of the left image in which rays lie."""
     width, height = chart.rig.left.size
-    share = chart.rig.left.project(left) / [width, height]
+    share = np.asarray(chart.rig.left.project(left)) / [width, height]
     column, row = (np.clip((share[:, axis] * PLACES[axis]).astype(int), 0, PLACES[axis] - 1) for axis in (0, 1))
     return row * PLACES[0] + column
 

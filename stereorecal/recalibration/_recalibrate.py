@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Int
 
 from stereorecal._arrays import refuse_tracers
+from stereorecal.estimation import EXACT, Prior, check_prior, is_exact, rig_parameters
 from stereorecal.geometry import StereoRig, View, same_camera, with_unit_baseline
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import Parameters, Reach, as_parameters, as_reach
@@ -15,6 +16,7 @@ from stereorecal.recalibration._acceptance import Reason, row_errors, verdict_on
 from stereorecal.recalibration._agreement import agreed, without
 from stereorecal.recalibration._asked import Asked
 from stereorecal.recalibration._cost import Cost
+from stereorecal.recalibration._estimated import estimated, facts_at, uncertainty_of
 from stereorecal.recalibration._frames import looked_at
 from stereorecal.recalibration._judging import judged
 from stereorecal.recalibration._misfit import systematic
@@ -46,6 +48,7 @@ def recalibrate(
     seed: int = 0,
     free: Parameters | str | Sequence[str] | None = None,
     ranges: Sequence[Range] = (),
+    prior: Prior = None,
 ) -> Solution:
     """Repair the extrinsics of a rig from image pairs that it took.
 
@@ -66,9 +69,13 @@ def recalibrate(
             and taken only if rows that took no part lie closer under them (`solution.intrinsics` says so). Of more than
             24 frames so many are chosen, and those that ranges name.
         ranges: distances of what single pixels show; they free the length of the baseline, and count beside the rows.
+        prior: how well the initial calibration was known before it drifted: "default" (also for None), as a chessboard
+            calibration of this rig; standard deviations by name, or an `sr.CalibrationCovariance`; or "exact": its
+            intrinsics are the truth, and all that rows show is a drift.
 
     Raises:
-        InputError: if images and calibration do not fit, or a strategy of the schedule is not installed.
+        InputError: if images and calibration do not fit, a strategy of the schedule is not installed, or the prior
+            makes no sense.
         StrategyError: if a strategy crashes.
     """
     refuse_tracers("sr.recalibrate", "sr.count, sr.soft_count or sr.row_differences and an optimiser of yours", rig)
@@ -78,10 +85,13 @@ def recalibrate(
     free = with_ranges(as_parameters(free), ranges)
     ranges = resolved_ranges(ranges, [("", images.pairs)])
     check_schedule(schedule, free)
+    check_prior(prior, rig_parameters(rig))
     numbers = looked_at(images.pairs, ranges) if free.shared else tuple(range(len(images.pairs)))
     if len(numbers) < len(images.pairs):
         images = pyramid(rig, [images.pairs[number] for number in numbers], images.view)
-    solution = searched(Case(images, asked, reach, free.extrinsics), schedule, budget, seed)
+    solution = searched(
+        Case(images, asked, reach, free.extrinsics, EXACT if free.shared else prior), schedule, budget, seed
+    )
     if not free.shared:
         return solution
     recording = Recording(images.pairs, solution, ranges)
@@ -166,10 +176,12 @@ def solution_of(case: Case, asked: Asked, stages: tuple[StageRun, ...], cost: Co
     runs = [run for stage in stages for run in stage.runs]
     found = next((stage.found for stage in reversed(stages) if stage.found is not None), None)
     cut = len(stages) < len(asked.schedule.stages) or any(stage.cut for stage in stages)
-    frames = None
+    frames = seen = None
     if found is not None and found.found >= FEWEST and not cut:
         frames = agreed(case.chart, found, case.chart.coordinates_of(candidate), case.images.pairs)
         candidate = case.chart.rig_at(frames.facts.z)
+        if not is_exact(case.prior):
+            seen, candidate = estimated(case, without(found, frames.apart), candidate)
     tiles, of_scores = _scores(case, candidate)
     kept = np.ones(len(case.images.pairs), bool) if frames is None else frames.kept
     tiles, pixels = tiles[:, kept], case.images.at(1.0).pixels * int(kept.sum()) // len(kept)  # all of one size
@@ -185,10 +197,13 @@ def solution_of(case: Case, asked: Asked, stages: tuple[StageRun, ...], cost: Co
     elif frames is None:
         reason = Reason.TOO_LITTLE_TEXTURE
     else:
-        facts = frames.facts
-        rows, covered = row_errors(facts), without(found, frames.apart).covered
-        said, left = judged(facts, case.free.names, len(case.free.axes), tiles, rows, covered)
-        known = uncertainty(facts.covariance(), systematic(facts, left), case.chart)
+        rest = without(found, frames.apart)
+        facts, rows = (frames.facts, row_errors(frames.facts)) if seen is None else facts_at(case, rest, candidate)
+        said, left = judged(facts, case.free.names, len(case.free.axes), tiles, rows, rest.covered)
+        if seen is None:
+            known = uncertainty(facts.covariance(), systematic(facts, left), case.chart)
+        else:
+            known = uncertainty_of(seen, candidate, case.chart)
         reason = Reason.FRAMES_DISAGREE if frames.refused else said.reason
     if reason is Reason.TOO_LITTLE_TEXTURE and any(legible(pair).enough for pair in case.images.pairs):
         reason = Reason.NO_MATCHES
@@ -224,6 +239,7 @@ def solution_of(case: Case, asked: Asked, stages: tuple[StageRun, ...], cost: Co
         stages=stages,
         seconds=time.perf_counter() - began,
         asked=asked,
+        estimate=seen,
     )
 
 

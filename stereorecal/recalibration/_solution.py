@@ -11,6 +11,7 @@ from jaxtyping import Float
 
 from stereorecal._errors import InputError
 from stereorecal._extras import extra
+from stereorecal.estimation import Estimate
 from stereorecal.geometry import AXES, StereoRig, View
 from stereorecal.io import write_text
 from stereorecal.matching import AbstractMatcher
@@ -19,6 +20,7 @@ from stereorecal.recalibration._acceptance import Reason, RowErrors
 from stereorecal.recalibration._asked import Asked
 from stereorecal.recalibration._cost import Cost
 from stereorecal.recalibration._difference import Difference, difference
+from stereorecal.recalibration._estimated import expected_by
 from stereorecal.recalibration._evidence import TILES_OF_A_FRAME
 from stereorecal.recalibration._expected import Expected, expected_of
 from stereorecal.recalibration._intrinsics import Intrinsics
@@ -65,6 +67,7 @@ class Solution:
         beams: ranges that had a sure match, if most of them fit the calibration to use.
         ranges: what became of ranges; None if there were none.
         asked: the settings with which it can be repeated.
+        estimate: of all parameters of the rig; None where the intrinsics are taken as exact, or nothing was found.
     """
 
     rig: StereoRig
@@ -94,6 +97,7 @@ class Solution:
     beams: Beams = NONE
     ranges: RangesSeen | None = None
     asked: Asked | None = None
+    estimate: Estimate | None = None
 
     @property
     def trace(self) -> Trace | None:
@@ -131,6 +135,8 @@ class Solution:
         found = self.found
         if self.uncertainty is None or found is None or not self.reason.healthy:
             return None
+        if self.estimate is not None:
+            return expected_by(self.estimate, self.rig, self.view)
         return expected_of(self.rig, found, self.beams, self.free, self.reach, self.view, self.uncertainty)
 
     @property

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
+from stereorecal.estimation import EXACT, Prior
 from stereorecal.geometry import StereoRig, same_camera, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import (
@@ -43,12 +44,14 @@ class Case:
         images: taken by the rig whose extrinsics, the initial ones, are the centre of the search box and of the prior.
         matcher: with its disparity range at full size.
         free: extrinsics, and for comparisons all else that strategies may search; the rest is held.
+        prior: of what the initial calibration leaves; EXACT: its intrinsics are the truth.
     """
 
     images: Pyramid
     matcher: AbstractMatcher
     reach: Reach
     free: Parameters
+    prior: Prior = EXACT
 
     @property
     def rig(self) -> StereoRig:

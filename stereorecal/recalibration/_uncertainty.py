@@ -55,13 +55,17 @@ def uncertainty(
     observed = np.sqrt(np.diag(by_chance)) < OBSERVED * chart.prior
     units = unit[:, None] * unit
     return Uncertainty(
-        chart.names, both * units, by_chance * units, observed, _directions(by_chance / chart.prior**2, chart.names)
+        chart.names, both * units, by_chance * units, observed, directions(by_chance / chart.prior**2, chart.names)
     )
 
 
-def _directions(covariance: Float[np.ndarray, "n n"], free: tuple[str, ...]) -> tuple[str, ...]:
-    """The directions that stay mostly as uncertain as the prior, in its units: their axes, the largest part first; each
-    axis by itself where as many directions as axes share the same ones."""
+def directions(covariance: Float[np.ndarray, "n n"], free: tuple[str, ...]) -> tuple[str, ...]:
+    """The directions that stay mostly as uncertain as the prior: their axes, the largest part first; each axis alone
+    where as many directions as axes share the same ones.
+
+    Args:
+        covariance: in standard deviations of the prior.
+    """
     variances, axes = np.linalg.eigh(covariance)
     found: dict[frozenset[str], list[list[str]]] = {}
     for variance, direction in zip(variances, axes.T, strict=True):

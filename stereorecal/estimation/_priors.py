@@ -1,0 +1,115 @@
+"""What users may say of their calibration: nothing, that its intrinsics are exact, deviations, or a covariance."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal._arrays import AnyArray
+from stereorecal._errors import InputError
+from stereorecal._names import known
+from stereorecal.estimation._calibration_prior import CalibrationPrior, calibration_prior, exact_prior
+from stereorecal.estimation._posterior import root
+from stereorecal.objectives import RigChart
+
+DEFAULT, EXACT = "default", "exact"
+_NOT_POSITIVE = 1e-9  # of the largest eigenvalue of the correlations
+
+
+@dataclass(frozen=True, eq=False)
+class CalibrationCovariance:
+    """How well a calibration is known, as mrcal and other calibrations with uncertainties say it.
+
+    Attributes:
+        names: of the parameters: "pitch", "yaw", "roll", "y", "z", "baseline", "left.f", "left.cx", …; those that are
+            missing are as exact as they were given.
+        covariance: (n, n) in their units: degrees for angles, percent of the baseline for y, z and baseline, percent
+            for f and aspect, pixels for cx and cy, and coefficients as they are.
+
+    Raises:
+        InputError: if names and shape do not fit, or the matrix is not symmetric and positive definite.
+    """
+
+    names: Sequence[str]
+    covariance: Float[AnyArray, "n n"]
+
+    def __post_init__(self) -> None:
+        names, covariance = tuple(self.names), np.array(self.covariance, float)
+        if covariance.shape != (len(names), len(names)) or len(set(names)) < len(names):
+            raise InputError(
+                f"the covariance has the shape {covariance.shape} for {len(names)} names; give one row and one column "
+                "for each name, and no name twice."
+            )
+        if not np.isfinite(covariance).all() or not np.allclose(covariance, covariance.T, rtol=1e-6, atol=0.0):
+            raise InputError("the covariance is not symmetric, or not finite; give it as the calibration wrote it.")
+        deviations = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
+        values = np.linalg.eigvalsh(covariance / deviations[:, None] / deviations)
+        if np.diag(covariance).min(initial=1.0) <= 0.0 or values.min(initial=1.0) < -_NOT_POSITIVE * values.max():
+            raise InputError("the covariance is not positive definite; check its order and its units.")
+        object.__setattr__(self, "names", names)
+        object.__setattr__(self, "covariance", covariance)
+
+
+Prior = str | Mapping[str, float] | CalibrationCovariance | CalibrationPrior | None
+
+
+def as_prior(prior: Prior, chart: RigChart) -> CalibrationPrior:
+    """The prior itself, for the rig of a chart.
+
+    Raises:
+        InputError: as `check_prior`.
+    """
+    check_prior(prior, chart)
+    if isinstance(prior, CalibrationPrior):
+        return prior
+    if prior is None or prior == DEFAULT:
+        return calibration_prior(chart)
+    if isinstance(prior, str):
+        return exact_prior(chart)
+    if isinstance(prior, CalibrationCovariance):
+        where = [chart.names.index(name) for name in prior.names]
+        covariance = np.zeros((chart.dim, chart.dim))
+        covariance[np.ix_(where, where)] = prior.covariance
+        return CalibrationPrior(root(covariance)[None], np.ones(1))
+    return _rescaled(calibration_prior(chart), chart, prior)
+
+
+def check_prior(prior: Prior, chart: RigChart | None = None) -> None:
+    """Refuse what is no prior.
+
+    Raises:
+        InputError: says what to do.
+    """
+    if prior is None or isinstance(prior, CalibrationPrior):
+        return
+    if isinstance(prior, str):
+        known(prior, [DEFAULT, EXACT], "prior")
+        return
+    if not isinstance(prior, Mapping | CalibrationCovariance):
+        raise InputError(
+            f'prior is {prior!r}; give "default", "exact", standard deviations by name such as {{"left.f": 0.2}} '
+            "(percent), or an sr.CalibrationCovariance."
+        )
+    names = list(prior) if isinstance(prior, Mapping) else list(prior.names)
+    for name in names if chart is not None else ():
+        known(name, list(chart.names) if chart is not None else [], "parameter")
+    for name, sigma in prior.items() if isinstance(prior, Mapping) else ():
+        if not (isinstance(sigma, int | float) and np.isfinite(sigma) and sigma > 0.0):
+            raise InputError(f"the prior of {name} is {sigma!r}; give a positive standard deviation.")
+
+
+def _rescaled(prior: CalibrationPrior, chart: RigChart, sigmas: Mapping[str, float]) -> CalibrationPrior:
+    """The prior with these standard deviations, its correlations kept; what is not named follows their median."""
+    factors = []
+    for one in prior.roots:
+        deviations = np.linalg.norm(one, axis=1)
+        where = {name: sigma / deviations[chart.names.index(name)] for name, sigma in sigmas.items()}
+        others = float(np.median(list(where.values()))) if where else 1.0
+        factors.append([where.get(name, others) for name in chart.names])
+    return CalibrationPrior(prior.roots * np.array(factors)[:, :, None], prior.weights)
+
+
+def is_exact(prior: Prior) -> bool:
+    """Whether the intrinsics are the truth."""
+    return isinstance(prior, str) and prior == EXACT

@@ -1,0 +1,181 @@
+"""What a calibration leaves, and what users may say of it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from lenses import LENSES
+
+import stereorecal as sr
+from stereorecal.estimation import CalibrationCovariance, as_prior, calibration_prior, exact_prior, rig_parameters
+from stereorecal.estimation._calibration_prior import KAPPAS, calibration_covariances
+from stereorecal.estimation._consequences import points_of_view, readings
+
+LIMITS = {"pitch": 3, "yaw": 3, "roll": 3, "f": 2, "cx": 15, "cy": 15, "k1": 0.05, "p1": 0.005, "p2": 0.005}
+
+
+@pytest.fixture(scope="module")
+def covariances(chart) -> np.ndarray:
+    return calibration_covariances(chart)
+
+
+def deviations(covariances: np.ndarray) -> np.ndarray:
+    return np.sqrt(np.einsum("jii->ji", covariances))
+
+
+def unit(chart, **changes) -> np.ndarray:
+    """θ that is zero but for these."""
+    return np.array([changes.get(name.replace(".", "_"), 0.0) for name in chart.names])
+
+
+def depth_slopes(chart, steps, distance) -> np.ndarray:
+    """Relative errors of depth of things at a distance, by θ."""
+    points = points_of_view(chart.rig, distance)
+    ends = [
+        [readings(chart.rig, chart.rig_at(sign * step), points)[1].mean() for sign in (1, -1)]
+        for step in np.diag(steps)
+    ]
+    return (np.diff(ends, axis=1)[:, 0]) / (-2 * steps)
+
+
+@pytest.mark.parametrize("coefficients", sorted(LENSES))
+def test_positive_definite_whatever_the_lens(rig, coefficients):
+    camera = sr.Camera((640, 480), rig.left.matrix, np.array(LENSES[coefficients]))
+    found = calibration_covariances(rig_parameters(sr.StereoRig(camera, camera, rig.extrinsics)))
+    np.testing.assert_allclose(found, found.swapaxes(1, 2), rtol=1e-6, atol=1e-12)
+    scales = deviations(found)
+    assert np.linalg.eigvalsh(found / scales[:, :, None] / scales[:, None, :]).min() > 1e-8
+
+
+def test_a_principal_point_goes_with_a_rotation(chart, covariances):
+    for one, other in (("cx", "yaw"), ("cy", "pitch")):
+        ends = unit(chart, **{f"right_{one}": 1, f"left_{one}": -1}), unit(chart, **{other: 1})
+        for covariance in covariances:
+            (a, cross), (_, b) = (np.array(ends) @ covariance @ np.array(ends).T).tolist()
+            assert abs(cross) > 0.9 * np.sqrt(a * b)
+
+
+def test_depth_of_boards_is_tight_where_its_parameters_are_loose(chart, covariances, steps):
+    slopes = depth_slopes(chart, steps, 5.0)
+    for covariance in covariances:
+        assert slopes @ covariance @ slopes < 0.15**2 * (slopes**2 @ np.diag(covariance))
+    assert np.sqrt(slopes @ covariances[0] @ slopes) < 0.005
+    assert deviations(covariances)[0][chart.names.index("yaw")] > 0.1
+
+
+def test_kappa_scales_what_boards_know_well(chart, covariances):
+    """Limits bind elsewhere; the baseline has an error of the squares besides."""
+    lens = np.array([name != "baseline" for name in chart.names])
+    scales = deviations(covariances).max(axis=0)
+    for kind in np.split(covariances / np.outer(scales, scales), len(covariances) // len(KAPPAS)):
+        tightest = [np.linalg.eigvalsh(one[np.ix_(lens, lens)])[:3] for one in kind]
+        expected = np.array(KAPPAS)[:, None] ** 2 * tightest[0] / KAPPAS[0] ** 2
+        np.testing.assert_allclose(tightest, expected, rtol=0.15)
+        assert (np.diff(deviations(kind), axis=0) > 0).all()
+
+
+def test_never_wider_than_what_is_physical(chart, covariances):
+    for name, of_name in zip(chart.names, deviations(covariances).T, strict=True):
+        assert of_name.min() > 0
+        assert of_name.max() <= LIMITS.get(name.split(".")[-1], np.inf)
+
+
+def test_always_the_same(chart, covariances):
+    np.testing.assert_array_equal(calibration_covariances(rig_parameters(chart.rig)), covariances)
+
+
+def test_nothing_depends_on_the_unit_of_the_baseline(rig, covariances):
+    long = rig.with_extrinsics(rig.extrinsics * [1, 1, 1, 1e3, 1e3, 1e3])
+    np.testing.assert_allclose(
+        deviations(calibration_covariances(rig_parameters(long))), deviations(covariances), rtol=1e-6
+    )
+
+
+def test_nor_on_the_number_of_pixels(rig, chart, covariances):
+    large = rig_parameters(rig.resized((1280, 960)))
+    pixels = np.array([2.0 if parameter.unit == "px" else 1.0 for parameter in large.parameters])
+    np.testing.assert_allclose(deviations(calibration_covariances(large)) / pixels, deviations(covariances), rtol=0.03)
+
+
+def test_a_wide_image_and_one_of_another_height_are_calibrated_too(chart):
+    for size, focal in (((1242, 375), 720.0), ((480, 640), 500.0), ((640, 480), 250.0)):
+        camera = sr.Camera(size, np.array([[focal, 0, size[0] / 2], [0, focal, size[1] / 2], [0, 0, 1]]))
+        there = rig_parameters(sr.StereoRig(camera, camera, np.array([0, 0, 0, -0.1, 0, 0])))
+        at = deviations(calibration_covariances(there))[1]
+        assert at[there.names.index("left.f")] < 0.5
+        assert at[there.names.index("roll")] < 0.2
+
+
+def test_weights_are_probabilities_and_roots_those_of_the_covariances(prior, covariances):
+    assert prior.weights.sum() == pytest.approx(1.0)
+    assert prior.weights.min() > 0
+    of_roots = prior.roots @ prior.roots.swapaxes(1, 2)
+    scales = deviations(covariances)
+    apart = (of_roots[: len(covariances)] - covariances) / scales[:, :, None] / scales[:, None, :]
+    assert np.abs(apart).max() < 1e-9
+
+
+def test_what_a_pair_of_rectified_cameras_may_have_besides_keeps_depth(chart, prior, covariances, steps):
+    """One direction more, of centres and yaw, which a centre alone would make a large error of depth."""
+    of_roots = prior.roots @ prior.roots.swapaxes(1, 2)
+    more = of_roots[len(covariances)] - covariances[0]
+    yaw = chart.names.index("yaw")
+    pair = more[yaw] / np.sqrt(more[yaw, yaw])
+    assert set(np.array(chart.names)[np.abs(pair) > 1e-6]) == {"yaw", "left.cx", "right.cx"}
+    alone = pair * (np.arange(chart.dim) != yaw)
+    for distance in (5.0, 30.0):
+        slopes = depth_slopes(chart, steps, distance)
+        assert abs(slopes @ pair) < 0.1 * abs(slopes @ alone)
+
+
+def test_exact_means_that_nothing_was_left(chart):
+    assert not exact_prior(chart).roots.any()
+    assert not as_prior("exact", chart).roots.any()
+
+
+# --- what users say -------------------------------------------------------------------------------------------
+
+
+def test_nothing_said_is_the_default(chart, prior):
+    for said in (None, "default", {}, prior):
+        np.testing.assert_allclose(as_prior(said, chart).roots, prior.roots)
+
+
+def test_deviations_keep_correlations(chart, prior):
+    found = as_prior({"left.f": 0.1, "right.f": 0.05}, chart)
+    for name, sigma in (("left.f", 0.1), ("right.f", 0.05)):
+        np.testing.assert_allclose(np.linalg.norm(found.roots[:, chart.names.index(name)], axis=1), sigma)
+    for before, after in zip(prior.roots, found.roots, strict=True):
+        one, other = (root / np.linalg.norm(root, axis=1, keepdims=True) for root in (before, after))
+        np.testing.assert_allclose(other @ other.T, one @ one.T, atol=1e-12)
+
+
+def test_a_covariance_is_taken_at_its_word_in_any_order(chart):
+    given = np.array([[4.0, 0.3], [0.3, 0.04]])
+    found = as_prior(CalibrationCovariance(("right.cx", "yaw"), given), chart)
+    (root,) = found.roots
+    where = [chart.names.index(name) for name in ("right.cx", "yaw")]
+    np.testing.assert_allclose((root @ root.T)[np.ix_(where, where)], given)
+    assert not np.delete(root @ root.T, where, axis=0).any()
+
+
+@pytest.mark.parametrize(
+    ("names", "covariance"),
+    [
+        (("yaw",), np.eye(2)),
+        (("yaw", "yaw"), np.eye(2)),
+        (("yaw", "roll"), np.array([[1.0, 2.0], [2.0, 1.0]])),
+        (("yaw", "roll"), np.array([[1.0, 0.5], [0.4, 1.0]])),
+        (("yaw", "roll"), np.diag([1.0, 0.0])),
+        (("yaw", "roll"), np.diag([1.0, np.nan])),
+    ],
+)
+def test_covariances_that_are_none(names, covariance):
+    with pytest.raises(sr.InputError):
+        CalibrationCovariance(names, covariance)
+
+
+@pytest.mark.parametrize("wrong", ["exakt", {"left.g": 1.0}, {"yaw": 0.0}, {"yaw": float("nan")}, 3])
+def test_priors_that_are_none(chart, wrong):
+    with pytest.raises((sr.InputError, TypeError)):
+        as_prior(wrong, chart)

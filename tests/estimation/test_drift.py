@@ -1,0 +1,44 @@
+"""Kinds of drift, and how probable each is before any image."""
+
+import numpy as np
+import pytest
+
+from stereorecal.estimation._drift import SIZES, drift_sizes
+
+KINDS, WEIGHTS = drift_sizes()
+
+
+def test_probabilities_sum_to_one():
+    assert WEIGHTS.shape == (len(KINDS),)
+    assert WEIGHTS.sum() == pytest.approx(1.0)
+    assert WEIGHTS.min() > 0
+    assert len(np.unique(KINDS, axis=0)) == len(KINDS)
+
+
+def test_all_axes_together_at_every_size():
+    together = (KINDS[:, 0] == KINDS[:, 1]) & (KINDS[:, 1] == KINDS[:, 2])
+    np.testing.assert_array_equal(KINDS[together, 0], SIZES)
+    assert WEIGHTS[together].sum() > 0.9
+    np.testing.assert_allclose(WEIGHTS[together], WEIGHTS[together][0])
+
+
+@pytest.mark.parametrize("axis", range(3))
+def test_one_axis_alone_has_some_percent(axis):
+    others = np.delete(KINDS[:, :3], axis, axis=1)
+    larger = KINDS[:, axis] > 2 * others.max(axis=1)
+    assert 0.01 < WEIGHTS[larger].sum() < 0.05
+    alone = larger & ~others.any(axis=1)
+    assert KINDS[alone, axis].max() == 4.0
+    assert {0.1, 0.5, 1.0} <= set(KINDS[alone, axis])
+    assert not KINDS[alone, 3:].any()  # nothing else has moved
+
+
+def test_no_axis_is_preferred():
+    shares = [WEIGHTS[KINDS[:, axis] > np.delete(KINDS[:, :3], axis, axis=1).max(axis=1)].sum() for axis in range(3)]
+    np.testing.assert_allclose(shares, shares[0])
+
+
+def test_y_and_z_go_with_what_the_axes_share():
+    """0.6 of the baseline for a radian: 1.05 % for a degree."""
+    shared = np.sort(KINDS[:, :3], axis=1)[:, 1]
+    np.testing.assert_allclose(KINDS[:, 3:], np.outer(shared, [0.6 * 100 * np.pi / 180] * 2))

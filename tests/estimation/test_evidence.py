@@ -1,0 +1,110 @@
+"""Closed forms against dense conditioning of normal distributions, written out."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings, strategies as st
+
+from stereorecal.estimation._evidence import Normal, explained, normal_of, without
+
+ROWS, DRIFTING = 14, 5
+
+
+class Problem:
+    """Rows r₀ + J θ + N ν = noise, θ = c + d."""
+
+    def __init__(self, seed: int, n: int = 8, q: int = 3, rank: int | None = None) -> None:
+        rng = np.random.default_rng(seed)
+        self.n, self.q = n, q
+        self.columns = rng.normal(0, 1, (ROWS, n + q))
+        self.rows = rng.normal(0, 2, ROWS)
+        noise = rng.normal(0, 1, (ROWS, ROWS))
+        self.noise = noise @ noise.T + 0.1 * np.eye(ROWS)
+        self.calibration = rng.normal(0, 0.5, (n, n))
+        self.calibration[:, n if rank is None else rank :] = 0.0
+        self.nuisance = rng.normal(0, 0.7, (q, q))
+        self.sizes = np.array([np.zeros(5), rng.uniform(0, 1, 5), [0, 2.0, 0, 0, 0]])
+        self.logs = np.log([0.5, 0.3, 0.2])
+
+    @property
+    def normal(self) -> Normal:
+        return normal_of(np.linalg.cholesky(self.noise), self.columns, self.rows)
+
+    def found(self):
+        return explained(self.normal, self.calibration, self.nuisance, self.sizes, self.logs)
+
+    def dense(self, kind: int) -> tuple[np.ndarray, np.ndarray, float]:
+        """Mean and covariance of θ and ν given the rows, and the logarithm of the rows' density."""
+        prior = np.zeros((self.n + self.q, self.n + self.q))
+        prior[: self.n, : self.n] = self.calibration @ self.calibration.T
+        prior[self.n :, self.n :] = self.nuisance @ self.nuisance.T
+        prior[:DRIFTING, :DRIFTING] += np.diag(self.sizes[kind] ** 2)
+        of_rows = self.noise + self.columns @ prior @ self.columns.T
+        gain = np.linalg.solve(of_rows, self.columns @ prior).T
+        density = -0.5 * (self.rows @ np.linalg.solve(of_rows, self.rows) + np.linalg.slogdet(of_rows)[1])
+        return -gain @ self.rows, prior - gain @ self.columns @ prior, density
+
+
+shapes = {"seed": st.integers(0, 9999), "n": st.integers(5, 9), "q": st.integers(0, 4), "rank": st.integers(0, 9)}
+
+
+@settings(max_examples=60)
+@given(**shapes)
+def test_dense_conditioning_says_the_same(seed, n, q, rank):
+    """Singular priors too: rank 0 is a calibration that is exact."""
+    problem = Problem(seed, n, q, rank)
+    found = problem.found()
+    for kind, log in enumerate(problem.logs):
+        mean, covariance, density = problem.dense(kind)
+        np.testing.assert_allclose(found.means[kind], mean[:n], rtol=1e-6, atol=1e-8)
+        np.testing.assert_allclose(found.nuisance[kind], mean[n:], rtol=1e-6, atol=1e-8)
+        np.testing.assert_allclose(found.covariance(kind), covariance[:n, :n], rtol=1e-6, atol=1e-8)
+        assert found.log_evidence[kind] == pytest.approx(density + log, rel=1e-9, abs=1e-7)
+
+
+@settings(max_examples=40)
+@given(**shapes)
+def test_what_is_integrated_is_noise_of_the_rows(seed, n, q, rank):
+    problem = Problem(seed, n, q)
+    nuisance = problem.nuisance * (np.arange(q) < rank)
+    pulls = problem.columns[:, n:] @ nuisance
+    noise = np.linalg.cholesky(problem.noise + pulls @ pulls.T)
+    expected = normal_of(noise, problem.columns[:, :n], problem.rows)
+    found = without(problem.normal, nuisance)
+    np.testing.assert_allclose(found.a, expected.a, rtol=1e-6, atol=1e-8)
+    np.testing.assert_allclose(found.b, expected.b, rtol=1e-6, atol=1e-8)
+    assert found.c == pytest.approx(expected.c, rel=1e-9)
+
+
+def test_integrated_before_or_with_the_rest():
+    problem = Problem(3)
+    before = explained(
+        without(problem.normal, problem.nuisance), problem.calibration, np.zeros((0, 0)), problem.sizes, problem.logs
+    )
+    np.testing.assert_allclose(before.log_evidence, problem.found().log_evidence)
+    np.testing.assert_allclose(before.means, problem.found().means)
+
+
+def test_likelihoods_of_independent_rows_add():
+    problem, root = Problem(4), np.linalg.cholesky(np.diag(np.linspace(0.1, 2, ROWS) ** 2))
+    whole = normal_of(root, problem.columns, problem.rows)
+    parts = [normal_of(root[s, s], problem.columns[s], problem.rows[s]) for s in (slice(0, 5), slice(5, None))]
+    both = parts[0] + parts[1]
+    np.testing.assert_allclose(both.a, whole.a)
+    np.testing.assert_allclose(both.b, whole.b)
+    assert both.c == pytest.approx(whole.c)
+
+
+def test_an_exact_calibration_without_a_drift_leaves_nothing_to_know():
+    found = Problem(5, rank=0).found()
+    np.testing.assert_array_equal(found.means[0], 0.0)
+    np.testing.assert_array_equal(found.covariance(0), 0.0)
+
+
+def test_rows_that_say_nothing_leave_the_prior():
+    problem = Problem(6)
+    nothing = Normal(np.zeros((11, 11)), np.zeros(11), 0.0)
+    found = explained(nothing, problem.calibration, problem.nuisance, problem.sizes, problem.logs)
+    np.testing.assert_allclose(found.log_evidence, problem.logs, atol=1e-12)
+    expected = problem.calibration @ problem.calibration.T
+    expected[:DRIFTING, :DRIFTING] += np.diag(problem.sizes[1] ** 2)
+    np.testing.assert_allclose(found.covariance(1), expected)

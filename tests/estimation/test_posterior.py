@@ -1,0 +1,60 @@
+"""Mixtures: moments and samples say the same."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings, strategies as st
+
+from stereorecal.estimation import Posterior
+from stereorecal.estimation._posterior import root
+
+UNITS = np.array([1e-6, 1.0, 1e3, 0.05])
+
+
+def covariance(seed: int, rank: int) -> np.ndarray:
+    """Of parameters in very different units."""
+    half = np.random.default_rng(seed).normal(0, 1, (4, rank)) * UNITS[:, None]
+    return half @ half.T
+
+
+def mixture() -> Posterior:
+    means = np.random.default_rng(1).normal(0, 2, (3, 4)) * UNITS
+    return Posterior(np.array([0.6, 0.3, 0.1]), means, np.stack([covariance(rank, rank) for rank in (4, 2, 0)]))
+
+
+def test_moments_are_those_of_many_samples():
+    found = mixture()
+    drawn = found.samples(100_000, 3)
+    np.testing.assert_allclose(drawn.mean(axis=0) / UNITS, found.mean / UNITS, atol=0.03)
+    np.testing.assert_allclose(
+        np.cov(drawn.T) / np.outer(UNITS, UNITS), found.covariance / np.outer(UNITS, UNITS), atol=0.15
+    )
+
+
+def test_what_explanations_differ_by_is_uncertain():
+    two = Posterior(np.array([0.25, 0.75]), np.array([[-3.0], [1.0]]), np.full((2, 1, 1), 0.5))
+    assert two.mean == pytest.approx([0.0])
+    assert two.covariance == pytest.approx(0.5 + 0.25 * 9 + 0.75 * 1)
+
+
+@settings(max_examples=30)
+@given(seed=st.integers(0, 999), rank=st.integers(0, 4))
+def test_roots_of_singular_covariances(seed, rank):
+    wanted = covariance(seed, rank)
+    half = root(wanted)
+    np.testing.assert_allclose(half @ half.T / np.outer(UNITS, UNITS), wanted / np.outer(UNITS, UNITS), atol=1e-12)
+
+
+def test_samples_stay_where_the_covariance_is():
+    """One direction alone is uncertain; a covariance of zero gives the mean."""
+    direction = np.array([1.0, -2.0, 0.0, 1e-3])
+    drawn = Posterior(np.ones(1), np.ones((1, 4)), np.outer(direction, direction)[None]).samples(50) - 1.0
+    np.testing.assert_allclose(drawn, drawn[:, :1] * direction, atol=1e-7)
+    assert drawn[:, 0].std() == pytest.approx(1.0, abs=0.3)
+    np.testing.assert_array_equal(
+        Posterior(np.ones(1), np.ones((1, 4)), np.zeros((1, 4, 4))).samples(5), np.ones((5, 4))
+    )
+
+
+def test_the_same_for_a_seed():
+    np.testing.assert_array_equal(mixture().samples(20, 5), mixture().samples(20, 5))
+    assert not np.array_equal(mixture().samples(20, 5), mixture().samples(20, 6))
