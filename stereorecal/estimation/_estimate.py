@@ -34,6 +34,7 @@ class Estimate:
             common to all frames.
         groups: how many mean row differences it rests on.
         residual_px: root mean square of those, at the posterior's mean.
+        prior_variance: (n,) of the calibration's error before any image was seen, mixed like the posterior.
     """
 
     chart: RigChart
@@ -41,6 +42,7 @@ class Estimate:
     misfit: tuple[float, float]
     groups: int
     residual_px: float
+    prior_variance: Float[np.ndarray, "n"]
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -140,9 +142,10 @@ def estimate(
         start: θ to begin at; default 0.
     """
     chart = rig_parameters(rig)
+    asked = as_prior(prior, chart)
     # Hundreds of small matrices: threads would wait for each other, and for other processes on these cores.
     with ThreadpoolController().limit(limits=1, user_api="blas"):
-        solved = fit(found, chart, as_prior(prior, chart), start)
+        solved = fit(found, chart, asked, start)
     residual = solved.rows.residual(solved.posterior.mean)
     rms = float(np.sqrt(np.mean(residual**2)))
-    return Estimate(chart, solved.posterior, solved.misfit, len(residual), rms)
+    return Estimate(chart, solved.posterior, solved.misfit, len(residual), rms, solved.prior_variance)

@@ -119,12 +119,14 @@ class Fit:
         rows: linear near it.
         misfit: the most probable deviations of the field of each frame and of the common one, pixels.
         prior: the most probable one of the calibration's covariances.
+        prior_variance: (n,) of its error, before any image was seen, by the weights that its covariances have after.
     """
 
     posterior: Posterior
     rows: LinearRows
     misfit: tuple[float, float]
     prior: int
+    prior_variance: Float[np.ndarray, "n"]
 
 
 def fit(
@@ -153,7 +155,11 @@ def fit(
         if len(grown) == len(rows.deviation):
             rows = replace(rows, deviation=grown)
     near = _near(misfit, len(rows.frames) > 1)
-    return Fit(mixture(explanations(rows, prior, range(len(prior.roots)), near)), rows, misfit, which)
+    several = explanations(rows, prior, range(len(prior.roots)), near)
+    evidence = np.array([np.logaddexp.reduce(one.found.log_evidence) for one in several])
+    weights = np.exp(evidence - np.logaddexp.reduce(evidence))
+    variances = np.stack([np.sum(prior.roots[one.prior] ** 2, axis=1) for one in several])
+    return Fit(mixture(several), rows, misfit, which, weights @ variances)
 
 
 def _searched(rows: LinearRows, prior: CalibrationPrior, misfit: tuple[float, float], which: int) -> list[Explanation]:

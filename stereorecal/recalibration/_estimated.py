@@ -7,25 +7,74 @@ import numpy as np
 from stereorecal.estimation import Estimate, estimate, rig_parameters
 from stereorecal.geometry import StereoRig, View
 from stereorecal.objectives import RigChart, row_chart
-from stereorecal.recalibration._acceptance import RowErrors, compared
+from stereorecal.recalibration._acceptance import Reason, RowErrors, compared
 from stereorecal.recalibration._consequences import Interval
-from stereorecal.recalibration._evidence import Evidence, evidence
+from stereorecal.recalibration._evidence import TILES_OF_A_FRAME, Evidence, evidence
 from stereorecal.recalibration._expected import Expected, expected
-from stereorecal.recalibration._stages import Case
+from stereorecal.recalibration._intrinsics import Intrinsics, IntrinsicsOutcome
+from stereorecal.recalibration._stages import FEWEST, Case, matched
 from stereorecal.recalibration._uncertainty import OBSERVED, Uncertainty, directions
 from stereorecal.scoring import Correspondences
 
 
-def estimated(case: Case, found: Correspondences, near: StereoRig) -> tuple[Estimate, StereoRig]:
-    """The estimate, and the candidate.
+def estimated(case: Case, found: Correspondences, near: StereoRig, scale: float) -> tuple[Estimate, Correspondences]:
+    """The estimate, and the correspondences that it rests on.
+
+    Where intrinsics may change, the images are matched once more through the rig that was found: towards the corners,
+    windows meet other things under other lenses.
 
     Args:
         found: with the rays that the cameras of the case's rig give.
         near: where the search ended, with those cameras.
+        scale: at which they were found.
     """
     chart = rig_parameters(case.rig)
     seen = estimate(found, case.rig, case.prior, start=chart.coordinates_of(near))
-    return seen, seen.chart.rig_at(seen.with_free(case.free.names))
+    if not case.free.lenses:
+        return seen, found
+    empty = (np.asarray(found.weight) > 0).any(axis=1)
+    again = matched(case.images.at(scale), chart, seen.theta, case.matcher)
+    again = replace(again, weight=np.asarray(again.weight) * empty[:, None])  # frames that were left out stay out
+    if again.found < FEWEST:
+        return seen, found
+    return estimate(again, case.rig, case.prior, start=seen.theta), again
+
+
+def candidate_of(seen: Estimate, case: Case) -> StereoRig:
+    """The rig that loses least, of those that differ in what is free."""
+    return seen.chart.rig_at(seen.with_free(case.free.names))
+
+
+def refined(seen: Estimate, case: Case, found: Correspondences, rows: RowErrors, said: Reason) -> Intrinsics | None:
+    """What became of intrinsics that were free; None if none were."""
+    names = case.free.shared
+    if not names:
+        return None
+    where = [seen.names.index(name) for name in names]
+    held = seen.chart.rig_at(seen.with_free(case.free.axes))
+    fixed = facts_at(replace(case, free=case.free.extrinsics), found, held)[1]
+    low, high = seen.intervals[where].T
+    before = seen.posterior.covariance[where, where]
+    return Intrinsics(
+        outcome=IntrinsicsOutcome.REFINED if said.accepted else IntrinsicsOutcome.REFUSED,
+        names=names,
+        units=tuple(seen.units[index] for index in where),
+        change=seen.with_free(case.free.names)[where],
+        interval=0.5 * (high - low),
+        undetermined=tuple(
+            name
+            for name, now, given in zip(names, before, seen.prior_variance[where], strict=True)
+            if now > OBSERVED**2 * given
+        ),
+        fixed_px=fixed.after,
+        freed_px=rows.after,
+        fixed_elsewhere_px=float("nan"),
+        freed_elsewhere_px=float("nan"),
+        shown=float(len(np.unique(np.asarray(found.tile)[np.asarray(found.weight) > 0] % TILES_OF_A_FRAME)))
+        / TILES_OF_A_FRAME,
+        expected_px=seen.row_error_px(seen.with_free(case.free.names)).get(10, (float("nan"),))[0],
+        refused=None if said.accepted else said,
+    )
 
 
 def facts_at(case: Case, found: Correspondences, candidate: StereoRig) -> tuple[Evidence, RowErrors]:

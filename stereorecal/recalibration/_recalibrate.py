@@ -11,12 +11,12 @@ from stereorecal._arrays import refuse_tracers
 from stereorecal.estimation import EXACT, Prior, check_prior, is_exact, rig_parameters
 from stereorecal.geometry import StereoRig, View, same_camera, with_unit_baseline
 from stereorecal.matching import AbstractMatcher, as_matcher
-from stereorecal.objectives import Parameters, Reach, as_parameters, as_reach
+from stereorecal.objectives import BASELINE, Parameters, Reach, as_parameters, as_reach
 from stereorecal.recalibration._acceptance import Reason, row_errors, verdict_on_count
 from stereorecal.recalibration._agreement import agreed, without
 from stereorecal.recalibration._asked import Asked
 from stereorecal.recalibration._cost import Cost
-from stereorecal.recalibration._estimated import estimated, facts_at, uncertainty_of
+from stereorecal.recalibration._estimated import candidate_of, estimated, facts_at, refined, uncertainty_of
 from stereorecal.recalibration._frames import looked_at
 from stereorecal.recalibration._judging import judged
 from stereorecal.recalibration._misfit import systematic
@@ -89,11 +89,13 @@ def recalibrate(
     numbers = looked_at(images.pairs, ranges) if free.shared else tuple(range(len(images.pairs)))
     if len(numbers) < len(images.pairs):
         images = pyramid(rig, [images.pairs[number] for number in numbers], images.view)
-    solution = searched(
-        Case(images, asked, reach, free.extrinsics, EXACT if free.shared else prior), schedule, budget, seed
-    )
-    if not free.shared:
-        return solution
+    by_estimate = not is_exact(prior) and not ranges and BASELINE not in free.names
+    case = Case(images, asked, reach, free.extrinsics, prior if by_estimate else EXACT)
+    solution = searched(case, schedule, budget, seed, free if by_estimate else None)
+    if by_estimate or not free.shared:
+        wanted = solution.asked and replace(solution.asked, free=free.names)
+        chosen = numbers if free.shared else None
+        return replace(solution, looked_at=chosen, asked=wanted, seconds=time.perf_counter() - began)
     recording = Recording(images.pairs, solution, ranges)
     try:
         (solution,) = together([recording], free, one=True, each=one_by_one)
@@ -103,13 +105,14 @@ def recalibrate(
     return replace(solution, looked_at=numbers, asked=wanted, seconds=time.perf_counter() - began)
 
 
-def searched(case: Case, schedule: Schedule, budget: Budget, seed: int) -> Solution:
+def searched(case: Case, schedule: Schedule, budget: Budget, seed: int, free: Parameters | None = None) -> Solution:
     """The end of a schedule whose strategies search all that is free in the case, intrinsics too, judged like a repair.
 
     `recalibrate` gives them the extrinsics alone, and solves for the rest with its own least squares.
 
     Args:
         case: its matcher may lack `num_disparities`, which is then measured.
+        free: what may change in the end, if that is more than what is searched.
 
     Raises:
         NeedNotMet: if a strategy needs what a score does not offer over this box.
@@ -118,7 +121,7 @@ def searched(case: Case, schedule: Schedule, budget: Budget, seed: int) -> Solut
     began, asked = time.perf_counter(), Asked(case.matcher, schedule, budget, seed, case.free.names)
     case, start, cost = started(case, schedule)
     widest, stages = _run_schedule(case, schedule, asked.matcher, start, budget, began, seed)
-    return solution_of(widest, asked, stages, cost, began)
+    return solution_of(replace(widest, free=free or widest.free), asked, stages, cost, began)
 
 
 def started(case: Case, schedule: Schedule) -> tuple[Case, StereoRig, Cost]:
@@ -181,7 +184,8 @@ def solution_of(case: Case, asked: Asked, stages: tuple[StageRun, ...], cost: Co
         frames = agreed(case.chart, found, case.chart.coordinates_of(candidate), case.images.pairs)
         candidate = case.chart.rig_at(frames.facts.z)
         if not is_exact(case.prior):
-            seen, candidate = estimated(case, without(found, frames.apart), candidate)
+            seen, found = estimated(case, without(found, frames.apart), candidate, stages[-1].scale)
+            candidate = candidate_of(seen, case)
     tiles, of_scores = _scores(case, candidate)
     kept = np.ones(len(case.images.pairs), bool) if frames is None else frames.kept
     tiles, pixels = tiles[:, kept], case.images.at(1.0).pixels * int(kept.sum()) // len(kept)  # all of one size
@@ -189,7 +193,7 @@ def solution_of(case: Case, asked: Asked, stages: tuple[StageRun, ...], cost: Co
     status, message = (runs[-1].status, runs[-1].message) if runs else (Status.NO_SIGNAL, Status.NO_SIGNAL.value)
     if cut:
         status, message = Status.BUDGET, Status.BUDGET.value
-    rows = known = left = None
+    rows = known = left = lenses = None
     if cut:
         reason = Reason.OUT_OF_BUDGET  # the count alone would let harm through: it hardly sees a wrong yaw
     elif found is None:
@@ -199,11 +203,14 @@ def solution_of(case: Case, asked: Asked, stages: tuple[StageRun, ...], cost: Co
     else:
         rest = without(found, frames.apart)
         facts, rows = (frames.facts, row_errors(frames.facts)) if seen is None else facts_at(case, rest, candidate)
-        said, left = judged(facts, case.free.names, len(case.free.axes), tiles, rows, rest.covered)
+        # The prior of the estimate knows how far intrinsics may be off, each with all others.
+        settled = () if seen is None else case.free.shared
+        said, left = judged(facts, case.free.names, len(case.free.axes), tiles, rows, rest.covered, settled=settled)
         if seen is None:
             known = uncertainty(facts.covariance(), systematic(facts, left), case.chart)
         else:
             known = uncertainty_of(seen, candidate, case.chart)
+            lenses = refined(seen, case, rest, rows, said.reason)
         reason = Reason.FRAMES_DISAGREE if frames.refused else said.reason
     if reason is Reason.TOO_LITTLE_TEXTURE and any(legible(pair).enough for pair in case.images.pairs):
         reason = Reason.NO_MATCHES
@@ -232,7 +239,7 @@ def solution_of(case: Case, asked: Asked, stages: tuple[StageRun, ...], cost: Co
         row_errors=rows,
         uncertainty=known,
         misfit=left,
-        intrinsics=None,
+        intrinsics=lenses,
         kept=tuple(np.flatnonzero(kept).tolist()),
         left_out=() if reason is Reason.FRAMES_DISAGREE else apart,
         disagreeing=apart if reason is Reason.FRAMES_DISAGREE else (),

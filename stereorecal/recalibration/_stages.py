@@ -217,7 +217,7 @@ def _epipolar_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, 
         if allowed is None or (allowed.evaluations is not None and allowed.evaluations < data.cost):
             cut = found is None
             break
-        found = _matched(data, chart, best, case.matcher)
+        found = matched(data, chart, best, case.matcher)
         rounds += 1
         if found.found < FEWEST:
             break
@@ -240,9 +240,7 @@ def _epipolar_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, 
     return StageRun(stage, scale, start, chart.rig_at(best), tuple(runs), nothing, rounds * data.cost, found, cut)
 
 
-def _matched(
-    data: ScoringData, chart: RigChart, z: Float[np.ndarray, "n"], matcher: AbstractMatcher
-) -> Correspondences:
+def matched(data: ScoringData, chart: RigChart, z: Float[np.ndarray, "n"], matcher: AbstractMatcher) -> Correspondences:
     """The correspondences under the rig at a point of the box, with the rays that the cameras of the chart's rig
     give."""
     rig, extrinsics = chart.rig_at(z), with_unit_baseline(chart.extrinsics(z))
