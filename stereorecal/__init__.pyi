@@ -2,6 +2,7 @@
 
 from . import (
     comparison as comparison,
+    estimation as estimation,
     geometry as geometry,
     io as io,
     matching as matching,
@@ -27,6 +28,10 @@ from .comparison import (
     Drift as Drift,
     compare as compare,
     compare_scenes as compare_scenes,
+)
+from .estimation import (
+    CalibrationCovariance as CalibrationCovariance,
+    Estimate as Estimate,
 )
 from .geometry import (
     Camera as Camera,

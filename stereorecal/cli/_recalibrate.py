@@ -22,6 +22,7 @@ from stereorecal.cli._places import deliver, named_inputs, written_or_printed
 from stereorecal.cli._progress import progress_bar
 from stereorecal.cli._recordings import recordings, without
 from stereorecal.cli._streams import say
+from stereorecal.estimation import check_prior
 from stereorecal.geometry import StereoRig
 from stereorecal.io import calibration_json, files_read, load_ranges, next_copy, save_maps
 from stereorecal.matching import AbstractMatcher, as_matcher
@@ -52,6 +53,7 @@ def run(options: argparse.Namespace) -> int:
     budget, seed = as_budget(options.budget), _values.seed(options.seed)
     ranges = load_ranges(options.ranges) if options.ranges is not None else ()
     free = with_ranges(_values.free(options.free), ranges)
+    check_prior(options.prior)
     _output.checked(options)
     check_page(options.html, "repair_page")
     if options.html is not None and len(options.scenes) > 1:
@@ -73,6 +75,7 @@ def run(options: argparse.Namespace) -> int:
             "budget": budget,
             "seed": seed,
             "free": free,
+            "prior": options.prior,
         }
         with progress_bar(options.quiet) as progress:
             how = {"extrinsics": options.extrinsics, "ranges": ranges, "executor": pool}
@@ -162,6 +165,7 @@ def _settings(
         "free": free.names,
         "extrinsics": options.extrinsics,
         "ranges": options.ranges,
+        "prior": options.prior,
         "seed": options.seed,
     }
 
@@ -169,7 +173,8 @@ def _settings(
 def _beside(options: argparse.Namespace, free: Parameters) -> dict[str, Any]:
     """What a page says of the settings beside what its solution knows: a repair of extrinsics may know nothing of what
     was solved for afterwards."""
-    return {"free": ", ".join(free.names), "extrinsics": options.extrinsics, "ranges": options.ranges or "none"}
+    said = {"free": ", ".join(free.names), "extrinsics": options.extrinsics, "prior": options.prior}
+    return {**said, "ranges": options.ranges or "none"}
 
 
 def _saving(

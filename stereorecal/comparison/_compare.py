@@ -16,6 +16,7 @@ from stereorecal.comparison._comparison import Comparison
 from stereorecal.comparison._entrants import entrants_of
 from stereorecal.comparison._pictures import Shown
 from stereorecal.comparison._trial import Task, Trial, failed, run_trial
+from stereorecal.estimation import EXACT
 from stereorecal.geometry import StereoRig
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import Parameters, Reach, as_parameters
@@ -223,7 +224,7 @@ def _reference(scene: Scene, rig: StereoRig, matcher: AbstractMatcher) -> tuple[
     if scene.reference != "stored":
         return rig, scene.reference
     try:
-        solution = recalibrate(rig, scene.pairs, matcher=matcher)
+        solution = recalibrate(rig, scene.pairs, matcher=matcher, prior=EXACT)
     except (InputError, StrategyError):  # a strategy of the default schedule is not installed, or broken
         return rig, scene.reference
     return (solution.candidate, "consensus") if solution.reason.healthy else (rig, scene.reference)

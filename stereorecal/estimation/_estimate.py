@@ -10,6 +10,7 @@ from threadpoolctl import ThreadpoolController
 
 from stereorecal.estimation._candidates import depth_kept, least_loss
 from stereorecal.estimation._consequences import DISTANCES, Consequences, consequences, points_of_view, readings
+from stereorecal.estimation._frames import OtherRig, other_rigs
 from stereorecal.estimation._least_squares import fit
 from stereorecal.estimation._parameters import rig_parameters
 from stereorecal.estimation._posterior import Posterior
@@ -35,6 +36,7 @@ class Estimate:
         groups: how many mean row differences it rests on.
         residual_px: root mean square of those, at the posterior's mean.
         prior_variance: (n,) of the calibration's error before any image was seen, mixed like the posterior.
+        other_rigs: frames that show another rig than the others, the farthest first.
     """
 
     chart: RigChart
@@ -43,6 +45,7 @@ class Estimate:
     groups: int
     residual_px: float
     prior_variance: Float[np.ndarray, "n"]
+    other_rigs: tuple[OtherRig, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -146,6 +149,8 @@ def estimate(
     # Hundreds of small matrices: threads would wait for each other, and for other processes on these cores.
     with ThreadpoolController().limit(limits=1, user_api="blas"):
         solved = fit(found, chart, asked, start)
-    residual = solved.rows.residual(solved.posterior.mean)
+        mean = solved.posterior.mean
+        others = other_rigs(solved.rows, sum(solved.misfit), mean)
+    residual = solved.rows.residual(mean)
     rms = float(np.sqrt(np.mean(residual**2)))
-    return Estimate(chart, solved.posterior, solved.misfit, len(residual), rms, solved.prior_variance)
+    return Estimate(chart, solved.posterior, solved.misfit, len(residual), rms, solved.prior_variance, others)

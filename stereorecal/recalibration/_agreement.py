@@ -38,14 +38,27 @@ class Agreement:
     refused: bool
 
 
-def agreed(chart: RigChart, found: Correspondences, z: Float[np.ndarray, "n"], pairs: Sequence[Pair]) -> Agreement:
+def agreed(
+    chart: RigChart,
+    found: Correspondences,
+    z: Float[np.ndarray, "n"],
+    pairs: Sequence[Pair],
+    others: Sequence[int] | None = None,
+) -> Agreement:
     """The frames at a solution. One shows another rig if its own solution lies apart from the others', or if it hardly
     matches where others do, though it has texture; where those are few, they are left out, and the evidence is that of
-    the others, at their own solution. Frames that show nothing have no say."""
+    the others, at their own solution. Frames that show nothing have no say.
+
+    Args:
+        others: frames that show another rig, where something else has found them.
+    """
     frames = len(found.weight)
     unmatched = _unmatched(found, pairs) if frames > 1 else ()
     voting = without(found, unmatched)
-    others, seeing = disagreeing(evidence(chart, voting, z, Loss.SOFT_L1)) if frames > 1 else ((), 1)
+    if others is not None:
+        seeing = int((np.asarray(voting.weight) > 0).any(axis=1).sum())
+    else:
+        others, seeing = disagreeing(evidence(chart, voting, z, Loss.SOFT_L1)) if frames > 1 else ((), 1)
     apart = tuple(sorted((*unmatched, *others)))
     kept = np.isin(np.arange(frames), apart, invert=True)
     if len(apart) > MOST_APART * (seeing + len(unmatched)):

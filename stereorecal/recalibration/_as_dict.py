@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from stereorecal._plain import plain
+from stereorecal.estimation import Estimate
 from stereorecal.geometry import AXES, StereoRig
 from stereorecal.objectives import BASELINE
 from stereorecal.recalibration._solution import Solution
@@ -51,6 +52,7 @@ def solution_as_dict(solution: Solution, *, expected: bool = True) -> dict[str, 
             "covariance": known and {"axes": known.names, "units": "deg, percent, px", "matrix": known.covariance},
             "expected": solution.expected.as_dict() if expected and solution.expected else None,
             "depth_error_percent": dict(solution.depth_error_percent),
+            "estimate": solution.estimate and _estimate(solution.estimate),
             "num_disparities": solution.matcher.num_disparities,
             "stages": [_stage(stage) for stage in solution.stages],
             "evaluations": solution.evaluations,
@@ -65,6 +67,22 @@ def solution_as_dict(solution: Solution, *, expected: bool = True) -> dict[str, 
 def score_as_dict(score: Score) -> dict[str, Any]:
     """A count, what it is out of, and the share."""
     return {"count": score.count, "pixels": score.pixels, "fraction": score.fraction}
+
+
+def _estimate(seen: Estimate) -> dict[str, Any]:
+    """All parameters of the rig, whatever was free: changes from the initial calibration."""
+    low, high = seen.intervals.T
+    return {
+        "names": seen.names,
+        "units": seen.units,
+        "mean": seen.theta,
+        "low_95": low,
+        "high_95": high,
+        "covariance": seen.posterior.covariance,
+        "misfit_px": {"of_a_frame": seen.misfit[0], "common": seen.misfit[1]},
+        "residual_px": seen.residual_px,
+        "groups": seen.groups,
+    }
 
 
 def _extrinsics(rig: StereoRig) -> dict[str, Any]:

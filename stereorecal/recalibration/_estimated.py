@@ -8,6 +8,7 @@ from stereorecal.estimation import Estimate, estimate, rig_parameters
 from stereorecal.geometry import StereoRig, View
 from stereorecal.objectives import RigChart, row_chart
 from stereorecal.recalibration._acceptance import Reason, RowErrors, compared
+from stereorecal.recalibration._agreement import MOST_APART, without
 from stereorecal.recalibration._consequences import Interval
 from stereorecal.recalibration._evidence import TILES_OF_A_FRAME, Evidence, evidence
 from stereorecal.recalibration._expected import Expected, expected
@@ -17,24 +18,33 @@ from stereorecal.recalibration._uncertainty import OBSERVED, Uncertainty, direct
 from stereorecal.scoring import Correspondences
 
 
-def estimated(case: Case, found: Correspondences, near: StereoRig, scale: float) -> tuple[Estimate, Correspondences]:
-    """The estimate, and the correspondences that it rests on.
-
-    Where intrinsics may change, the images are matched once more through the rig that was found: towards the corners,
-    windows meet other things under other lenses.
+def estimated(case: Case, found: Correspondences, near: StereoRig) -> tuple[Estimate, tuple[int, ...]]:
+    """The estimate, and the frames that it does without, since they show another rig than the others.
 
     Args:
         found: with the rays that the cameras of the case's rig give.
         near: where the search ended, with those cameras.
-        scale: at which they were found.
     """
-    chart = rig_parameters(case.rig)
-    seen = estimate(found, case.rig, case.prior, start=chart.coordinates_of(near))
-    if not case.free.lenses:
-        return seen, found
-    empty = (np.asarray(found.weight) > 0).any(axis=1)
-    again = matched(case.images.at(scale), chart, seen.theta, case.matcher)
-    again = replace(again, weight=np.asarray(again.weight) * empty[:, None])  # frames that were left out stay out
+    start = rig_parameters(case.rig).coordinates_of(near)
+    seen, apart = estimate(found, case.rig, case.prior, start=start), ()
+    while seen.other_rigs and len(apart) < MOST_APART * len(found.weight):
+        apart = (*apart, seen.other_rigs[0].frame)
+        seen = estimate(without(found, apart), case.rig, case.prior, start=seen.theta)
+    return seen, apart
+
+
+def estimated_again(
+    case: Case, seen: Estimate, found: Correspondences, scale: float
+) -> tuple[Estimate, Correspondences]:
+    """The same, of images that are matched once more through the rig that was found: towards the corners, windows meet
+    other things under other lenses.
+
+    Args:
+        scale: at which `found` were found; frames without any stay out.
+    """
+    again = matched(case.images.at(scale), seen.chart, seen.theta, case.matcher)
+    kept = (np.asarray(found.weight) > 0).any(axis=1)
+    again = replace(again, weight=np.asarray(again.weight) * kept[:, None])
     if again.found < FEWEST:
         return seen, found
     return estimate(again, case.rig, case.prior, start=seen.theta), again

@@ -16,7 +16,14 @@ from stereorecal.recalibration._acceptance import Reason, row_errors, verdict_on
 from stereorecal.recalibration._agreement import agreed, without
 from stereorecal.recalibration._asked import Asked
 from stereorecal.recalibration._cost import Cost
-from stereorecal.recalibration._estimated import candidate_of, estimated, facts_at, refined, uncertainty_of
+from stereorecal.recalibration._estimated import (
+    candidate_of,
+    estimated,
+    estimated_again,
+    facts_at,
+    refined,
+    uncertainty_of,
+)
 from stereorecal.recalibration._frames import looked_at
 from stereorecal.recalibration._judging import judged
 from stereorecal.recalibration._misfit import systematic
@@ -181,10 +188,16 @@ def solution_of(case: Case, asked: Asked, stages: tuple[StageRun, ...], cost: Co
     cut = len(stages) < len(asked.schedule.stages) or any(stage.cut for stage in stages)
     frames = seen = None
     if found is not None and found.found >= FEWEST and not cut:
-        frames = agreed(case.chart, found, case.chart.coordinates_of(candidate), case.images.pairs)
-        candidate = case.chart.rig_at(frames.facts.z)
-        if not is_exact(case.prior):
-            seen, found = estimated(case, without(found, frames.apart), candidate, stages[-1].scale)
+        z = case.chart.coordinates_of(candidate)
+        if is_exact(case.prior):
+            frames = agreed(case.chart, found, z, case.images.pairs)
+            candidate = case.chart.rig_at(frames.facts.z)
+        else:
+            seen, others = estimated(case, found, candidate)
+            frames = agreed(case.chart, found, z, case.images.pairs, others)
+            found = without(found, () if frames.refused else frames.apart)
+            if case.free.lenses:
+                seen, found = estimated_again(case, seen, found, stages[-1].scale)
             candidate = candidate_of(seen, case)
     tiles, of_scores = _scores(case, candidate)
     kept = np.ones(len(case.images.pairs), bool) if frames is None else frames.kept
@@ -201,7 +214,7 @@ def solution_of(case: Case, asked: Asked, stages: tuple[StageRun, ...], cost: Co
     elif frames is None:
         reason = Reason.TOO_LITTLE_TEXTURE
     else:
-        rest = without(found, frames.apart)
+        rest = found if seen else without(found, frames.apart)
         facts, rows = (frames.facts, row_errors(frames.facts)) if seen is None else facts_at(case, rest, candidate)
         # The prior of the estimate knows how far intrinsics may be off, each with all others.
         settled = () if seen is None else case.free.shared

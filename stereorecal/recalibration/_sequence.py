@@ -1,5 +1,6 @@
 """One pair after the other, each repair starting where the one before it ended (paper, section 4.5)."""
 
+from stereorecal.estimation import EXACT
 from stereorecal.geometry import StereoRig, View, view as default_view
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import Reach
@@ -23,8 +24,9 @@ def recalibrate_sequence(
 ) -> tuple[Solution, ...]:
     """Repair a rig while it works: one solution for each pair, each from the rig that the one before it left.
 
-    A pair that shows too little leaves the rig as it is. Order and several passes are the order of `pairs`; where all
-    pairs are there from the start, `recalibrate` with all of them is more accurate.
+    The intrinsics are taken as exact, as the paper takes them. A pair that shows too little leaves the rig as it is.
+    Order and several passes are the order of `pairs`; where all pairs are there from the start, `recalibrate` with all
+    of them is more accurate.
 
     Args:
         rig, matcher, schedule, reach, seed: as `recalibrate` has them; the reach counts from where a repair starts.
@@ -40,7 +42,15 @@ def recalibrate_sequence(
     for pair in check_pairs(rig, pairs):
         start = found[-1].rig if found else rig
         repair = recalibrate(
-            start, [pair], matcher=matcher, schedule=schedule, reach=reach, budget=budget, view=view, seed=seed
+            start,
+            [pair],
+            matcher=matcher,
+            schedule=schedule,
+            reach=reach,
+            budget=budget,
+            view=view,
+            seed=seed,
+            prior=EXACT,  # a rig that was repaired is no chessboard's, and single pairs would say so again and again
         )
         found.append(repair)
     return tuple(found)

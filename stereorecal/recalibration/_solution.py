@@ -109,7 +109,10 @@ class Solution:
     def path(self) -> tuple[Waypoint, ...]:
         """Where the repair began, where each stage began and ended, and each new best of the stages on the count."""
         before = self.cost.survey + self.cost.starts - sum(stage.survey_cost for stage in self.stages)
-        return path_of(self.initial, before, self.stages)
+        path = path_of(self.initial, before, self.stages)
+        if self.estimate is None:
+            return path
+        return (*path[:-1], replace(path[-1], extrinsics=np.asarray(self.candidate.extrinsics)))
 
     @property
     def evaluations(self) -> int:

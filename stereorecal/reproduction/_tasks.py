@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from stereorecal.estimation import EXACT
 from stereorecal.geometry import AXES, StereoRig
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import Reach
@@ -175,7 +176,7 @@ class Repairing:
     def run(self) -> Row:
         """Repair and count."""
         shot = self.shot
-        solution = recalibrate(self.start, [shot.pair], **self.search.arguments(shot.judge))
+        solution = recalibrate(self.start, [shot.pair], prior=EXACT, **self.search.arguments(shot.judge))
         return {
             **shot.about,
             "calibration": self.start_name,

@@ -15,7 +15,8 @@ from stereorecal.scoring import Correspondences
 def rig() -> sr.StereoRig:
     matrix = np.array([[500.0, 0, 320], [0, 500.0, 240], [0, 0, 1]])
     left = sr.Camera((640, 480), matrix, np.array([-0.2, 0.05, 1e-4, -2e-4]))
-    right = sr.Camera((640, 480), matrix + [[3.0, 0, 4], [0, 3.0, -5], [0, 0, 0]], np.array([-0.21, 0.06, -3e-4, 1e-4]))
+    other = np.array([[503.0, 0, 324], [0, 503.0, 235], [0, 0, 1]])
+    right = sr.Camera((640, 480), other, np.array([-0.21, 0.06, -3e-4, 1e-4]))
     return sr.StereoRig(left, right, np.array([0.005, -0.008, 0.004, -0.12, 0.001, -0.001]))
 
 

@@ -48,7 +48,7 @@ def test_recovery_of_the_geometry(scene, seed, drift):
     given_scene = scene("harbour", seed, (320, 240))
     rig = given_scene.rig
     start = drifted(rig, 2.5, 0.0225, drift)
-    solution = recalibrate(start, given_scene.pairs, matcher=MATCHER)
+    solution = recalibrate(start, given_scene.pairs, matcher=MATCHER, prior="exact")
     error = np.abs(np.degrees(solution.rig.extrinsics[:3] - rig.extrinsics[:3]))
     known = solution.uncertainty
     assert known is not None

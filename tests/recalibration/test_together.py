@@ -101,7 +101,8 @@ def test_right_intrinsics_stay(scenes):
 @pytest.mark.parametrize("scene", [1, 4])
 def test_one_frame_is_not_enough(given_wrong, scene):
     """What is missing is said, and the intrinsics stay."""
-    solution = sr.recalibrate(WRONG, given_wrong[scene].pairs, free=BOTH)
+    ranges_or_baseline = sr.Parameters((*BOTH, "baseline"))  # solved for with independent deviations
+    solution = sr.recalibrate(WRONG, given_wrong[scene].pairs, free=ranges_or_baseline)
     assert solution.intrinsics is not None
     assert solution.intrinsics.outcome is IntrinsicsOutcome.TOO_UNCERTAIN
     assert solution.intrinsics.expected_px > 0.1
@@ -200,7 +201,7 @@ def test_a_repair_outlives_a_problem_that_cannot_be_solved(given_wrong, monkeypa
         raise np.linalg.LinAlgError("singular matrix")
 
     monkeypatch.setattr("stereorecal.recalibration._recalibrate.together", singular)
-    solution = sr.recalibrate(WRONG, given_wrong[0].pairs, free=BOTH)
+    solution = sr.recalibrate(WRONG, given_wrong[0].pairs, free=BOTH, prior="exact")
     assert solution.intrinsics.outcome is IntrinsicsOutcome.NOT_SOLVED
     assert solution.found is not None
 

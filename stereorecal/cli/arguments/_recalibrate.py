@@ -44,6 +44,13 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
         help="where intrinsics are free: each recording has extrinsics of its own, or one set is that of all "
         "(default: %(default)s)",
     )
+    add(
+        "--prior",
+        default="default",
+        metavar="default|exact",
+        help="what the initial calibration leaves: as much as a chessboard calibration of this rig; or exact, all that "
+        "rows show is a drift (default: %(default)s)",
+    )
     add("--ranges", metavar="FILE", help="a CSV of measured distances: pair,column,row,metres,sigma")
     add(
         "--budget",
