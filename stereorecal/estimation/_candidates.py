@@ -10,6 +10,7 @@ _KEPT_AT = (10, 30)  # baselines: an offset of disparity and a scale of depth
 _STEPS = 4
 _ROWS_MATTER = 0.1  # pixels: what a matcher notices
 _DEPTH_MATTERS = 0.01  # of the disparity
+_NEAR_MEAN = 0.1  # of what a matcher notices, for each deviation of a parameter from its mean
 _SEEN_AT = (5, 10, 30)  # baselines
 
 
@@ -34,6 +35,7 @@ def least_loss(
     mean: Float[np.ndarray, "n"],
     nearness: Float[np.ndarray, "d"],
     free: Bool[np.ndarray, "n"],
+    deviations: Float[np.ndarray, "n"],
 ) -> Float[np.ndarray, "n"]:
     """θ that loses least, in rows over the view and in depth, of those whose held parameters are as given (0).
 
@@ -42,6 +44,7 @@ def least_loss(
         mean: of θ.
         nearness: relative disparity that the rig should read, less that of the rig at the mean, at each of DISTANCES.
         free: which parameters may change.
+        deviations: of θ: what neither rows nor depth tell stays near the mean.
     """
     if free.all() and not nearness.any():
         return mean
@@ -51,8 +54,9 @@ def least_loss(
             slopes = near.rows[index] / (_ROWS_MATTER * np.sqrt(len(near.rows[index]) * len(_SEEN_AT)))
             rows += [slopes, near.nearness[index : index + 1] / _DEPTH_MATTERS]
             wanted += [slopes @ mean, rows[-1] @ mean + nearness[index] / _DEPTH_MATTERS]
-    maps, goal = np.concatenate(rows), np.concatenate(wanted)
-    scale = np.linalg.norm(maps[:, free], axis=0)
+    near_mean = _NEAR_MEAN * np.diag(1.0 / np.maximum(deviations, 1e-12))[free]
+    maps = np.concatenate([*rows, near_mean])[:, free] * deviations[free]
+    goal = np.concatenate([*wanted, near_mean @ mean])
     found = np.zeros(len(mean))
-    found[free] = np.linalg.lstsq(maps[:, free] / scale, goal, rcond=1e-10)[0] / scale
+    found[free] = np.linalg.lstsq(maps, goal, rcond=None)[0] * deviations[free]
     return found

@@ -21,6 +21,8 @@ from stereorecal.scoring import Correspondences
 
 _SAMPLES = 2000
 _SEED = 0
+_FAR = 30  # baselines
+_WORSE_ROWS, _WORSE_DEPTH = 0.02, 1.0  # pixels and percentage points: what counts as worse
 _LEAST_NEARNESS = 1e-3  # a thousandth of the true nearness: what lies beyond is called infinitely far
 
 
@@ -80,7 +82,27 @@ class Estimate:
     def with_free(self, names: Sequence[str]) -> Float[np.ndarray, "n"]:
         """θ that loses least in rows and depth if only these parameters may change."""
         free = np.isin(self.chart.names, names)
-        return least_loss(self._consequences, self.theta, self._target_nearness, free)
+        deviations = np.sqrt(np.diag(self.posterior.covariance))
+        return least_loss(self._consequences, self.theta, self._target_nearness, free, deviations)
+
+    def probability_worse(self, candidate: Float[np.ndarray, "n"]) -> float:
+        """That the rig at θ = candidate reads rows worse than the given one by more than 0.02 pixels (root mean square
+        over the view, at 10 and 30 baselines), or depth at 30 baselines by more than one percentage point."""
+        (rows, depth), (rows_given, depth_given) = map(self._losses, (candidate, np.zeros_like(candidate)))
+        return float(np.mean((rows > rows_given + _WORSE_ROWS) | (depth > depth_given + _WORSE_DEPTH)))
+
+    def _losses(self, used: Float[np.ndarray, "n"]) -> tuple[Float[np.ndarray, "s"], Float[np.ndarray, "s"]]:
+        """Rows [pixels] and |error of depth| [%] of the rig at θ = used, for each sample."""
+        rows = [self._row_errors(used, DISTANCES.index(distance)) for distance in (10, _FAR)]
+        near = 1.0 + self._nearness(used)[:, DISTANCES.index(_FAR)]
+        return np.mean(rows, axis=0), 100.0 * np.abs(1.0 / np.maximum(near, _LEAST_NEARNESS) - 1.0)
+
+    def _row_errors(self, used: Float[np.ndarray, "n"], index: int) -> Float[np.ndarray, "s"]:
+        """Root mean square over the view of the row errors of the rig at θ = used, for each sample: exact at the mean,
+        linear around it."""
+        slopes, mean = self._consequences.rows[index], self.mean_rig
+        at_mean, _ = readings(self.chart.rig_at(used), mean, points_of_view(mean, DISTANCES[index]))
+        return np.sqrt(np.mean((at_mean - (self._samples - self.theta) @ slopes.T) ** 2, axis=1))
 
     @cached_property
     def _samples(self) -> Float[np.ndarray, "s n"]:
@@ -111,14 +133,9 @@ class Estimate:
     def row_error_px(self, used: Float[np.ndarray, "n"]) -> dict[int, tuple[float, float, float]]:
         """The row error of the rig at θ = used, root mean square over the view, of points at distances in baselines:
         median, and 95 % interval; pixels of the images."""
-        apart = self._samples - self.theta
         found = {}
-        for distance, slopes in zip(DISTANCES, self._consequences.rows, strict=True):
-            rows, _ = readings(self.chart.rig_at(used), self.mean_rig, points_of_view(self.mean_rig, distance))
-            if len(rows) != len(slopes):
-                continue
-            size = np.sqrt(np.mean((rows - apart @ slopes.T) ** 2, axis=1))
-            middle, low, high = np.percentile(size, [50.0, 2.5, 97.5]).tolist()
+        for index, distance in enumerate(DISTANCES):
+            middle, low, high = np.percentile(self._row_errors(used, index), [50.0, 2.5, 97.5]).tolist()
             found[distance] = (middle, low, high)
         return found
 

@@ -3,19 +3,23 @@
 from dataclasses import replace
 
 import numpy as np
+from jaxtyping import Int
 
 from stereorecal.estimation import Estimate, estimate, rig_parameters
 from stereorecal.geometry import StereoRig, View
 from stereorecal.objectives import RigChart, row_chart
-from stereorecal.recalibration._acceptance import Reason, RowErrors, compared
+from stereorecal.recalibration._acceptance import Reason, RowErrors, Verdict, compared
 from stereorecal.recalibration._agreement import MOST_APART, without
 from stereorecal.recalibration._consequences import Interval
 from stereorecal.recalibration._evidence import TILES_OF_A_FRAME, Evidence, evidence
 from stereorecal.recalibration._expected import Expected, expected
 from stereorecal.recalibration._intrinsics import Intrinsics, IntrinsicsOutcome
+from stereorecal.recalibration._judging import judged
 from stereorecal.recalibration._stages import FEWEST, Case, matched
 from stereorecal.recalibration._uncertainty import OBSERVED, Uncertainty, directions
 from stereorecal.scoring import Correspondences
+
+_MOST_WORSE = 0.01  # probability
 
 
 def estimated(case: Case, found: Correspondences, near: StereoRig) -> tuple[Estimate, tuple[int, ...]]:
@@ -62,7 +66,7 @@ def refined(seen: Estimate, case: Case, found: Correspondences, rows: RowErrors,
         return None
     where = [seen.names.index(name) for name in names]
     held = seen.chart.rig_at(seen.with_free(case.free.axes))
-    fixed = facts_at(replace(case, free=case.free.extrinsics), found, held)[1]
+    fixed = _facts_at(case.of_extrinsics, found, held)[1]
     low, high = seen.intervals[where].T
     before = seen.posterior.covariance[where, where]
     return Intrinsics(
@@ -87,7 +91,34 @@ def refined(seen: Estimate, case: Case, found: Correspondences, rows: RowErrors,
     )
 
 
-def facts_at(case: Case, found: Correspondences, candidate: StereoRig) -> tuple[Evidence, RowErrors]:
+def judged_by(
+    seen: Estimate,
+    case: Case,
+    found: Correspondences,
+    candidate: StereoRig,
+    tiles: Int[np.ndarray, "2 k tiles"],
+    said: Verdict,
+) -> tuple[Verdict, RowErrors]:
+    """The verdict on a candidate, and its row errors against those of the initial rig.
+
+    Args:
+        tiles: counts under the initial calibration and the candidate.
+        said: of the extrinsics alone, as the search found them. Where intrinsics may change, a candidate that these
+            cannot reach is accepted if it passes the same rules and is, by the estimate, hardly worse than the initial
+            rig in rows or in depth.
+    """
+    facts, rows = _facts_at(case, found, candidate)
+    if case.free.lenses and not said.reason.accepted:
+        by_all, _ = judged(
+            facts, case.free.names, len(case.free.axes), tiles, rows, found.covered, settled=case.free.shared
+        )
+        worse = seen.probability_worse(seen.chart.coordinates_of(candidate))
+        if by_all.reason.accepted and worse < _MOST_WORSE:
+            return by_all, rows
+    return said, rows
+
+
+def _facts_at(case: Case, found: Correspondences, candidate: StereoRig) -> tuple[Evidence, RowErrors]:
     """The evidence at a candidate, and its row errors against those of the initial rig, as they are: the candidate
     does not follow single regions, so none is held out."""
     chart = row_chart(case.rig, case.reach, case.free)

@@ -20,7 +20,7 @@ from stereorecal.recalibration._estimated import (
     candidate_of,
     estimated,
     estimated_again,
-    facts_at,
+    judged_by,
     refined,
     uncertainty_of,
 )
@@ -188,13 +188,13 @@ def solution_of(case: Case, asked: Asked, stages: tuple[StageRun, ...], cost: Co
     cut = len(stages) < len(asked.schedule.stages) or any(stage.cut for stage in stages)
     frames = seen = None
     if found is not None and found.found >= FEWEST and not cut:
-        z = case.chart.coordinates_of(candidate)
         if is_exact(case.prior):
-            frames = agreed(case.chart, found, z, case.images.pairs)
+            frames = agreed(case.chart, found, case.chart.coordinates_of(candidate), case.images.pairs)
             candidate = case.chart.rig_at(frames.facts.z)
         else:
             seen, others = estimated(case, found, candidate)
-            frames = agreed(case.chart, found, z, case.images.pairs, others)
+            chart = case.of_extrinsics.chart
+            frames = agreed(chart, found, chart.coordinates_of(candidate), case.images.pairs, others)
             found = without(found, () if frames.refused else frames.apart)
             if case.free.lenses:
                 seen, found = estimated_again(case, seen, found, stages[-1].scale)
@@ -215,13 +215,13 @@ def solution_of(case: Case, asked: Asked, stages: tuple[StageRun, ...], cost: Co
         reason = Reason.TOO_LITTLE_TEXTURE
     else:
         rest = found if seen else without(found, frames.apart)
-        facts, rows = (frames.facts, row_errors(frames.facts)) if seen is None else facts_at(case, rest, candidate)
-        # The prior of the estimate knows how far intrinsics may be off, each with all others.
-        settled = () if seen is None else case.free.shared
-        said, left = judged(facts, case.free.names, len(case.free.axes), tiles, rows, rest.covered, settled=settled)
+        facts, rows = frames.facts, row_errors(frames.facts)
+        searched_for = case.free if seen is None else case.free.extrinsics
+        said, left = judged(facts, searched_for.names, len(case.free.axes), tiles, rows, rest.covered)
         if seen is None:
             known = uncertainty(facts.covariance(), systematic(facts, left), case.chart)
         else:
+            said, rows = judged_by(seen, case, rest, candidate, tiles, said)
             known = uncertainty_of(seen, candidate, case.chart)
             lenses = refined(seen, case, rest, rows, said.reason)
         reason = Reason.FRAMES_DISAGREE if frames.refused else said.reason

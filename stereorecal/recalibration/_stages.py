@@ -63,6 +63,11 @@ class Case:
         """The box of epipolar residuals, with the prior."""
         return row_chart(self.rig, self.reach, self.free)
 
+    @property
+    def of_extrinsics(self) -> "Case":
+        """The same case with nothing but the extrinsics free."""
+        return replace(self, free=self.free.extrinsics)
+
     def scale_of(self, stage: Stage) -> float:
         """The image scale at which a stage works."""
         return stage.scale_for(self.rig.left.size)

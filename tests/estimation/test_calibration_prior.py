@@ -5,9 +5,16 @@ import pytest
 from lenses import LENSES
 
 import stereorecal as sr
-from stereorecal.estimation import CalibrationCovariance, as_prior, exact_prior, rig_parameters
+from stereorecal.estimation import (
+    CalibrationCovariance,
+    _calibration_prior as of_boards,
+    as_prior,
+    exact_prior,
+    rig_parameters,
+)
 from stereorecal.estimation._calibration_prior import KAPPAS, calibration_covariances
 from stereorecal.estimation._consequences import points_of_view, readings
+from stereorecal.geometry import rotation_from_vector
 
 LIMITS = {"pitch": 3, "yaw": 3, "roll": 3, "f": 2, "cx": 15, "cy": 15, "k1": 0.05, "p1": 0.005, "p2": 0.005}
 
@@ -44,6 +51,35 @@ def test_positive_definite_whatever_the_lens(rig, coefficients):
     correlations = found / scales[:, :, None] / scales[:, None, :]
     np.testing.assert_allclose(correlations, correlations.swapaxes(1, 2), atol=1e-8)
     assert np.linalg.eigvalsh(correlations).min() > 1e-8
+
+
+def test_where_boards_were_is_not_known(chart, covariances, steps):
+    """Rig and the poses of a few boards solved together, densely: what is left of the rig."""
+    views, kappa = len(of_boards._KINDS) - 1, 2
+    boards = of_boards._boards(chart.rig, of_boards._KINDS[views])
+
+    def pixels(theta, poses):
+        turned = [b @ rotation_from_vector(p[:3]).T + p[3:] for b, p in zip(boards, poses.reshape(-1, 6), strict=True)]
+        return of_boards._pixels(chart.rig_at(theta), np.stack(turned))
+
+    none, size = np.zeros(6 * len(boards)), chart.dim + 6 * len(boards)
+    at = pixels(np.zeros(chart.dim), none)
+    inside = ((at >= 0) & (at <= np.array([639, 479, 639, 479]))).all(axis=-1)
+    inside &= inside.sum(axis=1, keepdims=True) >= 20
+    changes, columns = np.r_[steps, none + 1e-5], []
+    for index, change in enumerate(changes):
+        step = change * np.eye(size)[index]
+        ends = [pixels(sign * step[: chart.dim], sign * step[chart.dim :]) for sign in (1, -1)]
+        columns.append((np.where(inside[..., None], ends[0] - ends[1], 0.0) / (2 * change)).ravel())
+    limits = of_boards._widest(chart)
+    scales = np.r_[limits, none + 0.01]
+    rows = np.array(columns).T * scales / (KAPPAS[kappa] * 0.2)
+    information = rows.T @ rows + np.diag(np.r_[np.ones(chart.dim), none])
+    expected = (np.linalg.inv(information) * np.outer(scales, scales))[: chart.dim, : chart.dim]
+    here = chart.names.index("baseline")
+    expected[here, here] += 0.15**2
+    found = covariances[views * len(KAPPAS) + kappa]
+    np.testing.assert_allclose(found / np.outer(limits, limits), expected / np.outer(limits, limits), atol=1e-4)
 
 
 def test_a_principal_point_goes_with_a_rotation(chart, covariances):
@@ -129,7 +165,7 @@ def test_the_loosest_direction_has_a_heavy_tail_that_hardly_moves_boards(chart, 
         assert np.abs(spread[:-1]).max() < 1e-6
         assert 4.0 < np.sqrt(pair @ after @ pair / (pair @ before @ pair)) < 6.0
         # If only centres had moved, by as much, depth would err ten times as far.
-        print(np.sqrt(slopes @ (after - before) @ slopes / ((pair @ after @ pair) * (slopes @ pair / 2) ** 2)))
+        assert slopes @ (after - before) @ slopes < 0.1**2 * (pair @ after @ pair) * (slopes @ pair / 2) ** 2
 
 
 def test_exact_means_that_nothing_was_left(chart):
