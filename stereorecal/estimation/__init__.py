@@ -2,8 +2,9 @@
 squares; `docs/estimate.md` explains it.
 
 `_parameters` names θ, `_calibration_prior` and `_drift` are its prior, `_groups` the rows as data, `_misfit` what no
-parameter explains, `_evidence` integrates in closed form, `_least_squares` solves, `_posterior` is the answer,
-`_consequences` what errors of a rig do to rows and depth, `_candidates` the rigs that may be written.
+parameter explains, `_rivals` what else may, `_evidence` integrates in closed form, `_explanations` compares,
+`_least_squares` solves, `_posterior` is the answer, `_consequences` what errors of a rig do to rows and depth,
+`_candidates` the rigs that may be written.
 """
 
 from stereorecal.estimation._calibration_prior import (

@@ -57,6 +57,7 @@ _WIDEST = {"f": 2.0, "aspect": 0.5, "cx": 15.0, "cy": 15.0, "k1": 0.05, "k2": 0.
 _WIDEST |= dict.fromkeys(("s1", "s2", "s3", "s4"), 0.01)
 _WIDEST_ANGLE, _WIDEST_SHIFT, _WIDEST_LENGTH = 3.0, 5.0, 2.0  # degrees, percent of the baseline
 _POSE_STEP = 1e-4  # radians, and sizes of a board
+_LEAST_OVERLAP = 2.5  # over the relative disparity at which boards are still in both images
 _SQUARES = 0.15  # percent: printed squares are off by so much, and the baseline's length with them
 _STEPS = {"%": 1e-2, "px": 1e-2, "deg": 1e-3, "": 1e-5}  # of central differences, by unit
 
@@ -158,8 +159,10 @@ def _boards(rig: StereoRig, views: _Views) -> Float[np.ndarray, "b c 3"]:
     flat = np.stack(np.meshgrid(*(np.arange(n) - 0.5 * (n - 1) for n in _CORNERS)), axis=-1).reshape(-1, 2)
     boards = []
     most = np.radians(views.tilt)
+    # Telephoto rigs see boards with both cameras only from farther away.
+    farther = max(1.0, _LEAST_OVERLAP * float(rig.left.matrix[0, 0]) / width / views.depths[0])
     for _ in range(views.boards):
-        depth = baseline * draw.uniform(*views.depths)
+        depth = baseline * farther * draw.uniform(*views.depths)
         square = depth * draw.uniform(*views.widths) * width / float(rig.left.matrix[0, 0]) / _CORNERS[0]
         middle = (0.5 + draw.uniform(-views.beside, views.beside, 2)) * [width, height]
         tilt = rotation_from_vector(draw.uniform(-most, most, 3))

@@ -17,7 +17,8 @@ _MARGIN = 0.05  # of the image, at each side
 
 
 def points_of_view(rig: StereoRig, distance: float) -> Float[np.ndarray, "p 3"]:
-    """Points over the left image, at a distance along its axis in baselines, that both cameras see; metres."""
+    """Points over the left image, at a distance along its axis in baselines, that both cameras see, or, where that
+    is too near for both, that the lens models reach; metres."""
     width, height = rig.left.size
     share = [np.linspace(_MARGIN, 1.0 - _MARGIN, n) for n in _GRID]
     pixels = np.stack(np.meshgrid(*share), axis=-1).reshape(-1, 2) * [width - 1, height - 1]
@@ -28,7 +29,8 @@ def points_of_view(rig: StereoRig, distance: float) -> Float[np.ndarray, "p 3"]:
     at_1 = right / np.where(ahead, right[:, 2], 1.0)[:, None]
     inside = np.hypot(at_1[:, 0], at_1[:, 1]) < float(rig.right.lens_radius)
     seen = np.asarray(rig.right.project(at_1))
-    return points[ahead & inside & ((seen >= 0.0) & (seen <= np.array([width, height]) - 1.0)).all(axis=-1)]
+    by_both = ahead & inside & ((seen >= 0.0) & (seen <= np.array([width, height]) - 1.0)).all(axis=-1)
+    return points[by_both] if by_both.any() else points[ahead & inside]
 
 
 def readings(

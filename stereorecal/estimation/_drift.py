@@ -8,7 +8,17 @@ from jaxtyping import Float
 
 from stereorecal.objectives import ROTATION
 
-SIZES = (0.0, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 4.0)  # degrees: standard deviations of the angles
+SIZES = (
+    0.002,
+    0.02,
+    0.05,
+    0.1,
+    0.2,
+    0.5,
+    1.0,
+    2.0,
+    4.0,
+)  # degrees, of the angles; the first is none
 _SHIFT = 0.6  # y and z as a share of the baseline, per radian
 _ALONE = 0.02  # probability of a drift that turns one axis more than the others, of each axis
 _LEAST_ALONE = 0.1  # degrees

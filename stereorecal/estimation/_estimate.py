@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float
 from threadpoolctl import ThreadpoolController
 
+from stereorecal._names import known
 from stereorecal.estimation._candidates import depth_kept, least_loss
 from stereorecal.estimation._consequences import DISTANCES, Consequences, consequences, points_of_view, readings
 from stereorecal.estimation._frames import OtherRig, other_rigs
@@ -36,7 +37,7 @@ class Estimate:
         misfit: pixels of row difference that stay together in regions and are in no parameter: of each frame, and
             common to all frames.
         groups: how many mean row differences it rests on.
-        residual_px: root mean square of those, at the posterior's mean.
+        residual_px: root mean square of those, at the posterior's mean; NaN where there are none.
         prior_variance: (n,) of the calibration's error before any image was seen, mixed like the posterior.
         other_rigs: frames that show another rig than the others, the farthest first.
     """
@@ -80,7 +81,13 @@ class Estimate:
         return depth_kept(self.chart, self.theta, self.posterior.covariance)
 
     def with_free(self, names: Sequence[str]) -> Float[np.ndarray, "n"]:
-        """θ that loses least in rows and depth if only these parameters may change."""
+        """θ that loses least in rows and depth if only these parameters may change.
+
+        Raises:
+            InputError: if a name is unknown.
+        """
+        for name in names:
+            known(name, list(self.names), "parameter")
         free = np.isin(self.chart.names, names)
         deviations = np.sqrt(np.diag(self.posterior.covariance))
         return least_loss(self._consequences, self.theta, self._target_nearness, free, deviations)
@@ -166,8 +173,10 @@ def estimate(
     # Hundreds of small matrices: threads would wait for each other, and for other processes on these cores.
     with ThreadpoolController().limit(limits=1, user_api="blas"):
         solved = fit(found, chart, asked, start)
-        mean = solved.posterior.mean
-        others = other_rigs(solved.rows, sum(solved.misfit), mean)
-    residual = solved.rows.residual(mean)
+        mean, rows = solved.posterior.mean, solved.rows
+        if rows is None:
+            return Estimate(chart, solved.posterior, solved.misfit, 0, float("nan"), solved.prior_variance)
+        others = other_rigs(rows, sum(solved.misfit), mean)
+    residual = rows.residual(mean)
     rms = float(np.sqrt(np.mean(residual**2)))
     return Estimate(chart, solved.posterior, solved.misfit, len(residual), rms, solved.prior_variance, others)

@@ -6,7 +6,7 @@ from statistics import NormalDist
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.estimation._least_squares import LinearRows
+from stereorecal.estimation._explanations import LinearRows
 from stereorecal.estimation._misfit import covariance_of_rows
 from stereorecal.estimation._parameters import DRIFTING
 

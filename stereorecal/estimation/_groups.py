@@ -80,6 +80,9 @@ def grouped(found: Correspondences, chart: RigChart, theta: Float[np.ndarray, "n
     left, right, weight = (np.asarray(part, float)[seen] for part in (found.left, found.right, found.weight))
     rows, disparity = _rectified(found, chart, theta, seen)
     places = _places(chart, left)
+    if not seen.any():
+        nothing, numbers = np.zeros(0), np.zeros(0, int)
+        return Groups(left, right, nothing, nothing, numbers, numbers, nothing, numbers, focal / scale)
     cuts = np.quantile(disparity, np.arange(1, _DISPARITIES) / _DISPARITIES) if len(disparity) else []
     key = (frame * np.prod(PLACES) + places) * _DISPARITIES + np.searchsorted(cuts, disparity)
     order = np.argsort(key, kind="stable")
@@ -113,6 +116,8 @@ def grouped(found: Correspondences, chart: RigChart, theta: Float[np.ndarray, "n
         count=n,
         focal=focal / scale,
     ).of(n >= _FEWEST)
+    if not len(groups):
+        return groups
     of_rays = differences_at(groups._as_correspondences(), chart, theta)[0]
     return replace(groups, offset=(mean(rows) / scale)[n >= _FEWEST] - of_rays)
 

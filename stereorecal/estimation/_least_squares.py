@@ -4,110 +4,24 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
 from stereorecal.estimation._calibration_prior import CalibrationPrior
 from stereorecal.estimation._drift import drift_sizes
-from stereorecal.estimation._evidence import Explained, Normal, explained, normal_of, without
-from stereorecal.estimation._groups import PLACES, Groups, grouped
-from stereorecal.estimation._misfit import COMMON, DEVIATIONS, alike, covariance_of_rows, unexpected
-from stereorecal.estimation._posterior import Posterior, root
+from stereorecal.estimation._evidence import Normal, explained
+from stereorecal.estimation._explanations import Explanation, LinearRows, best_of, explanations, linear_rows
+from stereorecal.estimation._groups import grouped
+from stereorecal.estimation._misfit import COMMON, DEVIATIONS
+from stereorecal.estimation._posterior import Posterior
+from stereorecal.estimation._rivals import beside_rivals
 from stereorecal.objectives import RigChart
 from stereorecal.scoring import Correspondences
 
+_FEWEST = 6  # groups: from fewer nothing is to be learnt of twenty parameters
 _ROUNDS = 8
 _REGROUPED = 3  # times; then outliers are what they are
 _SETTLED = 0.05  # standard deviations of θ
-_BOUND = 3.0  # standard deviations: beyond, a group that errs alone counts for less (Cauchy)
-_NOTHING = np.zeros((0, 0))
-_ROOT_OF_FIELD = root(alike(np.arange(PLACES[0] * PLACES[1])))
 _LEAST = 1e-4  # of the weight of all explanations: below, one is dropped
-
-
-@dataclass(frozen=True, eq=False)
-class LinearRows:
-    """The rows of groups near θ: r₀ + J θ.
-
-    Attributes:
-        groups: with frames, places and deviations.
-        jacobian: (g, n).
-        at_zero: (g,) r₀.
-        deviation: (g,) pixels; larger than that of `groups` where a group errs alone.
-        frames: indices of the groups of each frame.
-    """
-
-    groups: Groups
-    jacobian: Float[np.ndarray, "g n"]
-    at_zero: Float[np.ndarray, "g"]
-    deviation: Float[np.ndarray, "g"]
-    frames: Sequence[Int[np.ndarray, "f"]]
-
-    def residual(self, theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "g"]:
-        """At θ."""
-        return self.at_zero + self.jacobian @ theta
-
-    def normal(self, misfit: float) -> Normal:
-        """The likelihood of θ and, where there are several frames, of a field over the places that they have in common,
-        under a misfit of this deviation in each frame."""
-        columns = self.jacobian if len(self.frames) == 1 else np.column_stack([self.jacobian, self._places])
-        size = columns.shape[1]
-        total = Normal(np.zeros((size, size)), np.zeros(size), 0.0)
-        for f in self.frames:
-            covariance = covariance_of_rows(self.groups.place[f], self.deviation[f], misfit)
-            total = total + normal_of(np.linalg.cholesky(covariance), columns[f], self.at_zero[f])
-        return total
-
-    @property
-    def _places(self) -> Float[np.ndarray, "g p"]:
-        return np.eye(PLACES[0] * PLACES[1])[self.groups.place]
-
-    def robust(self, misfit: float, theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "g"]:
-        """The deviations that groups should have, if those that err alone at θ have a bounded say."""
-        apart, residual = np.zeros(len(self.at_zero)), self.residual(theta)
-        for f in self.frames:
-            covariance = covariance_of_rows(self.groups.place[f], self.groups.deviation[f], misfit)
-            apart[f] = unexpected(covariance, residual[f])
-        return self.groups.deviation * np.sqrt(1.0 + (apart / _BOUND) ** 2)
-
-
-@dataclass(frozen=True, eq=False)
-class Explanation:
-    """θ under a misfit and a calibration's prior, for all kinds of drift.
-
-    Attributes:
-        misfit: deviations of the field of each frame and of the common one, pixels.
-        prior: which of the calibration's covariances.
-        found: θ.
-    """
-
-    misfit: tuple[float, float]
-    prior: int
-    found: Explained
-
-
-def explanations(
-    rows: LinearRows, prior: CalibrationPrior, which: Sequence[int], misfits: Sequence[tuple[float, float]]
-) -> list[Explanation]:
-    """θ for each misfit and some of the covariances of the calibration's prior."""
-    sizes, weights = drift_sizes()
-    whole = {misfit: rows.normal(misfit) for misfit in {of_a_frame for of_a_frame, _ in misfits}}
-    found = []
-    for of_a_frame, common in misfits:
-        normal = whole[of_a_frame]
-        if len(rows.frames) > 1:
-            normal = without(normal, common * _ROOT_OF_FIELD)
-        for index in which:
-            logs = np.log(weights * prior.weights[index])
-            found.append(
-                Explanation((of_a_frame, common), index, explained(normal, prior.roots[index], _NOTHING, sizes, logs))
-            )
-    return found
-
-
-def best_of(several: Sequence[Explanation]) -> tuple[Explanation, int]:
-    """The most probable one, and the kind of drift under which it is."""
-    best = max(several, key=lambda one: float(one.found.log_evidence.max()))
-    return best, int(best.found.log_evidence.argmax())
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,14 +30,14 @@ class Fit:
 
     Attributes:
         posterior: of θ.
-        rows: linear near it.
+        rows: linear near it; None where there are too few.
         misfit: the most probable deviations of the field of each frame and of the common one, pixels.
         prior: the most probable one of the calibration's covariances.
         prior_variance: (n,) of its error, before any image was seen, by the weights that its covariances have after.
     """
 
     posterior: Posterior
-    rows: LinearRows
+    rows: LinearRows | None
     misfit: tuple[float, float]
     prior: int
     prior_variance: Float[np.ndarray, "n"]
@@ -141,6 +55,8 @@ def fit(
     theta = np.zeros(chart.dim) if start is None else start
     misfit, which = (DEVIATIONS[2], 0.0), len(prior.roots) // 2
     groups = grouped(found, chart, theta)
+    if len(groups) < _FEWEST:
+        return _nothing_seen(chart, prior)
     rows = linear_rows(groups, chart, theta)
     for number in range(_ROUNDS):
         best, kind = best_of(_searched(rows, prior, misfit, which))
@@ -156,10 +72,24 @@ def fit(
             rows = replace(rows, deviation=grown)
     near = _near(misfit, len(rows.frames) > 1)
     several = explanations(rows, prior, range(len(prior.roots)), near)
+    if len(rows.frames) == 1:  # what moves differs between frames, and they outvote it
+        several += [one for beside in beside_rivals(rows, chart, prior, several) for one in beside.several]
     evidence = np.array([np.logaddexp.reduce(one.found.log_evidence) for one in several])
     weights = np.exp(evidence - np.logaddexp.reduce(evidence))
     variances = np.stack([np.sum(prior.roots[one.prior] ** 2, axis=1) for one in several])
     return Fit(mixture(several), rows, misfit, which, weights @ variances)
+
+
+def _nothing_seen(chart: RigChart, prior: CalibrationPrior) -> Fit:
+    """The prior, where there are no rows."""
+    nothing, (sizes, weights) = np.zeros((0, 0)), drift_sizes()
+    flat = Normal(np.zeros((chart.dim, chart.dim)), np.zeros(chart.dim), 0.0)
+    several = [
+        Explanation((0.0, 0.0), index, explained(flat, prior_root, nothing, sizes, np.log(weights * weight)))
+        for index, (prior_root, weight) in enumerate(zip(prior.roots, prior.weights, strict=True))
+    ]
+    variances = prior.weights @ np.sum(prior.roots**2, axis=2)
+    return Fit(mixture(several), None, (0.0, 0.0), 0, variances)
 
 
 def _searched(rows: LinearRows, prior: CalibrationPrior, misfit: tuple[float, float], which: int) -> list[Explanation]:
@@ -180,14 +110,6 @@ def _near(misfit: tuple[float, float], several: bool) -> list[tuple[float, float
         return grid[max(at - 1, 0) : at + 2]
 
     return [(d, c) for d in beside(misfit[0], DEVIATIONS) for c in (beside(misfit[1], COMMON) if several else (0.0,))]
-
-
-def linear_rows(groups: Groups, chart: RigChart, theta: Float[np.ndarray, "n"]) -> LinearRows:
-    """Linear at θ."""
-    rows = groups.rows(chart, theta)
-    jacobian = rows.jacobian[:, 0].T
-    frames = [np.flatnonzero(groups.frame == frame) for frame in np.unique(groups.frame)]
-    return LinearRows(groups, jacobian, rows.differences[0] - jacobian @ theta, groups.deviation, frames)
 
 
 def mixture(several: Sequence[Explanation]) -> Posterior:

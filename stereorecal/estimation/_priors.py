@@ -41,10 +41,13 @@ class CalibrationCovariance:
                 f"the covariance has the shape {covariance.shape} for {len(names)} names; give one row and one column "
                 "for each name, and no name twice."
             )
-        if not np.isfinite(covariance).all() or not np.allclose(covariance, covariance.T, rtol=1e-6, atol=0.0):
-            raise InputError("the covariance is not symmetric, or not finite; give it as the calibration wrote it.")
+        if not np.isfinite(covariance).all():
+            raise InputError("the covariance is not finite; give it as the calibration wrote it.")
         deviations = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
-        values = np.linalg.eigvalsh(covariance / deviations[:, None] / deviations)
+        correlations = covariance / deviations[:, None] / deviations
+        if not np.allclose(correlations, correlations.T, rtol=0.0, atol=1e-6):
+            raise InputError("the covariance is not symmetric; give it as the calibration wrote it.")
+        covariance, values = 0.5 * (covariance + covariance.T), np.linalg.eigvalsh(correlations)
         if np.diag(covariance).min(initial=1.0) <= 0.0 or values.min(initial=1.0) < -_NOT_POSITIVE * values.max():
             raise InputError("the covariance is not positive definite; check its order and its units.")
         object.__setattr__(self, "names", names)

@@ -47,7 +47,7 @@ def estimated_again(
         scale: at which `found` were found; frames without any stay out.
     """
     again = matched(case.images.at(scale), seen.chart, seen.theta, case.matcher)
-    kept = (np.asarray(found.weight) > 0).any(axis=1)
+    kept = np.any(np.asarray(found.weight) > 0, axis=1)
     again = replace(again, weight=np.asarray(again.weight) * kept[:, None])
     if again.found < FEWEST:
         return seen, found

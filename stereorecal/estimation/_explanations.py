@@ -1,0 +1,113 @@
+"""Rows of groups, linear near a rig, and θ under every prior and misfit that is compared."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from stereorecal.estimation._calibration_prior import CalibrationPrior
+from stereorecal.estimation._drift import drift_sizes
+from stereorecal.estimation._evidence import Explained, Normal, explained, normal_of, without
+from stereorecal.estimation._groups import PLACES, Groups
+from stereorecal.estimation._misfit import alike, covariance_of_rows, unexpected
+from stereorecal.estimation._posterior import root
+from stereorecal.objectives import RigChart
+
+_BOUND = 3.0  # standard deviations: beyond, a group that errs alone counts for less (Cauchy)
+_NOTHING = np.zeros((0, 0))
+_ROOT_OF_FIELD = root(alike(np.arange(PLACES[0] * PLACES[1])))
+
+
+@dataclass(frozen=True, eq=False)
+class LinearRows:
+    """The rows of groups near θ: r₀ + J θ.
+
+    Attributes:
+        groups: with frames, places and deviations.
+        jacobian: (g, n).
+        at_zero: (g,) r₀.
+        deviation: (g,) pixels; larger than that of `groups` where a group errs alone.
+        frames: indices of the groups of each frame.
+    """
+
+    groups: Groups
+    jacobian: Float[np.ndarray, "g n"]
+    at_zero: Float[np.ndarray, "g"]
+    deviation: Float[np.ndarray, "g"]
+    frames: Sequence[Int[np.ndarray, "f"]]
+
+    def residual(self, theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "g"]:
+        """At θ."""
+        return self.at_zero + self.jacobian @ theta
+
+    def normal(self, misfit: float) -> Normal:
+        """The likelihood of θ and, where there are several frames, of a field over the places that they have in common,
+        under a misfit of this deviation in each frame."""
+        columns = self.jacobian if len(self.frames) == 1 else np.column_stack([self.jacobian, self._places])
+        size = columns.shape[1]
+        total = Normal(np.zeros((size, size)), np.zeros(size), 0.0)
+        for f in self.frames:
+            covariance = covariance_of_rows(self.groups.place[f], self.deviation[f], misfit)
+            total = total + normal_of(np.linalg.cholesky(covariance), columns[f], self.at_zero[f])
+        return total
+
+    @property
+    def _places(self) -> Float[np.ndarray, "g p"]:
+        return np.eye(PLACES[0] * PLACES[1])[self.groups.place]
+
+    def robust(self, misfit: float, theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "g"]:
+        """The deviations that groups should have, if those that err alone at θ have a bounded say."""
+        apart, residual = np.zeros(len(self.at_zero)), self.residual(theta)
+        for f in self.frames:
+            covariance = covariance_of_rows(self.groups.place[f], self.groups.deviation[f], misfit)
+            apart[f] = unexpected(covariance, residual[f])
+        return self.groups.deviation * np.sqrt(1.0 + (apart / _BOUND) ** 2)
+
+
+@dataclass(frozen=True, eq=False)
+class Explanation:
+    """θ under a misfit and a calibration's prior, for all kinds of drift.
+
+    Attributes:
+        misfit: deviations of the field of each frame and of the common one, pixels.
+        prior: which of the calibration's covariances.
+        found: θ.
+    """
+
+    misfit: tuple[float, float]
+    prior: int
+    found: Explained
+
+
+def explanations(
+    rows: LinearRows, prior: CalibrationPrior, which: Sequence[int], misfits: Sequence[tuple[float, float]]
+) -> list[Explanation]:
+    """θ for each misfit and some of the covariances of the calibration's prior."""
+    sizes, weights = drift_sizes()
+    whole = {misfit: rows.normal(misfit) for misfit in {of_a_frame for of_a_frame, _ in misfits}}
+    found = []
+    for of_a_frame, common in misfits:
+        normal = whole[of_a_frame]
+        if len(rows.frames) > 1:
+            normal = without(normal, common * _ROOT_OF_FIELD)
+        for index in which:
+            logs = np.log(weights * prior.weights[index])
+            found.append(
+                Explanation((of_a_frame, common), index, explained(normal, prior.roots[index], _NOTHING, sizes, logs))
+            )
+    return found
+
+
+def best_of(several: Sequence[Explanation]) -> tuple[Explanation, int]:
+    """The most probable one, and the kind of drift under which it is."""
+    best = max(several, key=lambda one: float(one.found.log_evidence.max()))
+    return best, int(best.found.log_evidence.argmax())
+
+
+def linear_rows(groups: Groups, chart: RigChart, theta: Float[np.ndarray, "n"]) -> LinearRows:
+    """Linear at θ."""
+    rows = groups.rows(chart, theta)
+    jacobian = rows.jacobian[:, 0].T
+    frames = [np.flatnonzero(groups.frame == frame) for frame in np.unique(groups.frame)]
+    return LinearRows(groups, jacobian, rows.differences[0] - jacobian @ theta, groups.deviation, frames)

@@ -1,0 +1,121 @@
+"""Outlines of a region of places that moved as a whole: all rectangles are tried, and what grows of the best.
+
+Evidence is of the outline alone, everything else integrated, so parameters and outline need not take turns. Half of
+the probability is for rectangles, all alike: images are cut along their rows and columns, and what moves is often as
+wide as high. The other half has a price for each edge, what a closed walk on a lattice takes to be told.
+"""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from stereorecal.estimation._groups import PLACES
+
+_EDGE = 1.0  # nats: closed walks of n steps on a square lattice are about 2.64ⁿ many
+_FEWEST = 4  # places inside, and outside: fewer are outliers
+_MOST = 0.55  # of the places: what most of an image shows is the rig; of two halves either may have moved
+_STEPS = 60  # of single places that change sides
+_ALIKE = 0.1  # of the places: outlines that differ by less are one
+_KEPT = 2  # outlines: a region, and its rival
+_N = PLACES[0] * PLACES[1]
+
+
+@dataclass(frozen=True, eq=False)
+class Offsets:
+    """The log likelihood of row offsets o of all places of a frame: -½ (oᵀ a o - 2 bᵀ o).
+
+    Attributes:
+        a: (p, p).
+        b: (p,).
+        size: standard deviation of the offset of a region, pixels.
+    """
+
+    a: Float[np.ndarray, "p p"]
+    b: Float[np.ndarray, "p"]
+    size: float
+
+    def gain(self, pull: Float[np.ndarray, "s"], stiff: Float[np.ndarray, "s"]) -> Float[np.ndarray, "s"]:
+        """Log evidence of an offset of the places l over that of none, for bᵀl and lᵀ a l."""
+        return 0.5 * pull**2 / (stiff + 1.0 / self.size**2) - 0.5 * np.log1p(self.size**2 * np.maximum(stiff, 0.0))
+
+
+def outlines(several: Iterable[Offsets], present: Bool[np.ndarray, "p"]) -> list[tuple[Bool[np.ndarray, "p"], float]]:
+    """The most probable outlines that differ, and the logarithm of the prior probability of each.
+
+    Args:
+        several: likelihoods of offsets, under priors of θ.
+        present: places that have rows.
+    """
+    found = sorted((one for offsets in several for one in _searched(offsets, present)), key=lambda one: -one[0])
+    kept = []
+    for _, log_prior, label in found:
+        other = all((label != one)[present].mean() > _ALIKE for one, _ in kept)
+        if other and label.sum() <= _MOST * present.sum():
+            kept.append((label, log_prior))
+    return kept[:_KEPT]
+
+
+def _searched(offsets: Offsets, present: Bool[np.ndarray, "p"]) -> Iterator[tuple[float, float, Bool[np.ndarray, "p"]]]:
+    """Log evidence, log prior and outline: the best rectangle, the best one that the rest moved around, and what grows
+    of both."""
+    labels = _rectangles()
+    log_prior = -float(np.log(2.0 * 2.0 * len(labels)))
+    whole = present.astype(float)
+    of_whole = offsets.a @ whole
+    pull, stiff = labels @ offsets.b, np.einsum("sp,sp->s", labels @ offsets.a, labels)
+    rest_pull, rest_stiff = offsets.b @ whole - pull, whole @ of_whole - 2.0 * (labels @ of_whole) + stiff
+    number = labels @ whole
+    fits = (number >= _FEWEST) & (number <= whole.sum() - _FEWEST)
+    if not fits.any():
+        return
+    for gains, around in ((offsets.gain(pull, stiff), False), (offsets.gain(rest_pull, rest_stiff), True)):
+        index = int(np.where(fits, gains, -np.inf).argmax())
+        label = present & ((labels[index] > 0.0) != around)
+        yield float(gains[index]) + log_prior, log_prior, label
+        yield _grown(offsets, label, present)
+
+
+def _grown(
+    offsets: Offsets, label: Bool[np.ndarray, "p"], present: Bool[np.ndarray, "p"]
+) -> tuple[float, float, Bool[np.ndarray, "p"]]:
+    """Single places change sides, the one that gains most first, while that helps."""
+    side, beside = label.astype(float), _neighbours() * present * present[:, None]
+    degree, own = beside.sum(axis=1), np.diag(offsets.a)
+    al, near = offsets.a @ side, beside @ side
+    pull, stiff, edges = float(offsets.b @ side), float(side @ al), float(side @ (degree - near))
+    now = -np.inf
+    for _ in range(_STEPS):
+        sign = 1.0 - 2.0 * side
+        more = sign * (degree - 2.0 * near)
+        gains = offsets.gain(pull + sign * offsets.b, stiff + 2.0 * sign * al + own) - _EDGE * (edges + more)
+        number = side.sum() + sign
+        gains[~present | (number < _FEWEST) | (number > present.sum() - _FEWEST)] = -np.inf
+        p = int(gains.argmax())
+        if not gains[p] > now:
+            break
+        now = float(gains[p])
+        pull, stiff, edges = pull + sign[p] * offsets.b[p], stiff + 2.0 * sign[p] * al[p] + own[p], edges + more[p]
+        al, near = al + sign[p] * offsets.a[:, p], near + sign[p] * beside[:, p]
+        side[p] += sign[p]
+    log_prior = -_EDGE * float(edges) - float(np.log(2.0))
+    return now - float(np.log(2.0)), log_prior, side > 0.5
+
+
+@cache
+def _rectangles() -> Float[np.ndarray, "s p"]:
+    """All of them, 1 inside."""
+    across, down = (
+        np.array([(np.arange(n) >= i) & (np.arange(n) < j) for i in range(n) for j in range(i + 1, n + 1)])
+        for n in PLACES
+    )
+    return (down[:, None, :, None] & across[None, :, None, :]).reshape(-1, _N).astype(float)
+
+
+@cache
+def _neighbours() -> Float[np.ndarray, "p p"]:
+    """1 where two places share an edge."""
+    row, column = np.divmod(np.arange(_N), PLACES[0])
+    return (np.abs(row[:, None] - row) + np.abs(column[:, None] - column) == 1).astype(float)

@@ -1,0 +1,196 @@
+"""What errors of a rig do to rows and depth, and the rigs that may be written."""
+
+import cv2
+import numpy as np
+import pytest
+from hypothesis import given, settings, strategies as st
+
+from stereorecal.estimation._candidates import depth_kept, least_loss
+from stereorecal.estimation._consequences import DISTANCES, consequences, points_of_view, readings
+
+SIZES = {"deg": 0.2, "%": 0.3, "px": 2.0, "": 1e-3}
+
+
+def off(chart, seed: int, size: float = 1.0) -> np.ndarray:
+    draw = np.random.default_rng([seed, 3]).uniform(-size, size, chart.dim)
+    return draw * [SIZES[parameter.unit] for parameter in chart.parameters]
+
+
+def drifted(chart, seed: int) -> np.ndarray:
+    return off(chart, seed) * (np.arange(chart.dim) < 5)
+
+
+@pytest.fixture(scope="module")
+def theta(chart):
+    return off(chart, 7)
+
+
+@pytest.fixture(scope="module")
+def near(chart, theta):
+    return consequences(chart, theta)
+
+
+def by_opencv(used, true, points) -> tuple[np.ndarray, np.ndarray]:
+    """Row differences at focal length 1, and depth along the left axis, of rectified pixels of points."""
+    criteria = (cv2.TERM_CRITERIA_MAX_ITER | cv2.TERM_CRITERIA_EPS, 100, 1e-14)
+    lenses = [(np.array(camera.matrix), np.array(camera.distortion)) for camera in (used.left, used.right)]
+    turns = cv2.stereoRectify(*lenses[0], *lenses[1], used.left.size, used.R, used.T[:, None])[:2]
+    pixels = (true.left.project(points), true.right.project(points @ true.rotation.T + true.translation))
+    left, right = (
+        cv2.undistortPoints(seen[:, None], *lens, R=turn, criteria=criteria)[:, 0]
+        for seen, lens, turn in zip(pixels, lenses, turns, strict=True)
+    )
+    along = np.column_stack([left, np.ones(len(left))]) @ turns[0][:, 2]
+    return left[:, 1] - right[:, 1], used.baseline * along / (left - right)[:, 0]
+
+
+@pytest.mark.parametrize("distance", DISTANCES)
+def test_points_lie_where_both_cameras_see_them(rig, distance):
+    points = points_of_view(rig, distance)
+    np.testing.assert_allclose(points[:, 2], distance * rig.baseline)
+    for camera, seen in ((rig.left, points), (rig.right, points @ rig.rotation.T + rig.translation)):
+        pixels = camera.project(seen)
+        assert pixels.min() >= 0
+        assert (pixels <= np.array([639, 479])).all()
+    assert np.ptp(rig.left.project(points), axis=0) == pytest.approx([575, 431], abs=100)
+
+
+@settings(max_examples=15)
+@given(seed=st.integers(0, 999))
+def test_a_rig_reads_itself_without_an_error(chart, seed):
+    rig = chart.rig_at(off(chart, seed))
+    for reading in readings(rig, rig, points_of_view(rig, 10)):
+        np.testing.assert_allclose(reading, 0.0, atol=1e-9)
+
+
+@settings(max_examples=15)
+@given(seed=st.integers(0, 999), distance=st.sampled_from(DISTANCES))
+def test_opencv_reads_the_same(chart, rig, seed, distance):
+    true, used = chart.rig_at(off(chart, seed)), chart.rig_at(off(chart, seed + 1, 0.3))
+    points = points_of_view(true, distance)
+    rows, nearness = readings(used, true, points)
+    expected, depth = by_opencv(used, true, points)
+    focal = np.mean([used.left.matrix[0, 0], used.left.matrix[1, 1], used.right.matrix[0, 0], used.right.matrix[1, 1]])
+    np.testing.assert_allclose(rows, focal * expected, atol=1e-5)
+    np.testing.assert_allclose(1 + nearness, points[:, 2] / depth, rtol=1e-5, atol=1e-6)
+
+
+@pytest.mark.parametrize(("name", "by"), [("baseline", 1.0), ("left.cy", 1.0), ("roll", 0.3)])
+def test_signs_and_sizes(chart, rig, name, by):
+    used = chart.rig_at(by * np.eye(chart.dim)[chart.names.index(name)])
+    rows, nearness = readings(used, rig, points_of_view(rig, 10))
+    if name == "baseline":  # one percent longer: all is read as one percent farther
+        np.testing.assert_allclose(rows, 0.0, atol=1e-9)
+        np.testing.assert_allclose(nearness, 1 / 1.01 - 1, rtol=1e-9)
+    elif name == "left.cy":  # the centre lies lower, so what is seen lies higher
+        assert rows.mean() == pytest.approx(-1.0, abs=0.1)
+    else:
+        assert np.ptp(rows) > np.radians(by) * 500
+
+
+@settings(max_examples=15)
+@given(seed=st.integers(0, 999), size=st.floats(0.01, 0.05))
+def test_linear_maps_against_readings_of_other_rigs(chart, theta, near, seed, size):
+    """Whether the used rig errs or the truth lies elsewhere."""
+    change = off(chart, seed, size)
+    used = chart.rig_at(theta)
+    for index, distance in enumerate(DISTANCES):
+        points = points_of_view(used, distance)
+        expected = near.rows[index] @ change
+        for pair in ((used, chart.rig_at(theta - change)), (chart.rig_at(theta + change), used)):
+            rows, nearness = readings(*pair, points)
+            np.testing.assert_allclose(rows, expected, atol=0.02 * np.abs(expected).max() + 1e-3)
+            assert nearness.mean() == pytest.approx(near.nearness[index] @ change, rel=0.03, abs=1e-3)
+
+
+@settings(max_examples=6)
+@given(seed=st.integers(0, 999), exact=st.booleans())
+def test_kept_depth_is_that_of_the_given_rig(chart, rig, prior, seed, exact):
+    mean = drifted(chart, seed)
+    covariance = np.diag([0.04**2] * 2 + [0.01**2] + [0.2**2] * 2 + [0.0] * (chart.dim - 5))
+    covariance = covariance if exact else covariance + prior.roots[2] @ prior.roots[2].T
+    kept = depth_kept(chart, mean, covariance)
+    for distance in (10, 30):
+        assert abs(readings(chart.rig_at(kept), rig, points_of_view(rig, distance))[1].mean()) < 1e-3
+    if exact:
+        np.testing.assert_array_equal(kept[5:], 0.0)
+
+
+@settings(max_examples=5)
+@given(seed=st.integers(0, 999))
+def test_it_is_the_most_probable_of_those(chart, prior, seed):
+    """Steps that leave depth as it is make it less probable, whichever way."""
+    mean = drifted(chart, seed)
+    covariance = prior.roots[2] @ prior.roots[2].T + np.diag(np.r_[0.01**2 * np.ones(5), np.zeros(chart.dim - 5)])
+    kept, rng = depth_kept(chart, mean, covariance), np.random.default_rng(seed)
+    slopes = consequences(chart, mean).nearness[[DISTANCES.index(10), DISTANCES.index(30)]]
+    scales = np.sqrt(np.diag(covariance))
+    precision = np.linalg.inv(covariance / scales[:, None] / scales)
+
+    def improbable(theta):
+        return ((theta - mean) / scales) @ precision @ ((theta - mean) / scales)
+
+    pull = covariance @ slopes.T
+    for _ in range(5):
+        step = np.linalg.cholesky(covariance) @ rng.normal(0, 1, chart.dim)
+        step -= pull @ np.linalg.solve(slopes @ pull, slopes @ step)
+        assert improbable(kept) <= min(improbable(kept + step), improbable(kept - step)) + 1e-6
+        both = improbable(kept + step) + improbable(kept - step) - 2 * improbable(kept)
+        assert abs(improbable(kept + step) - improbable(kept - step)) < 0.05 * both + 1e-6
+
+
+def deviations(chart) -> np.ndarray:
+    return np.array([SIZES[parameter.unit] for parameter in chart.parameters])
+
+
+def loss(chart, near, mean, nearness, theta) -> float:
+    """In squares: a tenth of a pixel of rows counts like one percent of disparity, at each of three distances, and ten
+    deviations of a free parameter from its mean."""
+    total = np.sum((0.1 * (theta - mean) / deviations(chart))[theta != 0.0] ** 2)
+    for distance in (5, 10, 30):
+        index = DISTANCES.index(distance)
+        rows = near.rows[index] @ (theta - mean)
+        total += np.mean((rows / 0.1) ** 2) / 3
+        total += ((near.nearness[index] @ (theta - mean) - nearness[index]) / 0.01) ** 2
+    return float(total)
+
+
+def test_with_all_free_and_nothing_to_correct_it_is_the_mean(chart, theta, near):
+    found = least_loss(near, theta, np.zeros(4), np.ones(chart.dim, bool), deviations(chart))
+    np.testing.assert_array_equal(found, theta)
+
+
+@settings(max_examples=15)
+@given(seed=st.integers(0, 999), share=st.floats(0.0, 0.03))
+def test_held_parameters_stay_and_more_freedom_loses_no_more(chart, theta, near, seed, share):
+    nearness = np.random.default_rng(seed).uniform(-share, share, 4)
+    names, losses = np.array(chart.names), []
+    lenses = np.array([name.startswith("right.") for name in names])
+    extrinsics = np.arange(chart.dim) < 5
+    for free in (extrinsics & (names != "y"), extrinsics, extrinsics | lenses, np.ones(chart.dim, bool)):
+        found = least_loss(near, theta, nearness, free, deviations(chart))
+        assert not found[~free].any()
+        losses.append(loss(chart, near, theta, nearness, found))
+    assert losses[0] <= loss(chart, near, theta, nearness, np.zeros(chart.dim))
+    # What is held is not near the mean, and does not count: a hundredth at most of each that is freed.
+    assert (np.diff(losses) <= 0.01 * chart.dim).all()
+
+
+@settings(max_examples=15)
+@given(seed=st.integers(0, 999))
+def test_no_step_of_the_extrinsics_loses_less(chart, theta, near, seed):
+    nearness, free = np.array([0.01, 0.01, 0.02, 0.05]), np.arange(chart.dim) < 5
+    found = least_loss(near, theta, nearness, free, deviations(chart))
+    for size in (1e-3, 1e-2, 0.1):
+        moved = found + drifted(chart, seed) * size
+        here, there = (loss(chart, near, theta, nearness, one) for one in (found, moved))
+        assert there >= here * (1 - 1e-9)
+
+
+def test_what_is_exact_stays_as_it_is(chart, near):
+    """No deviation, and a mean of zero: free, but there is no reason to move it."""
+    mean, exact = drifted(chart, 1), np.arange(chart.dim) >= 5
+    sigma = np.where(exact, 0.0, deviations(chart))
+    found = least_loss(near, mean, np.full(4, 0.01), np.ones(chart.dim, bool), sigma)
+    assert np.isfinite(found).all()
+    assert not found[exact].any()

@@ -1,0 +1,299 @@
+"""Estimates of rigs that are known: right within their intervals, whatever the order, the unit and the view."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings, strategies as st
+
+import stereorecal as sr
+from stereorecal.estimation import estimate, rig_parameters
+from stereorecal.estimation._consequences import points_of_view, readings
+from stereorecal.geometry import rotation_from_euler
+
+DRIFT = np.array([0.3, 0.2, -0.4, 0.2, -0.3])
+COVERED = 3.5  # standard deviations
+angles = st.tuples(*[st.floats(-1.0, 1.0)] * 3).map(np.array)
+
+
+def at(chart, drift=DRIFT) -> np.ndarray:
+    return np.r_[drift, np.zeros(chart.dim - len(drift))]
+
+
+def sigmas(found) -> np.ndarray:
+    """Of all parameters; those that are held have none and are not compared."""
+    return np.maximum(np.sqrt(np.diag(found.posterior.covariance)), 1e-9)
+
+
+def width(found) -> float:
+    """Of the interval of depth at 30 baselines."""
+    _, low, high = found.depth_error_percent(np.zeros(len(found.theta)))[30]
+    return high - low
+
+
+def frames_of(found, order):
+    return replace(found, **{name: getattr(found, name)[order] for name in ("left", "right", "weight", "tile")})
+
+
+@settings(max_examples=8)
+@given(drift=angles, seed=st.integers(0, 99))
+def test_exact_intrinsics_give_the_rotation_back(rig, chart, seen, drift, seed):
+    truth = at(chart, np.r_[drift, 0, 0])
+    found = estimate(seen(rig, chart.rig_at(truth), seed), rig, "exact")
+    off = np.abs(found.theta - truth)
+    assert (off[:3] < COVERED * sigmas(found)[:3] + 1e-3).all()
+    assert (sigmas(found)[[0, 2]] < 0.005).all()
+    assert sigmas(found)[1] < 0.05
+    assert not found.theta[5:].any()
+
+
+def test_its_intervals_hold_the_truth_nearly_always(rig, chart, seen):
+    inside = []
+    for seed in range(10):
+        truth = at(chart, np.random.default_rng(seed).uniform(-0.5, 0.5, 3))
+        low, high = estimate(seen(rig, chart.rig_at(truth), seed, cells=800), rig, "exact").intervals[:3].T
+        inside.append((low <= truth[:3]) & (truth[:3] <= high))
+    assert 0.85 <= np.mean(inside) <= 1.0
+
+
+@pytest.mark.parametrize("axis", range(3))
+def test_two_degrees_are_found_as_well(rig, chart, seen, axis):
+    truth = at(chart, 2.0 * np.eye(5)[axis])
+    found = estimate(seen(rig, chart.rig_at(truth)), rig, "exact")
+    assert np.abs(found.theta - truth)[:3].max() < 0.1
+    assert (np.abs(found.theta - truth) < COVERED * sigmas(found)).all()
+
+
+def test_true_depth_lies_within_its_interval(rig, chart, prior, seen):
+    """Calibrations drawn from the prior, and a drift of some tenths of a degree."""
+    held, rows = [], []
+    for seed in range(8):
+        rng = np.random.default_rng(seed)
+        drift = rng.uniform(-0.4, 0.4, 5) * [1, 1, 1, 0.5, 0.5]
+        true = chart.rig_at(prior.roots[1] @ rng.normal(0, 1, chart.dim) + at(chart, drift))
+        found = estimate(seen(rig, true, seed, cells=900), rig, prior)
+        _, low, high = found.depth_error_percent(np.zeros(chart.dim))[30]
+        nearness = readings(rig, true, points_of_view(true, 30))[1].mean()
+        held.append(low <= 100 * (1 / (1 + nearness) - 1) <= high)
+        mean_rows = readings(found.mean_rig, true, points_of_view(true, 10))[0]
+        rows.append(np.sqrt(np.mean(mean_rows**2)))
+    assert sum(held) >= 7
+    assert max(rows) < 0.1
+
+
+def test_rows_say_nothing_of_the_length_of_the_baseline(rig, chart, prior, seen):
+    found = estimate(seen(rig, chart.rig_at(at(chart))), rig, prior)
+    here = chart.names.index("baseline")
+    assert abs(found.theta[here]) < 0.3 * sigmas(found)[here]
+    assert sigmas(found)[here] >= 0.14
+
+
+# --- what must not matter -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("said", ["default", "exact"])
+def test_always_the_same(rig, chart, seen, said):
+    found = seen(rig, chart.rig_at(at(chart)))
+    one, other = estimate(found, rig, said), estimate(found, rig, said)
+    np.testing.assert_array_equal(one.theta, other.theta)
+    np.testing.assert_array_equal(one.intervals, other.intervals)
+
+
+def test_nor_does_the_order_of_frames_or_correspondences_matter(rig, chart, prior, seen):
+    found = seen(rig, chart.rig_at(at(chart)), frames=2, cells=800)
+    mixed = np.random.default_rng(0).permutation(800)
+    cells = replace(found, **{name: getattr(found, name)[:, mixed] for name in ("left", "right", "weight", "tile")})
+    expected = estimate(found, rig, prior)
+    for other in (cells, frames_of(found, [1, 0])):
+        again = estimate(other, rig, prior)
+        np.testing.assert_allclose((again.theta - expected.theta) / sigmas(expected), 0.0, atol=1e-6)
+        np.testing.assert_allclose(sigmas(again), sigmas(expected), rtol=1e-6)
+
+
+@pytest.mark.parametrize("said", ["default", "exact"])
+def test_nor_does_the_unit_of_the_baseline(rig, chart, seen, said):
+    long = rig.with_extrinsics(rig.extrinsics * [1, 1, 1, 1e3, 1e3, 1e3])
+    found = seen(rig, chart.rig_at(at(chart)))
+    metres, millimetres = estimate(found, rig, said), estimate(found, long, said)
+    np.testing.assert_allclose((millimetres.theta - metres.theta) / sigmas(metres), 0.0, atol=1e-5)
+    np.testing.assert_allclose(sigmas(millimetres), sigmas(metres), rtol=1e-5)
+    for used in (metres, millimetres):
+        assert width(used) == pytest.approx(width(metres), rel=1e-4)
+
+
+@pytest.mark.parametrize("said", ["default", "exact"])
+def test_nor_does_where_it_begins(rig, chart, seen, said):
+    found = seen(rig, chart.rig_at(at(chart)))
+    one, other = (estimate(found, rig, said, start) for start in (None, at(chart, DRIFT + 0.5)))
+    assert (np.abs(one.theta - other.theta) < 0.3 * sigmas(one)).all()
+
+
+def test_the_scene_upside_down(rig, chart, seen):
+    """What turns about x and z changes its sign."""
+    flip = np.array([1.0, -1.0, 1.0])
+
+    def mirrored(camera):
+        centre = np.array([[0, 0, 0], [0, 0, 480 - 2 * camera.matrix[1, 2]], [0, 0, 0]])
+        return sr.Camera(camera.size, camera.matrix + centre, camera.distortion * [1, 1, -1, 1])
+
+    there = sr.StereoRig(mirrored(rig.left), mirrored(rig.right), rig.extrinsics * [-1, 1, -1, 1, -1, 1])
+    np.testing.assert_allclose(there.rotation, np.diag(flip) @ rig.rotation @ np.diag(flip), atol=1e-12)
+    found = seen(rig, chart.rig_at(at(chart)))
+    turned = replace(found, left=found.left * flip.astype(np.float32), right=found.right * flip.astype(np.float32))
+    one, other = estimate(found, rig, "exact"), estimate(turned, there, "exact")
+    expected = one.theta[:5] * [-1, 1, -1, -1, 1]
+    np.testing.assert_allclose((other.theta[:5] - expected) / sigmas(one)[:5], 0.0, atol=1e-3)
+
+
+def test_the_scene_in_a_mirror(rig, chart, seen):
+    """Left is right: the rig from the other side is the same rig, but for groups, which are those of the left image."""
+    flip = np.array([-1.0, 1.0, 1.0])
+
+    def mirrored(camera):
+        centre = np.array([[0, 0, 640 - 2 * camera.matrix[0, 2]], [0, 0, 0], [0, 0, 0]])
+        return sr.Camera(camera.size, camera.matrix + centre, camera.distortion * [1, 1, 1, -1])
+
+    def other_side(one):
+        back = np.diag(flip) @ one.rotation.T @ np.diag(flip)
+        shift = -flip * (one.rotation.T @ one.translation)
+        return sr.StereoRig.from_rotation(mirrored(one.right), mirrored(one.left), back, shift)
+
+    found = seen(rig, chart.rig_at(at(chart)), cells=2500)
+    swapped = replace(found, left=found.right * flip.astype(np.float32), right=found.left * flip.astype(np.float32))
+    one, other = estimate(found, rig, "exact"), estimate(swapped, other_side(rig), "exact")
+    apart = other.chart.coordinates_of(other_side(one.mean_rig)) - other.theta
+    assert (np.abs(apart[:5]) < 2 * sigmas(other)[:5]).all()
+
+
+@pytest.mark.parametrize(("said", "times"), [("default", 2), ("exact", 2), ("exact", 4)])
+def test_the_same_images_again_are_hardly_news(rig, chart, seen, said, times):
+    """Four times as much that was new would halve the interval."""
+    found = seen(rig, chart.rig_at(at(chart)))
+    once, again = (estimate(frames_of(found, [0] * number), rig, said) for number in (1, times))
+    assert width(again) > 0.65 * width(once)
+    assert (np.abs(again.theta - once.theta) < sigmas(once)).all()
+
+
+# --- what is no parameter of the rig --------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("said", ["default", "exact"])
+def test_a_region_that_moved_turns_no_rig(rig, chart, seen, said):
+    """A third of the image, by half a row."""
+    found = seen(rig, chart.rig_at(at(chart)), cells=2500)
+    right = np.array(found.right)
+    right[..., 1] += np.float32(0.5 / 500) * (found.left[..., 0] < -0.2)
+    clean, spoiled = (estimate(each, rig, said) for each in (found, replace(found, right=right)))
+    assert clean.misfit[0] <= 0.02
+    assert (sigmas(spoiled)[:3] > 0.95 * sigmas(clean)[:3]).all()
+    assert (np.abs(spoiled.theta - at(chart))[:3] < COVERED * sigmas(spoiled)[:3]).all()
+
+
+def test_waves_of_rows_are_a_misfit_and_make_it_less_sure(rig, chart, seen):
+    """No region and no parameter of a rig."""
+    found = seen(rig, chart.rig_at(at(chart)), cells=2500)
+    right, left = np.array(found.right), found.left
+    right[..., 1] += (0.3 / 500 * np.sin(9 * left[..., 0]) * np.cos(8 * left[..., 1])).astype(np.float32)
+    clean, spoiled = (estimate(each, rig, "exact") for each in (found, replace(found, right=right)))
+    assert spoiled.misfit[0] >= 0.07
+    assert (sigmas(spoiled)[:3] > 1.5 * sigmas(clean)[:3]).all()
+    assert (np.abs(spoiled.theta - at(chart))[:3] < COVERED * sigmas(spoiled)[:3]).all()
+
+
+def test_one_that_all_frames_share_is_found_as_such(rig, chart, seen):
+    found = seen(rig, chart.rig_at(at(chart)), frames=4)
+    right, left = np.array(found.right), found.left
+    wave = 0.15 * np.sin(9 * left[..., 0]) * np.cos(8 * left[..., 1])
+    right[..., 1] += (wave / 500).astype(np.float32)
+    of_a_frame, common = estimate(replace(found, right=right), rig, "exact").misfit
+    assert common >= 0.04
+    assert of_a_frame <= 0.04
+
+
+def test_wild_groups_have_a_bounded_say(rig, chart, seen):
+    """Two patches of 30 pixels, three and minus two pixels off."""
+    found = seen(rig, chart.rig_at(at(chart)), cells=2500)
+    right, (x, y, _) = np.array(found.right), np.moveaxis(found.left, -1, 0)
+    right[..., 1] += np.float32(3 / 500) * ((np.abs(x - 0.3) < 0.03) & (np.abs(y - 0.2) < 0.03))
+    right[..., 1] -= np.float32(2 / 500) * ((np.abs(x + 0.4) < 0.03) & (np.abs(y + 0.1) < 0.03))
+    spoiled = estimate(replace(found, right=right), rig, "exact")
+    assert np.abs(spoiled.theta - at(chart))[[0, 2]].max() < 0.03
+    assert (np.abs(spoiled.theta - at(chart))[:3] < COVERED * sigmas(spoiled)[:3]).all()
+
+
+# --- what it says of rigs -------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def found(rig, chart, prior, seen):
+    return estimate(seen(rig, chart.rig_at(at(chart))), rig, prior)
+
+
+def test_row_errors_are_those_of_the_truth(rig, chart, found):
+    for distance, (middle, low, high) in found.row_error_px(np.zeros(chart.dim)).items():
+        true = chart.rig_at(at(chart))
+        rms = np.sqrt(np.mean(readings(rig, true, points_of_view(true, distance))[0] ** 2))
+        assert low < middle < high
+        assert middle == pytest.approx(rms, abs=0.1)
+    for middle, _, high in found.row_error_px(found.theta).values():
+        assert middle < high < 0.15
+
+
+def test_depth_of_the_mean_is_right_on_average_and_kept_depth_errs_as_the_given_rig(chart, found):
+    given_rig, kept = (found.depth_error_percent(used) for used in (np.zeros(chart.dim), found.depth_kept))
+    for distance, (middle, low, high) in found.depth_error_percent(found.theta).items():
+        assert low < middle < high
+        assert abs(middle) < 0.3 * (high - low)
+        assert kept[distance][0] == pytest.approx(given_rig[distance][0], rel=0.1, abs=0.1)
+
+
+@pytest.mark.parametrize("cells", [0, 20])
+def test_too_few_correspondences_leave_what_was_known(rig, chart, seen, cells):
+    """None, and none that make a group."""
+    found = seen(rig, rig)
+    nearly = estimate(replace(found, weight=found.weight * (np.arange(1200) < cells)), rig, "exact")
+    assert nearly.groups == 0
+    assert np.abs(nearly.theta).max() < 1e-9
+
+
+def test_a_frame_of_fog_takes_nothing_away(rig, chart, seen):
+    found = seen(rig, chart.rig_at(at(chart)), frames=2)
+    fog = replace(found, weight=found.weight * np.array([[1], [0]], np.float32))
+    one, other = estimate(frames_of(found, [0]), rig, "exact"), estimate(fog, rig, "exact")
+    np.testing.assert_allclose(other.theta, one.theta, atol=1e-12)
+
+
+def test_a_rig_that_reads_beyond_infinity_says_so(rig, chart, seen):
+    """Three pixels of disparity are all there is at 160 baselines; a yaw of two degrees takes seventeen."""
+    inward = {sign: estimate(seen(rig, chart.rig_at(at(chart, [0, sign * 2.0, 0]))), rig, "exact") for sign in (1, -1)}
+    errors = {sign: found.depth_error_percent(np.zeros(chart.dim))[100] for sign, found in inward.items()}
+    assert sorted(np.isinf(np.array([errors[1][0], errors[-1][0]]))) == [False, True]
+    (infinite,) = (error for error in errors.values() if np.isinf(error[0]))
+    assert infinite[2] == np.inf
+
+
+def test_only_what_is_free_changes(chart, found):
+    for names in (("yaw",), chart.names[:5], [name for name in chart.names if "left" not in name], chart.names):
+        theta = found.with_free(names)
+        assert not theta[~np.isin(chart.names, names)].any()
+        assert theta[np.isin(chart.names, names)].all()
+
+
+def test_the_given_rig_is_not_worse_than_itself_and_a_turned_one_is(chart, found):
+    assert found.probability_worse(np.zeros(chart.dim)) == 0.0
+    assert found.probability_worse(2.0 * found.theta * (np.arange(chart.dim) < 3)) > 0.2
+    assert found.probability_worse(found.theta) < 0.02
+    assert found.probability_worse(-found.theta) == 1.0
+
+
+def test_names_and_units_go_with_theta(chart, found):
+    assert found.names == chart.names
+    assert len(found.units) == len(found.theta) == len(found.intervals) == chart.dim
+    assert found.units[:6] == ("deg",) * 3 + ("%",) * 3
+    assert ((found.intervals[:, 0] <= found.theta) & (found.theta <= found.intervals[:, 1])).all()
+
+
+def test_rotation_of_the_mean_rig_is_that_of_theta(rig, found):
+    expected = rotation_from_euler(rig.extrinsics[:3] + np.radians(found.theta[:3]))
+    np.testing.assert_allclose(found.mean_rig.rotation, expected, atol=1e-12)
+    assert rig_parameters(rig).coordinates_of(found.mean_rig) == pytest.approx(found.theta, abs=1e-9)
