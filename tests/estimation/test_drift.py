@@ -27,10 +27,10 @@ def test_one_axis_alone_has_some_percent(axis):
     others = np.delete(KINDS[:, :3], axis, axis=1)
     larger = KINDS[:, axis] > 2 * others.max(axis=1)
     assert 0.01 < WEIGHTS[larger].sum() < 0.05
-    alone = larger & (others.max(axis=1) <= SIZES[0])
+    alone = larger & (others.max(axis=1) <= SIZES[0] + 1e-12)
     assert KINDS[alone, axis].max() == 4.0
     assert {0.1, 0.5, 1.0} <= set(KINDS[alone, axis])
-    assert not KINDS[alone, 3:].any()  # nothing else has moved
+    assert KINDS[alone, 3:].max() < 0.003  # percent of the baseline: nothing else has moved
 
 
 def test_no_axis_is_preferred():
