@@ -3,6 +3,7 @@
 import shutil
 import subprocess
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -11,6 +12,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import stereorecal as sr
+from stereorecal.estimation import readings
+from stereorecal.geometry import changed_camera
 from stereorecal.report.figures import Panel, repair_figure, save
 from stereorecal.reproduction import write_files
 from stereorecal.synthetic import Knock
@@ -143,6 +146,38 @@ def misfit() -> None:
     save(figure, HERE / "misfit.png")
 
 
+def yaw_and_centre() -> None:
+    """A yaw, and the same yaw with the principal point that keeps depth: the same rows, other depth."""
+    rig = sr.synthetic.default_rig()
+    rig = replace(
+        rig, left=sr.Camera(rig.left.size, rig.left.matrix), right=sr.Camera(rig.right.size, rig.right.matrix)
+    )
+    turn = np.radians([0.0, 0.3, 0.0, 0.0, 0.0, 0.0])
+    turned = rig.with_extrinsics(rig.extrinsics + turn)
+    shift = float(rig.right.matrix[0, 0]) * turn[1]
+    both = replace(turned, right=changed_camera(rig.right, {"cx": -shift}))
+    distances = np.linspace(4.0, 60.0, 100)
+    figure, axes = plt.subplots(1, 3, figsize=(11, 2.9), layout="constrained")
+    shown = None
+    for where, (title, used) in zip(
+        axes, {"0.3° of yaw": turned, f"the same, centre moved by {shift:.1f} px": both}.items(), strict=False
+    ):
+        grid = np.stack(np.meshgrid(*(np.linspace(0, n - 1, 60) for n in rig.left.size)), axis=-1).reshape(-1, 2)
+        points = np.asarray(rig.left.rays(grid)) * 20.0 * float(rig.baseline)
+        rows, _ = readings(used, rig, points)
+        shown = where.imshow(rows.reshape(60, 60), cmap="coolwarm", vmin=-0.7, vmax=0.7, extent=(0, 4, 3, 0))
+        where.set_title(title, fontsize=10)
+        where.set_axis_off()
+        ahead = np.array([[0.0, 0.0, d * float(rig.baseline)] for d in distances])
+        axes[2].plot(distances, 100.0 * (1.0 / (1.0 + readings(used, rig, ahead)[1]) - 1.0), label=title)
+        print(title, "rows", np.abs(rows).mean().round(3), "px")
+    assert shown is not None
+    figure.colorbar(shown, ax=axes[:2], label="row error, px")
+    axes[2].set(xlabel="distance, baselines", ylabel="error of depth, %", title="what it does to depth")
+    axes[2].legend(fontsize=8)
+    save(figure, HERE / "yaw-and-centre.png")
+
+
 def experiments() -> None:
     """The figures of the paper's experiments on the synthetic log; ten minutes, unless it was done before."""
     log, folder = sr.synthetic_log(), HERE.parents[1] / "reproduced" / "for-docs"
@@ -157,5 +192,6 @@ if __name__ == "__main__":
     report()
     conventions()
     misfit()
+    yaw_and_centre()
     drive()
     experiments()

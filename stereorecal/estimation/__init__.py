@@ -12,6 +12,7 @@ from stereorecal.estimation._calibration_prior import (
     calibration_prior as calibration_prior,
     exact_prior as exact_prior,
 )
+from stereorecal.estimation._consequences import readings as readings
 from stereorecal.estimation._estimate import Estimate as Estimate, estimate as estimate
 from stereorecal.estimation._parameters import rig_parameters as rig_parameters
 from stereorecal.estimation._posterior import Posterior as Posterior

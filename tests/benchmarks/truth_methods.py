@@ -18,7 +18,8 @@ class Answer:
 
     Attributes:
         verdict: in a few words.
-        rigs: "candidate" and, where it would be written, "accepted"; empty if nothing came of it.
+        rigs: "candidate" and, where it would be written, "accepted", or others by a name of theirs; empty if nothing
+            came of it.
         yaw: None, or the candidate's yaw and the half width of its 95 % interval [degrees].
         depth: None, or the ends of the 95 % interval of the error of depth at 30 baselines that is stated [%] of the
             rig that the answer leaves in use.
@@ -60,14 +61,32 @@ def library(rig: sr.StereoRig, scenes: Sequence[sr.Scene]) -> Answer:
 
 
 def library_free(rig: sr.StereoRig, scenes: Sequence[sr.Scene]) -> Answer:
-    """The same with intrinsics freed; several scenes as recordings that share the extrinsics too."""
-    if len(scenes) == 1:
-        return _answer(sr.recalibrate(rig, scenes[0].pairs, free=_BOTH))
+    """The same with intrinsics freed."""
+    return _answer(sr.recalibrate(rig, [pair for scene in scenes for pair in scene.pairs], free=_BOTH))
+
+
+def library_joint(rig: sr.StereoRig, scenes: Sequence[sr.Scene]) -> Answer:
+    """Recordings that share intrinsics and extrinsics, by `sr.recalibrate_many`."""
     given = [replace(scene, rig=rig) for scene in scenes]
     repairs = sr.recalibrate_many(given, free=_BOTH, extrinsics="one")
     found = [repair.solution for repair in repairs if repair.solution is not None]
     best = next((solution for solution in found if solution.accepted), found[0] if found else None)
     return Answer(f"error: {repairs[0].error}") if best is None else _answer(best)
+
+
+def estimate(rig: sr.StereoRig, scenes: Sequence[sr.Scene]) -> Answer:
+    """The candidates of `solution.estimate`, whatever may be written and whether or not it is: the posterior's mean,
+    the most probable rig that keeps depth, and the one that loses least."""
+    solution = sr.recalibrate(rig, [pair for scene in scenes for pair in scene.pairs], free=_BOTH)
+    seen = solution.estimate
+    if seen is None:
+        return Answer(solution.reason.name)
+    found = {"mean": seen.theta, "depth kept": seen.depth_kept, "least loss": seen.with_free(seen.names)}
+    low, high = seen.intervals[seen.names.index("yaw")].tolist()
+    start = float(np.degrees(rig.extrinsics[_YAW]))
+    _, *ends = seen.depth_error_percent(seen.theta)[_FAR]
+    rigs = {label: seen.chart.rig_at(theta) for label, theta in found.items()}
+    return Answer(solution.reason.name, rigs, (start + 0.5 * (low + high), 0.5 * (high - low)), tuple(ends))
 
 
 def _answer(solution: sr.Solution) -> Answer:
@@ -85,4 +104,4 @@ def _answer(solution: sr.Solution) -> Answer:
     return Answer(verdict, rigs, yaw, depth)
 
 
-METHODS = {"library": library, "library-free": library_free}
+METHODS = {"library": library, "library-free": library_free, "library-joint": library_joint, "estimate": estimate}
