@@ -118,7 +118,7 @@ def consensus(scene: Scene) -> Scene:
         return scene
     assert scene.rig is not None
     starts = [sr.synthetic.decalibrate(scene.rig, jax.random.key(k), 0.3, 0.003) for k in range(3)]
-    ends = [np.asarray(sr.recalibrate(start, scene.pairs).candidate.extrinsics) for start in starts]
+    ends = [np.asarray(sr.recalibrate(start, scene.pairs, prior="exact").candidate.extrinsics) for start in starts]
     return replace(scene, rig=scene.rig.with_extrinsics(np.median(ends, axis=0)))
 
 
@@ -176,7 +176,7 @@ def run(scene: Scene, draws: int, degrees: float, seed: int) -> Iterator[Row]:
     for draw in range(draws):
         start = sr.synthetic.decalibrate(rig, jax.random.fold_in(jax.random.key(seed), draw), degrees, fraction)
         began = time.perf_counter()
-        solution = sr.recalibrate(start, scene.pairs, reach=reach)
+        solution = sr.recalibrate(start, scene.pairs, reach=reach, prior="exact")
         seconds = time.perf_counter() - began
         reference = score(rig, scene.pairs, matcher=solution.matcher, view=solution.view).count
         count = (solution.score_after if solution.accepted else solution.score_before).count

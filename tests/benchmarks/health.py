@@ -75,7 +75,9 @@ def reference(scene: Scene, kept: Path | None) -> StereoRig:
     if file is not None and file.exists():
         return scene.rig.with_extrinsics(np.load(file))
     starts = [sr.synthetic.decalibrate(scene.rig, jax.random.key(k), 0.3, 0.003) for k in range(3)]
-    consensus = np.median([sr.recalibrate(start, scene.pairs).candidate.extrinsics for start in starts], axis=0)
+    consensus = np.median(
+        [sr.recalibrate(start, scene.pairs, prior="exact").candidate.extrinsics for start in starts], axis=0
+    )
     if file is not None:
         np.save(file, consensus)
     return scene.rig.with_extrinsics(consensus)

@@ -33,7 +33,7 @@ def main() -> None:
         seed = options.first + index
         scene = sr.synthetic.render(KINDS[index % len(KINDS)], seed)
         start = sr.synthetic.decalibrate(scene.rig, jax.random.key(seed), 2.5, 0.0225)
-        solution = sr.recalibrate(start, scene.pairs)
+        solution = sr.recalibrate(start, scene.pairs, prior="exact")
         known, error = solution.uncertainty, np.abs(errors(solution.candidate, scene.rig))
         row = {"scene": scene.name, "accepted": solution.accepted, "reason": solution.reason.name}
         if known is not None:

@@ -47,7 +47,10 @@ def frames(limits: dict[str, int]) -> Iterator[Scene]:
 
 def both_ways(start: sr.StereoRig, pairs, reference: sr.StereoRig) -> list[np.ndarray]:
     """(5,) errors of a repair, dense and by features."""
-    return [errors(sr.recalibrate(start, pairs, schedule=s).candidate, reference) for s in (None, BY_FEATURES)]
+    return [
+        errors(sr.recalibrate(start, pairs, schedule=s, prior="exact").candidate, reference)
+        for s in (None, BY_FEATURES)
+    ]
 
 
 def over_frames(scene: Scene) -> list[np.ndarray]:
@@ -76,7 +79,7 @@ def over_tiles(scene: Scene, samples: int) -> list[np.ndarray]:
 
 def dense_solver(rig: sr.StereoRig, pair: sr.Pair):
     """times -> rig: the last correspondences of `recalibrate`, each as often as its tile was drawn."""
-    solution = sr.recalibrate(rig, [pair])
+    solution = sr.recalibrate(rig, [pair], prior="exact")
     chart = Case(pyramid(rig, [pair], solution.view), solution.matcher, Reach(), solution.free).chart
     last = solution.stages[-1]
     found = last.found

@@ -165,7 +165,7 @@ def main() -> None:
                 for index in range(options.draws if degrees else 1):
                     key = jax.random.fold_in(jax.random.key(1), index)
                     start = sr.synthetic.decalibrate(given.rig, key, degrees, fraction)
-                    solution = sr.recalibrate(start, given.pairs)
+                    solution = sr.recalibrate(start, given.pairs, prior="exact")
                     rows = [median_row_offset(r, rays) for r in (start, solution.rig)]
                     accepted[name] += solution.accepted
                     reasons.add(solution.reason.name)
