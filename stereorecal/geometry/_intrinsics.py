@@ -20,6 +20,7 @@ def changed_camera(camera: Camera, changes: Mapping[str, float]) -> Camera:
         changes: "f", "aspect": by which the logarithms of both focal lengths, or of fy alone, grow; "cx", "cy": pixels;
             "k1", "k2", "p1", "p2", "k3", … "s4": added to the coefficients. A lens model of fewer coefficients grows.
     """
+    changes = {name: change for name, change in changes.items() if change}  # nothing grows for a change of nothing
     matrix = np.array(camera.matrix, float)
     matrix[0, 0] *= np.exp(changes.get("f", 0.0))
     matrix[1, 1] *= np.exp(changes.get("f", 0.0) + changes.get("aspect", 0.0))

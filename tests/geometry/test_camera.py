@@ -11,7 +11,7 @@ from hypothesis import given, strategies as st
 from lenses import FEW, LENSES
 
 from stereorecal._errors import InputError, UnsupportedModelError
-from stereorecal.geometry import Camera, distort, same_camera, undistort
+from stereorecal.geometry import Camera, changed_camera, distort, same_camera, undistort
 
 SIZE = (96, 64)
 MATRIX = np.array([[80.0, 0, 46.2], [0, 82.0, 33.1], [0, 0, 1]])
@@ -172,3 +172,10 @@ def test_zeros_at_the_end_make_no_other_lens():
     assert same_camera(none, zero)
     assert not same_camera(four, zero)
     assert not same_camera(four, Camera(SIZE, MATRIX, np.append(lens, 1e-3)))
+
+
+def test_a_lens_model_grows_only_for_what_changes():
+    """A file of five coefficients must be able to hold a rig whose focal length changed."""
+    camera = Camera((640, 480), np.array([[500.0, 0, 320], [0, 500, 240], [0, 0, 1]]), np.zeros(5))
+    assert changed_camera(camera, {"f": 0.01, "k3": 0.0, "s4": 0.0}).distortion.size == 5
+    assert changed_camera(camera, {"s4": 1e-4}).distortion.size == 12
