@@ -101,8 +101,10 @@ def calibration_covariances(chart: RigChart) -> Float[np.ndarray, "j n n"]:
     noise = _CORNER_NOISE * chart.rig.left.size[0] / _WIDTH
     scale, of_squares = _widest(chart), np.diag([_SQUARES**2 * (name == BASELINE) for name in chart.names])
     found = []
-    for views in _KINDS:
-        information = _information(chart, views)
+    boards = [_boards(chart.rig, views) for views in _KINDS]
+    of_boards = _information(chart, np.concatenate(boards))  # of all kinds at once: rigs beside this one are costly
+    ends = np.cumsum([len(some) for some in boards])[:-1]
+    for information in (part.sum(axis=0) for part in np.split(of_boards, ends)):
         for kappa in KAPPAS:
             inverse = np.linalg.inv(scale[:, None] * (information / (kappa * noise) ** 2 + widest) * scale)
             found.append(scale[:, None] * inverse * scale + of_squares)
@@ -123,10 +125,9 @@ def _widest(chart: RigChart) -> Float[np.ndarray, "n"]:
     return np.array(found)
 
 
-def _information(chart: RigChart, views: _Views) -> Float[np.ndarray, "n n"]:
-    """The Fisher information of corners with a noise of one pixel, poses of the boards marginalised."""
+def _information(chart: RigChart, points: Float[np.ndarray, "b c 3"]) -> Float[np.ndarray, "b n n"]:
+    """The Fisher information of the corners of each board with a noise of one pixel, its pose marginalised."""
     rig = chart.rig
-    points = _boards(rig, views)
     at = _pixels(rig, points)
     width, height = rig.left.size
     seen = ((at >= 0.0) & (at <= np.array([width, height, width, height]) - 1.0)).all(axis=-1)
@@ -137,13 +138,13 @@ def _information(chart: RigChart, views: _Views) -> Float[np.ndarray, "n n"]:
         for step, axis in zip(steps, np.eye(chart.dim), strict=True)
     ]
     by_pose = [(_pixels(rig, more) - _pixels(rig, less)) / (2.0 * _POSE_STEP) for more, less in _moved(points)]
-    information = np.zeros((chart.dim, chart.dim))
     slopes = np.where(seen[..., None], np.stack([*by_rig, *by_pose]), 0.0)  # (n + 6, boards, corners, 4)
+    found = []
     for board in np.moveaxis(slopes, 1, 0).reshape(len(points), len(slopes), -1):
         normal = board @ board.T
         cross, own = normal[chart.dim :, : chart.dim], normal[chart.dim :, chart.dim :]
-        information += normal[: chart.dim, : chart.dim] - cross.T @ np.linalg.pinv(own, hermitian=True) @ cross
-    return information
+        found.append(normal[: chart.dim, : chart.dim] - cross.T @ np.linalg.pinv(own, hermitian=True) @ cross)
+    return np.stack(found)
 
 
 def _pixels(rig: StereoRig, points: Float[np.ndarray, "b c 3"]) -> Float[np.ndarray, "b c 4"]:
