@@ -5,7 +5,7 @@ point: whatever keeps boards in place (a principal point with a rotation, a foca
 moves the depth of a board is tight.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -64,15 +64,22 @@ _STEPS = {"%": 1e-2, "px": 1e-2, "deg": 1e-3, "": 1e-5}  # of central difference
 
 @dataclass(frozen=True, eq=False)
 class CalibrationPrior:
-    """What may be wrong with the given calibration before any drift: normal, with one of a few covariances.
+    """What may be wrong with the given calibration before any drift: one of a few normal distributions of θ.
 
     Attributes:
         roots: (j, n, n) S of the covariances S Sᵀ of θ.
         weights: (j,) probabilities of each.
+        means: (j, n); 0 where the given rig is the most probable one.
     """
 
     roots: Float[np.ndarray, "j n n"]
     weights: Float[np.ndarray, "j"]
+    means: Float[np.ndarray, "j n"] = field(kw_only=True)
+
+    @classmethod
+    def around_given(cls, roots: Float[np.ndarray, "j n n"], weights: Float[np.ndarray, "j"]) -> "CalibrationPrior":
+        """With the given rig as the most probable one."""
+        return cls(roots, weights, means=np.zeros(roots.shape[:2]))
 
 
 def calibration_prior(chart: RigChart) -> CalibrationPrior:
@@ -80,7 +87,7 @@ def calibration_prior(chart: RigChart) -> CalibrationPrior:
     plain = calibration_covariances(chart)
     both = np.concatenate([plain, [_with_pair(chart, covariance) for covariance in plain]])
     weights = np.repeat([1.0 - _PAIR_PROBABILITY, _PAIR_PROBABILITY], len(plain)) / len(plain)
-    return CalibrationPrior(np.stack([root(covariance) for covariance in both]), weights)
+    return CalibrationPrior.around_given(np.stack([root(covariance) for covariance in both]), weights)
 
 
 def _with_pair(chart: RigChart, covariance: Float[np.ndarray, "n n"]) -> Float[np.ndarray, "n n"]:
@@ -92,7 +99,7 @@ def _with_pair(chart: RigChart, covariance: Float[np.ndarray, "n n"]) -> Float[n
 
 def exact_prior(chart: RigChart) -> CalibrationPrior:
     """Nothing is wrong but what has drifted: the paper's assumption."""
-    return CalibrationPrior(np.zeros((1, chart.dim, chart.dim)), np.ones(1))
+    return CalibrationPrior.around_given(np.zeros((1, chart.dim, chart.dim)), np.ones(1))
 
 
 def calibration_covariances(chart: RigChart) -> Float[np.ndarray, "j n n"]:

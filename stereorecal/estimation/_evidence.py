@@ -29,6 +29,11 @@ class Normal:
     b: Float[np.ndarray, "n"]
     c: float
 
+    def around(self, mean: Float[np.ndarray, "m"]) -> "Normal":
+        """Of what the first parameters differ by from a mean."""
+        by_mean = self.a[:, : len(mean)] @ mean
+        return Normal(self.a, self.b - by_mean, self.c - float(mean @ (2.0 * self.b - by_mean)[: len(mean)]))
+
     def __add__(self, other: "Normal") -> "Normal":
         return Normal(self.a + other.a, self.b + other.b, self.c + other.c)
 
@@ -90,6 +95,7 @@ class Explained:
 def explained(
     of_rows: Normal,
     calibration: Float[np.ndarray, "n n"],
+    given: Float[np.ndarray, "n"],
     nuisance: Float[np.ndarray, "q q"],
     sizes: Float[np.ndarray, "k 5"],
     log_weights: Float[np.ndarray, "k"],
@@ -99,11 +105,13 @@ def explained(
     Args:
         of_rows: of θ and q nuisance parameters.
         calibration: a root S of the covariance S Sᵀ of c.
+        given: its mean.
         nuisance: a root of the covariance of the nuisance parameters.
         sizes: standard deviations of each kind of drift.
         log_weights: logarithms of their probabilities.
     """
     n, q = len(calibration), len(nuisance)
+    of_rows = of_rows.around(given)
     prior = np.zeros((n + q, n + q))
     prior[:n, :n], prior[n:, n:] = calibration, nuisance
     pulled, by_prior = prior.T @ of_rows.b, of_rows.a @ prior
@@ -125,7 +133,7 @@ def explained(
     rest = prior[:n] @ np.linalg.solve(inner, prior[:n].T)
     return Explained(
         evidence,
-        at_rest[:n] + d @ by_drift.T,
+        given + at_rest[:n] + d @ by_drift.T,
         0.5 * (rest + rest.T),
         by_drift,
         drifts,

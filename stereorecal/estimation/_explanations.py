@@ -93,9 +93,8 @@ def explanations(
             normal = without(normal, common * _ROOT_OF_FIELD)
         for index in which:
             logs = np.log(weights * prior.weights[index])
-            found.append(
-                Explanation((of_a_frame, common), index, explained(normal, prior.roots[index], _NOTHING, sizes, logs))
-            )
+            under = explained(normal, prior.roots[index], prior.means[index], _NOTHING, sizes, logs)
+            found.append(Explanation((of_a_frame, common), index, under))
     return found
 
 

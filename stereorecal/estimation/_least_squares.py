@@ -85,8 +85,8 @@ def _nothing_seen(chart: RigChart, prior: CalibrationPrior) -> Fit:
     nothing, (sizes, weights) = np.zeros((0, 0)), drift_sizes()
     flat = Normal(np.zeros((chart.dim, chart.dim)), np.zeros(chart.dim), 0.0)
     several = [
-        Explanation((0.0, 0.0), index, explained(flat, prior_root, nothing, sizes, np.log(weights * weight)))
-        for index, (prior_root, weight) in enumerate(zip(prior.roots, prior.weights, strict=True))
+        Explanation((0.0, 0.0), index, explained(flat, of, mean, nothing, sizes, np.log(weights * weight)))
+        for index, (of, mean, weight) in enumerate(zip(prior.roots, prior.means, prior.weights, strict=True))
     ]
     variances = prior.weights @ np.sum(prior.roots**2, axis=2)
     return Fit(mixture(several), None, (0.0, 0.0), 0, variances)

@@ -74,7 +74,7 @@ def as_prior(prior: Prior, chart: RigChart) -> CalibrationPrior:
         where = [chart.names.index(name) for name in prior.names]
         covariance = np.zeros((chart.dim, chart.dim))
         covariance[np.ix_(where, where)] = prior.covariance
-        return CalibrationPrior(root(covariance)[None], np.ones(1))
+        return CalibrationPrior.around_given(root(covariance)[None], np.ones(1))
     return _rescaled(calibration_prior(chart), chart, prior)
 
 
@@ -110,7 +110,7 @@ def _rescaled(prior: CalibrationPrior, chart: RigChart, sigmas: Mapping[str, flo
         where = {name: sigma / deviations[chart.names.index(name)] for name, sigma in sigmas.items()}
         others = float(np.median(list(where.values()))) if where else 1.0
         factors.append([where.get(name, others) for name in chart.names])
-    return CalibrationPrior(prior.roots * np.array(factors)[:, :, None], prior.weights)
+    return CalibrationPrior.around_given(prior.roots * np.array(factors)[:, :, None], prior.weights)
 
 
 def is_exact(prior: Prior) -> bool:

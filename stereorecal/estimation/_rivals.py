@@ -92,7 +92,8 @@ def beside_rivals(
     worst = _worst(rows, best.found.means[kind])
     searched = [_rolling(rows, worst[0]), _late(rows, worst[0])]
     for frame in worst[:_FRAMES]:
-        searched += _regions(rows, of_all[_SEARCHED_AT], frame, prior.roots[best.prior], kind)
+        around = [one.around(prior.means[best.prior]) for one in of_all[_SEARCHED_AT]]
+        searched += _regions(rows, around, frame, prior.roots[best.prior], kind)
     tried = []
     for rival in searched:
         under = [
@@ -162,7 +163,8 @@ def _explained(
     found = []
     for index in which:
         logs = np.log(weights * prior.weights[index]) + rival.log_prior
-        found.append(Explanation(misfit, index, explained(normal, prior.roots[index], nuisance, sizes, logs)))
+        under = explained(normal, prior.roots[index], prior.means[index], nuisance, sizes, logs)
+        found.append(Explanation(misfit, index, under))
     return found
 
 

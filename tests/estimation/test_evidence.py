@@ -21,6 +21,7 @@ class Problem:
         self.noise = noise @ noise.T + 0.1 * np.eye(ROWS)
         self.calibration = rng.normal(0, 0.5, (n, n))
         self.calibration[:, n if rank is None else rank :] = 0.0
+        self.given = rng.normal(0, 0.5, n)
         self.nuisance = rng.normal(0, 0.7, (q, q))
         self.sizes = np.array([np.zeros(5), rng.uniform(0, 1, 5), [0, 2.0, 0, 0, 0]])
         self.logs = np.log([0.5, 0.3, 0.2])
@@ -30,7 +31,7 @@ class Problem:
         return normal_of(np.linalg.cholesky(self.noise), self.columns, self.rows)
 
     def found(self):
-        return explained(self.normal, self.calibration, self.nuisance, self.sizes, self.logs)
+        return explained(self.normal, self.calibration, self.given, self.nuisance, self.sizes, self.logs)
 
     def dense(self, kind: int) -> tuple[np.ndarray, np.ndarray, float]:
         """Mean and covariance of θ and ν given the rows, and the logarithm of the rows' density."""
@@ -38,10 +39,12 @@ class Problem:
         prior[: self.n, : self.n] = self.calibration @ self.calibration.T
         prior[self.n :, self.n :] = self.nuisance @ self.nuisance.T
         prior[:DRIFTING, :DRIFTING] += np.diag(self.sizes[kind] ** 2)
+        expected = np.r_[self.given, np.zeros(self.q)]
+        rows = self.rows + self.columns @ expected
         of_rows = self.noise + self.columns @ prior @ self.columns.T
         gain = np.linalg.solve(of_rows, self.columns @ prior).T
-        density = -0.5 * (self.rows @ np.linalg.solve(of_rows, self.rows) + np.linalg.slogdet(of_rows)[1])
-        return -gain @ self.rows, prior - gain @ self.columns @ prior, density
+        density = -0.5 * (rows @ np.linalg.solve(of_rows, rows) + np.linalg.slogdet(of_rows)[1])
+        return expected - gain @ rows, prior - gain @ self.columns @ prior, density
 
 
 shapes = {"seed": st.integers(0, 9999), "n": st.integers(5, 9), "q": st.integers(0, 4), "rank": st.integers(0, 9)}
@@ -78,7 +81,12 @@ def test_what_is_integrated_is_noise_of_the_rows(seed, n, q, rank):
 def test_integrated_before_or_with_the_rest():
     problem = Problem(3)
     before = explained(
-        without(problem.normal, problem.nuisance), problem.calibration, np.zeros((0, 0)), problem.sizes, problem.logs
+        without(problem.normal, problem.nuisance),
+        problem.calibration,
+        problem.given,
+        np.zeros((0, 0)),
+        problem.sizes,
+        problem.logs,
     )
     np.testing.assert_allclose(before.log_evidence, problem.found().log_evidence)
     np.testing.assert_allclose(before.means, problem.found().means)
@@ -96,14 +104,14 @@ def test_likelihoods_of_independent_rows_add():
 
 def test_an_exact_calibration_without_a_drift_leaves_nothing_to_know():
     found = Problem(5, rank=0).found()
-    np.testing.assert_array_equal(found.means[0], 0.0)
+    np.testing.assert_array_equal(found.means[0], Problem(5, rank=0).given)
     np.testing.assert_array_equal(found.covariance(0), 0.0)
 
 
 def test_rows_that_say_nothing_leave_the_prior():
     problem = Problem(6)
     nothing = Normal(np.zeros((11, 11)), np.zeros(11), 0.0)
-    found = explained(nothing, problem.calibration, problem.nuisance, problem.sizes, problem.logs)
+    found = explained(nothing, problem.calibration, problem.given, problem.nuisance, problem.sizes, problem.logs)
     np.testing.assert_allclose(found.log_evidence, problem.logs, atol=1e-12)
     expected = problem.calibration @ problem.calibration.T
     expected[:DRIFTING, :DRIFTING] += np.diag(problem.sizes[1] ** 2)
