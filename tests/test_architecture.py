@@ -14,7 +14,17 @@ CORE = ROOT / "stereorecal"
 PLUGINS = [path for path in (ROOT / "plugins").glob("*/stereorecal_*") if path.is_dir()]
 
 # Each may import the ones after it; objectives are where strategies, which know no stereo, and scores meet.
-CHAIN = ("cli", "comparison", "recalibration", "estimation", "objectives", "scoring", "matching", "recordings")
+CHAIN = (
+    "cli",
+    "comparison",
+    "recalibration",
+    "decision",
+    "estimation",
+    "objectives",
+    "scoring",
+    "matching",
+    "recordings",
+)
 CHAIN = (*CHAIN, "geometry")
 MAY_IMPORT = {name: set(CHAIN[index + 1 :]) for index, name in enumerate(CHAIN)} | {
     "strategies": set(),
@@ -22,7 +32,7 @@ MAY_IMPORT = {name: set(CHAIN[index + 1 :]) for index, name in enumerate(CHAIN)}
     "io": {"recordings", "geometry"},
     "synthetic": {"recordings", "geometry"},
 }
-for above in ("cli", "comparison", "recalibration", "estimation", "objectives"):
+for above in ("cli", "comparison", "recalibration", "decision", "estimation", "objectives"):
     MAY_IMPORT[above].add("strategies")
 MAY_IMPORT["testing"] = MAY_IMPORT["objectives"] | {"objectives", "synthetic"}
 MAY_IMPORT["recalibration"] |= {"report", "io"}  # how numbers read, and a page: a solution shows itself

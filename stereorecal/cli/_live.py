@@ -10,8 +10,8 @@ from rich.panel import Panel
 from rich.table import Table
 from rich.text import Text
 
-from stereorecal.online import Reading, Stepped, reading
-from stereorecal.recalibration import FAR, Condition, Interval
+from stereorecal.online import FAR, Reading, Stepped, reading
+from stereorecal.recalibration import Condition, Interval
 
 _COLOURS = {Condition.HEALTHY: "green", Condition.REPAIR: "red", Condition.CANNOT_TELL: "yellow"}
 _BARS = "▁▂▃▄▅▆▇█"

@@ -9,7 +9,7 @@ from jaxtyping import Float
 from threadpoolctl import ThreadpoolController
 
 from stereorecal._names import known
-from stereorecal.estimation._candidates import depth_kept, least_loss
+from stereorecal.estimation._candidates import depth_kept, least_loss, least_loss_of_depth_kept
 from stereorecal.estimation._consequences import DISTANCES, Consequences, consequences, points_of_view, readings
 from stereorecal.estimation._frames import OtherRig, other_rigs
 from stereorecal.estimation._least_squares import fit
@@ -22,7 +22,7 @@ from stereorecal.scoring import Correspondences
 
 _SAMPLES = 2000
 _SEED = 0
-_FAR = 30  # baselines
+_SEEN_AT, _FAR = (5, 10, 30), 30  # baselines
 _WORSE_ROWS, _WORSE_DEPTH = 0.02, 1.0  # pixels and percentage points: what counts as worse
 _LEAST_NEARNESS = 1e-3  # a thousandth of the true nearness: what lies beyond is called infinitely far
 
@@ -80,8 +80,11 @@ class Estimate:
         """The most probable θ whose depth is that of the given rig."""
         return depth_kept(self.chart, self.theta, self.posterior.covariance)
 
-    def with_free(self, names: Sequence[str]) -> Float[np.ndarray, "n"]:
+    def with_free(self, names: Sequence[str], *, keep_depth: bool = False) -> Float[np.ndarray, "n"]:
         """θ that loses least in rows and depth if only these parameters may change.
+
+        Args:
+            keep_depth: whether it is to read depth as the given rig does, whatever is more probable.
 
         Raises:
             InputError: if a name is unknown.
@@ -90,17 +93,20 @@ class Estimate:
             known(name, list(self.names), "parameter")
         free = np.isin(self.chart.names, names)
         deviations = np.sqrt(np.diag(self.posterior.covariance))
+        if keep_depth:
+            return least_loss_of_depth_kept(self.chart, self._consequences, self.theta, free, deviations)
         return least_loss(self._consequences, self.theta, self._target_nearness, free, deviations)
 
     def probability_worse(self, candidate: Float[np.ndarray, "n"]) -> float:
         """That the rig at θ = candidate reads rows worse than the given one by more than 0.02 pixels (root mean square
         over the view, at 10 and 30 baselines), or depth at 30 baselines by more than one percentage point."""
-        (rows, depth), (rows_given, depth_given) = map(self._losses, (candidate, np.zeros_like(candidate)))
+        (rows, depth), (rows_given, depth_given) = map(self.losses, (candidate, np.zeros_like(candidate)))
         return float(np.mean((rows > rows_given + _WORSE_ROWS) | (depth > depth_given + _WORSE_DEPTH)))
 
-    def _losses(self, used: Float[np.ndarray, "n"]) -> tuple[Float[np.ndarray, "s"], Float[np.ndarray, "s"]]:
-        """Rows [pixels] and |error of depth| [%] of the rig at θ = used, for each sample."""
-        rows = [self._row_errors(used, DISTANCES.index(distance)) for distance in (10, _FAR)]
+    def losses(self, used: Float[np.ndarray, "n"]) -> tuple[Float[np.ndarray, "s"], Float[np.ndarray, "s"]]:
+        """Rows [pixels, at 5, 10 and 30 baselines] and |error of depth| at 30 baselines [%] of the rig at θ = used, for
+        each of some rigs drawn from the posterior; always the same."""
+        rows = [self._row_errors(used, DISTANCES.index(distance)) for distance in _SEEN_AT]
         near = 1.0 + self._nearness(used)[:, DISTANCES.index(_FAR)]
         return np.mean(rows, axis=0), 100.0 * np.abs(1.0 / np.maximum(near, _LEAST_NEARNESS) - 1.0)
 

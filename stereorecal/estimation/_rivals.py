@@ -26,7 +26,7 @@ from stereorecal.objectives import RigChart
 
 # Probabilities before any image is seen: of a hundred pairs some have something large that moves, and some are of one
 # camera that reads row by row; images that belong together by their names are late more rarely.
-_REGION, _ROLLING, _LATE = 0.05, 0.05, 0.02
+_REGION, _ROLLING, _LATE = 0.05, 0.05, 0.005
 # Pixels of row: what moves between two exposures, or while one is read, moves by a row or two; more finds no match.
 MOVED = 1.5
 # Of the right camera between two exposures, percent of the baseline and degrees: as a vehicle moves in milliseconds,

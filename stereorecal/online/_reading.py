@@ -10,10 +10,7 @@ from stereorecal._plain import plain
 from stereorecal.online._estimate import SIZE
 from stereorecal.online._state import Offset, State
 from stereorecal.recalibration import (
-    DEPTH_MATTERS,
-    DEPTH_WRONG,
     DISTANCES,
-    FAR,
     NORMAL_95,
     ROWS_APART,
     ROWS_MATTER,
@@ -22,6 +19,9 @@ from stereorecal.recalibration import (
     depth_error,
 )
 
+FAR = 30  # baselines
+DEPTH_MATTERS = 5.0  # percent there
+DEPTH_WRONG = 10.0  # percent there: what a calibration that is called healthy may hide
 SURE = 1e-4  # chance of a change that is called significant
 LATE = 4.0  # standard errors
 LATE_MATTERS = 0.03  # frames

@@ -16,10 +16,7 @@ from stereorecal.recalibration._effects import DISTANCES as DISTANCES, depth_err
 from stereorecal.recalibration._evidence import Evidence as Evidence, evidence_of as evidence_of
 from stereorecal.recalibration._frames import MOST_FRAMES as MOST_FRAMES, chosen_frames as chosen_frames
 from stereorecal.recalibration._health import (
-    DEPTH_MATTERS as DEPTH_MATTERS,
-    DEPTH_WRONG as DEPTH_WRONG,
     FALSE as FALSE,
-    FAR as FAR,
     HEALTH_LIMITS as HEALTH_LIMITS,
     Condition as Condition,
     Health as Health,

@@ -8,7 +8,6 @@ from jaxtyping import Float, Int
 
 from stereorecal.recalibration._evidence import Evidence
 from stereorecal.recalibration._misfit import Misfit
-from stereorecal.scoring.host import Score
 
 _COUNT_LOSS = 0.01  # of the count, which is flat to half of that around the optimum (measured on real scenes)
 _COUNT_GAIN = 0.01  # likewise
@@ -57,6 +56,9 @@ class Reason(enum.Enum):
     OUT_OF_BUDGET = "the budget ended before the row error of a candidate could be judged; give a larger one"
     MISFIT = "the candidate leaves rows of whole regions apart, which no rotation or shift of the cameras explains"
     FRAMES_DISAGREE = "the frames show different rigs; take them at rest, or check the synchronisation of the cameras"
+    CANNOT_TELL = (
+        "the images do not tell for sure what is better; other scenes, frames that move, or ranges would tell more"
+    )
     IMPLAUSIBLE = "the candidate is an unlikely drift: too far on all axes together, or far where rows hardly tell"
     REACH_EDGE = (
         "the search ended at twice the reach: the drift is larger, so give a larger reach, or something moved between "
@@ -101,11 +103,11 @@ def compared(found: Evidence, before: Float[np.ndarray, "t"], after: Float[np.nd
     return RowErrors(float(np.mean(before)), float(np.mean(after)), float(np.mean(gain)) / max(error, 1e-9))
 
 
-def verdict_on_count(before: Score, after: Score, *, signal: bool) -> Reason:
+def verdict_on_count(before: int, after: int, *, signal: bool) -> Reason:
     """Where the count is all there is: more is better."""
     if not signal:
         return Reason.TOO_LITTLE_TEXTURE
-    return Reason.MORE_MATCHES if after.count > before.count else Reason.NOT_IMPROVED
+    return Reason.MORE_MATCHES if after > before else Reason.NOT_IMPROVED
 
 
 def misfits(left: Misfit, scale: float, shift: float) -> bool:

@@ -43,25 +43,18 @@ def agreed(
     found: Correspondences,
     z: Float[np.ndarray, "n"],
     pairs: Sequence[Pair],
-    others: Sequence[int] | None = None,
 ) -> Agreement:
     """The frames at a solution. One shows another rig if its own solution lies apart from the others', or if it hardly
     matches where others do, though it has texture; where those are few, they are left out, and the evidence is that of
     the others, at their own solution. Frames that show nothing have no say.
-
-    Args:
-        others: frames that show another rig, where something else has found them.
     """
     frames = len(found.weight)
-    unmatched = _unmatched(found, pairs) if frames > 1 else ()
-    voting = without(found, unmatched)
-    if others is not None:
-        seeing = int((np.asarray(voting.weight) > 0).any(axis=1).sum())
-    else:
-        others, seeing = disagreeing(evidence(chart, voting, z, Loss.SOFT_L1)) if frames > 1 else ((), 1)
-    apart = tuple(sorted((*unmatched, *others)))
+    fewer = unmatched(found, pairs) if frames > 1 else ()
+    voting = without(found, fewer)
+    others, seeing = disagreeing(evidence(chart, voting, z, Loss.SOFT_L1)) if frames > 1 else ((), 1)
+    apart = tuple(sorted((*fewer, *others)))
     kept = np.isin(np.arange(frames), apart, invert=True)
-    if len(apart) > MOST_APART * (seeing + len(unmatched)):
+    if len(apart) > MOST_APART * (seeing + len(fewer)):
         return Agreement(evidence(chart, found, z), np.ones(frames, bool), apart, refused=True)
     found = without(found, apart)
     facts = evidence(chart, found, z)
@@ -78,7 +71,7 @@ def without(found: Correspondences, frames: Sequence[int]) -> Correspondences:
     return replace(found, weight=np.asarray(found.weight) * kept[:, None])
 
 
-def _unmatched(found: Correspondences, pairs: Sequence[Pair]) -> tuple[int, ...]:
+def unmatched(found: Correspondences, pairs: Sequence[Pair]) -> tuple[int, ...]:
     """Frames with light and texture that hardly match, where another one does match."""
     covered = (np.asarray(found.weight) > 0).mean(axis=1)
     best = int(covered.argmax())

@@ -1,4 +1,4 @@
-"""What a look means to those who use the calibration: rows apart and wrong depth, each with its 95 % interval."""
+"""Wrong depth, with its 95 % interval."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -9,7 +9,6 @@ from jaxtyping import Float
 from stereorecal.geometry import StereoRig
 from stereorecal.objectives import RigChart
 from stereorecal.recalibration._effects import DISTANCES, depth_error, nearnesses
-from stereorecal.recalibration._evidence import Evidence
 from stereorecal.recalibration._uncertainty import NORMAL_95
 
 _STEP = 1e-3  # of the box: some hundredths of a degree
@@ -27,33 +26,6 @@ class Interval:
     def farthest(self) -> float:
         """The largest magnitude within the interval."""
         return max(abs(self.low), abs(self.high))
-
-
-@dataclass(frozen=True, eq=False)
-class Consequences:
-    """What is wrong for those who go on with a calibration.
-
-    Attributes:
-        rows_px: root mean square, over the correspondences, of the row differences that mending takes away, pixels at
-            full size. Its interval is as wide as the root mean square of theirs.
-        depth_percent: error of depth at 5, 10, 30 and 100 baselines; positive: too far, infinite: beyond infinity.
-    """
-
-    rows_px: Interval
-    depth_percent: Mapping[int, Interval]
-
-
-def consequences(
-    used: StereoRig, chart: RigChart, facts: Evidence, covariance: Float[np.ndarray, "n n"]
-) -> Consequences:
-    """What is wrong with `used`, the centre of the chart, if the solution of `facts` with its covariance is right.
-
-    Both are linear in it as far as an interval reaches: depth is not, but its inverse is.
-    """
-    apart = _rms(facts.jacobian @ facts.z)
-    wide = NORMAL_95 * _rms(deviations(facts.jacobian, covariance))
-    rows = Interval(apart, max(apart - wide, 0.0), apart + wide)
-    return Consequences(rows, depth_intervals(used, chart, facts.z, covariance))
 
 
 def depth_intervals(
@@ -82,7 +54,3 @@ def depth_slopes(used: StereoRig, chart: RigChart, z: Float[np.ndarray, "n"]) ->
 def deviations(slopes: Float[np.ndarray, "p n"], covariance: Float[np.ndarray, "n n"]) -> Float[np.ndarray, "p"]:
     """Standard deviations of what is linear in the solution, with these slopes."""
     return np.sqrt(np.maximum(np.sum(slopes @ covariance * slopes, axis=-1), 0.0))
-
-
-def _rms(values: Float[np.ndarray, "p"]) -> float:
-    return float(np.sqrt(np.mean(values**2)))

@@ -9,7 +9,7 @@ class Cost:
 
     Attributes:
         survey: coarse matches that find a start and the disparity range.
-        starts: counts that choose between starts.
+        starts: a look at the images through the initial calibration, and counts that choose between starts.
         search: what strategies asked; with `correspondences`, what a budget pays for.
         correspondences: matches that found correspondences.
         judging: counts that nominations and the end of the schedule were judged by.

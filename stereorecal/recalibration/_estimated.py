@@ -1,51 +1,134 @@
-"""The end of a repair by the estimate: the candidate that loses least in rows and depth, of what may change."""
+"""The end of a repair by the estimate: the candidate that loses least in rows and depth, and the one decision."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Int
+from jaxtyping import Float, Int
 
+from stereorecal.decision import Decision, Verdict, decide
 from stereorecal.estimation import Estimate, estimate, rig_parameters
 from stereorecal.geometry import StereoRig, View
 from stereorecal.objectives import RigChart, row_chart
-from stereorecal.recalibration._acceptance import Reason, RowErrors, Verdict, compared
-from stereorecal.recalibration._agreement import MOST_APART, without
+from stereorecal.recalibration._acceptance import (
+    FEWEST_PLACES,
+    LEAST_COVERED,
+    Reason,
+    RowErrors,
+    at_the_edge,
+    behind as loses_matches,
+    compared,
+)
+from stereorecal.recalibration._agreement import MOST_APART, unmatched, without
 from stereorecal.recalibration._consequences import Interval
+from stereorecal.recalibration._ending import Ending, counts
 from stereorecal.recalibration._evidence import TILES_OF_A_FRAME, Evidence, evidence
 from stereorecal.recalibration._expected import Expected, expected
 from stereorecal.recalibration._intrinsics import Intrinsics, IntrinsicsOutcome
-from stereorecal.recalibration._judging import judged
-from stereorecal.recalibration._stages import FEWEST, Case, matched
+from stereorecal.recalibration._misfit import misfit
+from stereorecal.recalibration._schedule import ScoreKind, Stage
+from stereorecal.recalibration._stages import FEWEST, Case, StageRun, matched
 from stereorecal.recalibration._uncertainty import OBSERVED, Uncertainty, directions
 from stereorecal.scoring import Correspondences
 
-_MOST_WORSE = 0.01  # probability
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """What the correspondences of all frames say together, and what follows.
+
+    Attributes:
+        found: of the frames that are kept.
+        estimate: of the rig that they show.
+        apart: numbers of the frames that show another one.
+        refused: they are too many to say which are wrong; all count then.
+        decision: on the initial calibration.
+    """
+
+    found: Correspondences
+    estimate: Estimate
+    apart: tuple[int, ...]
+    refused: bool
+    decision: Decision
+
+    @property
+    def enough(self) -> bool:
+        """Whether enough of the images matches for a verdict: chance matches cover little, and few places."""
+        return self.found.covered >= LEAST_COVERED and len(_places(self.found)) >= FEWEST_PLACES
 
 
-def estimated(case: Case, found: Correspondences, near: StereoRig) -> tuple[Estimate, tuple[int, ...]]:
-    """The estimate, and the frames that it does without, since they show another rig than the others.
+def answered(case: Case, found: Correspondences, near: StereoRig, again_at: float | None = None) -> Answer:
+    """The answer of correspondences.
 
     Args:
         found: with the rays that the cameras of the case's rig give.
         near: where the search ended, with those cameras.
+        again_at: the scale at which images are matched once more, through the rig that was found, where intrinsics may
+            change: towards the corners, windows meet other things under other lenses.
     """
+    apart = unmatched(found, case.images.pairs) if len(found.weight) > 1 else ()
+    seeing = int(np.any(np.asarray(without(found, apart).weight) > 0, axis=1).sum())
+    most = MOST_APART * (seeing + len(apart))
     start = rig_parameters(case.rig).coordinates_of(near)
-    seen, apart = estimate(found, case.rig, case.prior, start=start), ()
-    while seen.other_rigs and len(apart) < MOST_APART * len(found.weight):
-        apart = (*apart, seen.other_rigs[0].frame)
-        seen = estimate(without(found, apart), case.rig, case.prior, start=seen.theta)
-    return seen, apart
+    while True:
+        rest = without(found, apart)
+        seen = estimate(rest, case.rig, case.prior, start=start)
+        if not seen.other_rigs or len(apart) > most:
+            break
+        apart, start = (*apart, seen.other_rigs[0].frame), seen.theta
+    if refused := len(apart) > most:
+        rest = found
+        seen = estimate(rest, case.rig, case.prior, start=start)
+    if again_at is not None and case.free.lenses:
+        seen, rest = _matched_again(case, seen, rest, again_at)
+    return Answer(rest, seen, tuple(sorted(apart)), refused, decide(seen, case.free.names))
 
 
-def estimated_again(
-    case: Case, seen: Estimate, found: Correspondences, scale: float
-) -> tuple[Estimate, Correspondences]:
-    """The same, of images that are matched once more through the rig that was found: towards the corners, windows meet
-    other things under other lenses.
+@dataclass(frozen=True, eq=False)
+class Look:
+    """One look at the images through a calibration, without any search.
+
+    Attributes:
+        run: what was done, as a stage of a schedule.
+        answer: of its correspondences; None if there are too few, or they cover too little.
+    """
+
+    run: StageRun
+    answer: Answer | None
+
+    @property
+    def paid(self) -> StageRun:
+        """What was done, its cost counted elsewhere: no budget pays for a look."""
+        return replace(self.run, matching_cost=0.0)
+
+    @property
+    def covered(self) -> float:
+        """By correspondences, share of the frame that shows most."""
+        return 0.0 if self.run.found is None else self.run.found.covered
+
+    @property
+    def verdict(self) -> Verdict | None:
+        """On the calibration; None if too little is seen for one."""
+        answer = self.answer
+        return None if answer is None or answer.refused or not answer.enough else answer.decision.verdict
+
+
+def looked(case: Case, stage: Stage) -> Look | None:
+    """Look at the images as a stage does; None if it has no correspondences.
 
     Args:
-        scale: at which `found` were found; frames without any stay out.
+        case: with a disparity range.
     """
+    if stage.score is not ScoreKind.EPIPOLAR:
+        return None
+    data, chart = case.images.at(case.scale_of(stage), stage.frames), case.of_extrinsics.chart
+    found = matched(data, chart, np.zeros(chart.dim), case.matcher)
+    run = StageRun(stage, case.scale_of(stage), case.rig, case.rig, (), np.zeros((0, 7)), data.cost, found)
+    few = found.found < FEWEST or found.covered < LEAST_COVERED
+    return Look(run, None if few else answered(case, found, case.rig))
+
+
+def _matched_again(
+    case: Case, seen: Estimate, found: Correspondences, scale: float
+) -> tuple[Estimate, Correspondences]:
     again = matched(case.images.at(scale), seen.chart, seen.theta, case.matcher)
     kept = np.any(np.asarray(found.weight) > 0, axis=1)
     again = replace(again, weight=np.asarray(again.weight) * kept[:, None])
@@ -54,87 +137,108 @@ def estimated_again(
     return estimate(again, case.rig, case.prior, start=seen.theta), again
 
 
-def candidate_of(seen: Estimate, case: Case) -> StereoRig:
-    """The rig that loses least, of those that differ in what is free."""
-    return seen.chart.rig_at(seen.with_free(case.free.names))
+def ended_by(case: Case, answer: Answer, near: StereoRig) -> Ending:
+    """The candidate of an answer, and the verdict on it.
 
-
-def refined(seen: Estimate, case: Case, found: Correspondences, rows: RowErrors, said: Reason) -> Intrinsics | None:
-    """What became of intrinsics that were free; None if none were."""
-    names = case.free.shared
-    if not names:
-        return None
-    where = [seen.names.index(name) for name in names]
-    held = seen.chart.rig_at(seen.with_free(case.free.axes))
-    fixed = _facts_at(case.of_extrinsics, found, held)[1]
-    low, high = seen.intervals[where].T
-    before = seen.posterior.covariance[where, where]
-    return Intrinsics(
-        outcome=IntrinsicsOutcome.REFINED if said.accepted else IntrinsicsOutcome.REFUSED,
-        names=names,
-        units=tuple(seen.units[index] for index in where),
-        change=seen.with_free(case.free.names)[where],
-        interval=0.5 * (high - low),
-        undetermined=tuple(
-            name
-            for name, now, given in zip(names, before, seen.prior_variance[where], strict=True)
-            if now > OBSERVED**2 * given
-        ),
-        fixed_px=fixed.after,
-        freed_px=rows.after,
-        fixed_elsewhere_px=float("nan"),
-        freed_elsewhere_px=float("nan"),
-        shown=float(len(np.unique(np.asarray(found.tile)[np.asarray(found.weight) > 0] % TILES_OF_A_FRAME)))
-        / TILES_OF_A_FRAME,
-        expected_px=seen.row_error_px(seen.with_free(case.free.names)).get(10, (float("nan"),))[0],
-        refused=None if said.accepted else said,
+    Args:
+        near: where the search ended.
+    """
+    seen, decision, found = answer.estimate, answer.decision, answer.found
+    candidate = seen.chart.rig_at(decision.theta)
+    tiles = counts(case, candidate)
+    kept = np.isin(np.arange(len(found.weight)), () if answer.refused else answer.apart, invert=True)
+    reason = _reason(case, answer, tiles[:, kept], near)
+    facts, rows = _evidence_at(case, found, candidate), rows_of(case, answer)
+    return Ending(
+        candidate,
+        reason,
+        tiles,
+        answer.apart,
+        rows,
+        _uncertainty(seen, candidate, case.chart),
+        misfit(facts.only(slice(len(case.free.axes))), *tiles[:, kept]),
+        _intrinsics(answer, case, rows, reason),
+        seen,
+        decision,
     )
 
 
-def judged_by(
-    seen: Estimate,
-    case: Case,
-    found: Correspondences,
-    candidate: StereoRig,
-    tiles: Int[np.ndarray, "2 k tiles"],
-    said: Verdict,
-) -> tuple[Verdict, RowErrors]:
-    """The verdict on a candidate, and its row errors against those of the initial rig.
-
-    Args:
-        tiles: counts under the initial calibration and the candidate.
-        said: of the extrinsics alone, as the search found them. Where intrinsics may change, a candidate that these
-            cannot reach is accepted if it passes the same rules and is, by the estimate, hardly worse than the initial
-            rig in rows or in depth.
-    """
-    facts, rows = _facts_at(case, found, candidate)
-    if case.free.lenses and not said.reason.accepted:
-        by_all, _ = judged(
-            facts, case.free.names, len(case.free.axes), tiles, rows, found.covered, settled=case.free.shared
-        )
-        worse = seen.probability_worse(seen.chart.coordinates_of(candidate))
-        if by_all.reason.accepted and worse < _MOST_WORSE:
-            return by_all, rows
-    return said, rows
+def _reason(case: Case, answer: Answer, tiles: Int[np.ndarray, "2 k tiles"], near: StereoRig) -> Reason:
+    if answer.refused:
+        return Reason.FRAMES_DISAGREE
+    if not answer.enough:
+        return Reason.TOO_LITTLE_TEXTURE
+    if answer.decision.verdict is Verdict.GOOD:
+        return Reason.ALREADY_GOOD
+    if answer.decision.verdict is Verdict.REPAIR:
+        before, after = tiles.sum(axis=(1, 2)).tolist()
+        return Reason.FEWER_MATCHES if loses_matches(before, after, 0.0, 0.0) else Reason.IMPROVED
+    box = case.of_extrinsics.chart
+    if at_the_edge(box.coordinates_of(near)):
+        return Reason.REACH_EDGE
+    return Reason.CANNOT_TELL if answer.decision.explains else Reason.MISFIT
 
 
-def _facts_at(case: Case, found: Correspondences, candidate: StereoRig) -> tuple[Evidence, RowErrors]:
-    """The evidence at a candidate, and its row errors against those of the initial rig, as they are: the candidate
-    does not follow single regions, so none is held out."""
+def _intrinsics(answer: Answer, case: Case, rows: RowErrors, reason: Reason) -> Intrinsics | None:
+    """What became of intrinsics that were free; None if none were."""
+    names, seen = case.free.shared, answer.estimate
+    if not names:
+        return None
+    where = [seen.names.index(name) for name in names]
+    facts = _evidence_at(case.of_extrinsics, answer.found, seen.chart.rig_at(seen.with_free(case.free.axes)))
+    low, high = seen.intervals[where].T
+    after = seen.posterior.covariance[where, where]
+    if reason.accepted:
+        outcome = IntrinsicsOutcome.REFINED
+    else:
+        outcome = IntrinsicsOutcome.REFUSED if answer.enough else IntrinsicsOutcome.NOT_SOLVED
+    return Intrinsics(
+        outcome=outcome,
+        names=names,
+        units=tuple(seen.units[index] for index in where),
+        change=answer.decision.theta[where],
+        interval=0.5 * (high - low),
+        undetermined=tuple(
+            name
+            for name, now, given in zip(names, after, seen.prior_variance[where], strict=True)
+            if now > OBSERVED**2 * given
+        ),
+        fixed_px=float(np.mean(facts.medians(facts.residual))),
+        freed_px=rows.after,
+        fixed_elsewhere_px=float("nan"),
+        freed_elsewhere_px=float("nan"),
+        shown=len(_places(answer.found)) / TILES_OF_A_FRAME,
+        expected_px=seen.row_error_px(answer.decision.theta)[10][0],
+        refused=None if reason.accepted else reason,
+    )
+
+
+def rows_of(case: Case, answer: Answer) -> RowErrors:
+    """Row errors of the correspondences, under the initial calibration and the candidate."""
+    facts = _evidence_at(case, answer.found, answer.estimate.chart.rig_at(answer.decision.theta))
+    return compared(facts, facts.medians(facts.start_residual), facts.medians(facts.residual))
+
+
+def _places(found: Correspondences) -> Int[np.ndarray, "p"]:
+    """Numbers of the tiles of a frame that show something."""
+    return np.unique(np.asarray(found.tile)[np.asarray(found.weight) > 0] % TILES_OF_A_FRAME)
+
+
+def _evidence_at(case: Case, found: Correspondences, candidate: StereoRig) -> Evidence:
+    """Row differences under the initial calibration and a candidate, as they are: it does not follow single regions,
+    so none is held out."""
     chart = row_chart(case.rig, case.reach, case.free)
-    facts = evidence(chart, found, chart.coordinates_of(candidate))
-    rows = compared(facts, facts.medians(facts.start_residual), facts.medians(facts.residual))
-    return facts, rows
+    return evidence(chart, found, chart.coordinates_of(candidate))
 
 
-def uncertainty_of(seen: Estimate, candidate: StereoRig, chart: RigChart) -> Uncertainty:
+def _uncertainty(seen: Estimate, candidate: StereoRig, chart: RigChart) -> Uncertainty:
     """Of the parameters of a chart, around a candidate and marginal over all others: mean squares of what the truth may
     differ by."""
     where = [seen.names.index(name) for name in chart.names]
     apart = (seen.theta - seen.chart.coordinates_of(candidate))[where]
     spread = seen.posterior.covariance[np.ix_(where, where)]
     sigmas = chart.prior * chart.units
-    observed = np.sqrt(np.diag(spread)) < OBSERVED * sigmas
+    observed = np.diag(spread) < OBSERVED**2 * (seen.prior_variance[where] + sigmas**2)
     weak = directions(spread / sigmas[:, None] / sigmas, chart.names)
     return Uncertainty(chart.names, spread + np.outer(apart, apart), spread, observed, weak)
 
@@ -142,8 +246,9 @@ def uncertainty_of(seen: Estimate, candidate: StereoRig, chart: RigChart) -> Unc
 def expected_by(seen: Estimate, used: StereoRig, view: View) -> Expected:
     """What to expect of a rig: rows over the view, and depth with its 95 % interval."""
     rows = expected(used, seen.chart, seen.theta, seen.posterior.covariance, view)
-    depth = {
-        distance: Interval(*ends)
-        for distance, ends in seen.depth_error_percent(seen.chart.coordinates_of(used)).items()
-    }
-    return replace(rows, depth_percent=depth)
+    return replace(rows, depth_percent=depth_by(seen, seen.chart.coordinates_of(used)))
+
+
+def depth_by(seen: Estimate, used: Float[np.ndarray, "n"]) -> dict[int, Interval]:
+    """The error of depth of the rig at θ = used."""
+    return {distance: Interval(*ends) for distance, ends in seen.depth_error_percent(used).items()}

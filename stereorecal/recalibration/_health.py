@@ -4,43 +4,36 @@ import enum
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from stereorecal._arrays import refuse_tracers
 from stereorecal._plain import plain
-from stereorecal.geometry import StereoRig
+from stereorecal.decision import LIMITS, Verdict
+from stereorecal.estimation import Prior, check_prior, rig_parameters
+from stereorecal.geometry import StereoRig, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
-from stereorecal.recalibration._acceptance import FEWEST_PLACES, LEAST_COVERED, ROWS_APART, ROWS_MATTER, row_errors
-from stereorecal.recalibration._agreement import LIKELY, without
+from stereorecal.objectives import Reach, as_parameters
+from stereorecal.recalibration._acceptance import LEAST_COVERED
+from stereorecal.recalibration._agreement import LIKELY
 from stereorecal.recalibration._as_dict import score_as_dict
 from stereorecal.recalibration._consequences import Interval
-from stereorecal.recalibration._look import look
+from stereorecal.recalibration._estimated import depth_by, looked, rows_of
 from stereorecal.recalibration._mending import Mending, mending
+from stereorecal.recalibration._schedule import as_schedule
+from stereorecal.recalibration._stages import Case
 from stereorecal.recordings import Pairs
 from stereorecal.report.cells import change
-from stereorecal.scoring import Legible, legible, pyramid
+from stereorecal.scoring import Legible, Pyramid, host, legible, pyramid
 from stereorecal.scoring.host import Score, ranged, refuse_mixed_up
 
 FALSE = 0.4  # pixels left by the mending: false matches lie evenly within a row of where they were sought, median 0.5
-SIGNIFICANT = 3.0  # standard errors
-DEPTH_MATTERS = 5.0  # percent at FAR
-DEPTH_WRONG = 10.0  # percent at FAR: what a calibration that is called healthy may hide
-FAR = 30  # baselines
-HEALTH_LIMITS = {
-    "covered": LEAST_COVERED,
-    "covered_of_texture": LIKELY,
-    "false_rows_px": FALSE,
-    "significance": SIGNIFICANT,
-    "repair_rows_px": ROWS_MATTER,
-    "repair_depth_percent": DEPTH_MATTERS,
-    "healthy_rows_px": ROWS_APART,
-    "healthy_depth_percent": DEPTH_WRONG,
-    "at_baselines": FAR,
-}
+HEALTH_LIMITS = {"covered": LEAST_COVERED, "covered_of_texture": LIKELY, "false_rows_px": FALSE, **LIMITS}
 
 
 class Condition(enum.Enum):
     """The verdict on a calibration; the value is the message."""
 
-    HEALTHY = "healthy: rows are aligned and depth is right"
+    HEALTHY = "healthy: rows are aligned, and no better depth is known for sure"
     REPAIR = "repair it"
     CANNOT_TELL = "cannot tell"
 
@@ -58,7 +51,6 @@ class Health:
             frame that shows most. False matches count as pixels, but hardly here.
         shown: light and texture of the images, of the frame that shows most.
         mending: what would mend it; None if hardly anything matches.
-        scale: pixels in which rows were measured, per pixel at full size; the limits of rows are in those.
         disagreeing: names of frames that show another rig than others, where they are too many to be left out.
     """
 
@@ -67,14 +59,13 @@ class Health:
     covered: float
     shown: Legible
     mending: Mending | None
-    scale: float = 1.0
     disagreeing: tuple[str, ...] = ()
 
     @property
     def condition(self) -> Condition:
-        """Repair, if hardly anything matches of images that show enough; or if a change is significant (3 standard
-        errors) and matters: 0.1 pixels of row, or 5 % of depth at 30 baselines. Healthy, if no change that matters is
-        in sight, and the 95 % intervals stay within 0.3 pixels and 10 %. Cannot tell, otherwise."""
+        """Repair, if hardly anything matches of images that show enough; or if a change of the extrinsics is better for
+        sure, and hardly ever worse. Healthy, if none is, and rows lie within 0.3 pixels, with 95 %. Cannot tell,
+        otherwise."""
         return self._diagnosis[0]
 
     @property
@@ -89,11 +80,6 @@ class Health:
         return f"{condition.value}: {why}" if why else condition.value
 
     @property
-    def significance(self) -> float:
-        """Of the change that would mend it against none, in standard errors; NaN if it is not known."""
-        return float("nan") if self.mending is None else self.mending.significance
-
-    @property
     def _diagnosis(self) -> tuple[Condition, str]:
         if self.disagreeing:
             return Condition.CANNOT_TELL, f"the frames show different rigs ({', '.join(self.disagreeing)})"
@@ -103,15 +89,15 @@ class Health:
             if not self.shown.enough:
                 return Condition.CANNOT_TELL, "the images have too little texture"
             return Condition.REPAIR, "hardly anything matches, though the images have texture"
-        rows, depth = self.mending.consequences.rows_px, self.mending.consequences.depth_percent[FAR]
-        matters = rows.value * self.scale > ROWS_MATTER or abs(depth.value) > DEPTH_MATTERS
-        if matters and self.significance > SIGNIFICANT:
-            return Condition.REPAIR, f"{_listed(self.mending.named)} ({self.significance:.0f} standard errors)"
-        if matters or rows.high * self.scale > ROWS_APART or depth.farthest > DEPTH_WRONG:
-            return Condition.CANNOT_TELL, "the images do not determine it well enough; more frames may"
-        if self.mending.row_error * self.scale > ROWS_APART:
-            return Condition.CANNOT_TELL, "rows lie apart, and no rotation mends that; check lenses and shutters"
-        return Condition.HEALTHY, ""
+        decision = self.mending.decision
+        if decision.verdict is Verdict.REPAIR:
+            kept = ", and depth keeps as it was calibrated" if decision.keeps_depth else ""
+            return Condition.REPAIR, f"{_listed(self.mending.named)}{kept}"
+        if decision.verdict is Verdict.GOOD:
+            return Condition.HEALTHY, ""
+        if not decision.explains:
+            return Condition.CANNOT_TELL, "rows lie apart, and no change of the extrinsics mends that; check lenses"
+        return Condition.CANNOT_TELL, "the images do not determine what is better; other scenes, or more frames, may"
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data for JSON and tables; what is missing or infinite is None."""
@@ -126,7 +112,8 @@ class Health:
                 "healthy": self.healthy,
                 "condition": self.condition.name.lower(),
                 "verdict": self.verdict,
-                "significance": self.significance,
+                "probability_worse": mended and mended.decision.worse,
+                "probability_better": mended and mended.decision.better,
                 "disagreeing": self.disagreeing,
                 "axes": mended and (mended.named if self.condition is Condition.REPAIR else ()),
                 "mending": mended
@@ -135,9 +122,9 @@ class Health:
                     "translation_percent": {name: _ends(mended.axes[name]) for name in ("y", "z")},
                     "row_error_px": mended.row_error,
                 },
-                "rows_apart_px": mended and _ends(mended.consequences.rows_px),
+                "rows_apart_px": mended and _ends(mended.rows_px),
                 "depth_error_percent": mended
-                and {distance: _ends(error) for distance, error in mended.consequences.depth_percent.items()},
+                and {distance: _ends(error) for distance, error in mended.depth_percent.items()},
             }
         )
 
@@ -146,47 +133,63 @@ class Health:
         if self.mending is None:
             sure = f"matches that passed all checks cover {100 * self.covered:.0f} % of the image"
             return "\n".join([*lines, f"row error  not measured: {sure} (chance matches count as matched)"])
-        by, found = self.mending.axes, self.mending.consequences
+        by, rows = self.mending.axes, self.mending.rows_px
         angles = ", ".join(f"{name} {_about(by[name], 3)}" for name in ("pitch", "yaw", "roll"))
         shifts = ", ".join(f"{name} {_about(by[name], 2)}" for name in ("y", "z"))
-        errors = "; ".join(f"{_range(error)} at {distance} B" for distance, error in found.depth_percent.items())
+        errors = "; ".join(f"{_range(error)} at {distance} B" for distance, error in self.mending.depth_percent.items())
         return "\n".join(
             [
                 *lines,
                 f"row error  {self.row_error:.2f} px; {self.mending.row_error:.2f} px if mended",
                 f"to mend    {angles} deg; {shifts} % of the baseline",
-                f"rows       {found.rows_px.value:.2f} px by the calibration, at most {found.rows_px.high:.2f} px",
+                f"rows       {rows.value:.2f} px apart over the view ({rows.low:.2f} to {rows.high:.2f} px)",
                 f"depth      {errors}",
             ]
         )
 
 
-def health(rig: StereoRig, pairs: Pairs, *, matcher: AbstractMatcher | str | None = None) -> Health:
-    """Match the pairs under the rig's calibration and solve once for what would mend it.
+def health(
+    rig: StereoRig, pairs: Pairs, *, matcher: AbstractMatcher | str | None = None, prior: Prior = None
+) -> Health:
+    """Match the pairs under the rig's calibration, and estimate once what would mend it.
+
+    `recalibrate` begins with the same look: what is healthy here stays there, what is to be repaired here is repaired.
 
     Args:
         matcher: a matcher, or "sad" (default), "bm" or "sgbm"; without `num_disparities` the range is measured.
+        prior: as `recalibrate` has it.
 
     Raises:
-        InputError: if images and calibration do not fit, or the images are no left and right image of this rig.
+        InputError: if images and calibration do not fit, the images are no left and right image of this rig, or the
+            prior makes no sense.
     """
     refuse_tracers("sr.health", "sr.correspondences and sr.row_differences", rig)
     images = pyramid(rig, pairs)
-    seen, shown = (
-        look(images, ranged(matcher, images)),
-        max((legible(pair) for pair in images.pairs), key=lambda one: one.texture),
-    )
-    frames, scale = seen.frames, float(seen.found.scale)
-    covered = seen.found.covered if frames is None else without(seen.found, frames.apart).covered
-    if frames is not None and frames.refused:
-        names = tuple(images.pairs[f].name for f in frames.apart)
-        return Health(seen.score, float("nan"), covered, shown, None, scale, names)
-    facts = None if frames is None else frames.facts
-    rows = None if facts is None or facts.places < FEWEST_PLACES or covered < LEAST_COVERED else row_errors(facts)
-    if facts is None or rows is None or (covered < LIKELY * shown.texture and rows.after * scale > FALSE):
+    check_prior(prior, rig_parameters(rig))
+    case = Case(images, ranged(matcher, images), Reach(), as_parameters(None), prior)
+    look = looked(case, as_schedule(None).stages[-1])
+    score = _score(images, case.matcher)
+    shown = max((legible(pair) for pair in images.pairs), key=lambda one: one.texture)
+    answer = look.answer if look is not None else None
+    if answer is None:
         refuse_mixed_up(images)
-        return Health(seen.score, float("nan"), covered, shown, None, scale)
-    return Health(seen.score, rows.before, covered, shown, mending(rig, seen.chart, facts, rows.after), scale)
+        return Health(score, float("nan"), 0.0 if look is None else look.covered, shown, None)
+    covered = answer.found.covered
+    if answer.refused:
+        names = tuple(images.pairs[f].name for f in answer.apart)
+        return Health(score, float("nan"), covered, shown, None, names)
+    rows = rows_of(case, answer)
+    if not answer.enough or (covered < LIKELY * shown.texture and rows.after > FALSE):
+        refuse_mixed_up(images)
+        return Health(score, float("nan"), covered, shown, None)
+    seen = answer.estimate
+    depth = depth_by(seen, np.zeros(len(seen.names)))
+    return Health(score, rows.before, covered, shown, mending(seen, answer.decision, depth, rows.after))
+
+
+def _score(images: Pyramid, matcher: AbstractMatcher) -> Score:
+    whole, extrinsics = images.at(1.0), with_unit_baseline(images.rig.extrinsics)
+    return Score(int(host.counts_one_by_one(whole, extrinsics[None], matcher)[0]), whole.pixels)
 
 
 def _listed(names: tuple[str, ...]) -> str:

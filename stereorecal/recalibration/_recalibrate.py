@@ -5,28 +5,20 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from jaxtyping import Int
 
 from stereorecal._arrays import refuse_tracers
+from stereorecal.decision import Verdict
 from stereorecal.estimation import EXACT, Prior, check_prior, is_exact, rig_parameters
-from stereorecal.geometry import StereoRig, View, same_camera, with_unit_baseline
+from stereorecal.geometry import StereoRig, View
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import BASELINE, Parameters, Reach, as_parameters, as_reach
-from stereorecal.recalibration._acceptance import Reason, row_errors, verdict_on_count
-from stereorecal.recalibration._agreement import agreed, without
+from stereorecal.recalibration._acceptance import Reason, verdict_on_count
 from stereorecal.recalibration._asked import Asked
 from stereorecal.recalibration._cost import Cost
-from stereorecal.recalibration._estimated import (
-    candidate_of,
-    estimated,
-    estimated_again,
-    judged_by,
-    refined,
-    uncertainty_of,
-)
+from stereorecal.recalibration._ending import Ending, counts
+from stereorecal.recalibration._estimated import answered, ended_by, looked
+from stereorecal.recalibration._exact import ended_exactly
 from stereorecal.recalibration._frames import looked_at
-from stereorecal.recalibration._judging import judged
-from stereorecal.recalibration._misfit import systematic
 from stereorecal.recalibration._ranges import resolved_ranges, with_ranges
 from stereorecal.recalibration._schedule import Schedule, ScoreKind, as_schedule
 from stereorecal.recalibration._solution import Solution
@@ -34,7 +26,6 @@ from stereorecal.recalibration._solved import Recording
 from stereorecal.recalibration._stages import FEWEST, Case, StageRun, better_start, remaining, run_stage
 from stereorecal.recalibration._tasks import one_by_one
 from stereorecal.recalibration._together import check_schedule, together, unsolved
-from stereorecal.recalibration._uncertainty import uncertainty
 from stereorecal.recordings import Pairs, Range
 from stereorecal.scoring import host, legible, pyramid
 from stereorecal.scoring.host import Score, survey
@@ -115,7 +106,8 @@ def recalibrate(
 def searched(case: Case, schedule: Schedule, budget: Budget, seed: int, free: Parameters | None = None) -> Solution:
     """The end of a schedule whose strategies search all that is free in the case, intrinsics too, judged like a repair.
 
-    `recalibrate` gives them the extrinsics alone, and solves for the rest with its own least squares.
+    `recalibrate` gives them the extrinsics alone, and solves for the rest with its own least squares. It looks before
+    it searches, as `health` does: what one look finds good stays, and what it is sure to mend is mended.
 
     Args:
         case: its matcher may lack `num_disparities`, which is then measured.
@@ -127,8 +119,20 @@ def searched(case: Case, schedule: Schedule, budget: Budget, seed: int, free: Pa
     """
     began, asked = time.perf_counter(), Asked(case.matcher, schedule, budget, seed, case.free.names)
     case, start, cost = started(case, schedule)
+    judged = replace(case, free=free or case.free)
+    look = None if is_exact(case.prior) else looked(judged, schedule.stages[-1])
+    if look is not None:
+        cost = replace(cost, starts=cost.starts + look.run.cost)
+        if look.answer is not None and look.verdict is Verdict.GOOD:
+            return solution_of(judged, asked, (look.paid,), cost, began, ended_by(judged, look.answer, case.rig))
     widest, stages = _run_schedule(case, schedule, asked.matcher, start, budget, began, seed)
-    return solution_of(replace(widest, free=free or widest.free), asked, stages, cost, began)
+    judged = replace(widest, free=judged.free)
+    found = solution_of(judged, asked, stages, cost, began)
+    if found.accepted or found.reason is Reason.OUT_OF_BUDGET or look is None or look.answer is None:
+        return found
+    if look.verdict is not Verdict.REPAIR:
+        return found
+    return solution_of(judged, asked, (*stages, look.paid), cost, began, ended_by(judged, look.answer, case.rig))
 
 
 def started(case: Case, schedule: Schedule) -> tuple[Case, StereoRig, Cost]:
@@ -174,63 +178,37 @@ def _run_schedule(
     return widest, tuple(stages)
 
 
-def solution_of(case: Case, asked: Asked, stages: tuple[StageRun, ...], cost: Cost, began: float) -> Solution:
+def solution_of(
+    case: Case, asked: Asked, stages: tuple[StageRun, ...], cost: Cost, began: float, ending: Ending | None = None
+) -> Solution:
     """The end of the stages of a schedule, judged.
 
     Args:
         asked: what was asked for, the schedule included.
         cost: of what came before them.
         began: when the clock was started.
+        ending: of a look, where that decided; default that of the stages.
     """
-    candidate = stages[-1].ended if stages else case.rig
     runs = [run for stage in stages for run in stage.runs]
-    found = next((stage.found for stage in reversed(stages) if stage.found is not None), None)
-    cut = len(stages) < len(asked.schedule.stages) or any(stage.cut for stage in stages)
-    frames = seen = None
-    if found is not None and found.found >= FEWEST and not cut:
-        if is_exact(case.prior):
-            frames = agreed(case.chart, found, case.chart.coordinates_of(candidate), case.images.pairs)
-            candidate = case.chart.rig_at(frames.facts.z)
-        else:
-            seen, others = estimated(case, found, candidate)
-            chart = case.of_extrinsics.chart
-            frames = agreed(chart, found, chart.coordinates_of(candidate), case.images.pairs, others)
-            found = without(found, () if frames.refused else frames.apart)
-            if case.free.lenses:
-                seen, found = estimated_again(case, seen, found, stages[-1].scale)
-            candidate = candidate_of(seen, case)
-    tiles, of_scores = _scores(case, candidate)
-    kept = np.ones(len(case.images.pairs), bool) if frames is None else frames.kept
-    tiles, pixels = tiles[:, kept], case.images.at(1.0).pixels * int(kept.sum()) // len(kept)  # all of one size
-    before, after = (Score(int(counts.sum()), pixels) for counts in tiles)
+    cut = ending is None and (len(stages) < len(asked.schedule.stages) or any(stage.cut for stage in stages))
     status, message = (runs[-1].status, runs[-1].message) if runs else (Status.NO_SIGNAL, Status.NO_SIGNAL.value)
-    if cut:
+    if ending is not None:
+        status, message = Status.CONVERGED, "one look at the images was enough"
+    elif cut:
         status, message = Status.BUDGET, Status.BUDGET.value
-    rows = known = left = lenses = None
-    if cut:
-        reason = Reason.OUT_OF_BUDGET  # the count alone would let harm through: it hardly sees a wrong yaw
-    elif found is None:
-        reason = verdict_on_count(before, after, signal=status is not Status.NO_SIGNAL)
-    elif frames is None:
-        reason = Reason.TOO_LITTLE_TEXTURE
-    else:
-        rest = found if seen else without(found, frames.apart)
-        facts, rows = frames.facts, row_errors(frames.facts)
-        searched_for = case.free if seen is None else case.free.extrinsics
-        said, left = judged(facts, searched_for.names, len(case.free.axes), tiles, rows, rest.covered)
-        if seen is None:
-            known = uncertainty(facts.covariance(), systematic(facts, left), case.chart)
-        else:
-            said, rows = judged_by(seen, case, rest, candidate, tiles, said)
-            known = uncertainty_of(seen, candidate, case.chart)
-            lenses = refined(seen, case, rest, rows, said.reason)
-        reason = Reason.FRAMES_DISAGREE if frames.refused else said.reason
+    if ending is None:
+        ending = _ended(case, stages, cut=cut, signal=status is not Status.NO_SIGNAL)
+    reason = ending.reason
     if reason is Reason.TOO_LITTLE_TEXTURE and any(legible(pair).enough for pair in case.images.pairs):
         reason = Reason.NO_MATCHES
-    apart = () if frames is None else tuple(case.images.pairs[f].name for f in frames.apart)
+    frames = len(case.images.pairs)
+    kept = np.isin(np.arange(frames), ending.without, invert=True)
+    pixels = case.images.at(1.0).pixels * int(kept.sum()) // frames  # all of one size
+    before, after = (Score(int(found.sum()), pixels) for found in ending.tiles[:, kept])
+    apart = tuple(case.images.pairs[f].name for f in ending.apart)
     return Solution(
-        rig=candidate if reason.accepted else case.rig,
-        candidate=candidate,
+        rig=ending.candidate if reason.accepted else case.rig,
+        candidate=ending.candidate,
         initial=case.rig,
         accepted=reason.accepted,
         reason=reason,
@@ -245,30 +223,37 @@ def solution_of(case: Case, asked: Asked, stages: tuple[StageRun, ...], cost: Co
             starts=cost.starts,
             search=sum(stage.search_cost for stage in stages),
             correspondences=sum(stage.matching_cost for stage in stages),
-            judging=sum(stage.judging_cost for stage in stages) + of_scores,
+            judging=sum(stage.judging_cost for stage in stages) + 2 * case.images.at(1.0).cost,
         ),
         score_before=before,
         score_after=after,
-        row_errors=rows,
-        uncertainty=known,
-        misfit=left,
-        intrinsics=lenses,
+        row_errors=ending.rows,
+        uncertainty=ending.uncertainty,
+        misfit=ending.misfit,
+        intrinsics=ending.intrinsics,
         kept=tuple(np.flatnonzero(kept).tolist()),
         left_out=() if reason is Reason.FRAMES_DISAGREE else apart,
         disagreeing=apart if reason is Reason.FRAMES_DISAGREE else (),
         stages=stages,
         seconds=time.perf_counter() - began,
         asked=asked,
-        estimate=seen,
+        estimate=ending.estimate,
+        decision=ending.decision,
     )
 
 
-def _scores(case: Case, candidate: StereoRig) -> tuple[Int[np.ndarray, "2 k tiles"], float]:
-    """Counts of the tiles of all frames at full scale, before and after; and what they cost."""
-    data, rigs = case.images.at(1.0), (case.rig, candidate)
-    extrinsics = np.stack([with_unit_baseline(rig.extrinsics) for rig in rigs])
-    if same_camera(candidate.left, case.rig.left) and same_camera(candidate.right, case.rig.right):
-        return host.counts_by_tile(data, extrinsics, case.matcher), 2 * data.cost
-    through = zip(rigs, extrinsics, strict=True)
-    counts = [host.counts_by_tile(data.through(rig), here[None], case.matcher) for rig, here in through]
-    return np.concatenate(counts), 2 * data.cost
+def _ended(case: Case, stages: tuple[StageRun, ...], *, cut: bool, signal: bool) -> Ending:
+    """How the stages ended."""
+    near = stages[-1].ended if stages else case.rig
+    found = next((stage.found for stage in reversed(stages) if stage.found is not None), None)
+    if not cut and found is not None and found.found >= FEWEST:
+        if is_exact(case.prior):
+            return ended_exactly(case, found, near)
+        return ended_by(case, answered(case, found, near, stages[-1].scale), near)
+    tiles = counts(case, near)
+    if cut:
+        return Ending(near, Reason.OUT_OF_BUDGET, tiles)  # the count alone hardly sees a wrong yaw
+    if found is not None:
+        return Ending(near, Reason.TOO_LITTLE_TEXTURE, tiles)
+    before, after = tiles.sum(axis=(1, 2)).tolist()
+    return Ending(near, verdict_on_count(before, after, signal=signal), tiles)

@@ -11,6 +11,7 @@ from jaxtyping import Float
 
 from stereorecal._errors import InputError
 from stereorecal._extras import extra
+from stereorecal.decision import Decision
 from stereorecal.estimation import Estimate
 from stereorecal.geometry import AXES, StereoRig, View
 from stereorecal.io import write_text
@@ -68,6 +69,7 @@ class Solution:
         ranges: what became of ranges; None if there were none.
         asked: the settings with which it can be repeated.
         estimate: of all parameters of the rig; None where the intrinsics are taken as exact, or nothing was found.
+        decision: on the initial calibration, by the estimate; None in the same cases.
     """
 
     rig: StereoRig
@@ -98,6 +100,7 @@ class Solution:
     ranges: RangesSeen | None = None
     asked: Asked | None = None
     estimate: Estimate | None = None
+    decision: Decision | None = None
 
     @property
     def trace(self) -> Trace | None:

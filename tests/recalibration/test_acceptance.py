@@ -146,12 +146,11 @@ def test_no_gain_is_not_the_same_as_doubt():
 
 def test_every_reason_has_its_case():
     """Two of them are said where the count is all there is, one where nothing could be judged."""
-    on_count = {
-        verdict_on_count(score(a), score(b), signal=s) for a, b, s in ((5, 6, True), (5, 5, True), (0, 0, False))
-    }
+    on_count = {verdict_on_count(a, b, signal=s) for a, b, s in ((5, 6, True), (5, 5, True), (0, 0, False))}
     assert on_count == {Reason.MORE_MATCHES, Reason.NOT_IMPROVED, Reason.TOO_LITTLE_TEXTURE}
     assert on_count | {reason for reason, _ in CASES.values()} == set(Reason) - {
         Reason.OUT_OF_BUDGET,
+        Reason.CANNOT_TELL,  # tests/decision
         Reason.FRAMES_DISAGREE,  # test_agreement.py
         Reason.NO_MATCHES,  # test_default_schedule.py
         Reason.RANGES,  # test_ranges.py
@@ -166,8 +165,8 @@ def test_every_reason_has_its_case():
 
 @pytest.mark.parametrize(("before", "after"), [(0, 0), (7, 7), (7, 6)])
 def test_the_count_alone_must_rise(before, after):
-    assert verdict_on_count(score(before), score(after), signal=True) is Reason.NOT_IMPROVED
-    assert verdict_on_count(score(before), score(after), signal=False) is Reason.TOO_LITTLE_TEXTURE
+    assert verdict_on_count(before, after, signal=True) is Reason.NOT_IMPROVED
+    assert verdict_on_count(before, after, signal=False) is Reason.TOO_LITTLE_TEXTURE
 
 
 counts = st.one_of(st.integers(0, 400_000), st.integers(196_000, 206_000))

@@ -1,0 +1,88 @@
+"""The rule: replace a calibration where that is better for sure, and hardly ever worse."""
+
+import enum
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal.estimation import Estimate
+
+# What a matcher notices, and what a change must gain [pixels of row, root mean square over the view].
+GAIN = 0.05
+# What counts as worse: what repairs that end well lose by noise [pixels of row, points of depth at 30 baselines].
+WORSE_ROWS, WORSE_DEPTH = 0.02, 1.0
+ALPHA = 0.01  # probability of a change for the worse, and of none for the better, at most
+GOOD_ROWS, GOOD_SURELY = 0.3, 0.95  # pixels of row that good calibrations have, and with which probability they do
+LIMITS = {
+    "gain_px": GAIN,
+    "worse_rows_px": WORSE_ROWS,
+    "worse_depth_points": WORSE_DEPTH,
+    "alpha": ALPHA,
+    "good_rows_px": GOOD_ROWS,
+    "good_surely": GOOD_SURELY,
+}
+
+
+class Verdict(enum.Enum):
+    """What to do with a calibration."""
+
+    REPAIR = "a better one is known for sure"
+    GOOD = "rows are aligned, and nothing better is known for sure"
+    CANNOT_TELL = "rows may be apart, and what is better is not known for sure"
+
+
+@dataclass(frozen=True, eq=False)
+class Decision:
+    """What to do with the calibration that an estimate started from.
+
+    Attributes:
+        verdict: as it is.
+        theta: (n,) the candidate: that of least loss of those that may replace the calibration; if none may, of all.
+        keeps_depth: whether the candidate was chosen to read depth as the calibration does.
+        worse: probability that the candidate is worse than the calibration, in rows or in depth.
+        better: probability that its rows are better by what a matcher notices.
+        rows_px: (2, 3) rows apart over the view, of the calibration and of the candidate: median, 95 % interval.
+    """
+
+    verdict: Verdict
+    theta: Float[np.ndarray, "n"]
+    keeps_depth: bool
+    worse: float
+    better: float
+    rows_px: Float[np.ndarray, "2 3"]
+
+    @property
+    def explains(self) -> bool:
+        """Whether the rig explains the rows: the candidate's are those of a good calibration, as likely as not."""
+        return bool(self.rows_px[1, 0] <= GOOD_ROWS)
+
+
+def decide(seen: Estimate, free: Sequence[str]) -> Decision:
+    """Choose between a calibration, and changes of its free parameters.
+
+    Two candidates stand: the one that loses least in rows and depth, and the one of those that read depth as the
+    calibration does that loses least in rows. One replaces the calibration if its rows are better for sure and the
+    probability is below 1 % that rows or depth are worse; of two, the one of less expected loss. Else the calibration
+    is good if its rows are, with 95 %. Absolute depth is not judged: no rig's rows know it.
+
+    Args:
+        seen: what is known; its θ = 0 is the calibration.
+        free: names of the parameters that may change.
+    """
+    rows_given, depth_given = seen.losses(np.zeros(len(seen.names)))
+    found = []
+    for keeps_depth in (False, True):
+        theta = seen.with_free(free, keep_depth=keeps_depth)
+        rows, depth = seen.losses(theta)
+        worse = float(np.mean((rows > rows_given + WORSE_ROWS) | (depth > depth_given + WORSE_DEPTH)))
+        better = float(np.mean(rows < rows_given - GAIN))
+        allowed = worse < ALPHA and better > 1.0 - ALPHA
+        expected_loss = float(np.mean(rows / GAIN + depth / WORSE_DEPTH))
+        found.append((not allowed, expected_loss, theta, keeps_depth, worse, better, rows))
+    refused, _, theta, keeps_depth, worse, better, rows = min(found, key=lambda one: one[:2])
+    good = float(np.mean(rows_given <= GOOD_ROWS)) >= GOOD_SURELY
+    verdict = Verdict.REPAIR if not refused else Verdict.GOOD if good else Verdict.CANNOT_TELL
+    said = np.percentile([rows_given, rows], [50.0, 2.5, 97.5], axis=1).T
+    return Decision(verdict, theta, keeps_depth, worse, better, said)
