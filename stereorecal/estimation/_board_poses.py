@@ -14,7 +14,7 @@ from stereorecal.recordings import Board
 
 _FLAT = 1e-6  # of its size: a board that is no thicker is plane
 _POINT_STEP = 1e-5  # of the distance, of central differences
-FEWEST = 4  # corners in both images: from fewer a pose is guessed
+_FEWEST = 4  # corners in both images: from fewer a pose is guessed
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,14 +87,17 @@ def _pose(
     lengths = np.linalg.svd(points, compute_uv=False)
     flag = cv2.SOLVEPNP_IPPE if lengths[2] <= _FLAT * lengths[0] else cv2.SOLVEPNP_SQPNP
     rays = np.ascontiguousarray(np.asarray(rig.left.rays(pixels[:, :2]))[:, :2])
-    _, turns, shifts, _ = cv2.solvePnPGeneric(points, rays, np.eye(3), None, flags=flag)
-    found = [(np.asarray(rotation_from_vector(turn.ravel())), shift.ravel()) for turn, shift in zip(turns, shifts)]
+    found = cv2.solvePnPGeneric(points, rays, np.eye(3), np.zeros(0), flags=flag)
+    poses = [
+        (np.asarray(rotation_from_vector(turn.ravel())), shift.ravel())
+        for turn, shift in zip(found[1], found[2], strict=True)
+    ]
 
     def apart(pose) -> float:
         at = pixels_of(rig, points @ pose[0].T + pose[1])
         return float(np.median(np.abs(at - pixels)))
 
-    return min(found, key=apart)
+    return min(poses, key=apart)
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,45 +105,44 @@ class BoardRows:
     """The rows of corners that count, without what the poses of their boards explain.
 
     Attributes:
-        jacobian: (r, n).
+        jacobian: (r, p), by the rig's parameters.
         residual: (r,) pixels.
         board: (r,) of each row.
         boards: how many count.
+        steps, follows: (b, 6), (b, 6, p): `steps - follows @ move` is how poses follow a move of the rig's parameters.
     """
 
-    jacobian: Float[np.ndarray, "r n"]
+    jacobian: Float[np.ndarray, "r p"]
     residual: Float[np.ndarray, "r"]
     board: Int[np.ndarray, "r"]
     boards: int
+    steps: Float[np.ndarray, "b 6"]
+    follows: Float[np.ndarray, "b 6 p"]
 
 
 def rows_without_poses(
     here: Posed, rig: StereoRig, by_rig: Float[np.ndarray, "n 4 p"], kept: Bool[np.ndarray, "n"]
-) -> tuple[BoardRows, Float[np.ndarray, "b 6"], Float[np.ndarray, "b 6 p"]]:
-    """The rows, and the pose steps that fit best: the first less the second times a step of θ.
+) -> BoardRows:
+    """The rows near a rig.
 
     Args:
         by_rig: derivatives of the residual.
         kept: the corners that count; of a board with fewer than four of them, none does.
     """
     residual, by_pose = here.residual(rig), here.by_pose(rig)
-    boards = len(here.shifts)
-    steps, follows = np.zeros((boards, 6)), np.zeros((boards, 6, by_rig.shape[-1]))
-    jacobians, residuals, numbers = [], [], []
+    boards, size = len(here.shifts), by_rig.shape[-1]
+    steps, follows = np.zeros((boards, 6)), np.zeros((boards, 6, size))
+    left, numbers = [np.zeros((0, size + 1))], [np.zeros(0, int)]
     for index in range(boards):
         which = (here.board == index) & kept
-        if which.sum() < FEWEST:
+        if which.sum() < _FEWEST:
             continue
-        rows = np.concatenate([by_rig[which], residual[which][..., None]], axis=-1).reshape(4 * which.sum(), -1)
-        axes, upper = np.linalg.qr(by_pose[which].reshape(len(rows), 6))
+        rows = np.concatenate([by_rig[which], residual[which][..., None]], axis=-1).reshape(-1, size + 1)
+        axes, upper = np.linalg.qr(by_pose[which].reshape(-1, 6))
         explained = axes.T @ rows
         solved = np.linalg.lstsq(upper, explained, rcond=None)[0]
         steps[index], follows[index] = -solved[:, -1], solved[:, :-1]
-        rows = rows - axes @ explained
-        jacobians.append(rows[:, :-1])
-        residuals.append(rows[:, -1])
+        left.append(rows - axes @ explained)
         numbers.append(np.full(len(rows), index))
-    if not jacobians:
-        return BoardRows(np.zeros((0, by_rig.shape[-1])), np.zeros(0), np.zeros(0, int), 0), steps, follows
-    rows = BoardRows(*(np.concatenate(part) for part in (jacobians, residuals, numbers)), len(jacobians))
-    return rows, steps, follows
+    rows = np.concatenate(left)
+    return BoardRows(rows[:, :-1], rows[:, -1], np.concatenate(numbers), len(left) - 1, steps, follows)

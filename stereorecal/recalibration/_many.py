@@ -104,8 +104,9 @@ def recalibrate_many(
             they free the length of the baseline, which all share.
         executor: any `concurrent.futures.Executor`; default one recording after the other in this process.
         progress: called with (finished, total) after each recording.
-        prior, boards: as `recalibrate` has them, of the calibration that all start from; where recordings share
-            intrinsics or a baseline, these are solved for with independent deviations (`Parameters.priors`) instead.
+        prior: as `recalibrate` has it, of the calibration that all start from; where recordings share intrinsics or a
+            baseline, these are solved for with independent deviations (`Parameters.priors`).
+        boards: as `recalibrate` has them; not where recordings share intrinsics or a baseline.
 
     Raises:
         InputError: if there is no recording, a strategy of the default schedule is not installed, or intrinsics are
@@ -233,6 +234,8 @@ def repairs_as_finished(
     scenes, free = _as_scenes(scenes), as_parameters(free)
     check_prior(prior)
     check_boards(boards, prior)
+    if boards is not None and free.shared:
+        raise InputError("boards do not join what recordings share yet; leave them out, or free the extrinsics alone.")
     if not scenes:
         raise InputError("there is nothing to repair; give at least one recording.")
     repair = partial(
@@ -245,7 +248,7 @@ def repairs_as_finished(
         seed=seed,
         free=free.extrinsics,
         prior=EXACT if free.shared else prior,
-        boards=None if free.shared else boards,
+        boards=boards,
     )
 
     def repairs() -> Iterator[tuple[int, Repair]]:

@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Int
 
 from stereorecal._arrays import refuse_tracers
+from stereorecal._errors import InputError
 from stereorecal.estimation import EXACT, Prior, is_exact, rig_parameters, with_boards
 from stereorecal.geometry import StereoRig, View, same_camera, with_unit_baseline
 from stereorecal.matching import AbstractMatcher, as_matcher
@@ -100,6 +101,8 @@ def recalibrate(
     if len(numbers) < len(images.pairs):
         images = pyramid(rig, [images.pairs[number] for number in numbers], images.view)
     by_estimate = not is_exact(prior) and not ranges and BASELINE not in free.names
+    if boards is not None and not by_estimate:
+        raise InputError("boards do not join ranges and a free baseline yet; leave one of them out.")
     case = Case(images, asked, reach, free.extrinsics, prior if by_estimate else EXACT)
     solution = searched(case, schedule, budget, seed, free if by_estimate else None)
     if by_estimate or not free.shared:

@@ -26,6 +26,8 @@ def find_boards(pairs: Pairs, corners: tuple[int, int] = (9, 6), square: float =
     """
     if len(corners) != 2 or any(int(number) != number or number < _FEWEST for number in corners):
         raise InputError(f"corners is {corners}; give those inside of the board, such as (9, 6) for 10 by 7 squares.")
+    if not 0.0 < square < np.inf:
+        raise InputError(f"square is {square}; give the length of the side of a square in metres, such as 0.03.")
     pairs, (columns, rows) = as_pairs(pairs), (int(number) for number in corners)
     flat = np.stack(np.meshgrid(np.arange(columns), np.arange(rows)), axis=-1).reshape(-1, 2)
     points = square * np.column_stack([flat, np.zeros(len(flat))])
