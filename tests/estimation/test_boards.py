@@ -92,8 +92,8 @@ def test_of_boards_of_the_given_rig_nothing_is_left_but_their_noise(rig, chart, 
 
 
 def test_spread_is_that_of_calibrations_of_other_noise(rig, chart, wide):
-    """Twenty sets of boards: answers differ as much as each of them says, along what boards know best."""
-    said = [prior_of_boards(chart, views(rig, 6, seed), wide) for seed in range(20)]
+    """Sets of boards: answers differ as much as each of them says, along what boards know best."""
+    said = [prior_of_boards(chart, views(rig, 5, seed), wide) for seed in range(12)]
     narrow = [chart.names.index(name) for name in ("roll", "y", "left.f", "right.f")]
     apart = np.array([(one.weights @ one.means)[narrow] for one in said])
     stated = np.sqrt(np.mean([np.diag(covariance(one))[narrow] for one in said], axis=0))
@@ -102,7 +102,7 @@ def test_spread_is_that_of_calibrations_of_other_noise(rig, chart, wide):
     assert (ratio < 1.4).all()
 
 
-@settings(max_examples=6)
+@settings(max_examples=4)
 @given(turn=st.lists(st.floats(-1.0, 1.0), min_size=3, max_size=3), shift=st.floats(-2.0, 2.0), seed=st.integers(0, 9))
 def test_nothing_depends_on_the_frame_of_the_board_or_the_order_of_corners(rig, chart, wide, turn, shift, seed):
     boards = views(rig, 4, seed)
@@ -133,8 +133,8 @@ def test_boards_that_contradict_each_other_tell_less(rig, chart, wide, found):
     rng = np.random.default_rng(5)
     shaken = [moved(board, right=[0.0, shift]) for board, shift in zip(views(rig), rng.normal(0, 1.0, 12), strict=True)]
     said = prior_of_boards(chart, shaken, wide)
-    pitch = chart.names.index("roll")
-    assert covariance(said)[pitch, pitch] > 3.0**2 * covariance(found)[pitch, pitch]
+    roll = chart.names.index("roll")
+    assert covariance(said)[roll, roll] > 3.0**2 * covariance(found)[roll, roll]
 
 
 def test_a_few_wrong_corners_change_nothing(rig, chart, wide, found, boards):
@@ -259,12 +259,10 @@ def test_five_corners_are_too_few(boards):
         sr.Board(boards[0].left[:5], boards[0].right[:5], boards[0].points[:5])
 
 
-def test_a_repair_refuses_boards_beside_exact_intrinsics_and_what_are_none(rig, boards):
+def test_a_repair_refuses_boards_beside_exact_intrinsics_and_ranges(rig, boards):
     rng = np.random.default_rng(0)
     pair = tuple(rng.uniform(0.0, 255.0, (480, 640)).astype(np.float32) for _ in range(2))
     with pytest.raises(sr.InputError, match="give one"):
         sr.recalibrate(rig, pair, boards=boards, prior="exact")
-    with pytest.raises(sr.InputError, match="a list of"):
-        sr.recalibrate(rig, pair, boards=[boards[0].points])
     with pytest.raises(sr.InputError, match="ranges"):
         sr.recalibrate(rig, pair, boards=boards, ranges=[sr.Range("pair 0", (320.0, 240.0), 2.0)])
