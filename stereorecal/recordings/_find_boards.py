@@ -11,6 +11,8 @@ from stereorecal.recordings._board import Board
 from stereorecal.recordings._pairs import Pairs, as_pairs
 
 _FEWEST = 3  # corners in a row, as OpenCV wants them
+_OF_SQUARE, _WINDOWS = 0.25, (2, 10)  # half of the window in which a corner is refined: of a square; pixels
+_UNTIL = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 50, 1e-3)  # steps, pixels
 
 
 def find_boards(pairs: Pairs, corners: tuple[int, int] = (9, 6), square: float = 0.03) -> tuple[Board, ...]:
@@ -51,7 +53,14 @@ def _corners(image: Float[np.ndarray, "h w"], columns: int, rows: int) -> Float[
     grey = np.clip(np.rint(image), 0, 255).astype(np.uint8)
     flags = cv2.CALIB_CB_EXHAUSTIVE | cv2.CALIB_CB_ACCURACY
     there, found = cv2.findChessboardCornersSB(grey, (columns, rows), flags=flags)
-    return np.asarray(found, float).reshape(rows, columns, 2) if there else None
+    if not there:
+        return None
+    # At the rim of a board OpenCV's finder is off by up to half a pixel.
+    rough = np.asarray(found, np.float32).reshape(rows, columns, 2)
+    steps = min(float(np.linalg.norm(np.diff(rough, axis=axis), axis=-1).min()) for axis in (0, 1))
+    half = int(np.clip(_OF_SQUARE * steps, *_WINDOWS))
+    fine = cv2.cornerSubPix(grey, rough.reshape(-1, 1, 2).copy(), (half, half), (-1, -1), _UNTIL)
+    return np.asarray(fine, float).reshape(rows, columns, 2)
 
 
 def _turned(found: Float[np.ndarray, "rows columns 2"]) -> Iterator[Float[np.ndarray, "rows columns 2"]]:
