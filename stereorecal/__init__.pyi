@@ -64,11 +64,13 @@ from .recalibration import (
     warm_up as warm_up,
 )
 from .recordings import (
+    Board as Board,
     Log as Log,
     Mission as Mission,
     Pair as Pair,
     Range as Range,
     Scene as Scene,
+    find_boards as find_boards,
     make_pair as make_pair,
 )
 from .reproduction import (

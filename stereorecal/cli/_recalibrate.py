@@ -13,6 +13,7 @@ from stereorecal._run_all import Progress
 from stereorecal._signals import hold
 from stereorecal._versions import versions
 from stereorecal.cli import _output, _values
+from stereorecal.cli._boards import boards_of, check_boards_asked
 from stereorecal.cli._console import print_lines, table_console
 from stereorecal.cli._executors import executor
 from stereorecal.cli._exit_codes import BAD_INPUT, CANNOT_TELL, FAILURE, INTERRUPTED
@@ -54,6 +55,7 @@ def run(options: argparse.Namespace) -> int:
     ranges = load_ranges(options.ranges) if options.ranges is not None else ()
     free = with_ranges(_values.free(options.free), ranges)
     check_prior(options.prior)
+    check_boards_asked(options)
     _output.checked(options)
     check_page(options.html, "repair_page")
     if options.html is not None and len(options.scenes) > 1:
@@ -62,6 +64,7 @@ def run(options: argparse.Namespace) -> int:
         with files_read() as read:
             # Ranges name pairs of the whole recording: it is cut down once they are found.
             found = recordings(options, few=bool(free.shared) and not ranges)
+            boards = boards_of(options)
         read |= set(named_inputs(options.ranges))
         output = _output.output_of(options, found.scenes, free.names, read)
         scenes, ranges = sharing(found.scenes, free, ranges, options.extrinsics, schedule)
@@ -76,6 +79,7 @@ def run(options: argparse.Namespace) -> int:
             "seed": seed,
             "free": free,
             "prior": options.prior,
+            "boards": boards,
         }
         with progress_bar(options.quiet) as progress:
             how = {"extrinsics": options.extrinsics, "ranges": ranges, "executor": pool}
@@ -166,6 +170,7 @@ def _settings(
         "extrinsics": options.extrinsics,
         "ranges": options.ranges,
         "prior": options.prior,
+        "boards": options.boards,
         "seed": options.seed,
     }
 
@@ -174,7 +179,8 @@ def _beside(options: argparse.Namespace, free: Parameters) -> dict[str, Any]:
     """What a page says of the settings beside what its solution knows: a repair of extrinsics may know nothing of what
     was solved for afterwards."""
     said = {"free": ", ".join(free.names), "extrinsics": options.extrinsics, "prior": options.prior}
-    return {**said, "ranges": options.ranges or "none"}
+    boards = " and ".join(options.boards) if options.boards else "none"
+    return {**said, "boards": boards, "ranges": options.ranges or "none"}
 
 
 def _saving(

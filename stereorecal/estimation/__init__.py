@@ -1,7 +1,8 @@
 """The estimate of a rig: all its parameters, the prior of what its calibration left, a drift, and rows, in one least
 squares; `docs/estimate.md` explains it.
 
-`_parameters` names θ, `_calibration_prior` and `_drift` are its prior, `_groups` the rows as data, `_misfit` what no
+`_parameters` names θ, `_calibration_prior` and `_drift` are its prior, `_boards` that of a calibration whose boards are
+at hand (`_board_poses`: their rows), `_groups` the rows as data, `_misfit` what no
 parameter explains, `_rivals` what else may, `_evidence` integrates in closed form, `_explanations` compares,
 `_least_squares` solves, `_posterior` is the answer, `_consequences` what errors of a rig do to rows and depth,
 `_candidates` the rigs that may be written.
@@ -22,6 +23,8 @@ from stereorecal.estimation._priors import (
     CalibrationCovariance as CalibrationCovariance,
     Prior as Prior,
     as_prior as as_prior,
+    check_boards as check_boards,
     check_prior as check_prior,
     is_exact as is_exact,
+    with_boards as with_boards,
 )

@@ -58,7 +58,7 @@ _WIDEST |= dict.fromkeys(("s1", "s2", "s3", "s4"), 0.01)
 _WIDEST_ANGLE, _WIDEST_SHIFT, _WIDEST_LENGTH = 3.0, 5.0, 2.0  # degrees, percent of the baseline
 _POSE_STEP = 1e-4  # radians, and sizes of a board
 _LEAST_OVERLAP = 2.5  # over the relative disparity at which boards are still in both images
-_SQUARES = 0.15  # percent: printed squares are off by so much, and the baseline's length with them
+SQUARES = 0.15  # percent: printed squares are off by so much, and the baseline's length with them
 _STEPS = {"%": 1e-2, "px": 1e-2, "deg": 1e-3, "": 1e-5}  # of central differences, by unit
 
 
@@ -102,11 +102,18 @@ def exact_prior(chart: RigChart) -> CalibrationPrior:
     return CalibrationPrior.around_given(np.zeros((1, chart.dim, chart.dim)), np.ones(1))
 
 
+def physical_prior(chart: RigChart) -> CalibrationPrior:
+    """No more than what is physical: where the boards of the calibration are at hand, they tell what it left, and the
+    same boards must not count again as a simulated calibration."""
+    of_squares = np.array([SQUARES * (name == BASELINE) for name in chart.names])
+    return CalibrationPrior.around_given(np.diag(np.hypot(_widest(chart), of_squares))[None], np.ones(1))
+
+
 def calibration_covariances(chart: RigChart) -> Float[np.ndarray, "j n n"]:
     """The covariance of θ that a calibration leaves: for each kind of views, one after the other, each of KAPPAS."""
     widest = np.diag(1.0 / _widest(chart) ** 2)
     noise = _CORNER_NOISE * chart.rig.left.size[0] / _WIDTH
-    scale, of_squares = _widest(chart), np.diag([_SQUARES**2 * (name == BASELINE) for name in chart.names])
+    scale, of_squares = _widest(chart), np.diag([SQUARES**2 * (name == BASELINE) for name in chart.names])
     found = []
     boards = [_boards(chart.rig, views) for views in _KINDS]
     of_boards = _information(chart, np.concatenate(boards))  # of all kinds at once: rigs beside this one are costly
@@ -135,16 +142,12 @@ def _widest(chart: RigChart) -> Float[np.ndarray, "n"]:
 def _information(chart: RigChart, points: Float[np.ndarray, "b c 3"]) -> Float[np.ndarray, "b n n"]:
     """The Fisher information of the corners of each board with a noise of one pixel, its pose marginalised."""
     rig = chart.rig
-    at = _pixels(rig, points)
+    at = pixels_of(rig, points)
     width, height = rig.left.size
     seen = ((at >= 0.0) & (at <= np.array([width, height, width, height]) - 1.0)).all(axis=-1)
     seen &= (seen.sum(axis=1) >= _FEWEST)[:, None]
-    steps = np.array([_STEPS[parameter.unit] for parameter in chart.parameters])
-    by_rig = [
-        (_pixels(chart.rig_at(step * axis), points) - _pixels(chart.rig_at(-step * axis), points)) / (2.0 * step)
-        for step, axis in zip(steps, np.eye(chart.dim), strict=True)
-    ]
-    by_pose = [(_pixels(rig, more) - _pixels(rig, less)) / (2.0 * _POSE_STEP) for more, less in _moved(points)]
+    by_rig = slopes_of(chart, np.zeros(chart.dim), points)
+    by_pose = [(pixels_of(rig, more) - pixels_of(rig, less)) / (2.0 * _POSE_STEP) for more, less in _moved(points)]
     slopes = np.where(seen[..., None], np.stack([*by_rig, *by_pose]), 0.0)  # (n + 6, boards, corners, 4)
     found = []
     for board in np.moveaxis(slopes, 1, 0).reshape(len(points), len(slopes), -1):
@@ -154,7 +157,19 @@ def _information(chart: RigChart, points: Float[np.ndarray, "b c 3"]) -> Float[n
     return np.stack(found)
 
 
-def _pixels(rig: StereoRig, points: Float[np.ndarray, "b c 3"]) -> Float[np.ndarray, "b c 4"]:
+def slopes_of(
+    chart: RigChart, theta: Float[np.ndarray, "n"], points: Float[np.ndarray, "*c 3"]
+) -> list[Float[np.ndarray, "*c 4"]]:
+    """Derivatives of the pixels of points by each parameter of θ."""
+    slopes = []
+    for parameter, axis in zip(chart.parameters, np.eye(chart.dim), strict=True):
+        step = _STEPS[parameter.unit]
+        more, less = (pixels_of(chart.rig_at(theta + sign * step * axis), points) for sign in (1.0, -1.0))
+        slopes.append((more - less) / (2.0 * step))
+    return slopes
+
+
+def pixels_of(rig: StereoRig, points: Float[np.ndarray, "*c 3"]) -> Float[np.ndarray, "*c 4"]:
     """Of points in the frame of the left camera, in the left and the right image."""
     right = points @ rig.rotation.T + rig.translation
     return np.concatenate([rig.left.project(points), rig.right.project(right)], axis=-1)

@@ -9,9 +9,16 @@ from jaxtyping import Float
 from stereorecal._arrays import AnyArray
 from stereorecal._errors import InputError
 from stereorecal._names import known
-from stereorecal.estimation._calibration_prior import CalibrationPrior, calibration_prior, exact_prior
+from stereorecal.estimation._boards import prior_of_boards
+from stereorecal.estimation._calibration_prior import (
+    CalibrationPrior,
+    calibration_prior,
+    exact_prior,
+    physical_prior,
+)
 from stereorecal.estimation._posterior import root
 from stereorecal.objectives import RigChart
+from stereorecal.recordings import Board
 
 DEFAULT, EXACT = "default", "exact"
 _NOT_POSITIVE = 1e-9  # of the largest eigenvalue of the correlations
@@ -78,6 +85,23 @@ def as_prior(prior: Prior, chart: RigChart) -> CalibrationPrior:
     return _rescaled(calibration_prior(chart), chart, prior)
 
 
+def with_boards(prior: Prior, boards: Sequence[Board] | None, chart: RigChart) -> Prior:
+    """The prior, given the boards of the calibration, if there are any.
+
+    They take the place of the default, which stands for such boards; whatever else is said of the calibration counts
+    beside them.
+
+    Raises:
+        InputError: as `check_prior`, `check_boards` and `prior_of_boards`.
+    """
+    check_prior(prior, chart)
+    check_boards(boards, prior)
+    if boards is None:
+        return prior
+    known_before = physical_prior(chart) if prior is None or prior == DEFAULT else as_prior(prior, chart)
+    return prior_of_boards(chart, boards, known_before)
+
+
 def check_prior(prior: Prior, chart: RigChart | None = None) -> None:
     """Refuse what is no prior.
 
@@ -100,6 +124,20 @@ def check_prior(prior: Prior, chart: RigChart | None = None) -> None:
     for name, sigma in prior.items() if isinstance(prior, Mapping) else ():
         if not (isinstance(sigma, int | float) and np.isfinite(sigma) and sigma > 0.0):
             raise InputError(f"the prior of {name} is {sigma!r}; give a positive standard deviation.")
+
+
+def check_boards(boards: Sequence[Board] | None, prior: Prior) -> None:
+    """Refuse what are no boards, and boards beside intrinsics that are exact.
+
+    Raises:
+        InputError: says what to do.
+    """
+    if boards is None:
+        return
+    if not isinstance(boards, Sequence) or not all(isinstance(board, Board) for board in boards):
+        raise InputError("boards holds something else than boards; give sr.find_boards(pairs), or a list of sr.Board.")
+    if is_exact(prior):
+        raise InputError('boards tell what the calibration left, and prior="exact" that it left nothing; give one.')
 
 
 def _rescaled(prior: CalibrationPrior, chart: RigChart, sigmas: Mapping[str, float]) -> CalibrationPrior:

@@ -13,7 +13,7 @@ import numpy as np
 from stereorecal._errors import InputError, StrategyError
 from stereorecal._names import known
 from stereorecal._run_all import Progress, run_all
-from stereorecal.estimation import EXACT, Prior, check_prior
+from stereorecal.estimation import EXACT, Prior, check_boards, check_prior
 from stereorecal.geometry import View, same_camera
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import Parameters, Reach, as_parameters
@@ -25,7 +25,7 @@ from stereorecal.recalibration._schedule import Schedule, as_schedule
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._solved import Recording
 from stereorecal.recalibration._together import check_schedule, together
-from stereorecal.recordings import Range, Scene
+from stereorecal.recordings import Board, Range, Scene
 from stereorecal.strategies import Budget, as_budget
 
 
@@ -83,6 +83,7 @@ def recalibrate_many(
     executor: Executor | None = None,
     progress: Progress | None = None,
     prior: Prior = None,
+    boards: Sequence[Board] | None = None,
 ) -> tuple[Repair, ...]:
     """Repair the extrinsics of many recordings, each on its own; the answers come in the order of the recordings.
 
@@ -105,6 +106,7 @@ def recalibrate_many(
         progress: called with (finished, total) after each recording.
         prior: as `recalibrate` has it, of the calibration that all start from; where recordings share intrinsics or a
             baseline, these are solved for with independent deviations (`Parameters.priors`).
+        boards: as `recalibrate` has them; not where recordings share intrinsics or a baseline.
 
     Raises:
         InputError: if there is no recording, a strategy of the default schedule is not installed, or intrinsics are
@@ -114,7 +116,7 @@ def recalibrate_many(
     free = with_ranges(as_parameters(free), ranges)
     scenes, ranges = sharing(_as_scenes(scenes), free, ranges, extrinsics, as_schedule(schedule))
     options = {"schedule": schedule, "reach": reach, "budget": budget, "view": view, "seed": seed, "free": free}
-    options["prior"] = prior
+    options |= {"prior": prior, "boards": boards}
     finished: dict[int, Repair] = {}
     for index, repair in repairs_as_finished(scenes, matcher=matcher, executor=executor, **options):
         finished[index] = repair
@@ -224,12 +226,16 @@ def repairs_as_finished(
     free: Parameters | str | Sequence[str] | None = None,
     executor: Executor | None = None,
     prior: Prior = None,
+    boards: Sequence[Board] | None = None,
 ) -> Iterator[tuple[int, Repair]]:
     """`recalibrate_many` for those who show or save each answer as soon as it is there: the index of a recording and
     its repair, in the order in which they finish. Arguments and errors as there; errors are raised at once. What
     recordings share stays as it was; `repaired_together` frees it once all are there."""
     scenes, free = _as_scenes(scenes), as_parameters(free)
     check_prior(prior)
+    check_boards(boards, prior)
+    if boards is not None and free.shared:
+        raise InputError("boards do not join what recordings share yet; leave them out, or free the extrinsics alone.")
     if not scenes:
         raise InputError("there is nothing to repair; give at least one recording.")
     repair = partial(
@@ -242,6 +248,7 @@ def repairs_as_finished(
         seed=seed,
         free=free.extrinsics,
         prior=EXACT if free.shared else prior,
+        boards=boards,
     )
 
     def repairs() -> Iterator[tuple[int, Repair]]:

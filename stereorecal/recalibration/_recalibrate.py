@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 
 from stereorecal._arrays import refuse_tracers
+from stereorecal._errors import InputError
 from stereorecal.decision import Verdict
-from stereorecal.estimation import EXACT, Prior, check_prior, is_exact, rig_parameters
+from stereorecal.estimation import EXACT, Prior, is_exact, rig_parameters, with_boards
 from stereorecal.geometry import StereoRig, View
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import BASELINE, Parameters, Reach, as_parameters, as_reach
@@ -26,7 +27,7 @@ from stereorecal.recalibration._solved import Recording
 from stereorecal.recalibration._stages import FEWEST, Case, StageRun, better_start, remaining, run_stage
 from stereorecal.recalibration._tasks import one_by_one
 from stereorecal.recalibration._together import check_schedule, together, unsolved
-from stereorecal.recordings import Pairs, Range
+from stereorecal.recordings import Board, Pairs, Range
 from stereorecal.scoring import host, legible, pyramid
 from stereorecal.scoring.host import Score, survey
 from stereorecal.strategies import Budget, Status, as_budget
@@ -47,6 +48,7 @@ def recalibrate(
     free: Parameters | str | Sequence[str] | None = None,
     ranges: Sequence[Range] = (),
     prior: Prior = None,
+    boards: Sequence[Board] | None = None,
 ) -> Solution:
     """Repair the extrinsics of a rig from image pairs that it took.
 
@@ -70,10 +72,12 @@ def recalibrate(
         prior: how well the initial calibration was known before it drifted: "default" (also for None), as a chessboard
             calibration of this rig; standard deviations by name, or an `sr.CalibrationCovariance`; or "exact": its
             intrinsics are the truth, and all that rows show is a drift.
+        boards: those of the calibration itself, of `find_boards` or your own, as the cameras saw them before the rig
+            drifted: they take the place of the default prior, and join any other.
 
     Raises:
-        InputError: if images and calibration do not fit, a strategy of the schedule is not installed, or the prior
-            makes no sense.
+        InputError: if images and calibration do not fit, a strategy of the schedule is not installed, the prior makes
+            no sense, or the boards do not fit the calibration.
         StrategyError: if a strategy crashes.
     """
     refuse_tracers("sr.recalibrate", "sr.count, sr.soft_count or sr.row_differences and an optimiser of yours", rig)
@@ -83,11 +87,13 @@ def recalibrate(
     free = with_ranges(as_parameters(free), ranges)
     ranges = resolved_ranges(ranges, [("", images.pairs)])
     check_schedule(schedule, free)
-    check_prior(prior, rig_parameters(rig))
+    prior = with_boards(prior, boards, rig_parameters(rig))
     numbers = looked_at(images.pairs, ranges) if free.shared else tuple(range(len(images.pairs)))
     if len(numbers) < len(images.pairs):
         images = pyramid(rig, [images.pairs[number] for number in numbers], images.view)
     by_estimate = not is_exact(prior) and not ranges and BASELINE not in free.names
+    if boards is not None and not by_estimate:
+        raise InputError("boards do not join ranges and a free baseline yet; leave one of them out.")
     case = Case(images, asked, reach, free.extrinsics, prior if by_estimate else EXACT)
     solution = searched(case, schedule, budget, seed, free if by_estimate else None)
     if by_estimate or not free.shared:

@@ -1,6 +1,8 @@
 """Data as users have them: pairs, scenes, missions, logs, and what a pair must fulfil."""
 
+from stereorecal.recordings._board import Board as Board
 from stereorecal.recordings._checks import check_pairs as check_pairs, check_two_images as check_two_images
+from stereorecal.recordings._find_boards import find_boards as find_boards
 from stereorecal.recordings._lazy import (
     LazyPairs as LazyPairs,
     PairSequence as PairSequence,

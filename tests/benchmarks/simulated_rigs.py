@@ -32,7 +32,7 @@ from stereorecal.geometry import rectifying_rotations, rotation_from_euler
 from stereorecal.scoring import TILES, Correspondences
 
 FOLDER = Path(tempfile.gettempdir()) / "stereorecal-simulated-rigs"
-VERSION = 1  # of what is kept: to be raised when calibrations are drawn otherwise
+VERSION = 2  # of what is kept: to be raised when calibrations are drawn otherwise
 DRIFTS = ("none", "all", "yaw", "pitch", "roll")
 DEGREES = (0.1, 0.3, 0.5, 2.5)
 SPOILS = ("region", "late", "shutter", "stretch")
@@ -89,7 +89,10 @@ class Eye:
 
     def pixels(self, points: np.ndarray) -> np.ndarray:
         """Where points (n, 3) in the frame of the images appear in them, (n, 2); NaN where they do not."""
-        raw = project(self.lens, points @ self.turn)
+        return self.shown(project(self.lens, points @ self.turn))
+
+    def shown(self, raw: np.ndarray) -> np.ndarray:
+        """Where pixels (n, 2) of the raw image are in the images; NaN where they are not."""
         if self.read is None:
             return raw
         turned = rays(self.read, raw) @ self.turn.T
@@ -116,6 +119,8 @@ class Simulated:
         drift: (6,), what was added to the true extrinsics: pitch, yaw, roll [rad], x, y, z [m].
         true_raw: the true rig after the drift, as it is; that of the images unless these were `rectified`.
         calibrated_raw: the calibration's rig, as `cv2.stereoCalibrate` left it.
+        boards: those of the calibration, as the images show them: the corners of a view (n, 2) in both, and the
+            corners on the board (n, 3) as the user believes them to be, metres.
         rectified: whether the images were rectified by the calibration: one K, no distortion, R = I.
         about: how it was calibrated: views, baselines, noise, squares, sloppy, joint, richer, rms, degrees of view.
     """
@@ -132,6 +137,7 @@ class Simulated:
     true_raw: sr.StereoRig
     calibrated_raw: sr.StereoRig
     rectified: bool
+    boards: tuple[sr.Board, ...]
     about: dict
 
     # What a matcher finds.
@@ -427,6 +433,8 @@ def simulated(seed: int, drift_kind: str = "none", drift_degrees: float = 0.0, *
         rotation, translation = turns[1] @ rotation @ turns[0].T, turns[1] @ translation
         flat = sr.Camera(size, matrix)
         calibrated = sr.StereoRig(flat, flat, np.array([0.0, 0.0, 0.0, -float(calibrated_raw.baseline), 0.0, 0.0]))
+    board, views = known["boards"]
+    boards = [_board([eye.shown(some) for eye, some in zip(eyes, view, strict=True)], board) for view in views]
     return Simulated(
         seed,
         drift_kind,
@@ -439,8 +447,15 @@ def simulated(seed: int, drift_kind: str = "none", drift_degrees: float = 0.0, *
         true_raw,
         calibrated_raw,
         known["rectified"],
+        tuple(one for one in boards if one is not None),
         about,
     )
+
+
+def _board(seen: list[np.ndarray], points: np.ndarray) -> sr.Board | None:
+    """The corners that both images hold; None of a board of which rectified images hold less than half."""
+    both = np.isfinite(np.column_stack(seen)).all(axis=1)
+    return sr.Board(seen[0][both], seen[1][both], points[both]) if 2 * both.sum() >= len(both) else None
 
 
 def _calibration(seed: int, folder: Path) -> dict:
@@ -585,6 +600,7 @@ def _calibrated(stream: list[int]) -> dict | None:
         "R": np.asarray(R),
         "T": np.ravel(T),
         "rectified": rectified,
+        "boards": (objects[0], np.stack(seen, axis=1)),
         "about": about
         | {
             "views": len(views),

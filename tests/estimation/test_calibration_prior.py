@@ -60,7 +60,7 @@ def test_where_boards_were_is_not_known(chart, covariances, steps):
 
     def pixels(theta, poses):
         turned = [b @ rotation_from_vector(p[:3]).T + p[3:] for b, p in zip(boards, poses.reshape(-1, 6), strict=True)]
-        return of_boards._pixels(chart.rig_at(theta), np.stack(turned))
+        return of_boards.pixels_of(chart.rig_at(theta), np.stack(turned))
 
     none, size = np.zeros(6 * len(boards)), chart.dim + 6 * len(boards)
     at = pixels(np.zeros(chart.dim), none)

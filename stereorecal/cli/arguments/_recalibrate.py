@@ -51,6 +51,15 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
         help="what the initial calibration leaves: as much as a chessboard calibration of this rig; or exact, all that "
         "rows show is a drift (default: %(default)s)",
     )
+    add(
+        "--boards",
+        nargs=2,
+        metavar=("LEFT", "RIGHT"),
+        help="images of the chessboard that the initial calibration was made from, left and right: each a file, a "
+        "folder or 'left/*.png'; needs --square",
+    )
+    add("--board-corners", metavar="NxM", help="inner corners of the chessboard (default: 9x6)")
+    add("--square", type=float, metavar="METRES", help="side of its squares, as the calibration had it")
     add("--ranges", metavar="FILE", help="a CSV of measured distances: pair,column,row,metres,sigma")
     add(
         "--budget",

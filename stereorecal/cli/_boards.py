@@ -1,0 +1,52 @@
+"""The chessboards of the calibration, as the command line names them."""
+
+import argparse
+import math
+
+from stereorecal._errors import InputError
+from stereorecal.cli import _values
+from stereorecal.estimation import is_exact
+from stereorecal.io import load_pairs
+from stereorecal.recordings import Board, find_boards
+
+_CORNERS = "9x6"
+
+
+def check_boards_asked(options: argparse.Namespace) -> None:
+    """Refuse what makes no sense together, before anything is read.
+
+    Raises:
+        InputError: says what to do.
+    """
+    if options.boards is None:
+        if options.board_corners is not None or options.square is not None:
+            raise InputError("--board-corners and --square belong to --boards; leave them out.")
+        return
+    if options.square is None:
+        raise InputError("--boards needs --square, the side of a square in metres, such as 0.03.")
+    if not (math.isfinite(options.square) and options.square > 0.0):
+        raise InputError(f"--square is {options.square}; give metres, such as 0.03.")
+    _corners(options)
+    if is_exact(options.prior):
+        raise InputError("--boards tell what the calibration left, and --prior exact that it left nothing; give one.")
+
+
+def boards_of(options: argparse.Namespace) -> tuple[Board, ...] | None:
+    """The boards in the images that --boards names; None without any.
+
+    Raises:
+        InputError: if an image cannot be read, or none shows a board.
+    """
+    if options.boards is None:
+        return None
+    return find_boards(load_pairs(*options.boards), _corners(options), options.square)
+
+
+def _corners(options: argparse.Namespace) -> tuple[int, int]:
+    text = options.board_corners or _CORNERS
+    refusal = f"--board-corners is {_values.shortened(text)}; give the corners inside of the board, such as {_CORNERS}."
+    parts = text.split("x")
+    if len(parts) != 2:
+        raise InputError(refusal)
+    columns, rows = (_values.positive(part, refusal) for part in parts)
+    return columns, rows

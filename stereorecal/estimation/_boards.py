@@ -1,0 +1,129 @@
+"""What a calibration left, given the boards that it was made from.
+
+They were seen before the rig drifted, so they tell of what the calibration left and nothing of the drift. Gauss-Newton
+on the reprojections of all corners in both cameras; what the poses of the boards explain is taken out of the rows.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal.estimation._board_checks import check_fitted, check_given, check_inside
+from stereorecal.estimation._board_noise import apart, deviation, kept, noise
+from stereorecal.estimation._board_poses import BoardRows, Posed, posed, rows_without_poses
+from stereorecal.estimation._calibration_prior import SQUARES, CalibrationPrior
+from stereorecal.estimation._evidence import Normal
+from stereorecal.estimation._posterior import root
+from stereorecal.objectives import BASELINE, RigChart
+from stereorecal.recordings import Board
+
+_ROUNDS, _OF_POSES = 20, 5
+_SETTLED = 0.05  # standard deviations of θ
+_LEAST = 1e-3  # of the weight of all normal distributions: below, one is dropped
+# How much worse than its noise a set of boards may be as a whole, told apart by the evidence of the images: no print is
+# quite flat.
+_WORSE = (1.0, 2.0)
+
+
+def prior_of_boards(chart: RigChart, boards: Sequence[Board], prior: CalibrationPrior) -> CalibrationPrior:
+    """The prior, given the corners of the boards of the calibration.
+
+    Args:
+        chart: of the given rig, which saw the boards but for what its calibration left.
+        boards: at least one.
+        prior: what is known without them.
+
+    Raises:
+        InputError: if there is no board, one lies outside of the images, or they do not fit the rig.
+    """
+    check_inside(chart, boards)
+    joint, n = _with_squares(prior, chart), chart.dim
+    normal = _likelihood(chart, _at_best_poses(chart, posed(chart.rig, boards)), joint)
+    several = [_updated(joint, Normal(normal.a / k**2, normal.b / k**2, normal.c / k**2)) for k in _WORSE]
+    weights = np.concatenate([one.weights for one in several]) / len(several)
+    said = weights > _LEAST
+    roots = np.concatenate([one.roots for one in several])[said, :n]
+    means = np.concatenate([one.means for one in several])[said, :n]
+    return CalibrationPrior(
+        np.stack([root(one @ one.T) for one in roots]), weights[said] / weights[said].sum(), means=means
+    )
+
+
+def _with_squares(prior: CalibrationPrior, chart: RigChart) -> CalibrationPrior:
+    """Of x: θ and the error of the squares' length in percent. The calibration was made with these boards: what its
+    baseline errs by for their sake is that error, so far as the prior lets it err."""
+    length, roots = chart.names.index(BASELINE), []
+    for one in prior.roots:
+        others = np.delete(one, length, axis=0)
+        scales = np.linalg.norm(others, axis=1, keepdims=True)
+        others = others / np.where(scales > 0.0, scales, 1.0)
+        alone = one[length] - np.linalg.lstsq(others.T, one[length], rcond=None)[0] @ others
+        common = np.zeros((chart.dim, 1))
+        common[length] = SQUARES * min(SQUARES, float(np.linalg.norm(alone)))
+        roots.append(root(np.block([[one @ one.T, common], [common.T, np.full((1, 1), SQUARES**2)]])))
+    return replace(prior, roots=np.stack(roots), means=np.column_stack([prior.means, np.zeros(len(roots))]))
+
+
+def _at_best_poses(chart: RigChart, here: Posed) -> Posed:
+    """Where the boards are by both cameras, if the given rig is the truth.
+
+    Raises:
+        InputError: if they are nowhere.
+    """
+    width, nothing = chart.rig.left.size[0], np.zeros((len(here.board), 4, 0))
+    for _ in range(_OF_POSES):
+        counted = kept(apart(here.residual(chart.rig)), width)
+        here = here.moved(rows_without_poses(here, chart.rig, nothing, counted).steps)
+    check_given(chart, here)
+    return here
+
+
+def _likelihood(chart: RigChart, here: Posed, prior: CalibrationPrior) -> Normal:
+    """Of x, linear where it is most probable.
+
+    Raises:
+        InputError: if the boards do not fit even there.
+    """
+    width, length = chart.rig.left.size[0], chart.names.index(BASELINE)
+    # The rig that boards of nominal squares are seen by: longer squares are a shorter baseline.
+    seen_by = np.column_stack([np.eye(chart.dim), -np.eye(chart.dim)[length]])
+    x, sigma = np.zeros(chart.dim + 1), deviation(apart(here.residual(chart.rig)), width)
+    rounds = 0
+    while True:
+        rig = chart.rig_at(seen_by @ x)
+        counted = kept(apart(here.residual(rig)), width)
+        rows = rows_without_poses(here, rig, here.by_rig(chart, seen_by @ x) @ seen_by, counted)
+        sigma = noise(rows, prior.roots[int(prior.weights.argmax())], sigma, width)
+        normal = _normal(rows, x, sigma)
+        found = _updated(prior, normal)
+        best = int(found.weights.argmax())
+        move, spread = found.means[best] - x, found.roots[best]
+        x, here = found.means[best], here.moved(rows.steps - rows.follows @ move)
+        rounds += 1
+        if rounds == _ROUNDS or (np.abs(move) < _SETTLED * np.linalg.norm(spread, axis=1)).all():
+            break
+    check_fitted(chart, here, seen_by @ x, float(np.linalg.norm((seen_by @ spread)[length])))
+    return normal
+
+
+def _normal(rows: BoardRows, x: Float[np.ndarray, "n"], sigma: float) -> Normal:
+    """The likelihood of corners, linear at x."""
+    jacobian, at_zero = rows.jacobian / sigma, (rows.residual - rows.jacobian @ x) / sigma
+    return Normal(jacobian.T @ jacobian, -jacobian.T @ at_zero, float(at_zero @ at_zero))
+
+
+def _updated(prior: CalibrationPrior, normal: Normal) -> CalibrationPrior:
+    """Each normal distribution given the likelihood, weighed by its evidence."""
+    roots, means, logs = [], [], []
+    for one, mean, weight in zip(prior.roots, prior.means, prior.weights, strict=True):
+        around = normal.around(mean)
+        lower = np.linalg.cholesky(np.eye(len(mean)) + one.T @ around.a @ one)
+        pull = np.linalg.solve(lower, one.T @ around.b)
+        after = np.linalg.solve(lower, one.T).T
+        roots.append(after)
+        means.append(mean + after @ pull)
+        logs.append(np.log(weight) - 0.5 * (around.c - pull @ pull) - np.log(np.diag(lower)).sum())
+    weights = np.exp(np.array(logs) - np.logaddexp.reduce(logs))
+    return CalibrationPrior(np.stack(roots), weights, means=np.stack(means))
