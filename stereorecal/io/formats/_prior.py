@@ -7,7 +7,7 @@ import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig, rig_from_data, same_rig
@@ -22,6 +22,7 @@ KEY = "prior"
 ENDING = ".prior.json"
 
 
+@runtime_checkable
 class Known(Protocol):
     """As `SavedPrior`."""
 
