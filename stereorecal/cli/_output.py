@@ -119,7 +119,6 @@ def output_of(
     if beside is not None:
         known = [Place("--in-place" if options.in_place else "--output", beside)]
         check_places([*known, *_places(options)], force=options.force or options.in_place)
-        said += f"; what is known of it is in {beside.name}"
     return Output(place, options.in_place, maps, unit, said, beside)
 
 

@@ -200,6 +200,8 @@ def _saving(
         done = "would be written" if options.dry_run else "written"
         for name, more in zip(names, notes, strict=True) if told else ():
             print(f"{name}: {done}{more}" if wanted else f"{name}: not written, since the initial calibration stays")
+        if told and wanted and output.beside is not None and names == output.files:
+            print(f"{output.beside}: {done}, what is known of it")
 
     def maps(solution: Solution) -> list[Path]:
         for path in output.maps_files:

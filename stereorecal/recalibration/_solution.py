@@ -102,7 +102,7 @@ class Solution:
     estimate: Estimate | None = None
     prior_use: PriorUse | None = None
 
-    @property
+    @cached_property
     def prior(self) -> SavedPrior | None:
         """What is known of the calibration to use, for the next `recalibrate` with it (`prior=`) and for
         `sr.io.save_rig`; None: no more than of any calibration. Where the images fit no rig, it is what was known
