@@ -178,7 +178,7 @@ def test_the_same_images_again_change_nothing(scenes, first):
     assert again.estimate is not None
     apart = first.estimate.chart.coordinates_of(again.candidate) - first.estimate.chart.coordinates_of(first.rig)
     sigmas = np.sqrt(np.diag(first.estimate.posterior.covariance))
-    assert (np.abs(apart[:5]) < 0.5 * sigmas[:5] + 1e-3).all()
+    assert (np.abs(apart[:5]) < 2.0 * sigmas[:5]).all()
     assert (np.sqrt(np.diag(again.estimate.posterior.covariance))[:5] > 0.9 * sigmas[:5]).all()
 
 
