@@ -32,6 +32,7 @@ from .comparison import (
 from .estimation import (
     CalibrationCovariance as CalibrationCovariance,
     Estimate as Estimate,
+    SavedPrior as SavedPrior,
 )
 from .geometry import (
     Camera as Camera,
@@ -55,6 +56,7 @@ from .recalibration import (
     Solution as Solution,
     difference as difference,
     health as health,
+    load_prior as load_prior,
     recalibrate as recalibrate,
     recalibrate_many as recalibrate_many,
     recalibrate_sequence as recalibrate_sequence,

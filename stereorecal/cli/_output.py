@@ -14,7 +14,8 @@ from stereorecal.cli._places import Place, check_places, check_writable, image_i
 from stereorecal.cli._rigs import unit_written
 from stereorecal.cli.arguments._calibrations import TWO_FILES
 from stereorecal.geometry import StereoRig, changed_camera
-from stereorecal.io import back_up, calibration_files, check_savable, is_copy, next_copy, save_rig
+from stereorecal.io import back_up, calibration_files, check_savable, is_copy, next_copy, prior_beside, save_rig
+from stereorecal.recalibration import Solution
 from stereorecal.recordings import Scene
 
 
@@ -28,6 +29,7 @@ class Output:
         maps: the file of rectifying maps, if they were asked for.
         unit: of lengths in the file, if it was said, and the format says none.
         said: what to add of the unit once the file is written.
+        beside: the file for what is known of it, where its format has no place for that.
     """
 
     place: _calibrations.Place | None
@@ -35,6 +37,7 @@ class Output:
     maps: Path | None
     unit: str | None = None
     said: str = ""
+    beside: Path | None = None
 
     @property
     def files(self) -> list[Path]:
@@ -112,17 +115,23 @@ def output_of(
         place = _calibrations.place(options.output, "--output")
     unit, said = unit_written(rig, rig, place, options.output_format, options.unit)
     check_savable(_moved(rig, free), place, format=options.output_format, unit=unit)
-    return Output(place, options.in_place, maps, unit, said)
+    beside = prior_beside(rig, place, format=options.output_format)
+    if beside is not None:
+        known = [Place("--in-place" if options.in_place else "--output", beside)]
+        check_places([*known, *_places(options)], force=options.force or options.in_place)
+    return Output(place, options.in_place, maps, unit, said, beside)
 
 
-def save(output: Output, rig: StereoRig, scene: Scene, options: argparse.Namespace) -> list[Path]:
-    """Write the calibration; one that is replaced is kept beside it: where."""
+def save(output: Output, solution: Solution, scene: Scene, options: argparse.Namespace) -> list[Path]:
+    """Write the calibration and what is known of it; one that is replaced is kept beside it: where."""
     if output.place is None:
         return []
     kept = [back_up(path) for path in output.files] if output.replaced else []
-    rig = replace(rig, source=None if scene.rig is None else scene.rig.source)
-    overwrite = output.replaced or options.force
-    save_rig(rig, output.place, scene.info, overwrite, format=options.output_format, unit=output.unit)
+    if output.replaced and output.beside is not None and output.beside.exists():
+        back_up(output.beside)
+    rig = replace(solution.rig, source=None if scene.rig is None else scene.rig.source)
+    how = {"format": options.output_format, "unit": output.unit, "prior": solution.prior}
+    save_rig(rig, output.place, scene.info, output.replaced or options.force, **how)
     return kept
 
 

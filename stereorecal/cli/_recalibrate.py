@@ -23,8 +23,7 @@ from stereorecal.cli._places import deliver, named_inputs, written_or_printed
 from stereorecal.cli._progress import progress_bar
 from stereorecal.cli._recordings import recordings, without
 from stereorecal.cli._streams import say
-from stereorecal.estimation import check_prior
-from stereorecal.geometry import StereoRig
+from stereorecal.estimation import DEFAULT, SAVED, check_prior
 from stereorecal.io import calibration_json, files_read, load_ranges, next_copy, save_maps
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import Parameters, Reach
@@ -34,8 +33,10 @@ from stereorecal.recalibration import (
     Reason,
     Repair,
     Schedule,
+    Solution,
     repaired_together,
     repairs_as_finished,
+    saved_with,
     sharing,
     with_ranges,
 )
@@ -66,6 +67,7 @@ def run(options: argparse.Namespace) -> int:
             found = recordings(options, few=bool(free.shared) and not ranges)
             boards = boards_of(options)
         read |= set(named_inputs(options.ranges))
+        priors = [None if scene.rig is None or options.prior else saved_with(scene.rig)[0] for scene in found.scenes]
         output = _output.output_of(options, found.scenes, free.names, read)
         scenes, ranges = sharing(found.scenes, free, ranges, options.extrinsics, schedule)
         absent = found.absent + without(found.scenes[0].pairs, scenes[0].pairs, "others show more texture")
@@ -91,12 +93,15 @@ def run(options: argparse.Namespace) -> int:
             )
         # Before the workers are waited for: a second Ctrl-C must find everything saved.
         if any(repair.solution for repair in repairs):
-            settings = _settings(options, matcher, schedule, reach, budget, free)
+            prior = options.prior or (SAVED if any(priors) else DEFAULT)
+            settings = {**_settings(options, matcher, schedule, reach, budget, free), "prior": prior}
             deliver(
                 lambda: _show(repairs, options),
                 *_saving(scenes, repairs, options, output),
                 lambda: _save_json(scenes, repairs, settings, options, interrupted=interrupted),
-                lambda: write_report(options, scenes, repairs, {**_beside(options, free), **pairing}, absent),
+                lambda: write_report(
+                    options, scenes, repairs, {**_beside(options, free), "prior": prior, **pairing}, absent
+                ),
             )
     for repair in repairs:
         if repair.error is not None:
@@ -169,7 +174,6 @@ def _settings(
         "free": free.names,
         "extrinsics": options.extrinsics,
         "ranges": options.ranges,
-        "prior": options.prior,
         "boards": options.boards,
         "seed": options.seed,
     }
@@ -178,7 +182,7 @@ def _settings(
 def _beside(options: argparse.Namespace, free: Parameters) -> dict[str, Any]:
     """What a page says of the settings beside what its solution knows: a repair of extrinsics may know nothing of what
     was solved for afterwards."""
-    said = {"free": ", ".join(free.names), "extrinsics": options.extrinsics, "prior": options.prior}
+    said = {"free": ", ".join(free.names), "extrinsics": options.extrinsics}
     boards = " and ".join(options.boards) if options.boards else "none"
     return {**said, "boards": boards, "ranges": options.ranges or "none"}
 
@@ -190,22 +194,24 @@ def _saving(
     first = repairs[0].solution
     told = not options.quiet and options.json != "-"
 
-    def step(names: Sequence[Path], wanted: bool, save: Callable[[StereoRig], list[Path]], note: str) -> None:
+    def step(names: Sequence[Path], wanted: bool, save: Callable[[Solution], list[Path]], note: str) -> None:
         """`save` returns the copies of what it replaced."""
         notes = [note] * len(names)
         if names and first is not None and wanted and not options.dry_run:
-            rig, kept = first.rig, []
-            written_or_printed(lambda: kept.extend(save(rig)), lambda: calibration_json(rig))
+            found, kept = first, []
+            written_or_printed(lambda: kept.extend(save(found)), lambda: calibration_json(found.rig, found.prior))
             notes = [f"{note}; the old one is {copy}" for copy in kept] or notes
         elif options.dry_run and output.replaced and names == output.files:
             notes = [f"{note}; the old one would be kept as {next_copy(name)}" for name in names]
         done = "would be written" if options.dry_run else "written"
         for name, more in zip(names, notes, strict=True) if told else ():
             print(f"{name}: {done}{more}" if wanted else f"{name}: not written, since the initial calibration stays")
+        if told and wanted and output.beside is not None and names == output.files:
+            print(f"{output.beside}: {done}, what is known of it")
 
-    def maps(rig: StereoRig) -> list[Path]:
+    def maps(solution: Solution) -> list[Path]:
         for path in output.maps_files:
-            save_maps(rig, path, overwrite=options.force)
+            save_maps(solution.rig, path, overwrite=options.force)
         return []
 
     if options.dry_run and told and not (output.files or output.maps_files):
@@ -213,7 +219,9 @@ def _saving(
     accepted, good = first is not None and first.accepted, first is not None and first.reason.healthy
     initial = "" if accepted else " for the initial calibration"
     return [
-        lambda: step(output.files, accepted, lambda rig: _output.save(output, rig, scenes[0], options), output.said),
+        lambda: step(
+            output.files, accepted, lambda found: _output.save(output, found, scenes[0], options), output.said
+        ),
         lambda: step(output.maps_files, good, maps, initial),
     ]
 

@@ -5,7 +5,7 @@ squares; `docs/estimate.md` explains it.
 at hand (`_board_poses`: their rows), `_groups` the rows as data, `_misfit` what no
 parameter explains, `_rivals` what else may, `_evidence` integrates in closed form, `_explanations` compares,
 `_least_squares` solves, `_posterior` is the answer, `_consequences` what errors of a rig do to rows and depth,
-`_candidates` the rigs that may be written.
+`_candidates` the rigs that may be written, `_saved_prior` what the next call begins with.
 """
 
 from stereorecal.estimation._calibration_prior import (
@@ -15,11 +15,13 @@ from stereorecal.estimation._calibration_prior import (
 )
 from stereorecal.estimation._consequences import readings as readings
 from stereorecal.estimation._estimate import Estimate as Estimate, estimate as estimate
+from stereorecal.estimation._knowledge import around as around, as_mixture as as_mixture
 from stereorecal.estimation._parameters import rig_parameters as rig_parameters
 from stereorecal.estimation._posterior import Posterior as Posterior
 from stereorecal.estimation._priors import (
     DEFAULT as DEFAULT,
     EXACT as EXACT,
+    SAVED as SAVED,
     CalibrationCovariance as CalibrationCovariance,
     Prior as Prior,
     as_prior as as_prior,
@@ -27,4 +29,8 @@ from stereorecal.estimation._priors import (
     check_prior as check_prior,
     is_exact as is_exact,
     with_boards as with_boards,
+)
+from stereorecal.estimation._saved_prior import (
+    Earlier as Earlier,
+    SavedPrior as SavedPrior,
 )

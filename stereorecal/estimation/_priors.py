@@ -16,11 +16,14 @@ from stereorecal.estimation._calibration_prior import (
     exact_prior,
     physical_prior,
 )
-from stereorecal.estimation._posterior import root
+from stereorecal.estimation._knowledge import as_prior_of, moved, prior_without_depth
+from stereorecal.estimation._parameters import rig_parameters
+from stereorecal.estimation._posterior import Posterior, root
+from stereorecal.estimation._saved_prior import Earlier, SavedPrior
 from stereorecal.objectives import RigChart
 from stereorecal.recordings import Board
 
-DEFAULT, EXACT = "default", "exact"
+DEFAULT, EXACT, SAVED = "default", "exact", "saved"
 _NOT_POSITIVE = 1e-9  # of the largest eigenvalue of the correlations
 
 
@@ -33,16 +36,24 @@ class CalibrationCovariance:
             missing are as exact as they were given.
         covariance: (n, n) in their units: degrees for angles, percent of the baseline for y, z and baseline, percent
             for f and aspect, pixels for cx and cy, and coefficients as they are.
+        mean: (n,) by how much the true rig probably differs from the one that this goes with; default 0.
 
     Raises:
-        InputError: if names and shape do not fit, or the matrix is not symmetric and positive definite.
+        InputError: if names and shapes do not fit, or the matrix is not symmetric and positive definite.
     """
 
     names: Sequence[str]
     covariance: Float[AnyArray, "n n"]
+    mean: Float[AnyArray, "n"] | None = None
 
     def __post_init__(self) -> None:
         names, covariance = tuple(self.names), np.array(self.covariance, float)
+        mean = np.zeros(len(names)) if self.mean is None else np.array(self.mean, float)
+        if mean.shape != (len(names),) or not np.isfinite(mean).all():
+            raise InputError(
+                f"the mean has the shape {mean.shape} for {len(names)} names; give one finite number for each name, or "
+                "leave it out."
+            )
         if covariance.shape != (len(names), len(names)) or len(set(names)) < len(names):
             raise InputError(
                 f"the covariance has the shape {covariance.shape} for {len(names)} names; give one row and one column "
@@ -59,9 +70,10 @@ class CalibrationCovariance:
             raise InputError("the covariance is not positive definite; check its order and its units.")
         object.__setattr__(self, "names", names)
         object.__setattr__(self, "covariance", covariance)
+        object.__setattr__(self, "mean", mean)
 
 
-Prior = str | Mapping[str, float] | CalibrationCovariance | CalibrationPrior | None
+Prior = str | Mapping[str, float] | CalibrationCovariance | SavedPrior | Earlier | CalibrationPrior | None
 
 
 def as_prior(prior: Prior, chart: RigChart) -> CalibrationPrior:
@@ -73,15 +85,23 @@ def as_prior(prior: Prior, chart: RigChart) -> CalibrationPrior:
     check_prior(prior, chart)
     if isinstance(prior, CalibrationPrior):
         return prior
+    if isinstance(prior, SavedPrior):
+        return _known(prior.known, chart)
+    if isinstance(prior, Earlier):
+        original, before = rig_parameters(prior.rig), prior.prior
+        found = as_prior(before, original) if isinstance(before, str | Mapping) else _known(before, original)
+        return moved(found, original.coordinates_of(chart.rig))
     if prior is None or prior == DEFAULT:
         return calibration_prior(chart)
+    if prior == SAVED:
+        raise InputError('"saved" is for recalibrate, which looks it up; give solution.prior, or sr.load_prior(path).')
     if isinstance(prior, str):
         return exact_prior(chart)
     if isinstance(prior, CalibrationCovariance):
         where = [chart.names.index(name) for name in prior.names]
-        covariance = np.zeros((chart.dim, chart.dim))
-        covariance[np.ix_(where, where)] = prior.covariance
-        return CalibrationPrior.around_given(root(covariance)[None], np.ones(1))
+        covariance, mean = np.zeros((chart.dim, chart.dim)), np.zeros(chart.dim)
+        covariance[np.ix_(where, where)], mean[where] = prior.covariance, prior.mean
+        return CalibrationPrior(root(covariance)[None], np.ones(1), means=mean[None])
     return _rescaled(calibration_prior(chart), chart, prior)
 
 
@@ -102,21 +122,27 @@ def with_boards(prior: Prior, boards: Sequence[Board] | None, chart: RigChart) -
     return prior_of_boards(chart, boards, known_before)
 
 
+def _known(known: Posterior | None, chart: RigChart) -> CalibrationPrior:
+    return prior_without_depth(chart) if known is None else as_prior_of(known)
+
+
 def check_prior(prior: Prior, chart: RigChart | None = None) -> None:
     """Refuse what is no prior.
 
     Raises:
         InputError: says what to do.
     """
-    if prior is None or isinstance(prior, CalibrationPrior):
+    if isinstance(prior, SavedPrior) and chart is not None:
+        prior.check(chart.rig)
+    if prior is None or isinstance(prior, CalibrationPrior | SavedPrior | Earlier):
         return
     if isinstance(prior, str):
-        known(prior, [DEFAULT, EXACT], "prior")
+        known(prior, [SAVED, DEFAULT, EXACT], "prior")
         return
     if not isinstance(prior, Mapping | CalibrationCovariance):
         raise InputError(
-            f'prior is {prior!r}; give "default", "exact", standard deviations by name such as {{"left.f": 0.2}} '
-            "(percent), or an sr.CalibrationCovariance."
+            f'prior is {prior!r}; give "saved", "default", "exact", standard deviations by name such as '
+            '{"left.f": 0.2} (percent), an sr.CalibrationCovariance, or the prior of a solution.'
         )
     names = list(prior) if isinstance(prior, Mapping) else list(prior.names)
     for name in names if chart is not None else ():

@@ -25,6 +25,7 @@ from stereorecal.io._json import (
 from stereorecal.io._maps import save_maps as save_maps
 from stereorecal.io._ranges import load_ranges as load_ranges
 from stereorecal.io._scenes import calibrated_scene as calibrated_scene, gather_scene as gather_scene
+from stereorecal.io.formats._prior import prior_file as prior_file, stored_prior as stored_prior
 from stereorecal.io.formats._rigs import (
     back_up as back_up,
     calibration_files as calibration_files,
@@ -33,6 +34,7 @@ from stereorecal.io.formats._rigs import (
     is_copy as is_copy,
     load_rig as load_rig,
     next_copy as next_copy,
+    prior_beside as prior_beside,
     save_rig as save_rig,
     says_its_unit as says_its_unit,
     unsaid_unit as unsaid_unit,

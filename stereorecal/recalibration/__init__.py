@@ -32,6 +32,11 @@ from stereorecal.recalibration._many import (
     sharing as sharing,
 )
 from stereorecal.recalibration._path import Waypoint as Waypoint
+from stereorecal.recalibration._prior_use import (
+    PriorUse as PriorUse,
+    load_prior as load_prior,
+    saved_with as saved_with,
+)
 from stereorecal.recalibration._ranges import RangesSeen as RangesSeen, with_ranges as with_ranges
 from stereorecal.recalibration._recalibrate import recalibrate as recalibrate, searched as searched
 from stereorecal.recalibration._rescale import Rescaled as Rescaled, rescale_baseline as rescale_baseline

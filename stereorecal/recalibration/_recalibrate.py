@@ -9,7 +9,7 @@ import numpy as np
 from stereorecal._arrays import refuse_tracers
 from stereorecal._errors import InputError
 from stereorecal.decision import Verdict
-from stereorecal.estimation import EXACT, Prior, is_exact, rig_parameters, with_boards
+from stereorecal.estimation import Prior, is_exact, rig_parameters, with_boards
 from stereorecal.geometry import StereoRig, View
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import BASELINE, Parameters, Reach, as_parameters, as_reach
@@ -20,6 +20,7 @@ from stereorecal.recalibration._ending import Ending, counts
 from stereorecal.recalibration._estimated import answered, ended_by, looked
 from stereorecal.recalibration._exact import ended_exactly
 from stereorecal.recalibration._frames import looked_at
+from stereorecal.recalibration._prior_use import prior_use
 from stereorecal.recalibration._ranges import resolved_ranges, with_ranges
 from stereorecal.recalibration._schedule import Schedule, ScoreKind, as_schedule
 from stereorecal.recalibration._solution import Solution
@@ -69,15 +70,17 @@ def recalibrate(
             and taken only if rows that took no part lie closer under them (`solution.intrinsics` says so). Of more than
             24 frames so many are chosen, and those that ranges name.
         ranges: distances of what single pixels show; they free the length of the baseline, and count beside the rows.
-        prior: how well the initial calibration was known before it drifted: "default" (also for None), as a chessboard
-            calibration of this rig; standard deviations by name, or an `sr.CalibrationCovariance`; or "exact": its
-            intrinsics are the truth, and all that rows show is a drift.
+        prior: how well the initial calibration was known before it drifted: "saved", as it was saved with it (also for
+            None, if it was), or the prior of an earlier solution, for which pairs that it rests on do not count again;
+            "default" (also for None), as a chessboard calibration of this rig; standard deviations by name, or an
+            `sr.CalibrationCovariance`; or "exact": its intrinsics are the truth, and all that rows show is a drift.
         boards: those of the calibration itself, of `find_boards` or your own, as the cameras saw them before the rig
             drifted: they take the place of the default prior, and join any other.
 
     Raises:
         InputError: if images and calibration do not fit, a strategy of the schedule is not installed, the prior makes
-            no sense, or the boards do not fit the calibration.
+            no sense, belongs to another rig, or rests on all these pairs already, or the boards do not fit the
+            calibration.
         StrategyError: if a strategy crashes.
     """
     refuse_tracers("sr.recalibrate", "sr.count, sr.soft_count or sr.row_differences and an optimiser of yours", rig)
@@ -87,26 +90,32 @@ def recalibrate(
     free = with_ranges(as_parameters(free), ranges)
     ranges = resolved_ranges(ranges, [("", images.pairs)])
     check_schedule(schedule, free)
-    prior = with_boards(prior, boards, rig_parameters(rig))
-    numbers = looked_at(images.pairs, ranges) if free.shared else tuple(range(len(images.pairs)))
+    by_estimate = not is_exact(prior) and not ranges and BASELINE not in free.names
+    if boards is not None:
+        prior = with_boards(prior, boards, rig_parameters(rig))
+        if not by_estimate:
+            raise InputError("boards do not join ranges and a free baseline yet; leave one of them out.")
+    use = prior_use(prior, rig, images.pairs, by_estimate=by_estimate)
+    numbers = use.numbers
+    if free.shared:
+        chosen = looked_at([images.pairs[number] for number in numbers], ranges)
+        numbers = tuple(numbers[number] for number in chosen)
     if len(numbers) < len(images.pairs):
         images = pyramid(rig, [images.pairs[number] for number in numbers], images.view)
-    by_estimate = not is_exact(prior) and not ranges and BASELINE not in free.names
-    if boards is not None and not by_estimate:
-        raise InputError("boards do not join ranges and a free baseline yet; leave one of them out.")
-    case = Case(images, asked, reach, free.extrinsics, prior if by_estimate else EXACT)
+    case = Case(images, asked, reach, free.extrinsics, use.prior)
     solution = searched(case, schedule, budget, seed, free if by_estimate else None)
     if by_estimate or not free.shared:
         wanted = solution.asked and replace(solution.asked, free=free.names)
-        chosen = numbers if free.shared else None
-        return replace(solution, looked_at=chosen, asked=wanted, seconds=time.perf_counter() - began)
+        chosen = numbers if free.shared or use.dropped else None
+        seconds = time.perf_counter() - began
+        return replace(solution, looked_at=chosen, asked=wanted, prior_use=use, seconds=seconds)
     recording = Recording(images.pairs, solution, ranges)
     try:
         (solution,) = together([recording], free, one=True, each=one_by_one)
     except np.linalg.LinAlgError:  # a problem that nothing determines: the repair of the extrinsics stands
         solution = unsolved(recording, free)
     wanted = solution.asked and replace(solution.asked, free=free.names)
-    return replace(solution, looked_at=numbers, asked=wanted, seconds=time.perf_counter() - began)
+    return replace(solution, looked_at=numbers, asked=wanted, prior_use=use, seconds=time.perf_counter() - began)
 
 
 def searched(case: Case, schedule: Schedule, budget: Budget, seed: int, free: Parameters | None = None) -> Solution:

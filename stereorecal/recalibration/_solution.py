@@ -12,7 +12,7 @@ from jaxtyping import Float
 from stereorecal._errors import InputError
 from stereorecal._extras import extra
 from stereorecal.decision import Decision
-from stereorecal.estimation import Estimate
+from stereorecal.estimation import DEFAULT, EXACT, Estimate, SavedPrior
 from stereorecal.geometry import AXES, StereoRig, View
 from stereorecal.io import write_text
 from stereorecal.matching import AbstractMatcher
@@ -27,6 +27,7 @@ from stereorecal.recalibration._expected import Expected, expected_of
 from stereorecal.recalibration._intrinsics import Intrinsics
 from stereorecal.recalibration._misfit import WORTH_SAYING, Cause, Misfit
 from stereorecal.recalibration._path import Waypoint, path_of
+from stereorecal.recalibration._prior_use import PriorUse, known_after
 from stereorecal.recalibration._ranges import NONE, Beams, RangesSeen
 from stereorecal.recalibration._report import report_of
 from stereorecal.recalibration._stages import StageRun
@@ -70,6 +71,7 @@ class Solution:
         asked: the settings with which it can be repeated.
         estimate: of all parameters of the rig; None where the intrinsics are taken as exact, or nothing was found.
         decision: on the initial calibration, by the estimate; None in the same cases.
+        prior_use: the prior that it began with, and which pairs count.
     """
 
     rig: StereoRig
@@ -101,6 +103,18 @@ class Solution:
     asked: Asked | None = None
     estimate: Estimate | None = None
     decision: Decision | None = None
+    prior_use: PriorUse | None = None
+
+    @cached_property
+    def prior(self) -> SavedPrior | None:
+        """What is known of the calibration to use, for the next `recalibrate` with it (`prior=`) and for
+        `sr.io.save_rig`; None: no more than of any calibration. Where the images fit no rig, it is what was known
+        before."""
+        if self.prior_use is None:
+            return None
+        kept = self.kept if self.looked_at is None else [self.looked_at[number] for number in self.kept]
+        good = self.reason.healthy
+        return known_after(self.prior_use, self.estimate, self.initial, self.rig, kept, good=good)
 
     @property
     def trace(self) -> Trace | None:
@@ -198,7 +212,10 @@ class Solution:
         if self.looked_at is not None:
             if not every or max(self.looked_at) >= len(every):
                 raise InputError("these are not the pairs that were repaired; give the same, in the same order.")
-            if rest := len(every) - len(self.looked_at):
+            dropped = 0 if self.prior_use is None else self.prior_use.dropped
+            if dropped:
+                absent = (*absent, (f"{dropped} {'pair' if dropped == 1 else 'pairs'}", "used by an earlier repair"))
+            if rest := len(every) - len(self.looked_at) - dropped:
                 absent = (*absent, (f"{rest} other {'pair' if rest == 1 else 'pairs'}", "others show more texture"))
             every = tuple(every[number] for number in self.looked_at)
         page = repair_page(report_of(self, every, name, command, settings or {}, absent))
@@ -213,6 +230,8 @@ class Solution:
             f"after    {self.score_after}" + self._rows("after"),
             *(self._axis(index, name) for index, name in enumerate(AXES)),
         ]
+        if self.prior_use is not None and str(self.prior_use) not in (DEFAULT, EXACT):
+            lines.append(f"prior    {self.prior_use}")
         if self.misfit is not None and (said := self._of(self.misfit)):
             lines.append(f"misfit   {said}")
         if self.intrinsics is not None:

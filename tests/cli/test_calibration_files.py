@@ -189,7 +189,8 @@ def test_the_form_in_which_it_came(command, rig: sr.StereoRig, drifted_scene: Pa
     assert copies[0].stat().st_mode & 0o777 == files[0].stat().st_mode & 0o777 == 0o600
     said = " (translation in m)" if name == "opencv" else ""
     expected = [f"{path}: written{said}; the old one is {copy}" for path, copy in zip(files, copies, strict=True)]
-    assert answer.out.splitlines()[-len(files) :] == expected
+    assert answer.out.splitlines()[-len(files) - 1 : -1] == expected
+    assert answer.out.splitlines()[-1] == f"{files[0]}.prior.json: written, what is known of it"
     assert [path.read_bytes() for path in files] == [path.read_bytes() for path in new]
 
 
@@ -234,9 +235,15 @@ def test_dry_run_and_then_another_format_and_unit(command, rig: sr.StereoRig, dr
     words = ("recalibrate", drifted_scene, *COUNT, "--output", output, *form, "--maps", maps)
     answer = command(*words, "--dry-run")
     assert answer.code == 0
-    assert answer.out.endswith(f"{output}: would be written (translation in mm)\n{maps}: would be written\n")
+    beside = f"{output}.prior.json"
+    assert answer.out.endswith(
+        f"{output}: would be written (translation in mm)\n{beside}: would be written, what is known of it\n"
+        f"{maps}: would be written\n"
+    )
     assert list(tmp_path.iterdir()) == []
-    assert command(*words).out.endswith(f"{output}: written (translation in mm)\n{maps}: written\n")
+    assert command(*words).out.endswith(
+        f"{output}: written (translation in mm)\n{beside}: written, what is known of it\n{maps}: written\n"
+    )
     assert load_rig(output, unit="mm").baseline == pytest.approx(rig.baseline, rel=1e-3)
 
 

@@ -25,11 +25,14 @@ def test_what_is_written_and_what_is_listed(command, schema: str, clean_scene, d
         "difference": ("diff", clean_scene, drifted_scene),
         "compare": ("compare", "--scene", drifted_scene, "--draws", 1, *COUNT),
     }[schema]
-    target = tmp_path / "out.json"
+    target, calibration = tmp_path / "out.json", tmp_path / "calib.json"
+    words = (*words, "--output", calibration) if schema == "solution" else words
     command(*words, "--json", target, "--quiet")
     content = json.loads(target.read_text())
     assert content["schema"] == f"stereorecal.{schema}/1"
     if schema == "solution":
+        prior = json.loads(calibration.read_text())["prior"]
+        assert differences([prior]) == (set(), {"versions.*"})
         assert content["repairs"][0]["intrinsics"] is None
         assert content["repairs"][0]["ranges"] is None
         content["repairs"][0]["intrinsics"] = INTRINSICS.as_dict()
@@ -41,7 +44,7 @@ def test_the_page_is_read():
     """Every heading, more than one key in a row, and what would not be found."""
     pages = listed()
     assert set(pages) == {"All schemas"} | {
-        f"stereorecal.{n}/1" for n in ("solution", "health", "difference", "compare", "events", "reproduce")
+        f"stereorecal.{n}/1" for n in ("solution", "health", "difference", "compare", "events", "prior", "reproduce")
     }
     assert {"before", "after"} <= pages["stereorecal.difference/1"]
     assert list(paths({"a": {"b": 1, "c": [{"d": None}, {"e": []}]}, "f": {}})) == ["a.b", "a.c[].d", "a.c[].e", "f"]

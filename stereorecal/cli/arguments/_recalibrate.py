@@ -46,10 +46,9 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
     )
     add(
         "--prior",
-        default="default",
-        metavar="default|exact",
-        help="what the initial calibration leaves: as much as a chessboard calibration of this rig; or exact, all that "
-        "rows show is a drift (default: %(default)s)",
+        metavar="saved|default|exact",
+        help="how well the initial calibration is known: saved, as an earlier repair left it; default, as after a "
+        "chessboard calibration of this rig; exact: all that rows show is a drift (default: saved, if it was)",
     )
     add(
         "--boards",

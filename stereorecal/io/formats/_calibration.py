@@ -12,6 +12,7 @@ from stereorecal.io._json import read_json
 from stereorecal.io.formats import _stereorecal
 from stereorecal.io.formats._format import Hints
 from stereorecal.io.formats._numbers import image_size
+from stereorecal.io.formats._prior import KEY
 from stereorecal.io.formats._reading import read_files
 from stereorecal.io.formats._source import source_of
 
@@ -55,7 +56,7 @@ def load_calibration(
 
 
 def _of(size: tuple[int, int], rig: StereoRig | None, content: Mapping[str, Any]) -> Calibration:
-    known = {*_stereorecal.calibration_of(None, size), "reference"}
+    known = {*_stereorecal.calibration_of(None, size), "reference", KEY}
     info = {key: item for key, item in content.items() if key not in known}
     return Calibration(size, rig, "truth" if content.get("reference") == "truth" else "stored", info)
 

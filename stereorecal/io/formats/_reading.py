@@ -14,6 +14,7 @@ from stereorecal.geometry import StereoRig
 from stereorecal.io._about import about
 from stereorecal.io.formats._format import Documents, Format, Hints
 from stereorecal.io.formats._lenses import trimmed
+from stereorecal.io.formats._prior import ENDING, read_beside
 from stereorecal.io.formats._registry import half_of, named, recognised, unknown
 from stereorecal.io.formats._source import Source
 from stereorecal.io.formats._units import scaled
@@ -50,7 +51,8 @@ def read_files(
         documents = _in_folder(paths[0], chosen, hints)
     else:
         documents = tuple(_read(path, chosen, if_missing) for path in paths)
-    return rig_in(documents, chosen or _recognised(documents), unit, hints)
+    rig = rig_in(documents, chosen or _recognised(documents), unit, hints)
+    return replace(rig, source=replace(rig.source, beside=read_beside(Path(documents[0].name))))
 
 
 def rig_in(documents: Documents, format: Format, unit: str | None, hints: Hints) -> StereoRig:
@@ -170,7 +172,8 @@ def looks_calibrated(folder: Path) -> bool:
 
 
 def _files_in(folder: Path) -> list[Path]:
-    return sorted(path for path in folder.iterdir() if path.suffix.lower() in _ENDINGS and path.is_file())
+    found = (path for path in folder.iterdir() if path.suffix.lower() in _ENDINGS and path.is_file())
+    return sorted(path for path in found if not path.name.endswith(ENDING))
 
 
 def _documents_in(folder: Path, format: Format | None) -> Documents:

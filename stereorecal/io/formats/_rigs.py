@@ -14,6 +14,7 @@ from stereorecal.io._atomic import FileTaken, take_after, write_bytes, write_fil
 from stereorecal.io._json import parse_json
 from stereorecal.io._paths import AnyPath
 from stereorecal.io.formats._format import Hints
+from stereorecal.io.formats._prior import KEY, Known, own_prior, prior_place, prior_text, with_prior
 from stereorecal.io.formats._reading import read_files
 from stereorecal.io.formats._registry import named
 from stereorecal.io.formats._source import source_of
@@ -66,6 +67,7 @@ def save_rig(
     format: str | None = None,
     template: AnyPath | Sequence[AnyPath] | None = None,
     unit: str | None = None,
+    prior: Known | None = None,
 ) -> None:
     """Write a rig into a copy of the file that it came from, whole or not at all: what was not estimated stays as it
     was there, what is derived is computed anew. A rig from nowhere, or in another format, becomes a new file.
@@ -82,6 +84,9 @@ def save_rig(
         unit: "m", "cm", "mm" or "in", where the format says none: of a template, by default that of the file that the
             rig came from, if its format is the same, else told by the template's baseline; or of a new file, by default
             metres.
+        prior: what is known of the rig, such as `solution.prior`; default what the file that it came from says, if the
+            rig is still the same. A calib.json has a key for it; any other format gets the file NAME.prior.json beside
+            the (left camera's) file, for the same price: both are written, or none.
 
     Raises:
         InputError: if a file exists already, the place cannot be written to, the name contradicts the format, the
@@ -100,12 +105,20 @@ def save_rig(
         source = source_of(like)
         warn_of_units(str(template), like)
     texts = list(texts_of(rig, paths, source, format, unit))
-    if info and chosen_format(paths, source, format).NAME == "stereorecal":
-        texts[0] = _with_info(texts[0], info)
+    if prior is not None:
+        prior.check(rig)
+    known = own_prior(rig) if prior is None else prior.as_dict()
+    name = chosen_format(paths, source, format).NAME
+    beside = prior_place(paths, name)
+    if name == "stereorecal":
+        texts[0] = with_prior(_with_info(texts[0], info or {}), known)
+    contents = dict(zip(paths, texts, strict=True))
+    if known is not None and beside is not None:
+        contents[beside] = prior_text(known)
     for place in paths:
         if not place.parent.is_dir():  # before the first of two is written
             raise InputError(f"{place}: cannot be written, there is no such folder; choose another place.")
-    write_files({place: text.encode() for place, text in zip(paths, texts, strict=True)}, replace=overwrite)
+    write_files({place: text.encode() for place, text in contents.items()}, replace=overwrite)
 
 
 def check_savable(
@@ -133,9 +146,16 @@ def unsaid_unit(rig: StereoRig, path: AnyPath | Sequence[AnyPath], *, format: st
     return own if chosen.UNIT is None else None
 
 
-def calibration_json(rig: StereoRig) -> str:
-    """A rig as a calib.json."""
-    return calibration_text(calibration_of(rig, rig.left.size))
+def prior_beside(rig: StereoRig, path: AnyPath | Sequence[AnyPath], *, format: str | None = None) -> Path | None:
+    """The file that `save_rig` writes beside a calibration for what is known of it; None where it writes none."""
+    paths = _paths(path)
+    return prior_place(paths, chosen_format(paths, source_of(rig), format).NAME)
+
+
+def calibration_json(rig: StereoRig, prior: Known | None = None) -> str:
+    """A rig as a calib.json, with what is known of it."""
+    text = calibration_text(calibration_of(rig, rig.left.size))
+    return text if prior is None else with_prior(text, prior.as_dict())
 
 
 def calibration_files(rig: StereoRig | None) -> list[Path]:
@@ -192,5 +212,5 @@ def _read_template(template: AnyPath | Sequence[AnyPath], unit: str | None, rig:
 
 def _with_info(text: str, info: Mapping[str, Any]) -> str:
     """A calib.json with other keys, which come first; byte for byte, if it has them already."""
-    content = parse_json(text)
+    content, info = parse_json(text), {key: item for key, item in info.items() if key != KEY}
     return text if info.keys() <= content.keys() else calibration_text({**info, **content})

@@ -1,6 +1,7 @@
 """The file that a rig came from."""
 
 from dataclasses import dataclass
+from typing import Any
 
 from stereorecal.geometry import StereoRig
 from stereorecal.io.formats._format import Documents, Hints
@@ -16,6 +17,7 @@ class Source:
         hints: with which they were read.
         unit: of lengths in the file.
         inferred: whether nobody said the unit.
+        beside: what the file beside it says of how well it is known, as `stored_prior` gives it.
     """
 
     format: str
@@ -23,6 +25,7 @@ class Source:
     hints: Hints
     unit: str
     inferred: bool = False
+    beside: Any = None  # a Stored, whose module imports this one
 
 
 def source_of(rig: StereoRig) -> Source | None:

@@ -7,7 +7,7 @@ import numpy as np
 
 from stereorecal._errors import InputError
 from stereorecal._units import METRES, checked_unit
-from stereorecal.geometry import Camera, StereoRig, same_camera
+from stereorecal.geometry import StereoRig, same_camera, same_rig
 from stereorecal.io._about import about
 from stereorecal.io.formats._format import Format, Hints, Target
 from stereorecal.io.formats._reading import rig_in
@@ -15,8 +15,6 @@ from stereorecal.io.formats._registry import named, usual
 from stereorecal.io.formats._source import Source
 from stereorecal.io.formats._units import scaled
 from stereorecal.io.formats.text._document import Syntax, document
-
-_SAME = 1e-9  # of what is read back from what was written: radians, and parts of numbers
 
 
 def texts_of(
@@ -116,24 +114,8 @@ def _checked(rig: StereoRig, format: Format, target: Target, unit: str) -> tuple
     old = target.documents
     written = tuple(document(o.name, text, o.syntax) for o, text in zip(old, texts, strict=True))
     again = rig_in(written, format, unit, target.hints)
-    if not _same(rig, again):
+    if not same_rig(rig, again):
         raise InputError(
             f"the {format.NAME} file cannot take this rig without a loss; write it in another format, such as opencv."
         )
     return texts
-
-
-def _same(one: StereoRig, other: StereoRig) -> bool:
-    turned = np.abs(np.asarray(one.rotation) - other.rotation).max() < _SAME
-    shifted = np.allclose(one.translation, other.translation, rtol=0.0, atol=_SAME * float(one.baseline))
-    return bool(turned and shifted and _alike(one.left, other.left) and _alike(one.right, other.right))
-
-
-def _alike(one: Camera, other: Camera) -> bool:
-    length = max(one.distortion.size, other.distortion.size)
-    lenses = [np.concatenate([c.distortion, np.zeros(length - c.distortion.size)]) for c in (one, other)]
-    return (
-        one.size == other.size
-        and np.allclose(one.matrix, other.matrix, rtol=_SAME)
-        and np.allclose(*lenses, rtol=_SAME, atol=1e-15)
-    )

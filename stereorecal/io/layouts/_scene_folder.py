@@ -13,6 +13,7 @@ from stereorecal.io._atomic import write_text
 from stereorecal.io._paths import AnyPath
 from stereorecal.io._scenes import fitting
 from stereorecal.io.formats._calibration import Calibration, load_calibration
+from stereorecal.io.formats._prior import own_prior, with_prior
 from stereorecal.io.formats._reading import looks_calibrated
 from stereorecal.io.formats._stereorecal import NAME, calibration_of, calibration_text
 from stereorecal.io.images._files import images_in, natural_order, write_png
@@ -81,6 +82,8 @@ def save_scene(scene: Scene, folder: AnyPath, overwrite: bool = False) -> None:
         check_pairs(scene.rig, scene.pairs)
     facts = calibration_of(scene.rig, scene.pairs[0].size)
     text = calibration_text({**scene.info, **facts, "reference": scene.reference})
+    if scene.rig is not None:
+        text = with_prior(text, own_prior(scene.rig))
     images: dict[Path, Float[np.ndarray, "h w"]] = {}
     for name, pair in zip(_file_names(scene.pairs), scene.pairs, strict=True):
         images[folder / f"left{name}.png"], images[folder / f"right{name}.png"] = pair.left, pair.right

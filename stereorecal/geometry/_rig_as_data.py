@@ -1,0 +1,43 @@
+"""A rig as plain data and back, without any rounding."""
+
+from typing import Any
+
+import numpy as np
+
+from stereorecal._errors import InputError
+from stereorecal.geometry._camera import Camera
+from stereorecal.geometry._rig import StereoRig
+
+
+def rig_as_data(rig: StereoRig) -> dict[str, Any]:
+    """Lists and numbers: of each camera size, matrix and distortion, and the extrinsics in rad and metres."""
+    sides = {"left": rig.left, "right": rig.right}
+    cameras = {
+        side: {
+            "size": list(camera.size),
+            "matrix": np.asarray(camera.matrix, float).tolist(),
+            "distortion": np.asarray(camera.distortion, float).tolist(),
+        }
+        for side, camera in sides.items()
+    }
+    return {**cameras, "extrinsics": np.asarray(rig.extrinsics, float).tolist()}
+
+
+def rig_from_data(data: Any) -> StereoRig:
+    """The inverse.
+
+    Raises:
+        InputError: if these are no such data.
+    """
+    try:
+        left, right = (_camera(data[side]) for side in ("left", "right"))
+        return StereoRig(left, right, np.array(data["extrinsics"], float))
+    except InputError:
+        raise
+    except (KeyError, TypeError, ValueError) as error:
+        raise InputError(f"there is no rig in it ({error!r}); copy it again.") from None
+
+
+def _camera(data: Any) -> Camera:
+    width, height = data["size"]
+    return Camera((int(width), int(height)), np.array(data["matrix"], float), np.array(data["distortion"], float))

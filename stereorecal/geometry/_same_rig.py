@@ -1,0 +1,25 @@
+"""Whether two rigs are the same numbers, but for what writing and reading them rounds."""
+
+import numpy as np
+
+from stereorecal.geometry._camera import Camera
+from stereorecal.geometry._rig import StereoRig
+
+_SAME = 1e-9  # radians, and parts of numbers
+
+
+def same_rig(one: StereoRig, other: StereoRig) -> bool:
+    """Whether all numbers are equal to within 1e-9; coefficients that a lens model lacks are 0."""
+    turned = np.abs(np.asarray(one.rotation) - other.rotation).max() < _SAME
+    shifted = np.allclose(one.translation, other.translation, rtol=0.0, atol=_SAME * float(one.baseline))
+    return bool(turned and shifted and _alike(one.left, other.left) and _alike(one.right, other.right))
+
+
+def _alike(one: Camera, other: Camera) -> bool:
+    length = max(one.distortion.size, other.distortion.size)
+    lenses = [np.concatenate([c.distortion, np.zeros(length - c.distortion.size)]) for c in (one, other)]
+    return (
+        one.size == other.size
+        and np.allclose(one.matrix, other.matrix, rtol=_SAME)
+        and np.allclose(*lenses, rtol=_SAME, atol=1e-15)
+    )

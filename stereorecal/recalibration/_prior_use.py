@@ -1,0 +1,188 @@
+"""Which prior a repair begins with, which of its pairs count, and what is known after it."""
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stereorecal._errors import InputError
+from stereorecal.estimation import (
+    DEFAULT,
+    EXACT,
+    SAVED,
+    Earlier,
+    Estimate,
+    Prior,
+    SavedPrior,
+    around,
+    as_mixture,
+    as_prior,
+    check_prior,
+    rig_parameters,
+)
+from stereorecal.geometry import StereoRig
+from stereorecal.io import about, load_rig, stored_prior
+from stereorecal.recordings import Pair
+
+AGAIN, GIVEN = "saved, without these pairs", "given"
+
+
+@dataclass(frozen=True, eq=False)
+class PriorUse:
+    """What a repair began with.
+
+    Attributes:
+        name: "default", "saved" (with the calibration), "saved, without these pairs" (all of which were used already:
+            what was known before them), "exact", or "given".
+        prior: that the estimate computes with.
+        images: fingerprints of all pairs.
+        numbers: of the pairs that count.
+        saved: what was saved with the calibration, or given as such.
+        note: what else is to be said, or None.
+    """
+
+    name: str
+    prior: Prior
+    images: tuple[str, ...]
+    numbers: tuple[int, ...]
+    saved: SavedPrior | None = None
+    note: str | None = None
+
+    @property
+    def dropped(self) -> int:
+        """How many pairs do not count again."""
+        return len(self.images) - len(self.numbers)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain data."""
+        return {"name": self.name, "pairs_that_count": len(self.numbers), "not_again": self.dropped, "note": self.note}
+
+    def __str__(self) -> str:
+        said = [self.name]
+        if self.dropped:
+            one = self.dropped == 1
+            said.append(
+                f"{self.dropped} of {len(self.images)} pairs {'was' if one else 'were'} used before and "
+                f"{'does' if one else 'do'} not count again"
+            )
+        return "; ".join([*said, *([self.note] if self.note else [])])
+
+
+def prior_use(prior: Prior, rig: StereoRig, pairs: Sequence[Pair], *, by_estimate: bool = True) -> PriorUse:
+    """What a repair begins with.
+
+    Args:
+        prior: as `recalibrate` takes it.
+        by_estimate: whether it is by the estimate; else the intrinsics are taken as exact, and all pairs count.
+
+    Raises:
+        InputError: if the prior makes no sense, or belongs to another rig; if it is to be the saved one and there is
+            none; or if all pairs were used already, by other repairs than the last one.
+    """
+    check_prior(prior, rig_parameters(rig))
+    images = tuple(map(fingerprint, pairs))
+    every, note = tuple(range(len(images))), None
+    if not by_estimate or prior == EXACT:
+        return PriorUse(EXACT, EXACT, images, every, prior if isinstance(prior, SavedPrior) else None)
+    if prior is None or (isinstance(prior, str) and prior == SAVED):
+        found, note = saved_with(rig)
+        if found is None and prior == SAVED:
+            raise InputError(note or "no prior is saved with this calibration; leave prior= (--prior) out.")
+        prior = found or DEFAULT
+    if isinstance(prior, SavedPrior):
+        return _again(prior, images)
+    return PriorUse(DEFAULT if prior == DEFAULT else GIVEN, prior, images, every, note=note)
+
+
+def _again(saved: SavedPrior, images: tuple[str, ...]) -> PriorUse:
+    """Pairs that a prior rests on do not count; where it rests on all of them, what was known before stands in."""
+    numbers = _fresh(images, saved.images)
+    if numbers or not images:
+        return PriorUse(SAVED, saved, images, numbers, saved)
+    before = saved.earlier
+    numbers = () if before is None else _fresh(images, before.images)
+    if not numbers:
+        raise InputError("all of these pairs were used by earlier repairs of this rig; give others.")
+    return PriorUse(AGAIN, before, images, numbers, saved)
+
+
+def _fresh(images: Sequence[str], used: Sequence[str]) -> tuple[int, ...]:
+    return tuple(number for number, image in enumerate(images) if image not in set(used))
+
+
+def known_after(
+    use: PriorUse, seen: Estimate | None, initial: StereoRig, rig: StereoRig, kept: Sequence[int], *, good: bool
+) -> SavedPrior | None:
+    """What is known of the rig to use; None: no more than of any calibration.
+
+    Args:
+        seen: None where the intrinsics were taken as exact, or nothing was found.
+        kept: numbers of the pairs that it rests on.
+        good: whether the rig to use is good; else the images do not fit any rig, and nothing is learnt from them.
+    """
+    if not good or (seen is None and rig is initial):
+        return use.saved
+    if seen is None:
+        return SavedPrior(rig, None)
+    before = _before(use, initial)
+    images = (*before.images, *(use.images[number] for number in kept))
+    known = around(seen.posterior, seen.chart.coordinates_of(rig))
+    return SavedPrior(rig, known, tuple(dict.fromkeys(images)), before)
+
+
+def _before(use: PriorUse, initial: StereoRig) -> Earlier:
+    prior = use.prior
+    if isinstance(prior, Earlier):
+        return prior
+    if isinstance(prior, SavedPrior):
+        return Earlier(initial, prior.known, prior.images)
+    if prior is None or isinstance(prior, str | Mapping):
+        return Earlier(initial, prior or DEFAULT)
+    return Earlier(initial, as_mixture(as_prior(prior, rig_parameters(initial))))
+
+
+def saved_with(rig: StereoRig) -> tuple[SavedPrior | None, str | None]:
+    """What was saved with a calibration that was read from a file, and if it is not used, why.
+
+    Raises:
+        InputError: naming the file, if it cannot be read, or is something else.
+    """
+    stored = stored_prior(rig)
+    if stored is None:
+        return None, None
+    if stored.problem is None:
+        with about(stored.place):
+            saved = SavedPrior.from_dict(stored.content)
+        if stored.of(rig):
+            return saved, None
+    else:
+        raise InputError(stored.problem)
+    return None, f"{stored.place} is of other parameters than this calibration has now, and is not used"
+
+
+def load_prior(path: str | Path | Sequence[str | Path]) -> SavedPrior | None:
+    """What was saved with a calibration, as `sr.io.load_rig` finds it; None if nothing was.
+
+    `recalibrate` looks it up by itself, for a rig that `sr.io.load_rig` has read.
+
+    Args:
+        path: of the calibration: a file, two, or a folder that holds one.
+
+    Raises:
+        InputError: naming the file, if it cannot be read, or belongs to other parameters than are in the calibration.
+    """
+    saved, note = saved_with(load_rig(path))
+    if note is not None:
+        raise InputError(f"{note}; recalibrate anew.")
+    return saved
+
+
+def fingerprint(pair: Pair) -> str:
+    """Of the grey levels of both images: the same for the same pixels, whatever the names."""
+    digest = hashlib.blake2b(repr(pair.size).encode(), digest_size=8)
+    for image in (pair.left, pair.right):
+        digest.update(np.ascontiguousarray(image, np.float32).data)
+    return digest.hexdigest()

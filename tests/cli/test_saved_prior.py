@@ -1,0 +1,119 @@
+"""`recalibrate` twice: what the first repair knew is with its calibration, and the second begins with it."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+COUNT = ("--schedule", "count", "--scale", 0.5, "--budget", 40)
+
+
+@pytest.fixture(scope="module")
+def sides(drifted_scene: Path) -> tuple:
+    return "--left", drifted_scene / "left.png", "--right", drifted_scene / "right.png", "--unit", "m"
+
+
+def again(command, sides, calibration: Path, *words, unit: bool = True):
+    """The answer, and what the JSON says of priors."""
+    target = calibration.with_name("said.json")
+    some = sides if unit else sides[:-2]
+    answer = command("recalibrate", *some, "--calibration", calibration, "--json", target, "--force", *words)
+    content = json.loads(target.read_text()) if target.exists() else None
+    return answer, content and (content["settings"]["prior"], content["repairs"][0]["prior"])
+
+
+@pytest.mark.parametrize("name", ["calib.json", "calib.yaml"])
+def test_the_second_call_begins_with_it(command, drifted_scene: Path, sides, tmp_path: Path, name: str):
+    path = tmp_path / name
+    more = ("--output-format", "opencv", "--unit", "m") if name == "calib.yaml" else ()
+    answer = command("recalibrate", drifted_scene, "--output", path, *more)
+    assert (answer.code, answer.err) == (0, "")
+    beside = tmp_path / f"{name}.prior.json"
+    assert beside.exists() == (name == "calib.yaml")
+    assert ("what is known of it" in answer.out) == beside.exists()
+    before = path.read_bytes()
+    answer, (asked, used) = again(command, sides, path, unit=name == "calib.yaml")
+    assert asked == "saved"
+    assert used["name"] == "saved, without these pairs"
+    assert "prior    saved, without these pairs" in answer.out
+    answer, (asked, used) = again(command, sides, path, "--prior", "default", unit=name == "calib.yaml")
+    assert (asked, used["name"]) == ("default", "default")
+    assert "prior    " not in answer.out
+    assert path.read_bytes() == before
+
+
+@pytest.fixture
+def repaired(command, sides, drifted_scene: Path, tmp_path: Path) -> Path:
+    """Quickly, by the count: depth is then not known."""
+    path = tmp_path / "calib.yaml"
+    answer = command("recalibrate", drifted_scene, *COUNT, "--output", path, "--output-format", "opencv")
+    assert answer.code == 0
+    assert json.loads((tmp_path / "calib.yaml.prior.json").read_text())["components"] is None
+    return path
+
+
+def test_a_calibration_that_somebody_changed(command, sides, repaired: Path):
+    text = repaired.read_text()
+    at = text.index("data", text.index("T:"))
+    repaired.write_text(text[:at] + text[at:].replace("-", "-1", 1))
+    answer, (asked, used) = again(command, sides, repaired, *COUNT)
+    assert (asked, used["name"]) == ("default", "default")
+    assert "other parameters" in used["note"]
+    assert f"prior    default; {repaired}.prior.json is of other parameters" in answer.out
+    answer, _ = again(command, sides, repaired, *COUNT, "--prior", "saved")
+    assert answer.code == 2
+    assert "other parameters" in answer.err
+
+
+@pytest.mark.parametrize("damage", ["", "{", "[]", '{"schema": "theirs/1"}'])
+def test_a_damaged_file(command, sides, repaired: Path, damage: str):
+    beside = repaired.with_name("calib.yaml.prior.json")
+    beside.write_text(damage)
+    before = {path: path.read_bytes() for path in repaired.parent.iterdir()}
+    answer, _ = again(command, sides, repaired, *COUNT, "--in-place")
+    assert answer.code == 2
+    assert f"{beside}: " in answer.err
+    assert answer.err.count("\n") == 1
+    assert {path: path.read_bytes() for path in repaired.parent.iterdir()} == before
+    answer, _ = again(command, sides, repaired, *COUNT, "--prior", "default")
+    assert answer.code in (0, 1)
+
+
+def test_none_is_saved(command, sides, drifted_scene: Path):
+    answer = command("recalibrate", drifted_scene, *COUNT, "--prior", "saved")
+    assert (answer.code, answer.err.count("\n")) == (2, 1)
+    assert "no prior is saved with this calibration" in answer.err
+
+
+def test_what_lies_there_stays_unless_it_is_forced(command, drifted_scene: Path, tmp_path: Path):
+    beside = tmp_path / "new.yaml.prior.json"
+    beside.write_text("precious")
+    words = ("recalibrate", drifted_scene, *COUNT, "--output", tmp_path / "new.yaml", "--output-format", "opencv")
+    answer = command(*words)
+    assert answer.code == 2
+    assert f"{beside}: the file exists already" in answer.err
+    assert [path.read_text() for path in tmp_path.iterdir()] == ["precious"]
+    assert command(*words, "--force").code == 0
+    assert json.loads(beside.read_text())["schema"] == "stereorecal.prior/1"
+
+
+def test_in_place_keeps_both_old_ones(command, sides, drifted_scene: Path, repaired: Path):
+    beside = repaired.with_name("calib.yaml.prior.json")
+    command("convert", drifted_scene / "calib.json", repaired, "--force")  # the old beside it is now of another
+    old = beside.read_bytes()
+    answer, _ = again(command, sides, repaired, *COUNT, "--in-place")
+    assert answer.code == 0
+    assert beside.with_name(f"{beside.name}.bak").read_bytes() == old
+    assert beside.read_bytes() != old
+
+
+def test_nothing_is_lost_where_it_cannot_be_written(command, drifted_scene: Path, tmp_path: Path, monkeypatch):
+    """A disk that is full once the repair is done: both are printed, none is written."""
+    import os
+
+    monkeypatch.setattr(os, "fsync", lambda *_: (_ for _ in ()).throw(OSError(28, "No space left on device")))
+    words = ("--output", tmp_path / "new.yaml", "--output-format", "opencv", "--quiet")
+    answer = command("recalibrate", drifted_scene, *COUNT, *words)
+    assert answer.code == 2
+    assert json.loads(answer.out)["prior"]["schema"] == "stereorecal.prior/1"
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,208 @@
+"""Which prior a repair begins with, which pairs count, and what is known after it."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings, strategies as st
+
+import stereorecal as sr
+from stereorecal.estimation import Earlier, Posterior, SavedPrior, rig_parameters
+from stereorecal.io import load_rig, save_rig
+from stereorecal.recalibration import _prior_use
+from stereorecal.recalibration._prior_use import fingerprint, prior_use
+
+DRIFT = np.array([*np.radians([0.8, 0.3, -0.9]), 0.0, 0.003, -0.003])
+MATCHER = sr.SAD(num_disparities=32)
+
+
+def pair_of(seed: int, **changes) -> sr.Pair:
+    left, right = np.random.default_rng(seed).integers(0, 256, (2, 6, 8)).astype(np.float32)
+    return sr.Pair(left, right, **changes)
+
+
+PAIRS = [pair_of(seed) for seed in range(6)]
+PRINTS = [fingerprint(pair) for pair in PAIRS]
+RIG = sr.synthetic.default_rig().resized((160, 120))
+N = rig_parameters(RIG).dim
+KNOWN = Posterior(np.ones(1), np.zeros((1, N)), np.eye(N)[None])
+
+
+def saved(images, earlier: Earlier | None = None, rig: sr.StereoRig = RIG) -> SavedPrior:
+    return SavedPrior(rig, KNOWN, tuple(images), earlier)
+
+
+# --- which pairs count ----------------------------------------------------------------------------------------
+
+
+def test_a_fingerprint_is_of_the_pixels():
+    one = pair_of(0)
+    assert fingerprint(one) == fingerprint(pair_of(0, name="another"))
+    assert fingerprint(one) != fingerprint(sr.Pair(one.right, one.left))
+    assert fingerprint(one) != fingerprint(sr.Pair(one.left.reshape(8, 6), one.right.reshape(8, 6)))
+    other = one.left.copy()
+    other[3, 4] = (other[3, 4] + 1) % 256
+    assert fingerprint(one) != fingerprint(sr.Pair(other, one.right))
+    strided = sr.Pair(np.asfortranarray(one.left), one.right[:, ::1])
+    assert fingerprint(one) == fingerprint(strided)
+
+
+@settings(max_examples=50)
+@given(
+    used=st.sets(st.integers(0, 5)),
+    before=st.sets(st.integers(0, 5)),
+    shown=st.permutations(range(6)),
+    n=st.integers(1, 6),
+)
+def test_no_pair_counts_twice(used, before, shown, n):
+    shown, before = shown[:n], before & used
+    earlier = Earlier(RIG, "default", tuple(PRINTS[i] for i in sorted(before)))
+    prior = saved((PRINTS[i] for i in sorted(used)), earlier)
+    pairs = [PAIRS[i] for i in shown]
+    if set(shown) <= before:
+        with pytest.raises(sr.InputError, match="used by earlier repairs"):
+            prior_use(prior, RIG, pairs)
+        return
+    use = prior_use(prior, RIG, pairs)
+    rests_on = used if use.prior is prior else before
+    assert use.prior is (prior if set(shown) - used else earlier)
+    counted = {shown[number] for number in use.numbers}
+    assert counted == set(shown) - rests_on
+    assert use.dropped == len(shown) - len(counted)
+
+
+def test_without_anything_saved_it_is_the_default():
+    for asked in (None, "default"):
+        use = prior_use(asked, RIG, PAIRS)
+        assert (use.name, use.prior, use.numbers, use.saved) == ("default", "default", tuple(range(6)), None)
+    assert prior_use({"left.f": 0.1}, RIG, PAIRS).name == "given"
+    assert prior_use("exact", RIG, PAIRS).name == "exact"
+    assert prior_use(None, RIG, PAIRS, by_estimate=False).name == "exact"
+    with pytest.raises(sr.InputError, match="no prior is saved"):
+        prior_use("saved", RIG, PAIRS)
+    with pytest.raises(sr.InputError, match="did you mean saved"):
+        prior_use("safed", RIG, PAIRS)
+
+
+def test_a_prior_of_another_rig():
+    with pytest.raises(sr.InputError, match="another rig"):
+        prior_use(saved(()), RIG.with_extrinsics(RIG.extrinsics + DRIFT), PAIRS)
+
+
+@pytest.mark.parametrize("name", ["calib.json", "calib.yaml"])
+def test_what_was_saved_with_a_calibration_is_found(tmp_path: Path, name: str):
+    path = tmp_path / name
+    save_rig(RIG, path, prior=saved(PRINTS[:1]))
+    rig = load_rig(path, unit=None if name == "calib.json" else "m")
+    for asked in (None, "saved"):
+        use = prior_use(asked, rig, PAIRS)
+        assert (use.name, use.numbers) == ("saved", (1, 2, 3, 4, 5))
+        assert use.saved is not None
+        assert use.saved.as_dict() == saved(PRINTS[:1]).as_dict()
+        assert "1 of 6 pairs was used before and does not count again" in str(use)
+    assert prior_use("default", rig, PAIRS).numbers == tuple(range(6))
+    moved = rig.with_extrinsics(rig.extrinsics + DRIFT)
+    use = prior_use(None, moved, PAIRS)
+    assert (use.name, use.saved) == ("default", None)
+    assert f"{name}" in str(use.note)
+    assert "not used" in str(use)
+    with pytest.raises(sr.InputError, match="not used"):
+        prior_use("saved", moved, PAIRS)
+
+
+def test_load_prior(tmp_path: Path):
+    save_rig(RIG, tmp_path / "a.json", prior=saved(PRINTS))
+    save_rig(RIG, tmp_path / "b.json")
+    found = sr.load_prior(tmp_path / "a.json")
+    assert found is not None
+    assert found.as_dict() == saved(PRINTS).as_dict()
+    assert sr.load_prior(tmp_path / "b.json") is None
+    text = (tmp_path / "a.json").read_text()
+    (tmp_path / "a.json").write_text(text.replace('"K_left": [\n  [\n   ', '"K_left": [\n  [\n   1', 1))
+    with pytest.raises(sr.InputError, match="other parameters"):
+        sr.load_prior(tmp_path / "a.json")
+
+
+# --- what is known after it -----------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def scenes():
+    """Of one rig that drifted: two pairs."""
+    both = [sr.synthetic.render("street", seed, rig=sr.synthetic.default_rig().resized((160, 120))) for seed in (3, 4)]
+    rig = both[0].rig
+    return rig.with_extrinsics(rig.extrinsics + DRIFT), [pair for scene in both for pair in scene.pairs], rig
+
+
+@pytest.fixture(scope="module")
+def first(scenes):
+    bad, pairs, _ = scenes
+    solution = sr.recalibrate(bad, pairs[:1], matcher=MATCHER)
+    assert solution.accepted
+    return solution
+
+
+def test_a_repair_knows_its_rig_and_its_images(scenes, first):
+    _, pairs, true = scenes
+    prior = first.prior
+    prior.check(first.rig)
+    assert prior.images == (fingerprint(pairs[0]),)
+    assert prior.earlier.rig is first.initial
+    assert prior.earlier.prior == "default"
+    assert "prior" not in str(first)
+    chart = rig_parameters(first.rig)
+    apart = chart.coordinates_of(true)[:3] - prior.known.means[0, :3]
+    assert (np.abs(apart) < 4.0 * np.sqrt(np.diag(prior.known.covariances[0]))[:3] + 0.02).all()
+
+
+def test_the_next_look_begins_with_it(scenes, first):
+    """New images count, old ones do not."""
+    _, pairs, _ = scenes
+    second = sr.recalibrate(first.rig, pairs, matcher=MATCHER, prior=first.prior)
+    assert second.prior_use.name == "saved"
+    assert second.looked_at == (1,)
+    assert second.prior_use.as_dict()["not_again"] == 1
+    assert "1 of 2 pairs was used before and does not count again" in str(second)
+    alone = sr.recalibrate(first.rig, pairs[1:], matcher=MATCHER, prior=first.prior)
+    np.testing.assert_array_equal(second.candidate.extrinsics, alone.candidate.extrinsics)
+    if second.reason.healthy:
+        assert second.prior.images == tuple(map(fingerprint, pairs))
+        assert second.prior.earlier.images == first.prior.images
+
+
+def test_the_same_images_again_change_nothing(scenes, first):
+    _, pairs, _ = scenes
+    again = sr.recalibrate(first.rig, pairs[:1], matcher=MATCHER, prior=first.prior)
+    assert again.prior_use.name == "saved, without these pairs"
+    assert again.estimate is not None
+    apart = first.estimate.chart.coordinates_of(again.candidate) - first.estimate.chart.coordinates_of(first.rig)
+    sigmas = np.sqrt(np.diag(first.estimate.posterior.covariance))
+    assert (np.abs(apart[:5]) < 2.0 * sigmas[:5]).all()
+    assert (np.sqrt(np.diag(again.estimate.posterior.covariance))[:5] > 0.8 * sigmas[:5]).all()  # counted twice: 0.7
+
+
+def test_where_images_fit_no_rig_nothing_is_learnt(scenes, first):
+    size = scenes[1][0].left.shape
+    dark = sr.make_pair(*(np.random.default_rng(s).integers(0, 2, size).astype(np.float32) for s in (0, 1)))
+    looked = sr.recalibrate(first.rig, [dark], matcher=MATCHER, prior=first.prior)
+    assert not looked.reason.healthy
+    assert looked.prior is first.prior
+    assert sr.recalibrate(first.rig, [dark], matcher=MATCHER, prior="default").prior is None
+
+
+def test_of_a_repair_that_takes_intrinsics_as_exact_depth_is_not_known(scenes):
+    bad, pairs, _ = scenes
+    solution = sr.recalibrate(bad, pairs[:1], matcher=MATCHER, prior="exact")
+    assert solution.accepted
+    assert solution.prior.known is None
+    solution.prior.check(solution.rig)
+    next_one = prior_use(solution.prior, solution.rig, pairs[:1])
+    assert (next_one.name, next_one.numbers) == ("saved", (0,))
+
+
+def test_only_one_repair_back_is_kept(scenes, first):
+    use = replace(prior_use(first.prior, first.rig, scenes[1][1:]), images=("11" * 8,))
+    after = _prior_use.known_after(use, first.estimate, first.rig, first.rig, [0], good=True)
+    assert after.images == (*first.prior.images, "11" * 8)
+    assert after.earlier.prior is first.prior.known
