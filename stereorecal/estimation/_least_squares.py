@@ -58,18 +58,20 @@ def fit(
     if len(groups) < _FEWEST:
         return _nothing_seen(chart, prior)
     rows = linear_rows(groups, chart, theta)
+    step = np.zeros(chart.dim)
     for number in range(_ROUNDS):
         best, kind = best_of(_searched(rows, prior, misfit, which))
-        mean, misfit, which = best.found.means[kind], best.misfit, best.prior
-        moved = np.abs(mean - theta) / np.sqrt(np.maximum(np.diag(best.found.covariance(kind)), 1e-30))
-        if moved.max() < _SETTLED:
+        misfit, which = best.misfit, best.prior
+        deviations = np.sqrt(np.maximum(np.diag(best.found.covariance(kind)), 1e-30))
+        last, step = step, (best.found.means[kind] - theta) / deviations
+        if number and np.abs(step).max() < _SETTLED:  # from the second round on, groups that err alone have less say
             break
-        grown, theta = rows.robust(sum(misfit), mean), mean
+        # Where rows bend along what they hardly tell, whole steps go to and fro.
+        theta = theta + (0.5 if step @ last < 0.0 else 1.0) * step * deviations
         if number < _REGROUPED:
             groups = grouped(found, chart, theta)
         rows = linear_rows(groups, chart, theta)
-        if len(grown) == len(rows.deviation):
-            rows = replace(rows, deviation=grown)
+        rows = replace(rows, deviation=rows.robust(sum(misfit), theta))
     near = _near(misfit, len(rows.frames) > 1)
     several = explanations(rows, prior, range(len(prior.roots)), near)
     if len(rows.frames) == 1:  # what moves differs between frames, and they outvote it
