@@ -14,6 +14,7 @@ from stereorecal.geometry._intrinsics import (
     camera_changes as camera_changes,
     changed_camera as changed_camera,
     intrinsic as intrinsic,
+    pixel_slopes as pixel_slopes,
     ray_slopes as ray_slopes,
     reread as reread,
 )
@@ -30,6 +31,7 @@ from stereorecal.geometry._rig import (
 )
 from stereorecal.geometry._so3 import (
     angle_between as angle_between,
+    cross_matrix as cross_matrix,
     euler_from_rotation as euler_from_rotation,
     rotation_from_euler as rotation_from_euler,
     rotation_from_vector as rotation_from_vector,
