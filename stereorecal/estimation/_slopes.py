@@ -3,7 +3,7 @@
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.geometry import Camera, StereoRig, cross_matrix, pixel_slopes, rotation_from_euler
+from stereorecal.geometry import Camera, StereoRig, euler_slopes, pixel_slopes
 from stereorecal.objectives import SIDES, RigChart
 
 
@@ -44,16 +44,11 @@ def lens_parameters(chart: RigChart, side: str) -> tuple[list[int], list[str]]:
 def moved_by_extrinsics(
     chart: RigChart, theta: Float[np.ndarray, "n"], points: Float[np.ndarray, "*c 3"]
 ) -> tuple[list[int], Float[np.ndarray, "m *c 3"]]:
-    """Where the m extrinsics are in θ, and the derivatives by them of points that the right camera sees: R x + T, which
-    turns about the axes of R = Rz Ry Rx."""
-    outer = [index for index, name in enumerate(chart.names) if "." not in name]
-    here, at_zero = chart.extrinsics(theta), chart.extrinsics(np.zeros(chart.dim))
-    by_theta = np.stack([chart.extrinsics(axis) - at_zero for axis in np.eye(chart.dim)[outer]])  # it is affine
-    rotation, (_, yaw, roll) = rotation_from_euler(here[:3]), here[:3]
-    roll_yaw, roll_alone = (rotation_from_euler(np.array([0.0, angle, roll])) for angle in (yaw, 0.0))
-    about = np.stack([cross_matrix(axis) @ rotation for axis in (roll_yaw[:, 0], roll_alone[:, 1], np.eye(3)[2])])
-    turns, shifts = np.tensordot(by_theta[:, :3], about, 1), by_theta[:, 3:]
-    flat = points.reshape(-1, 3) @ turns.swapaxes(1, 2) + shifts[:, None]
+    """Where the m extrinsics are in θ, and the derivatives by them of points that the right camera sees: R x + T."""
+    outer, extrinsics = [index for index, name in enumerate(chart.names) if "." not in name], chart.extrinsics(theta)
+    by_angles, by_shift = np.split(chart.extrinsic_slopes[outer], 2, axis=1)
+    turns = np.tensordot(by_angles, euler_slopes(extrinsics[:3]), 1)
+    flat = points.reshape(-1, 3) @ turns.swapaxes(1, 2) + by_shift[:, None]
     return outer, flat.reshape(len(outer), *points.shape)
 
 

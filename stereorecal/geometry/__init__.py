@@ -21,6 +21,7 @@ from stereorecal.geometry._intrinsics import (
 from stereorecal.geometry._rectification import (
     View as View,
     rectifying_rotations as rectifying_rotations,
+    rectifying_slopes as rectifying_slopes,
     view as view,
 )
 from stereorecal.geometry._rectified import Rectification as Rectification, rectification as rectification
@@ -31,8 +32,8 @@ from stereorecal.geometry._rig import (
 )
 from stereorecal.geometry._so3 import (
     angle_between as angle_between,
-    cross_matrix as cross_matrix,
     euler_from_rotation as euler_from_rotation,
+    euler_slopes as euler_slopes,
     rotation_from_euler as rotation_from_euler,
     rotation_from_vector as rotation_from_vector,
     vector_from_rotation as vector_from_rotation,

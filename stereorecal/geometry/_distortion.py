@@ -93,17 +93,18 @@ def _undistort_on_host(
 ) -> Float[np.ndarray, "*n 2"]:
     if coefficients.size == 0:
         return goals.copy()
-    x, y = (np.array(start[..., axis], float) for axis in (0, 1))
+    shape, goals = goals.shape, goals.reshape(-1, 2)
+    x, y = (np.array(start, float).reshape(-1, 2)[:, axis] for axis in (0, 1))
     with np.errstate(all="ignore"):  # NaN where the model folds
         for _ in range(iterations):
             (u, v), ((a, b), (c, d)) = _distorted_with_slopes(x, y, coefficients)
-            u, v, determinant = u - goals[..., 0], v - goals[..., 1], a * d - b * c
+            u, v, determinant = u - goals[:, 0], v - goals[:, 1], a * d - b * c
             by_x, by_y = (d * u - b * v) / determinant, (a * v - c * u) / determinant
             shorter = 1.0 / np.maximum(1.0, np.hypot(by_x, by_y) / _LONGEST)
             x, y = x - shorter * by_x, y - shorter * by_y
             if not (np.any(np.abs(by_x) > _SETTLED) or np.any(np.abs(by_y) > _SETTLED)):
                 break
-    return np.stack([x, y], axis=-1)
+    return np.stack([x, y], axis=-1).reshape(shape)
 
 
 def _distorted_with_slopes(
