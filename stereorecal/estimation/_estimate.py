@@ -6,13 +6,13 @@ from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float
-from threadpoolctl import ThreadpoolController
 
 from stereorecal._names import known
 from stereorecal.estimation._candidates import depth_kept, least_loss
 from stereorecal.estimation._consequences import DISTANCES, Consequences, consequences, points_of_view, readings
 from stereorecal.estimation._frames import OtherRig, other_rigs
 from stereorecal.estimation._least_squares import fit
+from stereorecal.estimation._one_thread import one_blas_thread
 from stereorecal.estimation._parameters import rig_parameters
 from stereorecal.estimation._posterior import Posterior
 from stereorecal.estimation._priors import Prior, as_prior
@@ -76,10 +76,12 @@ class Estimate:
         return self.chart.rig_at(self.theta)
 
     @cached_property
+    @one_blas_thread()
     def depth_kept(self) -> Float[np.ndarray, "n"]:
         """The most probable θ whose depth is that of the given rig."""
         return depth_kept(self.chart, self.theta, self.posterior.covariance)
 
+    @one_blas_thread()
     def with_free(self, names: Sequence[str]) -> Float[np.ndarray, "n"]:
         """θ that loses least in rows and depth if only these parameters may change.
 
@@ -104,6 +106,7 @@ class Estimate:
         near = 1.0 + self._nearness(used)[:, DISTANCES.index(_FAR)]
         return np.mean(rows, axis=0), 100.0 * np.abs(1.0 / np.maximum(near, _LEAST_NEARNESS) - 1.0)
 
+    @one_blas_thread()
     def _row_errors(self, used: Float[np.ndarray, "n"], index: int) -> Float[np.ndarray, "s"]:
         """Root mean square over the view of the row errors of the rig at θ = used, for each sample: exact at the mean,
         linear around it."""
@@ -112,10 +115,12 @@ class Estimate:
         return np.sqrt(np.mean((at_mean - (self._samples - self.theta) @ slopes.T) ** 2, axis=1))
 
     @cached_property
+    @one_blas_thread()
     def _samples(self) -> Float[np.ndarray, "s n"]:
         return self.posterior.samples(_SAMPLES, _SEED)
 
     @cached_property
+    @one_blas_thread()
     def _consequences(self) -> Consequences:
         return consequences(self.chart, self.theta)
 
@@ -146,6 +151,7 @@ class Estimate:
             found[distance] = (middle, low, high)
         return found
 
+    @one_blas_thread()
     def _nearness(self, used: Float[np.ndarray, "n"]) -> Float[np.ndarray, "s d"]:
         """Relative error of disparity of the rig at θ = used, for each sample and distance: exact at the mean, linear
         around it."""
@@ -154,6 +160,7 @@ class Estimate:
         return np.array(at_mean) - (self._samples - self.theta) @ self._consequences.nearness.T
 
 
+@one_blas_thread()
 def estimate(
     found: Correspondences,
     rig: StereoRig,
@@ -165,18 +172,15 @@ def estimate(
     Args:
         found: correspondences of one or several frames, with the rays that the cameras of `rig` give.
         rig: the given calibration.
-        prior: of what it leaves; default that of a chessboard calibration.
+        prior: of what it leaves; default that of a chessboard calibration. `as_prior` of it, made once, saves its time
+            where a rig is estimated again.
         start: θ to begin at; default 0.
     """
     chart = rig_parameters(rig)
-    asked = as_prior(prior, chart)
-    # Hundreds of small matrices: threads would wait for each other, and for other processes on these cores.
-    with ThreadpoolController().limit(limits=1, user_api="blas"):
-        solved = fit(found, chart, asked, start)
-        mean, rows = solved.posterior.mean, solved.rows
-        if rows is None:
-            return Estimate(chart, solved.posterior, solved.misfit, 0, float("nan"), solved.prior_variance)
-        others = other_rigs(rows, sum(solved.misfit), mean)
-    residual = rows.residual(mean)
+    solved = fit(found, chart, as_prior(prior, chart), start)
+    mean, rows = solved.posterior.mean, solved.rows
+    if rows is None:
+        return Estimate(chart, solved.posterior, solved.misfit, 0, float("nan"), solved.prior_variance)
+    others, residual = other_rigs(rows, sum(solved.misfit), mean), rows.residual(mean)
     rms = float(np.sqrt(np.mean(residual**2)))
     return Estimate(chart, solved.posterior, solved.misfit, len(residual), rms, solved.prior_variance, others)
