@@ -69,7 +69,7 @@ class Consequences:
         nearness: (d, n) mean relative error of disparity over the view at each of DISTANCES, likewise.
     """
 
-    rows: tuple[Float[np.ndarray, "p n"], ...]
+    rows: tuple[Float[np.ndarray, "_ n"], ...]
     nearness: Float[np.ndarray, "d n"]
 
 

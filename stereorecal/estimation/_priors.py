@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from numbers import Real
 
 import numpy as np
 from jaxtyping import Float
@@ -54,7 +55,7 @@ class CalibrationCovariance:
         object.__setattr__(self, "covariance", covariance)
 
 
-Prior = str | Mapping[str, float] | CalibrationCovariance | CalibrationPrior | None
+Prior = str | Mapping[str, float | np.number] | CalibrationCovariance | CalibrationPrior | None
 
 
 def as_prior(prior: Prior, chart: RigChart) -> CalibrationPrior:
@@ -75,7 +76,7 @@ def as_prior(prior: Prior, chart: RigChart) -> CalibrationPrior:
         covariance = np.zeros((chart.dim, chart.dim))
         covariance[np.ix_(where, where)] = prior.covariance
         return CalibrationPrior.around_given(root(covariance)[None], np.ones(1))
-    return _rescaled(calibration_prior(chart), chart, prior)
+    return _with_sigmas(calibration_prior(chart), chart, prior)
 
 
 def check_prior(prior: Prior, chart: RigChart | None = None) -> None:
@@ -84,6 +85,10 @@ def check_prior(prior: Prior, chart: RigChart | None = None) -> None:
     Raises:
         InputError: says what to do.
     """
+    if isinstance(prior, CalibrationPrior) and chart is not None and prior.means.shape[1] != chart.dim:
+        raise InputError(
+            f"the prior is of {prior.means.shape[1]} parameters, and the rig has {chart.dim}; make it for this rig."
+        )
     if prior is None or isinstance(prior, CalibrationPrior):
         return
     if isinstance(prior, str):
@@ -98,19 +103,31 @@ def check_prior(prior: Prior, chart: RigChart | None = None) -> None:
     for name in names if chart is not None else ():
         known(name, list(chart.names) if chart is not None else [], "parameter")
     for name, sigma in prior.items() if isinstance(prior, Mapping) else ():
-        if not (isinstance(sigma, int | float) and np.isfinite(sigma) and sigma > 0.0):
+        number = isinstance(sigma, Real) and not isinstance(sigma, bool)
+        if not (number and np.isfinite(sigma) and sigma > 0.0):
             raise InputError(f"the prior of {name} is {sigma!r}; give a positive standard deviation.")
 
 
-def _rescaled(prior: CalibrationPrior, chart: RigChart, sigmas: Mapping[str, float]) -> CalibrationPrior:
-    """The prior with these standard deviations, its correlations kept; what is not named follows their median."""
-    factors = []
+def _with_sigmas(prior: CalibrationPrior, chart: RigChart, sigmas: Mapping[str, float | np.number]) -> CalibrationPrior:
+    """The prior where these standard deviations are known: what is named keeps its correlations, and what is not
+    follows it as it did before."""
+    if not sigmas:
+        return prior
+    named = np.array([chart.names.index(name) for name in sigmas])
+    rest, wanted = np.setdiff1d(np.arange(chart.dim), named), np.array([float(sigma) for sigma in sigmas.values()])
+    roots = []
     for one in prior.roots:
         deviations = np.linalg.norm(one, axis=1)
-        where = {name: sigma / deviations[chart.names.index(name)] for name, sigma in sigmas.items()}
-        others = float(np.median(list(where.values()))) if where else 1.0
-        factors.append([where.get(name, others) for name in chart.names])
-    return CalibrationPrior.around_given(prior.roots * np.array(factors)[:, :, None], prior.weights)
+        unit = one / deviations[:, None]
+        both, scale = unit[named] @ unit[named].T, wanted / deviations[named]
+        follows = np.linalg.solve(both, unit[named] @ unit[rest].T).T
+        # What is named, its change, and what of the rest does not follow it, are independent.
+        known = np.zeros((chart.dim, len(named) + chart.dim))
+        known[named, : len(named)] = scale[:, None] * np.linalg.cholesky(both)
+        known[rest, : len(named)] = follows @ known[named, : len(named)]
+        known[rest, len(named) :] = unit[rest] - follows @ unit[named]
+        roots.append(root(deviations[:, None] * (known @ known.T) * deviations))
+    return CalibrationPrior(np.stack(roots), prior.weights, means=prior.means)
 
 
 def is_exact(prior: Prior) -> bool:
