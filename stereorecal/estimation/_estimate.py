@@ -1,8 +1,9 @@
 """The estimate: from correspondences and a prior to what is known of a rig, and the rigs that may be written."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
@@ -49,6 +50,10 @@ class Estimate:
     residual_px: float
     prior_variance: Float[np.ndarray, "n"]
     other_rigs: tuple[OtherRig, ...] = ()
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What is derived stays behind: samples are larger than all else."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -36,7 +36,7 @@ class LinearRows:
     jacobian: Float[np.ndarray, "g n"]
     at_zero: Float[np.ndarray, "g"]
     deviation: Float[np.ndarray, "g"]
-    frames: Sequence[Int[np.ndarray, "f"]]
+    frames: Sequence[Int[np.ndarray, "_"]]
 
     def residual(self, theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "g"]:
         """At θ."""

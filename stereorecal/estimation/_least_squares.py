@@ -12,7 +12,7 @@ from stereorecal.estimation._evidence import Normal, explained
 from stereorecal.estimation._explanations import Explanation, LinearRows, best_of, explanations, linear_rows
 from stereorecal.estimation._groups import grouped
 from stereorecal.estimation._misfit import COMMON, DEVIATIONS
-from stereorecal.estimation._posterior import Posterior
+from stereorecal.estimation._posterior import Posterior, merged
 from stereorecal.estimation._rivals import beside_rivals
 from stereorecal.objectives import RigChart
 from stereorecal.scoring import Correspondences
@@ -22,6 +22,7 @@ _ROUNDS = 8
 _REGROUPED = 3  # times; then outliers are what they are
 _SETTLED = 0.05  # standard deviations of θ
 _LEAST = 1e-4  # of the weight of all explanations: below, one is dropped
+_MOST = 32  # explanations: an estimate travels between processes
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,14 +116,15 @@ def _near(misfit: tuple[float, float], several: bool) -> list[tuple[float, float
 
 
 def mixture(several: Sequence[Explanation]) -> Posterior:
-    """All explanations, each with its weight; what hardly weighs is left out."""
+    """All explanations, each with its weight; what hardly weighs is left out, and what is alike is one."""
     evidence = np.stack([one.found.log_evidence for one in several])
     weights = np.exp(evidence - evidence.max())
     weights /= weights.sum()
     kept = np.argwhere(weights > _LEAST)
     some = weights[tuple(kept.T)]
-    return Posterior(
+    whole = Posterior(
         some / some.sum(),
         np.stack([several[i].found.means[k] for i, k in kept]),
         np.stack([several[i].found.covariance(int(k)) for i, k in kept]),
     )
+    return merged(whole, _MOST)
