@@ -20,7 +20,7 @@ from stereorecal.recalibration import HEALTH_LIMITS, Condition, Health, health
 from stereorecal.recordings import Scene
 from stereorecal.report.repairs import scores_table
 
-SCHEMA = "stereorecal.health/1"
+SCHEMA = "stereorecal.health/2"
 _CODES = {Condition.REPAIR: REPAIR, Condition.CANNOT_TELL: CANNOT_TELL, Condition.HEALTHY: 0}  # the first that occurs
 
 

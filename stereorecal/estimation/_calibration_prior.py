@@ -12,6 +12,7 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal.estimation._posterior import root
+from stereorecal.estimation._slopes import pixels_of, slopes_by_point, slopes_of
 from stereorecal.geometry import StereoRig, rotation_from_vector
 from stereorecal.objectives import BASELINE, SIDES, RigChart
 
@@ -56,10 +57,8 @@ _WIDTH = 640
 _WIDEST = {"f": 2.0, "aspect": 0.5, "cx": 15.0, "cy": 15.0, "k1": 0.05, "k2": 0.1, "p1": 0.005, "p2": 0.005, "k3": 0.1}
 _WIDEST |= dict.fromkeys(("s1", "s2", "s3", "s4"), 0.01)
 _WIDEST_ANGLE, _WIDEST_SHIFT, _WIDEST_LENGTH = 3.0, 5.0, 2.0  # degrees, percent of the baseline
-_POSE_STEP = 1e-4  # radians, and sizes of a board
 _LEAST_OVERLAP = 2.5  # over the relative disparity at which boards are still in both images
 SQUARES = 0.15  # percent: printed squares are off by so much, and the baseline's length with them
-_STEPS = {"%": 1e-2, "px": 1e-2, "deg": 1e-3, "": 1e-5}  # of central differences, by unit
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,7 +115,7 @@ def calibration_covariances(chart: RigChart) -> Float[np.ndarray, "j n n"]:
     scale, of_squares = _widest(chart), np.diag([SQUARES**2 * (name == BASELINE) for name in chart.names])
     found = []
     boards = [_boards(chart.rig, views) for views in _KINDS]
-    of_boards = _information(chart, np.concatenate(boards))  # of all kinds at once: rigs beside this one are costly
+    of_boards = _information(chart, np.concatenate(boards))  # of all kinds at once
     ends = np.cumsum([len(some) for some in boards])[:-1]
     for information in (part.sum(axis=0) for part in np.split(of_boards, ends)):
         for kappa in KAPPAS:
@@ -146,33 +145,12 @@ def _information(chart: RigChart, points: Float[np.ndarray, "b c 3"]) -> Float[n
     width, height = rig.left.size
     seen = ((at >= 0.0) & (at <= np.array([width, height, width, height]) - 1.0)).all(axis=-1)
     seen &= (seen.sum(axis=1) >= _FEWEST)[:, None]
-    by_rig = slopes_of(chart, np.zeros(chart.dim), points)
-    by_pose = [(pixels_of(rig, more) - pixels_of(rig, less)) / (2.0 * _POSE_STEP) for more, less in _moved(points)]
-    slopes = np.where(seen[..., None], np.stack([*by_rig, *by_pose]), 0.0)  # (n + 6, boards, corners, 4)
-    found = []
-    for board in np.moveaxis(slopes, 1, 0).reshape(len(points), len(slopes), -1):
-        normal = board @ board.T
-        cross, own = normal[chart.dim :, : chart.dim], normal[chart.dim :, chart.dim :]
-        found.append(normal[: chart.dim, : chart.dim] - cross.T @ np.linalg.pinv(own, hermitian=True) @ cross)
-    return np.stack(found)
-
-
-def slopes_of(
-    chart: RigChart, theta: Float[np.ndarray, "n"], points: Float[np.ndarray, "*c 3"]
-) -> list[Float[np.ndarray, "*c 4"]]:
-    """Derivatives of the pixels of points by each parameter of θ."""
-    slopes = []
-    for parameter, axis in zip(chart.parameters, np.eye(chart.dim), strict=True):
-        step = _STEPS[parameter.unit]
-        more, less = (pixels_of(chart.rig_at(theta + sign * step * axis), points) for sign in (1.0, -1.0))
-        slopes.append((more - less) / (2.0 * step))
-    return slopes
-
-
-def pixels_of(rig: StereoRig, points: Float[np.ndarray, "*c 3"]) -> Float[np.ndarray, "*c 4"]:
-    """Of points in the frame of the left camera, in the left and the right image."""
-    right = points @ rig.rotation.T + rig.translation
-    return np.concatenate([rig.left.project(points), rig.right.project(right)], axis=-1)
+    by_rig, by_pose = slopes_of(chart, np.zeros(chart.dim), points), _by_pose(rig, points)
+    slopes = np.where(seen[..., None], np.concatenate([by_rig, by_pose]), 0.0)  # (n + 6, boards, corners, 4)
+    boards = np.moveaxis(slopes, 1, 0).reshape(len(points), len(slopes), -1)
+    normal, n = boards @ boards.swapaxes(1, 2), chart.dim
+    cross, own = normal[:, n:, :n], normal[:, n:, n:]
+    return normal[:, :n, :n] - cross.swapaxes(1, 2) @ np.linalg.pinv(own, hermitian=True) @ cross
 
 
 def _boards(rig: StereoRig, views: _Views) -> Float[np.ndarray, "b c 3"]:
@@ -194,11 +172,9 @@ def _boards(rig: StereoRig, views: _Views) -> Float[np.ndarray, "b c 3"]:
     return np.stack(boards)
 
 
-def _moved(points: Float[np.ndarray, "b c 3"]):
-    """The points of boards that are turned or shifted a little, to and fro, for each of six coordinates."""
-    middle = points.mean(axis=1, keepdims=True)
-    size = np.linalg.norm(points - middle, axis=-1).max(axis=1)[:, None, None]
-    for axis in np.eye(3):
-        turned = np.cross(axis, points - middle)
-        yield points + _POSE_STEP * turned, points - _POSE_STEP * turned
-        yield points + _POSE_STEP * size * axis, points - _POSE_STEP * size * axis
+def _by_pose(rig: StereoRig, points: Float[np.ndarray, "b c 3"]) -> Float[np.ndarray, "6 b c 4"]:
+    """Derivatives of the pixels of boards by a turn about their middle, and by a shift in sizes of a board."""
+    arms = points - points.mean(axis=1, keepdims=True)
+    size = np.linalg.norm(arms, axis=-1).max(axis=1)[:, None, None]
+    moved = [np.cross(axis, arms) for axis in np.eye(3)] + [size * axis + 0.0 * arms for axis in np.eye(3)]
+    return (slopes_by_point(rig, points) @ np.stack(moved)[..., None])[..., 0]

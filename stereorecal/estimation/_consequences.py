@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.geometry import StereoRig, rectifying_rotations, reread, same_camera
-from stereorecal.objectives import RigChart
+from stereorecal.estimation._slopes import lens_parameters, moved_by_extrinsics
+from stereorecal.geometry import StereoRig, ray_slopes, rectifying_rotations, reread, same_camera
+from stereorecal.objectives import SIDES, RigChart
 
 DISTANCES = (5, 10, 30, 100)  # baselines
 _GRID = (9, 7)  # points of the left image
@@ -39,7 +40,6 @@ def readings(
     """Row differences of points, and their relative errors of disparity (true depth over that read, less 1), as `used`
     reads the pixels in which `true` sees them; rows in pixels of the mean focal length of `used`."""
     to_left, to_right = rectifying_rotations(used.rotation, used.translation)
-    focal = float(np.mean([camera.matrix[i, i] for camera in (used.left, used.right) for i in (0, 1)]))
 
     def read(ray: Float[np.ndarray, "p 3"], true_camera, used_camera, rotation) -> Float[np.ndarray, "p 3"]:
         at_1 = ray / ray[:, 2:]
@@ -52,7 +52,12 @@ def readings(
     # Depth along the used left camera's axis against that along the true one's.
     axis = left @ to_left
     depth = float(used.baseline) * axis[:, 2]  # over the disparity
-    return focal * (left[:, 1] - right[:, 1]), points[:, 2] * (left[:, 0] - right[:, 0]) / depth - 1.0
+    return _focal(used) * (left[:, 1] - right[:, 1]), points[:, 2] * (left[:, 0] - right[:, 0]) / depth - 1.0
+
+
+def _focal(used: StereoRig) -> float:
+    """The mean focal length."""
+    return float(np.mean([camera.matrix[i, i] for camera in (used.left, used.right) for i in (0, 1)]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,23 +69,42 @@ class Consequences:
         nearness: (d, n) mean relative error of disparity over the view at each of DISTANCES, likewise.
     """
 
-    rows: tuple[Float[np.ndarray, "p n"], ...]
+    rows: tuple[Float[np.ndarray, "_ n"], ...]
     nearness: Float[np.ndarray, "d n"]
-
-
-_STEPS = {"%": 1e-2, "px": 1e-2, "deg": 1e-3, "": 1e-5}
 
 
 def consequences(chart: RigChart, theta: Float[np.ndarray, "n"]) -> Consequences:
     """The linear maps at the rig at θ."""
     used = chart.rig_at(theta)
     sets = [points_of_view(used, distance) for distance in DISTANCES]
-    ends = np.cumsum([len(points) for points in sets])[:-1]
     points = np.concatenate(sets)
-    steps = np.array([_STEPS[parameter.unit] for parameter in chart.parameters])
-    slopes = []
-    for step, axis in zip(steps, np.eye(chart.dim), strict=True):
-        more, less = (readings(used, chart.rig_at(theta - sign * step * axis), points) for sign in (1.0, -1.0))
-        slopes.append([(a - b) / (2.0 * step) for a, b in zip(more, less, strict=True)])
-    rows, nearness = np.moveaxis(np.array(slopes), 0, -1)
-    return Consequences(tuple(np.split(rows, ends)), np.stack([part.mean(axis=0) for part in np.split(nearness, ends)]))
+    right = points @ used.rotation.T + used.translation
+    # How the rays that the used cameras give move if the truth is another: those of pixels that stay, the other way.
+    left_rays, right_rays = (np.zeros((chart.dim, *points.shape)) for _ in SIDES)
+    for side, seen, moved in zip(SIDES, (points, right), (left_rays, right_rays), strict=True):
+        own, names = lens_parameters(chart, side)
+        moved[own, :, :2] = chart.half_width[own, None, None] * ray_slopes(getattr(used, side), seen, names)
+    outer, by_extrinsics = moved_by_extrinsics(chart, theta, points)
+    right_rays[outer] = -(by_extrinsics - right / right[:, 2:] * by_extrinsics[..., 2:]) / right[:, 2:]
+    to_left, to_right = rectifying_rotations(used.rotation, used.translation)
+    (left, along, by_left), (right, _, by_right) = (
+        _rectified(seen, moved, rotation)
+        for seen, moved, rotation in ((points, left_rays, to_left), (right, right_rays, to_right))
+    )
+    rows = _focal(used) * (by_left[..., 1] - by_right[..., 1])
+    # Disparity over nearness is as it should be; depth along the used camera's axis is over that along the common one.
+    disparity, by_disparity = left[:, 0] - right[:, 0], by_left[..., 0] - by_right[..., 0]
+    nearness = by_disparity / disparity + (left_rays @ to_left[2]) / along
+    ends = np.cumsum([len(points) for points in sets])[:-1]
+    by_distance = np.split(nearness, ends, axis=1)
+    return Consequences(tuple(np.split(rows.T, ends)), np.stack([part.mean(axis=1) for part in by_distance]))
+
+
+def _rectified(
+    seen: Float[np.ndarray, "p 3"], moved: Float[np.ndarray, "n p 3"], rotation: Float[np.ndarray, "3 3"]
+) -> tuple[Float[np.ndarray, "p 2"], Float[np.ndarray, "p"], Float[np.ndarray, "n p 2"]]:
+    """Points at depth 1 of the common plane, what that depth is on a ray (x, y, 1), and how they move with the ray."""
+    turned, by_theta = seen / seen[:, 2:] @ rotation.T, moved @ rotation.T
+    along = turned[:, 2]
+    at_1 = turned[:, :2] / along[:, None]
+    return at_1, along, (by_theta[..., :2] - at_1 * by_theta[..., 2:]) / along[:, None]

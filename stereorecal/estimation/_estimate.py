@@ -1,18 +1,19 @@
 """The estimate: from correspondences and a prior to what is known of a rig, and the rigs that may be written."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
-from threadpoolctl import ThreadpoolController
 
 from stereorecal._names import known
 from stereorecal.estimation._candidates import depth_kept, least_loss, least_loss_of_depth_kept
 from stereorecal.estimation._consequences import DISTANCES, Consequences, consequences, points_of_view, readings
 from stereorecal.estimation._frames import OtherRig, other_rigs
 from stereorecal.estimation._least_squares import fit
+from stereorecal.estimation._one_thread import one_blas_thread
 from stereorecal.estimation._parameters import rig_parameters
 from stereorecal.estimation._posterior import Posterior
 from stereorecal.estimation._priors import Prior, as_prior
@@ -50,6 +51,10 @@ class Estimate:
     prior_variance: Float[np.ndarray, "n"]
     other_rigs: tuple[OtherRig, ...] = ()
 
+    def __getstate__(self) -> dict[str, Any]:
+        """What is derived stays behind: samples are larger than all else."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
     @property
     def names(self) -> tuple[str, ...]:
         """Of all parameters, in the order of θ."""
@@ -76,10 +81,12 @@ class Estimate:
         return self.chart.rig_at(self.theta)
 
     @cached_property
+    @one_blas_thread()
     def depth_kept(self) -> Float[np.ndarray, "n"]:
         """The most probable θ whose depth is that of the given rig."""
         return depth_kept(self.chart, self.theta, self.posterior.covariance)
 
+    @one_blas_thread()
     def with_free(self, names: Sequence[str], *, keep_depth: bool = False) -> Float[np.ndarray, "n"]:
         """θ that loses least in rows and depth if only these parameters may change.
 
@@ -110,6 +117,7 @@ class Estimate:
         near = 1.0 + self._nearness(used)[:, DISTANCES.index(_FAR)]
         return np.mean(rows, axis=0), 100.0 * np.abs(1.0 / np.maximum(near, _LEAST_NEARNESS) - 1.0)
 
+    @one_blas_thread()
     def _row_errors(self, used: Float[np.ndarray, "n"], index: int) -> Float[np.ndarray, "s"]:
         """Root mean square over the view of the row errors of the rig at θ = used, for each sample: exact at the mean,
         linear around it."""
@@ -118,10 +126,12 @@ class Estimate:
         return np.sqrt(np.mean((at_mean - (self._samples - self.theta) @ slopes.T) ** 2, axis=1))
 
     @cached_property
+    @one_blas_thread()
     def _samples(self) -> Float[np.ndarray, "s n"]:
         return self.posterior.samples(_SAMPLES, _SEED)
 
     @cached_property
+    @one_blas_thread()
     def _consequences(self) -> Consequences:
         return consequences(self.chart, self.theta)
 
@@ -152,6 +162,7 @@ class Estimate:
             found[distance] = (middle, low, high)
         return found
 
+    @one_blas_thread()
     def _nearness(self, used: Float[np.ndarray, "n"]) -> Float[np.ndarray, "s d"]:
         """Relative error of disparity of the rig at θ = used, for each sample and distance: exact at the mean, linear
         around it."""
@@ -160,6 +171,7 @@ class Estimate:
         return np.array(at_mean) - (self._samples - self.theta) @ self._consequences.nearness.T
 
 
+@one_blas_thread()
 def estimate(
     found: Correspondences,
     rig: StereoRig,
@@ -171,18 +183,15 @@ def estimate(
     Args:
         found: correspondences of one or several frames, with the rays that the cameras of `rig` give.
         rig: the given calibration.
-        prior: of what it leaves; default that of a chessboard calibration.
+        prior: of what it leaves; default that of a chessboard calibration. `as_prior` of it, made once, saves its time
+            where a rig is estimated again.
         start: θ to begin at; default 0.
     """
     chart = rig_parameters(rig)
-    asked = as_prior(prior, chart)
-    # Hundreds of small matrices: threads would wait for each other, and for other processes on these cores.
-    with ThreadpoolController().limit(limits=1, user_api="blas"):
-        solved = fit(found, chart, asked, start)
-        mean, rows = solved.posterior.mean, solved.rows
-        if rows is None:
-            return Estimate(chart, solved.posterior, solved.misfit, 0, float("nan"), solved.prior_variance)
-        others = other_rigs(rows, sum(solved.misfit), mean)
-    residual = rows.residual(mean)
+    solved = fit(found, chart, as_prior(prior, chart), start)
+    mean, rows = solved.posterior.mean, solved.rows
+    if rows is None:
+        return Estimate(chart, solved.posterior, solved.misfit, 0, float("nan"), solved.prior_variance)
+    others, residual = other_rigs(rows, sum(solved.misfit), mean), rows.residual(mean)
     rms = float(np.sqrt(np.mean(residual**2)))
     return Estimate(chart, solved.posterior, solved.misfit, len(residual), rms, solved.prior_variance, others)

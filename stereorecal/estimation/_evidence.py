@@ -5,7 +5,9 @@ drift, ν nuisance parameters that belong to no rig. As everything is normal, c 
 calibration's κ and each deviation of the misfit, and what is left is a problem of the five extrinsics that drift.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float
@@ -74,22 +76,35 @@ class Explained:
     Attributes:
         log_evidence: (k,).
         means: (k, n).
-        rest: (n, n) the covariance of θ if the drift were known.
-        by_drift: (n, 5) how θ follows the drift.
-        drifts: (k, 5, 5) covariances of the drift.
         nuisance: (k, q) means of the nuisance parameters.
+        by_drift: (n, 5) how θ follows the drift.
+        precision: (5, 5) of the drift, by the rows alone.
+        sizes: (k, 5) standard deviations of each kind of drift.
+        calibration: (n, n) a root of the covariance of c, and
+        lower: (n + q, n + q) the Cholesky factor of the precision of c and ν that the rows leave, in units of roots.
     """
 
     log_evidence: Float[np.ndarray, "k"]
     means: Float[np.ndarray, "k n"]
-    rest: Float[np.ndarray, "n n"]
-    by_drift: Float[np.ndarray, "n 5"]
-    drifts: Float[np.ndarray, "k 5 5"]
     nuisance: Float[np.ndarray, "k q"]
+    by_drift: Float[np.ndarray, "n 5"]
+    precision: Float[np.ndarray, "5 5"]
+    sizes: Float[np.ndarray, "k 5"]
+    calibration: Float[np.ndarray, "n n"]
+    lower: Float[np.ndarray, "m m"]
+
+    @cached_property
+    def _rest(self) -> Float[np.ndarray, "n n"]:
+        """The covariance of θ if the drift were known."""
+        n = len(self.calibration)
+        half = np.linalg.solve(self.lower, np.eye(len(self.lower), n) @ self.calibration.T)
+        return half.T @ half
 
     def covariance(self, index: int) -> Float[np.ndarray, "n n"]:
         """Of θ under one of them."""
-        return self.rest + self.by_drift @ self.drifts[index] @ self.by_drift.T
+        size = self.sizes[index]
+        drift = size[:, None] * np.linalg.inv(np.eye(_DRIFTING) + size[:, None] * self.precision * size) * size
+        return self._rest + self.by_drift @ (0.5 * (drift + drift.T)) @ self.by_drift.T
 
 
 def explained(
@@ -110,32 +125,61 @@ def explained(
         sizes: standard deviations of each kind of drift.
         log_weights: logarithms of their probabilities.
     """
-    n, q = len(calibration), len(nuisance)
-    of_rows = of_rows.around(given)
-    prior = np.zeros((n + q, n + q))
-    prior[:n, :n], prior[n:, n:] = calibration, nuisance
-    pulled, by_prior = prior.T @ of_rows.b, of_rows.a @ prior
-    inner = np.eye(n + q) + prior.T @ by_prior
+    (found,) = all_explained([of_rows], calibration[None], given[None], nuisance, sizes, log_weights[None])
+    return found
+
+
+def all_explained(
+    of_rows: Sequence[Normal],
+    calibrations: Float[np.ndarray, "j n n"],
+    given: Float[np.ndarray, "j n"],
+    nuisance: Float[np.ndarray, "q q"],
+    sizes: Float[np.ndarray, "k 5"],
+    log_weights: Float[np.ndarray, "j k"],
+) -> list[Explained]:
+    """`explained` for each of j likelihoods, or one that all have in common, and its calibration, at once."""
+    n, q = calibrations.shape[1], len(nuisance)
+    a, b, c = (np.stack([np.asarray(getattr(one, name)) for one in of_rows]) for name in "abc")
+    by_mean = (a[:, :, :n] @ given[:, :, None])[:, :, 0]
+    c = c - np.einsum("jn,jn->j", given, (2.0 * b - by_mean)[:, :n])
+    b = b - by_mean
+    # With θ and ν in units of their roots.
+    roots = np.zeros((len(calibrations), n + q, n + q))
+    roots[:, :n, :n], roots[:, n:, n:] = calibrations, nuisance
+    turned, by_root = roots.swapaxes(1, 2), a @ roots
+    pulled, inner = turned @ b[:, :, None], np.eye(n + q) + turned @ by_root
     lower = np.linalg.cholesky(inner)
     # Without a drift, and how that follows one.
-    solved = np.linalg.solve(inner, np.column_stack([pulled, by_prior[:_DRIFTING].T]))
-    at_rest, follows = prior @ solved[:, 0], -prior @ solved[:, 1:]
-    normal = of_rows.a[:_DRIFTING, :_DRIFTING] + by_prior[:_DRIFTING] @ -solved[:, 1:]
-    pull = of_rows.b[:_DRIFTING] - by_prior[:_DRIFTING] @ solved[:, 0]
-    inner_k = np.eye(_DRIFTING) + sizes[:, :, None] * (0.5 * (normal + normal.T)) * sizes[:, None, :]
-    inverse_k = np.linalg.inv(inner_k)
-    drifts = sizes[:, :, None] * inverse_k * sizes[:, None, :]
-    d = drifts @ pull
-    evidence = -0.5 * (of_rows.c - pulled @ solved[:, 0] + 2.0 * np.log(np.diag(lower)).sum())
-    evidence = evidence - 0.5 * (np.linalg.slogdet(inner_k)[1] - d @ pull) + log_weights
-    by_drift = follows[:n].copy()
-    by_drift[:_DRIFTING] += np.eye(_DRIFTING)
-    rest = prior[:n] @ np.linalg.solve(inner, prior[:n].T)
-    return Explained(
-        evidence,
-        given + at_rest[:n] + d @ by_drift.T,
-        0.5 * (rest + rest.T),
-        by_drift,
-        drifts,
-        at_rest[n:] + d @ follows[n:].T,
-    )
+    of_drift = by_root[:, :_DRIFTING]
+    solved = np.linalg.solve(inner, np.concatenate([pulled, of_drift.swapaxes(1, 2)], axis=2))
+    at_rest, follows = roots @ solved[:, :, :1], -roots @ solved[:, :, 1:]
+    precision = a[:, :_DRIFTING, :_DRIFTING] - of_drift @ solved[:, :, 1:]
+    precision = 0.5 * (precision + precision.swapaxes(1, 2))
+    pull = b[:, :_DRIFTING] - (of_drift @ solved[:, :, :1])[:, :, 0]
+    drifts, information = _of_drifts(precision, pull, sizes)
+    at_zero = c - (pulled * solved[:, :, :1]).sum(axis=(1, 2))
+    at_zero += 2.0 * np.log(np.diagonal(lower, axis1=1, axis2=2)).sum(axis=1)
+    evidence = log_weights - 0.5 * (at_zero[:, None] + information - (drifts @ pull[:, :, None])[:, :, 0])
+    by_drift = follows[:, :n] + np.eye(n, _DRIFTING)
+    means = given[:, None] + at_rest[:, None, :n, 0] + drifts @ by_drift.swapaxes(1, 2)
+    of_nuisance = at_rest[:, None, n:, 0] + drifts @ follows[:, n:].swapaxes(1, 2)
+    every = zip(evidence, means, of_nuisance, by_drift, precision, calibrations, lower, strict=True)
+    return [Explained(*some, sizes, calibration, half) for *some, calibration, half in every]
+
+
+def _of_drifts(
+    precision: Float[np.ndarray, "j 5 5"], pull: Float[np.ndarray, "j 5"], sizes: Float[np.ndarray, "k 5"]
+) -> tuple[Float[np.ndarray, "j k 5"], Float[np.ndarray, "j k"]]:
+    """The mean of the drift for each kind of it, and the logarithm of the determinant of 1 + s M s: elimination in all
+    of these thousands of small matrices together. They are positive definite and 1 at least, so no pivot is small."""
+    left = np.moveaxis(precision, 0, -1)[..., None] * (sizes.T[:, None, None] * sizes.T[None, :, None])
+    left += np.eye(_DRIFTING)[:, :, None, None]  # (5, 5, j, k)
+    right = pull.T[:, :, None] * sizes.T[:, None]
+    for p in range(_DRIFTING - 1):
+        share = left[p, p + 1 :] / left[p, p]  # symmetric
+        left[p + 1 :, p + 1 :] -= share[:, None] * left[p, p + 1 :]
+        right[p + 1 :] -= share * right[p]
+    logs = sum(np.log(left[p, p]) for p in range(_DRIFTING))
+    for p in reversed(range(_DRIFTING)):
+        right[p] = (right[p] - (left[p, p + 1 :] * right[p + 1 :]).sum(axis=0)) / left[p, p]
+    return np.moveaxis(right * sizes.T[:, None], 0, -1), np.asarray(logs)

@@ -2,13 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 from jaxtyping import Float, Int
 
 from stereorecal.estimation._calibration_prior import CalibrationPrior
 from stereorecal.estimation._drift import drift_sizes
-from stereorecal.estimation._evidence import Explained, Normal, explained, normal_of, without
+from stereorecal.estimation._evidence import Explained, Normal, all_explained, normal_of, without
 from stereorecal.estimation._groups import PLACES, Groups
 from stereorecal.estimation._misfit import alike, covariance_of_rows, unexpected
 from stereorecal.estimation._posterior import root
@@ -35,7 +36,7 @@ class LinearRows:
     jacobian: Float[np.ndarray, "g n"]
     at_zero: Float[np.ndarray, "g"]
     deviation: Float[np.ndarray, "g"]
-    frames: Sequence[Int[np.ndarray, "f"]]
+    frames: Sequence[Int[np.ndarray, "_"]]
 
     def residual(self, theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "g"]:
         """At θ."""
@@ -86,16 +87,15 @@ def explanations(
     """θ for each misfit and some of the covariances of the calibration's prior."""
     sizes, weights = drift_sizes()
     whole = {misfit: rows.normal(misfit) for misfit in {of_a_frame for of_a_frame, _ in misfits}}
-    found = []
-    for of_a_frame, common in misfits:
-        normal = whole[of_a_frame]
-        if len(rows.frames) > 1:
-            normal = without(normal, common * _ROOT_OF_FIELD)
-        for index in which:
-            logs = np.log(weights * prior.weights[index])
-            under = explained(normal, prior.roots[index], prior.means[index], _NOTHING, sizes, logs)
-            found.append(Explanation((of_a_frame, common), index, under))
-    return found
+    if len(rows.frames) > 1:
+        normals = [without(whole[of_a_frame], common * _ROOT_OF_FIELD) for of_a_frame, common in misfits]
+    else:
+        normals = [whole[of_a_frame] for of_a_frame, _ in misfits]
+    both, every = list(product(misfits, which)), [normal for normal in normals for _ in which]
+    several = [index for _, index in both]
+    logs = np.log(weights * prior.weights[several, None])
+    found = all_explained(every, prior.roots[several], prior.means[several], _NOTHING, sizes, logs)
+    return [Explanation(misfit, index, under) for (misfit, index), under in zip(both, found, strict=True)]
 
 
 def best_of(several: Sequence[Explanation]) -> tuple[Explanation, int]:

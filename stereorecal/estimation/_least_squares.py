@@ -12,7 +12,7 @@ from stereorecal.estimation._evidence import Normal, explained
 from stereorecal.estimation._explanations import Explanation, LinearRows, best_of, explanations, linear_rows
 from stereorecal.estimation._groups import grouped
 from stereorecal.estimation._misfit import COMMON, DEVIATIONS
-from stereorecal.estimation._posterior import Posterior
+from stereorecal.estimation._posterior import Posterior, merged
 from stereorecal.estimation._rivals import beside_rivals
 from stereorecal.objectives import RigChart
 from stereorecal.scoring import Correspondences
@@ -22,6 +22,7 @@ _ROUNDS = 8
 _REGROUPED = 3  # times; then outliers are what they are
 _SETTLED = 0.05  # standard deviations of θ
 _LEAST = 1e-4  # of the weight of all explanations: below, one is dropped
+_MOST = 32  # explanations: an estimate travels between processes
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,18 +59,20 @@ def fit(
     if len(groups) < _FEWEST:
         return _nothing_seen(chart, prior)
     rows = linear_rows(groups, chart, theta)
+    step = np.zeros(chart.dim)
     for number in range(_ROUNDS):
         best, kind = best_of(_searched(rows, prior, misfit, which))
-        mean, misfit, which = best.found.means[kind], best.misfit, best.prior
-        moved = np.abs(mean - theta) / np.sqrt(np.maximum(np.diag(best.found.covariance(kind)), 1e-30))
-        if moved.max() < _SETTLED:
+        misfit, which = best.misfit, best.prior
+        deviations = np.sqrt(np.maximum(np.diag(best.found.covariance(kind)), 1e-30))
+        last, step = step, (best.found.means[kind] - theta) / deviations
+        if number and np.abs(step).max() < _SETTLED:  # from the second round on, groups that err alone have less say
             break
-        grown, theta = rows.robust(sum(misfit), mean), mean
+        # Where rows bend along what they hardly tell, whole steps go to and fro.
+        theta = theta + (0.5 if step @ last < 0.0 else 1.0) * step * deviations
         if number < _REGROUPED:
             groups = grouped(found, chart, theta)
         rows = linear_rows(groups, chart, theta)
-        if len(grown) == len(rows.deviation):
-            rows = replace(rows, deviation=grown)
+        rows = replace(rows, deviation=rows.robust(sum(misfit), theta))
     near = _near(misfit, len(rows.frames) > 1)
     several = explanations(rows, prior, range(len(prior.roots)), near)
     if len(rows.frames) == 1:  # what moves differs between frames, and they outvote it
@@ -113,14 +116,15 @@ def _near(misfit: tuple[float, float], several: bool) -> list[tuple[float, float
 
 
 def mixture(several: Sequence[Explanation]) -> Posterior:
-    """All explanations, each with its weight; what hardly weighs is left out."""
+    """All explanations, each with its weight; what hardly weighs is left out, and what is alike is one."""
     evidence = np.stack([one.found.log_evidence for one in several])
     weights = np.exp(evidence - evidence.max())
     weights /= weights.sum()
     kept = np.argwhere(weights > _LEAST)
     some = weights[tuple(kept.T)]
-    return Posterior(
+    whole = Posterior(
         some / some.sum(),
         np.stack([several[i].found.means[k] for i, k in kept]),
         np.stack([several[i].found.covariance(int(k)) for i, k in kept]),
     )
+    return merged(whole, _MOST)

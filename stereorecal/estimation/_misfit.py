@@ -5,6 +5,8 @@ have in common. The evidence finds their deviations; their length is short, sinc
 of a yaw.
 """
 
+from functools import cache
+
 import numpy as np
 from jaxtyping import Float, Int
 
@@ -17,7 +19,13 @@ _LENGTH = 1.5  # places
 
 def alike(place: Int[np.ndarray, "g"]) -> Float[np.ndarray, "g g"]:
     """The correlation of the field at places."""
-    row, column = np.divmod(place, PLACES[0])
+    return _alike()[np.ix_(place, place)]
+
+
+@cache
+def _alike() -> Float[np.ndarray, "p p"]:
+    """Of all places."""
+    row, column = np.divmod(np.arange(PLACES[0] * PLACES[1]), PLACES[0])
     apart2 = (row[:, None] - row) ** 2 + (column[:, None] - column) ** 2
     return np.exp(-0.5 * apart2 / _LENGTH**2)
 

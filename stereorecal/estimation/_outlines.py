@@ -61,19 +61,18 @@ def outlines(several: Iterable[Offsets], present: Bool[np.ndarray, "p"]) -> list
 def _searched(offsets: Offsets, present: Bool[np.ndarray, "p"]) -> Iterator[tuple[float, float, Bool[np.ndarray, "p"]]]:
     """Log evidence, log prior and outline: the best rectangle, the best one that the rest moved around, and what grows
     of both."""
-    labels = _rectangles()
-    log_prior = -float(np.log(2.0 * 2.0 * len(labels)))
     whole = present.astype(float)
     of_whole = offsets.a @ whole
-    pull, stiff = labels @ offsets.b, np.einsum("sp,sp->s", labels @ offsets.a, labels)
-    rest_pull, rest_stiff = offsets.b @ whole - pull, whole @ of_whole - 2.0 * (labels @ of_whole) + stiff
-    number = labels @ whole
+    pull, stiff = _sums(offsets.b), _squares(offsets.a)
+    log_prior = -float(np.log(2.0 * 2.0 * len(pull)))
+    rest_pull, rest_stiff = offsets.b @ whole - pull, whole @ of_whole - 2.0 * _sums(of_whole) + stiff
+    number = _sums(whole)
     fits = (number >= _FEWEST) & (number <= whole.sum() - _FEWEST)
     if not fits.any():
         return
     for gains, around in ((offsets.gain(pull, stiff), False), (offsets.gain(rest_pull, rest_stiff), True)):
         index = int(np.where(fits, gains, -np.inf).argmax())
-        label = present & ((labels[index] > 0.0) != around)
+        label = present & (_rectangle(index) != around)
         yield float(gains[index]) + log_prior, log_prior, label
         yield _grown(offsets, label, present)
 
@@ -104,14 +103,35 @@ def _grown(
     return now - float(np.log(2.0)), log_prior, side > 0.5
 
 
+# All rectangles: of each span of rows, all spans of columns.
+
+
 @cache
-def _rectangles() -> Float[np.ndarray, "s p"]:
-    """All of them, 1 inside."""
-    across, down = (
-        np.array([(np.arange(n) >= i) & (np.arange(n) < j) for i in range(n) for j in range(i + 1, n + 1)])
-        for n in PLACES
-    )
-    return (down[:, None, :, None] & across[None, :, None, :]).reshape(-1, _N).astype(float)
+def _spans(n: int) -> Float[np.ndarray, "m n"]:
+    """All intervals of n numbers, 1 inside."""
+    ends = [(i, j) for i in range(n) for j in range(i + 1, n + 1)]
+    return np.array([(np.arange(n) >= i) & (np.arange(n) < j) for i, j in ends]).astype(float)
+
+
+def _sums(values: Float[np.ndarray, "p"]) -> Float[np.ndarray, "s"]:
+    """Of values inside of each rectangle."""
+    across, down = map(_spans, PLACES)
+    return (down @ values.reshape(len(down[0]), -1) @ across.T).ravel()
+
+
+def _squares(a: Float[np.ndarray, "p p"]) -> Float[np.ndarray, "s"]:
+    """lᵀ a l for each rectangle l."""
+    (columns, rows), (across, down) = PLACES, map(_spans, PLACES)
+    of_columns = a.reshape(rows, columns, rows, columns) @ across.T  # (rows, columns, rows, spans of columns)
+    of_columns = np.einsum("yxzc,cx->cyz", of_columns, across)
+    return np.einsum("cyd,dy->dc", of_columns @ down.T, down).ravel()
+
+
+def _rectangle(index: int) -> Bool[np.ndarray, "p"]:
+    """Which places are inside."""
+    across, down = map(_spans, PLACES)
+    of_rows, of_columns = divmod(index, len(across))
+    return np.outer(down[of_rows], across[of_columns]).ravel() > 0.0
 
 
 @cache

@@ -6,6 +6,8 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Float
 
+_SINGULAR = 1e-12  # of the largest eigenvalue
+
 
 @dataclass(frozen=True, eq=False)
 class Posterior:
@@ -42,6 +44,45 @@ class Posterior:
             here = chosen == index
             found[here] = self.means[index] + normal[here] @ root(self.covariances[index]).T
         return found
+
+
+def merged(posterior: Posterior, most: int) -> Posterior:
+    """The posterior with so many explanations at most: those that are alike in all that is uncertain become one, which
+    leaves mean and covariance as they are, and of all quantiles what samples tell."""
+    w, means, covariances = posterior.weights, posterior.means, posterior.covariances
+    if len(w) <= most:
+        return posterior
+    white = _whitening(posterior.covariance)
+    shapes = (white @ covariances @ white.T).reshape(len(w), -1) / np.sqrt(2.0)
+    features = np.concatenate([(means - posterior.mean) @ white.T, shapes], axis=1)
+    size = np.sum(features**2, axis=1)
+
+    def apart(index: int) -> Float[np.ndarray, "m"]:
+        return np.maximum(size + size[index] - 2.0 * features @ features[index], 0.0)
+
+    # One centre after the other where most weight is farthest from all others.
+    heaviest = int(w.argmax())
+    nearest, group = apart(heaviest), np.zeros(len(w), int)
+    for number in range(1, most):
+        other = apart(index := int((w * nearest).argmax()))
+        other[index] = 0.0
+        group, nearest = np.where(other < nearest, number, group), np.minimum(other, nearest)
+    belongs = (group == np.unique(group)[:, None]) * w
+    weights = belongs.sum(axis=1)
+    share = belongs / weights[:, None]
+    centres = share @ means
+    spread = means - centres[np.unique(group, return_inverse=True)[1]]
+    whole = covariances + spread[:, :, None] * spread[:, None, :]
+    return Posterior(weights, centres, np.tensordot(share, whole, 1))
+
+
+def _whitening(covariance: Float[np.ndarray, "n n"]) -> Float[np.ndarray, "r n"]:
+    """What makes a covariance the identity, in the directions that are uncertain."""
+    scale = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    inverse = np.where(scale > 0.0, 1.0 / np.where(scale > 0.0, scale, 1.0), 0.0)
+    values, axes = np.linalg.eigh(covariance * inverse[:, None] * inverse)
+    uncertain = values > _SINGULAR * max(values.max(initial=0.0), _SINGULAR)
+    return (axes[:, uncertain] / np.sqrt(values[uncertain])).T * inverse
 
 
 def root(covariance: Float[np.ndarray, "n n"]) -> Float[np.ndarray, "n n"]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from numbers import Real
 
 import numpy as np
 from jaxtyping import Float
@@ -73,7 +74,7 @@ class CalibrationCovariance:
         object.__setattr__(self, "mean", mean)
 
 
-Prior = str | Mapping[str, float] | CalibrationCovariance | SavedPrior | Earlier | CalibrationPrior | None
+Prior = str | Mapping[str, float | np.number] | CalibrationCovariance | SavedPrior | Earlier | CalibrationPrior | None
 
 
 def as_prior(prior: Prior, chart: RigChart) -> CalibrationPrior:
@@ -102,7 +103,7 @@ def as_prior(prior: Prior, chart: RigChart) -> CalibrationPrior:
         covariance, mean = np.zeros((chart.dim, chart.dim)), np.zeros(chart.dim)
         covariance[np.ix_(where, where)], mean[where] = prior.covariance, prior.mean
         return CalibrationPrior(root(covariance)[None], np.ones(1), means=mean[None])
-    return _rescaled(calibration_prior(chart), chart, prior)
+    return _with_sigmas(calibration_prior(chart), chart, prior)
 
 
 def with_boards(prior: Prior, boards: Sequence[Board] | None, chart: RigChart) -> Prior:
@@ -134,6 +135,10 @@ def check_prior(prior: Prior, chart: RigChart | None = None) -> None:
     """
     if isinstance(prior, SavedPrior) and chart is not None:
         prior.check(chart.rig)
+    if isinstance(prior, CalibrationPrior) and chart is not None and prior.means.shape[1] != chart.dim:
+        raise InputError(
+            f"the prior is of {prior.means.shape[1]} parameters, and the rig has {chart.dim}; make it for this rig."
+        )
     if prior is None or isinstance(prior, CalibrationPrior | SavedPrior | Earlier):
         return
     if isinstance(prior, str):
@@ -148,7 +153,8 @@ def check_prior(prior: Prior, chart: RigChart | None = None) -> None:
     for name in names if chart is not None else ():
         known(name, list(chart.names) if chart is not None else [], "parameter")
     for name, sigma in prior.items() if isinstance(prior, Mapping) else ():
-        if not (isinstance(sigma, int | float) and np.isfinite(sigma) and sigma > 0.0):
+        number = isinstance(sigma, Real) and not isinstance(sigma, bool)
+        if not (number and np.isfinite(sigma) and sigma > 0.0):
             raise InputError(f"the prior of {name} is {sigma!r}; give a positive standard deviation.")
 
 
@@ -166,15 +172,26 @@ def check_boards(boards: Sequence[Board] | None, prior: Prior) -> None:
         raise InputError('boards tell what the calibration left, and prior="exact" that it left nothing; give one.')
 
 
-def _rescaled(prior: CalibrationPrior, chart: RigChart, sigmas: Mapping[str, float]) -> CalibrationPrior:
-    """The prior with these standard deviations, its correlations kept; what is not named follows their median."""
-    factors = []
+def _with_sigmas(prior: CalibrationPrior, chart: RigChart, sigmas: Mapping[str, float | np.number]) -> CalibrationPrior:
+    """The prior where these standard deviations are known: what is named keeps its correlations, and what is not
+    follows it as it did before."""
+    if not sigmas:
+        return prior
+    named = np.array([chart.names.index(name) for name in sigmas])
+    rest, wanted = np.setdiff1d(np.arange(chart.dim), named), np.array([float(sigma) for sigma in sigmas.values()])
+    roots = []
     for one in prior.roots:
         deviations = np.linalg.norm(one, axis=1)
-        where = {name: sigma / deviations[chart.names.index(name)] for name, sigma in sigmas.items()}
-        others = float(np.median(list(where.values()))) if where else 1.0
-        factors.append([where.get(name, others) for name in chart.names])
-    return CalibrationPrior.around_given(prior.roots * np.array(factors)[:, :, None], prior.weights)
+        unit = one / deviations[:, None]
+        both, scale = unit[named] @ unit[named].T, wanted / deviations[named]
+        follows = np.linalg.solve(both, unit[named] @ unit[rest].T).T
+        # What is named, its change, and what of the rest does not follow it, are independent.
+        known = np.zeros((chart.dim, len(named) + chart.dim))
+        known[named, : len(named)] = scale[:, None] * np.linalg.cholesky(both)
+        known[rest, : len(named)] = follows @ known[named, : len(named)]
+        known[rest, len(named) :] = unit[rest] - follows @ unit[named]
+        roots.append(root(deviations[:, None] * (known @ known.T) * deviations))
+    return CalibrationPrior(np.stack(roots), prior.weights, means=prior.means)
 
 
 def is_exact(prior: Prior) -> bool:

@@ -14,12 +14,14 @@ from stereorecal.geometry._intrinsics import (
     camera_changes as camera_changes,
     changed_camera as changed_camera,
     intrinsic as intrinsic,
+    pixel_slopes as pixel_slopes,
     ray_slopes as ray_slopes,
     reread as reread,
 )
 from stereorecal.geometry._rectification import (
     View as View,
     rectifying_rotations as rectifying_rotations,
+    rectifying_slopes as rectifying_slopes,
     view as view,
 )
 from stereorecal.geometry._rectified import Rectification as Rectification, rectification as rectification
@@ -33,6 +35,7 @@ from stereorecal.geometry._same_rig import same_rig as same_rig
 from stereorecal.geometry._so3 import (
     angle_between as angle_between,
     euler_from_rotation as euler_from_rotation,
+    euler_slopes as euler_slopes,
     rotation_from_euler as rotation_from_euler,
     rotation_from_vector as rotation_from_vector,
     vector_from_rotation as vector_from_rotation,

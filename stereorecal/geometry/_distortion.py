@@ -19,9 +19,10 @@ def distort(points: Inexact[AnyArray, "*n 2"], coefficients: Inexact[AnyArray, "
 
 
 def distort_planes(
-    x: Inexact[AnyArray, "*n"], y: Inexact[AnyArray, "*n"], coefficients: Inexact[AnyArray, "c"]
+    x: Inexact[AnyArray, "*n"], y: Inexact[AnyArray, "*n"], coefficients: Inexact[AnyArray, "c *lenses"]
 ) -> tuple:
-    """`distort` with x and y apart, as maps of whole images want them: pairs in memory cost four times the time."""
+    """`distort` with x and y apart, as maps of whole images want them: pairs in memory cost four times the time.
+    Several lenses broadcast against the points."""
     count = coefficients.shape[0]
     if count == 0:
         return x, y
@@ -92,20 +93,45 @@ def _undistort_on_host(
 ) -> Float[np.ndarray, "*n 2"]:
     if coefficients.size == 0:
         return goals.copy()
-    points, tiny = np.array(start, float), 1e-30
+    shape, goals = goals.shape, goals.reshape(-1, 2)
+    x, y = (np.array(start, float).reshape(-1, 2)[:, axis] for axis in (0, 1))
     with np.errstate(all="ignore"):  # NaN where the model folds
         for _ in range(iterations):
-            error = distort(points, coefficients) - goals
-            # Complex steps (Squire & Trapp 1998): derivatives without a difference, exact.
-            ends = (distort(points + direction, coefficients) for direction in tiny * 1j * np.eye(2))
-            by_x, by_y = (np.imag(end) / tiny for end in ends)
-            (a, c), (b, d) = np.moveaxis(by_x, -1, 0), np.moveaxis(by_y, -1, 0)
-            update = np.stack([d * error[..., 0] - b * error[..., 1], a * error[..., 1] - c * error[..., 0]], axis=-1)
-            update /= (a * d - b * c)[..., None]
-            points -= update / np.maximum(1.0, np.linalg.norm(update, axis=-1, keepdims=True) / _LONGEST)
-            if not np.any(np.abs(update) > _SETTLED):
+            (u, v), ((a, b), (c, d)) = _distorted_with_slopes(x, y, coefficients)
+            u, v, determinant = u - goals[:, 0], v - goals[:, 1], a * d - b * c
+            by_x, by_y = (d * u - b * v) / determinant, (a * v - c * u) / determinant
+            shorter = 1.0 / np.maximum(1.0, np.hypot(by_x, by_y) / _LONGEST)
+            x, y = x - shorter * by_x, y - shorter * by_y
+            if not (np.any(np.abs(by_x) > _SETTLED) or np.any(np.abs(by_y) > _SETTLED)):
                 break
-    return points
+    return np.stack([x, y], axis=-1).reshape(shape)
+
+
+def _distorted_with_slopes(
+    x: Float[np.ndarray, "*n"], y: Float[np.ndarray, "*n"], coefficients: Float[np.ndarray, "c"]
+):
+    """`distort_planes`, and the derivatives of both by x and by y."""
+    k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4, *tilt = np.pad(coefficients, (0, max(0, 12 - coefficients.size)))
+    r2 = x * x + y * y
+    radial, grows = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3)), k1 + r2 * (2.0 * k2 + 3.0 * r2 * k3)
+    if k4 or k5 or k6:
+        below = 1.0 + r2 * (k4 + r2 * (k5 + r2 * k6))
+        radial = radial / below
+        grows = (grows - radial * (k4 + r2 * (2.0 * k5 + 3.0 * r2 * k6))) / below
+    u = x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x) + r2 * (s1 + r2 * s2)
+    v = y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y + r2 * (s3 + r2 * s4)
+    across, down = 2.0 * (s1 + 2.0 * r2 * s2), 2.0 * (s3 + 2.0 * r2 * s4)
+    mixed = 2.0 * (x * y * grows + p1 * x + p2 * y)
+    a, b = radial + 2.0 * (x * x * grows + p1 * y + 3.0 * p2 * x) + across * x, mixed + across * y
+    c, d = mixed + down * x, radial + 2.0 * (y * y * grows + 3.0 * p1 * y + p2 * x) + down * y
+    if not any(tilt):
+        return (u, v), ((a, b), (c, d))
+    m0, m1, m2 = _tilt_matrix(*tilt)
+    w = m2[0] * u + m2[1] * v + m2[2]
+    ends = [(m[0] * u + m[1] * v + m[2]) / w for m in (m0, m1)]
+    of_ends = [((m[0] - end * m2[0]) / w, (m[1] - end * m2[1]) / w) for m, end in zip((m0, m1), ends, strict=True)]
+    (au, av), (bu, bv) = of_ends
+    return ends, ((au * a + av * c, au * b + av * d), (bu * a + bv * c, bu * b + bv * d))
 
 
 @partial(jax.jit, static_argnums=2)  # or else every call outside a trace compiles the loop again

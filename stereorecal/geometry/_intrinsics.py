@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal.geometry._camera import Camera
-from stereorecal.geometry._distortion import COEFFICIENT_COUNTS, distort, undistort
+from stereorecal.geometry._distortion import COEFFICIENT_COUNTS, distort_planes, undistort
 
 _COEFFICIENTS = ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6", "s1", "s2", "s3", "s4")
 _TINY = 1e-30
@@ -74,23 +74,32 @@ def ray_slopes(camera: Camera, rays: Float[np.ndarray, "*n 3"], names: Sequence[
 
     The pixel stays where it is: with p = c + F d(x), d the distortion, 0 = dp gives dx = -(F ∂d/∂x)⁻¹ ∂p/∂θ.
     """
+    by_ray, moved = pixel_slopes(camera, rays, names)
+    (a, b), (c, d) = np.moveaxis(by_ray, (-2, -1), (0, 1))
+    u, v = moved[..., 0], moved[..., 1]
+    return np.stack([b * v - d * u, c * u - a * v], axis=-1) / (a * d - b * c)[..., None]
+
+
+def pixel_slopes(
+    camera: Camera, rays: Float[np.ndarray, "*n 3"], names: Sequence[str]
+) -> tuple[Float[np.ndarray, "*n 2 2"], Float[np.ndarray, "p *n 2"]]:
+    """Derivatives of the pixels in which points along `rays` appear, by (x/z, y/z) and by the intrinsics that
+    `changed_camera` knows."""
     rays = np.asarray(rays, float)
-    points = rays[..., :2] / rays[..., 2:]
-    coefficients = _long_enough(np.array(camera.distortion, float), names)
-    distorted, focal = distort(points, coefficients), np.asarray(camera.matrix)[(0, 1), (0, 1)]
-    # Complex steps (Squire & Trapp 1998), as in `undistort`.
-    by_x, by_y = (np.imag(distort(points + _TINY * 1j * axis, coefficients)) / _TINY for axis in np.eye(2))
-    (a, c), (b, d) = np.moveaxis(by_x, -1, 0), np.moveaxis(by_y, -1, 0)
-    determinant = a * d - b * c
-    slopes = []
-    for name in names:
-        if name in _COEFFICIENTS:
-            step = _TINY * 1j * np.eye(coefficients.size)[_COEFFICIENTS.index(name)]
-            moved = np.imag(distort(points, coefficients + step)) / _TINY
-        else:
-            of_axes = {"f": (1, 1), "aspect": (0, 1)}.get(name)
-            moved = distorted * of_axes if of_axes else np.array([name == "cx", name == "cy"]) / focal
-            moved = np.broadcast_to(moved, points.shape)
-        u, v = moved[..., 0], moved[..., 1]
-        slopes.append(np.stack([b * v - d * u, c * u - a * v], axis=-1) / determinant[..., None])
-    return np.stack(slopes) if slopes else np.zeros((0, *points.shape))
+    points = (rays[..., :2] / rays[..., 2:]).reshape(-1, 2)
+    coefficients = _long_enough(np.array(camera.distortion, float), _COEFFICIENTS[:4])
+    coefficients = _long_enough(coefficients, names)
+    lens = [index for index, name in enumerate(_COEFFICIENTS) if name in names]
+    # Complex steps (Squire & Trapp 1998), all at once: derivatives without a difference, exact.
+    steps = _TINY * 1j * np.eye(2 + coefficients.size)[[0, 1, *(2 + index for index in lens)]]
+    lenses = (coefficients + steps[:, 2:]).T[..., None]
+    ends = np.stack(distort_planes(points[:, 0] + steps[:, :1], points[:, 1] + steps[:, 1:2], lenses), axis=-1)
+    focal = np.asarray(camera.matrix)[(0, 1), (0, 1)]
+    slopes = np.imag(ends) / _TINY * focal
+    of_name = dict(zip((_COEFFICIENTS[index] for index in lens), slopes[2:], strict=True))
+    of_name |= {"f": np.real(ends[0]) * focal, "aspect": np.real(ends[0]) * focal * [0, 1]}
+    of_name |= {"cx": np.broadcast_to([1.0, 0.0], points.shape), "cy": np.broadcast_to([0.0, 1.0], points.shape)}
+    moved = np.stack([of_name[name] for name in names]) if names else np.zeros((0, *points.shape))
+    shape = rays.shape[:-1]
+    by_ray = np.moveaxis(slopes[:2], 0, -1)
+    return by_ray.reshape(*shape, 2, 2), moved.reshape(len(names), *shape, 2)

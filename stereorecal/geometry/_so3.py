@@ -4,6 +4,7 @@ Every function takes NumPy arrays (float64, on the host) or JAX arrays (any floa
 identity) and answers in kind.
 """
 
+import numpy as np
 from jaxtyping import Float
 
 from stereorecal._arrays import AnyArray, Mat3, Vec3, namespace
@@ -69,6 +70,14 @@ def rotation_from_euler(angles: Vec3) -> Mat3:
             xp.stack([-sy, cy * sx, cy * cx]),
         ]
     )
+
+
+def euler_slopes(angles: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3 3"]:
+    """Derivatives of `rotation_from_euler` by pitch, yaw and roll: each turns about its axis of Rz Ry Rx."""
+    rotation, (_, yaw, roll) = rotation_from_euler(angles), angles
+    pitching = rotation_from_euler(np.array([0.0, yaw, roll]))[:, 0]
+    yawing = rotation_from_euler(np.array([0.0, 0.0, roll]))[:, 1]
+    return np.stack([cross_matrix(axis) @ rotation for axis in (pitching, yawing, np.array([0.0, 0.0, 1.0]))])
 
 
 def euler_from_rotation(rotation: Mat3) -> Vec3:

@@ -7,18 +7,17 @@ from jaxtyping import Float
 
 from stereorecal.geometry import (
     StereoRig,
+    euler_slopes,
     ray_slopes,
     rectifying_rotations,
+    rectifying_slopes,
     reread,
-    rotation_from_euler,
     same_camera,
     with_unit_baseline,
 )
 from stereorecal.objectives._names import SIDES
 from stereorecal.objectives._rig_chart import RigChart
 from stereorecal.scoring import Correspondences, row_differences
-
-_STEP = 1e-4  # of the box, for derivatives of rotations in float64
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,15 +62,16 @@ def linearised(found: Correspondences, chart: RigChart, z: Float[np.ndarray, "n"
     Args:
         found: with the rays that the cameras of the chart's own rig give.
 
-    Extrinsics act through the rectifying rotations, whose derivatives are central differences of 3x3 matrices;
-    intrinsics through the rays. A row is f (r₁ · x) / (r₂ · x), with the rows r₁, r₂ of a rotation and a ray x, and its
-    derivatives follow from theirs.
+    Extrinsics act through the rectifying rotations, intrinsics through the rays. A row is f (r₁ · x) / (r₂ · x), with
+    the rows r₁, r₂ of a rotation and a ray x, and its derivatives follow from theirs.
     """
     rig = chart.rig_at(z)
     found = read_by(found, chart.rig, rig)
     outer = [index for index, name in enumerate(chart.names) if "." not in name]
-    here, steps = _rotations(chart, z), _STEP * np.eye(z.size)[outer]
-    slopes = np.stack([(_rotations(chart, z + h) - _rotations(chart, z - h)) / (2 * _STEP) for h in steps])
+    here = np.stack(rectifying_rotations(rig.rotation, with_unit_baseline(rig.extrinsics)[3:]))
+    by_angles, by_shift = np.split(chart.extrinsic_slopes[outer], 2, axis=1)
+    by_rotation = np.tensordot(by_angles, euler_slopes(rig.extrinsics[:3]), 1)
+    slopes = rectifying_slopes(rig.rotation, rig.translation, by_rotation, by_shift)
     shape = np.shape(found.weight)
     jacobian, rows = np.zeros((z.size, *shape)), np.zeros(shape)
     for side, sign in enumerate((1.0, -1.0)):
@@ -85,12 +85,6 @@ def linearised(found: Correspondences, chart: RigChart, z: Float[np.ndarray, "n"
             jacobian[own] = sign * _by_rays(rays, across, here[side], moved) * chart.half_width[own, None, None]
     focal = float(found.focal)
     return LinearRows(z, focal * rows, focal * jacobian)
-
-
-def _rotations(chart: RigChart, z: Float[np.ndarray, "n"]) -> Float[np.ndarray, "2 3 3"]:
-    """The rectifying rotations, left and right, at a point of the box."""
-    extrinsics = with_unit_baseline(chart.extrinsics(z))
-    return np.stack(rectifying_rotations(rotation_from_euler(extrinsics[:3]), extrinsics[3:]))
 
 
 def _rows(

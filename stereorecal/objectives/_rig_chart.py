@@ -66,6 +66,17 @@ class RigChart:
                 values[3:] += change / float(self.rig.baseline) * start[3:]
         return values
 
+    @property
+    def extrinsic_slopes(self) -> Float[np.ndarray, "n 6"]:
+        """Derivatives of the extrinsics by the coordinates of the box, the same everywhere."""
+        start, found = np.asarray(self.rig.extrinsics, float), np.zeros((self.dim, 6))
+        for index, (parameter, width) in enumerate(zip(self.parameters, self.half_width, strict=True)):
+            if parameter.name in EXTRINSICS:
+                found[index, AXES.index(parameter.name)] = width
+            elif parameter.name == BASELINE:
+                found[index, 3:] = width / float(self.rig.baseline) * start[3:]
+        return found
+
     def intrinsics(self, z: Float[np.ndarray, "n"]) -> dict[str, dict[str, float]]:
         """Changes of each camera's intrinsics at a point of the box, as `changed_camera` takes them."""
         changes: dict[str, dict[str, float]] = {side: {} for side in SIDES}

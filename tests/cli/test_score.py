@@ -42,10 +42,10 @@ def test_healthy(command, clean_scene: Path, tmp_path: Path):
     assert str(sr.score(scene.rig, scene.pairs)) in answer.out
     assert f"row error  {found.row_error:.2f} px; " in answer.out
     content = json.loads(target.read_text())
-    assert content["schema"] == "stereorecal.health/1"
+    assert content["schema"] == "stereorecal.health/2"
     assert {"python", "stereorecal", "jax", "numpy", "opencv"} <= content["versions"].keys()
     limits = content["settings"]["thresholds"]
-    assert (limits["healthy_rows_px"], limits["healthy_depth_percent"], limits["at_baselines"]) == (0.3, 10.0, 30)
+    assert (limits["good_rows_px"], limits["alpha"]) == (0.3, 0.01)
     assert content["interrupted"] is False
     (said,) = content["scenes"]
     assert (said["healthy"], said["condition"]) == (True, "healthy")
@@ -57,7 +57,7 @@ def test_healthy(command, clean_scene: Path, tmp_path: Path):
     assert (said["row_error_px"], said["covered"]) == (found.row_error, found.covered)
     assert said["mending"]["rotation_deg"]["yaw"].keys() == {"value", "low", "high"}
     assert said["depth_error_percent"].keys() == {"5", "10", "30", "100"}
-    assert said["significance"] == found.significance
+    assert said["probability_better"] == found.mending.decision.better
     assert (said["frames"], said["image_size"]) == (1, list(SIZE))
 
 

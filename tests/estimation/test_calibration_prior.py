@@ -14,6 +14,7 @@ from stereorecal.estimation import (
 )
 from stereorecal.estimation._calibration_prior import KAPPAS, calibration_covariances
 from stereorecal.estimation._consequences import points_of_view, readings
+from stereorecal.estimation._slopes import pixels_of
 from stereorecal.geometry import rotation_from_vector
 
 LIMITS = {"pitch": 3, "yaw": 3, "roll": 3, "f": 2, "cx": 15, "cy": 15, "k1": 0.05, "p1": 0.005, "p2": 0.005}
@@ -60,7 +61,7 @@ def test_where_boards_were_is_not_known(chart, covariances, steps):
 
     def pixels(theta, poses):
         turned = [b @ rotation_from_vector(p[:3]).T + p[3:] for b, p in zip(boards, poses.reshape(-1, 6), strict=True)]
-        return of_boards.pixels_of(chart.rig_at(theta), np.stack(turned))
+        return pixels_of(chart.rig_at(theta), np.stack(turned))
 
     none, size = np.zeros(6 * len(boards)), chart.dim + 6 * len(boards)
     at = pixels(np.zeros(chart.dim), none)
@@ -181,13 +182,51 @@ def test_nothing_said_is_the_default(chart, prior):
         np.testing.assert_allclose(as_prior(said, chart).roots, prior.roots)
 
 
-def test_deviations_keep_correlations(chart, prior):
-    found = as_prior({"left.f": 0.1, "right.f": 0.05}, chart)
-    for name, sigma in (("left.f", 0.1), ("right.f", 0.05)):
-        np.testing.assert_allclose(np.linalg.norm(found.roots[:, chart.names.index(name)], axis=1), sigma)
+@pytest.mark.parametrize("number", [0.02, np.float32(0.02), np.float64(0.02)])
+def test_one_that_is_known_better_is_an_observation_of_it(chart, prior, number):
+    """Kalman's update, with the noise that leaves this deviation."""
+    here = chart.names.index("left.f")
+    for before, after in zip(prior.roots, as_prior({"left.f": number}, chart).roots, strict=True):
+        covariance, wanted = before @ before.T, float(number) ** 2
+        assert covariance[here, here] > wanted
+        noise = 1.0 / (1.0 / wanted - 1.0 / covariance[here, here])
+        gain = covariance[:, here] / (covariance[here, here] + noise)
+        expected, scales = covariance - np.outer(gain, covariance[here]), np.linalg.norm(before, axis=1)
+        np.testing.assert_allclose(
+            after @ after.T / np.outer(scales, scales), expected / np.outer(scales, scales), atol=1e-9
+        )
+
+
+def test_several_keep_their_correlations_and_what_follows_them(chart, prior):
+    """Named ones have the deviations that were said, and the rest, the named ones known, is as known as before."""
+    sigmas = {"right.cx": 0.3, "left.f": 0.05, "yaw": 2.0, "left.k1": 1e-4}
+    named = [chart.names.index(name) for name in sigmas]
+    found = as_prior(sigmas, chart)
+    np.testing.assert_array_equal(found.weights, prior.weights)
     for before, after in zip(prior.roots, found.roots, strict=True):
-        one, other = (root / np.linalg.norm(root, axis=1, keepdims=True) for root in (before, after))
-        np.testing.assert_allclose(other @ other.T, one @ one.T, atol=1e-12)
+        blocks = []
+        for half in (before, after):
+            covariance = half @ half.T / np.outer(*[np.linalg.norm(before, axis=1)] * 2)
+            slopes = np.linalg.solve(covariance[np.ix_(named, named)], covariance[named])
+            correlations = half[named] / np.linalg.norm(half[named], axis=1, keepdims=True)
+            blocks.append((correlations @ correlations.T, slopes, covariance - covariance[:, named] @ slopes))
+        np.testing.assert_allclose(np.linalg.norm(after[named], axis=1), list(sigmas.values()), rtol=1e-7)
+        for one, other in zip(*blocks, strict=True):
+            np.testing.assert_allclose(other, one, atol=1e-5)
+
+
+def test_what_is_not_named_is_never_known_less_for_it(chart, prior):
+    found = as_prior({"left.f": 0.02, "right.f": 0.02}, chart)
+    before, after = (np.linalg.norm(one.roots, axis=2) for one in (prior, found))
+    assert (after <= before * (1 + 1e-6)).all()
+    bound = chart.names.index("z")  # focal lengths that differ look like a shift along the axis
+    assert (after[:, bound] < before[:, bound]).all()
+
+
+def test_a_prior_of_another_rig_is_refused(chart, prior):
+    other = type(prior)(prior.roots[:, 1:, 1:], prior.weights, means=prior.means[:, 1:])
+    with pytest.raises(sr.InputError, match="31 parameters"):
+        as_prior(other, chart)
 
 
 def test_a_covariance_is_taken_at_its_word_in_any_order(chart):
@@ -215,7 +254,20 @@ def test_covariances_that_are_none(names, covariance):
         CalibrationCovariance(names, covariance)
 
 
-@pytest.mark.parametrize("wrong", ["exakt", {"left.g": 1.0}, {"yaw": 0.0}, {"yaw": float("nan")}, 3])
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        "exakt",
+        {"left.g": 1.0},
+        {"yaw": 0.0},
+        {"yaw": float("nan")},
+        {"yaw": np.inf},
+        {"yaw": -1},
+        {"yaw": True},
+        {"yaw": "1"},
+        3,
+    ],
+)
 def test_priors_that_are_none(chart, wrong):
     with pytest.raises((sr.InputError, TypeError)):
         as_prior(wrong, chart)

@@ -1,5 +1,6 @@
 """Estimates of rigs that are known: right within their intervals, whatever the order, the unit and the view."""
 
+import pickle
 from dataclasses import replace
 
 import numpy as np
@@ -297,3 +298,18 @@ def test_rotation_of_the_mean_rig_is_that_of_theta(rig, found):
     expected = rotation_from_euler(rig.extrinsics[:3] + np.radians(found.theta[:3]))
     np.testing.assert_allclose(found.mean_rig.rotation, expected, atol=1e-12)
     assert rig_parameters(rig).coordinates_of(found.mean_rig) == pytest.approx(found.theta, abs=1e-9)
+
+
+def test_it_travels_lightly_and_says_the_same_there(chart, found):
+    expected = (found.intervals, found.with_free(chart.names[:5]), found.row_error_px(found.theta))
+    sent = pickle.dumps(found)
+    assert len(sent) < 300_000
+    there = pickle.loads(sent)
+    np.testing.assert_array_equal(there.intervals, expected[0])
+    np.testing.assert_allclose(there.with_free(chart.names[:5]), expected[1])
+    np.testing.assert_allclose(list(there.row_error_px(there.theta).values()), list(expected[2].values()))
+
+
+def test_a_prior_made_once_serves_every_estimate(rig, chart, prior, seen):
+    found = seen(rig, chart.rig_at(at(chart)))
+    np.testing.assert_array_equal(estimate(found, rig, prior).theta, estimate(found, rig).theta)

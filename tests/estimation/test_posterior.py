@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from stereorecal.estimation import Posterior
-from stereorecal.estimation._posterior import root
+from stereorecal.estimation._posterior import merged, root
 
 UNITS = np.array([1e-6, 1.0, 1e3, 0.05])
 
@@ -58,3 +58,50 @@ def test_samples_stay_where_the_covariance_is():
 def test_the_same_for_a_seed():
     np.testing.assert_array_equal(mixture().samples(20, 5), mixture().samples(20, 5))
     assert not np.array_equal(mixture().samples(20, 5), mixture().samples(20, 6))
+
+
+def many(seed: int, number: int = 60) -> Posterior:
+    """Explanations of which some are alike, one parameter exact."""
+    rng = np.random.default_rng(seed)
+    weights = rng.dirichlet(np.full(number, 0.3))
+    means = rng.integers(-2, 3, (number, 1)) * np.array([1.0, 0.5, -1.0, 0.0]) + rng.normal(0, 0.05, (number, 4))
+    scales = np.exp(rng.uniform(-1.5, 1.0, (number, 1, 1)))
+    kinds = [covariance(kind, 3) / np.outer(UNITS, UNITS) for kind in (1, 2)]
+    exact = np.array([1.0, 1.0, 1.0, 0.0])
+    covariances = scales * np.stack([kinds[index % 2] for index in range(number)]) * np.outer(exact, exact)
+    return Posterior(weights, means * exact * UNITS, covariances * np.outer(UNITS, UNITS))
+
+
+@settings(max_examples=20)
+@given(seed=st.integers(0, 999), most=st.integers(1, 70))
+def test_explanations_that_become_one_keep_mean_and_covariance(seed, most):
+    whole = many(seed)
+    fewer = merged(whole, most)
+    assert len(fewer.weights) <= most
+    assert fewer.weights.sum() == pytest.approx(1.0)
+    np.testing.assert_allclose(fewer.mean / UNITS, whole.mean / UNITS, atol=1e-9)
+    scale = np.outer(UNITS, UNITS)
+    np.testing.assert_allclose(fewer.covariance / scale, whole.covariance / scale, atol=1e-9)
+
+
+@settings(max_examples=10)
+@given(seed=st.integers(0, 999))
+def test_and_nearly_all_quantiles(seed):
+    whole, levels = many(seed), [2.5, 25, 50, 75, 97.5]
+    fewer = merged(whole, 30)
+    directions = np.random.default_rng(seed).normal(0, 1, (4, 5)) / UNITS[:, None]
+    one, other = (np.percentile(each.samples(40_000, 1) @ directions, levels, axis=0) for each in (whole, fewer))
+    deviation = np.sqrt(np.einsum("nd,nm,md->d", directions, whole.covariance, directions))
+    assert np.abs((other - one) / deviation).max() < 0.12
+
+
+def test_those_that_are_the_same_become_one_without_a_trace():
+    single = mixture()
+    several = Posterior(
+        np.tile(single.weights / 20, 20), np.tile(single.means, (20, 1)), np.tile(single.covariances, (20, 1, 1))
+    )
+    fewer = merged(several, 8)
+    assert len(fewer.weights) == 3
+    order = np.argsort(-fewer.weights)
+    np.testing.assert_allclose(fewer.weights[order], single.weights)
+    np.testing.assert_allclose(fewer.means[order] / UNITS, single.means / UNITS, atol=1e-12)

@@ -1,0 +1,89 @@
+"""Derivatives in closed form against central differences of whole rigs: what the prior and the consequences rest on."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings, strategies as st
+from lenses import LENSES
+
+import stereorecal as sr
+from stereorecal.estimation import _calibration_prior as of_boards, rig_parameters
+from stereorecal.estimation._consequences import DISTANCES, consequences, points_of_view, readings
+from stereorecal.estimation._slopes import moved_by_extrinsics, pixels_of, slopes_by_point, slopes_of
+
+SIZES = {"deg": 0.3, "%": 0.3, "px": 3.0, "": 1e-3}
+
+
+def chart_of(rig, coefficients: str):
+    camera = sr.Camera((640, 480), rig.left.matrix, np.array(LENSES[coefficients]))
+    return rig_parameters(sr.StereoRig(camera, rig.right, rig.extrinsics))
+
+
+def somewhere(chart, seed: int) -> np.ndarray:
+    sizes = np.array([SIZES[parameter.unit] for parameter in chart.parameters])
+    return sizes * np.random.default_rng([seed, 5]).uniform(-1, 1, chart.dim)
+
+
+def differences(chart, steps, theta, read):
+    """Central differences of read(rig)."""
+    ends = [[read(chart.rig_at(theta + sign * step)) for sign in (1, -1)] for step in np.diag(steps)]
+    return np.stack([(more - less) / (2 * step) for (more, less), step in zip(ends, steps, strict=True)])
+
+
+def assert_near(found, expected) -> None:
+    """To a millionth of the largest slope by each parameter."""
+    largest = np.abs(expected).reshape(len(expected), -1).max(axis=1).reshape(-1, *[1] * (expected.ndim - 1))
+    np.testing.assert_allclose(found / np.maximum(largest, 1e-9), expected / np.maximum(largest, 1e-9), atol=2e-6)
+
+
+@settings(max_examples=12)
+@given(seed=st.integers(0, 999), coefficients=st.sampled_from(sorted(LENSES)))
+def test_pixels_by_theta_whatever_the_lens(rig, steps, seed, coefficients):
+    chart = chart_of(rig, coefficients)
+    theta, points = somewhere(chart, seed), points_of_view(rig, 5.0)
+    expected = differences(chart, steps, theta, lambda other: pixels_of(other, points))
+    assert_near(slopes_of(chart, theta, points), expected)
+
+
+@settings(max_examples=12)
+@given(seed=st.integers(0, 999))
+def test_pixels_and_right_points_by_points_and_extrinsics(chart, steps, seed):
+    theta, points = somewhere(chart, seed), points_of_view(chart.rig, 3.0)
+    there = chart.rig_at(theta)
+    ends = [[pixels_of(there, points + sign * 1e-5 * axis) for sign in (1, -1)] for axis in np.eye(3)]
+    expected = np.stack([(more - less) / 2e-5 for more, less in ends], axis=-1)
+    np.testing.assert_allclose(slopes_by_point(there, points), expected, rtol=1e-6, atol=1e-4)
+    outer, moved = moved_by_extrinsics(chart, theta, points)
+    right = differences(chart, steps, theta, lambda other: points @ other.rotation.T + other.translation)
+    np.testing.assert_allclose(moved, right[outer], atol=1e-8)
+    assert not np.delete(right, outer, axis=0).any()
+
+
+@pytest.mark.parametrize("coefficients", sorted(LENSES))
+def test_consequences_by_theta_whatever_the_lens(rig, steps, coefficients):
+    chart = chart_of(rig, coefficients)
+    theta = somewhere(chart, 1)
+    used, found = chart.rig_at(theta), consequences(chart, theta)
+    for index, distance in enumerate(DISTANCES):
+        points = points_of_view(used, distance)
+        both = -differences(chart, steps, theta, lambda true, points=points: np.array(readings(used, true, points)))
+        assert_near(found.rows[index].T, both[:, 0])
+        assert_near(found.nearness[index][:, None], both[:, 1].mean(axis=1, keepdims=True))
+
+
+def test_what_boards_tell_of_the_rig_where_their_poses_are_not_known(chart, steps):
+    """One board: the rig and its pose, by differences, solved together."""
+    boards = of_boards._boards(chart.rig, of_boards._KINDS[0])[:3]
+    inside = pixels_of(chart.rig, boards)
+    inside = ((inside >= 0) & (inside <= np.array([639, 479, 639, 479]))).all(axis=-1)
+    inside &= inside.sum(axis=1, keepdims=True) >= 20
+    by_rig = differences(chart, steps, np.zeros(chart.dim), lambda other: pixels_of(other, boards))
+    by_point = slopes_by_point(chart.rig, boards)
+    middle = boards.mean(axis=1, keepdims=True)
+    turns = [by_point @ np.cross(axis, boards - middle)[..., None] for axis in np.eye(3)]
+    shifts = [by_point @ np.broadcast_to(axis, boards.shape)[..., None] for axis in np.eye(3)]
+    by_pose = np.stack([*turns, *shifts])[..., 0]
+    for board, found in enumerate(of_boards._information(chart, boards)):
+        rig, pose = (part[:, board][:, inside[board]].reshape(len(part), -1).T for part in (by_rig, by_pose))
+        left = rig - pose @ np.linalg.lstsq(pose, rig, rcond=None)[0] if inside[board].any() else rig
+        expected, scale = left.T @ left, np.sqrt(np.maximum(np.diag(rig.T @ rig), 1e-9))
+        np.testing.assert_allclose(found / np.outer(scale, scale), expected / np.outer(scale, scale), atol=1e-5)
