@@ -1,12 +1,13 @@
 """The estimate of a rig: all its parameters, the prior of what its calibration left, a drift, and rows, in one least
 squares; `docs/estimate.md` explains it.
 
-`_parameters` names θ, `_calibration_prior` and `_drift` are its prior, `_groups` the rows as data, `_misfit` what no
-parameter explains, `_rivals` what else may, `_evidence` integrates in closed form, `_explanations` compares,
-`_least_squares` solves, `_posterior` is the answer, `_consequences` what errors of a rig do to rows and depth,
-`_candidates` the rigs that may be written.
+`_parameters` names θ, `_calibration_prior` and `_drift` are its prior, `_groups` the rows as data, `_beams` ranges,
+`_misfit` what no parameter explains, `_rivals` what else may, `_evidence` integrates in closed form, `_explanations`
+compares, `_least_squares` solves, `_together` solves several recordings, `_posterior` is the answer, `_consequences`
+what errors of a rig do to rows and depth, `_candidates` the rigs that may be written.
 """
 
+from stereorecal.estimation._beams import NO_BEAMS as NO_BEAMS, Beams as Beams
 from stereorecal.estimation._calibration_prior import (
     CalibrationPrior as CalibrationPrior,
     calibration_prior as calibration_prior,
@@ -24,4 +25,5 @@ from stereorecal.estimation._priors import (
     as_prior as as_prior,
     check_prior as check_prior,
     is_exact as is_exact,
+    with_deviations as with_deviations,
 )

@@ -9,6 +9,7 @@ from jaxtyping import Float
 from threadpoolctl import ThreadpoolController
 
 from stereorecal._names import known
+from stereorecal.estimation._beams import NO_BEAMS, Beams
 from stereorecal.estimation._candidates import depth_kept, least_loss
 from stereorecal.estimation._consequences import DISTANCES, Consequences, consequences, points_of_view, readings
 from stereorecal.estimation._frames import OtherRig, other_rigs
@@ -40,6 +41,7 @@ class Estimate:
         residual_px: root mean square of those, at the posterior's mean; NaN where there are none.
         prior_variance: (n,) of the calibration's error before any image was seen, mixed like the posterior.
         other_rigs: frames that show another rig than the others, the farthest first.
+        beams: ranges that took part.
     """
 
     chart: RigChart
@@ -49,6 +51,7 @@ class Estimate:
     residual_px: float
     prior_variance: Float[np.ndarray, "n"]
     other_rigs: tuple[OtherRig, ...] = ()
+    beams: Beams = NO_BEAMS
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -159,6 +162,7 @@ def estimate(
     rig: StereoRig,
     prior: Prior = None,
     start: Float[np.ndarray, "n"] | None = None,
+    beams: Beams = NO_BEAMS,
 ) -> Estimate:
     """The estimate of a rig.
 
@@ -167,16 +171,18 @@ def estimate(
         rig: the given calibration.
         prior: of what it leaves; default that of a chessboard calibration.
         start: θ to begin at; default 0.
+        beams: ranges of what was seen; they tell the length of the baseline, too.
     """
     chart = rig_parameters(rig)
-    asked = as_prior(prior, chart)
+    asked = as_prior(prior, chart, told_length=bool(beams))
     # Hundreds of small matrices: threads would wait for each other, and for other processes on these cores.
     with ThreadpoolController().limit(limits=1, user_api="blas"):
-        solved = fit(found, chart, asked, start)
+        solved = fit(found, chart, asked, start, beams)
         mean, rows = solved.posterior.mean, solved.rows
         if rows is None:
-            return Estimate(chart, solved.posterior, solved.misfit, 0, float("nan"), solved.prior_variance)
+            nan = float("nan")
+            return Estimate(chart, solved.posterior, solved.misfit, 0, nan, solved.prior_variance, beams=beams)
         others = other_rigs(rows, sum(solved.misfit), mean)
     residual = rows.residual(mean)
     rms = float(np.sqrt(np.mean(residual**2)))
-    return Estimate(chart, solved.posterior, solved.misfit, len(residual), rms, solved.prior_variance, others)
+    return Estimate(chart, solved.posterior, solved.misfit, len(residual), rms, solved.prior_variance, others, beams)

@@ -2,10 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 from jaxtyping import Float, Int
 
+from stereorecal.estimation._beams import NO_BEAMS, Beams
 from stereorecal.estimation._calibration_prior import CalibrationPrior
 from stereorecal.estimation._drift import drift_sizes
 from stereorecal.estimation._evidence import Explained, Normal, explained, normal_of, without
@@ -15,7 +17,7 @@ from stereorecal.estimation._posterior import root
 from stereorecal.objectives import RigChart
 
 _BOUND = 3.0  # standard deviations: beyond, a group that errs alone counts for less (Cauchy)
-_NOTHING = np.zeros((0, 0))
+NOTHING = np.zeros((0, 0))
 _ROOT_OF_FIELD = root(alike(np.arange(PLACES[0] * PLACES[1])))
 
 
@@ -29,6 +31,8 @@ class LinearRows:
         at_zero: (g,) r₀.
         deviation: (g,) pixels; larger than that of `groups` where a group errs alone.
         frames: indices of the groups of each frame.
+        beams: ranges.
+        told: what these may tell of θ, as `Beams.told` has it.
     """
 
     groups: Groups
@@ -36,6 +40,8 @@ class LinearRows:
     at_zero: Float[np.ndarray, "g"]
     deviation: Float[np.ndarray, "g"]
     frames: Sequence[Int[np.ndarray, "f"]]
+    beams: Beams
+    told: Sequence[tuple[float, Normal]]
 
     def residual(self, theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "g"]:
         """At θ."""
@@ -73,11 +79,15 @@ class Explanation:
         misfit: deviations of the field of each frame and of the common one, pixels.
         prior: which of the calibration's covariances.
         found: θ.
+        of_rows: the likelihood of θ, and of nuisance parameters after it, that this rests on.
+        nuisance: a root of the covariance of those.
     """
 
     misfit: tuple[float, float]
     prior: int
     found: Explained
+    of_rows: Normal
+    nuisance: Float[np.ndarray, "q q"]
 
 
 def explanations(
@@ -91,10 +101,10 @@ def explanations(
         normal = whole[of_a_frame]
         if len(rows.frames) > 1:
             normal = without(normal, common * _ROOT_OF_FIELD)
-        for index in which:
-            logs = np.log(weights * prior.weights[index])
-            under = explained(normal, prior.roots[index], prior.means[index], _NOTHING, sizes, logs)
-            found.append(Explanation((of_a_frame, common), index, under))
+        for (log_prior, of_beams), index in product(rows.told, which):
+            both, logs = normal + of_beams, np.log(weights * prior.weights[index]) + log_prior
+            under = explained(both, prior.roots[index], prior.means[index], NOTHING, sizes, logs)
+            found.append(Explanation((of_a_frame, common), index, under, both, NOTHING))
     return found
 
 
@@ -104,9 +114,10 @@ def best_of(several: Sequence[Explanation]) -> tuple[Explanation, int]:
     return best, int(best.found.log_evidence.argmax())
 
 
-def linear_rows(groups: Groups, chart: RigChart, theta: Float[np.ndarray, "n"]) -> LinearRows:
+def linear_rows(groups: Groups, chart: RigChart, theta: Float[np.ndarray, "n"], beams: Beams = NO_BEAMS) -> LinearRows:
     """Linear at θ."""
     rows = groups.rows(chart, theta)
     jacobian = rows.jacobian[:, 0].T
     frames = [np.flatnonzero(groups.frame == frame) for frame in np.unique(groups.frame)]
-    return LinearRows(groups, jacobian, rows.differences[0] - jacobian @ theta, groups.deviation, frames)
+    at_zero, told = rows.differences[0] - jacobian @ theta, beams.told(chart, theta)
+    return LinearRows(groups, jacobian, at_zero, groups.deviation, frames, beams, told)

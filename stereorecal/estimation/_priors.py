@@ -9,9 +9,14 @@ from jaxtyping import Float
 from stereorecal._arrays import AnyArray
 from stereorecal._errors import InputError
 from stereorecal._names import known
-from stereorecal.estimation._calibration_prior import CalibrationPrior, calibration_prior, exact_prior
+from stereorecal.estimation._calibration_prior import (
+    CalibrationPrior,
+    calibration_prior,
+    exact_prior,
+    with_scaled_boards,
+)
 from stereorecal.estimation._posterior import root
-from stereorecal.objectives import RigChart
+from stereorecal.objectives import BASELINE, RigChart
 
 DEFAULT, EXACT = "default", "exact"
 _NOT_POSITIVE = 1e-9  # of the largest eigenvalue of the correlations
@@ -57,12 +62,39 @@ class CalibrationCovariance:
 Prior = str | Mapping[str, float] | CalibrationCovariance | CalibrationPrior | None
 
 
-def as_prior(prior: Prior, chart: RigChart) -> CalibrationPrior:
+def as_prior(prior: Prior, chart: RigChart, *, told_length: bool = False) -> CalibrationPrior:
     """The prior itself, for the rig of a chart.
+
+    Args:
+        told_length: something will tell the length of the baseline; where the prior does not speak of it, that may be
+            wrong as the sizes of boards are.
 
     Raises:
         InputError: as `check_prior`.
     """
+    found = _as_prior(prior, chart)
+    said = prior.names if isinstance(prior, CalibrationCovariance) else prior if isinstance(prior, Mapping) else ()
+    if not told_length or BASELINE in said or isinstance(prior, CalibrationPrior):
+        return found
+    return with_scaled_boards(found, chart)
+
+
+def with_deviations(prior: CalibrationPrior, chart: RigChart, sigmas: Mapping[str, float]) -> CalibrationPrior:
+    """The same with these standard deviations of some parameters, whose correlations are kept; what was as exact as
+    given gets one of its own."""
+    which, roots = [chart.names.index(name) for name in sigmas], []
+    for one in prior.roots:
+        before, factors, own = np.linalg.norm(one, axis=1), np.ones(chart.dim), np.zeros(chart.dim)
+        for index, sigma in zip(which, sigmas.values(), strict=True):
+            if before[index] > 0.0:
+                factors[index] = sigma / before[index]
+            else:
+                own[index] = sigma
+        roots.append(root((factors[:, None] * one) @ (factors[:, None] * one).T + np.diag(own**2)))
+    return CalibrationPrior(np.stack(roots), prior.weights, means=prior.means)
+
+
+def _as_prior(prior: Prior, chart: RigChart) -> CalibrationPrior:
     check_prior(prior, chart)
     if isinstance(prior, CalibrationPrior):
         return prior

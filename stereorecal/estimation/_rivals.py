@@ -9,6 +9,7 @@ it ties with the rig alone the posterior has both.
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache
+from itertools import product
 
 import numpy as np
 from jaxtyping import Float
@@ -97,14 +98,17 @@ def beside_rivals(
     tried = []
     for rival in searched:
         under = [
-            one for d in DEVIATIONS for one in _explained(of_all[d], rival, prior, [best.prior], (d, best.misfit[1]))
+            one
+            for d in DEVIATIONS
+            for one in _explained(of_all[d], rows.told, rival, prior, [best.prior], (d, best.misfit[1]))
         ]
         tried.append((best_of(under)[0], rival))
     # Another prior of the calibration may suit a rival better than it suits the rig alone: twice as far, then.
     tried = _with_a_say(tried, best, 2.0 * _FAR)
     every = range(len(prior.roots))
     tried = [
-        (best_of(_explained(of_all[one.misfit[0]], rival, prior, every, one.misfit))[0], rival) for one, rival in tried
+        (best_of(_explained(of_all[one.misfit[0]], rows.told, rival, prior, every, one.misfit))[0], rival)
+        for one, rival in tried
     ]
     return [_solved(rows, chart, prior, rival, one) for one, rival in _with_a_say(tried, best, _FAR)]
 
@@ -126,15 +130,16 @@ def _solved(rows: LinearRows, chart: RigChart, prior: CalibrationPrior, rival: R
     are others."""
     kind = int(near.found.log_evidence.argmax())
     theta, values = near.found.means[kind], near.found.nuisance[kind]
-    rows = linear_rows(rows.groups, chart, theta)
+    rows = linear_rows(rows.groups, chart, theta, rows.beams)
     rows = replace(rows, deviation=rival.moved(rows, values).robust(sum(near.misfit), theta))
     at, common = DEVIATIONS.index(near.misfit[0]), near.misfit[1]
-    found = _explained(_likelihoods(rows, DEVIATIONS[at]), rival, prior, range(len(prior.roots)), near.misfit)
+    every = range(len(prior.roots))
+    found = _explained(_likelihoods(rows, DEVIATIONS[at]), rows.told, rival, prior, every, near.misfit)
     least = _log_evidence(best_of(found)[0]) - _FAR
     some = [one.prior for one in found if _log_evidence(one) > least]
     for beside in {max(at - 1, 0), min(at + 1, len(DEVIATIONS) - 1)} - {at}:
         deviation = DEVIATIONS[beside]
-        found += _explained(_likelihoods(rows, deviation), rival, prior, some, (deviation, common))
+        found += _explained(_likelihoods(rows, deviation), rows.told, rival, prior, some, (deviation, common))
     return Beside(rival, found)
 
 
@@ -152,6 +157,7 @@ def _likelihoods(rows: LinearRows, misfit: float) -> list[Normal]:
 
 def _explained(
     of_frames: Sequence[Normal],
+    told: Sequence[tuple[float, Normal]],
     rival: Rival,
     prior: CalibrationPrior,
     which: Sequence[int],
@@ -161,10 +167,11 @@ def _explained(
     sizes, weights = _kinds_of_drift()
     normal, nuisance = _beside(of_frames, rival, misfit[1]), np.diag(rival.sizes)
     found = []
-    for index in which:
-        logs = np.log(weights * prior.weights[index]) + rival.log_prior
-        under = explained(normal, prior.roots[index], prior.means[index], nuisance, sizes, logs)
-        found.append(Explanation(misfit, index, under))
+    for (log_prior, of_beams), index in product(told, which):
+        both = normal + of_beams.with_nuisance(len(nuisance))
+        logs = np.log(weights * prior.weights[index]) + log_prior + rival.log_prior
+        under = explained(both, prior.roots[index], prior.means[index], nuisance, sizes, logs)
+        found.append(Explanation(misfit, index, under, both, nuisance))
     return found
 
 
