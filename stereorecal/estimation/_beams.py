@@ -63,6 +63,8 @@ class Beams:
                 found[:, index] = (more - less) / (2.0 * _STEP)
         for side, name in enumerate(SIDES):
             own = [index for index, parameter in enumerate(chart.names) if parameter.startswith(name)]
+            if not own:
+                continue
             slopes = ray_slopes(getattr(rig, name), rays[side], [chart.names[index].split(".")[1] for index in own])
             for index, slope in zip(own, slopes * chart.half_width[own, None, None], strict=True):
                 by = np.zeros_like(rays)

@@ -15,6 +15,7 @@ from stereorecal.recalibration._evidence import TILES_OF_A_FRAME, Evidence, evid
 from stereorecal.recalibration._expected import Expected, expected
 from stereorecal.recalibration._intrinsics import Intrinsics, IntrinsicsOutcome
 from stereorecal.recalibration._judging import judged
+from stereorecal.recalibration._ranged import matched_ranges
 from stereorecal.recalibration._stages import FEWEST, Case, matched
 from stereorecal.recalibration._uncertainty import OBSERVED, Uncertainty, directions
 from stereorecal.scoring import Correspondences
@@ -30,10 +31,12 @@ def estimated(case: Case, found: Correspondences, near: StereoRig) -> tuple[Esti
         near: where the search ended, with those cameras.
     """
     start = rig_parameters(case.rig).coordinates_of(near)
-    seen, apart = estimate(found, case.rig, case.prior, start=start), ()
+    beams = matched_ranges(case, found, near)
+    seen, apart = estimate(found, case.rig, case.prior, start=start, beams=beams), ()
     while seen.other_rigs and len(apart) < MOST_APART * len(found.weight):
         apart = (*apart, seen.other_rigs[0].frame)
-        seen = estimate(without(found, apart), case.rig, case.prior, start=seen.theta)
+        beams = matched_ranges(case, found, near, apart)
+        seen = estimate(without(found, apart), case.rig, case.prior, start=seen.theta, beams=beams)
     return seen, apart
 
 
@@ -51,7 +54,7 @@ def estimated_again(
     again = replace(again, weight=np.asarray(again.weight) * kept[:, None])
     if again.found < FEWEST:
         return seen, found
-    return estimate(again, case.rig, case.prior, start=seen.theta), again
+    return estimate(again, case.rig, case.prior, start=seen.theta, beams=seen.beams), again
 
 
 def candidate_of(seen: Estimate, case: Case) -> StereoRig:

@@ -21,10 +21,10 @@ from stereorecal.recalibration._as_dict import solution_as_dict
 from stereorecal.recalibration._frames import looked_at
 from stereorecal.recalibration._ranges import resolved_ranges, with_ranges
 from stereorecal.recalibration._recalibrate import recalibrate
-from stereorecal.recalibration._schedule import Schedule, as_schedule
+from stereorecal.recalibration._schedule import Schedule, as_schedule, check_schedule
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._solved import Recording
-from stereorecal.recalibration._together import check_schedule, together
+from stereorecal.recalibration._together import together
 from stereorecal.recordings import Range, Scene
 from stereorecal.strategies import Budget, as_budget
 

@@ -8,10 +8,10 @@ import numpy as np
 from jaxtyping import Int
 
 from stereorecal._arrays import refuse_tracers
-from stereorecal.estimation import EXACT, Prior, check_prior, is_exact, rig_parameters
+from stereorecal.estimation import NO_BEAMS, Prior, check_prior, is_exact, rig_parameters
 from stereorecal.geometry import StereoRig, View, same_camera, with_unit_baseline
 from stereorecal.matching import AbstractMatcher, as_matcher
-from stereorecal.objectives import BASELINE, Parameters, Reach, as_parameters, as_reach
+from stereorecal.objectives import Parameters, Reach, as_parameters, as_reach
 from stereorecal.recalibration._acceptance import Reason, row_errors, verdict_on_count
 from stereorecal.recalibration._agreement import agreed, without
 from stereorecal.recalibration._asked import Asked
@@ -27,13 +27,11 @@ from stereorecal.recalibration._estimated import (
 from stereorecal.recalibration._frames import looked_at
 from stereorecal.recalibration._judging import judged
 from stereorecal.recalibration._misfit import systematic
+from stereorecal.recalibration._ranged import prior_of, ranges_seen, said_by_ranges
 from stereorecal.recalibration._ranges import resolved_ranges, with_ranges
-from stereorecal.recalibration._schedule import Schedule, ScoreKind, as_schedule
+from stereorecal.recalibration._schedule import Schedule, ScoreKind, as_schedule, check_schedule
 from stereorecal.recalibration._solution import Solution
-from stereorecal.recalibration._solved import Recording
 from stereorecal.recalibration._stages import FEWEST, Case, StageRun, better_start, remaining, run_stage
-from stereorecal.recalibration._tasks import one_by_one
-from stereorecal.recalibration._together import check_schedule, together, unsolved
 from stereorecal.recalibration._uncertainty import uncertainty
 from stereorecal.recordings import Pairs, Range
 from stereorecal.scoring import host, legible, pyramid
@@ -96,20 +94,11 @@ def recalibrate(
     numbers = looked_at(images.pairs, ranges) if free.shared else tuple(range(len(images.pairs)))
     if len(numbers) < len(images.pairs):
         images = pyramid(rig, [images.pairs[number] for number in numbers], images.view)
-    by_estimate = not is_exact(prior) and not ranges and BASELINE not in free.names
-    case = Case(images, asked, reach, free.extrinsics, prior if by_estimate else EXACT)
-    solution = searched(case, schedule, budget, seed, free if by_estimate else None)
-    if by_estimate or not free.shared:
-        wanted = solution.asked and replace(solution.asked, free=free.names)
-        chosen = numbers if free.shared else None
-        return replace(solution, looked_at=chosen, asked=wanted, seconds=time.perf_counter() - began)
-    recording = Recording(images.pairs, solution, ranges)
-    try:
-        (solution,) = together([recording], free, one=True, each=one_by_one)
-    except np.linalg.LinAlgError:  # a problem that nothing determines: the repair of the extrinsics stands
-        solution = unsolved(recording, free)
+    known = prior_of(prior, free, rig, reach, ranges=bool(ranges))
+    solution = searched(Case(images, asked, reach, free.extrinsics, known, ranges), schedule, budget, seed, free)
     wanted = solution.asked and replace(solution.asked, free=free.names)
-    return replace(solution, looked_at=numbers, asked=wanted, seconds=time.perf_counter() - began)
+    chosen = numbers if free.shared else None
+    return replace(solution, looked_at=chosen, asked=wanted, seconds=time.perf_counter() - began)
 
 
 def searched(case: Case, schedule: Schedule, budget: Budget, seed: int, free: Parameters | None = None) -> Solution:
@@ -222,11 +211,13 @@ def solution_of(case: Case, asked: Asked, stages: tuple[StageRun, ...], cost: Co
             known = uncertainty(facts.covariance(), systematic(facts, left), case.chart)
         else:
             said, rows = judged_by(seen, case, rest, candidate, tiles, said)
+            said = said_by_ranges(said, seen, candidate)
             known = uncertainty_of(seen, candidate, case.chart)
             lenses = refined(seen, case, rest, rows, said.reason)
         reason = Reason.FRAMES_DISAGREE if frames.refused else said.reason
     if reason is Reason.TOO_LITTLE_TEXTURE and any(legible(pair).enough for pair in case.images.pairs):
         reason = Reason.NO_MATCHES
+    matched = NO_BEAMS if seen is None else seen.beams
     apart = () if frames is None else tuple(case.images.pairs[f].name for f in frames.apart)
     return Solution(
         rig=candidate if reason.accepted else case.rig,
@@ -260,6 +251,8 @@ def solution_of(case: Case, asked: Asked, stages: tuple[StageRun, ...], cost: Co
         seconds=time.perf_counter() - began,
         asked=asked,
         estimate=seen,
+        beams=matched,
+        ranges=ranges_seen(len(case.ranges), matched, case.rig, candidate, reason) if case.ranges else None,
     )
 
 

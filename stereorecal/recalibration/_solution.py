@@ -11,7 +11,7 @@ from jaxtyping import Float
 
 from stereorecal._errors import InputError
 from stereorecal._extras import extra
-from stereorecal.estimation import Estimate
+from stereorecal.estimation import NO_BEAMS, Beams, Estimate
 from stereorecal.geometry import AXES, StereoRig, View
 from stereorecal.io import write_text
 from stereorecal.matching import AbstractMatcher
@@ -26,7 +26,7 @@ from stereorecal.recalibration._expected import Expected, expected_of
 from stereorecal.recalibration._intrinsics import Intrinsics
 from stereorecal.recalibration._misfit import WORTH_SAYING, Cause, Misfit
 from stereorecal.recalibration._path import Waypoint, path_of
-from stereorecal.recalibration._ranges import NONE, Beams, RangesSeen
+from stereorecal.recalibration._ranges import RangesSeen
 from stereorecal.recalibration._report import report_of
 from stereorecal.recalibration._stages import StageRun
 from stereorecal.recalibration._uncertainty import Uncertainty
@@ -64,7 +64,7 @@ class Solution:
         disagreeing: the same where they are too many, and nothing is left out.
         stages: what each stage did.
         seconds: wall time.
-        beams: ranges that had a sure match, if most of them fit the calibration to use.
+        beams: ranges that had a sure match.
         ranges: what became of ranges; None if there were none.
         asked: the settings with which it can be repeated.
         estimate: of all parameters of the rig; None where the intrinsics are taken as exact, or nothing was found.
@@ -94,7 +94,7 @@ class Solution:
     stages: tuple[StageRun, ...]
     seconds: float
     looked_at: tuple[int, ...] | None = None
-    beams: Beams = NONE
+    beams: Beams = NO_BEAMS
     ranges: RangesSeen | None = None
     asked: Asked | None = None
     estimate: Estimate | None = None

@@ -6,30 +6,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Int
 
-from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig
 from stereorecal.objectives import BASELINE, Parameters
 from stereorecal.recalibration._acceptance import Reason, Verdict, behind, implausible, regions_worse
 from stereorecal.recalibration._intrinsics import MOST_WORSE, Intrinsics, IntrinsicsOutcome
 from stereorecal.recalibration._misfit import Misfit
 from stereorecal.recalibration._ranges import NONE, Beams, RangesSeen
-from stereorecal.recalibration._schedule import Schedule, ScoreKind
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._solved import Recording, Solved
 from stereorecal.recalibration._tasks import Each, counted
 from stereorecal.scoring.host import Score
-
-
-def check_schedule(schedule: Schedule, free: Parameters) -> None:
-    """Refuse to free what the count cannot see.
-
-    Raises:
-        InputError: if a schedule without rows is asked for intrinsics, the baseline or ranges.
-    """
-    if free.shared and schedule.stages[-1].score is not ScoreKind.EPIPOLAR:
-        raise InputError(
-            "the count sees neither intrinsics nor ranges; leave the default schedule, which ends on rows."
-        )
 
 
 def together(recordings: Sequence[Recording], free: Parameters, *, one: bool, each: Each) -> tuple[Solution, ...]:
