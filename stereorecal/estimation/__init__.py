@@ -14,7 +14,11 @@ from stereorecal.estimation._calibration_prior import (
     exact_prior as exact_prior,
 )
 from stereorecal.estimation._consequences import readings as readings
-from stereorecal.estimation._estimate import Estimate as Estimate, estimate as estimate
+from stereorecal.estimation._estimate import (
+    Estimate as Estimate,
+    estimate as estimate,
+    with_free_together as with_free_together,
+)
 from stereorecal.estimation._parameters import rig_parameters as rig_parameters
 from stereorecal.estimation._posterior import Posterior as Posterior
 from stereorecal.estimation._priors import (
@@ -27,3 +31,4 @@ from stereorecal.estimation._priors import (
     is_exact as is_exact,
     with_deviations as with_deviations,
 )
+from stereorecal.estimation._together import Recording as Recording, estimate_together as estimate_together

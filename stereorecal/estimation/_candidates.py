@@ -1,5 +1,8 @@
 """Rigs that may be written: the one that loses least, and the most probable one that reads depth as the given one."""
 
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
 import numpy as np
 from jaxtyping import Bool, Float
 
@@ -30,33 +33,86 @@ def depth_kept(
     return theta
 
 
-def least_loss(
+@dataclass(frozen=True, eq=False)
+class Loss:
+    """What the rig at θ loses in rows and depth, over what matters: the square of maps θ - goal.
+
+    Attributes:
+        maps: (m, n).
+        goal: (m,).
+        near: (n,) of θ: what neither rows nor depth tell stays near its mean, each free parameter by so much a unit.
+        mean: (n,) of θ.
+        deviations: (n,) of θ.
+    """
+
+    maps: Float[np.ndarray, "m n"]
+    goal: Float[np.ndarray, "m"]
+    near: Float[np.ndarray, "n"]
+    mean: Float[np.ndarray, "n"]
+    deviations: Float[np.ndarray, "n"]
+
+    def of(self, free: Bool[np.ndarray, "n"]) -> tuple[Float[np.ndarray, "k f"], Float[np.ndarray, "k"]]:
+        """Maps and goal of parameters that may change, in their deviations; the others are as given (0)."""
+        near = np.diag(self.near)[free]
+        maps = np.concatenate([self.maps, near])[:, free] * self.deviations[free]
+        return maps, np.concatenate([self.goal, near @ self.mean])
+
+
+def loss(
     near: Consequences,
     mean: Float[np.ndarray, "n"],
     nearness: Float[np.ndarray, "d"],
-    free: Bool[np.ndarray, "n"],
     deviations: Float[np.ndarray, "n"],
-) -> Float[np.ndarray, "n"]:
-    """θ that loses least, in rows over the view and in depth, of those whose held parameters are as given (0).
+) -> Loss:
+    """The loss of rigs.
 
     Args:
         near: the linear maps at the mean.
         mean: of θ.
         nearness: relative disparity that the rig should read, less that of the rig at the mean, at each of DISTANCES.
-        free: which parameters may change.
-        deviations: of θ: what neither rows nor depth tell stays near the mean.
+        deviations: of θ.
     """
-    if free.all() and not nearness.any():
-        return mean
     rows, wanted = [], []
     for index, distance in enumerate(DISTANCES):
         if distance in _SEEN_AT:
             slopes = near.rows[index] / (_ROWS_MATTER * np.sqrt(len(near.rows[index]) * len(_SEEN_AT)))
             rows += [slopes, near.nearness[index : index + 1] / _DEPTH_MATTERS]
             wanted += [slopes @ mean, rows[-1] @ mean + nearness[index] / _DEPTH_MATTERS]
-    near_mean = _NEAR_MEAN * np.diag(1.0 / np.maximum(deviations, 1e-12))[free]
-    maps = np.concatenate([*rows, near_mean])[:, free] * deviations[free]
-    goal = np.concatenate([*wanted, near_mean @ mean])
-    found = np.zeros(len(mean))
-    found[free] = np.linalg.lstsq(maps, goal, rcond=None)[0] * deviations[free]
+    by_deviation = _NEAR_MEAN / np.maximum(deviations, 1e-12)
+    return Loss(np.concatenate(rows), np.concatenate(wanted), by_deviation, mean, deviations)
+
+
+def least_loss(of: Loss, free: Bool[np.ndarray, "n"]) -> Float[np.ndarray, "n"]:
+    """θ that loses least of those whose held parameters are as given (0)."""
+    return least_loss_together([of], free, np.zeros_like(free))[0]
+
+
+def least_loss_together(
+    losses: Sequence[Loss], free: Bool[np.ndarray, "n"], shared: Bool[np.ndarray, "n"]
+) -> list[Float[np.ndarray, "n"]]:
+    """θ of each of several rigs that lose least together.
+
+    Args:
+        losses: of each rig.
+        free: which parameters may change.
+        shared: which are the same for all.
+    """
+    own, common = int((free & ~shared).sum()), int((free & shared).sum())
+    where = np.concatenate([np.flatnonzero(free & ~shared), np.flatnonzero(free & shared)])
+    rows, goals = [], []
+    for index, one in enumerate(losses):
+        # The shared ones in the deviations of the first.
+        maps, goal = replace(one, deviations=np.where(shared, losses[0].deviations, one.deviations)).of(free)
+        order = np.searchsorted(np.flatnonzero(free), where)
+        line = np.zeros((len(goal), own * len(losses) + common))
+        line[:, own * index : own * (index + 1)] = maps[:, order[:own]]
+        line[:, own * len(losses) :] = maps[:, order[own:]]
+        rows.append(line)
+        goals.append(goal)
+    solution = np.linalg.lstsq(np.concatenate(rows), np.concatenate(goals), rcond=None)[0]
+    found = []
+    for index, one in enumerate(losses):
+        theta = np.zeros(len(free))
+        theta[where] = np.concatenate([solution[own * index : own * (index + 1)], solution[own * len(losses) :]])
+        found.append(theta * np.where(shared, losses[0].deviations, one.deviations))
     return found

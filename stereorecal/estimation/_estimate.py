@@ -1,7 +1,7 @@
 """The estimate: from correspondences and a prior to what is known of a rig, and the rigs that may be written."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -10,11 +10,13 @@ from threadpoolctl import ThreadpoolController
 
 from stereorecal._names import known
 from stereorecal.estimation._beams import NO_BEAMS, Beams
-from stereorecal.estimation._candidates import depth_kept, least_loss
+from stereorecal.estimation._calibration_prior import CalibrationPrior
+from stereorecal.estimation._candidates import Loss, depth_kept, least_loss, least_loss_together, loss
 from stereorecal.estimation._consequences import DISTANCES, Consequences, consequences, points_of_view, readings
+from stereorecal.estimation._explanations import Explanation
 from stereorecal.estimation._frames import OtherRig, other_rigs
 from stereorecal.estimation._least_squares import fit
-from stereorecal.estimation._parameters import rig_parameters
+from stereorecal.estimation._parameters import DRIFTING, rig_parameters
 from stereorecal.estimation._posterior import Posterior
 from stereorecal.estimation._priors import Prior, as_prior
 from stereorecal.geometry import StereoRig
@@ -92,8 +94,15 @@ class Estimate:
         for name in names:
             known(name, list(self.names), "parameter")
         free = np.isin(self.chart.names, names)
+        if free.all() and not self._target_nearness.any():
+            return self.theta
+        return least_loss(self.loss, free)
+
+    @cached_property
+    def loss(self) -> Loss:
+        """What a rig loses in rows and depth."""
         deviations = np.sqrt(np.diag(self.posterior.covariance))
-        return least_loss(self._consequences, self.theta, self._target_nearness, free, deviations)
+        return loss(self._consequences, self.theta, self._target_nearness, deviations)
 
     def probability_worse(self, candidate: Float[np.ndarray, "n"]) -> float:
         """That the rig at θ = candidate reads rows worse than the given one by more than 0.02 pixels (root mean square
@@ -174,15 +183,38 @@ def estimate(
         beams: ranges of what was seen; they tell the length of the baseline, too.
     """
     chart = rig_parameters(rig)
-    asked = as_prior(prior, chart, told_length=bool(beams))
+    return solved(found, chart, as_prior(prior, chart, told_length=bool(beams)), start, beams)[0]
+
+
+def solved(
+    found: Correspondences,
+    chart: RigChart,
+    prior: CalibrationPrior,
+    start: Float[np.ndarray, "n"] | None = None,
+    beams: Beams = NO_BEAMS,
+) -> tuple[Estimate, Explanation]:
+    """The estimate, and the most probable one of its explanations."""
     # Hundreds of small matrices: threads would wait for each other, and for other processes on these cores.
     with ThreadpoolController().limit(limits=1, user_api="blas"):
-        solved = fit(found, chart, asked, start, beams)
-        mean, rows = solved.posterior.mean, solved.rows
-        if rows is None:
-            nan = float("nan")
-            return Estimate(chart, solved.posterior, solved.misfit, 0, nan, solved.prior_variance, beams=beams)
-        others = other_rigs(rows, sum(solved.misfit), mean)
-    residual = rows.residual(mean)
-    rms = float(np.sqrt(np.mean(residual**2)))
-    return Estimate(chart, solved.posterior, solved.misfit, len(residual), rms, solved.prior_variance, others, beams)
+        end = fit(found, chart, prior, start, beams)
+        mean, rows = end.posterior.mean, end.rows
+        seen = Estimate(chart, end.posterior, end.misfit, 0, float("nan"), end.prior_variance, beams=beams)
+        if rows is not None:
+            residual, others = rows.residual(mean), other_rigs(rows, sum(end.misfit), mean)
+            rms = float(np.sqrt(np.mean(residual**2)))
+            seen = replace(seen, groups=len(residual), residual_px=rms, other_rigs=others)
+    return seen, end.best
+
+
+def with_free_together(estimates: Sequence[Estimate], names: Sequence[str]) -> list[Float[np.ndarray, "n"]]:
+    """θ of each recording's rig that together lose least in rows and depth if only these parameters may change, and all
+    but the extrinsics of a drift are the same for all.
+
+    Raises:
+        InputError: if a name is unknown.
+    """
+    for name in names:
+        known(name, list(estimates[0].names), "parameter")
+    free = np.isin(estimates[0].names, names)
+    shared = ~np.isin(estimates[0].names, DRIFTING)
+    return least_loss_together([one.loss for one in estimates], free, shared)
