@@ -104,10 +104,12 @@ class Estimate:
         deviations = np.sqrt(np.diag(self.posterior.covariance))
         return loss(self._consequences, self.theta, self._target_nearness, deviations)
 
-    def probability_worse(self, candidate: Float[np.ndarray, "n"]) -> float:
-        """That the rig at θ = candidate reads rows worse than the given one by more than 0.02 pixels (root mean square
-        over the view, at 10 and 30 baselines), or depth at 30 baselines by more than one percentage point."""
-        (rows, depth), (rows_given, depth_given) = map(self._losses, (candidate, np.zeros_like(candidate)))
+    def probability_worse(self, candidate: Float[np.ndarray, "n"], than: Float[np.ndarray, "n"] | None = None) -> float:
+        """That the rig at θ = candidate reads rows worse than another one (default the given one) by more than 0.02
+        pixels (root mean square over the view, at 10 and 30 baselines), or depth at 30 baselines by more than one
+        percentage point."""
+        given = np.zeros_like(candidate) if than is None else than
+        (rows, depth), (rows_given, depth_given) = map(self._losses, (candidate, given))
         return float(np.mean((rows > rows_given + _WORSE_ROWS) | (depth > depth_given + _WORSE_DEPTH)))
 
     def _losses(self, used: Float[np.ndarray, "n"]) -> tuple[Float[np.ndarray, "s"], Float[np.ndarray, "s"]]:

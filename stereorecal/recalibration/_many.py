@@ -13,17 +13,18 @@ import numpy as np
 from stereorecal._errors import InputError, StrategyError
 from stereorecal._names import known
 from stereorecal._run_all import Progress, run_all
-from stereorecal.estimation import EXACT, Prior, check_prior
+from stereorecal.estimation import Prior, check_prior
 from stereorecal.geometry import View, same_camera
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import Parameters, Reach, as_parameters
 from stereorecal.recalibration._as_dict import solution_as_dict
 from stereorecal.recalibration._frames import looked_at
+from stereorecal.recalibration._ranged import prior_of
 from stereorecal.recalibration._ranges import resolved_ranges, with_ranges
 from stereorecal.recalibration._recalibrate import recalibrate
+from stereorecal.recalibration._recording import Recording
 from stereorecal.recalibration._schedule import Schedule, as_schedule, check_schedule
 from stereorecal.recalibration._solution import Solution
-from stereorecal.recalibration._solved import Recording
 from stereorecal.recalibration._together import together
 from stereorecal.recordings import Range, Scene
 from stereorecal.strategies import Budget, as_budget
@@ -103,8 +104,7 @@ def recalibrate_many(
             they free the length of the baseline, which all share.
         executor: any `concurrent.futures.Executor`; default one recording after the other in this process.
         progress: called with (finished, total) after each recording.
-        prior: as `recalibrate` has it, of the calibration that all start from; where recordings share intrinsics or a
-            baseline, these are solved for with independent deviations (`Parameters.priors`).
+        prior: as `recalibrate` has it, of the calibration that all start from.
 
     Raises:
         InputError: if there is no recording, a strategy of the default schedule is not installed, or intrinsics are
@@ -121,7 +121,9 @@ def recalibrate_many(
         if progress is not None:
             progress(len(finished), len(scenes))
     repairs = tuple(finished[index] for index in range(len(scenes)))
-    return repaired_together(scenes, repairs, free, extrinsics=extrinsics, ranges=ranges, executor=executor)
+    return repaired_together(
+        scenes, repairs, free, extrinsics=extrinsics, ranges=ranges, executor=executor, prior=prior
+    )
 
 
 def sharing(
@@ -177,6 +179,7 @@ def repaired_together(
     extrinsics: str = "each",
     ranges: Sequence[Range] = (),
     executor: Executor | None = None,
+    prior: Prior = None,
 ) -> tuple[Repair, ...]:
     """Finished repairs with what they share freed as well; those that failed stay as they are.
 
@@ -197,8 +200,10 @@ def repaired_together(
         Recording(pairs, solution, tuple(r for r in ranges if any(r.pair is p for p in pairs)))
         for pairs, solution in ((tuple(scenes[index].pairs), solution) for index, solution in solved)
     ]
+    first = solved[0][1]
+    known = prior_of(prior, free, first.initial, first.reach, ranges=bool(ranges))
     try:
-        found = together(recordings, free, one=extrinsics == "one", each=each)
+        found = together(recordings, free, known, one=extrinsics == "one", each=each)
     except Exception as error:
         failed = _failed("", error)
         said = f"the joint solution failed, and the repairs of the extrinsics stand: {failed.error}"
@@ -241,7 +246,7 @@ def repairs_as_finished(
         view=view,
         seed=seed,
         free=free.extrinsics,
-        prior=EXACT if free.shared else prior,
+        prior=prior,
     )
 
     def repairs() -> Iterator[tuple[int, Repair]]:

@@ -15,8 +15,6 @@ from stereorecal.recalibration._acceptance import Reason
 from stereorecal.recordings import Pair, Range
 from stereorecal.scoring import ScoringData, host
 
-NONE = NO_BEAMS
-
 
 @dataclass(frozen=True)
 class RangesSeen:

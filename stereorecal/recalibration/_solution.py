@@ -140,7 +140,7 @@ class Solution:
             return None
         if self.estimate is not None:
             return expected_by(self.estimate, self.rig, self.view)
-        return expected_of(self.rig, found, self.beams, self.free, self.reach, self.view, self.uncertainty)
+        return expected_of(self.rig, self.free, self.reach, self.view, self.uncertainty)
 
     @property
     def found(self) -> Correspondences | None:
