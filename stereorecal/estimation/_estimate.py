@@ -104,6 +104,13 @@ class Estimate:
         deviations = np.sqrt(np.diag(self.posterior.covariance))
         return loss(self._consequences, self.theta, self._target_nearness, deviations)
 
+    @property
+    def loss_of_depth_kept(self) -> Loss:
+        """The same, if the depth of the given rig were the true one."""
+        sets = [points_of_view(self.mean_rig, distance) for distance in DISTANCES]
+        given = np.array([readings(self.chart.rig, self.mean_rig, points)[1].mean() for points in sets])
+        return loss(self._consequences, self.theta, given, self.loss.deviations)
+
     def probability_worse(self, candidate: Float[np.ndarray, "n"], than: Float[np.ndarray, "n"] | None = None) -> float:
         """That the rig at θ = candidate reads rows worse than another one (default the given one) by more than 0.02
         pixels (root mean square over the view, at 10 and 30 baselines), or depth at 30 baselines by more than one
@@ -208,9 +215,14 @@ def solved(
     return seen, end.best
 
 
-def with_free_together(estimates: Sequence[Estimate], names: Sequence[str]) -> list[Float[np.ndarray, "n"]]:
+def with_free_together(
+    estimates: Sequence[Estimate], names: Sequence[str], *, depth_kept: bool = False
+) -> list[Float[np.ndarray, "n"]]:
     """θ of each recording's rig that together lose least in rows and depth if only these parameters may change, and all
     but the extrinsics of a drift are the same for all.
+
+    Args:
+        depth_kept: depth shall be that of the given rigs, not the most probable one.
 
     Raises:
         InputError: if a name is unknown.
@@ -219,4 +231,5 @@ def with_free_together(estimates: Sequence[Estimate], names: Sequence[str]) -> l
         known(name, list(estimates[0].names), "parameter")
     free = np.isin(estimates[0].names, names)
     shared = ~np.isin(estimates[0].names, DRIFTING)
-    return least_loss_together([one.loss for one in estimates], free, shared)
+    losses = [one.loss_of_depth_kept if depth_kept else one.loss for one in estimates]
+    return least_loss_together(losses, free, shared)

@@ -122,7 +122,15 @@ def _solved(
     several = (_merged(shown),) if one else tuple(shown)
     estimates = tuple(estimate_together(several, prior, each=each))
     thetas = tuple(with_free_together(estimates, free.names))
+    if _worse(estimates, thetas) >= _MOST_WORSE:  # depth that is not known may at least stay as it was calibrated
+        kept = tuple(with_free_together(estimates, free.names, depth_kept=True))
+        thetas = min(thetas, kept, key=lambda some: _worse(estimates, some))
     return Common(recordings, free, several, estimates, thetas, beams)
+
+
+def _worse(estimates: Sequence[Estimate], thetas: Sequence[Float[np.ndarray, "n"]]) -> float:
+    """The largest probability that one of them is worse off."""
+    return max(one.probability_worse(theta) for one, theta in zip(estimates, thetas, strict=True))
 
 
 def _shown(recording: Recording, found: Correspondences, near: StereoRig, beams: Beams) -> Shown:
