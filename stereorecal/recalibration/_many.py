@@ -88,7 +88,7 @@ def recalibrate_many(
     """Repair the extrinsics of many recordings, each on its own; the answers come in the order of the recordings.
 
     With intrinsics free, all recordings must be of one rig, and share what is found of them: once each is repaired, all
-    are solved together (`Solution.intrinsics` says what came of it).
+    are estimated together (`Solution.intrinsics` says what came of it).
 
     A recording that cannot be repaired is an answer with an error, never an exception. Ctrl-C passes; to keep what is
     finished by then, take the answers one by one from `repairs_as_finished`.
