@@ -3,6 +3,7 @@
 import numpy as np
 from jaxtyping import Bool, Float
 
+from stereorecal._errors import InputError
 from stereorecal.estimation._consequences import DISTANCES, Consequences, consequences, points_of_view, readings
 from stereorecal.objectives import RigChart
 
@@ -76,9 +77,15 @@ def least_loss_of_depth_kept(
     is not linear as far as a drift may reach."""
     sets, at_mean = [points_of_view(chart.rig, distance) for distance in DISTANCES], chart.rig_at(mean)
     nearness = np.array([readings(chart.rig, at_mean, points)[1].mean() for points in sets])
-    theta = mean
+    best, least = np.zeros_like(mean), np.inf
     for _ in range(_STEPS):
         theta = least_loss(near, mean, nearness, free, deviations, _DEPTH_KEPT)
-        rig = chart.rig_at(theta)
-        nearness = nearness - np.array([readings(rig, chart.rig, points)[1].mean() for points in sets])
-    return theta
+        try:
+            rig = chart.rig_at(theta)
+        except InputError:  # a step so far that no rig stands there
+            break
+        off = np.array([readings(rig, chart.rig, points)[1].mean() for points in sets])
+        if not np.abs(off).max() < least:
+            break
+        best, least, nearness = theta, float(np.abs(off).max()), nearness - off
+    return best

@@ -25,10 +25,10 @@ DAYLIGHT = Legible(120.0, 0.8)
 def under(scene):
     """under(pitch, yaw, roll): the health of a rendered rig that is turned so many degrees from the truth."""
 
-    def look(pitch: float = 0.0, yaw: float = 0.0, roll: float = 0.0, matcher=SAD_48) -> Health:
+    def look(pitch: float = 0.0, yaw: float = 0.0, roll: float = 0.0, matcher=SAD_48, prior=None) -> Health:
         given = scene("harbour", 0, SIZE)
         turned = given.rig.extrinsics + np.array([*np.radians([pitch, yaw, roll]), 0, 0, 0])
-        return health(given.rig.with_extrinsics(turned), given.pairs, matcher=matcher)
+        return health(given.rig.with_extrinsics(turned), given.pairs, matcher=matcher, prior=prior)
 
     return look
 
@@ -48,7 +48,7 @@ def test_the_truth_is_healthy(under, matcher):
 @pytest.mark.parametrize("sign", [1, -1])
 def test_the_axis_that_is_off_is_named(under, axis, sign):
     degrees = {"pitch": 0.1, "yaw": 0.5, "roll": 0.2}[axis]
-    found = under(**{axis: sign * degrees})
+    found = under(**{axis: sign * degrees}, prior="exact")
     assert found.condition is Condition.REPAIR
     assert axis in found.mending.named
     assert axis in found.verdict
@@ -58,7 +58,7 @@ def test_the_axis_that_is_off_is_named(under, axis, sign):
 def test_wrong_yaw_is_wrong_depth(under):
     """0.5 degrees are 0.0087 focal lengths of disparity; 30 baselines show 0.033."""
     for sign in (1, -1):
-        error = under(yaw=0.5 * sign).mending.depth_percent[30]
+        error = under(yaw=0.5 * sign, prior="exact").mending.depth_percent[30]
         assert error.low < error.value < error.high
         assert abs(1 / (1 + error.value / 100) - 1) == pytest.approx(30 * np.radians(0.5), rel=0.15)
 
