@@ -49,7 +49,7 @@ class Posed:
 
     def by_rig(self, chart: RigChart, theta: Float[np.ndarray, "p"]) -> Float[np.ndarray, "n 4 p"]:
         """Derivatives of the residual by θ."""
-        return np.stack(slopes_of(chart, theta, self._corners), axis=-1)
+        return np.moveaxis(slopes_of(chart, theta, self._corners), 0, -1)
 
     def by_pose(self, rig: StereoRig) -> Float[np.ndarray, "n 4 6"]:
         """Derivatives by a turn of its board about its middle, and by a shift as a share of the distance."""

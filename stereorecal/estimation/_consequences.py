@@ -88,7 +88,7 @@ def consequences(chart: RigChart, theta: Float[np.ndarray, "n"]) -> Consequences
     right_rays[outer] = -(by_extrinsics - right / right[:, 2:] * by_extrinsics[..., 2:]) / right[:, 2:]
     to_left, to_right = rectifying_rotations(used.rotation, used.translation)
     (left, along, by_left), (right, _, by_right) = (
-        _rectified(seen, moved, rotation)
+        _rectified(seen, moved, np.asarray(rotation))
         for seen, moved, rotation in ((points, left_rays, to_left), (right, right_rays, to_right))
     )
     rows = _focal(used) * (by_left[..., 1] - by_right[..., 1])

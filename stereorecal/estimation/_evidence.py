@@ -163,8 +163,8 @@ def all_explained(
     by_drift = follows[:, :n] + np.eye(n, _DRIFTING)
     means = given[:, None] + at_rest[:, None, :n, 0] + drifts @ by_drift.swapaxes(1, 2)
     of_nuisance = at_rest[:, None, n:, 0] + drifts @ follows[:, n:].swapaxes(1, 2)
-    every = zip(evidence, means, of_nuisance, by_drift, precision, calibrations, lower, strict=True)
-    return [Explained(*some, sizes, calibration, half) for *some, calibration, half in every]
+    of_each = zip(evidence, means, of_nuisance, by_drift, precision, calibrations, lower, strict=True)
+    return [Explained(e, m, v, d, p, sizes, root, half) for e, m, v, d, p, root, half in of_each]
 
 
 def _of_drifts(

@@ -29,6 +29,7 @@ from stereorecal.objectives import RigChart
 _REGION, _ROLLING, _LATE = 0.05, 0.05, 0.005
 # Pixels of row: what moves between two exposures, or while one is read, moves by a row or two; more finds no match.
 MOVED = 1.5
+_TAKEN_TOGETHER = (0.0, 0.5, 1.0)  # rows of two images, as shares of their height
 # Of the right camera between two exposures, percent of the baseline and degrees: as a vehicle moves in milliseconds,
 # unlike a drift, which turns rather than shifts.
 _LATE_SHIFT, _LATE_ANGLE = 20.0, 0.3
@@ -81,7 +82,7 @@ def beside_rivals(
         alone: the rig alone, which rivals are weighed against.
     """
     best, kind = best_of(alone)
-    searched = [_rolling(chart.dim), _late(chart.dim), *_regions(rows, prior, best.prior, kind)]
+    searched = [*_rolling(chart.dim), _late(chart.dim), *_regions(rows, prior, best.prior, kind)]
     of_all = {d: _likelihoods(rows, searched, d) for d in DEVIATIONS}
     tried = []
     for index, rival in enumerate(searched):
@@ -158,12 +159,15 @@ def _explained(
 _kinds_of_drift = cache(drift_sizes)
 
 
-def _rolling(n: int) -> Rival:
-    """One image is read row by row while its camera turns: rows move as far as they lie down the image. Which row was
-    taken with the other image is not known: it may be the first or the last."""
-    down = (np.arange(_N) // PLACES[0] + 0.5) / PLACES[1] - 0.5
-    columns = np.column_stack([down, np.ones(_N)])
-    return Rival("rolling", np.zeros((n, 2)), columns, np.array([MOVED, 0.5 * MOVED]), float(np.log(_ROLLING)))
+def _rolling(n: int) -> list[Rival]:
+    """One image is read row by row while its camera turns: rows move as far as they lie from the row that was taken
+    with the other image, the first, middle or last. All rows by the same no shutter moves, but a rig that drifted."""
+    down = (np.arange(_N) // PLACES[0] + 0.5) / PLACES[1]
+    log_prior = float(np.log(_ROLLING / len(_TAKEN_TOGETHER)))
+    return [
+        Rival("rolling", np.zeros((n, 1)), (down - row)[:, None], np.array([MOVED]), log_prior)
+        for row in _TAKEN_TOGETHER
+    ]
 
 
 def _late(n: int) -> Rival:
@@ -182,7 +186,7 @@ def _regions(rows: LinearRows, prior: CalibrationPrior, which: int, kind: int) -
     for drift in {tuple(sizes[kind]), tuple(sizes[0])}:
         offsets.append(_offsets(of_places, np.column_stack([prior.roots[which], np.eye(n, _DRIFTING) * drift])))
     found = []
-    for label, log_prior in outlines(offsets, places.any(axis=0)):
+    for label, log_prior in outlines(offsets, np.any(places, axis=0)):
         columns, size = label[:, None].astype(float), np.array([MOVED])
         found.append(Rival("region", np.zeros((n, 1)), columns, size, float(np.log(_REGION)) + log_prior))
     return found

@@ -33,7 +33,7 @@ class Earlier:
     """
 
     rig: StereoRig
-    prior: str | Mapping[str, float] | Posterior | None
+    prior: str | Mapping[str, Any] | Posterior | None
     images: tuple[str, ...] = ()
 
 

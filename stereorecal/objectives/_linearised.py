@@ -70,8 +70,8 @@ def linearised(found: Correspondences, chart: RigChart, z: Float[np.ndarray, "n"
     outer = [index for index, name in enumerate(chart.names) if "." not in name]
     here = np.stack(rectifying_rotations(rig.rotation, with_unit_baseline(rig.extrinsics)[3:]))
     by_angles, by_shift = np.split(chart.extrinsic_slopes[outer], 2, axis=1)
-    by_rotation = np.tensordot(by_angles, euler_slopes(rig.extrinsics[:3]), 1)
-    slopes = rectifying_slopes(rig.rotation, rig.translation, by_rotation, by_shift)
+    by_rotation = np.tensordot(by_angles, euler_slopes(np.asarray(rig.extrinsics[:3])), 1)
+    slopes = rectifying_slopes(np.asarray(rig.rotation), np.asarray(rig.translation), by_rotation, by_shift)
     shape = np.shape(found.weight)
     jacobian, rows = np.zeros((z.size, *shape)), np.zeros(shape)
     for side, sign in enumerate((1.0, -1.0)):

@@ -85,11 +85,11 @@ def millimetres(folder: Path) -> Path:
 def test_units_that_look_wrong_are_one_line(command, clean_scene: Path, millimetres: Path):
     """On stderr; the work goes on, and its exit code is its own."""
     answer = command("score", millimetres, "--json", "-")
-    assert answer.code == 4
+    assert answer.code == 0
     assert answer.err == (
         f"stereorecal: {millimetres}: the baseline is 356 m long; check that the translation is in metres.\n"
     )
-    assert json.loads(answer.out)["scenes"][0]["condition"] == "cannot_tell"  # so few pixels do not determine yaw
+    assert json.loads(answer.out)["scenes"][0]["condition"] == "healthy"  # rows know no unit
     for words in ((clean_scene, millimetres), (millimetres, clean_scene)):
         answer = command("diff", *words)
         assert answer.code == 0

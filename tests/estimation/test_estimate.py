@@ -313,3 +313,13 @@ def test_it_travels_lightly_and_says_the_same_there(chart, found):
 def test_a_prior_made_once_serves_every_estimate(rig, chart, prior, seen):
     found = seen(rig, chart.rig_at(at(chart)))
     np.testing.assert_array_equal(estimate(found, rig, prior).theta, estimate(found, rig).theta)
+
+
+@pytest.mark.parametrize("drift", [(1.5, 0.0, 0.0, 0.5, -1.0), (-2.5, 1.0, 2.0, 1.0, 2.0)])
+def test_it_has_settled_where_it_ends(rig, chart, prior, seen, drift):
+    """Begun again where it ended it stays: within what other groups do, also where rows bend along a drift."""
+    found = seen(rig, chart.rig_at(at(chart, np.array(drift))), 3)
+    once = estimate(found, rig, prior)
+    again = estimate(found, rig, prior, once.theta)
+    assert (np.abs(again.theta - once.theta) < 0.3 * sigmas(once)).all()
+    np.testing.assert_allclose(sigmas(again), sigmas(once), rtol=0.1)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from stereorecal.estimation._evidence import Normal, explained, normal_of, without
+from stereorecal.estimation._evidence import Normal, all_explained, explained, normal_of, without
 
 ROWS, DRIFTING = 14, 5
 
@@ -116,3 +116,22 @@ def test_rows_that_say_nothing_leave_the_prior():
     expected = problem.calibration @ problem.calibration.T
     expected[:DRIFTING, :DRIFTING] += np.diag(problem.sizes[1] ** 2)
     np.testing.assert_allclose(found.covariance(1), expected)
+
+
+@settings(max_examples=20)
+@given(seeds=st.lists(st.integers(0, 99), min_size=1, max_size=5), common=st.booleans(), q=st.integers(0, 3))
+def test_several_at_once_are_each_alone(seeds, common, q):
+    """Each with its own rows, or all with the same."""
+    problems = [Problem(seed, q=q) for seed in seeds]
+    first = problems[0]
+    normals = [first.normal] if common else [problem.normal for problem in problems]
+    priors = np.stack([p.calibration for p in problems]), np.stack([p.given for p in problems])
+    logs = np.stack([problem.logs for problem in problems])
+    found = all_explained(normals, *priors, first.nuisance, first.sizes, logs)
+    for index, (problem, one) in enumerate(zip(problems, found, strict=True)):
+        of_rows = normals[0 if common else index]
+        alone = explained(of_rows, problem.calibration, problem.given, first.nuisance, first.sizes, problem.logs)
+        np.testing.assert_allclose(one.log_evidence, alone.log_evidence, rtol=1e-10, atol=1e-9)
+        np.testing.assert_allclose(one.means, alone.means, rtol=1e-8, atol=1e-9)
+        np.testing.assert_allclose(one.nuisance, alone.nuisance, rtol=1e-8, atol=1e-9)
+        np.testing.assert_allclose(one.covariance(1), alone.covariance(1), rtol=1e-8, atol=1e-9)

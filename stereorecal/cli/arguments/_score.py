@@ -7,9 +7,10 @@ from stereorecal.cli.arguments._recordings import add_recordings_to
 _DESCRIPTION = """\
 Check the calibration of each recording against its images, without changing anything: how many pixels match, the
 epipolar (row) error, the rotation that would mend it, and how wrong depth is without, with 95 % intervals. Repair it,
-where a change is significant and matters (0.1 px of row, or 5 % of depth at 30 baselines), or where hardly anything
-matches though there is texture; healthy, where the intervals stay within 0.3 px and 10 %; cannot tell, where it is too
-dark, there is too little texture, or the images do not determine it. Exit code: 0 all healthy; 1 repair it (one of
+where a rig is known whose rows are better by 0.05 px, with 99 %, and with less than 1 % worse, in rows or in depth, or
+where hardly anything matches though there is texture; healthy, where nothing is known to be better and rows agree
+within 0.3 px with 95 %; cannot tell, where it is too dark, there is too little texture, or what would be better is not
+known for sure. `recalibrate` decides by the same look. Exit code: 0 all healthy; 1 repair it (one of
 them at least); 2 bad input, also images that are exchanged, upside down or of different things; 3 internal failure;
 4 cannot tell; 130 interrupted."""
 

@@ -1,0 +1,51 @@
+"""Rectangles of places: sums and squares against the rectangles themselves."""
+
+import numpy as np
+from hypothesis import given, settings, strategies as st
+
+from stereorecal.estimation._groups import PLACES
+from stereorecal.estimation._outlines import Offsets, _rectangle, _squares, _sums, outlines
+
+N = PLACES[0] * PLACES[1]
+LABELS = [
+    ((np.arange(N) // PLACES[0] >= top) & (np.arange(N) // PLACES[0] < bottom))
+    & ((np.arange(N) % PLACES[0] >= left) & (np.arange(N) % PLACES[0] < right))
+    for top in range(PLACES[1])
+    for bottom in range(top + 1, PLACES[1] + 1)
+    for left in range(PLACES[0])
+    for right in range(left + 1, PLACES[0] + 1)
+]
+
+
+def precision(rng: np.random.Generator) -> np.ndarray:
+    half = rng.normal(0, 1, (N, N))
+    return half @ half.T
+
+
+def test_every_rectangle_once():
+    found = {_rectangle(index).tobytes() for index in range(len(LABELS))}
+    assert found == {label.tobytes() for label in LABELS}
+
+
+@settings(max_examples=5, deadline=None)
+@given(seed=st.integers(0, 999))
+def test_sums_and_squares(seed):
+    rng = np.random.default_rng(seed)
+    a, b = precision(rng), rng.normal(0, 1, N)
+    sums, squares = _sums(b), _squares(a)
+    for index in rng.integers(0, len(LABELS), 50):
+        label = _rectangle(int(index)).astype(float)
+        np.testing.assert_allclose(sums[index], label @ b, atol=1e-9)
+        np.testing.assert_allclose(squares[index], label @ a @ label, rtol=1e-9)
+
+
+@settings(max_examples=10, deadline=None)
+@given(index=st.integers(0, len(LABELS) - 1))
+def test_a_rectangle_that_moved_is_found(index):
+    """Or the rest of the places, where these are fewer; a row or a column more is another."""
+    label = LABELS[index]
+    if not 12 <= min(label.sum(), N - label.sum()) <= N // 2:
+        return
+    offsets = Offsets(100.0 * np.eye(N), 100.0 * 1.0 * label, 1.5)
+    (found, _), *_ = outlines([offsets], np.ones(N, bool))
+    assert (found == label).all() or (found == ~label).all()
