@@ -63,8 +63,8 @@ def decide(seen: Estimate, free: Sequence[str]) -> Decision:
     """Choose between a calibration, and changes of its free parameters.
 
     Two candidates stand: the one that loses least in rows and depth, and the one of those that read depth as the
-    calibration does that loses least in rows. One replaces the calibration if its rows are better for sure and the
-    probability is below 1 % that rows or depth are worse; of two, the one of less expected loss. Else the calibration
+    calibration does that loses least in rows. One replaces the calibration if its rows are better for sure, and the
+    probability is below 1 % that rows, of near or far things, or depth are worse; of two, the one of less expected loss. Else the calibration
     is good if its rows are, with 95 %. Absolute depth is not judged: no rig's rows know it.
 
     Args:
@@ -76,12 +76,14 @@ def decide(seen: Estimate, free: Sequence[str]) -> Decision:
     for keeps_depth in (False, True):
         theta = seen.with_free(free, keep_depth=keeps_depth)
         rows, depth = seen.losses(theta)
-        worse = float(np.mean((rows > rows_given + WORSE_ROWS) | (depth > depth_given + WORSE_DEPTH)))
-        better = float(np.mean(rows < rows_given - GAIN))
+        lost = np.any(rows > rows_given + WORSE_ROWS, axis=0) | (depth > depth_given + WORSE_DEPTH)
+        worse, rows = float(np.mean(lost)), np.mean(rows, axis=0)
+        better = float(np.mean(rows < np.mean(rows_given, axis=0) - GAIN))
         allowed = worse < ALPHA and better > 1.0 - ALPHA
         expected_loss = float(np.mean(rows / GAIN + depth / WORSE_DEPTH))
         found.append((not allowed, expected_loss, theta, keeps_depth, worse, better, rows))
     refused, _, theta, keeps_depth, worse, better, rows = min(found, key=lambda one: one[:2])
+    rows_given = np.mean(rows_given, axis=0)
     good = float(np.mean(rows_given <= GOOD_ROWS)) >= GOOD_SURELY
     verdict = Verdict.REPAIR if not refused else Verdict.GOOD if good else Verdict.CANNOT_TELL
     said = np.percentile([rows_given, rows], [50.0, 2.5, 97.5], axis=1).T

@@ -106,16 +106,16 @@ class Estimate:
 
     def probability_worse(self, candidate: Float[np.ndarray, "n"]) -> float:
         """That the rig at θ = candidate reads rows worse than the given one by more than 0.02 pixels (root mean square
-        over the view, at 10 and 30 baselines), or depth at 30 baselines by more than one percentage point."""
+        over the view, at 5, 10 or 30 baselines), or depth at 30 baselines by more than one percentage point."""
         (rows, depth), (rows_given, depth_given) = map(self.losses, (candidate, np.zeros_like(candidate)))
-        return float(np.mean((rows > rows_given + _WORSE_ROWS) | (depth > depth_given + _WORSE_DEPTH)))
+        return float(np.mean(np.any(rows > rows_given + _WORSE_ROWS, axis=0) | (depth > depth_given + _WORSE_DEPTH)))
 
-    def losses(self, used: Float[np.ndarray, "n"]) -> tuple[Float[np.ndarray, "s"], Float[np.ndarray, "s"]]:
-        """Rows [pixels, at 5, 10 and 30 baselines] and |error of depth| at 30 baselines [%] of the rig at θ = used, for
-        each of some rigs drawn from the posterior; always the same."""
+    def losses(self, used: Float[np.ndarray, "n"]) -> tuple[Float[np.ndarray, "3 s"], Float[np.ndarray, "s"]]:
+        """Rows [pixels], at 5, 10 and 30 baselines, and |error of depth| at 30 baselines [%] of the rig at θ = used,
+        for each of some rigs drawn from the posterior; always the same."""
         rows = [self._row_errors(used, DISTANCES.index(distance)) for distance in _SEEN_AT]
         near = 1.0 + self._nearness(used)[:, DISTANCES.index(_FAR)]
-        return np.mean(rows, axis=0), 100.0 * np.abs(1.0 / np.maximum(near, _LEAST_NEARNESS) - 1.0)
+        return np.stack(rows), 100.0 * np.abs(1.0 / np.maximum(near, _LEAST_NEARNESS) - 1.0)
 
     @one_blas_thread()
     def _row_errors(self, used: Float[np.ndarray, "n"], index: int) -> Float[np.ndarray, "s"]:
