@@ -64,8 +64,8 @@ def decide(seen: Estimate, free: Sequence[str]) -> Decision:
 
     Two candidates stand: the one that loses least in rows and depth, and the one of those that read depth as the
     calibration does that loses least in rows. One replaces the calibration if its rows are better for sure, and the
-    probability is below 1 % that rows, of near or far things, or depth are worse; of two, the one of less expected loss. Else the calibration
-    is good if its rows are, with 95 %. Absolute depth is not judged: no rig's rows know it.
+    probability is below 1 % that rows, of near or far things, or depth are worse; of two, the one of less expected
+    loss. Else the calibration is good if its rows are, with 95 %. Absolute depth is not judged: no rig's rows know it.
 
     Args:
         seen: what is known; its θ = 0 is the calibration.

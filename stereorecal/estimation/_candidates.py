@@ -3,7 +3,6 @@
 import numpy as np
 from jaxtyping import Bool, Float
 
-from stereorecal._errors import InputError
 from stereorecal.estimation._consequences import DISTANCES, Consequences, consequences, points_of_view, readings
 from stereorecal.objectives import RigChart
 
@@ -80,11 +79,9 @@ def least_loss_of_depth_kept(
     best, least = np.zeros_like(mean), np.inf
     for _ in range(_STEPS):
         theta = least_loss(near, mean, nearness, free, deviations, _DEPTH_KEPT)
-        try:
-            rig = chart.rig_at(theta)
-        except InputError:  # a step so far that no rig stands there
+        if not chart.stands_at(theta):
             break
-        off = np.array([readings(rig, chart.rig, points)[1].mean() for points in sets])
+        off = np.array([readings(chart.rig_at(theta), chart.rig, points)[1].mean() for points in sets])
         if not np.abs(off).max() < least:
             break
         best, least, nearness = theta, float(np.abs(off).max()), nearness - off

@@ -88,7 +88,7 @@ class Estimate:
 
     @one_blas_thread()
     def with_free(self, names: Sequence[str], *, keep_depth: bool = False) -> Float[np.ndarray, "n"]:
-        """θ that loses least in rows and depth if only these parameters may change.
+        """θ that loses least in rows and depth if only these parameters may change; as given, where no rig stands there.
 
         Args:
             keep_depth: whether it is to read depth as the given rig does, whatever is more probable.
@@ -102,7 +102,8 @@ class Estimate:
         deviations = np.sqrt(np.diag(self.posterior.covariance))
         if keep_depth:
             return least_loss_of_depth_kept(self.chart, self._consequences, self.theta, free, deviations)
-        return least_loss(self._consequences, self.theta, self._target_nearness, free, deviations)
+        theta = least_loss(self._consequences, self.theta, self._target_nearness, free, deviations)
+        return theta if self.chart.stands_at(theta) else np.zeros_like(theta)
 
     def probability_worse(self, candidate: Float[np.ndarray, "n"]) -> float:
         """That the rig at θ = candidate reads rows worse than the given one by more than 0.02 pixels (root mean square
