@@ -88,7 +88,7 @@ class Estimate:
 
     @one_blas_thread()
     def with_free(self, names: Sequence[str], *, keep_depth: bool = False) -> Float[np.ndarray, "n"]:
-        """θ that loses least in rows and depth if only these parameters may change; as given, where no rig stands there.
+        """θ that loses least in rows and depth if only these parameters may change; as given, if no rig stands there.
 
         Args:
             keep_depth: whether it is to read depth as the given rig does, whatever is more probable.
