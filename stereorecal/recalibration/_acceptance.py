@@ -44,7 +44,7 @@ ROWS_MATTER = 0.1  # pixels: what a matcher notices
 class Reason(enum.Enum):
     """Why a candidate was accepted or not; the value is the message."""
 
-    IMPROVED = "the candidate is better, also on image regions that were held out"
+    IMPROVED = "the candidate is better, and that is sure"
     MORE_MATCHES = "the candidate matches more pixels"
     RANGES = "the candidate agrees with the ranges, which the initial calibration does not, and its rows are as good"
     ALREADY_GOOD = "the initial calibration is already good; there is nothing to gain that is sure"
@@ -82,7 +82,8 @@ class RowErrors:
 
     Attributes:
         before: under the initial calibration.
-        after: under the candidate, each part of the images judged by a solution that has not seen it.
+        after: under the candidate; with exact intrinsics, each part of the images judged by a solution that has not
+            seen it.
         significance: of the gain, in standard errors over the places of tiles in the frames.
     """
 
