@@ -24,9 +24,15 @@ from stereorecal.recalibration._ending import Ending, counts
 from stereorecal.recalibration._evidence import TILES_OF_A_FRAME, Evidence, evidence
 from stereorecal.recalibration._expected import Expected, expected
 from stereorecal.recalibration._intrinsics import Intrinsics, IntrinsicsOutcome
+<<<<<<< main
 from stereorecal.recalibration._misfit import misfit
 from stereorecal.recalibration._schedule import ScoreKind, Stage
 from stereorecal.recalibration._stages import FEWEST, Case, StageRun, matched
+=======
+from stereorecal.recalibration._judging import judged
+from stereorecal.recalibration._ranged import matched_ranges
+from stereorecal.recalibration._stages import FEWEST, Case, matched
+>>>>>>> together
 from stereorecal.recalibration._uncertainty import OBSERVED, Uncertainty, directions
 from stereorecal.scoring import Correspondences
 
@@ -68,6 +74,7 @@ def answered(case: Case, found: Correspondences, near: StereoRig, again_at: floa
     seeing = int(np.any(np.asarray(without(found, apart).weight) > 0, axis=1).sum())
     most = MOST_APART * (seeing + len(apart))
     start = rig_parameters(case.rig).coordinates_of(near)
+<<<<<<< main
     while True:
         rest = without(found, apart)
         seen = estimate(rest, case.rig, case.prior, start=start)
@@ -90,6 +97,15 @@ class Look:
         run: what was done, as a stage of a schedule.
         answer: of its correspondences; None if there are too few, or they cover too little.
     """
+=======
+    beams = matched_ranges(case, found, near)
+    seen, apart = estimate(found, case.rig, case.prior, start=start, beams=beams), ()
+    while seen.other_rigs and len(apart) < MOST_APART * len(found.weight):
+        apart = (*apart, seen.other_rigs[0].frame)
+        beams = matched_ranges(case, found, near, apart)
+        seen = estimate(without(found, apart), case.rig, case.prior, start=seen.theta, beams=beams)
+    return seen, apart
+>>>>>>> together
 
     run: StageRun
     answer: Answer | None
@@ -134,7 +150,7 @@ def _matched_again(
     again = replace(again, weight=np.asarray(again.weight) * kept[:, None])
     if again.found < FEWEST:
         return seen, found
-    return estimate(again, case.rig, case.prior, start=seen.theta), again
+    return estimate(again, case.rig, case.prior, start=seen.theta, beams=seen.beams), again
 
 
 def ended_by(case: Case, answer: Answer, near: StereoRig) -> Ending:

@@ -13,19 +13,30 @@ import numpy as np
 from stereorecal._errors import InputError, StrategyError
 from stereorecal._names import known
 from stereorecal._run_all import Progress, run_all
+<<<<<<< main
 from stereorecal.estimation import EXACT, Prior, check_boards, check_prior
+=======
+from stereorecal.estimation import Prior, check_prior
+>>>>>>> together
 from stereorecal.geometry import View, same_camera
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import Parameters, Reach, as_parameters
 from stereorecal.recalibration._as_dict import solution_as_dict
 from stereorecal.recalibration._frames import looked_at
+from stereorecal.recalibration._ranged import prior_of
 from stereorecal.recalibration._ranges import resolved_ranges, with_ranges
 from stereorecal.recalibration._recalibrate import recalibrate
-from stereorecal.recalibration._schedule import Schedule, as_schedule
+from stereorecal.recalibration._recording import Recording
+from stereorecal.recalibration._schedule import Schedule, as_schedule, check_schedule
 from stereorecal.recalibration._solution import Solution
+<<<<<<< main
 from stereorecal.recalibration._solved import Recording
 from stereorecal.recalibration._together import check_schedule, together
 from stereorecal.recordings import Board, Range, Scene
+=======
+from stereorecal.recalibration._together import together
+from stereorecal.recordings import Range, Scene
+>>>>>>> together
 from stereorecal.strategies import Budget, as_budget
 
 
@@ -88,7 +99,7 @@ def recalibrate_many(
     """Repair the extrinsics of many recordings, each on its own; the answers come in the order of the recordings.
 
     With intrinsics free, all recordings must be of one rig, and share what is found of them: once each is repaired, all
-    are solved together (`Solution.intrinsics` says what came of it).
+    are estimated together (`Solution.intrinsics` says what came of it).
 
     A recording that cannot be repaired is an answer with an error, never an exception. Ctrl-C passes; to keep what is
     finished by then, take the answers one by one from `repairs_as_finished`.
@@ -104,9 +115,13 @@ def recalibrate_many(
             they free the length of the baseline, which all share.
         executor: any `concurrent.futures.Executor`; default one recording after the other in this process.
         progress: called with (finished, total) after each recording.
+<<<<<<< main
         prior: as `recalibrate` has it, of the calibration that all start from; where recordings share intrinsics or a
             baseline, these are solved for with independent deviations (`Parameters.priors`).
         boards: as `recalibrate` has them; not where recordings share intrinsics or a baseline.
+=======
+        prior: as `recalibrate` has it, of the calibration that all start from.
+>>>>>>> together
 
     Raises:
         InputError: if there is no recording, a strategy of the default schedule is not installed, or intrinsics are
@@ -123,7 +138,9 @@ def recalibrate_many(
         if progress is not None:
             progress(len(finished), len(scenes))
     repairs = tuple(finished[index] for index in range(len(scenes)))
-    return repaired_together(scenes, repairs, free, extrinsics=extrinsics, ranges=ranges, executor=executor)
+    return repaired_together(
+        scenes, repairs, free, extrinsics=extrinsics, ranges=ranges, executor=executor, prior=prior
+    )
 
 
 def sharing(
@@ -179,6 +196,7 @@ def repaired_together(
     extrinsics: str = "each",
     ranges: Sequence[Range] = (),
     executor: Executor | None = None,
+    prior: Prior = None,
 ) -> tuple[Repair, ...]:
     """Finished repairs with what they share freed as well; those that failed stay as they are.
 
@@ -199,8 +217,10 @@ def repaired_together(
         Recording(pairs, solution, tuple(r for r in ranges if any(r.pair is p for p in pairs)))
         for pairs, solution in ((tuple(scenes[index].pairs), solution) for index, solution in solved)
     ]
+    first = solved[0][1]
+    known = prior_of(prior, free, first.initial, first.reach, ranges=bool(ranges))
     try:
-        found = together(recordings, free, one=extrinsics == "one", each=each)
+        found = together(recordings, free, known, one=extrinsics == "one", each=each)
     except Exception as error:
         failed = _failed("", error)
         said = f"the joint solution failed, and the repairs of the extrinsics stand: {failed.error}"
@@ -247,8 +267,12 @@ def repairs_as_finished(
         view=view,
         seed=seed,
         free=free.extrinsics,
+<<<<<<< main
         prior=EXACT if free.shared else prior,
         boards=boards,
+=======
+        prior=prior,
+>>>>>>> together
     )
 
     def repairs() -> Iterator[tuple[int, Repair]]:
