@@ -84,7 +84,7 @@ def run(options: argparse.Namespace) -> int:
             "boards": boards,
         }
         with progress_bar(options.quiet) as progress:
-            how = {"extrinsics": options.extrinsics, "ranges": ranges, "executor": pool, "prior": options.prior}
+            how = {"extrinsics": options.extrinsics, "ranges": ranges, "executor": pool}
             repairs, interrupted = _finished(
                 scenes,
                 repairs_as_finished(scenes, executor=pool, **arguments),

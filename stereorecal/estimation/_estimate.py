@@ -193,10 +193,11 @@ def estimate(
         prior: of what it leaves; default that of a chessboard calibration. `as_prior` of it, made once, saves its time
             where a rig is estimated again.
         start: θ to begin at; default 0.
-        beams: ranges of what was seen; they tell the length of the baseline, too.
+        beams: ranges of what was seen; they tell the length of the baseline, too, which the prior must know
+            (`told_length` of `as_prior`).
     """
     chart = rig_parameters(rig)
-    return solved(found, chart, as_prior(prior, chart, told_length=bool(beams)), start, beams)[0]
+    return solved(found, chart, as_prior(prior, chart), start, beams)[0]
 
 
 @one_blas_thread()

@@ -90,13 +90,8 @@ def as_prior(prior: Prior, chart: RigChart, *, told_length: bool = False) -> Cal
         InputError: as `check_prior`.
     """
     found = _as_prior(prior, chart)
-    return found if isinstance(prior, CalibrationPrior) else _with_length(found, prior, chart, told=told_length)
-
-
-def _with_length(found: CalibrationPrior, prior: Prior, chart: RigChart, *, told: bool) -> CalibrationPrior:
-    """What was made of a prior, with a length of the baseline that may be wrong where it is told, and was not given."""
     given = prior.names if isinstance(prior, CalibrationCovariance) else prior if isinstance(prior, Mapping) else ()
-    return with_scaled_boards(found, chart) if told and BASELINE not in given else found
+    return with_scaled_boards(found, chart) if told_length and BASELINE not in given else found
 
 
 def with_deviations(prior: CalibrationPrior, chart: RigChart, sigmas: Mapping[str, float]) -> CalibrationPrior:
@@ -132,7 +127,7 @@ def _as_prior(prior: Prior, chart: RigChart) -> CalibrationPrior:
     return _with_sigmas(calibration_prior(chart), chart, prior)
 
 
-def with_boards(prior: Prior, boards: Sequence[Board] | None, chart: RigChart, *, told_length: bool = False) -> Prior:
+def with_boards(prior: Prior, boards: Sequence[Board] | None, chart: RigChart) -> Prior:
     """The prior, given the boards of the calibration, if there are any.
 
     They take the place of the default, which stands for such boards; whatever else is said of the calibration counts
@@ -146,7 +141,7 @@ def with_boards(prior: Prior, boards: Sequence[Board] | None, chart: RigChart, *
     if boards is None:
         return prior
     known_before = physical_prior(chart) if prior is None or prior == DEFAULT else as_prior(prior, chart)
-    return _with_length(prior_of_boards(chart, boards, known_before), prior, chart, told=told_length)
+    return prior_of_boards(chart, boards, known_before)
 
 
 def _known(known: Posterior | None, chart: RigChart) -> CalibrationPrior:

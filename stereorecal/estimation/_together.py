@@ -22,7 +22,6 @@ from stereorecal.estimation._evidence import Normal, without
 from stereorecal.estimation._explanations import Explanation
 from stereorecal.estimation._knowledge import updated
 from stereorecal.estimation._parameters import DRIFTING, rig_parameters
-from stereorecal.estimation._priors import Prior, as_prior
 from stereorecal.geometry import StereoRig
 from stereorecal.scoring import Correspondences
 
@@ -39,34 +38,34 @@ class Recording:
     Attributes:
         found: correspondences of its frames, with the rays that the cameras of `rig` give.
         rig: the calibration that it started from; those of several recordings have the same cameras.
+        prior: of what that leaves; those of several recordings tell of the same error, and none of the others' images.
         start: (n,) θ to begin at; default 0.
         beams: ranges of what it shows.
     """
 
     found: Correspondences
     rig: StereoRig
+    prior: CalibrationPrior
     start: Float[np.ndarray, "n"] | None = None
     beams: Beams = NO_BEAMS
 
 
 def estimate_together(
-    recordings: Sequence[Recording], prior: Prior = None, *, each: Each = lambda does, several: [*map(does, several)]
+    recordings: Sequence[Recording], *, each: Each = lambda does, several: [*map(does, several)]
 ) -> list[Estimate]:
     """The estimate of each recording's rig, from what all of them show.
 
     Args:
         recordings: one or several.
-        prior: of what the common calibration leaves; default that of a chessboard calibration.
         each: runs a task for each recording.
     """
-    told = any(bool(recording.beams) for recording in recordings)
-    common = as_prior(prior, rig_parameters(recordings[0].rig), told_length=told)
-    estimates, messages = _round(recordings, [common] * len(recordings), each)
+    estimates, messages = _round(recordings, [recording.prior for recording in recordings], each)
     variances = [one.prior_variance for one in estimates]
     for _ in range(_ROUNDS - 1 if len(recordings) > 1 else 0):
         recordings = [replace(r, start=one.theta) for r, one in zip(recordings, estimates, strict=True)]
         priors = [
-            after(common, reduce(add, messages[:index] + messages[index + 1 :])) for index in range(len(recordings))
+            after(recording.prior, reduce(add, messages[:index] + messages[index + 1 :]))
+            for index, recording in enumerate(recordings)
         ]
         estimates, messages = _round(recordings, priors, each)
     return [replace(one, prior_variance=before) for one, before in zip(estimates, variances, strict=True)]

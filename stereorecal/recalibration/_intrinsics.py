@@ -1,6 +1,7 @@
-"""Whether freed intrinsics are taken: judged, like extrinsics, on what took no part."""
+"""What became of freed intrinsics."""
 
 import enum
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -8,7 +9,9 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal._plain import plain
+from stereorecal.estimation import Estimate
 from stereorecal.recalibration._acceptance import Reason
+from stereorecal.recalibration._uncertainty import OBSERVED
 
 
 class IntrinsicsOutcome(enum.Enum):
@@ -97,3 +100,44 @@ class Intrinsics:
         if self.taken and self.undetermined:
             lines.append(f"as uncertain as before: {', '.join(self.undetermined)}")
         return "\n".join(lines)
+
+
+def intrinsics_of(
+    seen: Estimate,
+    theta: Float[np.ndarray, "n"],
+    names: Sequence[str],
+    outcome: IntrinsicsOutcome,
+    *,
+    fixed_px: float,
+    freed_px: float,
+    shown: float,
+    expected_px: float,
+    refused: Reason | None = None,
+) -> Intrinsics:
+    """What became of some parameters in an estimate.
+
+    Args:
+        theta: the candidate.
+        others: of `Intrinsics`, by its names.
+    """
+    where = [seen.names.index(name) for name in names]
+    (low, high), after = seen.intervals[where].T, np.diag(seen.posterior.covariance)[where]
+    return Intrinsics(
+        outcome=outcome,
+        names=tuple(names),
+        units=tuple(seen.units[index] for index in where),
+        change=theta[where],
+        interval=0.5 * (high - low),
+        undetermined=tuple(
+            name
+            for name, now, given in zip(names, after, seen.prior_variance[where], strict=True)
+            if now > OBSERVED**2 * given
+        ),
+        fixed_px=fixed_px,
+        freed_px=freed_px,
+        fixed_elsewhere_px=float("nan"),
+        freed_elsewhere_px=float("nan"),
+        shown=shown,
+        expected_px=expected_px,
+        refused=refused,
+    )

@@ -7,47 +7,25 @@ from dataclasses import replace
 import numpy as np
 
 from stereorecal._arrays import refuse_tracers
-<<<<<<< main
-from stereorecal._errors import InputError
 from stereorecal.decision import Verdict
-from stereorecal.estimation import Prior, is_exact, rig_parameters, with_boards
+from stereorecal.estimation import NO_BEAMS, Prior, is_exact, rig_parameters, with_boards
 from stereorecal.geometry import StereoRig, View
 from stereorecal.matching import AbstractMatcher, as_matcher
-from stereorecal.objectives import BASELINE, Parameters, Reach, as_parameters, as_reach
-from stereorecal.recalibration._acceptance import Reason, verdict_on_count
-=======
-from stereorecal.estimation import NO_BEAMS, Prior, check_prior, is_exact, rig_parameters
-from stereorecal.geometry import StereoRig, View, same_camera, with_unit_baseline
-from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import Parameters, Reach, as_parameters, as_reach
-from stereorecal.recalibration._acceptance import Reason, row_errors, verdict_on_count
-from stereorecal.recalibration._agreement import agreed, without
->>>>>>> together
+from stereorecal.recalibration._acceptance import Reason, verdict_on_count
 from stereorecal.recalibration._asked import Asked
 from stereorecal.recalibration._cost import Cost
 from stereorecal.recalibration._ending import Ending, counts
 from stereorecal.recalibration._estimated import answered, ended_by, looked
 from stereorecal.recalibration._exact import ended_exactly
 from stereorecal.recalibration._frames import looked_at
-<<<<<<< main
 from stereorecal.recalibration._prior_use import prior_use
-=======
-from stereorecal.recalibration._judging import judged
-from stereorecal.recalibration._misfit import systematic
-from stereorecal.recalibration._ranged import prior_of, ranges_seen, said_by_ranges
->>>>>>> together
+from stereorecal.recalibration._ranged import prior_of, ranges_seen
 from stereorecal.recalibration._ranges import resolved_ranges, with_ranges
 from stereorecal.recalibration._schedule import Schedule, ScoreKind, as_schedule, check_schedule
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._stages import FEWEST, Case, StageRun, better_start, remaining, run_stage
-<<<<<<< main
-from stereorecal.recalibration._tasks import one_by_one
-from stereorecal.recalibration._together import check_schedule, together, unsolved
 from stereorecal.recordings import Board, Pairs, Range
-=======
-from stereorecal.recalibration._uncertainty import uncertainty
-from stereorecal.recordings import Pairs, Range
->>>>>>> together
 from stereorecal.scoring import host, legible, pyramid
 from stereorecal.scoring.host import Score, survey
 from stereorecal.strategies import Budget, Status, as_budget
@@ -109,40 +87,19 @@ def recalibrate(
     free = with_ranges(as_parameters(free), ranges)
     ranges = resolved_ranges(ranges, [("", images.pairs)])
     check_schedule(schedule, free)
-    by_estimate = not is_exact(prior) and not ranges and BASELINE not in free.names
-    if boards is not None:
-        prior = with_boards(prior, boards, rig_parameters(rig))
-        if not by_estimate:
-            raise InputError("boards do not join ranges and a free baseline yet; leave one of them out.")
-    use = prior_use(prior, rig, images.pairs, by_estimate=by_estimate)
+    use = prior_use(with_boards(prior, boards, rig_parameters(rig)), rig, images.pairs)
     numbers = use.numbers
     if free.shared:
         chosen = looked_at([images.pairs[number] for number in numbers], ranges)
         numbers = tuple(numbers[number] for number in chosen)
     if len(numbers) < len(images.pairs):
         images = pyramid(rig, [images.pairs[number] for number in numbers], images.view)
-<<<<<<< main
-    case = Case(images, asked, reach, free.extrinsics, use.prior)
-    solution = searched(case, schedule, budget, seed, free if by_estimate else None)
-    if by_estimate or not free.shared:
-        wanted = solution.asked and replace(solution.asked, free=free.names)
-        chosen = numbers if free.shared or use.dropped else None
-        seconds = time.perf_counter() - began
-        return replace(solution, looked_at=chosen, asked=wanted, prior_use=use, seconds=seconds)
-    recording = Recording(images.pairs, solution, ranges)
-    try:
-        (solution,) = together([recording], free, one=True, each=one_by_one)
-    except np.linalg.LinAlgError:  # a problem that nothing determines: the repair of the extrinsics stands
-        solution = unsolved(recording, free)
+    known = prior_of(use.prior, free, rig, reach, ranges=bool(ranges))
+    case = Case(images, asked, reach, free.extrinsics, known, ranges)
+    solution = searched(case, schedule, budget, seed, free)
     wanted = solution.asked and replace(solution.asked, free=free.names)
-    return replace(solution, looked_at=numbers, asked=wanted, prior_use=use, seconds=time.perf_counter() - began)
-=======
-    known = prior_of(prior, free, rig, reach, ranges=bool(ranges))
-    solution = searched(Case(images, asked, reach, free.extrinsics, known, ranges), schedule, budget, seed, free)
-    wanted = solution.asked and replace(solution.asked, free=free.names)
-    chosen = numbers if free.shared else None
-    return replace(solution, looked_at=chosen, asked=wanted, seconds=time.perf_counter() - began)
->>>>>>> together
+    chosen = numbers if free.shared or use.dropped else None
+    return replace(solution, looked_at=chosen, asked=wanted, prior_use=use, seconds=time.perf_counter() - began)
 
 
 def searched(case: Case, schedule: Schedule, budget: Budget, seed: int, free: Parameters | None = None) -> Solution:
@@ -238,7 +195,6 @@ def solution_of(
         status, message = Status.CONVERGED, "one look at the images was enough"
     elif cut:
         status, message = Status.BUDGET, Status.BUDGET.value
-<<<<<<< main
     if ending is None:
         ending = _ended(case, stages, cut=cut, signal=status is not Status.NO_SIGNAL)
     reason = ending.reason
@@ -249,32 +205,7 @@ def solution_of(
     pixels = case.images.at(1.0).pixels * int(kept.sum()) // frames  # all of one size
     before, after = (Score(int(found.sum()), pixels) for found in ending.tiles[:, kept])
     apart = tuple(case.images.pairs[f].name for f in ending.apart)
-=======
-    rows = known = left = lenses = None
-    if cut:
-        reason = Reason.OUT_OF_BUDGET  # the count alone would let harm through: it hardly sees a wrong yaw
-    elif found is None:
-        reason = verdict_on_count(before, after, signal=status is not Status.NO_SIGNAL)
-    elif frames is None:
-        reason = Reason.TOO_LITTLE_TEXTURE
-    else:
-        rest = found if seen else without(found, frames.apart)
-        facts, rows = frames.facts, row_errors(frames.facts)
-        searched_for = case.free if seen is None else case.free.extrinsics
-        said, left = judged(facts, searched_for.names, len(case.free.axes), tiles, rows, rest.covered)
-        if seen is None:
-            known = uncertainty(facts.covariance(), systematic(facts, left), case.chart)
-        else:
-            said, rows = judged_by(seen, case, rest, candidate, tiles, said)
-            said = said_by_ranges(said, seen, candidate)
-            known = uncertainty_of(seen, candidate, case.chart)
-            lenses = refined(seen, case, rest, rows, said.reason)
-        reason = Reason.FRAMES_DISAGREE if frames.refused else said.reason
-    if reason is Reason.TOO_LITTLE_TEXTURE and any(legible(pair).enough for pair in case.images.pairs):
-        reason = Reason.NO_MATCHES
-    matched = NO_BEAMS if seen is None else seen.beams
-    apart = () if frames is None else tuple(case.images.pairs[f].name for f in frames.apart)
->>>>>>> together
+    matched = NO_BEAMS if ending.estimate is None else ending.estimate.beams
     return Solution(
         rig=ending.candidate if reason.accepted else case.rig,
         candidate=ending.candidate,
@@ -306,14 +237,10 @@ def solution_of(
         stages=stages,
         seconds=time.perf_counter() - began,
         asked=asked,
-<<<<<<< main
         estimate=ending.estimate,
-        decision=ending.decision,
-=======
-        estimate=seen,
         beams=matched,
-        ranges=ranges_seen(len(case.ranges), matched, case.rig, candidate, reason) if case.ranges else None,
->>>>>>> together
+        ranges=ranges_seen(len(case.ranges), matched, case.rig, ending.candidate, reason),
+        decision=ending.decision,
     )
 
 

@@ -11,12 +11,8 @@ from jaxtyping import Float
 
 from stereorecal._errors import InputError
 from stereorecal._extras import extra
-<<<<<<< main
 from stereorecal.decision import Decision
-from stereorecal.estimation import DEFAULT, EXACT, Estimate, SavedPrior
-=======
-from stereorecal.estimation import NO_BEAMS, Beams, Estimate
->>>>>>> together
+from stereorecal.estimation import DEFAULT, EXACT, NO_BEAMS, Beams, Estimate, SavedPrior
 from stereorecal.geometry import AXES, StereoRig, View
 from stereorecal.io import write_text
 from stereorecal.matching import AbstractMatcher
@@ -31,12 +27,8 @@ from stereorecal.recalibration._expected import Expected, expected_of
 from stereorecal.recalibration._intrinsics import Intrinsics
 from stereorecal.recalibration._misfit import WORTH_SAYING, Cause, Misfit
 from stereorecal.recalibration._path import Waypoint, path_of
-<<<<<<< main
 from stereorecal.recalibration._prior_use import PriorUse, known_after
-from stereorecal.recalibration._ranges import NONE, Beams, RangesSeen
-=======
 from stereorecal.recalibration._ranges import RangesSeen
->>>>>>> together
 from stereorecal.recalibration._report import report_of
 from stereorecal.recalibration._stages import StageRun
 from stereorecal.recalibration._uncertainty import Uncertainty
@@ -120,9 +112,19 @@ class Solution:
         before."""
         if self.prior_use is None:
             return None
-        kept = self.kept if self.looked_at is None else [self.looked_at[number] for number in self.kept]
         good = self.reason.healthy
-        return known_after(self.prior_use, self.estimate, self.initial, self.rig, kept, good=good)
+        return known_after(self.prior_use, self.estimate, self.initial, self.rig, self._kept_of_all, good=good)
+
+    @property
+    def images_kept(self) -> tuple[str, ...]:
+        """Fingerprints of the pairs that it rests on."""
+        use = self.prior_use
+        return () if use is None else tuple(use.images[number] for number in self._kept_of_all)
+
+    @property
+    def _kept_of_all(self) -> tuple[int, ...]:
+        """Among all pairs that were given."""
+        return self.kept if self.looked_at is None else tuple(self.looked_at[number] for number in self.kept)
 
     @property
     def trace(self) -> Trace | None:
