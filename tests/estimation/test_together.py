@@ -19,13 +19,15 @@ def truths(chart, prior) -> np.ndarray:
 
 
 @pytest.fixture(scope="module")
-def recordings(rig, chart, seen, truths) -> list[Recording]:
-    return [Recording(seen(rig, chart.rig_at(theta), index, cells=700), rig) for index, theta in enumerate(truths)]
+def recordings(rig, chart, seen, truths, prior) -> list[Recording]:
+    return [
+        Recording(seen(rig, chart.rig_at(theta), index, cells=700), rig, prior) for index, theta in enumerate(truths)
+    ]
 
 
 @pytest.fixture(scope="module")
-def together(recordings, prior):
-    return estimate_together(recordings, prior)
+def together(recordings):
+    return estimate_together(recordings)
 
 
 def sigmas(one) -> np.ndarray:
@@ -33,7 +35,7 @@ def sigmas(one) -> np.ndarray:
 
 
 def test_one_recording_is_as_alone(recordings, prior):
-    (one,), alone = estimate_together(recordings[:1], prior), estimate(recordings[0].found, recordings[0].rig, prior)
+    (one,), alone = estimate_together(recordings[:1]), estimate(recordings[0].found, recordings[0].rig, prior)
     np.testing.assert_allclose(one.theta, alone.theta, atol=1e-12)
     np.testing.assert_allclose(one.intervals, alone.intervals, atol=1e-12)
 
@@ -56,8 +58,8 @@ def test_they_agree_about_intrinsics(recordings, together, prior):
     assert np.median(apart(together)) < 0.5 * np.median(apart(alone))
 
 
-def test_their_order_does_not_matter(recordings, together, prior):
-    again = estimate_together(recordings[::-1], prior)[::-1]
+def test_their_order_does_not_matter(recordings, together):
+    again = estimate_together(recordings[::-1])[::-1]
     for one, other in zip(together, again, strict=True):
         assert (np.abs(one.theta - other.theta) < 1e-3 * sigmas(one)).all()
 
