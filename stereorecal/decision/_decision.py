@@ -62,7 +62,7 @@ class Decision:
 
     @property
     def by_ranges(self) -> bool:
-        """Whether ranges alone ask for the candidate: its rows are no better for sure, but its depth is."""
+        """Whether ranges alone ask for the candidate: its rows are not better for sure."""
         return not self.refused and self.better <= 1.0 - ALPHA
 
     @property
@@ -75,10 +75,10 @@ def decide(seen: Estimate, free: Sequence[str]) -> Decision:
     """Choose between a calibration, and changes of its free parameters.
 
     Two candidates stand: the one that loses least in rows and depth, and the one of those that read depth as the
-    calibration does that loses least in rows. One replaces the calibration if its rows are better for sure and the
-    probability is below 1 % that rows or depth are worse; where ranges take part, depth that is better for sure, by a
-    point, does instead. Of two, the one of less expected loss. Else the calibration
-    is good if its rows are, with 95 %. Absolute depth is not judged: no rig's rows know it.
+    calibration does that loses least in rows. One replaces the calibration if its rows are better for sure, or ranges
+    agree with it and not with the calibration, and the probability is below 1 % that rows or depth are worse; of two,
+    the one of less expected loss. Else the calibration is good if its rows are, with 95 %. Absolute depth is not
+    judged: no rig's rows know it.
 
     Args:
         seen: what is known; its θ = 0 is the calibration.
@@ -114,10 +114,10 @@ def _decided(seen: Estimate, theta: Float[np.ndarray, "n"], keeps_depth: bool) -
     (rows_given, depth_given), (rows, depth) = seen.losses(np.zeros(len(theta))), seen.losses(theta)
     worse = float(np.mean((rows > rows_given + WORSE_ROWS) | (depth > depth_given + WORSE_DEPTH)))
     better = float(np.mean(rows < rows_given - GAIN))
-    nearer = float(np.mean(depth < depth_given - WORSE_DEPTH)) if seen.beams else 0.0
     good = float(np.mean(rows_given <= GOOD_ROWS)) >= GOOD_SURELY
     verdict = Verdict.GOOD if good else Verdict.CANNOT_TELL
-    if worse < ALPHA and max(better, nearer) > 1.0 - ALPHA:
+    told = seen.beams.fit_better(seen.chart.rig, seen.chart.rig_at(theta))
+    if worse < ALPHA and (better > 1.0 - ALPHA or told):
         verdict = Verdict.REPAIR
     loss = float(np.mean(rows / GAIN + depth / WORSE_DEPTH))
     said = np.percentile([rows_given, rows], [50.0, 2.5, 97.5], axis=1).T
