@@ -76,9 +76,9 @@ def decide(seen: Estimate, free: Sequence[str]) -> Decision:
 
     Two candidates stand: the one that loses least in rows and depth, and the one of those that read depth as the
     calibration does that loses least in rows. One replaces the calibration if its rows are better for sure, or ranges
-    agree with it and not with the calibration, and the probability is below 1 % that rows or depth are worse; of two,
-    the one of less expected loss. Else the calibration is good if its rows are, with 95 %. Absolute depth is not
-    judged: no rig's rows know it.
+    agree with it and not with the calibration, and the probability is below 1 % that rows, of near or far things, or
+    depth are worse; of two, the one of less expected loss. Else the calibration is good if its rows are, with 95 %.
+    Absolute depth is not judged: no rig's rows know it.
 
     Args:
         seen: what is known; its θ = 0 is the calibration.
@@ -112,7 +112,8 @@ def do_as_well(held: Sequence[Decision], freed: Sequence[Decision]) -> bool:
 def _decided(seen: Estimate, theta: Float[np.ndarray, "n"], keeps_depth: bool) -> Decision:
     """Between θ = 0 and a candidate."""
     (rows_given, depth_given), (rows, depth) = seen.losses(np.zeros(len(theta))), seen.losses(theta)
-    worse = float(np.mean((rows > rows_given + WORSE_ROWS) | (depth > depth_given + WORSE_DEPTH)))
+    lost = np.any(rows > rows_given + WORSE_ROWS, axis=0) | (depth > depth_given + WORSE_DEPTH)
+    worse, rows_given, rows = float(np.mean(lost)), np.mean(rows_given, axis=0), np.mean(rows, axis=0)
     better = float(np.mean(rows < rows_given - GAIN))
     good = float(np.mean(rows_given <= GOOD_ROWS)) >= GOOD_SURELY
     verdict = Verdict.GOOD if good else Verdict.CANNOT_TELL

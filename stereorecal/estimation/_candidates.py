@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Bool, Float
 
-from stereorecal._errors import InputError
 from stereorecal.estimation._consequences import DISTANCES, Consequences, consequences, points_of_view, readings
 from stereorecal.objectives import RigChart
 
@@ -117,13 +116,11 @@ def least_loss_of_depth_kept(
     for _ in range(_STEPS):
         asked = [replace(one, nearness=nearness) for one, nearness in zip(several, wanted, strict=True)]
         thetas = least_loss(asked, free, shared, _DEPTH_KEPT)
-        try:
-            rigs = [one.chart.rig_at(theta) for one, theta in zip(several, thetas, strict=True)]
-        except InputError:  # a step so far that no rig stands there
+        if not all(one.chart.stands_at(theta) for one, theta in zip(several, thetas, strict=True)):
             break
         off = [
-            np.array([readings(rig, one.chart.rig, points)[1].mean() for points in some])
-            for rig, one, some in zip(rigs, several, sets, strict=True)
+            np.array([readings(one.chart.rig_at(theta), one.chart.rig, points)[1].mean() for points in some])
+            for one, theta, some in zip(several, thetas, sets, strict=True)
         ]
         if not np.abs(off).max() < least:
             break

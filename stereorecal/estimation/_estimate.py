@@ -93,7 +93,7 @@ class Estimate:
 
     @one_blas_thread()
     def with_free(self, names: Sequence[str], *, keep_depth: bool = False) -> Float[np.ndarray, "n"]:
-        """θ that loses least in rows and depth if only these parameters may change.
+        """θ that loses least in rows and depth if only these parameters may change; as given, if no rig stands there.
 
         Args:
             keep_depth: whether it is to read depth as the given rig does, whatever is more probable.
@@ -112,16 +112,16 @@ class Estimate:
 
     def probability_worse(self, candidate: Float[np.ndarray, "n"]) -> float:
         """That the rig at θ = candidate reads rows worse than the given one by more than 0.02 pixels (root mean square
-        over the view, at 10 and 30 baselines), or depth at 30 baselines by more than one percentage point."""
+        over the view, at 5, 10 or 30 baselines), or depth at 30 baselines by more than one percentage point."""
         (rows, depth), (rows_given, depth_given) = map(self.losses, (candidate, np.zeros_like(candidate)))
-        return float(np.mean((rows > rows_given + _WORSE_ROWS) | (depth > depth_given + _WORSE_DEPTH)))
+        return float(np.mean(np.any(rows > rows_given + _WORSE_ROWS, axis=0) | (depth > depth_given + _WORSE_DEPTH)))
 
-    def losses(self, used: Float[np.ndarray, "n"]) -> tuple[Float[np.ndarray, "s"], Float[np.ndarray, "s"]]:
-        """Rows [pixels, at 5, 10 and 30 baselines] and |error of depth| at 30 baselines [%] of the rig at θ = used, for
-        each of some rigs drawn from the posterior; always the same."""
+    def losses(self, used: Float[np.ndarray, "n"]) -> tuple[Float[np.ndarray, "3 s"], Float[np.ndarray, "s"]]:
+        """Rows [pixels], at 5, 10 and 30 baselines, and |error of depth| at 30 baselines [%] of the rig at θ = used,
+        for each of some rigs drawn from the posterior; always the same."""
         rows = [self._row_errors(used, DISTANCES.index(distance)) for distance in _SEEN_AT]
         near = 1.0 + self._nearness(used)[:, DISTANCES.index(_FAR)]
-        return np.mean(rows, axis=0), 100.0 * np.abs(1.0 / np.maximum(near, _LEAST_NEARNESS) - 1.0)
+        return np.stack(rows), 100.0 * np.abs(1.0 / np.maximum(near, _LEAST_NEARNESS) - 1.0)
 
     @one_blas_thread()
     def _row_errors(self, used: Float[np.ndarray, "n"], index: int) -> Float[np.ndarray, "s"]:
@@ -224,7 +224,7 @@ def with_free_together(
     estimates: Sequence[Estimate], names: Sequence[str], *, keep_depth: bool = False
 ) -> list[Float[np.ndarray, "n"]]:
     """θ of each recording's rig that together lose least in rows and depth if only these parameters may change, and all
-    but the extrinsics of a drift are the same for all.
+    but the extrinsics of a drift are the same for all; as given, if no rigs stand there.
 
     Args:
         keep_depth: whether they are to read depth as the given rigs do, whatever is more probable.
@@ -237,4 +237,6 @@ def with_free_together(
         known(name, list(parameters), "parameter")
     free, shared = np.isin(parameters, names), ~np.isin(parameters, DRIFTING)
     find = least_loss_of_depth_kept if keep_depth else least_loss
-    return find([one.known for one in estimates], free, shared)
+    thetas = find([one.known for one in estimates], free, shared)
+    stand = all(one.chart.stands_at(theta) for one, theta in zip(estimates, thetas, strict=True))
+    return thetas if stand else [np.zeros_like(theta) for theta in thetas]

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float
 
+from stereorecal._errors import InputError
 from stereorecal.geometry import AXES, StereoRig, camera_changes, changed_camera
 from stereorecal.objectives._names import BASELINE, EXTRINSICS, SIDES
 from stereorecal.objectives._parameters import Parameter, Parameters
@@ -94,6 +95,14 @@ class RigChart:
         return replace(
             rig, left=changed_camera(rig.left, changes["left"]), right=changed_camera(rig.right, changes["right"])
         )
+
+    def stands_at(self, z: Float[np.ndarray, "n"]) -> bool:
+        """Whether there is a rig at a point, which may lie far outside of the box."""
+        try:
+            self.rig_at(z)
+        except InputError:
+            return False
+        return True
 
     def coordinates_of(self, rig: StereoRig) -> Float[np.ndarray, "n"]:
         """The point of the box at which a rig lies, of those that `rig_at` gives."""

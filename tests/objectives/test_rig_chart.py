@@ -125,3 +125,9 @@ def test_every_lens_model_can_change(coefficients):
     more = changed_camera(camera, {"k1": 0.01}).distortion
     assert more.size == max(4, coefficients)
     assert np.isfinite(distort(rays[:, :2], more)).all()
+
+
+def test_where_no_rig_stands():
+    chart = row_chart(RIG, Reach(3.0, 0.03), Parameters())
+    assert chart.stands_at(np.zeros(chart.dim))
+    assert not chart.stands_at(np.array([0.0, 0.0, 0.0, 0.0, 1e3]))

@@ -1,0 +1,182 @@
+"""The decision: what it may change, when it changes nothing, and that it is true to rigs that are known."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings, strategies as st
+
+from stereorecal.decision import LIMITS, Verdict, decide, decide_together, do_as_well
+from stereorecal.estimation import (
+    NO_BEAMS,
+    Beams,
+    Earlier,
+    Estimate,
+    Posterior,
+    SavedPrior,
+    around,
+    estimate,
+    readings,
+)
+from stereorecal.estimation._consequences import points_of_view
+
+AXES = ("pitch", "yaw", "roll", "y", "z")
+AWAY = (5, 10, 30)
+
+
+def of_truth(used, true) -> tuple[np.ndarray, float]:
+    """Rows [px] at the distances that are judged, and |error of depth| at 30 baselines [%]."""
+    read = [readings(used, true, points_of_view(true, distance)) for distance in AWAY]
+    rows = np.array([np.sqrt(np.mean(rows**2)) for rows, _ in read])
+    return rows, 100.0 * abs(1.0 / (1.0 + read[-1][1].mean()) - 1.0)
+
+
+@pytest.fixture(scope="module")
+def looks(rig, chart, prior, seen):
+    """looks(seed, degrees): a rig that a calibration left and that drifted, and the estimate of it."""
+
+    def make(seed: int, degrees: float):
+        rng = np.random.default_rng(seed)
+        drift = np.r_[rng.uniform(-degrees, degrees, 5) * [1, 1, 1, 0.6, 0.6], np.zeros(chart.dim - 5)]
+        true = chart.rig_at(prior.roots[len(prior.roots) // 2] @ rng.normal(0, 1, chart.dim) + drift)
+        return true, estimate(seen(rig, true, seed, cells=900), rig)
+
+    return make
+
+
+@pytest.fixture(scope="module")
+def drifted(looks):
+    return [looks(seed, 0.5) for seed in range(6)]
+
+
+def test_what_drifted_is_repaired_and_is_not_worse(drifted, rig):
+    for true, seen in drifted:
+        said = decide(seen, AXES)
+        assert said.verdict is Verdict.REPAIR
+        rows, depth = of_truth(seen.chart.rig_at(said.theta), true)
+        before, depth_before = of_truth(rig, true)
+        assert (rows < before + LIMITS["worse_rows_px"]).all()
+        assert rows.mean() < before.mean() - LIMITS["gain_px"]
+        assert depth < depth_before + LIMITS["worse_depth_points"]
+
+
+def test_what_did_not_drift_stays_or_gets_better(looks, rig):
+    for seed in range(6):
+        true, seen = looks(100 + seed, 0.0)
+        said = decide(seen, AXES)
+        assert said.verdict is not Verdict.CANNOT_TELL
+        if said.verdict is Verdict.REPAIR:
+            assert of_truth(seen.chart.rig_at(said.theta), true)[0].mean() < of_truth(rig, true)[0].mean()
+
+
+def test_other_images_of_what_was_repaired_ask_for_no_repair(drifted, rig, seen):
+    for true, first in drifted:
+        new = first.chart.rig_at(decide(first, AXES).theta)
+        known = SavedPrior(new, around(first.posterior, first.chart.coordinates_of(new)), (), Earlier(rig, "default"))
+        for prior in (known, None):
+            assert decide(estimate(seen(new, true, 77, cells=900), new, prior), AXES).verdict is not Verdict.REPAIR
+
+
+@settings(max_examples=15)
+@given(seed=st.integers(0, 5), free=st.sets(st.sampled_from([*AXES, "right.f", "right.cx", "left.k1"]), min_size=1))
+def test_only_what_is_free_changes(drifted, seed, free):
+    _, seen = drifted[seed]
+    theta = decide(seen, tuple(free)).theta
+    assert not theta[~np.isin(seen.names, list(free))].any()
+
+
+@settings(max_examples=10)
+@given(seed=st.integers(0, 5))
+def test_it_says_the_same_twice(drifted, seed):
+    _, seen = drifted[seed]
+    first, second = decide(seen, AXES), decide(replace(seen), AXES)
+    np.testing.assert_array_equal(first.theta, second.theta)
+    assert (first.worse, first.better, first.verdict) == (second.worse, second.better, second.verdict)
+
+
+def test_a_repair_is_one_that_is_sure(drifted, looks):
+    """Its probabilities are those that the limits ask for; and whatever is refused lacks one of them."""
+    for _, seen in [*drifted, *(looks(seed, 0.0) for seed in range(100, 104))]:
+        said = decide(seen, AXES)
+        sure = said.worse < LIMITS["alpha"] and said.better > 1.0 - LIMITS["alpha"]
+        assert sure is (said.verdict is Verdict.REPAIR)
+
+
+def test_where_nothing_is_seen_nothing_is_repaired(rig, seen):
+    blind = replace(seen(rig, rig, cells=900), weight=np.zeros((1, 900), np.float32))
+    assert decide(estimate(blind, rig), AXES).verdict is not Verdict.REPAIR
+
+
+def test_depth_is_kept_where_rows_do_not_tell_it(looks, rig):
+    """The candidate that keeps it reads what the calibration reads, within a tenth of a percent."""
+    kept = [(seen, decide(seen, AXES)) for _, seen in (looks(seed, 0.1) for seed in range(8))]
+    kept = [(seen, said) for seen, said in kept if said.keeps_depth]
+    assert kept
+    for seen, said in kept:
+        used = seen.chart.rig_at(said.theta)
+        assert abs(readings(used, rig, points_of_view(rig, 30))[1].mean()) < 1e-3
+
+
+def test_far_rows_do_not_pay_for_near_ones(drifted):
+    """What is worse at one distance is worse."""
+    _, seen = drifted[0]
+    said = decide(seen, AXES)
+
+    class Nearer(type(seen)):
+        def losses(self, used):
+            rows, depth = super().losses(used)
+            return rows + np.array([0.05, -0.05, -0.05])[:, None] * bool(np.any(used)), depth
+
+    other = Nearer(**seen.__getstate__())
+    assert said.verdict is Verdict.REPAIR
+    assert decide(other, AXES).worse >= said.worse
+
+
+def known_length(chart, percent: float, deviation: float, beams: Beams = NO_BEAMS) -> Estimate:
+    """Of a rig whose baseline is so much longer, and all else as it was calibrated."""
+    length = np.eye(chart.dim)[chart.names.index("baseline")]
+    covariance = np.diag(1e-12 + (deviation * length) ** 2)
+    posterior = Posterior(np.ones(1), percent * length[None], covariance[None])
+    return Estimate(chart, posterior, (0.0, 0.0), 100, 0.0, np.diag(covariance), beams=beams)
+
+
+def ranges_of(true) -> Beams:
+    points = np.random.default_rng(0).uniform([-1, -1, 2], [1, 1, 4], (40, 3))
+    pixels = true.left.project(points), true.right.project(points @ true.rotation.T + true.translation)
+    metres = np.linalg.norm(points, axis=1)
+    return Beams(*pixels, metres, 0.01 * metres, np.full(40, 0.1))
+
+
+def test_ranges_are_a_reason_where_rows_are_none(chart):
+    """Rows do not see the length of the baseline."""
+    true, free = chart.rig_at(known_length(chart, 3.0, 0.1).theta), (*AXES, "baseline")
+    alone, told = (decide(known_length(chart, 3.0, 0.1, beams), free) for beams in (NO_BEAMS, ranges_of(true)))
+    assert alone.verdict is Verdict.GOOD
+    assert (told.verdict, told.by_ranges) == (Verdict.REPAIR, True)
+    assert abs(chart.rig_at(told.theta).baseline / true.baseline - 1) < 1e-3
+    unsure = decide(known_length(chart, 3.0, 3.0, ranges_of(true)), free)  # as likely worse by a percent as not
+    assert unsure.verdict is Verdict.GOOD
+    right = decide(known_length(chart, 0.0, 0.1, ranges_of(chart.rig)), free)
+    assert right.verdict is Verdict.GOOD
+
+
+def test_several_share_what_is_no_drift(drifted, chart):
+    """And each of them alone is decided as by itself."""
+    some, free = [seen for _, seen in drifted[:3]], (*AXES, "left.f", "right.cx")
+    found = decide_together(some, free)
+    shared = np.array(["." in name for name in chart.names])
+    for seen, said in zip(some, found, strict=True):
+        np.testing.assert_allclose(said.theta[shared], found[0].theta[shared])
+        assert said.keeps_depth == found[0].keeps_depth
+        (alone,), same = decide_together([seen], free), decide(seen, free)
+        np.testing.assert_array_equal(alone.theta, same.theta)
+        assert said.loss > alone.loss - 0.5  # what is shared suits none better than its own
+
+
+def test_fewer_parameters_that_do_as_well(drifted):
+    one = decide(drifted[0][1], AXES)
+    assert do_as_well([one], [one])
+    assert not do_as_well([replace(one, loss=one.loss + 1.5)], [one])
+    stays = replace(one, verdict=Verdict.GOOD)
+    assert not do_as_well([stays], [one])
+    assert do_as_well([one], [stays])
