@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal.estimation import Estimate, with_free_together
+from stereorecal.objectives import BASELINE
 
 # What a matcher notices, and what a change must gain [pixels of row, root mean square over the view].
 GAIN = 0.05
@@ -75,10 +76,11 @@ def decide(seen: Estimate, free: Sequence[str]) -> Decision:
     """Choose between a calibration, and changes of its free parameters.
 
     Two candidates stand: the one that loses least in rows and depth, and the one of those that read depth as the
-    calibration does that loses least in rows. One replaces the calibration if its rows are better for sure, or ranges
-    agree with it and not with the calibration, and the probability is below 1 % that rows, of near or far things, or
-    depth are worse; of two, the one of less expected loss. Else the calibration is good if its rows are, with 95 %.
-    Absolute depth is not judged: no rig's rows know it.
+    calibration does that loses least in rows; with ranges, also the one that changes no more than the length of the
+    baseline. One replaces the calibration if its rows are better for sure, or ranges agree with it and not with the
+    calibration, and the probability is below 1 % that rows, of near or far things, or depth are worse; of several, the
+    one of least expected loss. Else the calibration is good if its rows are, with 95 %. Absolute depth is not judged:
+    no rig's rows know it.
 
     Args:
         seen: what is known; its θ = 0 is the calibration.
@@ -90,15 +92,17 @@ def decide(seen: Estimate, free: Sequence[str]) -> Decision:
 
 def decide_together(several: Sequence[Estimate], free: Sequence[str]) -> list[Decision]:
     """The same for each of several calibrations whose free parameters are the same but for a drift: all candidates keep
-    depth, or none; so that fewest are refused, then of least expected loss.
+    depth, or none, or change the length of the baseline alone; so that fewest are refused, then of least expected loss.
 
     Args:
         several: what is known, with the same parameters.
         free: as `decide` has it.
     """
-    found = []
-    for keeps_depth in (False, True):
-        thetas = with_free_together(several, free, keep_depth=keeps_depth)
+    found, kinds = [], [(tuple(free), False), (tuple(free), True)]
+    if BASELINE in free and any(seen.beams for seen in several):
+        kinds.append(((BASELINE,), False))  # where rows are good, they stay
+    for names, keeps_depth in kinds:
+        thetas = with_free_together(several, names, keep_depth=keeps_depth)
         found.append([_decided(seen, theta, keeps_depth) for seen, theta in zip(several, thetas, strict=True)])
     return min(found, key=lambda all_of: (sum(one.refused for one in all_of), sum(one.loss for one in all_of)))
 

@@ -141,6 +141,42 @@ def test_a_repair_outlives_bad_ranges(small):
     assert told.high - told.low == pytest.approx(alone.high - alone.low, rel=0.2)
 
 
+def boards_of(rig: sr.StereoRig) -> list[sr.Board]:
+    """As they were held before a rig."""
+    rng = np.random.default_rng(0)
+    corners = 0.1 * np.stack(np.meshgrid(np.arange(-4, 5), np.arange(-3, 3), [0]), axis=-1).reshape(-1, 3)
+    boards = []
+    for _ in range(12):
+        tilt, _ = cv2.Rodrigues(rng.uniform(-0.5, 0.5, 3))
+        at = corners @ tilt.T + [*rng.uniform([0.05, -0.1], [0.3, 0.1]), rng.uniform(1.8, 2.5)]
+        pixels = rig.left.project(at), rig.right.project(at @ rig.R.T + rig.T)
+        boards.append(sr.Board(*(some + rng.normal(0.0, 0.05, some.shape) for some in pixels), corners))
+    return boards
+
+
+@pytest.mark.slow
+def test_beside_boards_and_what_was_saved(small):
+    """Squares of another size: the boards agree with a baseline that is too long, and ranges do not."""
+    bad = longer(SMALL, 3.0)
+    first = sr.recalibrate(bad, small.pairs, boards=boards_of(bad), ranges=of_small())
+    assert first.reason is sr.Reason.RANGES
+    assert abs(100 * (first.rig.baseline / SMALL.baseline - 1)) < 1.0
+    street = sr.synthetic.render("street", 3, rig=SMALL)
+    second = sr.recalibrate(first.rig, street.pairs, prior=first.prior, free=("extrinsics", "baseline"))
+    assert second.prior_use.name == "saved"
+    length = second.estimate.names.index("baseline")
+    low, high = second.estimate.intervals[length]
+    assert high - low < 1.5  # percent: it knows what the ranges told
+
+
+@pytest.mark.slow
+def test_where_intrinsics_are_exact_the_length_is_told_and_depth_not_known(small):
+    solution = sr.recalibrate(longer(SMALL, 2.0), small.pairs, prior="exact", ranges=of_small())
+    assert solution.reason is sr.Reason.RANGES
+    assert abs(100 * (solution.rig.baseline / SMALL.baseline - 1)) < 0.8
+    assert solution.prior.known is None
+
+
 def test_ranges_without_a_match_are_told(small):
     solution = sr.recalibrate(SMALL, small.pairs, ranges=[sr.Range(0, (c, 2.0), 10.0) for c in (5.0, 10.0, 15.0)])
     assert (solution.ranges.given, solution.ranges.matched) == (3, 0)

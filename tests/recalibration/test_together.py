@@ -13,6 +13,7 @@ from stereorecal.objectives import Parameters
 from stereorecal.recalibration import IntrinsicsOutcome, chosen_frames, sharing
 from stereorecal.recalibration._effects import rows_apart
 from stereorecal.recalibration._frames import MOST_FRAMES
+from stereorecal.recalibration._prior_use import fingerprint
 
 SIZE = (320, 240)
 TRUE = sr.synthetic.default_rig().resized(SIZE)
@@ -48,6 +49,8 @@ def test_one_rig(given_wrong):
     assert all(solution.accepted for solution in found)
     assert {solution.intrinsics.outcome for solution in found} == {IntrinsicsOutcome.REFINED}
     assert over_the_view(WRONG) > 0.4
+    shown = {fingerprint(pair) for scene in given_wrong for pair in scene.pairs}
+    assert all(set(solution.prior.images) == shown for solution in found)  # none of them counts again
     for solution in found:
         np.testing.assert_array_equal(solution.rig.extrinsics, found[0].rig.extrinsics)
         assert over_the_view(solution.rig) < 0.12
@@ -116,6 +119,21 @@ def test_fog_takes_no_part(given_wrong):
     assert last.solution.intrinsics.outcome is IntrinsicsOutcome.NOT_HERE
     assert not last.solution.intrinsics.taken
     assert others[0].solution.intrinsics.taken
+
+
+@pytest.mark.slow
+def test_what_was_saved_counts_for_recordings_that_share(given_wrong):
+    """Pairs that it rests on take no part."""
+    free = ("extrinsics", "left.k1", "right.k1")
+    first = sr.recalibrate(WRONG, given_wrong[0].pairs, free=free)
+    again = replace(given_wrong[1], rig=first.rig, pairs=(*given_wrong[0].pairs, *given_wrong[1].pairs))
+    third = replace(given_wrong[2], rig=first.rig)
+    repairs = sr.recalibrate_many([again, third], free=free, prior=first.prior)
+    for repair, number in zip(repairs, (1, 0), strict=True):
+        assert repair.error is None
+        assert repair.solution.prior_use.name == "saved"
+        assert repair.solution.prior_use.numbers == (number,)
+        assert not set(first.prior.images) - set(repair.solution.prior.images)
 
 
 def test_rigs_that_differ_share_nothing(given_wrong):
