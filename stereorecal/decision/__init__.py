@@ -8,4 +8,6 @@ from stereorecal.decision._decision import (
     Decision as Decision,
     Verdict as Verdict,
     decide as decide,
+    decide_together as decide_together,
+    do_as_well as do_as_well,
 )

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.estimation import Estimate
+from stereorecal.estimation import Estimate, with_free_together
+from stereorecal.objectives import BASELINE
 
 # What a matcher notices, and what a change must gain [pixels of row, root mean square over the view].
 GAIN = 0.05
@@ -43,6 +44,7 @@ class Decision:
         keeps_depth: whether the candidate was chosen to read depth as the calibration does.
         worse: probability that the candidate is worse than the calibration, in rows or in depth.
         better: probability that its rows are better by what a matcher notices.
+        loss: that is to be expected of the candidate: rows over what a matcher notices, and depth over a point.
         rows_px: (2, 3) rows apart over the view, of the calibration and of the candidate: median, 95 % interval.
     """
 
@@ -51,7 +53,18 @@ class Decision:
     keeps_depth: bool
     worse: float
     better: float
+    loss: float
     rows_px: Float[np.ndarray, "2 3"]
+
+    @property
+    def refused(self) -> bool:
+        """Whether the calibration stays."""
+        return self.verdict is not Verdict.REPAIR
+
+    @property
+    def by_ranges(self) -> bool:
+        """Whether ranges alone ask for the candidate: its rows are not better for sure."""
+        return not self.refused and self.better <= 1.0 - ALPHA
 
     @property
     def explains(self) -> bool:
@@ -63,28 +76,54 @@ def decide(seen: Estimate, free: Sequence[str]) -> Decision:
     """Choose between a calibration, and changes of its free parameters.
 
     Two candidates stand: the one that loses least in rows and depth, and the one of those that read depth as the
-    calibration does that loses least in rows. One replaces the calibration if its rows are better for sure, and the
-    probability is below 1 % that rows, of near or far things, or depth are worse; of two, the one of less expected
-    loss. Else the calibration is good if its rows are, with 95 %. Absolute depth is not judged: no rig's rows know it.
+    calibration does that loses least in rows; with ranges, also the one that changes no more than the length of the
+    baseline. One replaces the calibration if its rows are better for sure, or ranges agree with it and not with the
+    calibration, and the probability is below 1 % that rows, of near or far things, or depth are worse; of several, the
+    one of least expected loss. Else the calibration is good if its rows are, with 95 %. Absolute depth is not judged:
+    no rig's rows know it.
 
     Args:
         seen: what is known; its θ = 0 is the calibration.
         free: names of the parameters that may change.
     """
-    rows_given, depth_given = seen.losses(np.zeros(len(seen.names)))
-    found = []
-    for keeps_depth in (False, True):
-        theta = seen.with_free(free, keep_depth=keeps_depth)
-        rows, depth = seen.losses(theta)
-        lost = np.any(rows > rows_given + WORSE_ROWS, axis=0) | (depth > depth_given + WORSE_DEPTH)
-        worse, rows = float(np.mean(lost)), np.mean(rows, axis=0)
-        better = float(np.mean(rows < np.mean(rows_given, axis=0) - GAIN))
-        allowed = worse < ALPHA and better > 1.0 - ALPHA
-        expected_loss = float(np.mean(rows / GAIN + depth / WORSE_DEPTH))
-        found.append((not allowed, expected_loss, theta, keeps_depth, worse, better, rows))
-    refused, _, theta, keeps_depth, worse, better, rows = min(found, key=lambda one: one[:2])
-    rows_given = np.mean(rows_given, axis=0)
+    (found,) = decide_together([seen], free)
+    return found
+
+
+def decide_together(several: Sequence[Estimate], free: Sequence[str]) -> list[Decision]:
+    """The same for each of several calibrations whose free parameters are the same but for a drift: all candidates keep
+    depth, or none, or change the length of the baseline alone; so that fewest are refused, then of least expected loss.
+
+    Args:
+        several: what is known, with the same parameters.
+        free: as `decide` has it.
+    """
+    found, kinds = [], [(tuple(free), False), (tuple(free), True)]
+    if BASELINE in free and any(seen.beams for seen in several):
+        kinds.append(((BASELINE,), False))  # where rows are good, they stay
+    for names, keeps_depth in kinds:
+        thetas = with_free_together(several, names, keep_depth=keeps_depth)
+        found.append([_decided(seen, theta, keeps_depth) for seen, theta in zip(several, thetas, strict=True)])
+    return min(found, key=lambda all_of: (sum(one.refused for one in all_of), sum(one.loss for one in all_of)))
+
+
+def do_as_well(held: Sequence[Decision], freed: Sequence[Decision]) -> bool:
+    """Whether fewer free parameters do as well: they repair what more would, and lose no more than is noticed."""
+    both = list(zip(held, freed, strict=True))
+    return all(less.loss < more.loss + 1.0 and (more.refused or not less.refused) for less, more in both)
+
+
+def _decided(seen: Estimate, theta: Float[np.ndarray, "n"], keeps_depth: bool) -> Decision:
+    """Between θ = 0 and a candidate."""
+    (rows_given, depth_given), (rows, depth) = seen.losses(np.zeros(len(theta))), seen.losses(theta)
+    lost = np.any(rows > rows_given + WORSE_ROWS, axis=0) | (depth > depth_given + WORSE_DEPTH)
+    worse, rows_given, rows = float(np.mean(lost)), np.mean(rows_given, axis=0), np.mean(rows, axis=0)
+    better = float(np.mean(rows < rows_given - GAIN))
     good = float(np.mean(rows_given <= GOOD_ROWS)) >= GOOD_SURELY
-    verdict = Verdict.REPAIR if not refused else Verdict.GOOD if good else Verdict.CANNOT_TELL
+    verdict = Verdict.GOOD if good else Verdict.CANNOT_TELL
+    told = seen.beams.fit_better(seen.chart.rig, seen.chart.rig_at(theta))
+    if worse < ALPHA and (better > 1.0 - ALPHA or told):
+        verdict = Verdict.REPAIR
+    loss = float(np.mean(rows / GAIN + depth / WORSE_DEPTH))
     said = np.percentile([rows_given, rows], [50.0, 2.5, 97.5], axis=1).T
-    return Decision(verdict, theta, keeps_depth, worse, better, said)
+    return Decision(verdict, theta, keeps_depth, worse, better, loss, said)

@@ -2,19 +2,24 @@
 squares; `docs/estimate.md` explains it.
 
 `_parameters` names θ, `_calibration_prior` and `_drift` are its prior, `_boards` that of a calibration whose boards are
-at hand (`_board_poses`: their rows), `_groups` the rows as data, `_misfit` what no
-parameter explains, `_rivals` what else may, `_evidence` integrates in closed form, `_explanations` compares,
-`_least_squares` solves, `_posterior` is the answer, `_consequences` what errors of a rig do to rows and depth,
-`_candidates` the rigs that may be written, `_saved_prior` what the next call begins with.
+at hand (`_board_poses`: their rows), `_groups` the rows as data, `_beams` ranges, `_misfit` what no parameter explains,
+`_rivals` what else may, `_evidence` integrates in closed form, `_explanations` compares, `_least_squares` solves,
+`_together` solves several recordings, `_posterior` is the answer, `_consequences` what errors of a rig do to rows and
+depth, `_candidates` the rigs that may be written, `_saved_prior` what the next call begins with.
 """
 
+from stereorecal.estimation._beams import NO_BEAMS as NO_BEAMS, Beams as Beams
 from stereorecal.estimation._calibration_prior import (
     CalibrationPrior as CalibrationPrior,
     calibration_prior as calibration_prior,
     exact_prior as exact_prior,
 )
 from stereorecal.estimation._consequences import readings as readings
-from stereorecal.estimation._estimate import Estimate as Estimate, estimate as estimate
+from stereorecal.estimation._estimate import (
+    Estimate as Estimate,
+    estimate as estimate,
+    with_free_together as with_free_together,
+)
 from stereorecal.estimation._knowledge import around as around, as_mixture as as_mixture
 from stereorecal.estimation._parameters import rig_parameters as rig_parameters
 from stereorecal.estimation._posterior import Posterior as Posterior
@@ -29,8 +34,10 @@ from stereorecal.estimation._priors import (
     check_prior as check_prior,
     is_exact as is_exact,
     with_boards as with_boards,
+    with_deviations as with_deviations,
 )
 from stereorecal.estimation._saved_prior import (
     Earlier as Earlier,
     SavedPrior as SavedPrior,
 )
+from stereorecal.estimation._together import Recording as Recording, estimate_together as estimate_together

@@ -15,6 +15,7 @@ from stereorecal.estimation._board_noise import apart, deviation, kept, noise
 from stereorecal.estimation._board_poses import BoardRows, Posed, posed, rows_without_poses
 from stereorecal.estimation._calibration_prior import SQUARES, CalibrationPrior
 from stereorecal.estimation._evidence import Normal
+from stereorecal.estimation._knowledge import updated
 from stereorecal.estimation._posterior import root
 from stereorecal.objectives import BASELINE, RigChart
 from stereorecal.recordings import Board
@@ -41,7 +42,7 @@ def prior_of_boards(chart: RigChart, boards: Sequence[Board], prior: Calibration
     check_inside(chart, boards)
     joint, n = _with_squares(prior, chart), chart.dim
     normal = _likelihood(chart, _at_best_poses(chart, posed(chart.rig, boards)), joint)
-    several = [_updated(joint, Normal(normal.a / k**2, normal.b / k**2, normal.c / k**2)) for k in _WORSE]
+    several = [updated(joint, Normal(normal.a / k**2, normal.b / k**2, normal.c / k**2)) for k in _WORSE]
     weights = np.concatenate([one.weights for one in several]) / len(several)
     said = weights > _LEAST
     roots = np.concatenate([one.roots for one in several])[said, :n]
@@ -97,7 +98,7 @@ def _likelihood(chart: RigChart, here: Posed, prior: CalibrationPrior) -> Normal
         rows = rows_without_poses(here, rig, here.by_rig(chart, seen_by @ x) @ seen_by, counted)
         sigma = noise(rows, prior.roots[int(prior.weights.argmax())], sigma, width)
         normal = _normal(rows, x, sigma)
-        found = _updated(prior, normal)
+        found = updated(prior, normal)
         best = int(found.weights.argmax())
         move, spread = found.means[best] - x, found.roots[best]
         x, here = found.means[best], here.moved(rows.steps - rows.follows @ move)
@@ -112,18 +113,3 @@ def _normal(rows: BoardRows, x: Float[np.ndarray, "n"], sigma: float) -> Normal:
     """The likelihood of corners, linear at x."""
     jacobian, at_zero = rows.jacobian / sigma, (rows.residual - rows.jacobian @ x) / sigma
     return Normal(jacobian.T @ jacobian, -jacobian.T @ at_zero, float(at_zero @ at_zero))
-
-
-def _updated(prior: CalibrationPrior, normal: Normal) -> CalibrationPrior:
-    """Each normal distribution given the likelihood, weighed by its evidence."""
-    roots, means, logs = [], [], []
-    for one, mean, weight in zip(prior.roots, prior.means, prior.weights, strict=True):
-        around = normal.around(mean)
-        lower = np.linalg.cholesky(np.eye(len(mean)) + one.T @ around.a @ one)
-        pull = np.linalg.solve(lower, one.T @ around.b)
-        after = np.linalg.solve(lower, one.T).T
-        roots.append(after)
-        means.append(mean + after @ pull)
-        logs.append(np.log(weight) - 0.5 * (around.c - pull @ pull) - np.log(np.diag(lower)).sum())
-    weights = np.exp(np.array(logs) - np.logaddexp.reduce(logs))
-    return CalibrationPrior(np.stack(roots), weights, means=np.stack(means))

@@ -59,6 +59,8 @@ _WIDEST |= dict.fromkeys(("s1", "s2", "s3", "s4"), 0.01)
 _WIDEST_ANGLE, _WIDEST_SHIFT, _WIDEST_LENGTH = 3.0, 5.0, 2.0  # degrees, percent of the baseline
 _LEAST_OVERLAP = 2.5  # over the relative disparity at which boards are still in both images
 SQUARES = 0.15  # percent: printed squares are off by so much, and the baseline's length with them
+# Some more: printers scale pages to fit, and sizes are typed wrongly. It matters where ranges tell the length.
+_SCALED, _SCALED_PROBABILITY = 3.0, 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,6 +96,18 @@ def _with_pair(chart: RigChart, covariance: Float[np.ndarray, "n n"]) -> Float[n
     left, right = (chart.names.index(f"{side}.cx") for side in SIDES)
     follows = covariance[:, right] - covariance[:, left]
     return covariance + (_PAIR_WORSE**2 - 1.0) * np.outer(follows, follows) / (follows[right] - follows[left])
+
+
+def with_scaled_boards(prior: CalibrationPrior, chart: RigChart) -> CalibrationPrior:
+    """The same, but the squares of the boards may have been of another size than was said, and the baseline of another
+    length: no image shows it."""
+    longer = np.diag([_SCALED * (name == BASELINE) for name in chart.names])
+    scaled = np.stack([root(one @ one.T + longer**2) for one in prior.roots])
+    return CalibrationPrior(
+        np.concatenate([prior.roots, scaled]),
+        np.concatenate([(1.0 - _SCALED_PROBABILITY) * prior.weights, _SCALED_PROBABILITY * prior.weights]),
+        means=np.concatenate([prior.means, prior.means]),
+    )
 
 
 def exact_prior(chart: RigChart) -> CalibrationPrior:

@@ -1,5 +1,8 @@
 """Rigs that may be written: the one that loses least, and the most probable one that reads depth as the given one."""
 
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
 import numpy as np
 from jaxtyping import Bool, Float
 
@@ -31,58 +34,96 @@ def depth_kept(
     return theta
 
 
-def least_loss(
-    near: Consequences,
-    mean: Float[np.ndarray, "n"],
-    nearness: Float[np.ndarray, "d"],
-    free: Bool[np.ndarray, "n"],
-    deviations: Float[np.ndarray, "n"],
-    depth_matters: float = _DEPTH_MATTERS,
-) -> Float[np.ndarray, "n"]:
-    """θ that loses least, in rows over the view and in depth, of those whose held parameters are as given (0).
+@dataclass(frozen=True, eq=False)
+class Known:
+    """What is known of a rig, as far as candidates are chosen by it.
 
-    Args:
+    Attributes:
+        chart: from θ to rigs.
         near: the linear maps at the mean.
         mean: of θ.
-        nearness: relative disparity that the rig should read, less that of the rig at the mean, at each of DISTANCES.
-        free: which parameters may change.
         deviations: of θ: what neither rows nor depth tell stays near the mean.
+        nearness: relative disparity that a rig should read, less that of the rig at the mean, at each of DISTANCES.
+    """
+
+    chart: RigChart
+    near: Consequences
+    mean: Float[np.ndarray, "n"]
+    deviations: Float[np.ndarray, "n"]
+    nearness: Float[np.ndarray, "d"]
+
+
+def least_loss(
+    several: Sequence[Known],
+    free: Bool[np.ndarray, "n"],
+    shared: Bool[np.ndarray, "n"],
+    depth_matters: float = _DEPTH_MATTERS,
+) -> list[Float[np.ndarray, "n"]]:
+    """θ of each rig, which together lose least, in rows over the view and in depth, of those whose held parameters are
+    as given (0).
+
+    Args:
+        several: rigs, with the same parameters.
+        free: which parameters may change.
+        shared: which are the same for all.
         depth_matters: share of the disparity that weighs as much as rows that a matcher notices.
     """
-    if free.all() and not nearness.any():
-        return mean
-    rows, wanted = [], []
+    if free.all() and len(several) == 1 and not several[0].nearness.any():
+        return [several[0].mean]
+    own, common, count = np.flatnonzero(free & ~shared), np.flatnonzero(free & shared), len(several)
+    units = [np.where(shared, several[0].deviations, one.deviations) for one in several]
+    maps, goals = [], []
+    for index, (one, unit) in enumerate(zip(several, units, strict=True)):
+        slopes, goal = _loss(one, free, depth_matters)
+        slopes = slopes * unit
+        empty = np.zeros((len(goal), len(own)))
+        maps.append(
+            np.column_stack([*[slopes[:, own] if at == index else empty for at in range(count)], slopes[:, common]])
+        )
+        goals.append(goal)
+    found = np.linalg.lstsq(np.concatenate(maps), np.concatenate(goals), rcond=None)[0]
+    thetas = [np.zeros(len(free)) for _ in several]
+    for theta, unit, of_own in zip(thetas, units, found[: count * len(own)].reshape(count, -1), strict=True):
+        theta[own], theta[common] = of_own * unit[own], found[count * len(own) :] * unit[common]
+    return thetas
+
+
+def _loss(
+    one: Known, free: Bool[np.ndarray, "n"], depth_matters: float
+) -> tuple[Float[np.ndarray, "k n"], Float[np.ndarray, "k"]]:
+    """Maps and goal: what the rig at θ loses is the square of maps θ - goal."""
+    maps, goal = [], []
     for index, distance in enumerate(DISTANCES):
         if distance in _SEEN_AT:
-            slopes = near.rows[index] / (_ROWS_MATTER * np.sqrt(len(near.rows[index]) * len(_SEEN_AT)))
-            rows += [slopes, near.nearness[index : index + 1] / depth_matters]
-            wanted += [slopes @ mean, rows[-1] @ mean + nearness[index] / depth_matters]
-    near_mean = _NEAR_MEAN * np.diag(1.0 / np.maximum(deviations, 1e-12))[free]
-    maps = np.concatenate([*rows, near_mean])[:, free] * deviations[free]
-    goal = np.concatenate([*wanted, near_mean @ mean])
-    found = np.zeros(len(mean))
-    found[free] = np.linalg.lstsq(maps, goal, rcond=None)[0] * deviations[free]
-    return found
+            slopes = one.near.rows[index] / (_ROWS_MATTER * np.sqrt(len(one.near.rows[index]) * len(_SEEN_AT)))
+            maps += [slopes, one.near.nearness[index : index + 1] / depth_matters]
+            goal += [slopes @ one.mean, maps[-1] @ one.mean + one.nearness[index] / depth_matters]
+    near_mean = _NEAR_MEAN * np.diag(1.0 / np.maximum(one.deviations, 1e-12))[free]
+    return np.concatenate([*maps, near_mean]), np.concatenate([*goal, near_mean @ one.mean])
 
 
 def least_loss_of_depth_kept(
-    chart: RigChart,
-    near: Consequences,
-    mean: Float[np.ndarray, "n"],
-    free: Bool[np.ndarray, "n"],
-    deviations: Float[np.ndarray, "n"],
-) -> Float[np.ndarray, "n"]:
-    """The same of those that read depth as the rig at θ = 0 does, on average over the view; Newton steps, since depth
-    is not linear as far as a drift may reach."""
-    sets, at_mean = [points_of_view(chart.rig, distance) for distance in DISTANCES], chart.rig_at(mean)
-    nearness = np.array([readings(chart.rig, at_mean, points)[1].mean() for points in sets])
-    best, least = np.zeros_like(mean), np.inf
+    several: Sequence[Known], free: Bool[np.ndarray, "n"], shared: Bool[np.ndarray, "n"]
+) -> list[Float[np.ndarray, "n"]]:
+    """The same of those that read depth as the rigs at θ = 0 do, on average over the view; Newton steps, since depth is
+    not linear as far as a drift may reach."""
+    sets = [[points_of_view(one.chart.rig, distance) for distance in DISTANCES] for one in several]
+    wanted = [
+        np.array([readings(one.chart.rig, one.chart.rig_at(one.mean), points)[1].mean() for points in some])
+        for one, some in zip(several, sets, strict=True)
+    ]
+    best, least = [np.zeros_like(one.mean) for one in several], np.inf
     for _ in range(_STEPS):
-        theta = least_loss(near, mean, nearness, free, deviations, _DEPTH_KEPT)
-        if not chart.stands_at(theta):
+        asked = [replace(one, nearness=nearness) for one, nearness in zip(several, wanted, strict=True)]
+        thetas = least_loss(asked, free, shared, _DEPTH_KEPT)
+        if not all(one.chart.stands_at(theta) for one, theta in zip(several, thetas, strict=True)):
             break
-        off = np.array([readings(chart.rig_at(theta), chart.rig, points)[1].mean() for points in sets])
+        off = [
+            np.array([readings(one.chart.rig_at(theta), one.chart.rig, points)[1].mean() for points in some])
+            for one, theta, some in zip(several, thetas, sets, strict=True)
+        ]
         if not np.abs(off).max() < least:
             break
-        best, least, nearness = theta, float(np.abs(off).max()), nearness - off
+        best, least = thetas, float(np.abs(off).max())
+        wanted = [nearness - here for nearness, here in zip(wanted, off, strict=True)]
     return best

@@ -3,6 +3,8 @@
 Pitch and roll, which rows tell for sure, say how far yaw, which they do not, has probably moved.
 """
 
+from functools import cache
+
 import numpy as np
 from jaxtyping import Float
 
@@ -24,6 +26,7 @@ _ALONE = 0.02  # probability of a drift that turns one axis more than the others
 _LEAST_ALONE = 0.1  # degrees
 
 
+@cache
 def drift_sizes() -> tuple[Float[np.ndarray, "k 5"], Float[np.ndarray, "k"]]:
     """Standard deviations of pitch, yaw, roll [degrees], y and z [% of the baseline] for each kind of drift, and the
     probability of each before any image is seen."""

@@ -1,7 +1,7 @@
 """The estimate: from correspondences and a prior to what is known of a rig, and the rigs that may be written."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Any
 
@@ -9,12 +9,15 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal._names import known
-from stereorecal.estimation._candidates import depth_kept, least_loss, least_loss_of_depth_kept
+from stereorecal.estimation._beams import NO_BEAMS, Beams
+from stereorecal.estimation._calibration_prior import CalibrationPrior
+from stereorecal.estimation._candidates import Known, depth_kept, least_loss, least_loss_of_depth_kept
 from stereorecal.estimation._consequences import DISTANCES, Consequences, consequences, points_of_view, readings
+from stereorecal.estimation._explanations import Explanation
 from stereorecal.estimation._frames import OtherRig, other_rigs
 from stereorecal.estimation._least_squares import fit
 from stereorecal.estimation._one_thread import one_blas_thread
-from stereorecal.estimation._parameters import rig_parameters
+from stereorecal.estimation._parameters import DRIFTING, rig_parameters
 from stereorecal.estimation._posterior import Posterior
 from stereorecal.estimation._priors import Prior, as_prior
 from stereorecal.geometry import StereoRig
@@ -41,6 +44,7 @@ class Estimate:
         residual_px: root mean square of those, at the posterior's mean; NaN where there are none.
         prior_variance: (n,) of the calibration's error before any image was seen, mixed like the posterior.
         other_rigs: frames that show another rig than the others, the farthest first.
+        beams: ranges that took part.
     """
 
     chart: RigChart
@@ -50,6 +54,7 @@ class Estimate:
     residual_px: float
     prior_variance: Float[np.ndarray, "n"]
     other_rigs: tuple[OtherRig, ...] = ()
+    beams: Beams = NO_BEAMS
 
     def __getstate__(self) -> dict[str, Any]:
         """What is derived stays behind: samples are larger than all else."""
@@ -96,14 +101,14 @@ class Estimate:
         Raises:
             InputError: if a name is unknown.
         """
-        for name in names:
-            known(name, list(self.names), "parameter")
-        free = np.isin(self.chart.names, names)
+        (theta,) = with_free_together([self], names, keep_depth=keep_depth)
+        return theta
+
+    @property
+    def known(self) -> Known:
+        """What candidates are chosen by."""
         deviations = np.sqrt(np.diag(self.posterior.covariance))
-        if keep_depth:
-            return least_loss_of_depth_kept(self.chart, self._consequences, self.theta, free, deviations)
-        theta = least_loss(self._consequences, self.theta, self._target_nearness, free, deviations)
-        return theta if self.chart.stands_at(theta) else np.zeros_like(theta)
+        return Known(self.chart, self._consequences, self.theta, deviations, self._target_nearness)
 
     def probability_worse(self, candidate: Float[np.ndarray, "n"]) -> float:
         """That the rig at θ = candidate reads rows worse than the given one by more than 0.02 pixels (root mean square
@@ -178,6 +183,7 @@ def estimate(
     rig: StereoRig,
     prior: Prior = None,
     start: Float[np.ndarray, "n"] | None = None,
+    beams: Beams = NO_BEAMS,
 ) -> Estimate:
     """The estimate of a rig.
 
@@ -187,12 +193,50 @@ def estimate(
         prior: of what it leaves; default that of a chessboard calibration. `as_prior` of it, made once, saves its time
             where a rig is estimated again.
         start: θ to begin at; default 0.
+        beams: ranges of what was seen; they tell the length of the baseline, too, which the prior must know
+            (`told_length` of `as_prior`).
     """
     chart = rig_parameters(rig)
-    solved = fit(found, chart, as_prior(prior, chart), start)
-    mean, rows = solved.posterior.mean, solved.rows
-    if rows is None:
-        return Estimate(chart, solved.posterior, solved.misfit, 0, float("nan"), solved.prior_variance)
-    others, residual = other_rigs(rows, sum(solved.misfit), mean), rows.residual(mean)
-    rms = float(np.sqrt(np.mean(residual**2)))
-    return Estimate(chart, solved.posterior, solved.misfit, len(residual), rms, solved.prior_variance, others)
+    return solved(found, chart, as_prior(prior, chart), start, beams)[0]
+
+
+@one_blas_thread()
+def solved(
+    found: Correspondences,
+    chart: RigChart,
+    prior: CalibrationPrior,
+    start: Float[np.ndarray, "n"] | None = None,
+    beams: Beams = NO_BEAMS,
+) -> tuple[Estimate, Explanation]:
+    """The estimate, and the most probable one of its explanations."""
+    end = fit(found, chart, prior, start, beams)
+    mean, rows = end.posterior.mean, end.rows
+    seen = Estimate(chart, end.posterior, end.misfit, 0, float("nan"), end.prior_variance, beams=beams)
+    if rows is not None:
+        residual, others = rows.residual(mean), other_rigs(rows, sum(end.misfit), mean)
+        rms = float(np.sqrt(np.mean(residual**2)))
+        seen = replace(seen, groups=len(residual), residual_px=rms, other_rigs=others)
+    return seen, end.best
+
+
+@one_blas_thread()
+def with_free_together(
+    estimates: Sequence[Estimate], names: Sequence[str], *, keep_depth: bool = False
+) -> list[Float[np.ndarray, "n"]]:
+    """θ of each recording's rig that together lose least in rows and depth if only these parameters may change, and all
+    but the extrinsics of a drift are the same for all; as given, if no rigs stand there.
+
+    Args:
+        keep_depth: whether they are to read depth as the given rigs do, whatever is more probable.
+
+    Raises:
+        InputError: if a name is unknown.
+    """
+    parameters = estimates[0].names
+    for name in names:
+        known(name, list(parameters), "parameter")
+    free, shared = np.isin(parameters, names), ~np.isin(parameters, DRIFTING)
+    find = least_loss_of_depth_kept if keep_depth else least_loss
+    thetas = find([one.known for one in estimates], free, shared)
+    stand = all(one.chart.stands_at(theta) for one, theta in zip(estimates, thetas, strict=True))
+    return thetas if stand else [np.zeros_like(theta) for theta in thetas]

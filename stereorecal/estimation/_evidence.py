@@ -36,6 +36,10 @@ class Normal:
         by_mean = self.a[:, : len(mean)] @ mean
         return Normal(self.a, self.b - by_mean, self.c - float(mean @ (2.0 * self.b - by_mean)[: len(mean)]))
 
+    def with_nuisance(self, number: int) -> "Normal":
+        """Beside so many nuisance parameters of which it says nothing."""
+        return Normal(np.pad(self.a, (0, number)), np.pad(self.b, (0, number)), self.c)
+
     def __add__(self, other: "Normal") -> "Normal":
         return Normal(self.a + other.a, self.b + other.b, self.c + other.c)
 

@@ -1,12 +1,13 @@
 """Rows of groups, linear near a rig, and θ under every prior and misfit that is compared."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
 from jaxtyping import Float, Int
 
+from stereorecal.estimation._beams import NO_BEAMS, Beams
 from stereorecal.estimation._calibration_prior import CalibrationPrior
 from stereorecal.estimation._drift import drift_sizes
 from stereorecal.estimation._evidence import Explained, Normal, all_explained, normal_of, without
@@ -16,7 +17,7 @@ from stereorecal.estimation._posterior import root
 from stereorecal.objectives import RigChart
 
 _BOUND = 3.0  # standard deviations: beyond, a group that errs alone counts for less (Cauchy)
-_NOTHING = np.zeros((0, 0))
+NOTHING = np.zeros((0, 0))
 _ROOT_OF_FIELD = root(alike(np.arange(PLACES[0] * PLACES[1])))
 
 
@@ -30,6 +31,8 @@ class LinearRows:
         at_zero: (g,) r₀.
         deviation: (g,) pixels; larger than that of `groups` where a group errs alone.
         frames: indices of the groups of each frame.
+        beams: ranges.
+        told: what these may tell of θ, as `Beams.told` has it.
     """
 
     groups: Groups
@@ -37,6 +40,8 @@ class LinearRows:
     at_zero: Float[np.ndarray, "g"]
     deviation: Float[np.ndarray, "g"]
     frames: Sequence[Int[np.ndarray, "_"]]
+    beams: Beams
+    told: Sequence[tuple[float, Normal]]
 
     def residual(self, theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "g"]:
         """At θ."""
@@ -74,28 +79,59 @@ class Explanation:
         misfit: deviations of the field of each frame and of the common one, pixels.
         prior: which of the calibration's covariances.
         found: θ.
+        of_rows: the likelihood of θ, and of nuisance parameters after it, that this rests on.
+        nuisance: a root of the covariance of those.
     """
 
     misfit: tuple[float, float]
     prior: int
     found: Explained
+    of_rows: Normal
+    nuisance: Float[np.ndarray, "q q"]
 
 
 def explanations(
     rows: LinearRows, prior: CalibrationPrior, which: Sequence[int], misfits: Sequence[tuple[float, float]]
 ) -> list[Explanation]:
     """θ for each misfit and some of the covariances of the calibration's prior."""
-    sizes, weights = drift_sizes()
     whole = {misfit: rows.normal(misfit) for misfit in {of_a_frame for of_a_frame, _ in misfits}}
     if len(rows.frames) > 1:
         normals = [without(whole[of_a_frame], common * _ROOT_OF_FIELD) for of_a_frame, common in misfits]
     else:
         normals = [whole[of_a_frame] for of_a_frame, _ in misfits]
-    both, every = list(product(misfits, which)), [normal for normal in normals for _ in which]
-    several = [index for _, index in both]
-    logs = np.log(weights * prior.weights[several, None])
-    found = all_explained(every, prior.roots[several], prior.means[several], _NOTHING, sizes, logs)
-    return [Explanation(misfit, index, under) for (misfit, index), under in zip(both, found, strict=True)]
+    return explained_by(dict(zip(misfits, normals, strict=True)), rows.told, prior, which)
+
+
+def explained_by(
+    normals: Mapping[tuple[float, float], Normal],
+    told: Sequence[tuple[float, Normal]],
+    prior: CalibrationPrior,
+    which: Sequence[int],
+    nuisance: Float[np.ndarray, "q q"] = NOTHING,
+    log_prior: float = 0.0,
+) -> list[Explanation]:
+    """θ for each misfit, with what ranges may tell, under some of the covariances of the calibration's prior and all
+    kinds of drift.
+
+    Args:
+        normals: the likelihood of rows under each misfit.
+        told: as `Beams.told` has it.
+        nuisance: a root of the covariance of what the likelihoods have besides θ.
+        log_prior: logarithm of its probability.
+    """
+    sizes, weights = drift_sizes()
+    every = [
+        (misfit, index, log_told + log_prior, of_rows + of_beams.with_nuisance(len(nuisance)))
+        for (misfit, of_rows), (log_told, of_beams), index in product(normals.items(), told, which)
+    ]
+    several = [index for _, index, _, _ in every]
+    logs = np.log(weights * prior.weights[several, None]) + np.array([log for _, _, log, _ in every])[:, None]
+    both = [normal for _, _, _, normal in every]
+    found = all_explained(both, prior.roots[several], prior.means[several], nuisance, sizes, logs)
+    return [
+        Explanation(misfit, index, under, normal, nuisance)
+        for (misfit, index, _, normal), under in zip(every, found, strict=True)
+    ]
 
 
 def best_of(several: Sequence[Explanation]) -> tuple[Explanation, int]:
@@ -104,9 +140,10 @@ def best_of(several: Sequence[Explanation]) -> tuple[Explanation, int]:
     return best, int(best.found.log_evidence.argmax())
 
 
-def linear_rows(groups: Groups, chart: RigChart, theta: Float[np.ndarray, "n"]) -> LinearRows:
+def linear_rows(groups: Groups, chart: RigChart, theta: Float[np.ndarray, "n"], beams: Beams = NO_BEAMS) -> LinearRows:
     """Linear at θ."""
     rows = groups.rows(chart, theta)
     jacobian = rows.jacobian[:, 0].T
     frames = [np.flatnonzero(groups.frame == frame) for frame in np.unique(groups.frame)]
-    return LinearRows(groups, jacobian, rows.differences[0] - jacobian @ theta, groups.deviation, frames)
+    at_zero, told = rows.differences[0] - jacobian @ theta, beams.told(chart, theta)
+    return LinearRows(groups, jacobian, at_zero, groups.deviation, frames, beams, told)

@@ -4,6 +4,7 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal.estimation._calibration_prior import CalibrationPrior, calibration_prior
+from stereorecal.estimation._evidence import Normal
 from stereorecal.estimation._parameters import DRIFTING
 from stereorecal.estimation._posterior import Posterior, root
 from stereorecal.objectives import RigChart
@@ -42,3 +43,18 @@ def prior_without_depth(chart: RigChart) -> CalibrationPrior:
     loose[yaw, yaw] = _YAW_UNKNOWN**2
     roots = np.stack([root(one @ one.T + loose) for one in prior.roots])
     return CalibrationPrior(roots, prior.weights, means=prior.means)
+
+
+def updated(prior: CalibrationPrior, normal: Normal) -> CalibrationPrior:
+    """Each normal distribution given the likelihood, weighed by its evidence."""
+    roots, means, logs = [], [], []
+    for one, mean, weight in zip(prior.roots, prior.means, prior.weights, strict=True):
+        around = normal.around(mean)
+        lower = np.linalg.cholesky(np.eye(len(mean)) + one.T @ around.a @ one)
+        pull = np.linalg.solve(lower, one.T @ around.b)
+        after = np.linalg.solve(lower, one.T).T
+        roots.append(after)
+        means.append(mean + after @ pull)
+        logs.append(np.log(weight) - 0.5 * (around.c - pull @ pull) - np.log(np.diag(lower)).sum())
+    weights = np.exp(np.array(logs) - np.logaddexp.reduce(logs))
+    return CalibrationPrior(np.stack(roots), weights, means=np.stack(means))

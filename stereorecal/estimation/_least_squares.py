@@ -6,10 +6,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float
 
+from stereorecal.estimation._beams import NO_BEAMS, Beams
 from stereorecal.estimation._calibration_prior import CalibrationPrior
-from stereorecal.estimation._drift import drift_sizes
-from stereorecal.estimation._evidence import Normal, explained
-from stereorecal.estimation._explanations import Explanation, LinearRows, best_of, explanations, linear_rows
+from stereorecal.estimation._evidence import Normal
+from stereorecal.estimation._explanations import (
+    Explanation,
+    LinearRows,
+    best_of,
+    explained_by,
+    explanations,
+    linear_rows,
+)
 from stereorecal.estimation._groups import grouped
 from stereorecal.estimation._misfit import COMMON, DEVIATIONS
 from stereorecal.estimation._posterior import Posterior, merged
@@ -35,6 +42,7 @@ class Fit:
         misfit: the most probable deviations of the field of each frame and of the common one, pixels.
         prior: the most probable one of the calibration's covariances.
         prior_variance: (n,) of its error, before any image was seen, by the weights that its covariances have after.
+        best: the most probable explanation.
     """
 
     posterior: Posterior
@@ -42,23 +50,29 @@ class Fit:
     misfit: tuple[float, float]
     prior: int
     prior_variance: Float[np.ndarray, "n"]
+    best: Explanation
 
 
 def fit(
-    found: Correspondences, chart: RigChart, prior: CalibrationPrior, start: Float[np.ndarray, "n"] | None = None
+    found: Correspondences,
+    chart: RigChart,
+    prior: CalibrationPrior,
+    start: Float[np.ndarray, "n"] | None = None,
+    beams: Beams = NO_BEAMS,
 ) -> Fit:
     """Solve: a prior and a misfit for a round are the evidence's best, and all of them are mixed after the last.
 
     Args:
         found: with the rays that the cameras of the chart's rig give.
         start: θ to begin at; default 0.
+        beams: ranges of what was seen.
     """
     theta = np.zeros(chart.dim) if start is None else start
     misfit, which = (DEVIATIONS[2], 0.0), len(prior.roots) // 2
     groups = grouped(found, chart, theta)
     if len(groups) < _FEWEST:
-        return _nothing_seen(chart, prior)
-    rows = linear_rows(groups, chart, theta)
+        return _nothing_seen(chart, prior, beams.told(chart, theta))
+    rows = linear_rows(groups, chart, theta, beams)
     step = np.zeros(chart.dim)
     for number in range(_ROUNDS):
         best, kind = best_of(_searched(rows, prior, misfit, which))
@@ -71,7 +85,7 @@ def fit(
         theta = theta + (0.5 if step @ last < 0.0 else 1.0) * step * deviations
         if number < _REGROUPED:
             groups = grouped(found, chart, theta)
-        rows = linear_rows(groups, chart, theta)
+        rows = linear_rows(groups, chart, theta, beams)
         rows = replace(rows, deviation=rows.robust(sum(misfit), theta))
     near = _near(misfit, len(rows.frames) > 1)
     several = explanations(rows, prior, range(len(prior.roots)), near)
@@ -80,19 +94,15 @@ def fit(
     evidence = np.array([np.logaddexp.reduce(one.found.log_evidence) for one in several])
     weights = np.exp(evidence - np.logaddexp.reduce(evidence))
     variances = np.stack([np.sum(prior.roots[one.prior] ** 2, axis=1) for one in several])
-    return Fit(mixture(several), rows, misfit, which, weights @ variances)
+    return Fit(mixture(several), rows, misfit, which, weights @ variances, best_of(several)[0])
 
 
-def _nothing_seen(chart: RigChart, prior: CalibrationPrior) -> Fit:
-    """The prior, where there are no rows."""
-    nothing, (sizes, weights) = np.zeros((0, 0)), drift_sizes()
+def _nothing_seen(chart: RigChart, prior: CalibrationPrior, told: Sequence[tuple[float, Normal]]) -> Fit:
+    """The prior, and what ranges tell, where there are no rows."""
     flat = Normal(np.zeros((chart.dim, chart.dim)), np.zeros(chart.dim), 0.0)
-    several = [
-        Explanation((0.0, 0.0), index, explained(flat, of, mean, nothing, sizes, np.log(weights * weight)))
-        for index, (of, mean, weight) in enumerate(zip(prior.roots, prior.means, prior.weights, strict=True))
-    ]
+    several = explained_by({(0.0, 0.0): flat}, told, prior, range(len(prior.roots)))
     variances = prior.weights @ np.sum(prior.roots**2, axis=2)
-    return Fit(mixture(several), None, (0.0, 0.0), 0, variances)
+    return Fit(mixture(several), None, (0.0, 0.0), 0, variances, best_of(several)[0])
 
 
 def _searched(rows: LinearRows, prior: CalibrationPrior, misfit: tuple[float, float], which: int) -> list[Explanation]:

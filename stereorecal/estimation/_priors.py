@@ -1,7 +1,7 @@
 """What users may say of their calibration: nothing, that its intrinsics are exact, deviations, or a covariance."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from numbers import Real
 
 import numpy as np
@@ -16,15 +16,17 @@ from stereorecal.estimation._calibration_prior import (
     calibration_prior,
     exact_prior,
     physical_prior,
+    with_scaled_boards,
 )
 from stereorecal.estimation._knowledge import as_prior_of, moved, prior_without_depth
 from stereorecal.estimation._parameters import rig_parameters
 from stereorecal.estimation._posterior import Posterior, root
 from stereorecal.estimation._saved_prior import Earlier, SavedPrior
-from stereorecal.objectives import RigChart
+from stereorecal.objectives import BASELINE, RigChart
 from stereorecal.recordings import Board
 
 DEFAULT, EXACT, SAVED = "default", "exact", "saved"
+_TINY = 1e-300
 _NOT_POSITIVE = 1e-9  # of the largest eigenvalue of the correlations
 
 
@@ -77,12 +79,31 @@ class CalibrationCovariance:
 Prior = str | Mapping[str, float | np.number] | CalibrationCovariance | SavedPrior | Earlier | CalibrationPrior | None
 
 
-def as_prior(prior: Prior, chart: RigChart) -> CalibrationPrior:
+def as_prior(prior: Prior, chart: RigChart, *, told_length: bool = False) -> CalibrationPrior:
     """The prior itself, for the rig of a chart.
+
+    Args:
+        told_length: something will tell the length of the baseline; where the prior does not speak of it, that may be
+            wrong as the sizes of boards are.
 
     Raises:
         InputError: as `check_prior`.
     """
+    found = _as_prior(prior, chart)
+    given = prior.names if isinstance(prior, CalibrationCovariance) else prior if isinstance(prior, Mapping) else ()
+    return with_scaled_boards(found, chart) if told_length and BASELINE not in given else found
+
+
+def with_deviations(prior: CalibrationPrior, chart: RigChart, sigmas: Mapping[str, float]) -> CalibrationPrior:
+    """The same with these standard deviations of some parameters: what was uncertain keeps its correlations, and what
+    was as exact as given gets one of its own."""
+    exact = [name for name in sigmas if not prior.roots[:, chart.names.index(name)].any()]
+    found = _with_sigmas(prior, chart, {name: sigma for name, sigma in sigmas.items() if name not in exact})
+    own = np.diag([sigmas[name] if name in exact else 0.0 for name in chart.names])
+    return replace(found, roots=np.stack([root(one @ one.T + own**2) for one in found.roots])) if exact else found
+
+
+def _as_prior(prior: Prior, chart: RigChart) -> CalibrationPrior:
     check_prior(prior, chart)
     if isinstance(prior, CalibrationPrior):
         return prior
@@ -181,7 +202,7 @@ def _with_sigmas(prior: CalibrationPrior, chart: RigChart, sigmas: Mapping[str, 
     rest, wanted = np.setdiff1d(np.arange(chart.dim), named), np.array([float(sigma) for sigma in sigmas.values()])
     roots = []
     for one in prior.roots:
-        deviations = np.linalg.norm(one, axis=1)
+        deviations = np.maximum(np.linalg.norm(one, axis=1), _TINY)  # of what is exact
         unit = one / deviations[:, None]
         both, scale = unit[named] @ unit[named].T, wanted / deviations[named]
         follows = np.linalg.solve(both, unit[named] @ unit[rest].T).T

@@ -8,16 +8,15 @@ the rig alone the posterior has both. Of a single frame: what moves differs betw
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
-from itertools import pairwise, product
+from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Float
 
 from stereorecal.estimation._calibration_prior import CalibrationPrior
 from stereorecal.estimation._drift import drift_sizes
-from stereorecal.estimation._evidence import Normal, all_explained
-from stereorecal.estimation._explanations import Explanation, LinearRows, best_of, linear_rows
+from stereorecal.estimation._evidence import Normal
+from stereorecal.estimation._explanations import Explanation, LinearRows, best_of, explained_by, linear_rows
 from stereorecal.estimation._groups import PLACES
 from stereorecal.estimation._misfit import DEVIATIONS
 from stereorecal.estimation._outlines import Offsets, outlines
@@ -86,13 +85,14 @@ def beside_rivals(
     of_all = {d: _likelihoods(rows, searched, d) for d in DEVIATIONS}
     tried = []
     for index, rival in enumerate(searched):
-        under = _explained({(d, best.misfit[1]): of_all[d][index] for d in DEVIATIONS}, rival, prior, [best.prior])
+        normals = {(d, best.misfit[1]): of_all[d][index] for d in DEVIATIONS}
+        under = _explained(normals, rows.told, rival, prior, [best.prior])
         tried.append((best_of(under)[0], rival))
     # Another prior of the calibration may suit a rival better than it suits the rig alone: twice as far, then.
     again = []
     for one, rival in _with_a_say(tried, best, 2.0 * _FAR):
         normal = of_all[one.misfit[0]][searched.index(rival)]
-        under = _explained({one.misfit: normal}, rival, prior, range(len(prior.roots)))
+        under = _explained({one.misfit: normal}, rows.told, rival, prior, range(len(prior.roots)))
         again.append((best_of(under)[0], rival))
     return [_solved(rows, chart, prior, rival, one) for one, rival in _with_a_say(again, best, _FAR)]
 
@@ -114,14 +114,14 @@ def _solved(rows: LinearRows, chart: RigChart, prior: CalibrationPrior, rival: R
     are others."""
     kind = int(near.found.log_evidence.argmax())
     theta, values = near.found.means[kind], near.found.nuisance[kind]
-    rows = linear_rows(rows.groups, chart, theta)
+    rows = linear_rows(rows.groups, chart, theta, rows.beams)
     moved = replace(rows, at_zero=rows.at_zero + rival.columns(rows) @ values)
     rows = replace(rows, deviation=moved.robust(sum(near.misfit), theta))
     at, common = DEVIATIONS.index(near.misfit[0]), near.misfit[1]
 
     def under(deviations: Sequence[float], which: Sequence[int]) -> list[Explanation]:
         normals = {(d, common): _likelihoods(rows, [rival], d)[0] for d in deviations}
-        return _explained(normals, rival, prior, which)
+        return _explained(normals, rows.told, rival, prior, which)
 
     found = under([DEVIATIONS[at]], range(len(prior.roots)))
     least = _log_evidence(best_of(found)[0]) - _FAR
@@ -143,20 +143,14 @@ def _likelihoods(rows: LinearRows, rivals: Sequence[Rival], misfit: float) -> li
 
 
 def _explained(
-    normals: Mapping[tuple[float, float], Normal], rival: Rival, prior: CalibrationPrior, which: Sequence[int]
+    normals: Mapping[tuple[float, float], Normal],
+    told: Sequence[tuple[float, Normal]],
+    rival: Rival,
+    prior: CalibrationPrior,
+    which: Sequence[int],
 ) -> list[Explanation]:
-    """θ beside a rival for each misfit and some of the covariances of the calibration's prior, and all kinds of
-    drift."""
-    sizes, weights = _kinds_of_drift()
-    both = list(product(normals, which))
-    several = [index for _, index in both]
-    logs = np.log(weights * prior.weights[several, None]) + rival.log_prior
-    every, nuisance = [normals[misfit] for misfit, _ in both], np.diag(rival.sizes)
-    found = all_explained(every, prior.roots[several], prior.means[several], nuisance, sizes, logs)
-    return [Explanation(misfit, index, under) for (misfit, index), under in zip(both, found, strict=True)]
-
-
-_kinds_of_drift = cache(drift_sizes)
+    """θ beside a rival."""
+    return explained_by(normals, told, prior, which, np.diag(rival.sizes), rival.log_prior)
 
 
 def _rolling(n: int) -> list[Rival]:
@@ -181,7 +175,7 @@ def _regions(rows: LinearRows, prior: CalibrationPrior, which: int, kind: int) -
     """Parts of the frame that moved as a whole, searched under the drift that the rig alone has, and without any."""
     n, places = rows.jacobian.shape[1], np.eye(_N)[rows.groups.place]
     of_places = replace(rows, jacobian=np.column_stack([rows.jacobian, places])).normal(_SEARCHED_AT)
-    of_places, sizes = of_places.around(prior.means[which]), _kinds_of_drift()[0]
+    of_places, sizes = of_places.around(prior.means[which]), drift_sizes()[0]
     offsets = []
     for drift in {tuple(sizes[kind]), tuple(sizes[0])}:
         offsets.append(_offsets(of_places, np.column_stack([prior.roots[which], np.eye(n, _DRIFTING) * drift])))

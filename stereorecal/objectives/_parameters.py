@@ -56,6 +56,8 @@ class Parameters:
         priors: standard deviations by name where they are not the default: degrees for angles, percent of the baseline
             for y, z and the baseline, percent for focal lengths and aspects, pixels for centres. Default: a third of
             the reach for extrinsics, 1 % for the baseline; 0.5 %, 2 px (of an image 640 wide), k1 0.01, k2 0.02.
+            In repairs, those of extrinsics are of the search and of exact intrinsics, since the estimate finds how far
+            a rig has drifted; all others say how well the calibration was known, where its own prior is not meant.
 
     Raises:
         InputError: if a name is unknown, nothing is free, or a prior is not positive.

@@ -23,8 +23,9 @@ from stereorecal.recalibration._consequences import Interval
 from stereorecal.recalibration._ending import Ending, counts
 from stereorecal.recalibration._evidence import TILES_OF_A_FRAME, Evidence, evidence
 from stereorecal.recalibration._expected import Expected, expected
-from stereorecal.recalibration._intrinsics import Intrinsics, IntrinsicsOutcome
+from stereorecal.recalibration._intrinsics import Intrinsics, IntrinsicsOutcome, intrinsics_of
 from stereorecal.recalibration._misfit import misfit
+from stereorecal.recalibration._ranged import matched_ranges
 from stereorecal.recalibration._schedule import ScoreKind, Stage
 from stereorecal.recalibration._stages import FEWEST, Case, StageRun, matched
 from stereorecal.recalibration._uncertainty import OBSERVED, Uncertainty, directions
@@ -70,13 +71,13 @@ def answered(case: Case, found: Correspondences, near: StereoRig, again_at: floa
     start = rig_parameters(case.rig).coordinates_of(near)
     while True:
         rest = without(found, apart)
-        seen = estimate(rest, case.rig, case.prior, start=start)
+        seen = estimate(rest, case.rig, case.prior, start=start, beams=matched_ranges(case, found, near, apart))
         if not seen.other_rigs or len(apart) > most:
             break
         apart, start = (*apart, seen.other_rigs[0].frame), seen.theta
     if refused := len(apart) > most:
         rest = found
-        seen = estimate(rest, case.rig, case.prior, start=start)
+        seen = estimate(rest, case.rig, case.prior, start=start, beams=matched_ranges(case, found, near))
     if again_at is not None and case.free.lenses:
         seen, rest = _matched_again(case, seen, rest, again_at)
     return Answer(rest, seen, tuple(sorted(apart)), refused, decide(seen, case.free.names))
@@ -134,7 +135,7 @@ def _matched_again(
     again = replace(again, weight=np.asarray(again.weight) * kept[:, None])
     if again.found < FEWEST:
         return seen, found
-    return estimate(again, case.rig, case.prior, start=seen.theta), again
+    return estimate(again, case.rig, case.prior, start=seen.theta, beams=seen.beams), again
 
 
 def ended_by(case: Case, answer: Answer, near: StereoRig) -> Ending:
@@ -155,7 +156,7 @@ def ended_by(case: Case, answer: Answer, near: StereoRig) -> Ending:
         tiles,
         answer.apart,
         rows,
-        _uncertainty(seen, candidate, case.chart),
+        uncertainty_of(seen, candidate, case.chart),
         misfit(facts.only(slice(len(case.free.axes))), *tiles[:, kept]),
         _intrinsics(answer, case, rows, reason),
         seen,
@@ -168,47 +169,43 @@ def _reason(case: Case, answer: Answer, tiles: Int[np.ndarray, "2 k tiles"], nea
         return Reason.FRAMES_DISAGREE
     if not answer.enough:
         return Reason.TOO_LITTLE_TEXTURE
-    if answer.decision.verdict is Verdict.GOOD:
-        return Reason.ALREADY_GOOD
-    if answer.decision.verdict is Verdict.REPAIR:
-        before, after = tiles.sum(axis=(1, 2)).tolist()
-        return Reason.FEWER_MATCHES if loses_matches(before, after, 0.0, 0.0) else Reason.IMPROVED
     box = case.of_extrinsics.chart
-    if at_the_edge(box.coordinates_of(near)):
+    if answer.decision.verdict is Verdict.CANNOT_TELL and at_the_edge(box.coordinates_of(near)):
         return Reason.REACH_EDGE
-    return Reason.CANNOT_TELL if answer.decision.explains else Reason.MISFIT
+    return reason_of(answer.decision, tiles)
+
+
+def reason_of(decision: Decision, tiles: Int[np.ndarray, "2 k tiles"]) -> Reason:
+    """The decision in words, of tiles that have these counts before and after."""
+    if decision.verdict is Verdict.GOOD:
+        return Reason.ALREADY_GOOD
+    if decision.verdict is Verdict.CANNOT_TELL:
+        return Reason.CANNOT_TELL if decision.explains else Reason.MISFIT
+    before, after = tiles.sum(axis=(1, 2)).tolist()
+    if loses_matches(before, after, 0.0, 0.0):
+        return Reason.FEWER_MATCHES
+    return Reason.RANGES if decision.by_ranges else Reason.IMPROVED
 
 
 def _intrinsics(answer: Answer, case: Case, rows: RowErrors, reason: Reason) -> Intrinsics | None:
     """What became of intrinsics that were free; None if none were."""
-    names, seen = case.free.shared, answer.estimate
-    if not names:
+    seen, theta = answer.estimate, answer.decision.theta
+    if not case.free.shared:
         return None
-    where = [seen.names.index(name) for name in names]
     facts = _evidence_at(case.of_extrinsics, answer.found, seen.chart.rig_at(seen.with_free(case.free.axes)))
-    low, high = seen.intervals[where].T
-    after = seen.posterior.covariance[where, where]
     if reason.accepted:
         outcome = IntrinsicsOutcome.REFINED
     else:
         outcome = IntrinsicsOutcome.REFUSED if answer.enough else IntrinsicsOutcome.NOT_SOLVED
-    return Intrinsics(
-        outcome=outcome,
-        names=names,
-        units=tuple(seen.units[index] for index in where),
-        change=answer.decision.theta[where],
-        interval=0.5 * (high - low),
-        undetermined=tuple(
-            name
-            for name, now, given in zip(names, after, seen.prior_variance[where], strict=True)
-            if now > OBSERVED**2 * given
-        ),
+    return intrinsics_of(
+        seen,
+        theta,
+        case.free.shared,
+        outcome,
         fixed_px=float(np.mean(facts.medians(facts.residual))),
         freed_px=rows.after,
-        fixed_elsewhere_px=float("nan"),
-        freed_elsewhere_px=float("nan"),
         shown=len(_places(answer.found)) / TILES_OF_A_FRAME,
-        expected_px=seen.row_error_px(answer.decision.theta)[10][0],
+        expected_px=seen.row_error_px(theta)[10][0],
         refused=None if reason.accepted else reason,
     )
 
@@ -231,7 +228,7 @@ def _evidence_at(case: Case, found: Correspondences, candidate: StereoRig) -> Ev
     return evidence(chart, found, chart.coordinates_of(candidate))
 
 
-def _uncertainty(seen: Estimate, candidate: StereoRig, chart: RigChart) -> Uncertainty:
+def uncertainty_of(seen: Estimate, candidate: StereoRig, chart: RigChart) -> Uncertainty:
     """Of the parameters of a chart, around a candidate and marginal over all others: mean squares of what the truth may
     differ by."""
     where = [seen.names.index(name) for name in chart.names]

@@ -12,12 +12,8 @@ from stereorecal.geometry import StereoRig, View
 from stereorecal.objectives import Parameters, Reach, RigChart, row_chart
 from stereorecal.recalibration._consequences import Interval, depth_intervals
 from stereorecal.recalibration._effects import rows_apart
-from stereorecal.recalibration._joint import Member, joint
-from stereorecal.recalibration._misfit import misfit
-from stereorecal.recalibration._ranges import Beams
 from stereorecal.recalibration._uncertainty import Uncertainty
 from stereorecal.report.cells import change
-from stereorecal.scoring import Correspondences
 
 _GRID = (17, 13)  # points of the view
 _STEP = 1e-3  # of the box, for derivatives
@@ -76,31 +72,11 @@ def expected(
     return Expected(apart(z), spread, depth_intervals(used, chart, z, covariance))
 
 
-def expected_of(
-    used: StereoRig,
-    found: Correspondences,
-    beams: Beams,
-    free: Parameters,
-    reach: Reach,
-    view: View,
-    known: Uncertainty,
-) -> Expected:
-    """What to expect of the calibration that a repair ended at.
-
-    Where it held the intrinsics, they may be off as their priors say, and the rows tell how: the true rig is sought
-    once more around `used`, linearly, with intrinsics free.
+def expected_of(used: StereoRig, free: Parameters, reach: Reach, view: View, known: Uncertainty) -> Expected:
+    """What to expect of the calibration that a repair with exact intrinsics ended at.
 
     Args:
-        found: with rays that the cameras of `used` give.
-        beams: ranges.
         known: of the repair.
     """
-    if any("." in name for name in free.names):
-        chart = row_chart(used, reach, free)
-        return expected(used, chart, np.zeros(chart.dim), known.covariance / np.outer(chart.units, chart.units), view)
-    chart = row_chart(used, reach, free.also("intrinsics"))
-    member = Member(chart, found, np.zeros(chart.dim), beams)
-    own = chart.dim  # one member shares with nobody
-    problem = joint([member], own)
-    covariance = problem.covariance() + problem.by_misfit(misfit(member.facts()).alike)
-    return expected(used, chart, problem.shift(), covariance, view)
+    chart = row_chart(used, reach, free)
+    return expected(used, chart, np.zeros(chart.dim), known.covariance / np.outer(chart.units, chart.units), view)

@@ -1,6 +1,7 @@
-"""Whether freed intrinsics are taken: judged, like extrinsics, on what took no part."""
+"""What became of freed intrinsics."""
 
 import enum
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -8,27 +9,16 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal._plain import plain
-from stereorecal.recalibration._acceptance import MOST_WORSE, Reason, at_the_edge, implausible
-
-MOST_EXPECTED = 0.1  # pixels of row over the view: less no matcher notices
-LEAST_SHOWN = 0.6  # of the places of the view
-_GAIN = 0.005  # pixels of row error, over all recordings
-_SIGNIFICANT = 3.0  # standard errors
+from stereorecal.estimation import Estimate
+from stereorecal.recalibration._acceptance import Reason
+from stereorecal.recalibration._uncertainty import OBSERVED
 
 
 class IntrinsicsOutcome(enum.Enum):
     """What became of freed intrinsics; the value is the message."""
 
-    REFINED = "the intrinsics were refined: rows that took no part lie closer under them"
-    NO_GAIN = "the intrinsics stay: under others, rows that took no part lie no closer"
-    ELSEWHERE_WORSE = "the intrinsics stay: on recordings or frames that took no part, rows lie no closer under others"
-    REGIONS_WORSE = "the intrinsics stay: others leave regions of the images worse"
-    IMPLAUSIBLE = "the intrinsics stay: others lie too far off for the stated priors; give wider ones if that may be"
-    STRETCHED = (
-        "the intrinsics stay: images that are stretched would explain the gain as well; check how they were resized"
-    )
-    TOO_LITTLE_SHOWN = "the intrinsics stay: too little of the view is covered; add scenes with texture up to the edges"
-    TOO_UNCERTAIN = "the intrinsics stay: the scenes do not determine them; add scenes at other depths and places"
+    REFINED = "the intrinsics were refined"
+    NO_GAIN = "the intrinsics stay: rows and depth would hardly gain by others"
     NOT_HERE = "the intrinsics were refined with other recordings, but this one does without"
     REFUSED = "the intrinsics stay: the calibration that they belong to was refused"
     NOT_SOLVED = "the intrinsics stay: too little of the images matches"
@@ -112,51 +102,42 @@ class Intrinsics:
         return "\n".join(lines)
 
 
-@dataclass(frozen=True, eq=False)
-class Gain:
-    """What freed intrinsics gain; pixels of the images in which rows were measured.
-
-    Attributes:
-        by_place: (p,) in row error at each place, by solutions that have not seen it.
-        elsewhere: gain on recordings or frames that took no part; None where there are none.
-        over_stretch: (p,) the same against images that are stretched, and the intrinsics as given: what an image that
-            was resized out of shape would explain as well is no sign of another focal length.
-        worse: share of the regions that are worse than with the intrinsics as given; where recordings cannot do
-            without on their own, of the one that is worst off.
-    """
-
-    by_place: Float[np.ndarray, "p"]
-    elsewhere: float | None
-    over_stretch: Float[np.ndarray, "p"]
-    worse: float
-
-
-def outcome(
-    gain: Gain, *, shown: float, expected_px: float, z: Float[np.ndarray, "n"], prior: float
-) -> IntrinsicsOutcome:
-    """What becomes of freed intrinsics. Nothing that is no number passes.
+def intrinsics_of(
+    seen: Estimate,
+    theta: Float[np.ndarray, "n"],
+    names: Sequence[str],
+    outcome: IntrinsicsOutcome,
+    *,
+    fixed_px: float,
+    freed_px: float,
+    shown: float,
+    expected_px: float,
+    refused: Reason | None = None,
+) -> Intrinsics:
+    """What became of some parameters in an estimate.
 
     Args:
-        shown, expected_px: see `Intrinsics`.
-        z: of those that priors bound, in the box.
-        prior: their standard deviation there.
+        theta: the candidate.
+        others: of `Intrinsics`, by its names.
     """
-    if not shown >= LEAST_SHOWN:
-        return IntrinsicsOutcome.TOO_LITTLE_SHOWN
-    if not _significant(gain.by_place):
-        return IntrinsicsOutcome.NO_GAIN
-    if gain.elsewhere is not None and not gain.elsewhere >= _GAIN:
-        return IntrinsicsOutcome.ELSEWHERE_WORSE
-    if not gain.worse <= MOST_WORSE:
-        return IntrinsicsOutcome.REGIONS_WORSE
-    if at_the_edge(z) or implausible(z, prior):
-        return IntrinsicsOutcome.IMPLAUSIBLE
-    if not expected_px <= MOST_EXPECTED:
-        return IntrinsicsOutcome.TOO_UNCERTAIN
-    return IntrinsicsOutcome.REFINED if _significant(gain.over_stretch) else IntrinsicsOutcome.STRETCHED
-
-
-def _significant(gain: Float[np.ndarray, "p"]) -> bool:
-    """Whether a gain at places is worth it, and no chance."""
-    error = float(np.std(gain, ddof=1)) / np.sqrt(len(gain)) if len(gain) > 1 else np.inf
-    return bool(gain.mean() > _GAIN and gain.mean() > _SIGNIFICANT * error)
+    where = [seen.names.index(name) for name in names]
+    (low, high), after = seen.intervals[where].T, np.diag(seen.posterior.covariance)[where]
+    return Intrinsics(
+        outcome=outcome,
+        names=tuple(names),
+        units=tuple(seen.units[index] for index in where),
+        change=theta[where],
+        interval=0.5 * (high - low),
+        undetermined=tuple(
+            name
+            for name, now, given in zip(names, after, seen.prior_variance[where], strict=True)
+            if now > OBSERVED**2 * given
+        ),
+        fixed_px=fixed_px,
+        freed_px=freed_px,
+        fixed_elsewhere_px=float("nan"),
+        freed_elsewhere_px=float("nan"),
+        shown=shown,
+        expected_px=expected_px,
+        refused=refused,
+    )

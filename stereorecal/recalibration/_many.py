@@ -13,7 +13,7 @@ import numpy as np
 from stereorecal._errors import InputError, StrategyError
 from stereorecal._names import known
 from stereorecal._run_all import Progress, run_all
-from stereorecal.estimation import EXACT, Prior, check_boards, check_prior
+from stereorecal.estimation import Prior, check_boards, check_prior
 from stereorecal.geometry import View, same_camera
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import Parameters, Reach, as_parameters
@@ -21,11 +21,11 @@ from stereorecal.recalibration._as_dict import solution_as_dict
 from stereorecal.recalibration._frames import looked_at
 from stereorecal.recalibration._ranges import resolved_ranges, with_ranges
 from stereorecal.recalibration._recalibrate import recalibrate
-from stereorecal.recalibration._schedule import Schedule, as_schedule
+from stereorecal.recalibration._recording import Recording
+from stereorecal.recalibration._schedule import Schedule, as_schedule, check_schedule
 from stereorecal.recalibration._solution import Solution
-from stereorecal.recalibration._solved import Recording
-from stereorecal.recalibration._together import check_schedule, together
-from stereorecal.recordings import Board, Range, Scene
+from stereorecal.recalibration._together import together
+from stereorecal.recordings import Board, Pair, Range, Scene
 from stereorecal.strategies import Budget, as_budget
 
 
@@ -88,7 +88,7 @@ def recalibrate_many(
     """Repair the extrinsics of many recordings, each on its own; the answers come in the order of the recordings.
 
     With intrinsics free, all recordings must be of one rig, and share what is found of them: once each is repaired, all
-    are solved together (`Solution.intrinsics` says what came of it).
+    are estimated together (`Solution.intrinsics` says what came of it).
 
     A recording that cannot be repaired is an answer with an error, never an exception. Ctrl-C passes; to keep what is
     finished by then, take the answers one by one from `repairs_as_finished`.
@@ -104,9 +104,8 @@ def recalibrate_many(
             they free the length of the baseline, which all share.
         executor: any `concurrent.futures.Executor`; default one recording after the other in this process.
         progress: called with (finished, total) after each recording.
-        prior: as `recalibrate` has it, of the calibration that all start from; where recordings share intrinsics or a
-            baseline, these are solved for with independent deviations (`Parameters.priors`).
-        boards: as `recalibrate` has them; not where recordings share intrinsics or a baseline.
+        prior: as `recalibrate` has it, of the calibration that all start from.
+        boards: as `recalibrate` has them.
 
     Raises:
         InputError: if there is no recording, a strategy of the default schedule is not installed, or intrinsics are
@@ -197,7 +196,7 @@ def repaired_together(
 
     recordings = [
         Recording(pairs, solution, tuple(r for r in ranges if any(r.pair is p for p in pairs)))
-        for pairs, solution in ((tuple(scenes[index].pairs), solution) for index, solution in solved)
+        for pairs, solution in ((_seen(scenes[index].pairs, solution), solution) for index, solution in solved)
     ]
     try:
         found = together(recordings, free, one=extrinsics == "one", each=each)
@@ -212,6 +211,11 @@ def repaired_together(
     for (index, _), solution in zip(solved, found, strict=True):
         answers[index] = replace(answers[index], solution=solution)
     return tuple(answers)
+
+
+def _seen(pairs: Sequence[Pair], solution: Solution) -> tuple[Pair, ...]:
+    """Those that the repair looked at."""
+    return tuple(pairs if solution.looked_at is None else (pairs[number] for number in solution.looked_at))
 
 
 def repairs_as_finished(
@@ -234,8 +238,6 @@ def repairs_as_finished(
     scenes, free = _as_scenes(scenes), as_parameters(free)
     check_prior(prior)
     check_boards(boards, prior)
-    if boards is not None and free.shared:
-        raise InputError("boards do not join what recordings share yet; leave them out, or free the extrinsics alone.")
     if not scenes:
         raise InputError("there is nothing to repair; give at least one recording.")
     repair = partial(
@@ -247,7 +249,7 @@ def repairs_as_finished(
         view=view,
         seed=seed,
         free=free.extrinsics,
-        prior=EXACT if free.shared else prior,
+        prior=prior,
         boards=boards,
     )
 

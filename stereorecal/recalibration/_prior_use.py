@@ -21,6 +21,7 @@ from stereorecal.estimation import (
     as_mixture,
     as_prior,
     check_prior,
+    is_exact,
     rig_parameters,
 )
 from stereorecal.geometry import StereoRig
@@ -42,6 +43,7 @@ class PriorUse:
         numbers: of the pairs that count.
         saved: what was saved with the calibration, or given as such.
         note: what else is to be said, or None.
+        beside: fingerprints of pairs of other recordings that told of the same calibration.
     """
 
     name: str
@@ -50,6 +52,7 @@ class PriorUse:
     numbers: tuple[int, ...]
     saved: SavedPrior | None = None
     note: str | None = None
+    beside: tuple[str, ...] = ()
 
     @property
     def dropped(self) -> int:
@@ -71,12 +74,11 @@ class PriorUse:
         return "; ".join([*said, *([self.note] if self.note else [])])
 
 
-def prior_use(prior: Prior, rig: StereoRig, pairs: Sequence[Pair], *, by_estimate: bool = True) -> PriorUse:
+def prior_use(prior: Prior, rig: StereoRig, pairs: Sequence[Pair]) -> PriorUse:
     """What a repair begins with.
 
     Args:
         prior: as `recalibrate` takes it.
-        by_estimate: whether it is by the estimate; else the intrinsics are taken as exact, and all pairs count.
 
     Raises:
         InputError: if the prior makes no sense, or belongs to another rig; if it is to be the saved one and there is
@@ -85,8 +87,8 @@ def prior_use(prior: Prior, rig: StereoRig, pairs: Sequence[Pair], *, by_estimat
     check_prior(prior, rig_parameters(rig))
     images = tuple(map(fingerprint, pairs))
     every, note = tuple(range(len(images))), None
-    if not by_estimate or prior == EXACT:
-        return PriorUse(EXACT, EXACT, images, every, prior if isinstance(prior, SavedPrior) else None)
+    if is_exact(prior):
+        return PriorUse(EXACT, EXACT, images, every)
     if prior is None or (isinstance(prior, str) and prior == SAVED):
         found, note = saved_with(rig)
         if found is None and prior == SAVED:
@@ -123,12 +125,13 @@ def known_after(
         kept: numbers of the pairs that it rests on.
         good: whether the rig to use is good; else the images do not fit any rig, and nothing is learnt from them.
     """
-    if not good or (seen is None and rig is initial):
+    rows_alone = seen is None or is_exact(use.prior)
+    if not good or (rows_alone and rig is initial):
         return use.saved
-    if seen is None:
+    if seen is None or rows_alone:
         return SavedPrior(rig, None)
     before = _before(use, initial)
-    images = (*before.images, *(use.images[number] for number in kept))
+    images = (*before.images, *(use.images[number] for number in kept), *use.beside)
     known = around(seen.posterior, seen.chart.coordinates_of(rig))
     return SavedPrior(rig, known, tuple(dict.fromkeys(images)), before)
 

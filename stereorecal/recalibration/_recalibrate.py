@@ -7,12 +7,11 @@ from dataclasses import replace
 import numpy as np
 
 from stereorecal._arrays import refuse_tracers
-from stereorecal._errors import InputError
 from stereorecal.decision import Verdict
-from stereorecal.estimation import Prior, is_exact, rig_parameters, with_boards
+from stereorecal.estimation import NO_BEAMS, Prior, is_exact, rig_parameters, with_boards
 from stereorecal.geometry import StereoRig, View
 from stereorecal.matching import AbstractMatcher, as_matcher
-from stereorecal.objectives import BASELINE, Parameters, Reach, as_parameters, as_reach
+from stereorecal.objectives import Parameters, Reach, as_parameters, as_reach
 from stereorecal.recalibration._acceptance import Reason, verdict_on_count
 from stereorecal.recalibration._asked import Asked
 from stereorecal.recalibration._cost import Cost
@@ -21,13 +20,11 @@ from stereorecal.recalibration._estimated import answered, ended_by, looked
 from stereorecal.recalibration._exact import ended_exactly
 from stereorecal.recalibration._frames import looked_at
 from stereorecal.recalibration._prior_use import prior_use
+from stereorecal.recalibration._ranged import prior_of, ranges_seen
 from stereorecal.recalibration._ranges import resolved_ranges, with_ranges
-from stereorecal.recalibration._schedule import Schedule, ScoreKind, as_schedule
+from stereorecal.recalibration._schedule import Schedule, ScoreKind, as_schedule, check_schedule
 from stereorecal.recalibration._solution import Solution
-from stereorecal.recalibration._solved import Recording
 from stereorecal.recalibration._stages import FEWEST, Case, StageRun, better_start, remaining, run_stage
-from stereorecal.recalibration._tasks import one_by_one
-from stereorecal.recalibration._together import check_schedule, together, unsolved
 from stereorecal.recordings import Board, Pairs, Range
 from stereorecal.scoring import host, legible, pyramid
 from stereorecal.scoring.host import Score, survey
@@ -90,32 +87,19 @@ def recalibrate(
     free = with_ranges(as_parameters(free), ranges)
     ranges = resolved_ranges(ranges, [("", images.pairs)])
     check_schedule(schedule, free)
-    by_estimate = not is_exact(prior) and not ranges and BASELINE not in free.names
-    if boards is not None:
-        prior = with_boards(prior, boards, rig_parameters(rig))
-        if not by_estimate:
-            raise InputError("boards do not join ranges and a free baseline yet; leave one of them out.")
-    use = prior_use(prior, rig, images.pairs, by_estimate=by_estimate)
+    use = prior_use(with_boards(prior, boards, rig_parameters(rig)), rig, images.pairs)
     numbers = use.numbers
     if free.shared:
         chosen = looked_at([images.pairs[number] for number in numbers], ranges)
         numbers = tuple(numbers[number] for number in chosen)
     if len(numbers) < len(images.pairs):
         images = pyramid(rig, [images.pairs[number] for number in numbers], images.view)
-    case = Case(images, asked, reach, free.extrinsics, use.prior)
-    solution = searched(case, schedule, budget, seed, free if by_estimate else None)
-    if by_estimate or not free.shared:
-        wanted = solution.asked and replace(solution.asked, free=free.names)
-        chosen = numbers if free.shared or use.dropped else None
-        seconds = time.perf_counter() - began
-        return replace(solution, looked_at=chosen, asked=wanted, prior_use=use, seconds=seconds)
-    recording = Recording(images.pairs, solution, ranges)
-    try:
-        (solution,) = together([recording], free, one=True, each=one_by_one)
-    except np.linalg.LinAlgError:  # a problem that nothing determines: the repair of the extrinsics stands
-        solution = unsolved(recording, free)
+    known = prior_of(use.prior, free, rig, reach, ranges=bool(ranges))
+    case = Case(images, asked, reach, free.extrinsics, known, ranges)
+    solution = searched(case, schedule, budget, seed, free)
     wanted = solution.asked and replace(solution.asked, free=free.names)
-    return replace(solution, looked_at=numbers, asked=wanted, prior_use=use, seconds=time.perf_counter() - began)
+    chosen = numbers if free.shared or use.dropped else None
+    return replace(solution, looked_at=chosen, asked=wanted, prior_use=use, seconds=time.perf_counter() - began)
 
 
 def searched(case: Case, schedule: Schedule, budget: Budget, seed: int, free: Parameters | None = None) -> Solution:
@@ -221,6 +205,7 @@ def solution_of(
     pixels = case.images.at(1.0).pixels * int(kept.sum()) // frames  # all of one size
     before, after = (Score(int(found.sum()), pixels) for found in ending.tiles[:, kept])
     apart = tuple(case.images.pairs[f].name for f in ending.apart)
+    matched = NO_BEAMS if ending.estimate is None else ending.estimate.beams
     return Solution(
         rig=ending.candidate if reason.accepted else case.rig,
         candidate=ending.candidate,
@@ -253,6 +238,8 @@ def solution_of(
         seconds=time.perf_counter() - began,
         asked=asked,
         estimate=ending.estimate,
+        beams=matched,
+        ranges=ranges_seen(len(case.ranges), matched, case.rig, ending.candidate, reason),
         decision=ending.decision,
     )
 

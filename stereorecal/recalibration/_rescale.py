@@ -7,10 +7,11 @@ import numpy as np
 
 from stereorecal._arrays import refuse_tracers
 from stereorecal._errors import InputError
+from stereorecal.estimation import Beams
 from stereorecal.geometry import StereoRig
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import BASELINE, Parameters, Reach, row_chart
-from stereorecal.recalibration._ranges import Beams, beams, resolved_ranges
+from stereorecal.recalibration._ranges import beams, resolved_ranges
 from stereorecal.recalibration._schedule import finest_scale
 from stereorecal.recalibration._uncertainty import NORMAL_95
 from stereorecal.recordings import Pairs, Range
@@ -77,11 +78,10 @@ def _solved(found: Beams, rig: StereoRig, yaw_sigma: float) -> tuple[float, floa
     """The change of the length and its standard deviation, in percent, and how many ranges agree with it. Yaw is solved
     for beside it, and left as it was: rows know it better."""
     chart = row_chart(rig, Reach(), Parameters(("yaw", BASELINE), {"yaw": yaw_sigma, BASELINE: _LONGER}))
-    z, normal = np.zeros(2), np.eye(2)
+    z, covariance = np.zeros(2), chart.prior**2 * np.eye(2)
     for _ in range(_ROUNDS):
-        normal, pull = found.normal_and_pull(chart, z)
-        normal = normal + np.eye(2) / chart.prior**2
-        z = z - np.linalg.solve(normal, pull + z / chart.prior**2)
-    votes = found.votes(found.residuals(chart.rig_at(z)))
-    unit = float(chart.units[1])
-    return unit * float(z[1]), unit * float(np.sqrt(np.linalg.inv(normal)[1, 1])), int((votes > 0.5).sum())
+        normal = found.normal(chart, z)
+        covariance = np.linalg.inv(normal.a + np.eye(2) / chart.prior**2)
+        z = covariance @ normal.b
+    unit, used = float(chart.units[1]), ~found.contradict(chart.rig_at(z))
+    return unit * float(z[1]), unit * float(np.sqrt(covariance[1, 1])), int(used.sum())

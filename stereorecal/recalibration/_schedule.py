@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from stereorecal._errors import InputError
+from stereorecal.objectives import Parameters
 from stereorecal.strategies import AbstractStrategy, Need, name_of, strategy as named_strategy
 
 SCHEDULES = ("count", "default")
@@ -164,3 +165,15 @@ def as_strategy(strategy: AbstractStrategy | str) -> AbstractStrategy:
         given = f"the class {strategy.__name__}" if isinstance(strategy, type) else f"a {type(strategy).__name__}"
         raise InputError(f"the strategy is {given}; give a name, or make one: sr.strategy('compass', step=0.25).")
     return strategy
+
+
+def check_schedule(schedule: Schedule, free: Parameters) -> None:
+    """Refuse to free what the count cannot see.
+
+    Raises:
+        InputError: if a schedule without rows is asked for intrinsics, the baseline or ranges.
+    """
+    if free.shared and schedule.stages[-1].score is not ScoreKind.EPIPOLAR:
+        raise InputError(
+            "the count sees neither intrinsics nor ranges; leave the default schedule, which ends on rows."
+        )

@@ -12,7 +12,7 @@ from jaxtyping import Float
 from stereorecal._errors import InputError
 from stereorecal._extras import extra
 from stereorecal.decision import Decision
-from stereorecal.estimation import DEFAULT, EXACT, Estimate, SavedPrior
+from stereorecal.estimation import DEFAULT, EXACT, NO_BEAMS, Beams, Estimate, SavedPrior
 from stereorecal.geometry import AXES, StereoRig, View
 from stereorecal.io import write_text
 from stereorecal.matching import AbstractMatcher
@@ -28,7 +28,7 @@ from stereorecal.recalibration._intrinsics import Intrinsics
 from stereorecal.recalibration._misfit import WORTH_SAYING, Cause, Misfit
 from stereorecal.recalibration._path import Waypoint, path_of
 from stereorecal.recalibration._prior_use import PriorUse, known_after
-from stereorecal.recalibration._ranges import NONE, Beams, RangesSeen
+from stereorecal.recalibration._ranges import RangesSeen
 from stereorecal.recalibration._report import report_of
 from stereorecal.recalibration._stages import StageRun
 from stereorecal.recalibration._uncertainty import Uncertainty
@@ -66,7 +66,7 @@ class Solution:
         disagreeing: the same where they are too many, and nothing is left out.
         stages: what each stage did.
         seconds: wall time.
-        beams: ranges that had a sure match, if most of them fit the calibration to use.
+        beams: ranges that had a sure match.
         ranges: what became of ranges; None if there were none.
         asked: the settings with which it can be repeated.
         estimate: of all parameters of the rig; None where the intrinsics are taken as exact, or nothing was found.
@@ -98,7 +98,7 @@ class Solution:
     stages: tuple[StageRun, ...]
     seconds: float
     looked_at: tuple[int, ...] | None = None
-    beams: Beams = NONE
+    beams: Beams = NO_BEAMS
     ranges: RangesSeen | None = None
     asked: Asked | None = None
     estimate: Estimate | None = None
@@ -112,9 +112,19 @@ class Solution:
         before."""
         if self.prior_use is None:
             return None
-        kept = self.kept if self.looked_at is None else [self.looked_at[number] for number in self.kept]
         good = self.reason.healthy
-        return known_after(self.prior_use, self.estimate, self.initial, self.rig, kept, good=good)
+        return known_after(self.prior_use, self.estimate, self.initial, self.rig, self._kept_of_all, good=good)
+
+    @property
+    def images_kept(self) -> tuple[str, ...]:
+        """Fingerprints of the pairs that it rests on."""
+        use = self.prior_use
+        return () if use is None else tuple(use.images[number] for number in self._kept_of_all)
+
+    @property
+    def _kept_of_all(self) -> tuple[int, ...]:
+        """Among all pairs that were given."""
+        return self.kept if self.looked_at is None else tuple(self.looked_at[number] for number in self.kept)
 
     @property
     def trace(self) -> Trace | None:
@@ -157,7 +167,7 @@ class Solution:
             return None
         if self.estimate is not None:
             return expected_by(self.estimate, self.rig, self.view)
-        return expected_of(self.rig, found, self.beams, self.free, self.reach, self.view, self.uncertainty)
+        return expected_of(self.rig, self.free, self.reach, self.view, self.uncertainty)
 
     @property
     def found(self) -> Correspondences | None:

@@ -24,6 +24,7 @@ from stereorecal.objectives import (
     row_chart,
 )
 from stereorecal.recalibration._schedule import ScoreKind, Stage
+from stereorecal.recordings import Range
 from stereorecal.scoring import Correspondences, Loss, Pyramid, ScoringData, host, precisions
 from stereorecal.strategies import Budget, Objective, Run, Status, run_strategy
 
@@ -45,6 +46,7 @@ class Case:
         matcher: with its disparity range at full size.
         free: extrinsics, and for comparisons all else that strategies may search; the rest is held.
         prior: of what the initial calibration leaves; EXACT: its intrinsics are the truth.
+        ranges: of what the images show.
     """
 
     images: Pyramid
@@ -52,6 +54,7 @@ class Case:
     reach: Reach
     free: Parameters
     prior: Prior = EXACT
+    ranges: tuple[Range, ...] = ()
 
     @property
     def rig(self) -> StereoRig:

@@ -7,19 +7,15 @@ from typing import Any
 import numpy as np
 from jaxtyping import Int
 
+from stereorecal.estimation import Beams
 from stereorecal.geometry import StereoRig, View, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
-from stereorecal.recalibration._ranges import Beams, beams
+from stereorecal.recalibration._ranges import beams
 from stereorecal.recordings import Pair, Range
 from stereorecal.scoring import Correspondences, pyramid
 from stereorecal.scoring.host import correspondences, counts_by_tile
 
 Each = Callable[[Callable[[Any], Any], Sequence[Any]], Sequence[Any]]  # does one thing to many, somewhere
-
-
-def one_by_one(function: Callable[[Any], Any], tasks: Sequence[Any]) -> Sequence[Any]:
-    """Here, one task after the other."""
-    return [function(task) for task in tasks]
 
 
 @dataclass(frozen=True, eq=False)

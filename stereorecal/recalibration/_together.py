@@ -1,35 +1,27 @@
-"""Repairs of one rig that share intrinsics: from repairs of the extrinsics to one solution of all parameters."""
+"""Repairs that share intrinsics or the length of the baseline: from repairs of the extrinsics to one estimate
+of all parameters."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
-from jaxtyping import Int
 
-from stereorecal._errors import InputError
+from stereorecal.decision import decide_together, do_as_well
+from stereorecal.estimation import NO_BEAMS
 from stereorecal.geometry import StereoRig
-from stereorecal.objectives import BASELINE, Parameters
-from stereorecal.recalibration._acceptance import Reason, Verdict, behind, implausible, regions_worse
-from stereorecal.recalibration._intrinsics import MOST_WORSE, Intrinsics, IntrinsicsOutcome
-from stereorecal.recalibration._misfit import Misfit
-from stereorecal.recalibration._ranges import NONE, Beams, RangesSeen
-from stereorecal.recalibration._schedule import Schedule, ScoreKind
+from stereorecal.objectives import BASELINE, Parameters, row_chart
+from stereorecal.recalibration._acceptance import Reason
+from stereorecal.recalibration._common import Common, common
+from stereorecal.recalibration._estimated import uncertainty_of
+from stereorecal.recalibration._evidence import TILES_OF_A_FRAME
+from stereorecal.recalibration._intrinsics import Intrinsics, IntrinsicsOutcome, intrinsics_of
+from stereorecal.recalibration._misfit import misfit
+from stereorecal.recalibration._ranged import ranges_seen
+from stereorecal.recalibration._ranges import RangesSeen
+from stereorecal.recalibration._recording import Recording
 from stereorecal.recalibration._solution import Solution
-from stereorecal.recalibration._solved import Recording, Solved
 from stereorecal.recalibration._tasks import Each, counted
 from stereorecal.scoring.host import Score
-
-
-def check_schedule(schedule: Schedule, free: Parameters) -> None:
-    """Refuse to free what the count cannot see.
-
-    Raises:
-        InputError: if a schedule without rows is asked for intrinsics, the baseline or ranges.
-    """
-    if free.shared and schedule.stages[-1].score is not ScoreKind.EPIPOLAR:
-        raise InputError(
-            "the count sees neither intrinsics nor ranges; leave the default schedule, which ends on rows."
-        )
 
 
 def together(recordings: Sequence[Recording], free: Parameters, *, one: bool, each: Each) -> tuple[Solution, ...]:
@@ -41,31 +33,21 @@ def together(recordings: Sequence[Recording], free: Parameters, *, one: bool, ea
         each: runs a task for each recording.
     """
     lenses = bool(free.lenses)
-    taking_part = [recording for recording in recordings if recording.usable(lenses=lenses)]
-    if not taking_part:
-        return tuple(unsolved(recording, free) for recording in recordings)
-    solved, seen, answers = Solved.of(taking_part, free, one=one, each=each), None, None
+    part = [recording for recording in recordings if recording.usable(lenses=lenses)]
+    if not part:
+        return tuple(_unsolved(recording, free) for recording in recordings)
+    solved = common(part, free, one=one, each=each)
+    answers, seen = _answers(solved, each), None
     if lenses:
-        seen = solved.judged()
-        answers = _answers(solved, each) if seen.taken else []
-        if answers and not any(answer.taken for answer in answers):
-            seen = replace(seen, outcome=IntrinsicsOutcome.REFUSED, refused=answers[0].verdict.why)
+        seen = _intrinsics(solved, answers)
         if not seen.taken:
-            found = _without_lenses(recordings, free, one=one, each=each)
-            return tuple(replace(solution, intrinsics=seen) for solution in found)
-
-    def alone() -> tuple[Solution, ...]:
-        """What the recordings are left with where nothing is shared but, if so, the extrinsics."""
-        if solved.one and free.shared:
-            bare = [replace(recording, ranges=()) for recording in taking_part]
-            return together(bare, free.extrinsics, one=True, each=each)
-        return tuple(recording.repair for recording in taking_part)
-
-    results = iter(_solutions(solved, answers or _answers(solved, each), seen, alone))
+            rest = _without_lenses(recordings, free, one=one, each=each)
+            return tuple(replace(solution, intrinsics=seen) for solution in rest)
+    results = iter(_solutions(solved, answers, seen, each))
     return tuple(
         next(results)
         if r.usable(lenses=lenses)
-        else replace(r.repair, intrinsics=seen and seen.not_here(r.repair.reason), ranges=_unused(r))
+        else replace(r.repair, intrinsics=seen and seen.not_here(r.repair.reason), ranges=_unmatched(r))
         for r in recordings
     )
 
@@ -73,166 +55,146 @@ def together(recordings: Sequence[Recording], free: Parameters, *, one: bool, ea
 def _without_lenses(
     recordings: Sequence[Recording], free: Parameters, *, one: bool, each: Each
 ) -> tuple[Solution, ...]:
-    rest = Parameters(tuple(name for name in free.names if "." not in name), free.priors)
+    rest = _held(free)
     if rest.shared or (one and len(recordings) > 1):
         return together(recordings, rest, one=one, each=each)
     return tuple(recording.repair for recording in recordings)
 
 
-@dataclass(frozen=True, eq=False)
-class _Answer:
-    """What is said of one recording.
-
-    Attributes:
-        solution: with the shared parameters taken, or found and not taken.
-        verdict: on it.
-        ranged: its own ranges vouch for the length of the baseline.
-    """
-
-    solution: Solution
-    verdict: Verdict
-    ranged: bool
-
-    @property
-    def taken(self) -> bool:
-        """It replaces the initial calibration."""
-        return self.solution.accepted
+def _held(free: Parameters) -> Parameters:
+    """The same with the intrinsics as they were."""
+    return Parameters(tuple(name for name in free.names if "." not in name), free.priors)
 
 
-def _answers(solved: Solved, each: Each) -> list[_Answer]:
-    """One for each recording; where there is one member for all, with one verdict."""
-    rigs, recordings = solved.rigs, solved.recordings
-    tasks = [
-        replace(r.task(r.repair.initial, r.repair.rig, rig), ranges=()) for rig, r in zip(rigs, recordings, strict=True)
-    ]
-    counts = each(counted, tasks)
-    joined = [np.concatenate(counts, axis=1)] * len(counts) if solved.one else counts
-    verdicts = [solved.verdict(index, tiles[[0, 2]]) for index, tiles in enumerate(joined[: len(solved.members)])]
+def _answers(solved: Common, each: Each) -> list[Solution]:
+    """With the shared parameters taken, or found and not taken; where all have the same extrinsics, with one reason."""
+    recordings = solved.recordings
+    rigs = [solved.rig(index) for index in range(len(recordings))]
+    counts = each(counted, [r.task(r.repair.initial, g) for g, r in zip(rigs, recordings, strict=True)])
+    joined = [np.concatenate(counts, axis=1)] if solved.one else counts
+    reasons = [solved.reason(at, tiles) for at, tiles in enumerate(joined)]
+    left = [solved.rows(at, decision) for at, decision in enumerate(solved.decisions)]
     found = []
     for index, (rig, recording, tiles) in enumerate(zip(rigs, recordings, counts, strict=True)):
-        repair, member = recording.repair, solved.member(index)
-        said, rows, left = verdicts[0 if solved.one else index]
-        ranged = bool(member.beams) and member.beams.agree(rig)
-        said = _with_ranges(said, solved, index, left) if ranged else said
-        if said.reason.accepted and _falls_behind(solved, index, tiles, rows.after):
-            said = Verdict(Reason.ALREADY_GOOD, Reason.WORSE_ON_HELD_OUT)
-        accepted = said.reason.accepted
+        repair, at = recording.repair, solved.of(index)
+        seen, decision, reason = solved.estimates[at], solved.decisions[at], reasons[at]
+        facts, rows = left[at]
         solution = replace(
             repair,
-            rig=rig if accepted else repair.initial,
+            rig=rig if reason.accepted else repair.initial,
             candidate=rig,
-            accepted=accepted,
-            reason=said.reason,
-            score_after=Score(int(tiles[2].sum()), repair.score_before.pixels),
+            accepted=reason.accepted,
+            reason=reason,
+            score_after=Score(int(tiles[1].sum()), repair.score_before.pixels),
             row_errors=rows,
-            misfit=left,
-            uncertainty=solved.uncertainty(index),
+            misfit=misfit(facts.only(slice(len(solved.free.axes))), *joined[at]),
+            uncertainty=uncertainty_of(seen, rig, row_chart(repair.initial, repair.reach, solved.free)),
             free=solved.free,
-            beams=member.beams,
-            disagreeing=repair.disagreeing if said.reason is Reason.FRAMES_DISAGREE else (),
+            estimate=seen,
+            decision=decision,
+            prior_use=repair.prior_use and replace(repair.prior_use, beside=_images_of_others(recordings, index)),
+            beams=seen.beams,
+            ranges=_ranges(solved, index, rig, reason),
+            disagreeing=repair.disagreeing if reason is Reason.FRAMES_DISAGREE else (),
         )
-        found.append(_Answer(solution, said, ranged=ranged))
+        found.append(solution)
     return found
 
 
-def _with_ranges(said: Verdict, solved: Solved, index: int, left: Misfit) -> Verdict:
-    """The verdict on a recording whose own ranges agree with the solution: where rows gain nothing, they may still tell
-    that the calibration before was wrong, of a drift that is plausible and leaves no region worse."""
-    member = solved.member(index)
-    own = member.z[: solved.own]
-    fits = said == Verdict(Reason.ALREADY_GOOD) and member.beams.fit_better(member.chart.rig, solved.rigs[index])
-    harms = implausible(own, member.chart.prior) or regions_worse(left, solved.scale)
-    return Verdict(Reason.RANGES) if fits and not harms else said
+def _images_of_others(recordings: Sequence[Recording], index: int) -> tuple[str, ...]:
+    """Fingerprints of the pairs that the other recordings rest on."""
+    return tuple(
+        image for at, recording in enumerate(recordings) if at != index for image in recording.repair.images_kept
+    )
 
 
-def _falls_behind(solved: Solved, index: int, counts: Int[np.ndarray, "3 k tiles"], rows_px: float) -> bool:
-    """Whether a recording was better off with what it had alone: its repair, or the same rows with the intrinsics as
-    they were. Recordings that share their extrinsics must bear what another one asks for."""
-    repair = solved.recordings[index].repair
-    if solved.lenses and solved.worse[index] > MOST_WORSE:
-        return True
-    if solved.one or not repair.accepted or repair.row_errors is None:
-        return False
-    _, alone, here = counts.sum(axis=(1, 2)).tolist()
-    return behind(alone, here, solved.scale * repair.row_errors.after, solved.scale * rows_px)
+def _intrinsics(solved: Common, answers: Sequence[Solution]) -> Intrinsics:
+    """The shared parameters, and whether they are taken: not where the others alone do as well."""
+    free, decisions = solved.free, solved.decisions
+    held = decide_together(solved.estimates, _held(free).names)
+    outcome = IntrinsicsOutcome.REFINED if any(one.accepted for one in answers) else IntrinsicsOutcome.REFUSED
+    outcome = IntrinsicsOutcome.NO_GAIN if do_as_well(held, decisions) else outcome
+    fixed, freed = (
+        float(np.mean([solved.rows(at, one)[1].after for at, one in enumerate(some)])) for some in (held, decisions)
+    )
+    tiles = [np.asarray(one.found.tile)[np.asarray(one.found.weight) > 0] % TILES_OF_A_FRAME for one in solved.shown]
+    expected = [seen.row_error_px(one.theta)[10][0] for seen, one in zip(solved.estimates, decisions, strict=True)]
+    return intrinsics_of(
+        solved.estimates[0],
+        decisions[0].theta,
+        free.shared,
+        outcome,
+        fixed_px=fixed,
+        freed_px=freed,
+        shown=len(np.unique(np.concatenate(tiles))) / TILES_OF_A_FRAME,
+        expected_px=min(expected),
+        refused=answers[0].reason if outcome is IntrinsicsOutcome.REFUSED else None,
+    )
 
 
-def _solutions(
-    solved: Solved, answers: Sequence[_Answer], seen: Intrinsics | None, alone: Callable[[], tuple[Solution, ...]]
-) -> list[Solution]:
+def _solutions(solved: Common, answers: Sequence[Solution], seen: Intrinsics | None, each: Each) -> list[Solution]:
     """Of each recording: what was found together, or what it has alone, with no more than the length of the baseline
     that the ranges of others tell."""
-    any_ranges = any(some for some in solved.beams)
-    told = not solved.lenses and any(answer.taken and answer.ranged for answer in answers)
-    others: tuple[Solution, ...] | None = None
+    told = BASELINE in solved.free.names and any(
+        answer.accepted and some.agree(answer.rig) for answer, some in zip(answers, solved.beams, strict=True)
+    )
+    if solved.one and solved.free.shared and not answers[0].accepted:
+        rest = [replace(recording, ranges=()) for recording in solved.recordings]
+        alone = together(rest, solved.free.extrinsics, one=True, each=each)
+    else:
+        alone = tuple(recording.repair for recording in solved.recordings)
     found = []
     for index, answer in enumerate(answers):
-        has = bool(solved.beams[index]) or (solved.one and any_ranges)
-        joint = answer.taken and (has or not any_ranges or solved.lenses)
-        longer = told and not has
-        if joint or (not longer and _nothing_refused(answer, solved, index)):
-            found.append(_with_range_counts(replace(answer.solution, intrinsics=seen), solved, index, None))
+        if answer.accepted or not solved.free.shared:
+            found.append(replace(answer, intrinsics=seen))
             continue
-        others = others or alone()
-        rest = others[index]
-        if longer and rest.reason.healthy:
-            rest = _scaled(rest, solved, index)
-        refused = answer.verdict.why if has else None
-        rest = replace(rest, intrinsics=seen and seen.not_here(answer.verdict.why))
-        found.append(_with_range_counts(rest, solved, index, refused))
+        scaled = told and alone[index].reason.healthy and not solved.beams[index]
+        own = _scaled(alone[index], answer) if scaled else alone[index]
+        of_ranges = _ranges(solved, index, own.rig, answer.reason)
+        beams = NO_BEAMS if of_ranges is None else answer.beams
+        here = seen and seen.not_here(answer.reason)
+        found.append(replace(own, intrinsics=here, ranges=of_ranges, beams=beams))
     return found
 
 
-def _nothing_refused(answer: _Answer, solved: Solved, index: int) -> bool:
-    """Whether the initial calibration stays because there is nothing to gain, here and alone."""
-    if solved.one and not solved.free.shared:
-        return True  # there is nothing else that they could have in common
-    repair = solved.recordings[index].repair
-    return answer.verdict == Verdict(Reason.ALREADY_GOOD) and repair.reason is Reason.ALREADY_GOOD and not solved.lenses
-
-
-def _scaled(solution: Solution, solved: Solved, index: int) -> Solution:
+def _scaled(solution: Solution, found: Solution) -> Solution:
     """A repair, or what stays where it was not needed, with the length of the baseline that other recordings tell: rows
     are the same."""
-    member = solved.member(index)
-    at = member.chart.names.index(BASELINE)
-    rig = _longer(solution.rig, 1.0 + float(member.chart.units[at] * member.z[at]) / 100.0)
+    extrinsics = np.array(solution.rig.extrinsics, float)
+    extrinsics[3:] *= _length(found.candidate) / _length(found.initial)
+    rig = solution.rig.with_extrinsics(extrinsics)
+    reason = Reason.IMPROVED if solution.accepted else Reason.RANGES
     return replace(
         solution,
         rig=rig,
         candidate=rig,
         accepted=True,
-        reason=Reason.IMPROVED if solution.accepted else Reason.RANGES,
-        uncertainty=solved.uncertainty(index),
-        free=solved.free,
+        reason=reason,
+        uncertainty=found.uncertainty,
+        free=found.free,
+        estimate=found.estimate,
     )
 
 
-def _longer(rig: StereoRig, times: float) -> StereoRig:
-    extrinsics = np.array(rig.extrinsics, float)
-    extrinsics[3:] *= times
-    return rig.with_extrinsics(extrinsics)
+def _length(rig: StereoRig) -> float:
+    return abs(float(rig.extrinsics[3]))  # what only a change of the length moves
 
 
-def _with_range_counts(solution: Solution, solved: Solved, index: int, refused: Reason | None) -> Solution:
-    """The solution with what became of the ranges, if there were any; those that mostly contradict it have no say in
-    what is to be expected of it."""
+def _ranges(solved: Common, index: int, used: StereoRig, said: Reason) -> RangesSeen | None:
+    """What became of the ranges of a recording, or of all where they have the same extrinsics, with the rig to use."""
     recordings = solved.recordings if solved.one else [solved.recordings[index]]
-    given = sum(len(recording.ranges) for recording in recordings)
-    if not given:
-        return solution
-    beams = Beams.of_all(solved.beams) if solved.one else solved.beams[index]
-    seen = RangesSeen(given, len(beams.metres), int(beams.contradict(solution.rig).sum()), refused)
-    return replace(solution, ranges=seen, beams=beams if beams and beams.agree(solution.rig) else NONE)
+    seen, found = solved.estimates[solved.of(index)], solved.rig(index)
+    seen_with = ranges_seen(sum(len(one.ranges) for one in recordings), seen.beams, seen.chart.rig, found, said)
+    return seen_with and replace(seen_with, contradict=int(seen.beams.contradict(used).sum()))
 
 
-def unsolved(recording: Recording, free: Parameters) -> Solution:
+def _unsolved(recording: Recording, free: Parameters) -> Solution:
     """The repair of a recording where nothing that is shared could be solved for."""
     seen = _not_solved(recording.repair, free) if free.lenses else None
-    return replace(recording.repair, intrinsics=seen, ranges=_unused(recording))
+    return replace(recording.repair, intrinsics=seen, ranges=_unmatched(recording))
 
 
-def _unused(recording: Recording) -> RangesSeen | None:
+def _unmatched(recording: Recording) -> RangesSeen | None:
     """What became of the ranges of a recording that took no part."""
     return RangesSeen(len(recording.ranges), 0, 0) if recording.ranges else None
 

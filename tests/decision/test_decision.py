@@ -6,8 +6,18 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from stereorecal.decision import LIMITS, Verdict, decide
-from stereorecal.estimation import Earlier, SavedPrior, around, estimate, readings
+from stereorecal.decision import LIMITS, Verdict, decide, decide_together, do_as_well
+from stereorecal.estimation import (
+    NO_BEAMS,
+    Beams,
+    Earlier,
+    Estimate,
+    Posterior,
+    SavedPrior,
+    around,
+    estimate,
+    readings,
+)
 from stereorecal.estimation._consequences import points_of_view
 
 AXES = ("pitch", "yaw", "roll", "y", "z")
@@ -120,3 +130,53 @@ def test_far_rows_do_not_pay_for_near_ones(drifted):
     other = Nearer(**seen.__getstate__())
     assert said.verdict is Verdict.REPAIR
     assert decide(other, AXES).worse >= said.worse
+
+
+def known_length(chart, percent: float, deviation: float, beams: Beams = NO_BEAMS) -> Estimate:
+    """Of a rig whose baseline is so much longer, and all else as it was calibrated."""
+    length = np.eye(chart.dim)[chart.names.index("baseline")]
+    covariance = np.diag(1e-12 + (deviation * length) ** 2)
+    posterior = Posterior(np.ones(1), percent * length[None], covariance[None])
+    return Estimate(chart, posterior, (0.0, 0.0), 100, 0.0, np.diag(covariance), beams=beams)
+
+
+def ranges_of(true) -> Beams:
+    points = np.random.default_rng(0).uniform([-1, -1, 2], [1, 1, 4], (40, 3))
+    pixels = true.left.project(points), true.right.project(points @ true.rotation.T + true.translation)
+    metres = np.linalg.norm(points, axis=1)
+    return Beams(*pixels, metres, 0.01 * metres, np.full(40, 0.1))
+
+
+def test_ranges_are_a_reason_where_rows_are_none(chart):
+    """Rows do not see the length of the baseline."""
+    true, free = chart.rig_at(known_length(chart, 3.0, 0.1).theta), (*AXES, "baseline")
+    alone, told = (decide(known_length(chart, 3.0, 0.1, beams), free) for beams in (NO_BEAMS, ranges_of(true)))
+    assert alone.verdict is Verdict.GOOD
+    assert (told.verdict, told.by_ranges) == (Verdict.REPAIR, True)
+    assert abs(chart.rig_at(told.theta).baseline / true.baseline - 1) < 1e-3
+    unsure = decide(known_length(chart, 3.0, 3.0, ranges_of(true)), free)  # as likely worse by a percent as not
+    assert unsure.verdict is Verdict.GOOD
+    right = decide(known_length(chart, 0.0, 0.1, ranges_of(chart.rig)), free)
+    assert right.verdict is Verdict.GOOD
+
+
+def test_several_share_what_is_no_drift(drifted, chart):
+    """And each of them alone is decided as by itself."""
+    some, free = [seen for _, seen in drifted[:3]], (*AXES, "left.f", "right.cx")
+    found = decide_together(some, free)
+    shared = np.array(["." in name for name in chart.names])
+    for seen, said in zip(some, found, strict=True):
+        np.testing.assert_allclose(said.theta[shared], found[0].theta[shared])
+        assert said.keeps_depth == found[0].keeps_depth
+        (alone,), same = decide_together([seen], free), decide(seen, free)
+        np.testing.assert_array_equal(alone.theta, same.theta)
+        assert said.loss > alone.loss - 0.5  # what is shared suits none better than its own
+
+
+def test_fewer_parameters_that_do_as_well(drifted):
+    one = decide(drifted[0][1], AXES)
+    assert do_as_well([one], [one])
+    assert not do_as_well([replace(one, loss=one.loss + 1.5)], [one])
+    stays = replace(one, verdict=Verdict.GOOD)
+    assert not do_as_well([stays], [one])
+    assert do_as_well([one], [stays])

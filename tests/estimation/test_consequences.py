@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from stereorecal.estimation._candidates import depth_kept, least_loss
+from stereorecal.estimation._candidates import Known, depth_kept, least_loss
 from stereorecal.estimation._consequences import DISTANCES, consequences, points_of_view, readings
 
 SIZES = {"deg": 0.2, "%": 0.3, "px": 2.0, "": 1e-3}
@@ -155,8 +155,13 @@ def loss(chart, near, mean, nearness, theta) -> float:
     return float(total)
 
 
+def of_one(known: Known, free: np.ndarray) -> np.ndarray:
+    (found,) = least_loss([known], free, np.zeros_like(free))
+    return found
+
+
 def test_with_all_free_and_nothing_to_correct_it_is_the_mean(chart, theta, near):
-    found = least_loss(near, theta, np.zeros(4), np.ones(chart.dim, bool), deviations(chart))
+    found = of_one(Known(chart, near, theta, deviations(chart), np.zeros(4)), np.ones(chart.dim, bool))
     np.testing.assert_array_equal(found, theta)
 
 
@@ -168,7 +173,7 @@ def test_held_parameters_stay_and_more_freedom_loses_no_more(chart, theta, near,
     lenses = np.array([name.startswith("right.") for name in names])
     extrinsics = np.arange(chart.dim) < 5
     for free in (extrinsics & (names != "y"), extrinsics, extrinsics | lenses, np.ones(chart.dim, bool)):
-        found = least_loss(near, theta, nearness, free, deviations(chart))
+        found = of_one(Known(chart, near, theta, deviations(chart), nearness), free)
         assert not found[~free].any()
         losses.append(loss(chart, near, theta, nearness, found))
     assert losses[0] <= loss(chart, near, theta, nearness, np.zeros(chart.dim))
@@ -180,7 +185,7 @@ def test_held_parameters_stay_and_more_freedom_loses_no_more(chart, theta, near,
 @given(seed=st.integers(0, 999))
 def test_no_step_of_the_extrinsics_loses_less(chart, theta, near, seed):
     nearness, free = np.array([0.01, 0.01, 0.02, 0.05]), np.arange(chart.dim) < 5
-    found = least_loss(near, theta, nearness, free, deviations(chart))
+    found = of_one(Known(chart, near, theta, deviations(chart), nearness), free)
     for size in (1e-3, 1e-2, 0.1):
         moved = found + drifted(chart, seed) * size
         here, there = (loss(chart, near, theta, nearness, one) for one in (found, moved))
@@ -191,6 +196,6 @@ def test_what_is_exact_stays_as_it_is(chart, near):
     """No deviation, and a mean of zero: free, but there is no reason to move it."""
     mean, exact = drifted(chart, 1), np.arange(chart.dim) >= 5
     sigma = np.where(exact, 0.0, deviations(chart))
-    found = least_loss(near, mean, np.full(4, 0.01), np.ones(chart.dim, bool), sigma)
+    found = of_one(Known(chart, near, mean, sigma, np.full(4, 0.01)), np.ones(chart.dim, bool))
     assert np.isfinite(found).all()
     assert not found[exact].any()

@@ -120,7 +120,7 @@ def about(value: float, half: float) -> Interval:
 def judged(verdict: Verdict, after: float = 0.1) -> Health:
     axes = {name: about(0.0, 1.0) for name in ("pitch", "roll", "y", "z")} | {"yaw": about(1.0, 0.5)}
     rows = np.array([[0.2, 0.1, 0.3], [after, 0.0, 2.0 * after]])
-    decision = Decision(verdict, np.zeros(5), False, 0.5, 0.5, rows)
+    decision = Decision(verdict, np.zeros(5), False, 0.5, 0.5, 0.0, rows)
     depths = dict.fromkeys((5, 10, 30, 100), about(0.0, 1.0))
     return Health(Score(1, 2), 0.2, 0.5, DAYLIGHT, Mending(axes, about(0.2, 0.1), depths, 0.1, decision))
 

@@ -78,7 +78,6 @@ def test_without_anything_saved_it_is_the_default():
         assert (use.name, use.prior, use.numbers, use.saved) == ("default", "default", tuple(range(6)), None)
     assert prior_use({"left.f": 0.1}, RIG, PAIRS).name == "given"
     assert prior_use("exact", RIG, PAIRS).name == "exact"
-    assert prior_use(None, RIG, PAIRS, by_estimate=False).name == "exact"
     with pytest.raises(sr.InputError, match="no prior is saved"):
         prior_use("saved", RIG, PAIRS)
     with pytest.raises(sr.InputError, match="did you mean saved"):

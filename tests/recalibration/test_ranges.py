@@ -3,11 +3,10 @@
 import cv2
 import numpy as np
 import pytest
-from hypothesis import given, settings, strategies as st
 
 import stereorecal as sr
-from stereorecal.objectives import Parameters, Reach, row_chart
-from stereorecal.recalibration._ranges import Beams, beams
+from stereorecal.estimation import Beams
+from stereorecal.recalibration._ranges import beams
 from stereorecal.recalibration._rescale import _YAW as YAW, _solved as lengthened
 from stereorecal.scoring import pyramid
 from stereorecal.scoring.host import ranged
@@ -127,7 +126,7 @@ def test_ranges_of_one_recording_are_no_reason_for_another(small):
 
 @pytest.mark.slow
 def test_a_repair_outlives_bad_ranges(small):
-    """In feet: the drift is repaired as without them, and they are named."""
+    """In feet: the drift is repaired as without them, and they are named; they have no say in what is expected."""
     off = SMALL.with_extrinsics(SMALL.extrinsics + np.array([*np.radians([0.5, 0.3, -0.4]), 0, 0, 0]))
     solution = sr.recalibrate(off, small.pairs, ranges=of_small(3.2808))
     assert solution.reason is sr.Reason.IMPROVED
@@ -137,7 +136,45 @@ def test_a_repair_outlives_bad_ranges(small):
     assert seen.given == 60
     assert 2 * seen.contradict > seen.matched > 20
     assert "check their units" in str(solution)
-    assert solution.expected.depth_percent[30].high > 5.0  # they have no say in what is to be expected
+    alone = sr.recalibrate(off, small.pairs).expected.depth_percent[30]
+    told = solution.expected.depth_percent[30]
+    assert told.high - told.low == pytest.approx(alone.high - alone.low, rel=0.2)
+
+
+def boards_of(rig: sr.StereoRig) -> list[sr.Board]:
+    """As they were held before a rig."""
+    rng = np.random.default_rng(0)
+    corners = 0.1 * np.stack(np.meshgrid(np.arange(-4, 5), np.arange(-3, 3), [0]), axis=-1).reshape(-1, 3)
+    boards = []
+    for _ in range(12):
+        tilt, _ = cv2.Rodrigues(rng.uniform(-0.5, 0.5, 3))
+        at = corners @ tilt.T + [*rng.uniform([0.05, -0.1], [0.3, 0.1]), rng.uniform(1.8, 2.5)]
+        pixels = rig.left.project(at), rig.right.project(at @ rig.R.T + rig.T)
+        boards.append(sr.Board(*(some + rng.normal(0.0, 0.05, some.shape) for some in pixels), corners))
+    return boards
+
+
+@pytest.mark.slow
+def test_beside_boards_and_what_was_saved(small):
+    """Squares of another size: the boards agree with a baseline that is too long, and ranges do not."""
+    bad = longer(SMALL, 3.0)
+    first = sr.recalibrate(bad, small.pairs, boards=boards_of(bad), ranges=of_small())
+    assert first.reason is sr.Reason.RANGES
+    assert abs(100 * (first.rig.baseline / SMALL.baseline - 1)) < 1.0
+    street = sr.synthetic.render("street", 3, rig=SMALL)
+    second = sr.recalibrate(first.rig, street.pairs, prior=first.prior, free=("extrinsics", "baseline"))
+    assert second.prior_use.name == "saved"
+    length = second.estimate.names.index("baseline")
+    low, high = second.estimate.intervals[length]
+    assert low < 100 * (SMALL.baseline / first.rig.baseline - 1) < high
+
+
+@pytest.mark.slow
+def test_where_intrinsics_are_exact_the_length_is_told_and_depth_not_known(small):
+    solution = sr.recalibrate(longer(SMALL, 2.0), small.pairs, prior="exact", ranges=of_small())
+    assert solution.reason is sr.Reason.RANGES
+    assert abs(100 * (solution.rig.baseline / SMALL.baseline - 1)) < 0.8
+    assert solution.prior.known is None
 
 
 def test_ranges_without_a_match_are_told(small):
@@ -162,27 +199,6 @@ def test_the_interval_of_the_length_admits_what_repairs_leave_of_yaw():
         change, deviation, _ = lengthened(found, off, YAW)
         hits.append(abs(change) < 1.96 * deviation)
     assert np.mean(hits) >= 0.85
-
-
-@settings(max_examples=30)
-@given(seed=st.integers(0, 999), percent=st.floats(-2, 2))
-def test_exact_beams_have_no_residual(seed, percent):
-    """Of points whose pixels are exact, under the rig that saw them; and their derivative by the baseline."""
-    rng = np.random.default_rng(seed)
-    rig = longer(RIG, percent)
-    left = rng.uniform([40, 40], [600, 440], (20, 2))
-    rays = rig.left.rays(left)
-    metres = rng.uniform(2, 20, 20)
-    metres[:3] = np.inf
-    unit = rays / np.linalg.norm(rays, axis=-1, keepdims=True)
-    points = np.where(np.isfinite(metres)[:, None], unit * np.minimum(metres, 1e9)[:, None], unit * 1e12)
-    right = rig.right.project(points @ rig.rotation.T + rig.translation)
-    seen = Beams(left, right, metres, 0.01 * metres, np.full(20, 0.2))
-    np.testing.assert_allclose(seen.residuals(rig), 0.0, atol=1e-6)
-    chart = row_chart(rig, Reach(), Parameters(("yaw", "baseline")))
-    normal, pull = seen.normal_and_pull(chart, np.zeros(2))
-    assert np.linalg.eigvalsh(normal).min() > 0
-    np.testing.assert_allclose(pull, 0.0, atol=1e-3)
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,132 @@
+"""Ranges as data: distances that something else measured, of pixels that were found in both images. They fix what rows
+cannot see: the length of the baseline, and the one offset of disparity that yaw, centres and focal lengths share."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from stereorecal.estimation._evidence import Normal
+from stereorecal.geometry import StereoRig, ray_slopes, rectifying_rotations
+from stereorecal.objectives import SIDES, RigChart
+
+_FAR = 3.0  # standard deviations: beyond, a range is more likely another thing's
+_OF_OTHER_THINGS = 0.05  # probability that all are: in other units, of another pair, of other pixels
+_STEP = 1e-4  # of the units of θ, for derivatives
+_ANYWHERE = 0.1  # of the image's width, within which the disparities of other things lie
+
+
+@dataclass(frozen=True, eq=False)
+class Beams:
+    """Ranges whose pixels were found in the right image.
+
+    Attributes:
+        left, right: (b, 2) pixels as the cameras took them, at full size.
+        metres, sigma: (b,) distance from the left camera, and its standard deviation.
+        matching: (b,) standard deviations of their disparities, pixels of the right camera.
+    """
+
+    left: Float[np.ndarray, "b 2"]
+    right: Float[np.ndarray, "b 2"]
+    metres: Float[np.ndarray, "b"]
+    sigma: Float[np.ndarray, "b"]
+    matching: Float[np.ndarray, "b"]
+
+    def residuals(self, rig: StereoRig) -> Float[np.ndarray, "b"]:
+        """Disparity that the distance asks for less the one that was found, in standard deviations."""
+        return self._apart(rig, *self._rays(rig)) / self.deviations(rig)
+
+    def _rays(self, rig: StereoRig) -> tuple[Float[np.ndarray, "b 3"], Float[np.ndarray, "b 3"]]:
+        return np.asarray(rig.left.rays(self.left)), np.asarray(rig.right.rays(self.right))
+
+    def _apart(
+        self, rig: StereoRig, left: Float[np.ndarray, "b 3"], right: Float[np.ndarray, "b 3"]
+    ) -> Float[np.ndarray, "b"]:
+        """The same in pixels of the right camera, of pixels that have these rays."""
+        _, to_right = rectifying_rotations(rig.rotation, rig.translation)
+        direction = left / np.linalg.norm(left, axis=-1, keepdims=True)
+        asked = (direction @ rig.rotation.T + self._nearness[:, None] * rig.translation) @ to_right.T
+        seen = right @ to_right.T
+        return float(rig.right.matrix[0, 0]) * (seen[:, 0] / seen[:, 2] - asked[:, 0] / asked[:, 2])
+
+    def _jacobian(self, chart: RigChart, theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "b n"]:
+        """Of the residuals; the deviations stay as they are. Central differences: extrinsics move the rotations,
+        intrinsics the rays."""
+        rig = chart.rig_at(theta)
+        rays = np.stack(self._rays(rig))
+        found = np.zeros((len(self.metres), chart.dim))
+        for index, step in enumerate(_STEP * np.eye(chart.dim)):
+            if "." not in chart.names[index]:
+                ends = [rig.with_extrinsics(chart.extrinsics(theta + sign * step)) for sign in (1.0, -1.0)]
+                more, less = (self._apart(end, *rays) for end in ends)
+                found[:, index] = (more - less) / (2.0 * _STEP)
+        for side, name in enumerate(SIDES):
+            own = [index for index, parameter in enumerate(chart.names) if parameter.startswith(name)]
+            if not own:
+                continue
+            slopes = ray_slopes(getattr(rig, name), rays[side], [chart.names[index].split(".")[1] for index in own])
+            for index, slope in zip(own, slopes * chart.half_width[own, None, None], strict=True):
+                by = np.zeros_like(rays)
+                by[side][:, :2] = _STEP * slope
+                found[:, index] = (self._apart(rig, *(rays + by)) - self._apart(rig, *(rays - by))) / (2.0 * _STEP)
+        return found / self.deviations(rig)[:, None]
+
+    def deviations(self, rig: StereoRig) -> Float[np.ndarray, "b"]:
+        """Of the disparities less those that the distances ask for, pixels of the right camera."""
+        pull, finite = float(rig.right.matrix[0, 0]) * float(rig.baseline), np.isfinite(self.metres)
+        return np.hypot(self.matching, pull * np.where(finite, self.sigma, 0.0) * self._nearness**2)
+
+    @property
+    def _nearness(self) -> Float[np.ndarray, "b"]:
+        return 1.0 / self.metres  # 0 of the horizon
+
+    def normal(self, chart: RigChart, theta: Float[np.ndarray, "n"]) -> Normal:
+        """The likelihood of θ, linear near a θ, against that of ranges of other things, which is 1; one that is far
+        from the others there has hardly a say (Cauchy)."""
+        rig = chart.rig_at(theta)
+        here, jacobian = self.residuals(rig), self._jacobian(chart, theta)
+        grown = np.hypot(1.0, here / self._scale(here))
+        at_zero, jacobian = (here - jacobian @ theta) / grown, jacobian / grown[:, None]
+        density = grown * self.deviations(rig) * np.sqrt(2.0 * np.pi) / (_ANYWHERE * rig.right.size[0])
+        c = float(at_zero @ at_zero + 2.0 * np.log(density).sum())
+        return Normal(jacobian.T @ jacobian, -jacobian.T @ at_zero, c)
+
+    def told(self, chart: RigChart, theta: Float[np.ndarray, "n"]) -> list[tuple[float, Normal]]:
+        """What they may tell of θ, near a θ: that, or nothing, since they are of other things; each with the logarithm
+        of its probability. Nothing where there are none."""
+        nothing = Normal(np.zeros((chart.dim,) * 2), np.zeros(chart.dim), 0.0)
+        if not self:
+            return [(0.0, nothing)]
+        own = float(np.log1p(-_OF_OTHER_THINGS)), self.normal(chart, theta)
+        return [own, (float(np.log(_OF_OTHER_THINGS)), nothing)]
+
+    def __bool__(self) -> bool:
+        return len(self.metres) > 0
+
+    def contradict(self, rig: StereoRig) -> Bool[np.ndarray, "b"]:
+        """Which of them a rig does not explain."""
+        return ~(np.abs(self.residuals(rig)) < _FAR)
+
+    def agree(self, rig: StereoRig) -> bool:
+        """Whether most of them fit a rig."""
+        return bool(self) and bool(np.mean(self.contradict(rig)) < 0.5)
+
+    def fit_better(self, before: StereoRig, after: StereoRig) -> bool:
+        """Whether most of them agree with a rig, and much better than with another one."""
+        bounded = [float(np.minimum(self.residuals(rig) ** 2, _FAR**2).sum()) for rig in (before, after)]
+        return bounded[0] - bounded[1] > _FAR**2 and self.agree(after)
+
+    @staticmethod
+    def of_all(several: Sequence["Beams"]) -> "Beams":
+        """Those of several recordings or frames."""
+        every = (NO_BEAMS, *several)
+        return Beams(*(np.concatenate([getattr(one, part.name) for one in every]) for part in fields(Beams)))
+
+    @staticmethod
+    def _scale(residuals: Float[np.ndarray, "b"]) -> float:
+        """Of those that are far; from afar, where all are wrong, those that agree with each other keep their say."""
+        return max(_FAR, 2.0 * float(np.median(np.abs(residuals))))
+
+
+NO_BEAMS = Beams(np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0), np.zeros(0), np.zeros(0))

@@ -1,0 +1,157 @@
+"""The common estimate of recordings of one rig, and the rigs that it gives them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from stereorecal.decision import Decision, decide_together
+from stereorecal.estimation import (
+    NO_BEAMS,
+    Beams,
+    CalibrationPrior,
+    Earlier,
+    Estimate,
+    Recording as Shown,
+    SavedPrior,
+    as_prior,
+    estimate_together,
+    rig_parameters,
+)
+from stereorecal.geometry import StereoRig
+from stereorecal.objectives import Parameters, read_by, row_chart
+from stereorecal.recalibration._acceptance import Reason, RowErrors, compared
+from stereorecal.recalibration._agreement import MOST_APART
+from stereorecal.recalibration._estimated import reason_of
+from stereorecal.recalibration._evidence import TILES_OF_A_FRAME, Evidence, evidence
+from stereorecal.recalibration._ranged import prior_of
+from stereorecal.recalibration._recording import Recording
+from stereorecal.recalibration._stages import FEWEST
+from stereorecal.recalibration._tasks import Each, beams_of, matched
+from stereorecal.scoring import Correspondences
+
+
+@dataclass(frozen=True, eq=False)
+class Common:
+    """What recordings say together.
+
+    Attributes:
+        recordings: those that take part.
+        free: own and shared parameters.
+        shown: what each shows, or all where they have the same extrinsics.
+        estimates, decisions: one for each of these; candidates have the same shared parameters.
+        beams: the ranges of each recording that have a sure match.
+    """
+
+    recordings: Sequence[Recording]
+    free: Parameters
+    shown: tuple[Shown, ...]
+    estimates: tuple[Estimate, ...]
+    decisions: tuple[Decision, ...]
+    beams: tuple[Beams, ...]
+
+    @property
+    def one(self) -> bool:
+        """Whether several recordings have the same extrinsics."""
+        return len(self.shown) < len(self.recordings)
+
+    def of(self, index: int) -> int:
+        """Which of the estimates is a recording's."""
+        return 0 if len(self.shown) == 1 else index
+
+    def rig(self, index: int) -> StereoRig:
+        """That a recording is given."""
+        at = self.of(index)
+        return self.estimates[at].chart.rig_at(self.decisions[at].theta)
+
+    def rows(self, at: int, decision: Decision) -> tuple[Evidence, RowErrors]:
+        """What is left at the candidate of a decision on an estimate, and its row errors against those of the initial
+        rig."""
+        repair, seen = self.recordings[at].repair, self.estimates[at]
+        chart = row_chart(repair.initial, repair.reach, self.free)
+        facts = evidence(chart, self.shown[at].found, chart.coordinates_of(seen.chart.rig_at(decision.theta)))
+        return facts, compared(facts, facts.medians(facts.start_residual), facts.medians(facts.residual))
+
+    def reason(self, at: int, tiles: Int[np.ndarray, "2 k tiles"]) -> Reason:
+        """What is said of the rig of an estimate; its tiles have these counts before and after."""
+        if len(self.estimates[at].other_rigs) > MOST_APART * len(self.shown[at].found.weight):
+            return Reason.FRAMES_DISAGREE
+        return reason_of(self.decisions[at], tiles)
+
+
+def common(recordings: Sequence[Recording], free: Parameters, *, one: bool, each: Each) -> Common:
+    """Solved, matched again, solved again.
+
+    Args:
+        one: all recordings have the same extrinsics.
+        each: runs a task for each recording.
+    """
+    beams = (NO_BEAMS,) * len(recordings)
+    if any(r.ranges for r in recordings):
+        beams = tuple(each(beams_of, [r.task(r.repair.candidate, ranges=True) for r in recordings]))
+    priors, shown = _priors(recordings, free), []
+    for r, prior, some in zip(recordings, priors, beams, strict=True):
+        shown.append(Shown(r.found, r.repair.initial, prior, _start(r, r.repair.candidate), some))
+    first = _solved(recordings, free, shown, beams, one=one, each=each)
+    rigs = [first.rig(index) for index in range(len(recordings))]
+    again = each(matched, [r.task(rig) for rig, r in zip(rigs, recordings, strict=True)])
+    shown = [
+        replace(before, found=_read(found, rig, r), start=_start(r, rig))
+        for before, r, found, rig in zip(shown, recordings, again, rigs, strict=True)
+    ]
+    return _solved(recordings, free, shown, beams, one=one, each=each)
+
+
+def _solved(
+    recordings: Sequence[Recording],
+    free: Parameters,
+    shown: Sequence[Shown],
+    beams: tuple[Beams, ...],
+    *,
+    one: bool,
+    each: Each,
+) -> Common:
+    several = (_merged(shown),) if one else tuple(shown)
+    estimates = tuple(estimate_together(several, each=each))
+    return Common(recordings, free, several, estimates, tuple(decide_together(estimates, free.names)), beams)
+
+
+def _priors(recordings: Sequence[Recording], free: Parameters) -> list[CalibrationPrior]:
+    """Of each recording: what was saved with its calibration, or what is known of the calibration that all have in
+    common."""
+    ranges, common, found = any(r.ranges for r in recordings), None, []
+    for repair in (recording.repair for recording in recordings):
+        prior = None if repair.prior_use is None else repair.prior_use.prior
+        known = common
+        if known is None or isinstance(prior, SavedPrior | Earlier):
+            known = prior_of(prior, free, repair.initial, repair.reach, ranges=ranges)
+            known = as_prior(known, rig_parameters(repair.initial))
+        if not isinstance(prior, SavedPrior | Earlier):
+            common = known
+        found.append(known)
+    return found
+
+
+def _start(recording: Recording, near: StereoRig) -> Float[np.ndarray, "n"]:
+    return rig_parameters(recording.repair.initial).coordinates_of(near)
+
+
+def _read(found: Correspondences, taken: StereoRig, recording: Recording) -> Correspondences:
+    """Correspondences of another rig as the initial one reads them; those from before, if they are too few."""
+    return read_by(found, taken=taken, rig=recording.repair.initial) if found.found >= FEWEST else recording.found
+
+
+def _merged(several: Sequence[Shown]) -> Shown:
+    """All as one recording, from the middle of their solutions."""
+    found = [one.found for one in several]
+    first = np.cumsum([0, *(len(one.weight) for one in found)])
+
+    def all_of(name: str) -> Float[np.ndarray, "..."]:
+        return np.concatenate([np.asarray(getattr(one, name)) for one in found])
+
+    tiles = [np.asarray(one.tile) + before * TILES_OF_A_FRAME for one, before in zip(found, first, strict=False)]
+    rays = {name: all_of(name) for name in ("left", "right", "weight")}
+    middle = np.median([one.start for one in several if one.start is not None], axis=0)
+    every = replace(found[0], **rays, tile=np.concatenate(tiles))
+    return replace(several[0], found=every, start=middle, beams=Beams.of_all([one.beams for one in several]))

@@ -1,0 +1,49 @@
+"""Repairs with ranges: these are matched where the search ended, and may tell what rows cannot."""
+
+from collections.abc import Sequence
+
+from stereorecal.estimation import NO_BEAMS, Beams, Prior, as_prior, is_exact, rig_parameters, with_deviations
+from stereorecal.geometry import StereoRig
+from stereorecal.objectives import BASELINE, EXTRINSICS, Parameters, Reach
+from stereorecal.recalibration._acceptance import Reason
+from stereorecal.recalibration._ranges import RangesSeen, beams
+from stereorecal.recalibration._stages import Case
+from stereorecal.scoring import Correspondences
+
+
+def prior_of(prior: Prior, free: Parameters, rig: StereoRig, reach: Reach, *, ranges: bool) -> Prior:
+    """What is known of the calibration: the prior, with what `free` says of single parameters. Where all is exact, what
+    is free and no drift moves is as uncertain as `free` has it."""
+    said = {name: sigma for name, sigma in free.priors.items() if name not in EXTRINSICS}
+    if exact := is_exact(prior):
+        said = {one.name: one.sigma for one in free.of(rig, reach) if one.name in free.shared}
+    told = ranges and not exact and BASELINE not in said
+    if not said and not told:
+        return prior
+    chart = rig_parameters(rig)
+    return with_deviations(as_prior(prior, chart, told_length=told), chart, said)
+
+
+def matched_ranges(case: Case, found: Correspondences, near: StereoRig, apart: Sequence[int] = ()) -> Beams:
+    """The ranges of a case that have a sure match, without those of some frames.
+
+    Args:
+        found: the correspondences beside which they are matched.
+        near: where the search ended, with the cameras of the case's rig.
+    """
+    away = [case.images.pairs[frame] for frame in apart]
+    ranges = [one for one in case.ranges if not any(one.pair is pair for pair in away)]
+    if not ranges:
+        return NO_BEAMS
+    return beams(case.images.at(float(found.scale)), near, case.matcher, case.images.pairs, ranges)
+
+
+def ranges_seen(
+    given: int, matched: Beams, initial: StereoRig, candidate: StereoRig, said: Reason
+) -> RangesSeen | None:
+    """What became of so many ranges; None if there were none."""
+    if not given:
+        return None
+    used = candidate if said.accepted else initial
+    refused = None if said.accepted or not matched.fit_better(initial, candidate) else said
+    return RangesSeen(given, len(matched.metres), int(matched.contradict(used).sum()), refused)

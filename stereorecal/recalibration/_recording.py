@@ -1,0 +1,52 @@
+"""A repaired recording, as others that share parameters with it see it."""
+
+from dataclasses import dataclass
+
+from stereorecal.geometry import StereoRig
+from stereorecal.recalibration._acceptance import Reason
+from stereorecal.recalibration._solution import Solution
+from stereorecal.recalibration._stages import FEWEST
+from stereorecal.recalibration._tasks import Task
+from stereorecal.recordings import Pair, Range
+from stereorecal.scoring import Correspondences
+
+_UNUSABLE = (Reason.OUT_OF_BUDGET, Reason.TOO_LITTLE_TEXTURE, Reason.NO_MATCHES)
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """Pairs, the repair of their rig's extrinsics with the intrinsics as they were, and ranges of what they show; the
+    frames that the repair left out take no part.
+    """
+
+    pairs: tuple[Pair, ...]
+    repair: Solution
+    ranges: tuple[Range, ...] = ()
+
+    @property
+    def found(self) -> Correspondences:
+        """The last correspondences of the repair.
+
+        Raises:
+            ValueError: if it is not usable.
+        """
+        if self.repair.found is None:
+            raise ValueError("a recording without correspondences has no part in a joint solution")
+        return self.repair.found
+
+    @property
+    def kept(self) -> tuple[Pair, ...]:
+        """The pairs that it rests on."""
+        return tuple(self.pairs[index] for index in self.repair.kept)
+
+    def usable(self, *, lenses: bool) -> bool:
+        """Whether it can take part: where lenses are free, frames may disagree by theirs; that is judged at the end."""
+        found, reason = self.repair.found, self.repair.reason
+        if reason in _UNUSABLE or (reason is Reason.FRAMES_DISAGREE and not lenses):
+            return False
+        return found is not None and found.found >= FEWEST
+
+    def task(self, *rigs: StereoRig, ranges: bool = False) -> Task:
+        """To look at the kept pairs through rigs, as the repair looked at them."""
+        repair, own = self.repair, self.ranges if ranges else ()
+        return Task(rigs, self.kept, repair.view, repair.matcher, repair.stages[-1].scale, own)

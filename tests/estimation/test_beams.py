@@ -1,0 +1,92 @@
+"""Ranges in the estimate: they tell depth and the length of the baseline, and wrong ones tell nothing."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings, strategies as st
+
+from stereorecal.estimation import Beams, CalibrationPrior, estimate
+from stereorecal.estimation._calibration_prior import with_scaled_boards
+from stereorecal.estimation._consequences import points_of_view, readings
+
+METRES = np.array([0.5, 5.0])  # of a baseline of 0.12
+
+
+@pytest.fixture(scope="module")
+def scaled(chart, prior) -> CalibrationPrior:
+    """The prior where something tells the length of the baseline."""
+    return with_scaled_boards(prior, chart)
+
+
+def beams_of(true, seed=0, number=40, noise=0.1, relative=0.01) -> Beams:
+    """Of points that a rig sees, in pixels with an error."""
+    rng = np.random.default_rng(seed)
+    left = rng.uniform([40, 40], [600, 440], (number, 2))
+    rays, metres = np.asarray(true.left.rays(left)), rng.uniform(*METRES, number)
+    points = rays / np.linalg.norm(rays, axis=-1, keepdims=True) * metres[:, None]
+    right = true.right.project(points @ true.rotation.T + true.translation) + noise * rng.normal(size=left.shape)
+    told = metres * (1.0 + relative * rng.normal(size=number))
+    return Beams(left, right, told, np.maximum(relative, 0.01) * told, np.full(number, 0.1))
+
+
+def nearness(used, true) -> float:
+    """Relative error of disparity at 30 baselines."""
+    return float(readings(used, true, points_of_view(true, 30))[1].mean())
+
+
+def longer(chart, percent) -> np.ndarray:
+    return percent * np.eye(chart.dim)[chart.names.index("baseline")]
+
+
+@settings(max_examples=10)
+@given(seed=st.integers(0, 999), percent=st.floats(-2, 2))
+def test_exact_ones_have_no_residual_and_pull_nowhere(chart, seed, percent):
+    theta = longer(chart, percent)
+    true = chart.rig_at(theta)
+    seen = beams_of(true, seed, noise=0.0, relative=0.0)
+    seen.metres[:3] = np.inf  # the horizon, of pixels that see it
+    far = np.asarray(true.left.rays(seen.left[:3])) @ true.rotation.T
+    seen.right[:3] = true.right.project(far)
+    np.testing.assert_allclose(seen.residuals(true), 0.0, atol=1e-6)
+    normal = seen.normal(chart, theta)
+    scale = np.sqrt(np.diag(normal.a))
+    np.testing.assert_allclose((normal.a @ theta - normal.b) / scale, 0.0, atol=1e-4)
+    assert np.linalg.eigvalsh(normal.a / scale / scale[:, None]).min() > -1e-9
+
+
+def test_slopes_are_those_of_the_residuals(chart, steps):
+    theta = np.random.default_rng(0).normal(size=chart.dim) * 10 * steps
+    seen = beams_of(chart.rig_at(theta), noise=0.0, relative=0.0)
+    ends = [[seen.residuals(chart.rig_at(theta + sign * step)) for sign in (1, -1)] for step in np.diag(steps)]
+    slopes = np.stack([(more - less) / (2 * step) for (more, less), step in zip(ends, steps, strict=True)], axis=-1)
+    np.testing.assert_allclose(seen._jacobian(chart, theta) / steps, slopes / steps, rtol=1e-3, atol=1e-3)
+
+
+@pytest.mark.parametrize("percent", [0.0, 2.0])
+def test_they_tell_depth(rig, chart, scaled, seen, percent):
+    """Of a rig that has drifted, whose boards may have been of another size."""
+    true = chart.rig_at(np.r_[0.3, 0.2, -0.4, 0.2, -0.3, np.zeros(chart.dim - 5)] + longer(chart, percent))
+    found = seen(rig, true, cells=700)
+    alone, told = estimate(found, rig, scaled), estimate(found, rig, scaled, beams=beams_of(true))
+    zero = np.zeros(chart.dim)
+    widths = [low - high for _, low, high in (one.depth_error_percent(zero)[30] for one in (alone, told))]
+    assert widths[1] / widths[0] < 0.5
+    assert abs(nearness(told.mean_rig, true)) < 0.01
+
+
+@pytest.mark.parametrize(("times", "number"), [(3.2808, 40), (0.001, 1)])
+def test_ranges_in_other_units_tell_nothing(rig, chart, scaled, seen, times, number):
+    true = chart.rig_at(np.r_[0.3, 0.2, -0.4, 0.2, -0.3, np.zeros(chart.dim - 5)])
+    found, right = seen(rig, true, cells=700), beams_of(true, number=number)
+    wrong = Beams(right.left, right.right, times * right.metres, times * right.sigma, right.matching)
+    alone, told = estimate(found, rig, scaled), estimate(found, rig, scaled, beams=wrong)
+    sigmas = np.sqrt(np.diag(alone.posterior.covariance))
+    assert (np.abs(told.theta - alone.theta) < 0.3 * sigmas).all()
+
+
+def test_a_fifth_of_other_things_has_hardly_a_say(rig, chart, scaled, seen):
+    true = chart.rig_at(longer(chart, 2.0))
+    mixed = beams_of(true)
+    mixed.metres[::5] *= 2.5
+    told = estimate(seen(rig, true, cells=700), rig, scaled, beams=mixed)
+    assert abs(nearness(told.mean_rig, true)) < 0.012
+    assert told.beams.contradict(told.mean_rig)[::5].all()

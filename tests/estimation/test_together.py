@@ -1,0 +1,97 @@
+"""Several recordings of the same cameras: they agree about intrinsics, and each keeps a drift of its own."""
+
+import numpy as np
+import pytest
+
+from stereorecal.estimation import Recording, estimate, estimate_together, with_free_together
+from stereorecal.estimation._calibration_prior import CalibrationPrior
+from stereorecal.estimation._evidence import Normal
+from stereorecal.estimation._together import after
+
+DRIFTS = np.array([[0.3, 0.2, -0.4, 0.2, -0.3], [-0.2, 0.1, 0.3, 0.0, 0.2], [0.0, 0.0, 0.0, 0.0, 0.0]])
+
+
+@pytest.fixture(scope="module")
+def truths(chart, prior) -> np.ndarray:
+    """The same calibration's error, and drifts."""
+    left = prior.roots[1] @ np.random.default_rng(3).normal(size=chart.dim)
+    return left + np.pad(DRIFTS, ((0, 0), (0, chart.dim - 5)))
+
+
+@pytest.fixture(scope="module")
+def recordings(rig, chart, seen, truths, prior) -> list[Recording]:
+    return [
+        Recording(seen(rig, chart.rig_at(theta), index, cells=700), rig, prior) for index, theta in enumerate(truths)
+    ]
+
+
+@pytest.fixture(scope="module")
+def together(recordings):
+    return estimate_together(recordings)
+
+
+def sigmas(one) -> np.ndarray:
+    return np.sqrt(np.diag(one.posterior.covariance))
+
+
+def test_one_recording_is_as_alone(recordings, prior):
+    (one,), alone = estimate_together(recordings[:1]), estimate(recordings[0].found, recordings[0].rig, prior)
+    np.testing.assert_allclose(one.theta, alone.theta, atol=1e-12)
+    np.testing.assert_allclose(one.intervals, alone.intervals, atol=1e-12)
+
+
+def test_each_has_its_own_drift_and_what_is_common_is_better_known(recordings, together, prior, truths):
+    alone = [estimate(one.found, one.rig, prior) for one in recordings]
+    for one, truth, single in zip(together, truths, alone, strict=True):
+        assert (np.abs(one.theta - truth) < 3.5 * sigmas(one)).all()
+        np.testing.assert_allclose(one.theta[2], truth[2], atol=0.03)  # roll, which rows tell
+        assert np.median(sigmas(one)[6:] / sigmas(single)[6:]) < 0.97
+
+
+def test_they_agree_about_intrinsics(recordings, together, prior):
+    alone = [estimate(one.found, one.rig, prior) for one in recordings]
+
+    def apart(several) -> np.ndarray:
+        return np.ptp([one.theta[6:] for one in several], axis=0) / sigmas(together[0])[6:]
+
+    assert apart(together).max() < 1.0
+    assert np.median(apart(together)) < 0.5 * np.median(apart(alone))
+
+
+def test_their_order_does_not_matter(recordings, together):
+    again = estimate_together(recordings[::-1])[::-1]
+    for one, other in zip(together, again, strict=True):
+        assert (np.abs(one.theta - other.theta) < 1e-3 * sigmas(one)).all()
+
+
+def test_what_is_written_is_one_calibration(together, chart):
+    names = [name for name in chart.names if name in ("pitch", "yaw", "roll", "left.f", "right.cx")]
+    thetas = with_free_together(together, names)
+    for theta in thetas:
+        np.testing.assert_allclose(theta[6:], thetas[0][6:], rtol=1e-12)
+        assert not theta[~np.isin(chart.names, names)].any()
+    assert np.abs(thetas[0][:3] - thetas[1][:3]).min() > 0.05
+    (alone,) = with_free_together(together[:1], names)
+    np.testing.assert_allclose(alone, together[0].with_free(names), atol=1e-9)
+
+
+def test_a_prior_after_something_else_is_bayes():
+    """Against the textbook, of two normal distributions with means."""
+    rng = np.random.default_rng(0)
+    roots, means = rng.normal(size=(2, 3, 3)), rng.normal(size=(2, 3))
+    line, told = rng.normal(size=(5, 3)), rng.normal(size=5)
+    known = Normal(line.T @ line, line.T @ told, float(told @ told))
+    found = after(CalibrationPrior(roots, np.array([0.3, 0.7]), means=means), known)
+    logs = []
+    for index, (one, mean) in enumerate(zip(roots, means, strict=True)):
+        covariance = one @ one.T
+        of_told = np.eye(5) + line @ covariance @ line.T
+        gain = covariance @ line.T @ np.linalg.inv(of_told)
+        np.testing.assert_allclose(found.means[index], mean + gain @ (told - line @ mean), atol=1e-9)
+        np.testing.assert_allclose(
+            found.roots[index] @ found.roots[index].T, covariance - gain @ line @ covariance, atol=1e-9
+        )
+        apart = told - line @ mean
+        logs.append(-0.5 * (apart @ np.linalg.solve(of_told, apart) + np.linalg.slogdet(of_told)[1]))
+    weights = np.array([0.3, 0.7]) * np.exp(logs)
+    np.testing.assert_allclose(found.weights, weights / weights.sum(), rtol=1e-9)
