@@ -44,7 +44,7 @@ from stereorecal.recordings import Scene
 from stereorecal.report.repairs import repairs_table
 from stereorecal.strategies import Budget, as_budget, name_of, origin_of, strategy
 
-SCHEMA = "stereorecal.solution/1"
+SCHEMA = "stereorecal.solution/2"
 _CODES = {Fault.INTERRUPTED: INTERRUPTED, Fault.INSIDE: FAILURE, Fault.INPUT: BAD_INPUT}  # the first that occurs
 
 

@@ -3,10 +3,12 @@
 import enum
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
+from stereorecal._plain import plain
 from stereorecal.estimation import Estimate, with_free_together
 from stereorecal.objectives import BASELINE
 
@@ -65,6 +67,19 @@ class Decision:
     def by_ranges(self) -> bool:
         """Whether ranges alone ask for the candidate: its rows are not better for sure."""
         return not self.refused and self.better <= 1.0 - ALPHA
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain data for JSON."""
+        before, after = ({"value": m, "low": low, "high": high} for m, low, high in self.rows_px.tolist())
+        return plain(
+            {
+                "verdict": self.verdict.name.lower(),
+                "keeps_depth": self.keeps_depth,
+                "probability_better": self.better,
+                "probability_worse": self.worse,
+                "rows_px": {"before": before, "candidate": after},
+            }
+        )
 
     @property
     def explains(self) -> bool:

@@ -33,10 +33,7 @@ class Intrinsics:
         names, units: of the parameters, p of them.
         change, interval: (p,) found, and half widths of the 95 % intervals, in those units; whether taken or not.
         undetermined: names of those that stay about as uncertain as their priors.
-        fixed_px, freed_px: mean over tiles of the median |row difference|, by solutions that have not seen the tile's
-            place, with the intrinsics as given and freed.
-        fixed_elsewhere_px, freed_elsewhere_px: the same by intrinsics that have not seen the recording (or, of one
-            recording, the frame); NaN where there is nothing else.
+        fixed_px, freed_px: mean over tiles of the median |row difference|, with the intrinsics as given and freed.
         shown: share of the places of the view that hold correspondences.
         expected_px: root mean square of the rows to expect over the view with freed intrinsics, of the recording that
             is surest: others add what they do not know of their own extrinsics.
@@ -51,8 +48,6 @@ class Intrinsics:
     undetermined: tuple[str, ...]
     fixed_px: float
     freed_px: float
-    fixed_elsewhere_px: float
-    freed_elsewhere_px: float
     shown: float
     expected_px: float
     refused: Reason | None = None
@@ -72,7 +67,7 @@ class Intrinsics:
             name: {"unit": unit, "change": change, "interval_95": interval}
             for name, unit, change, interval in zip(self.names, self.units, self.change, self.interval, strict=True)
         }
-        names = ("fixed_px", "freed_px", "fixed_elsewhere_px", "freed_elsewhere_px", "shown", "expected_px")
+        names = ("fixed_px", "freed_px", "shown", "expected_px")
         return plain(
             {
                 "outcome": self.outcome.name.lower(),
@@ -85,12 +80,17 @@ class Intrinsics:
         )
 
     @property
+    def _of_lenses(self) -> bool:
+        """Whether there is more than the length of the baseline."""
+        return any("." in name for name in self.names)
+
+    @property
     def _said(self) -> str:
         return self.outcome.value + (f": {self.refused.value}" if self.refused else "")
 
     def __str__(self) -> str:
         lines = [
-            f"{self._said} ({self.fixed_px:.3f} px as given, {self.freed_px:.3f} px freed)",
+            *([f"{self._said} (rows {self.fixed_px:.3f} px as given, {self.freed_px:.3f} px freed)"] * self._of_lenses),
             *(
                 f"{name:<10} changed by {change:+9.4f} ± {interval:.4f} {unit}".rstrip()
                 for name, unit, change, interval in zip(self.names, self.units, self.change, self.interval, strict=True)
@@ -135,8 +135,6 @@ def intrinsics_of(
         ),
         fixed_px=fixed_px,
         freed_px=freed_px,
-        fixed_elsewhere_px=float("nan"),
-        freed_elsewhere_px=float("nan"),
         shown=shown,
         expected_px=expected_px,
         refused=refused,

@@ -33,7 +33,7 @@ from stereorecal.recalibration._report import report_of
 from stereorecal.recalibration._stages import StageRun
 from stereorecal.recalibration._uncertainty import Uncertainty
 from stereorecal.recordings import Pairs, as_pairs
-from stereorecal.report.cells import depths
+from stereorecal.report.cells import change, depths
 from stereorecal.scoring import Correspondences
 from stereorecal.scoring.host import Score
 from stereorecal.strategies import Status, Trace
@@ -257,8 +257,19 @@ class Solution:
         if self.expected is not None:
             lines.append(f"expect   {self.expected}")
         if self.accepted:
-            lines.append(f"depth was off: {depths(self.depth_error_percent)}")
+            lines.append(self._depth_before)
         return "\n".join(lines)
+
+    @property
+    def _depth_before(self) -> str:
+        """What the repair says of the depth of the initial calibration."""
+        if self.decision is not None and self.decision.keeps_depth:
+            return "depth    stays as it was calibrated: rows do not tell it; frames that move, or ranges, would"
+        if self.estimate is None:
+            return f"depth was off: {depths(self.depth_error_percent)}"
+        errors = self.estimate.depth_error_percent(np.zeros(len(self.estimate.names)))
+        said = (f"{change(low, 'far')} to {change(high, 'far')} at {d} B" for d, (_, low, high) in errors.items())
+        return f"depth was off: {', '.join(said)}"
 
     def _of(self, left: Misfit) -> str | None:
         """What is worth saying of the misfit."""

@@ -11,7 +11,7 @@ import stereorecal as sr
 from stereorecal.recalibration import RangesSeen
 
 INTRINSICS = sr.Intrinsics(  # freeing them takes longer than a test may
-    sr.IntrinsicsOutcome.REFINED, ("k1",), ("",), np.zeros(1), np.ones(1), (), 0.2, 0.1, 0.2, 0.1, 0.9, 0.1
+    sr.IntrinsicsOutcome.REFINED, ("k1",), ("",), np.zeros(1), np.ones(1), (), 0.2, 0.1, 0.9, 0.1
 )
 COUNT = ("--schedule", "count", "--scale", 0.5, "--budget", 40)
 
@@ -29,7 +29,7 @@ def test_what_is_written_and_what_is_listed(command, schema: str, clean_scene, d
     words = (*words, "--output", calibration) if schema == "solution" else words
     command(*words, "--json", target, "--quiet")
     content = json.loads(target.read_text())
-    assert content["schema"] == f"stereorecal.{schema}/{2 if schema == 'health' else 1}"
+    assert content["schema"] == f"stereorecal.{schema}/{2 if schema in ('health', 'solution') else 1}"
     if schema == "solution":
         prior = json.loads(calibration.read_text())["prior"]
         assert differences([prior]) == (set(), {"versions.*"})
@@ -43,7 +43,7 @@ def test_what_is_written_and_what_is_listed(command, schema: str, clean_scene, d
 def test_the_page_is_read():
     """Every heading, more than one key in a row, and what would not be found."""
     pages = listed()
-    written = "solution/1", "health/2", "difference/1", "compare/1", "events/1", "prior/1", "reproduce/1"
+    written = "solution/2", "health/2", "difference/1", "compare/1", "events/1", "prior/1", "reproduce/1"
     assert set(pages) == {"All schemas", *(f"stereorecal.{name}" for name in written)}
     assert {"before", "after"} <= pages["stereorecal.difference/1"]
     assert list(paths({"a": {"b": 1, "c": [{"d": None}, {"e": []}]}, "f": {}})) == ["a.b", "a.c[].d", "a.c[].e", "f"]

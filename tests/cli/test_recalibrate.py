@@ -50,7 +50,7 @@ def test_default_schedule(command, clean_scene: Path, drifted_scene: Path, tmp_p
     text = target.read_text()
     assert finite(text)
     content = json.loads(text)
-    assert content["schema"] == "stereorecal.solution/1"
+    assert content["schema"] == "stereorecal.solution/2"
     assert {"python", "stereorecal", "jax", "numpy", "opencv"} <= content["versions"].keys()
     settings = content["settings"]
     assert settings["matcher"]["name"] == "sad"
