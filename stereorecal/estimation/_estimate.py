@@ -15,6 +15,7 @@ from stereorecal.estimation._candidates import Known, depth_kept, least_loss, le
 from stereorecal.estimation._consequences import DISTANCES, Consequences, consequences, points_of_view, readings
 from stereorecal.estimation._explanations import Explanation
 from stereorecal.estimation._frames import OtherRig, other_rigs
+from stereorecal.estimation._groups import Groups
 from stereorecal.estimation._least_squares import fit
 from stereorecal.estimation._one_thread import one_blas_thread
 from stereorecal.estimation._parameters import DRIFTING, rig_parameters
@@ -45,6 +46,7 @@ class Estimate:
         prior_variance: (n,) of the calibration's error before any image was seen, mixed like the posterior.
         other_rigs: frames that show another rig than the others, the farthest first.
         beams: ranges that took part.
+        shown: the mean row differences that it rests on; None where there are none.
     """
 
     chart: RigChart
@@ -55,6 +57,7 @@ class Estimate:
     prior_variance: Float[np.ndarray, "n"]
     other_rigs: tuple[OtherRig, ...] = ()
     beams: Beams = NO_BEAMS
+    shown: Groups | None = None
 
     def __getstate__(self) -> dict[str, Any]:
         """What is derived stays behind: samples are larger than all else."""
@@ -122,6 +125,15 @@ class Estimate:
         rows = [self._row_errors(used, DISTANCES.index(distance)) for distance in _SEEN_AT]
         near = 1.0 + self._nearness(used)[:, DISTANCES.index(_FAR)]
         return np.stack(rows), 100.0 * np.abs(1.0 / np.maximum(near, _LEAST_NEARNESS) - 1.0)
+
+    @one_blas_thread()
+    def rows_of_frames(self, used: Float[np.ndarray, "n"]) -> Float[np.ndarray, "f"]:
+        """|Row difference| of what each frame shows under the rig at θ = used, on average; pixels. NaN without any."""
+        if self.shown is None:
+            return np.full(1, np.nan)
+        rows, count, frame = self.shown.rows(self.chart, used).differences[0], self.shown.count, self.shown.frame
+        _, numbers = np.unique(frame, return_inverse=True)
+        return np.bincount(numbers, count * np.abs(rows)) / np.bincount(numbers, count)
 
     @one_blas_thread()
     def _row_errors(self, used: Float[np.ndarray, "n"], index: int) -> Float[np.ndarray, "s"]:
@@ -215,7 +227,7 @@ def solved(
     if rows is not None:
         residual, others = rows.residual(mean), other_rigs(rows, sum(end.misfit), mean)
         rms = float(np.sqrt(np.mean(residual**2)))
-        seen = replace(seen, groups=len(residual), residual_px=rms, other_rigs=others)
+        seen = replace(seen, groups=len(residual), residual_px=rms, other_rigs=others, shown=rows.groups)
     return seen, end.best
 
 

@@ -268,8 +268,8 @@ class Solution:
         if self.estimate is None:
             return f"depth was off: {depths(self.depth_error_percent)}"
         errors = self.estimate.depth_error_percent(np.zeros(len(self.estimate.names)))
-        said = (f"{change(low, 'far')} to {change(high, 'far')} at {d} B" for d, (_, low, high) in errors.items())
-        return f"depth was off: {', '.join(said)}"
+        ends = {d: dict.fromkeys(change(end, "far") for end in (low, high)) for d, (_, low, high) in errors.items()}
+        return "depth was off: " + ", ".join(f"{' to '.join(both)} at {d} B" for d, both in ends.items())
 
     def _of(self, left: Misfit) -> str | None:
         """What is worth saying of the misfit."""

@@ -180,3 +180,13 @@ def test_fewer_parameters_that_do_as_well(drifted):
     stays = replace(one, verdict=Verdict.GOOD)
     assert not do_as_well([stays], [one])
     assert do_as_well([one], [stays])
+
+
+def test_images_must_bear_it_out(drifted):
+    """What the posterior is sure of, rows that are there may contradict: a lens that no model has."""
+    _, seen = drifted[0]
+    assert decide(seen, AXES).verdict is Verdict.REPAIR
+    groups = seen.shown
+    as_given = groups.rows(seen.chart, np.zeros(len(seen.theta))).differences[0]
+    aligned = replace(seen, shown=replace(groups, offset=groups.offset - as_given))  # as if they met as calibrated
+    assert decide(aligned, AXES).verdict is not Verdict.REPAIR
