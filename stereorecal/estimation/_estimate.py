@@ -16,6 +16,8 @@ from stereorecal.estimation._consequences import DISTANCES, Consequences, conseq
 from stereorecal.estimation._explanations import Explanation
 from stereorecal.estimation._frames import OtherRig, other_rigs
 from stereorecal.estimation._least_squares import fit
+from stereorecal.estimation._measured import Measured
+from stereorecal.estimation._motion import NO_WINDOWS, Windows
 from stereorecal.estimation._one_thread import one_blas_thread
 from stereorecal.estimation._parameters import DRIFTING, rig_parameters
 from stereorecal.estimation._posterior import Posterior
@@ -45,6 +47,7 @@ class Estimate:
         prior_variance: (n,) of the calibration's error before any image was seen, mixed like the posterior.
         other_rigs: frames that show another rig than the others, the farthest first.
         beams: ranges that took part.
+        windows: pairs of pairs that told of the rig's motion.
     """
 
     chart: RigChart
@@ -55,6 +58,7 @@ class Estimate:
     prior_variance: Float[np.ndarray, "n"]
     other_rigs: tuple[OtherRig, ...] = ()
     beams: Beams = NO_BEAMS
+    windows: Windows = NO_WINDOWS
 
     def __getstate__(self) -> dict[str, Any]:
         """What is derived stays behind: samples are larger than all else."""
@@ -184,6 +188,7 @@ def estimate(
     prior: Prior = None,
     start: Float[np.ndarray, "n"] | None = None,
     beams: Beams = NO_BEAMS,
+    windows: Windows = NO_WINDOWS,
 ) -> Estimate:
     """The estimate of a rig.
 
@@ -195,9 +200,10 @@ def estimate(
         start: θ to begin at; default 0.
         beams: ranges of what was seen; they tell the length of the baseline, too, which the prior must know
             (`told_length` of `as_prior`).
+        windows: tracks of consecutive pairs; they tell depth from the rig's own motion.
     """
     chart = rig_parameters(rig)
-    return solved(found, chart, as_prior(prior, chart), start, beams)[0]
+    return solved(found, chart, as_prior(prior, chart), start, beams, windows)[0]
 
 
 @one_blas_thread()
@@ -207,11 +213,12 @@ def solved(
     prior: CalibrationPrior,
     start: Float[np.ndarray, "n"] | None = None,
     beams: Beams = NO_BEAMS,
+    windows: Windows = NO_WINDOWS,
 ) -> tuple[Estimate, Explanation]:
     """The estimate, and the most probable one of its explanations."""
-    end = fit(found, chart, prior, start, beams)
+    end = fit(found, chart, prior, start, Measured(beams, windows))
     mean, rows = end.posterior.mean, end.rows
-    seen = Estimate(chart, end.posterior, end.misfit, 0, float("nan"), end.prior_variance, beams=beams)
+    seen = Estimate(chart, end.posterior, end.misfit, 0, float("nan"), end.prior_variance, beams=beams, windows=windows)
     if rows is not None:
         residual, others = rows.residual(mean), other_rigs(rows, sum(end.misfit), mean)
         rms = float(np.sqrt(np.mean(residual**2)))
