@@ -14,10 +14,10 @@ from stereorecal.estimation._motion_residuals import (
     MOVES,
     SEEN,
     Motion,
-    Rays,
+    Seen,
     by_extrinsics,
     by_theta,
-    rays_of,
+    seen_by,
     residuals,
 )
 from stereorecal.estimation._parameters import DRIFTING
@@ -80,10 +80,10 @@ def window(tracks: Tracks, chart: RigChart, theta: Float[np.ndarray, "n"], start
     nothing = Normal(np.zeros((chart.dim,) * 2), np.zeros(chart.dim), 0.0)
     if len(tracks) < _FEWEST:
         return Window(nothing, len(tracks), 0, None, (0.0, np.inf), 1.0)
-    rays = rays_of(tracks, chart.rig_at(theta))
-    found = _motion(rays, chart, theta, start or Motion(np.eye(3), np.zeros(3)))
+    seen = seen_by(tracks, chart.rig_at(theta))
+    found = _motion(seen, chart, theta, start or Motion(np.eye(3), np.zeros(3)))
     near = theta + found.yaw * _yaw_axis(chart)
-    normal, covariance = _normal(rays, chart, near, found)
+    normal, covariance = _normal(seen, chart, near, found)
     metres = float(np.linalg.norm(found.motion.translation))
     ahead = found.motion.translation / max(metres, 1e-30)
     sigma = float(np.sqrt(max(ahead @ covariance @ ahead, 0.0)))
@@ -96,18 +96,18 @@ def _yaw_axis(chart: RigChart) -> Float[np.ndarray, "n"]:
     return np.eye(chart.dim)[DRIFTING.index("yaw")]
 
 
-def _motion(rays: Rays, chart: RigChart, theta: Float[np.ndarray, "n"], start: Motion) -> _Solved:
+def _motion(seen: Seen, chart: RigChart, theta: Float[np.ndarray, "n"], start: Motion) -> _Solved:
     """Gauss-Newton with redescending weights."""
-    number, axis = rays.left.shape[1], _yaw_axis(chart)
+    number, axis = len(seen.tracks), _yaw_axis(chart)
     motion, yaw, nearness, scale, weight = start, 0.0, np.zeros(number), 1.0, np.ones(number)
     prior = np.diag(np.r_[_wide(chart), _YAW**-2.0])
     for round_ in range(_ROUNDS):
         rig = chart.rig_at(theta + yaw * axis)
-        here = residuals(rays, rig, motion, nearness)
+        here = residuals(seen, rig, motion, nearness)
         if not round_:  # the first pair alone
             nearness = nearness - here.value[:, 0] / here.by_nearness[:, 0]
             continue
-        of_yaw = by_extrinsics(rays, chart, theta + yaw * axis, motion, nearness, [DRIFTING.index("yaw")])
+        of_yaw = by_extrinsics(seen, chart, theta + yaw * axis, motion, nearness, [DRIFTING.index("yaw")])
         columns = np.concatenate([here.value[..., None], here.by_motion, of_yaw], axis=2)
         left, pulls = _without_depth(_roots(here.along, _approach(motion, nearness)), here.by_nearness, columns)
         apart = np.sqrt(np.mean(left[..., 0] ** 2, axis=1))
@@ -162,12 +162,12 @@ def _without_depth(
 
 
 def _normal(
-    rays: Rays, chart: RigChart, near: Float[np.ndarray, "n"], found: _Solved
+    seen: Seen, chart: RigChart, near: Float[np.ndarray, "n"], found: _Solved
 ) -> tuple[Normal, Float[np.ndarray, "3 3"]]:
     """The likelihood of θ, linear there; and the covariance of the translation were θ known."""
     n, rig = chart.dim, chart.rig_at(near)
-    here = residuals(rays, rig, found.motion, found.nearness)
-    by = by_theta(rays, chart, near, found.motion, found.nearness)
+    here = residuals(seen, rig, found.motion, found.nearness)
+    by = by_theta(seen, chart, near, found.motion, found.nearness)
     columns = np.concatenate([here.value[..., None], by, here.by_motion], axis=2)
     white = _roots(here.along, _approach(found.motion, found.nearness))
     left, _ = _without_depth(white, here.by_nearness, columns)
