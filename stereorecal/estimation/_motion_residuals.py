@@ -6,7 +6,6 @@ may be infinitely far away. Four numbers of a track are data: where the left ima
 epipolar lines, where the right one shows it at both times. Across these lines rows tell, and they have been asked.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -121,7 +120,7 @@ def by_theta(
     rig, found = chart.rig_at(theta), np.zeros((len(nearness), SEEN, chart.dim))
     there = _expected(seen, rig, motion, nearness)
     outer = [index for index, name in enumerate(chart.names) if "." not in name]
-    found[..., outer] = by_extrinsics(seen, chart, theta, motion, nearness, outer)
+    found[..., outer] = by_extrinsics(seen, rig, chart.extrinsic_slopes[outer], motion, nearness)
     # Intrinsics of the left camera move the ray, and with it all that is expected.
     own, names = lens_parameters(chart, SIDES[0])
     units = chart.half_width[own, None, None]
@@ -142,18 +141,14 @@ def by_theta(
 
 
 def by_extrinsics(
-    seen: Seen,
-    chart: RigChart,
-    theta: Float[np.ndarray, "n"],
-    motion: Motion,
-    nearness: Float[np.ndarray, "m"],
-    which: Sequence[int],
+    seen: Seen, rig: StereoRig, slopes: Float[np.ndarray, "e 6"], motion: Motion, nearness: Float[np.ndarray, "m"]
 ) -> Float[np.ndarray, "m 4 e"]:
-    """Derivatives of the residuals by some extrinsics, by their indices in θ: they move what the right camera sees."""
-    there = _expected(seen, chart.rig_at(theta), motion, nearness)
-    found = np.zeros((len(nearness), SEEN, len(which)))
-    by_angles, by_shift = np.split(chart.extrinsic_slopes[list(which)], 2, axis=1)
-    turns = np.tensordot(by_angles, euler_slopes(chart.extrinsics(theta)[:3]), 1)
+    """Derivatives of the residuals by what moves the extrinsics of a rig, as `RigChart.extrinsic_slopes` has it: they
+    move what the right camera sees."""
+    there = _expected(seen, rig, motion, nearness)
+    found = np.zeros((len(nearness), SEEN, len(slopes)))
+    by_angles, by_shift = np.split(slopes, 2, axis=1)
+    turns = np.tensordot(by_angles, euler_slopes(np.asarray(rig.extrinsics)[:3]), 1)
     for time, index in enumerate(_PARTNERS):
         moved = (seen.rays, there.later)[time] @ turns.swapaxes(1, 2) + nearness[:, None] * by_shift[:, None]
         found[:, index] = -_dot(there.along[time], _pixels(seen.partners[time], there.right[time], moved)).T

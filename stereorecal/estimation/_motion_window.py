@@ -33,7 +33,8 @@ _LEAST_SCALE = 0.5
 _GROWS = 0.03  # of its depth that a point comes nearer: its window is then another one, and all errors are larger
 _MEDIAN = 0.888  # of the root mean square of three standard normal numbers
 _REDESCENDS = 1.5  # standard deviations
-_ROUNDS, _SETTLED = 40, 1e-3  # standard deviations of the motion
+_ROUNDS, _SETTLED = 40, 0.03  # standard deviations of the motion
+_CONVEX = 4  # rounds in which what is far still has some say
 _YAW = 1.0  # degrees: how far depth may be off, while the motion is sought
 _TURN, _MOVE = 1.0, 100.0  # rad and baselines: motions of which nothing is known
 
@@ -101,26 +102,27 @@ def _motion(seen: Seen, chart: RigChart, theta: Float[np.ndarray, "n"], start: M
     number, axis = len(seen.tracks), _yaw_axis(chart)
     motion, yaw, nearness, scale, weight = start, 0.0, np.zeros(number), 1.0, np.ones(number)
     prior = np.diag(np.r_[_wide(chart), _YAW**-2.0])
+    given, slopes = chart.rig_at(theta), chart.extrinsic_slopes[[DRIFTING.index("yaw")]]
     for round_ in range(_ROUNDS):
-        rig = chart.rig_at(theta + yaw * axis)
+        rig = given.with_extrinsics(chart.extrinsics(theta + yaw * axis))
         here = residuals(seen, rig, motion, nearness)
         if not round_:  # the first pair alone
             nearness = nearness - here.value[:, 0] / here.by_nearness[:, 0]
             continue
-        of_yaw = by_extrinsics(seen, chart, theta + yaw * axis, motion, nearness, [DRIFTING.index("yaw")])
+        of_yaw = by_extrinsics(seen, rig, slopes, motion, nearness)
         columns = np.concatenate([here.value[..., None], here.by_motion, of_yaw], axis=2)
         left, pulls = _without_depth(_roots(here.along, _approach(motion, nearness)), here.by_nearness, columns)
         apart = np.sqrt(np.mean(left[..., 0] ** 2, axis=1))
         scale = max(float(np.median(apart)) / _MEDIAN, _LEAST_SCALE)
         far = apart / (_REDESCENDS * scale)
-        weight = 1.0 / (1.0 + far**2) ** (1 if round_ < 5 else 2)
+        weight = 1.0 / (1.0 + far**2) ** (1 if round_ < _CONVEX else 2)
         j, r = left[..., 1:], left[..., 0]
         a = np.einsum("m,mki,mkj->ij", weight, j, j) / scale**2 + prior
         b = -np.einsum("m,mki,mk->i", weight, j, r) / scale**2 - prior @ np.r_[np.zeros(MOVES), yaw]
         step = np.linalg.solve(a, b)
         nearness = nearness - (pulls[:, 0] + pulls[:, 1:] @ step)
         motion, yaw = _moved(motion, step[:MOVES]), yaw + float(step[MOVES])
-        if round_ > 6 and step @ a @ step < _SETTLED**2:
+        if round_ > _CONVEX and step @ a @ step < _SETTLED**2:
             break
     return _Solved(motion, yaw, nearness, scale, weight)
 
