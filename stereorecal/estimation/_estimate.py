@@ -18,6 +18,7 @@ from stereorecal.estimation._frames import OtherRig, other_rigs
 from stereorecal.estimation._least_squares import fit
 from stereorecal.estimation._measured import Measured
 from stereorecal.estimation._motion import NO_WINDOWS, Windows
+from stereorecal.estimation._motion_window import Window
 from stereorecal.estimation._one_thread import one_blas_thread
 from stereorecal.estimation._parameters import DRIFTING, rig_parameters
 from stereorecal.estimation._posterior import Posterior
@@ -88,6 +89,12 @@ class Estimate:
     def mean_rig(self) -> StereoRig:
         """The rig at the posterior's mean: all parameters change."""
         return self.chart.rig_at(self.theta)
+
+    @cached_property
+    @one_blas_thread()
+    def motions(self) -> tuple[Window, ...]:
+        """Of the rig at the posterior's mean, in each window."""
+        return self.windows.near(self.chart, self.theta)
 
     @cached_property
     @one_blas_thread()

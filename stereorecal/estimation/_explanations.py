@@ -11,7 +11,7 @@ from stereorecal.estimation._calibration_prior import CalibrationPrior
 from stereorecal.estimation._drift import drift_sizes
 from stereorecal.estimation._evidence import Explained, Normal, all_explained, normal_of, without
 from stereorecal.estimation._groups import PLACES, Groups
-from stereorecal.estimation._measured import Measured
+from stereorecal.estimation._measured import NOTHING_ELSE, Measured
 from stereorecal.estimation._misfit import alike, covariance_of_rows, unexpected
 from stereorecal.estimation._posterior import root
 from stereorecal.objectives import RigChart
@@ -110,7 +110,7 @@ def explained_by(
     nuisance: Float[np.ndarray, "q q"] = NOTHING,
     log_prior: float = 0.0,
 ) -> list[Explanation]:
-    """θ for each misfit, with what ranges and windows may tell, under some of the covariances of the calibration's prior and all
+    """θ for each misfit, with what else may be told, under some of the covariances of the calibration's prior and all
     kinds of drift.
 
     Args:
@@ -145,7 +145,7 @@ def linear_rows(
     chart: RigChart,
     theta: Float[np.ndarray, "n"],
     prior: CalibrationPrior,
-    measured: Measured = Measured(),
+    measured: Measured = NOTHING_ELSE,
 ) -> LinearRows:
     """Linear at θ."""
     rows = groups.rows(chart, theta)

@@ -17,7 +17,7 @@ from stereorecal.estimation._explanations import (
     linear_rows,
 )
 from stereorecal.estimation._groups import grouped
-from stereorecal.estimation._measured import Measured
+from stereorecal.estimation._measured import NOTHING_ELSE, Measured
 from stereorecal.estimation._misfit import COMMON, DEVIATIONS
 from stereorecal.estimation._posterior import Posterior, merged
 from stereorecal.estimation._rivals import beside_rivals
@@ -58,7 +58,7 @@ def fit(
     chart: RigChart,
     prior: CalibrationPrior,
     start: Float[np.ndarray, "n"] | None = None,
-    measured: Measured = Measured(),
+    measured: Measured = NOTHING_ELSE,
 ) -> Fit:
     """Solve: a prior and a misfit for a round are the evidence's best, and all of them are mixed after the last.
 

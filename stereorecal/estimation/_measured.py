@@ -26,3 +26,6 @@ class Measured:
         """What they may tell of θ, near a θ: every combination, each with the logarithm of its probability."""
         of_beams, of_windows = self.beams.told(chart, theta), self.windows.told(chart, theta, prior)
         return [(one + other, a + b) for (one, a), (other, b) in product(of_beams, of_windows)]
+
+
+NOTHING_ELSE = Measured()

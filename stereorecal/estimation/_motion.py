@@ -1,8 +1,8 @@
 """The rig's own motion as data: windows of two consecutive pairs tell depth, which rows cannot.
 
-As the rig advances, points whose disparity is off move wrongly. Each window is a likelihood of θ; errors that its tracks
-have in common make it worse than it believes, how much so all windows say together: where they contradict each other,
-or ask for a rig that no calibration leaves.
+As the rig advances, points whose disparity is off move wrongly. Each window is a likelihood of θ; errors that its
+tracks have in common make it worse than it believes, how much so all windows say together: where they contradict each
+other, or ask for a rig that no calibration leaves.
 """
 
 from collections.abc import Sequence
@@ -37,6 +37,10 @@ class Windows:
 
     tracks: tuple[Tracks, ...] = ()
 
+    def near(self, chart: RigChart, theta: Float[np.ndarray, "n"]) -> tuple[Window, ...]:
+        """What each says, linear near θ."""
+        return tuple(window(one, chart, theta) for one in self.tracks)
+
     def __bool__(self) -> bool:
         return any(len(one) for one in self.tracks)
 
@@ -46,7 +50,7 @@ class Windows:
         """What they may tell of θ, near a θ: as `Beams.told`; that, or all but depth."""
         if not self:
             return [(0.0, Normal(np.zeros((chart.dim,) * 2), np.zeros(chart.dim), 0.0))]
-        normal = together([window(one, chart, theta).normal for one in self.tracks], prior)
+        normal = together([one.normal for one in self.near(chart, theta)], prior)
         return [
             (float(np.log1p(-_OF_OTHER_THINGS)), normal),
             (float(np.log(_OF_OTHER_THINGS)), without_depth(normal)),

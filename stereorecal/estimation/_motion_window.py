@@ -17,8 +17,8 @@ from stereorecal.estimation._motion_residuals import (
     Seen,
     by_extrinsics,
     by_theta,
-    seen_by,
     residuals,
+    seen_by,
 )
 from stereorecal.estimation._parameters import DRIFTING
 from stereorecal.geometry import rotation_from_vector
