@@ -3,6 +3,7 @@
 import cv2
 import numpy as np
 import pytest
+from scipy.ndimage import fourier_shift
 
 import stereorecal as sr
 from stereorecal.recalibration._windows import MOST_WINDOWS, following
@@ -14,20 +15,21 @@ TEXTURE = (TEXTURE - TEXTURE.min()) / np.ptp(TEXTURE) * 255.0
 
 
 def moved(x: float, y: float) -> np.ndarray:
-    """The texture, shifted."""
-    return cv2.warpAffine(TEXTURE, np.float32([[1, 0, x], [0, 1, y]]), (260, 200), flags=cv2.INTER_CUBIC).clip(0, 255)
+    """The texture, shifted without any interpolation."""
+    waves = fourier_shift(np.fft.fft2(TEXTURE), (y, x))
+    return np.fft.ifft2(waves).real.clip(0, 255).astype(np.float32)
 
 
 def test_the_tracker_follows_shifts_to_a_twentieth_of_a_pixel():
-    first, second = sr.make_pair(moved(0, 0), moved(-9.3, 0.4)), sr.make_pair(moved(3.6, -2.2), moved(-6.7, -1.8))
+    first, second = sr.make_pair(moved(0, 0), moved(-9.25, 0.5)), sr.make_pair(moved(3.5, -2.25), moved(-6.75, -1.75))
     grid = np.stack(np.meshgrid(np.arange(20, 240, 5.0), np.arange(20, 180, 5.0)), axis=-1).reshape(-1, 2)
-    matches = Matches(grid, grid + [-9.0, 0.0]), Matches(grid, grid + [-10.0, 0.0])
+    matches = Matches(grid, grid - np.array([9.0, 0.0])), Matches(grid, grid - np.array([10.0, 0.0]))
     seen = tracked(first, second, matches, near=5.0)
     assert len(seen) > 30
     for found, expected in (
-        (seen.left[1] - seen.left[0], (3.6, -2.2)),
-        (seen.right[0] - seen.left[0], (-9.3, 0.4)),
-        (seen.right[1] - seen.left[1], (-10.3, 0.4)),
+        (seen.left[1] - seen.left[0], (3.5, -2.25)),
+        (seen.right[0] - seen.left[0], (-9.25, 0.5)),
+        (seen.right[1] - seen.left[1], (-10.25, 0.5)),
     ):
         np.testing.assert_allclose(np.median(found, axis=0), expected, atol=0.05)
 
