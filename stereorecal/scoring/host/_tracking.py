@@ -31,9 +31,9 @@ class Matches(NamedTuple):
     def partners(self, pixels: Float[np.ndarray, "n 2"]) -> tuple[Float[np.ndarray, "n 2"], Float[np.ndarray, "n"]]:
         """Where pixels of the left image are expected in the right one, by the match that is nearest; and how far away
         that is."""
-        from scipy.spatial import cKDTree
+        from scipy.spatial import KDTree
 
-        away, nearest = cKDTree(self.left).query(pixels)
+        away, nearest = KDTree(self.left).query(pixels)
         return pixels + (self.right - self.left)[nearest], away
 
 
