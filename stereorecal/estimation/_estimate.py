@@ -17,6 +17,9 @@ from stereorecal.estimation._explanations import Explanation
 from stereorecal.estimation._frames import OtherRig, other_rigs
 from stereorecal.estimation._groups import Groups
 from stereorecal.estimation._least_squares import fit
+from stereorecal.estimation._measured import Measured
+from stereorecal.estimation._motion import NO_WINDOWS, Windows
+from stereorecal.estimation._motion_window import Window
 from stereorecal.estimation._one_thread import one_blas_thread
 from stereorecal.estimation._parameters import DRIFTING, rig_parameters
 from stereorecal.estimation._posterior import Posterior
@@ -47,6 +50,7 @@ class Estimate:
         other_rigs: frames that show another rig than the others, the farthest first.
         beams: ranges that took part.
         shown: the mean row differences that it rests on; None where there are none.
+        windows: pairs of pairs that told of the rig's motion.
     """
 
     chart: RigChart
@@ -58,6 +62,7 @@ class Estimate:
     other_rigs: tuple[OtherRig, ...] = ()
     beams: Beams = NO_BEAMS
     shown: Groups | None = None
+    windows: Windows = NO_WINDOWS
 
     def __getstate__(self) -> dict[str, Any]:
         """What is derived stays behind: samples are larger than all else."""
@@ -87,6 +92,12 @@ class Estimate:
     def mean_rig(self) -> StereoRig:
         """The rig at the posterior's mean: all parameters change."""
         return self.chart.rig_at(self.theta)
+
+    @cached_property
+    @one_blas_thread()
+    def motions(self) -> tuple[Window, ...]:
+        """Of the rig at the posterior's mean, in each window."""
+        return self.windows.near(self.chart, self.theta)
 
     @cached_property
     @one_blas_thread()
@@ -196,6 +207,7 @@ def estimate(
     prior: Prior = None,
     start: Float[np.ndarray, "n"] | None = None,
     beams: Beams = NO_BEAMS,
+    windows: Windows = NO_WINDOWS,
 ) -> Estimate:
     """The estimate of a rig.
 
@@ -207,9 +219,10 @@ def estimate(
         start: θ to begin at; default 0.
         beams: ranges of what was seen; they tell the length of the baseline, too, which the prior must know
             (`told_length` of `as_prior`).
+        windows: tracks of consecutive pairs; they tell depth from the rig's own motion.
     """
     chart = rig_parameters(rig)
-    return solved(found, chart, as_prior(prior, chart), start, beams)[0]
+    return solved(found, chart, as_prior(prior, chart), start, beams, windows)[0]
 
 
 @one_blas_thread()
@@ -219,11 +232,12 @@ def solved(
     prior: CalibrationPrior,
     start: Float[np.ndarray, "n"] | None = None,
     beams: Beams = NO_BEAMS,
+    windows: Windows = NO_WINDOWS,
 ) -> tuple[Estimate, Explanation]:
     """The estimate, and the most probable one of its explanations."""
-    end = fit(found, chart, prior, start, beams)
+    end = fit(found, chart, prior, start, Measured(beams, windows))
     mean, rows = end.posterior.mean, end.rows
-    seen = Estimate(chart, end.posterior, end.misfit, 0, float("nan"), end.prior_variance, beams=beams)
+    seen = Estimate(chart, end.posterior, end.misfit, 0, float("nan"), end.prior_variance, beams=beams, windows=windows)
     if rows is not None:
         residual, others = rows.residual(mean), other_rigs(rows, sum(end.misfit), mean)
         rms = float(np.sqrt(np.mean(residual**2)))

@@ -7,11 +7,11 @@ from itertools import product
 import numpy as np
 from jaxtyping import Float, Int
 
-from stereorecal.estimation._beams import NO_BEAMS, Beams
 from stereorecal.estimation._calibration_prior import CalibrationPrior
 from stereorecal.estimation._drift import drift_sizes
 from stereorecal.estimation._evidence import Explained, Normal, all_explained, normal_of, without
 from stereorecal.estimation._groups import PLACES, Groups
+from stereorecal.estimation._measured import NOTHING_ELSE, Measured
 from stereorecal.estimation._misfit import alike, covariance_of_rows, unexpected
 from stereorecal.estimation._posterior import root
 from stereorecal.objectives import RigChart
@@ -31,8 +31,8 @@ class LinearRows:
         at_zero: (g,) r₀.
         deviation: (g,) pixels; larger than that of `groups` where a group errs alone.
         frames: indices of the groups of each frame.
-        beams: ranges.
-        told: what these may tell of θ, as `Beams.told` has it.
+        measured: ranges and windows.
+        told: what these may tell of θ, as `Measured.told` has it.
     """
 
     groups: Groups
@@ -40,7 +40,7 @@ class LinearRows:
     at_zero: Float[np.ndarray, "g"]
     deviation: Float[np.ndarray, "g"]
     frames: Sequence[Int[np.ndarray, "_"]]
-    beams: Beams
+    measured: Measured
     told: Sequence[tuple[float, Normal]]
 
     def residual(self, theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "g"]:
@@ -110,19 +110,19 @@ def explained_by(
     nuisance: Float[np.ndarray, "q q"] = NOTHING,
     log_prior: float = 0.0,
 ) -> list[Explanation]:
-    """θ for each misfit, with what ranges may tell, under some of the covariances of the calibration's prior and all
+    """θ for each misfit, with what else may be told, under some of the covariances of the calibration's prior and all
     kinds of drift.
 
     Args:
         normals: the likelihood of rows under each misfit.
-        told: as `Beams.told` has it.
+        told: as `Measured.told` has it.
         nuisance: a root of the covariance of what the likelihoods have besides θ.
         log_prior: logarithm of its probability.
     """
     sizes, weights = drift_sizes()
     every = [
-        (misfit, index, log_told + log_prior, of_rows + of_beams.with_nuisance(len(nuisance)))
-        for (misfit, of_rows), (log_told, of_beams), index in product(normals.items(), told, which)
+        (misfit, index, log_told + log_prior, of_rows + of_others.with_nuisance(len(nuisance)))
+        for (misfit, of_rows), (log_told, of_others), index in product(normals.items(), told, which)
     ]
     several = [index for _, index, _, _ in every]
     logs = np.log(weights * prior.weights[several, None]) + np.array([log for _, _, log, _ in every])[:, None]
@@ -140,10 +140,16 @@ def best_of(several: Sequence[Explanation]) -> tuple[Explanation, int]:
     return best, int(best.found.log_evidence.argmax())
 
 
-def linear_rows(groups: Groups, chart: RigChart, theta: Float[np.ndarray, "n"], beams: Beams = NO_BEAMS) -> LinearRows:
+def linear_rows(
+    groups: Groups,
+    chart: RigChart,
+    theta: Float[np.ndarray, "n"],
+    prior: CalibrationPrior,
+    measured: Measured = NOTHING_ELSE,
+) -> LinearRows:
     """Linear at θ."""
     rows = groups.rows(chart, theta)
     jacobian = rows.jacobian[:, 0].T
     frames = [np.flatnonzero(groups.frame == frame) for frame in np.unique(groups.frame)]
-    at_zero, told = rows.differences[0] - jacobian @ theta, beams.told(chart, theta)
-    return LinearRows(groups, jacobian, at_zero, groups.deviation, frames, beams, told)
+    at_zero, told = rows.differences[0] - jacobian @ theta, measured.told(chart, theta, prior)
+    return LinearRows(groups, jacobian, at_zero, groups.deviation, frames, measured, told)

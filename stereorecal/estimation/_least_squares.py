@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.estimation._beams import NO_BEAMS, Beams
 from stereorecal.estimation._calibration_prior import CalibrationPrior
 from stereorecal.estimation._evidence import Normal
 from stereorecal.estimation._explanations import (
@@ -18,6 +17,7 @@ from stereorecal.estimation._explanations import (
     linear_rows,
 )
 from stereorecal.estimation._groups import grouped
+from stereorecal.estimation._measured import NOTHING_ELSE, Measured
 from stereorecal.estimation._misfit import COMMON, DEVIATIONS
 from stereorecal.estimation._posterior import Posterior, merged
 from stereorecal.estimation._rivals import beside_rivals
@@ -58,21 +58,21 @@ def fit(
     chart: RigChart,
     prior: CalibrationPrior,
     start: Float[np.ndarray, "n"] | None = None,
-    beams: Beams = NO_BEAMS,
+    measured: Measured = NOTHING_ELSE,
 ) -> Fit:
     """Solve: a prior and a misfit for a round are the evidence's best, and all of them are mixed after the last.
 
     Args:
         found: with the rays that the cameras of the chart's rig give.
         start: θ to begin at; default 0.
-        beams: ranges of what was seen.
+        measured: besides rows.
     """
     theta = np.zeros(chart.dim) if start is None else start
     misfit, which = (DEVIATIONS[2], 0.0), len(prior.roots) // 2
     groups = grouped(found, chart, theta)
     if len(groups) < _FEWEST:
-        return _nothing_seen(chart, prior, beams.told(chart, theta))
-    rows = linear_rows(groups, chart, theta, beams)
+        return _nothing_seen(chart, prior, measured.told(chart, theta, prior))
+    rows = linear_rows(groups, chart, theta, prior, measured)
     step = np.zeros(chart.dim)
     for number in range(_ROUNDS):
         best, kind = best_of(_searched(rows, prior, misfit, which))
@@ -85,7 +85,7 @@ def fit(
         theta = theta + (0.5 if step @ last < 0.0 else 1.0) * step * deviations
         if number < _REGROUPED:
             groups = grouped(found, chart, theta)
-        rows = linear_rows(groups, chart, theta, beams)
+        rows = linear_rows(groups, chart, theta, prior, measured)
         rows = replace(rows, deviation=rows.robust(sum(misfit), theta))
     near = _near(misfit, len(rows.frames) > 1)
     several = explanations(rows, prior, range(len(prior.roots)), near)
@@ -98,7 +98,7 @@ def fit(
 
 
 def _nothing_seen(chart: RigChart, prior: CalibrationPrior, told: Sequence[tuple[float, Normal]]) -> Fit:
-    """The prior, and what ranges tell, where there are no rows."""
+    """The prior, and what is measured besides, where there are no rows."""
     flat = Normal(np.zeros((chart.dim, chart.dim)), np.zeros(chart.dim), 0.0)
     several = explained_by({(0.0, 0.0): flat}, told, prior, range(len(prior.roots)))
     variances = prior.weights @ np.sum(prior.roots**2, axis=2)

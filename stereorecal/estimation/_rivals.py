@@ -114,7 +114,7 @@ def _solved(rows: LinearRows, chart: RigChart, prior: CalibrationPrior, rival: R
     are others."""
     kind = int(near.found.log_evidence.argmax())
     theta, values = near.found.means[kind], near.found.nuisance[kind]
-    rows = linear_rows(rows.groups, chart, theta, rows.beams)
+    rows = linear_rows(rows.groups, chart, theta, prior, rows.measured)
     moved = replace(rows, at_zero=rows.at_zero + rival.columns(rows) @ values)
     rows = replace(rows, deviation=moved.robust(sum(near.misfit), theta))
     at, common = DEVIATIONS.index(near.misfit[0]), near.misfit[1]

@@ -21,6 +21,7 @@ from stereorecal.estimation._estimate import Estimate, solved
 from stereorecal.estimation._evidence import Normal, without
 from stereorecal.estimation._explanations import Explanation
 from stereorecal.estimation._knowledge import updated
+from stereorecal.estimation._motion import NO_WINDOWS, Windows
 from stereorecal.estimation._parameters import DRIFTING, rig_parameters
 from stereorecal.geometry import StereoRig
 from stereorecal.scoring import Correspondences
@@ -41,6 +42,7 @@ class Recording:
         prior: of what that leaves; those of several recordings tell of the same error, and none of the others' images.
         start: (n,) θ to begin at; default 0.
         beams: ranges of what it shows.
+        windows: of its frames that follow each other.
     """
 
     found: Correspondences
@@ -48,6 +50,7 @@ class Recording:
     prior: CalibrationPrior
     start: Float[np.ndarray, "n"] | None = None
     beams: Beams = NO_BEAMS
+    windows: Windows = NO_WINDOWS
 
 
 def estimate_together(
@@ -81,7 +84,7 @@ def _round(
 def _solved(task: tuple[Recording, CalibrationPrior]) -> tuple[Estimate, Normal]:
     """A recording with what is known before it, and what it shows of the calibration's error."""
     one, prior = task
-    seen, best = solved(one.found, rig_parameters(one.rig), prior, one.start, one.beams)
+    seen, best = solved(one.found, rig_parameters(one.rig), prior, one.start, one.beams, one.windows)
     return seen, of_calibration(best)
 
 

@@ -29,6 +29,7 @@ from stereorecal.recalibration._ranged import matched_ranges
 from stereorecal.recalibration._schedule import ScoreKind, Stage
 from stereorecal.recalibration._stages import FEWEST, Case, StageRun, matched
 from stereorecal.recalibration._uncertainty import OBSERVED, Uncertainty, directions
+from stereorecal.recalibration._windows import windows_of, without_frames
 from stereorecal.scoring import Correspondences
 
 
@@ -68,16 +69,18 @@ def answered(case: Case, found: Correspondences, near: StereoRig, again_at: floa
     apart = unmatched(found, case.images.pairs) if len(found.weight) > 1 else ()
     seeing = int(np.any(np.asarray(without(found, apart).weight) > 0, axis=1).sum())
     most = MOST_APART * (seeing + len(apart))
-    start = rig_parameters(case.rig).coordinates_of(near)
+    start, tracks = rig_parameters(case.rig).coordinates_of(near), windows_of(case, found)
     while True:
         rest = without(found, apart)
-        seen = estimate(rest, case.rig, case.prior, start=start, beams=matched_ranges(case, found, near, apart))
+        ranges, windows = matched_ranges(case, found, near, apart), without_frames(tracks, apart)
+        seen = estimate(rest, case.rig, case.prior, start=start, beams=ranges, windows=windows)
         if not seen.other_rigs or len(apart) > most:
             break
         apart, start = (*apart, seen.other_rigs[0].frame), seen.theta
     if refused := len(apart) > most:
         rest = found
-        seen = estimate(rest, case.rig, case.prior, start=start, beams=matched_ranges(case, found, near))
+        ranges, windows = matched_ranges(case, found, near), without_frames(tracks, ())
+        seen = estimate(rest, case.rig, case.prior, start=start, beams=ranges, windows=windows)
     if again_at is not None and case.free.lenses:
         seen, rest = _matched_again(case, seen, rest, again_at)
     return Answer(rest, seen, tuple(sorted(apart)), refused, decide(seen, case.free.names))
@@ -135,7 +138,7 @@ def _matched_again(
     again = replace(again, weight=np.asarray(again.weight) * kept[:, None])
     if again.found < FEWEST:
         return seen, found
-    return estimate(again, case.rig, case.prior, start=seen.theta, beams=seen.beams), again
+    return estimate(again, case.rig, case.prior, start=seen.theta, beams=seen.beams, windows=seen.windows), again
 
 
 def ended_by(case: Case, answer: Answer, near: StereoRig) -> Ending:

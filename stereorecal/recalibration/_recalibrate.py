@@ -25,6 +25,7 @@ from stereorecal.recalibration._ranges import resolved_ranges, with_ranges
 from stereorecal.recalibration._schedule import Schedule, ScoreKind, as_schedule, check_schedule
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._stages import FEWEST, Case, StageRun, better_start, remaining, run_stage
+from stereorecal.recalibration._windows import check_motion, following
 from stereorecal.recordings import Board, Pairs, Range
 from stereorecal.scoring import host, legible, pyramid
 from stereorecal.scoring.host import Score, survey
@@ -47,6 +48,7 @@ def recalibrate(
     ranges: Sequence[Range] = (),
     prior: Prior = None,
     boards: Sequence[Board] | None = None,
+    motion: bool | None = None,
 ) -> Solution:
     """Repair the extrinsics of a rig from image pairs that it took.
 
@@ -73,11 +75,14 @@ def recalibrate(
             `sr.CalibrationCovariance`; or "exact": its intrinsics are the truth, and all that rows show is a drift.
         boards: those of the calibration itself, of `find_boards` or your own, as the cameras saw them before the rig
             drifted: they take the place of the default prior, and join any other.
+        motion: whether the rig's own motion between consecutive pairs is used, which tells depth: True takes the pairs
+            as they were taken, one after the other, the rig advancing by a fraction of a baseline or more in between;
+            None uses it where pairs know their times (none do yet), False never.
 
     Raises:
         InputError: if images and calibration do not fit, a strategy of the schedule is not installed, the prior makes
             no sense, belongs to another rig, or rests on all these pairs already, or the boards do not fit the
-            calibration.
+            calibration, or there is nothing that could move.
         StrategyError: if a strategy crashes.
     """
     refuse_tracers("sr.recalibrate", "sr.count, sr.soft_count or sr.row_differences and an optimiser of yours", rig)
@@ -87,6 +92,7 @@ def recalibrate(
     free = with_ranges(as_parameters(free), ranges)
     ranges = resolved_ranges(ranges, [("", images.pairs)])
     check_schedule(schedule, free)
+    check_motion(motion, len(images.pairs), prior)
     use = prior_use(with_boards(prior, boards, rig_parameters(rig)), rig, images.pairs)
     numbers = use.numbers
     if free.shared:
@@ -95,7 +101,7 @@ def recalibrate(
     if len(numbers) < len(images.pairs):
         images = pyramid(rig, [images.pairs[number] for number in numbers], images.view)
     known = prior_of(use.prior, free, rig, reach, ranges=bool(ranges))
-    case = Case(images, asked, reach, free.extrinsics, known, ranges)
+    case = Case(images, asked, reach, free.extrinsics, known, ranges, following(numbers, motion))
     solution = searched(case, schedule, budget, seed, free)
     wanted = solution.asked and replace(solution.asked, free=free.names)
     chosen = numbers if free.shared or use.dropped else None

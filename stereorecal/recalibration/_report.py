@@ -16,6 +16,7 @@ from stereorecal.recalibration._consequences import NORMAL_95
 from stereorecal.recalibration._lenses import lenses_of
 from stereorecal.recalibration._misfit import WORTH_SAYING
 from stereorecal.recalibration._seen_rows import climbs_of, seen_rows, way_of
+from stereorecal.recalibration._windows import described
 from stereorecal.recordings import Pair
 from stereorecal.report.cells import count, number, percent
 from stereorecal.report.repair import Axis, Depth, RepairReport, Sight, Verdict
@@ -168,6 +169,8 @@ def _remarks(solution: Any) -> list[str]:
         remarks.append(f"{said[:1].upper()}{said[1:]}.")
     if solution.ranges is not None:
         remarks.append(f"Ranges: {solution.ranges}.")
+    if solution.estimate is not None and solution.estimate.windows:
+        remarks.append(f"Motion: {described(solution.estimate)}.")
     return remarks
 
 

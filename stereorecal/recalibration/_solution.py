@@ -32,6 +32,7 @@ from stereorecal.recalibration._ranges import RangesSeen
 from stereorecal.recalibration._report import report_of
 from stereorecal.recalibration._stages import StageRun
 from stereorecal.recalibration._uncertainty import Uncertainty
+from stereorecal.recalibration._windows import described
 from stereorecal.recordings import Pairs, as_pairs
 from stereorecal.report.cells import change, depths
 from stereorecal.scoring import Correspondences
@@ -248,6 +249,8 @@ class Solution:
             lines.append(str(self.intrinsics))
         if self.ranges is not None:
             lines.append(f"ranges   {self.ranges}")
+        if self.estimate is not None and self.estimate.windows:
+            lines.append(f"motion   {described(self.estimate)}")
         if self.left_out:
             lines.append(f"left out, since they disagree with the others: {', '.join(self.left_out)}")
         if self.disagreeing:

@@ -47,6 +47,7 @@ class Case:
         free: extrinsics, and for comparisons all else that strategies may search; the rest is held.
         prior: of what the initial calibration leaves; EXACT: its intrinsics are the truth.
         ranges: of what the images show.
+        windows: numbers of pairs that follow each other.
     """
 
     images: Pyramid
@@ -55,6 +56,7 @@ class Case:
     free: Parameters
     prior: Prior = EXACT
     ranges: tuple[Range, ...] = ()
+    windows: tuple[tuple[int, int], ...] = ()
 
     @property
     def rig(self) -> StereoRig:

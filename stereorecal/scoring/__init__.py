@@ -34,3 +34,4 @@ from stereorecal.scoring._soft_count import (
     soft_count as soft_count,
     soft_count_scaled as soft_count_scaled,
 )
+from stereorecal.scoring._tracks import Tracks as Tracks

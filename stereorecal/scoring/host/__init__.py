@@ -26,3 +26,4 @@ from stereorecal.scoring.host._survey import (
     survey as survey,
     with_disparity_range as with_disparity_range,
 )
+from stereorecal.scoring.host._tracking import Matches as Matches, tracked as tracked

@@ -1,0 +1,31 @@
+"""What is measured besides rows: ranges, and the rig's own motion. Each may be of other things."""
+
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal.estimation._beams import NO_BEAMS, Beams
+from stereorecal.estimation._calibration_prior import CalibrationPrior
+from stereorecal.estimation._evidence import Normal
+from stereorecal.estimation._motion import NO_WINDOWS, Windows
+from stereorecal.objectives import RigChart
+
+
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """Ranges and windows of what was seen."""
+
+    beams: Beams = NO_BEAMS
+    windows: Windows = NO_WINDOWS
+
+    def told(
+        self, chart: RigChart, theta: Float[np.ndarray, "n"], prior: CalibrationPrior
+    ) -> list[tuple[float, Normal]]:
+        """What they may tell of θ, near a θ: every combination, each with the logarithm of its probability."""
+        of_beams, of_windows = self.beams.told(chart, theta), self.windows.told(chart, theta, prior)
+        return [(one + other, a + b) for (one, a), (other, b) in product(of_beams, of_windows)]
+
+
+NOTHING_ELSE = Measured()

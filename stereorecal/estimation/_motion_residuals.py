@@ -1,0 +1,182 @@
+"""What a rig that moves should see, and what it saw: residuals of tracks, and their derivatives.
+
+A point on the ray a of the left camera, of inverse depth ρ, is at a + ρ 0 for the left camera, R a + ρ T for the right
+one, and, after a motion (Q, t) of the rig, at p = Q a + ρ t and R p + ρ T: all of them but for a scale, so that a point
+may be infinitely far away. Four numbers of a track are data: where the left image shows it later, and, along the
+epipolar lines, where the right one shows it at both times. Across these lines rows tell, and they have been asked.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal.estimation._slopes import lens_parameters
+from stereorecal.geometry import StereoRig, euler_slopes, pixel_slopes, ray_slopes
+from stereorecal.objectives import SIDES, RigChart
+from stereorecal.scoring import Tracks
+
+SEEN = 4  # numbers of a track: partner at first, column and row later, partner later
+MOVES = 6  # numbers of a motion: a rotation vector, applied after it [rad], and a translation [m]
+_PARTNERS = (0, 3)
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """Of the left camera: x later = rotation x + translation.
+
+    Attributes:
+        rotation: (3, 3).
+        translation: (3,) metres.
+    """
+
+    rotation: Float[np.ndarray, "3 3"]
+    translation: Float[np.ndarray, "3"]
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """Tracks as the cameras of a rig read them.
+
+    Attributes:
+        tracks: their pixels.
+        rays: (m, 3) of the left camera, at first, at depth 1.
+        later: (m, 2, 2) pixels by ray of the left camera, later.
+        partners: (2, m, 2, 2) the same of the right camera at both times.
+    """
+
+    tracks: Tracks
+    rays: Float[np.ndarray, "m 3"]
+    later: Float[np.ndarray, "m 2 2"]
+    partners: Float[np.ndarray, "2 m 2 2"]
+
+
+@dataclass(frozen=True, eq=False)
+class Expected:
+    """Where a rig that moves has the points of tracks, times ρ.
+
+    Attributes:
+        later: (m, 3) for the left camera.
+        right: (2, m, 3) for the right camera at both times.
+        along: (2, m, 2) unit vectors of the epipolar lines in the right image, towards nearer points.
+    """
+
+    later: Float[np.ndarray, "m 3"]
+    right: Float[np.ndarray, "2 m 3"]
+    along: Float[np.ndarray, "2 m 2"]
+
+
+@dataclass(frozen=True, eq=False)
+class Residuals:
+    """Seen less expected, in pixels, and derivatives of that.
+
+    Attributes:
+        value: (m, 4).
+        by_nearness: (m, 4), by ρ.
+        by_motion: (m, 4, 6).
+        along: (m, 2) the epipolar lines of the second pair.
+    """
+
+    value: Float[np.ndarray, "m 4"]
+    by_nearness: Float[np.ndarray, "m 4"]
+    by_motion: Float[np.ndarray, "m 4 6"]
+    along: Float[np.ndarray, "m 2"]
+
+
+def seen_by(tracks: Tracks, rig: StereoRig) -> Seen:
+    """By the cameras of a rig."""
+    left, right = (np.asarray(getattr(rig, side).rays(getattr(tracks, side)), float) for side in SIDES)
+    later, partners = pixel_slopes(rig.left, left[1], ())[0], pixel_slopes(rig.right, right, ())[0]
+    return Seen(tracks, left[0] / left[0, :, 2:], later, partners)
+
+
+def residuals(seen: Seen, rig: StereoRig, motion: Motion, nearness: Float[np.ndarray, "m"]) -> Residuals:
+    """Of points with these inverse depths [1 / m]."""
+    there = _expected(seen, rig, motion, nearness)
+    rotation, baseline, moved = rig.rotation, np.asarray(rig.translation), motion.translation
+    value = np.empty((len(nearness), SEEN))
+    by_nearness, by_motion = np.empty_like(value), np.zeros((*value.shape, MOVES))
+    by_move = np.concatenate(
+        [_crossed(there.later - nearness[:, None] * moved), nearness[:, None, None] * np.eye(3)], axis=2
+    ).swapaxes(1, 2)  # (m, 6, 3), of `later`
+    value[:, 1:3] = seen.tracks.left[1] - rig.left.project(there.later)
+    by_nearness[:, 1:3] = -_pixels(seen.later, there.later, moved)
+    by_motion[:, 1:3] = -_pixels(seen.later[:, None], there.later[:, None], by_move).swapaxes(1, 2)
+    for time, index in enumerate(_PARTNERS):
+        apart = seen.tracks.right[time] - rig.right.project(there.right[time])
+        value[:, index] = _dot(there.along[time], apart)
+        shift = baseline + time * rotation @ moved
+        by_nearness[:, index] = -_dot(there.along[time], _pixels(seen.partners[time], there.right[time], shift))
+    by_right = _pixels(seen.partners[1][:, None], there.right[1][:, None], by_move @ rotation.T)
+    by_motion[:, 3] = -_dot(there.along[1][:, None], by_right)
+    return Residuals(value, by_nearness, by_motion, there.along[1])
+
+
+def by_theta(
+    seen: Seen, chart: RigChart, theta: Float[np.ndarray, "n"], motion: Motion, nearness: Float[np.ndarray, "m"]
+) -> Float[np.ndarray, "m 4 n"]:
+    """Derivatives of the residuals by θ; as seen by the cameras of the rig there. Pixels stay pixels: longer focal
+    lengths do not make errors smaller."""
+    rig, found = chart.rig_at(theta), np.zeros((len(nearness), SEEN, chart.dim))
+    there = _expected(seen, rig, motion, nearness)
+    outer = [index for index, name in enumerate(chart.names) if "." not in name]
+    found[..., outer] = by_extrinsics(seen, rig, chart.extrinsic_slopes[outer], motion, nearness)
+    # Intrinsics of the left camera move the ray, and with it all that is expected.
+    own, names = lens_parameters(chart, SIDES[0])
+    units = chart.half_width[own, None, None]
+    slopes = units * ray_slopes(rig.left, seen.rays, names)
+    rays = np.concatenate([slopes, np.zeros_like(slopes[..., :1])], axis=-1)
+    turned = rays @ motion.rotation.T
+    of_pixels = units * pixel_slopes(rig.left, there.later, names)[1] + _pixels(seen.later, there.later, turned)
+    found[:, 1:3, own] = -np.moveaxis(of_pixels, 0, -1)
+    for time, index in enumerate(_PARTNERS):
+        moved = _pixels(seen.partners[time], there.right[time], (rays, turned)[time] @ rig.rotation.T)
+        found[:, index, own] = -_dot(there.along[time], moved).T
+    own, names = lens_parameters(chart, SIDES[1])
+    units = chart.half_width[own, None, None, None]
+    of_pixels = units * pixel_slopes(rig.right, there.right, names)[1]
+    for time, index in enumerate(_PARTNERS):
+        found[:, index, own] = -_dot(there.along[time], of_pixels[:, time]).T
+    return found
+
+
+def by_extrinsics(
+    seen: Seen, rig: StereoRig, slopes: Float[np.ndarray, "e 6"], motion: Motion, nearness: Float[np.ndarray, "m"]
+) -> Float[np.ndarray, "m 4 e"]:
+    """Derivatives of the residuals by what moves the extrinsics of a rig, as `RigChart.extrinsic_slopes` has it: they
+    move what the right camera sees."""
+    there = _expected(seen, rig, motion, nearness)
+    found = np.zeros((len(nearness), SEEN, len(slopes)))
+    by_angles, by_shift = np.split(slopes, 2, axis=1)
+    turns = np.tensordot(by_angles, euler_slopes(np.asarray(rig.extrinsics)[:3]), 1)
+    for time, index in enumerate(_PARTNERS):
+        moved = (seen.rays, there.later)[time] @ turns.swapaxes(1, 2) + nearness[:, None] * by_shift[:, None]
+        found[:, index] = -_dot(there.along[time], _pixels(seen.partners[time], there.right[time], moved)).T
+    return found
+
+
+def _expected(seen: Seen, rig: StereoRig, motion: Motion, nearness: Float[np.ndarray, "m"]) -> Expected:
+    near, baseline = nearness[:, None], np.asarray(rig.translation)
+    later = seen.rays @ motion.rotation.T + near * motion.translation
+    right = np.stack([seen.rays, later]) @ rig.rotation.T + near * baseline
+    along = _pixels(seen.partners, right, baseline)
+    return Expected(later, right, along / np.maximum(np.linalg.norm(along, axis=-1, keepdims=True), 1e-30))
+
+
+def _pixels(
+    per_ray: Float[np.ndarray, "*#c 2 2"], point: Float[np.ndarray, "*#c 3"], moved: Float[np.ndarray, "*#c 3"]
+) -> Float[np.ndarray, "*c 2"]:
+    """How the pixel of a point moves with it."""
+    at_1 = point[..., :2] / point[..., 2:]
+    return (per_ray @ ((moved[..., :2] - at_1 * moved[..., 2:]) / point[..., 2:])[..., None])[..., 0]
+
+
+def _dot(one: Float[np.ndarray, "*#c 2"], other: Float[np.ndarray, "*#c 2"]) -> Float[np.ndarray, "*c"]:
+    return np.sum(one * other, axis=-1)
+
+
+def _crossed(points: Float[np.ndarray, "m 3"]) -> Float[np.ndarray, "m 3 3"]:
+    """How points move with a rotation vector w: w x p."""
+    x, y, z = points.T
+    zero = np.zeros_like(x)
+    return np.stack([zero, z, -y, -z, zero, x, y, -x, zero], axis=-1).reshape(-1, 3, 3)

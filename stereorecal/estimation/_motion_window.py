@@ -1,0 +1,192 @@
+"""One window, two consecutive pairs: the rig's motion and each point's depth are eliminated, and what is left tells θ.
+
+Points that move by themselves fit no motion of the rig and have hardly a say. While the motion is sought, the yaw is
+free besides: a rig whose depth is wrong fits no motion either, and all of its tracks would be outliers.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal.estimation._evidence import Normal, without
+from stereorecal.estimation._motion_residuals import (
+    MOVES,
+    SEEN,
+    Motion,
+    Seen,
+    by_extrinsics,
+    by_theta,
+    residuals,
+    seen_by,
+)
+from stereorecal.estimation._parameters import DRIFTING
+from stereorecal.geometry import rotation_from_vector
+from stereorecal.objectives import RigChart
+from stereorecal.scoring import Tracks
+
+_FEWEST = 30  # tracks: from fewer nothing is to be learnt of motion and depth
+# Pixels: errors of the disparities of a track at both times alike (its surface slants), of each of them, and of where
+# it is seen later. The tracks themselves say how much larger or smaller all of them are.
+_ALIKE, _PARTNER, _LATER = 0.07, 0.07, 0.07
+_LEAST_SCALE = 0.5
+_GROWS = 0.03  # of its depth that a point comes nearer: its window is then another one, and all errors are larger
+_MEDIAN = 0.888  # of the root mean square of three standard normal numbers
+_REDESCENDS = 1.5  # standard deviations
+_ROUNDS, _SETTLED = 40, 0.03  # standard deviations of the motion
+_CONVEX = 4  # rounds in which what is far still has some say
+_YAW = 1.0  # degrees: how far depth may be off, while the motion is sought
+_TURN, _MOVE = 1.0, 100.0  # rad and baselines: motions of which nothing is known
+
+
+@dataclass(frozen=True, eq=False)
+class Window:
+    """What two consecutive pairs say.
+
+    Attributes:
+        normal: the likelihood of θ; flat where the motion tells nothing.
+        tracks: points that were followed.
+        inliers: those that fit one motion of the rig, and one depth each.
+        motion: of the left camera, as the rig at θ has it; None if there are too few tracks.
+        metres: the distance travelled, and its standard deviation were θ known.
+        scale: of the errors of tracks, in those expected.
+    """
+
+    normal: Normal
+    tracks: int
+    inliers: int
+    motion: Motion | None
+    metres: tuple[float, float]
+    scale: float
+
+
+@dataclass(frozen=True, eq=False)
+class _Solved:
+    """A motion, a yaw besides, and inverse depths."""
+
+    motion: Motion
+    yaw: float
+    nearness: Float[np.ndarray, "m"]
+    scale: float
+    weight: Float[np.ndarray, "m"]
+
+
+def window(tracks: Tracks, chart: RigChart, theta: Float[np.ndarray, "n"], start: Motion | None = None) -> Window:
+    """The window of tracks, linear near θ and the depth that it says itself.
+
+    Args:
+        tracks: in pixels of the cameras of the chart's rig.
+        start: where the motion is sought first; default at rest.
+    """
+    nothing = Normal(np.zeros((chart.dim,) * 2), np.zeros(chart.dim), 0.0)
+    if len(tracks) < _FEWEST:
+        return Window(nothing, len(tracks), 0, None, (0.0, np.inf), 1.0)
+    seen = seen_by(tracks, chart.rig_at(theta))
+    found = _motion(seen, chart, theta, start or Motion(np.eye(3), np.zeros(3)))
+    near = theta + found.yaw * _yaw_axis(chart)
+    normal, covariance = _normal(seen, chart, near, found)
+    metres = float(np.linalg.norm(found.motion.translation))
+    ahead = found.motion.translation / max(metres, 1e-30)
+    sigma = float(np.sqrt(max(ahead @ covariance @ ahead, 0.0)))
+    inliers = int((found.weight > 0.25).sum())
+    return Window(normal, len(tracks), inliers, found.motion, (metres, sigma), found.scale)
+
+
+def _yaw_axis(chart: RigChart) -> Float[np.ndarray, "n"]:
+    """One degree of it, in θ."""
+    return np.eye(chart.dim)[DRIFTING.index("yaw")]
+
+
+def _motion(seen: Seen, chart: RigChart, theta: Float[np.ndarray, "n"], start: Motion) -> _Solved:
+    """Gauss-Newton with redescending weights."""
+    number, axis = len(seen.tracks), _yaw_axis(chart)
+    motion, yaw, nearness, scale, weight = start, 0.0, np.zeros(number), 1.0, np.ones(number)
+    prior = np.diag(np.r_[_wide(chart), _YAW**-2.0])
+    given, slopes = chart.rig_at(theta), chart.extrinsic_slopes[[DRIFTING.index("yaw")]]
+    for round_ in range(_ROUNDS):
+        rig = given.with_extrinsics(chart.extrinsics(theta + yaw * axis))
+        here = residuals(seen, rig, motion, nearness)
+        if not round_:  # the first pair alone
+            nearness = nearness - here.value[:, 0] / here.by_nearness[:, 0]
+            continue
+        of_yaw = by_extrinsics(seen, rig, slopes, motion, nearness)
+        columns = np.concatenate([here.value[..., None], here.by_motion, of_yaw], axis=2)
+        left, pulls = _without_depth(_roots(here.along, _approach(motion, nearness)), here.by_nearness, columns)
+        apart = np.sqrt(np.mean(left[..., 0] ** 2, axis=1))
+        scale = max(float(np.median(apart)) / _MEDIAN, _LEAST_SCALE)
+        far = apart / (_REDESCENDS * scale)
+        weight = 1.0 / (1.0 + far**2) ** (1 if round_ < _CONVEX else 2)
+        j, r = left[..., 1:], left[..., 0]
+        a = np.einsum("m,mki,mkj->ij", weight, j, j) / scale**2 + prior
+        b = -np.einsum("m,mki,mk->i", weight, j, r) / scale**2 - prior @ np.r_[np.zeros(MOVES), yaw]
+        step = np.linalg.solve(a, b)
+        nearness = nearness - (pulls[:, 0] + pulls[:, 1:] @ step)
+        motion, yaw = _moved(motion, step[:MOVES]), yaw + float(step[MOVES])
+        if round_ > _CONVEX and step @ a @ step < _SETTLED**2:
+            break
+    return _Solved(motion, yaw, nearness, scale, weight)
+
+
+def _wide(chart: RigChart) -> Float[np.ndarray, "6"]:
+    """Precisions of a motion of which nothing is known."""
+    return np.repeat([_TURN**-2.0, (_MOVE * float(chart.rig.baseline)) ** -2.0], 3)
+
+
+def _moved(motion: Motion, step: Float[np.ndarray, "6"]) -> Motion:
+    turn = np.asarray(rotation_from_vector(step[:3]), float)
+    return Motion(turn @ motion.rotation, motion.translation + step[3:])
+
+
+def _approach(motion: Motion, nearness: Float[np.ndarray, "m"]) -> Float[np.ndarray, "m"]:
+    """How far points come nearer, or move across, as a share of their depth."""
+    return np.abs(nearness) * float(np.linalg.norm(motion.translation))
+
+
+def _roots(along: Float[np.ndarray, "m 2"], approach: Float[np.ndarray, "m"]) -> Float[np.ndarray, "m 4 4"]:
+    """What whitens the four numbers of each track: a partner later was looked for where the track was seen later."""
+    error = np.zeros((len(along), SEEN, SEEN + 1))
+    error[:, 0, 0] = error[:, 3, 0] = _ALIKE
+    error[:, 0, 1] = error[:, 3, 4] = _PARTNER
+    error[:, 1, 2] = error[:, 2, 3] = _LATER
+    error[:, 3, 2:4] = _LATER * along
+    larger = np.hypot(1.0, approach / _GROWS)[:, None, None]
+    return np.linalg.inv(np.linalg.cholesky(error @ error.swapaxes(1, 2))) / larger
+
+
+def _without_depth(
+    white: Float[np.ndarray, "m 4 4"], by_nearness: Float[np.ndarray, "m 4"], columns: Float[np.ndarray, "m 4 c"]
+) -> tuple[Float[np.ndarray, "m 4 c"], Float[np.ndarray, "m c"]]:
+    """Columns, whitened, less what a point's depth takes of them; and how much of the depth that is."""
+    by = (white @ by_nearness[..., None])[..., 0]
+    columns = white @ columns
+    share = np.einsum("mk,mkc->mc", by, columns) / np.maximum(np.sum(by**2, axis=1), 1e-300)[:, None]
+    return columns - by[..., None] * share[:, None], share
+
+
+def _normal(
+    seen: Seen, chart: RigChart, near: Float[np.ndarray, "n"], found: _Solved
+) -> tuple[Normal, Float[np.ndarray, "3 3"]]:
+    """The likelihood of θ, linear there; and the covariance of the translation were θ known."""
+    n, rig = chart.dim, chart.rig_at(near)
+    here = residuals(seen, rig, found.motion, found.nearness)
+    by = by_theta(seen, chart, near, found.motion, found.nearness)
+    columns = np.concatenate([here.value[..., None], by, here.by_motion], axis=2)
+    white = _roots(here.along, _approach(found.motion, found.nearness))
+    left, _ = _without_depth(white, here.by_nearness, columns)
+    left *= np.sqrt(found.weight)[:, None, None] / found.scale
+    rows = left.reshape(-1, left.shape[2])
+    j, at_zero = rows[:, 1:], rows[:, 0] - rows[:, 1 : 1 + n] @ near
+    # Of the m numbers of all tracks, those count that θ or the motion change.
+    pull, a = j.T @ at_zero, j.T @ j
+    scale = np.sqrt(np.maximum(np.diag(a), 1e-300))
+    c = float(pull / scale @ np.linalg.lstsq(a / scale / scale[:, None], pull / scale, rcond=1e-12)[0])
+    whole = Normal(a, -pull, c)
+    covariance = np.linalg.inv(a[n:, n:] + np.diag(_wide(chart)))[3:, 3:]
+    alone = without(whole, np.diag(_wide(chart) ** -0.5))
+    return Normal(alone.a, alone.b, alone.c - _log_volume(a[n:, n:], chart)), covariance
+
+
+def _log_volume(of_motion: Float[np.ndarray, "6 6"], chart: RigChart) -> float:
+    """What `without` adds for a motion that could be any."""
+    wide = _wide(chart) ** -0.5
+    return float(np.linalg.slogdet(np.eye(MOVES) + wide[:, None] * of_motion * wide)[1])

@@ -1,0 +1,82 @@
+"""Windows of a repair: which pairs follow each other, and what is tracked from one to the next."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from stereorecal._errors import InputError
+from stereorecal.estimation import NO_WINDOWS, Estimate, Prior, Windows, is_exact
+from stereorecal.recalibration._stages import Case
+from stereorecal.scoring import Correspondences
+from stereorecal.scoring.host import Matches, tracked
+
+MOST_WINDOWS = 8  # each costs a third of a second of the estimate
+_NEAR = 1.5  # cells of dense correspondences: a corner that is farther from all of them is of something else
+
+Pairs = tuple[tuple[int, int], ...]  # numbers of pairs that follow each other
+
+
+def check_motion(motion: bool | None, pairs: int, prior: Prior) -> None:
+    """Raises:
+    InputError: if motion is asked for where nothing can move.
+    """
+    if motion not in (None, True, False):
+        raise InputError(f"motion is {motion!r}; give True (the pairs are consecutive), False, or None.")
+    if motion and pairs < 2:
+        raise InputError("motion=True needs two pairs or more, in the order in which they were taken.")
+    if motion and is_exact(prior):
+        raise InputError('motion=True tells depth, which prior="exact" takes as known; leave one of them out.')
+
+
+def following(numbers: Sequence[int], motion: bool | None) -> Pairs:
+    """Which of the pairs that are looked at follow each other, spread over all; none if their order is not known.
+
+    Args:
+        numbers: of the pairs, as they were given.
+        motion: whether that is the order in which they were taken; None: pairs know no times yet, so no.
+    """
+    if not motion:
+        return ()
+    every = [(index, index + 1) for index in range(len(numbers) - 1) if numbers[index + 1] == numbers[index] + 1]
+    some = np.unique(np.linspace(0, len(every) - 1, min(MOST_WINDOWS, len(every))).round().astype(int))
+    return tuple(every[index] for index in some)
+
+
+def windows_of(case: Case, found: Correspondences) -> dict[tuple[int, int], Any]:
+    """The tracks of the windows of a case, by the numbers of their pairs.
+
+    Args:
+        found: where partners of corners are looked for, with the rays that the cameras of the case's rig give.
+    """
+    pairs = case.images.pairs
+    matches = {frame: _matches(case, found, frame) for window in case.windows for frame in window}
+    width, height = case.rig.left.size
+    near = _NEAR * float(np.sqrt(width * height / found.weight.shape[1]))
+    return {(a, b): tracked(pairs[a], pairs[b], (matches[a], matches[b]), near) for a, b in case.windows}
+
+
+def without_frames(tracks: dict[tuple[int, int], Any], apart: Sequence[int]) -> Windows:
+    """Those windows whose pairs both count."""
+    kept = tuple(some for window, some in tracks.items() if not set(window) & set(apart))
+    return Windows(kept) if kept else NO_WINDOWS
+
+
+def described(seen: Estimate) -> str:
+    """What the rig's own motion told, in a line."""
+    several = [one for one in seen.motions if one.motion is not None]
+    given = len(seen.windows.tracks)
+    if not several:
+        return f"{given} windows, too few points could be followed"
+    inliers, tracks = (sum(getattr(one, name) for one in several) for name in ("inliers", "tracks"))
+    way = np.median([one.metres[0] for one in several])
+    return (
+        f"{given} windows, {inliers} of {tracks} points fit the motion of the rig, "
+        f"{way:.3g} m from one pair to the next (median)"
+    )
+
+
+def _matches(case: Case, found: Correspondences, frame: int) -> Matches:
+    seen = np.asarray(found.weight[frame]) > 0
+    left, right = (np.asarray(rays[frame], float)[seen] for rays in (found.left, found.right))
+    return Matches(np.asarray(case.rig.left.project(left)), np.asarray(case.rig.right.project(right)))

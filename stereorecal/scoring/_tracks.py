@@ -1,0 +1,27 @@
+"""Points that both cameras saw twice: what tells a rig's own motion."""
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+
+@dataclass(frozen=True, eq=False)
+class Tracks:
+    """m points in two consecutive pairs.
+
+    Attributes:
+        left, right: (2, m, 2) pixels (column, row) as the cameras took them, at full size, of the first pair and of the
+            second; float64.
+    """
+
+    left: Float[np.ndarray, "2 m 2"]
+    right: Float[np.ndarray, "2 m 2"]
+
+    def __len__(self) -> int:
+        return self.left.shape[1]
+
+    def of(self, which: Any) -> "Tracks":
+        """Some of them."""
+        return Tracks(*(getattr(self, part.name)[:, which] for part in fields(self)))

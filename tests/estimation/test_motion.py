@@ -1,0 +1,156 @@
+"""The rig's own motion in the estimate: it tells depth, and where it tells nothing, nothing is made of it."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings, strategies as st
+from simulated_tracks import AHEAD, REST, SIDEWAYS, tracks_of
+
+import stereorecal as sr
+from stereorecal.estimation import Windows, estimate, rig_parameters
+from stereorecal.estimation._consequences import points_of_view, readings
+from stereorecal.estimation._motion_residuals import Motion, by_theta, residuals, seen_by
+from stereorecal.estimation._motion_window import window
+from stereorecal.geometry import rotation_from_vector
+
+DRIFT = (0.2, 0.5, -0.3, 0.2, -0.3)
+
+
+def drifted(chart, drift=DRIFT) -> sr.StereoRig:
+    return chart.rig_at(np.r_[drift, np.zeros(chart.dim - 5)])
+
+
+def windows(true, number=3, seed=0, **options) -> Windows:
+    return Windows(tuple(tracks_of(true, seed=100 * seed + index, **options) for index in range(number)))
+
+
+def offset(used, true) -> float:
+    """Percent of disparity at 30 baselines."""
+    return 100.0 * float(readings(used, true, points_of_view(true, 30))[1].mean())
+
+
+def stated(seen) -> tuple[float, float]:
+    """The interval of that."""
+    _, *ends = seen.depth_error_percent(seen.theta)[30]
+    low, high = (100.0 * (1.0 / (1.0 + end / 100.0) - 1.0) for end in reversed(ends))
+    return low, high
+
+
+def held(seen, true) -> bool:
+    low, high = stated(seen)
+    return low <= offset(seen.mean_rig, true) <= high
+
+
+def width(seen) -> float:
+    low, high = stated(seen)
+    return high - low
+
+
+def slanted(rays) -> np.ndarray:
+    """Inverse depths in 1 / baselines."""
+    return 0.1 + 0.05 * rays[:, 0] - 0.08 * rays[:, 1]
+
+
+def test_slopes_are_those_of_the_residuals(chart, steps):
+    theta = np.random.default_rng(0).normal(size=chart.dim) * 10 * steps
+    true = chart.rig_at(theta)
+    turn, move = np.array([0.01, -0.02, 0.005]), np.array([0.1, 0.2, -1.0])
+    tracks = tracks_of(true, move, turn, number=60, noise=0.0, nearness=slanted)
+    near = slanted(np.asarray(true.left.rays(tracks.left[0]))) / float(true.baseline)
+    motion = Motion(np.asarray(rotation_from_vector(turn), float), move * float(true.baseline))
+
+    def at(theta, motion=motion, near=near):
+        rig = chart.rig_at(theta)
+        return residuals(seen_by(tracks, rig), rig, motion, near)
+
+    def check(exact, ends, step):
+        found = (ends[0].value - ends[1].value) / (2.0 * step)
+        np.testing.assert_allclose(exact, found, atol=1e-4 * np.abs(found).max() + 1e-5)
+
+    here = at(theta)
+    np.testing.assert_allclose(here.value, 0.0, atol=1e-6)
+    exact = by_theta(seen_by(tracks, true), chart, theta, motion, near)
+    for index, step in enumerate(np.diag(steps)):
+        check(exact[..., index], [at(theta + sign * step) for sign in (1, -1)], steps[index])
+    for index, step in enumerate(1e-6 * np.eye(6)):
+        turned = [np.asarray(rotation_from_vector(sign * step[:3]), float) @ motion.rotation for sign in (1, -1)]
+        ends = [Motion(t, motion.translation + s * step[3:]) for t, s in zip(turned, (1, -1), strict=True)]
+        check(here.by_motion[..., index], [at(theta, end) for end in ends], 1e-6)
+    check(here.by_nearness, [at(theta, near=near + sign * 1e-6) for sign in (1, -1)], 1e-6)
+
+
+@settings(max_examples=8)
+@given(seed=st.integers(0, 999), yaw=st.floats(-1, 1))
+def test_exact_tracks_pull_nowhere(chart, seed, yaw):
+    theta = np.eye(chart.dim)[1] * yaw
+    seen = window(tracks_of(chart.rig_at(theta), seed=seed, noise=0.0), chart, theta)
+    scale = np.sqrt(np.diag(seen.normal.a)) + 1e-9
+    np.testing.assert_allclose((seen.normal.a @ theta - seen.normal.b) / scale, 0.0, atol=0.02)
+    assert np.linalg.eigvalsh(seen.normal.a / scale / scale[:, None]).min() > -1e-6
+
+
+def test_the_distance_travelled(rig, chart):
+    seen = window(tracks_of(rig), chart, np.zeros(chart.dim))
+    metres = float(np.linalg.norm(AHEAD)) * float(rig.baseline)
+    assert seen.metres[0] == pytest.approx(metres, rel=0.01)
+    assert abs(seen.metres[0] - metres) < 5.0 * seen.metres[1]
+
+
+def test_motion_tells_depth(rig, chart, prior, seen):
+    """Of a rig that has drifted: to a few percent at 30 baselines, where rows tell some tens."""
+    true = drifted(chart)
+    found = [estimate(seen(rig, true, frames=2, cells=600), rig, prior, windows=w) for w in (Windows(), windows(true))]
+    assert width(found[1]) < 0.5 * width(found[0])
+    assert abs(offset(found[1].mean_rig, true)) < 2.5
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {},
+        {"with_rig": 0.5},
+        {"move": SIDEWAYS},
+        {"move": REST},
+        {"move": REST, "turn": (0.0, 0.03, 0.0)},
+        {"nearness": lambda rays: np.full(len(rays), 0.1)},
+    ],
+    ids=["ahead", "half of what is near moves along", "sideways", "at rest", "turning", "a wall"],
+)
+def test_intervals_hold_the_truth(rig, chart, prior, seen, options):
+    true = drifted(chart)
+    holds = [
+        held(
+            estimate(seen(rig, true, seed, frames=2, cells=250), rig, prior, windows=windows(true, 2, seed, **options)),
+            true,
+        )
+        for seed in range(3)
+    ]
+    assert sum(holds) >= 2
+
+
+@pytest.mark.parametrize("options", [{"move": REST}, {"move": REST, "turn": (0.0, 0.03, 0.0)}], ids=["rest", "turning"])
+def test_no_way_tells_no_depth(rig, chart, options):
+    """Not even beside a depth that is wrong: yaw and centre are off together."""
+    true = drifted(chart)
+    told = window(tracks_of(true, **options), chart, np.zeros(chart.dim)).normal
+    ahead = window(tracks_of(true), chart, np.zeros(chart.dim)).normal
+    both = [chart.names.index("yaw"), chart.names.index("right.cx")]
+    assert np.linalg.eigvalsh(told.a[np.ix_(both, both)])[0] < 0.2 * np.linalg.eigvalsh(ahead.a[np.ix_(both, both)])[0]
+
+
+@settings(max_examples=6)
+@given(times=st.floats(0.1, 30.0), seed=st.integers(0, 99))
+def test_a_larger_scene_and_rig_are_the_same(rig, times, seed):
+    """The unit of length does not matter."""
+    other = sr.StereoRig(rig.left, rig.right, np.asarray(rig.extrinsics) * np.r_[np.ones(3), np.full(3, times)])
+    tracks = tracks_of(rig, seed=seed)
+    charts = [rig_parameters(one) for one in (rig, other)]
+    one, two = (window(tracks, chart, np.zeros(chart.dim)) for chart in charts)
+    scale = np.sqrt(np.diag(one.normal.a)) + 1e-9
+    np.testing.assert_allclose(one.normal.b / scale, two.normal.b / scale, atol=1e-2)
+    assert two.metres[0] == pytest.approx(times * one.metres[0], rel=1e-5)
+
+
+def test_few_tracks_tell_nothing(rig, chart):
+    told = window(tracks_of(rig, number=10), chart, np.zeros(chart.dim))
+    assert not told.normal.a.any()
+    assert told.motion is None

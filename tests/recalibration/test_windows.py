@@ -1,0 +1,65 @@
+"""Motion in a repair: the tracker, which pairs follow each other, and what is refused."""
+
+import cv2
+import numpy as np
+import pytest
+from scipy.ndimage import fourier_shift
+
+import stereorecal as sr
+from stereorecal.recalibration._windows import MOST_WINDOWS, following
+from stereorecal.scoring.host import Matches, tracked
+
+RNG = np.random.default_rng(0)
+TEXTURE = cv2.GaussianBlur(RNG.uniform(0, 255, (200, 260)).astype(np.float32), (0, 0), 2.0)
+TEXTURE = (TEXTURE - TEXTURE.min()) / np.ptp(TEXTURE) * 255.0
+
+
+def moved(x: float, y: float) -> np.ndarray:
+    """The texture, shifted without any interpolation."""
+    waves = fourier_shift(np.fft.fft2(TEXTURE), (y, x))
+    return np.fft.ifft2(waves).real.clip(0, 255).astype(np.float32)
+
+
+def test_the_tracker_follows_shifts_to_a_twentieth_of_a_pixel():
+    first, second = sr.make_pair(moved(0, 0), moved(-9.25, 0.5)), sr.make_pair(moved(3.5, -2.25), moved(-6.75, -1.75))
+    grid = np.stack(np.meshgrid(np.arange(20, 240, 5.0), np.arange(20, 180, 5.0)), axis=-1).reshape(-1, 2)
+    matches = Matches(grid, grid - np.array([9.0, 0.0])), Matches(grid, grid - np.array([10.0, 0.0]))
+    seen = tracked(first, second, matches, near=5.0)
+    assert len(seen) > 30
+    for found, expected in (
+        (seen.left[1] - seen.left[0], (3.5, -2.25)),
+        (seen.right[0] - seen.left[0], (-9.25, 0.5)),
+        (seen.right[1] - seen.left[1], (-10.25, 0.5)),
+    ):
+        np.testing.assert_allclose(np.median(found, axis=0), expected, atol=0.05)
+
+
+def test_without_matches_nothing_is_tracked():
+    pair, none = sr.make_pair(moved(0, 0), moved(-9, 0)), Matches(np.zeros((0, 2)), np.zeros((0, 2)))
+    assert len(tracked(pair, pair, (none, none), near=5.0)) == 0
+
+
+@pytest.mark.parametrize("motion", [None, False])
+def test_pairs_of_no_known_order_do_not_follow_each_other(motion):
+    assert following(range(9), motion) == ()
+
+
+def test_pairs_follow_each_other_where_none_between_is_missing():
+    assert following((0, 1, 3, 4, 9), True) == ((0, 1), (2, 3))
+    many = following(range(100), True)
+    assert len(many) == MOST_WINDOWS
+    assert many[0] == (0, 1)
+    assert many[-1] == (98, 99)
+
+
+def test_what_cannot_move_is_refused():
+    rig = sr.synthetic.default_rig().resized((320, 240))
+    pairs = sr.synthetic.render("street", 3, rig=rig).pairs
+    for options, said in (
+        ({"motion": True}, "two pairs"),
+        ({"motion": "yes"}, "motion is 'yes'"),
+    ):
+        with pytest.raises(sr.InputError, match=said):
+            sr.recalibrate(rig, pairs[:1], **options)
+    with pytest.raises(sr.InputError, match="exact"):
+        sr.recalibrate(rig, [pairs[0], pairs[0]], motion=True, prior="exact")

@@ -1,0 +1,44 @@
+"""What a rig that moves sees: tracks of points in pixels of the true rig, for tests of motion."""
+
+import numpy as np
+
+import stereorecal as sr
+from stereorecal.geometry import rotation_from_vector
+from stereorecal.scoring import Tracks
+
+AHEAD, SIDEWAYS, REST = (0.05, 0.0, -1.0), (-1.0, 0.05, 0.0), (0.0, 0.0, 0.0)  # baselines, of points
+
+
+def tracks_of(
+    true: sr.StereoRig,
+    move=AHEAD,
+    turn=(0.002, -0.004, 0.001),
+    seed=0,
+    number=600,
+    noise=0.1,
+    nearness=None,
+    with_rig=0.0,
+) -> Tracks:
+    """Of points 5 to 60 baselines away.
+
+    Args:
+        move: of points as the left camera has them, baselines.
+        turn: a rotation vector [rad].
+        noise: pixels of each match.
+        nearness: of rays (m, 3): inverse depths in 1 / baselines, in place of random ones.
+        with_rig: share of the near half of all points that moves with the rig.
+    """
+    rng, edge, baseline = np.random.default_rng(seed), np.array(true.left.size) - 1.0, float(true.baseline)
+    left = rng.uniform([0.0, 0.0], edge, (number, 2))
+    rays = np.asarray(true.left.rays(left))
+    near = rng.uniform(1 / 60, 1 / 5, number) if nearness is None else nearness(rays)
+    points = rays / near[:, None] * baseline
+    later = points @ np.asarray(rotation_from_vector(np.array(turn)), float).T + baseline * np.array(move)
+    stays = (near > np.median(near)) & (rng.random(number) < with_rig)
+    later[stays] = points[stays] + 0.02 * baseline * rng.normal(size=3)
+    shown = [left, true.left.project(later) + noise * rng.normal(size=left.shape)]
+    partners = [true.right.project(p @ true.rotation.T + true.translation) for p in (points, later)]
+    partners = [one + noise * rng.normal(size=left.shape) for one in partners]
+    partners[1] += shown[1] - true.left.project(later)  # looked for where the corner was seen
+    good = np.all([((p >= 0.0) & (p <= edge)).all(axis=1) for p in (*shown, *partners)], axis=0) & (later[:, 2] > 0.1)
+    return Tracks(np.stack(shown), np.stack(partners)).of(good)
