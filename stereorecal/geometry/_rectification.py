@@ -132,5 +132,6 @@ def _edge_focal(camera: Camera) -> float:
     pixels = np.array([[cx, cy], [0, cy], [w - 1, cy], [cx, 0], [cx, h - 1]], float)
     rays = np.asarray(camera.rays(pixels), float)
     offset = np.abs(rays[1:, :2] - rays[0, :2])
+    offset = np.where(np.isnan(offset), np.inf, offset)  # 90 degrees off the axis, and more
     horizontal, vertical = offset[:2, 0].max(), offset[2:, 1].max()
     return float(min(0.5 * w / horizontal, 0.5 * h / vertical))
