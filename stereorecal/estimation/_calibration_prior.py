@@ -56,6 +56,7 @@ _WIDTH = 640
 # Never wider than what is physical.
 _WIDEST = {"f": 2.0, "aspect": 0.5, "cx": 15.0, "cy": 15.0, "k1": 0.05, "k2": 0.1, "p1": 0.005, "p2": 0.005, "k3": 0.1}
 _WIDEST |= dict.fromkeys(("s1", "s2", "s3", "s4"), 0.01)
+_WIDEST |= {"k4": 0.1, "xi": 0.05, "alpha": 0.05, "beta": 0.1}  # of wide lenses
 _WIDEST_ANGLE, _WIDEST_SHIFT, _WIDEST_LENGTH = 3.0, 5.0, 2.0  # degrees, percent of the baseline
 _LEAST_OVERLAP = 2.5  # over the relative disparity at which boards are still in both images
 SQUARES = 0.15  # percent: printed squares are off by so much, and the baseline's length with them

@@ -13,16 +13,17 @@ from stereorecal.synthetic.rendering._trace import Rays
 
 _SUPERSAMPLE = 2  # per axis: 4 samples a pixel antialias the edges of patches
 
-_camera_rays = jax.jit(lambda camera, pixels: camera.rays(pixels))
+_camera_rays = jax.jit(lambda camera, pixels: (camera.directions if camera.lens.WIDE else camera.rays)(pixels))
 
 
 def supersampled_rays(camera: Camera) -> Float[np.ndarray, "h w 3"]:
-    """Rays (x/z, y/z, 1) of 2 x 2 samples in each pixel, (2h, 2w, 3) float32 for an image of h x w, camera frame."""
+    """Rays of 2 x 2 samples in each pixel, (2h, 2w, 3) float32 for an image of h x w, camera frame: (x/z, y/z, 1), or
+    unit vectors of a wide lens."""
     return _rays_of(camera.size, camera.matrix.tobytes(), camera.distortion.tobytes(), camera.model)
 
 
 def pixel_rays(camera: Camera) -> Float[np.ndarray, "h w 3"]:
-    """Rays (x/z, y/z, 1) through the centres of the pixels, float32, camera frame."""
+    """The same through the centres of the pixels, (h, w, 3)."""
     return np.asarray(_camera_rays(camera, jnp.asarray(pixel_grid(camera.size), jnp.float32)))
 
 
