@@ -32,6 +32,7 @@ from stereorecal.geometry._so3 import (
     angle_between as angle_between,
     euler_from_rotation as euler_from_rotation,
     euler_slopes as euler_slopes,
+    rotation_between as rotation_between,
     rotation_from_euler as rotation_from_euler,
     rotation_from_vector as rotation_from_vector,
     vector_from_rotation as vector_from_rotation,
