@@ -185,10 +185,10 @@ def _boards(rig: StereoRig, views: _Views) -> Float[np.ndarray, "b c 3"]:
     boards = []
     most = np.radians(views.tilt)
     # Telephoto rigs see boards with both cameras only from farther away.
-    farther = max(1.0, _LEAST_OVERLAP * float(rig.left.matrix[0, 0]) / width / views.depths[0])
+    farther = max(1.0, _LEAST_OVERLAP * float(rig.left.focal[0]) / width / views.depths[0])
     for _ in range(views.boards):
         depth = baseline * farther * draw.uniform(*views.depths)
-        square = depth * draw.uniform(*views.widths) * width / float(rig.left.matrix[0, 0]) / _CORNERS[0]
+        square = depth * draw.uniform(*views.widths) * width / float(rig.left.focal[0]) / _CORNERS[0]
         middle = (0.5 + draw.uniform(-views.beside, views.beside, 2)) * [width, height]
         tilt = rotation_from_vector(draw.uniform(-most, most, 3))
         corners = np.concatenate([square * flat, np.zeros((len(flat), 1))], axis=-1) @ np.asarray(tilt).T

@@ -19,8 +19,8 @@ _MARGIN = 0.05  # of the image, at each side
 
 
 def points_of_view(rig: StereoRig, distance: float) -> Float[np.ndarray, "p 3"]:
-    """Points over the left image (of a wide lens: over what the rig's view shows of it), at a distance along its axis in
-    baselines, that both cameras see, or, where that is too near for both, that the lens models reach; metres."""
+    """Points over the left image, at a distance along its axis in baselines, that both cameras see, or, where that
+    is too near for both, that the lens models reach; metres. Of a wide lens, over what the rig's view shows of it."""
     width, height = rig.left.size
     rays = _rays_of_view(rig) if rig.left.lens.WIDE else np.asarray(rig.left.rays(_grid(rig.left.size)))
     points = rays * distance * float(rig.baseline)
@@ -74,7 +74,7 @@ def readings(
 
 def _focal(used: StereoRig) -> float:
     """The mean focal length."""
-    return float(np.mean([camera.matrix[i, i] for camera in (used.left, used.right) for i in (0, 1)]))
+    return float(np.mean([used.left.focal, used.right.focal]))
 
 
 @dataclass(frozen=True, eq=False)

@@ -70,6 +70,12 @@ class Camera:
         """The functions of its model."""
         return lens_model(self.model)
 
+    @property
+    def focal(self) -> Float[np.ndarray, "2"]:
+        """Pixels that a radian takes in the middle of the image, along x and y: the resolution there. The focal lengths
+        of the matrix, but of double spheres."""
+        return self.lens.magnification(np.asarray(self.distortion)) * np.asarray(self.matrix)[(0, 1), (0, 1)]
+
     def resized(self, size: tuple[int, int]) -> "Camera":
         """The camera of the same image resampled to `size` (area convention: pixel corners stay corners)."""
         scale = np.array([size[0] / self.size[0], size[1] / self.size[1], 1.0])

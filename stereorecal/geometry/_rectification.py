@@ -6,12 +6,14 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal._arrays import AnyArray, Mat3, Vec3, namespace
+from stereorecal._errors import InputError
 from stereorecal._pytree import register_pytree
 from stereorecal.geometry._camera import Camera
 from stereorecal.geometry._rig import StereoRig
 from stereorecal.geometry._so3 import rotation_between, rotation_from_vector, vector_from_rotation
 
 _TINY = 1e-30
+_WIDEST = 165.0  # degrees
 
 
 def rectifying_rotations(rotation: Mat3, translation: Vec3) -> tuple[Mat3, Mat3]:
@@ -96,7 +98,7 @@ class View:
         return View(size, self.focal * scale, *centres)
 
 
-def view(rig: StereoRig, *, zero_disparity: bool = True) -> View:
+def view(rig: StereoRig, *, zero_disparity: bool = True, field: float | None = None) -> View:
     """The default View of a rig, at the size of its left image.
 
     Focal length: as long as keeps the middles of all four borders of both undistorted images inside, but between
@@ -106,11 +108,26 @@ def view(rig: StereoRig, *, zero_disparity: bool = True) -> View:
     infinity have disparity 0), else each camera's own centre lies in the middle.
 
     The focal length depends on the intrinsics alone, so no zoom follows the extrinsics.
+
+    The view is a pinhole's. At a focal length of 0.7 it shows some 110 degrees of a fisheye of 130, and keeps what it
+    shows of the middle: more of the field costs resolution there.
+
+    Args:
+        field: the width of the view in degrees, below 165, in place of the focal length above.
+
+    Raises:
+        InputError: if the field makes no sense.
     """
     width, height = rig.left.size
-    mean_focal = float(np.prod([camera.matrix[i, i] for camera in (rig.left, rig.right) for i in (0, 1)]) ** 0.25)
+    mean_focal = float(np.prod([rig.left.focal, rig.right.focal]) ** 0.25)
     edge_focal = min(_edge_focal(camera) for camera in (rig.left, rig.right))
     focal = float(np.clip(edge_focal, 0.7 * mean_focal, mean_focal))
+    if field is not None:
+        if not 0.0 < field < _WIDEST:
+            raise InputError(
+                f"a field of {field:g} degrees makes no pinhole view; give more than 0 and less than {_WIDEST:g}."
+            )
+        focal = 0.5 * width / float(np.tan(0.5 * np.radians(field)))
     rotations = rectifying_rotations(rig.rotation, rig.translation)
     columns, rows = [], []
     for camera, rotation in zip((rig.left, rig.right), rotations, strict=True):

@@ -122,9 +122,25 @@ class Parameters:
         """Each of them, for a rig and a reach.
 
         Raises:
-            InputError: if a lens of the rig has no such term.
+            InputError: as `check`.
         """
+        self.check(rig)
         return tuple(self._parameter(name, rig, reach) for name in self.names)
+
+    def check(self, rig: StereoRig) -> None:
+        """Refuse terms that a lens of the rig does not have.
+
+        Raises:
+            InputError: if there is one.
+        """
+        for name in self.lenses:
+            side, kind = name.split(".")
+            lens = getattr(rig, side).lens
+            if kind not in (*_OF_MATRIX, *lens.CALIBRATED):
+                own = ", ".join(f"{side}.{term}" for term in lens.CALIBRATED)
+                raise InputError(
+                    f"{name} is no parameter of a lens of the model {lens.NAME!r}; free some of {own}, or leave it out."
+                )
 
     def _parameter(self, name: str, rig: StereoRig, reach: Reach) -> Parameter:
         if name in ROTATION:
@@ -134,13 +150,7 @@ class Parameters:
         elif name == BASELINE:
             unit, sigma, in_rig = "%", _OF_BASELINE, float(rig.baseline) / 100.0
         else:
-            side, kind = name.split(".")
-            lens = getattr(rig, side).lens
-            if kind not in (*_OF_MATRIX, *lens.CALIBRATED):
-                own = ", ".join(f"{side}.{term}" for term in lens.CALIBRATED)
-                raise InputError(
-                    f"{name} is no parameter of a lens of the model {lens.NAME!r}; free some of {own}, or leave it out."
-                )
+            kind = name.split(".")[1]
             unit, sigma = _UNITS.get(kind, ""), _SIGMAS[kind]
             sigma *= rig.left.size[0] / _WIDTH if unit == "px" else 1.0
             in_rig = 0.01 if unit == "%" else 1.0

@@ -57,6 +57,11 @@ def unproject(
     return unit(scale * x, scale * y, scale * z - xi, seen)
 
 
+def magnification(coefficients: Float[np.ndarray, "2"]) -> float:
+    """1 / (1 + ξ)."""
+    return 1.0 / (1.0 + float(coefficients[0]))
+
+
 def field(coefficients: Float[np.ndarray, "2"]) -> float:
     """Where the image turns back or comes from infinity. Of the angle φ at the second centre the cosine is -w1 there
     (eq. 44), and sin(θ - φ) = ξ sin φ; for ξ < 0 this is less than what eq. 43 says, which lets points through twice.

@@ -106,6 +106,11 @@ def _angles(far: jax.Array, coefficients: Any) -> jax.Array:
     return jnp.where(met, angle, jnp.nan)
 
 
+def magnification(coefficients: Float[np.ndarray, "4"]) -> float:
+    """1."""
+    return 1.0
+
+
 def field(coefficients: Float[np.ndarray, "4"]) -> float:
     """Where the derivative by the angle first vanishes; π where it nowhere does."""
     k1, k2, k3, k4 = np.asarray(coefficients, float)

@@ -53,6 +53,11 @@ def unproject(
     return unit(x, y, z, seen)
 
 
+def magnification(coefficients: Float[np.ndarray, "2"]) -> float:
+    """1."""
+    return 1.0
+
+
 def field(coefficients: Float[np.ndarray, "2"]) -> float:
     """Where z is -w of sqrt(beta (x² + y²) + z²)."""
     alpha, beta = (float(number) for number in coefficients)

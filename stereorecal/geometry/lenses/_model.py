@@ -75,6 +75,10 @@ class LensModel(Protocol):
         """
         ...
 
+    def magnification(self, coefficients: Float[np.ndarray, "c"]) -> float:
+        """By how much an image point moves on the axis with an angle in radians."""
+        ...
+
     def field(self, coefficients: Float[np.ndarray, "c"]) -> float:
         """The largest angle off the axis, in radians, up to which the model is one to one."""
         ...

@@ -37,6 +37,11 @@ def unproject(
     return xp.concatenate([flat, xp.ones_like(flat[..., :1])], axis=-1)
 
 
+def magnification(coefficients: Float[np.ndarray, "c"]) -> float:
+    """1, as the model counts it: what tilts and prisms add is left out."""
+    return 1.0
+
+
 def field(coefficients: Float[np.ndarray, "c"]) -> float:
     """Where the radial terms fold back."""
     return float(np.arctan(field_radius(coefficients)))

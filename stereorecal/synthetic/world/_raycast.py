@@ -18,7 +18,7 @@ def radiance(world: World, rays: Rays, time: float) -> Texture:
     where there is none (NaN), as beyond the field of a lens."""
     dark = np.isnan(rays.directions[..., 0])
     if dark.any():
-        somewhere = np.where(dark[..., None], np.float32([0.0, 0.0, 1.0]), rays.directions)
+        somewhere = np.where(dark[..., None], np.array([0.0, 0.0, 1.0], np.float32), rays.directions)
         return np.where(dark, np.float32(0.0), radiance(world, replace(rays, directions=somewhere), time))
     met, seen = trace(world.patches, rays)
     lengths = np.sqrt(np.einsum("ijk,ijk->ij", rays.directions, rays.directions))
