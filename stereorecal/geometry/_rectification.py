@@ -103,14 +103,14 @@ def view(rig: StereoRig, *, zero_disparity: bool = True, field: float | None = N
 
     Focal length: as long as keeps the middles of all four borders of both undistorted images inside, but between
     0.7 and 1 times the mean focal length of the cameras, so that nothing is magnified and wide lenses do not shrink
-    the middle away. Centre: the image centres of both cameras, undistorted and rotated into the rectified frame,
+    the middle away; of fisheyes and other wide models 1, the widest that keeps the resolution of the middle. Centre: the image centres of both cameras, undistorted and rotated into the rectified frame,
     project on average to the centre of the view; with `zero_disparity` both share one principal column (points at
     infinity have disparity 0), else each camera's own centre lies in the middle.
 
     The focal length depends on the intrinsics alone, so no zoom follows the extrinsics.
 
-    The view is a pinhole's. At a focal length of 0.7 it shows some 110 degrees of a fisheye of 130, and keeps what it
-    shows of the middle: more of the field costs resolution there.
+    The view is a pinhole's: it shows 97 degrees of a fisheye of 130, and 118 of one of 190. More of the field costs
+    resolution in the middle.
 
     Args:
         field: the width of the view in degrees, below 165, in place of the focal length above.
@@ -121,7 +121,8 @@ def view(rig: StereoRig, *, zero_disparity: bool = True, field: float | None = N
     width, height = rig.left.size
     mean_focal = float(np.prod([rig.left.focal, rig.right.focal]) ** 0.25)
     edge_focal = min(_edge_focal(camera) for camera in (rig.left, rig.right))
-    focal = float(np.clip(edge_focal, 0.7 * mean_focal, mean_focal))
+    wide = rig.left.lens.WIDE or rig.right.lens.WIDE
+    focal = float(np.clip(edge_focal, (1.0 if wide else 0.7) * mean_focal, mean_focal))
     if field is not None:
         if not 0.0 < field < _WIDEST:
             raise InputError(
