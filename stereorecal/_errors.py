@@ -9,7 +9,7 @@ class InputError(ValueError):
 
 
 class UnsupportedModelError(InputError):
-    """A camera or lens model that is not known (omnidirectional, equirectangular, ...), or coefficients that are not its."""
+    """A model of a lens that is not known (omnidirectional, equirectangular, ...), or coefficients that are not its."""
 
 
 class NeedNotMet(InputError):

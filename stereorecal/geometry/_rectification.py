@@ -103,9 +103,10 @@ def view(rig: StereoRig, *, zero_disparity: bool = True, field: float | None = N
 
     Focal length: as long as keeps the middles of all four borders of both undistorted images inside, but between
     0.7 and 1 times the mean focal length of the cameras, so that nothing is magnified and wide lenses do not shrink
-    the middle away; of fisheyes and other wide models 1, the widest that keeps the resolution of the middle. Centre: the image centres of both cameras, undistorted and rotated into the rectified frame,
-    project on average to the centre of the view; with `zero_disparity` both share one principal column (points at
-    infinity have disparity 0), else each camera's own centre lies in the middle.
+    the middle away; of fisheyes and other wide models 1, the widest that keeps the resolution of the middle. Centre:
+    the image centres of both cameras, undistorted and rotated into the rectified frame, project on average to the
+    centre of the view; with `zero_disparity` both share one principal column (points at infinity have disparity 0),
+    else each camera's own centre lies in the middle.
 
     The focal length depends on the intrinsics alone, so no zoom follows the extrinsics.
 
