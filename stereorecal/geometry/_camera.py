@@ -87,8 +87,8 @@ class Camera:
     def project(self, points: Float[AnyArray, "*n 3"]) -> Float[AnyArray, "*n 2"]:
         """Points in the camera frame (any unit; z > 0, unless the lens is wide) to pixels."""
         xp = namespace(points, self.distortion)
-        x, y, z = points[..., 0], points[..., 1], points[..., 2]
-        image = xp.stack(self.lens.project(x, y, z, self.distortion), axis=-1)
+        x, y, z = points[..., :1], points[..., 1:2], points[..., 2:]  # arrays, of one point too
+        image = xp.concatenate(self.lens.project(x, y, z, self.distortion), axis=-1)
         focal = self.matrix[(0, 1), (0, 1)]
         return image * focal + self.matrix[:2, 2]
 

@@ -185,3 +185,13 @@ def test_lenses_that_are_none(model: str, coefficients: list[float], words: str)
     kind = UnsupportedModelError if "not supported" in words else InputError
     with pytest.raises(kind, match=words):
         camera(model, coefficients)
+
+
+@pytest.mark.parametrize("model", WIDE)
+def test_one_point_and_none(model: str):
+    lens = camera(model)
+    point = np.array([0.2, -0.1, 1.0])
+    np.testing.assert_array_equal(lens.project(point), lens.project(point[None])[0])
+    np.testing.assert_allclose(lens.rays(lens.project(point)), point, atol=1e-12)
+    assert lens.project(np.zeros((0, 3))).shape == (0, 2)
+    assert lens.rays(np.zeros((0, 2))).shape == (0, 3)

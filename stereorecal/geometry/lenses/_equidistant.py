@@ -72,7 +72,9 @@ def unproject(
     squared = x * x + y * y
     off_axis = squared > 0.0
     far = xp.sqrt(xp.where(off_axis, squared, 1.0))
-    angle = _angles_on_host(far, np.asarray(coefficients, float)) if xp is np else _angles(far, coefficients)
+    angle = (
+        _angles_on_host(np.asarray(far), np.asarray(coefficients, float)) if xp is np else _angles(far, coefficients)
+    )
     sine = xp.where(off_axis, xp.sin(angle) / far, 1.0)
     return xp.stack([x * sine, y * sine, xp.where(off_axis, xp.cos(angle), 1.0)], axis=-1)
 
@@ -81,7 +83,7 @@ def _angles_on_host(far: Float[np.ndarray, "*n"], coefficients: Float[np.ndarray
     """Newton's method between bounds, halving them where it would leave them."""
     most = field(coefficients)
     low, high = np.zeros_like(far), np.full_like(far, most)
-    angle = np.minimum(far, most)
+    angle = np.asarray(np.minimum(far, most))
     for _ in range(_ROUNDS):
         error = _grown(angle, coefficients) - far
         low, high = np.where(error < 0.0, angle, low), np.where(error < 0.0, high, angle)
@@ -91,7 +93,7 @@ def _angles_on_host(far: Float[np.ndarray, "*n"], coefficients: Float[np.ndarray
         moved, angle = np.abs(new - angle), new
         if not (moved > _SETTLED * (1.0 + angle)).any():
             break
-    return np.where(far <= _grown(most, coefficients), angle, np.nan)
+    return np.asarray(np.where(far <= _grown(most, coefficients), angle, np.nan))
 
 
 def _angles(far: jax.Array, coefficients: Any) -> jax.Array:
