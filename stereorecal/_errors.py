@@ -9,7 +9,7 @@ class InputError(ValueError):
 
 
 class UnsupportedModelError(InputError):
-    """A camera model that no pinhole rectification can represent (fisheye, omnidirectional, ...)."""
+    """A model of a lens that is not known (omnidirectional, equirectangular, ...), or coefficients that are not its."""
 
 
 class NeedNotMet(InputError):

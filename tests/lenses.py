@@ -10,3 +10,9 @@ LENSES = {
     14: _ALL,
 }
 FEW = (0, 5, 14)  # where each count is a program of its own
+# Of wide models: MYNT EYE's, and Basalt's of the TUM VI camera.
+WIDE_LENSES = {
+    "equidistant": [-0.020476443, -0.007108226, 0.00218058, -0.001192386],
+    "ds": [-0.2, 0.59],
+    "eucm": [0.63, 1.05],
+}

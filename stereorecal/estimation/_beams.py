@@ -48,7 +48,7 @@ class Beams:
         direction = left / np.linalg.norm(left, axis=-1, keepdims=True)
         asked = (direction @ rig.rotation.T + self._nearness[:, None] * rig.translation) @ to_right.T
         seen = right @ to_right.T
-        return float(rig.right.matrix[0, 0]) * (seen[:, 0] / seen[:, 2] - asked[:, 0] / asked[:, 2])
+        return float(rig.right.focal[0]) * (seen[:, 0] / seen[:, 2] - asked[:, 0] / asked[:, 2])
 
     def _jacobian(self, chart: RigChart, theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "b n"]:
         """Of the residuals; the deviations stay as they are. Central differences: extrinsics move the rotations,
@@ -74,7 +74,7 @@ class Beams:
 
     def deviations(self, rig: StereoRig) -> Float[np.ndarray, "b"]:
         """Of the disparities less those that the distances ask for, pixels of the right camera."""
-        pull, finite = float(rig.right.matrix[0, 0]) * float(rig.baseline), np.isfinite(self.metres)
+        pull, finite = float(rig.right.focal[0]) * float(rig.baseline), np.isfinite(self.metres)
         return np.hypot(self.matching, pull * np.where(finite, self.sigma, 0.0) * self._nearness**2)
 
     @property

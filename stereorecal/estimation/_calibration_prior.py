@@ -9,11 +9,11 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from stereorecal.estimation._posterior import root
 from stereorecal.estimation._slopes import pixels_of, slopes_by_point, slopes_of
-from stereorecal.geometry import StereoRig, rotation_from_vector
+from stereorecal.geometry import StereoRig, rotation_between, rotation_from_vector
 from stereorecal.objectives import BASELINE, SIDES, RigChart
 
 _CORNER_NOISE = 0.2  # pixels, standard deviation of a corner in an image 640 wide
@@ -49,6 +49,8 @@ _KINDS = (
     _Views(6, (3.0, 12.0), 20.0, 0.2, (0.33, 0.5)),
     _Views(4, (3.0, 8.0), 15.0, 0.2, (0.25, 0.4)),
 )
+_AXIS = np.array([0.0, 0.0, 1.0])
+_AHEAD = 0.1  # cosine of the angle off the axis
 _CORNERS = (9, 6)
 _FEWEST = 20  # corners that both cameras see
 _SEED = 7
@@ -56,6 +58,7 @@ _WIDTH = 640
 # Never wider than what is physical.
 _WIDEST = {"f": 2.0, "aspect": 0.5, "cx": 15.0, "cy": 15.0, "k1": 0.05, "k2": 0.1, "p1": 0.005, "p2": 0.005, "k3": 0.1}
 _WIDEST |= dict.fromkeys(("s1", "s2", "s3", "s4"), 0.01)
+_WIDEST |= {"k4": 0.1, "xi": 0.05, "alpha": 0.05, "beta": 0.1}  # of wide lenses
 _WIDEST_ANGLE, _WIDEST_SHIFT, _WIDEST_LENGTH = 3.0, 5.0, 2.0  # degrees, percent of the baseline
 _LEAST_OVERLAP = 2.5  # over the relative disparity at which boards are still in both images
 SQUARES = 0.15  # percent: printed squares are off by so much, and the baseline's length with them
@@ -158,6 +161,7 @@ def _information(chart: RigChart, points: Float[np.ndarray, "b c 3"]) -> Float[n
     at = pixels_of(rig, points)
     width, height = rig.left.size
     seen = ((at >= 0.0) & (at <= np.array([width, height, width, height]) - 1.0)).all(axis=-1)
+    seen &= _ahead(rig, points)
     seen &= (seen.sum(axis=1) >= _FEWEST)[:, None]
     by_rig, by_pose = slopes_of(chart, np.zeros(chart.dim), points), _by_pose(rig, points)
     slopes = np.where(seen[..., None], np.concatenate([by_rig, by_pose]), 0.0)  # (n + 6, boards, corners, 4)
@@ -165,6 +169,12 @@ def _information(chart: RigChart, points: Float[np.ndarray, "b c 3"]) -> Float[n
     normal, n = boards @ boards.swapaxes(1, 2), chart.dim
     cross, own = normal[:, n:, :n], normal[:, n:, n:]
     return normal[:, :n, :n] - cross.swapaxes(1, 2) @ np.linalg.pinv(own, hermitian=True) @ cross
+
+
+def _ahead(rig: StereoRig, points: Float[np.ndarray, "*c 3"]) -> Bool[np.ndarray, "*c"]:
+    """Whether points are before both cameras, as those must be that have a ray (x/z, y/z, 1)."""
+    right = points @ rig.rotation.T + rig.translation
+    return np.minimum(points[..., 2], right[..., 2]) > _AHEAD * np.linalg.norm(points, axis=-1)
 
 
 def _boards(rig: StereoRig, views: _Views) -> Float[np.ndarray, "b c 3"]:
@@ -175,14 +185,18 @@ def _boards(rig: StereoRig, views: _Views) -> Float[np.ndarray, "b c 3"]:
     boards = []
     most = np.radians(views.tilt)
     # Telephoto rigs see boards with both cameras only from farther away.
-    farther = max(1.0, _LEAST_OVERLAP * float(rig.left.matrix[0, 0]) / width / views.depths[0])
+    farther = max(1.0, _LEAST_OVERLAP * float(rig.left.focal[0]) / width / views.depths[0])
     for _ in range(views.boards):
         depth = baseline * farther * draw.uniform(*views.depths)
-        square = depth * draw.uniform(*views.widths) * width / float(rig.left.matrix[0, 0]) / _CORNERS[0]
+        square = depth * draw.uniform(*views.widths) * width / float(rig.left.focal[0]) / _CORNERS[0]
         middle = (0.5 + draw.uniform(-views.beside, views.beside, 2)) * [width, height]
         tilt = rotation_from_vector(draw.uniform(-most, most, 3))
         corners = np.concatenate([square * flat, np.zeros((len(flat), 1))], axis=-1) @ np.asarray(tilt).T
-        boards.append(corners + depth * np.asarray(rig.left.rays(middle[None]))[0])
+        if rig.left.lens.WIDE:  # people turn the board to the camera, wherever it is in the image
+            ray = np.asarray(rig.left.directions(middle[None]))[0]
+            boards.append(corners @ rotation_between(_AXIS, ray).T + depth * ray)
+        else:
+            boards.append(corners + depth * np.asarray(rig.left.rays(middle[None]))[0])
     return np.stack(boards)
 
 

@@ -9,21 +9,20 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal.estimation._slopes import lens_parameters, moved_by_extrinsics
-from stereorecal.geometry import StereoRig, ray_slopes, rectifying_rotations, reread, same_camera
+from stereorecal.geometry import StereoRig, ray_slopes, rectifying_rotations, reread, same_camera, view
 from stereorecal.objectives import SIDES, RigChart
 
 DISTANCES = (5, 10, 30, 100)  # baselines
 _GRID = (9, 7)  # points of the left image
+_AHEAD = 0.1  # cosine of the angle off the axis
 _MARGIN = 0.05  # of the image, at each side
 
 
 def points_of_view(rig: StereoRig, distance: float) -> Float[np.ndarray, "p 3"]:
     """Points over the left image, at a distance along its axis in baselines, that both cameras see, or, where that
-    is too near for both, that the lens models reach; metres."""
+    is too near for both, that the lens models reach; metres. Of a wide lens, over what the rig's view shows of it."""
     width, height = rig.left.size
-    share = [np.linspace(_MARGIN, 1.0 - _MARGIN, n) for n in _GRID]
-    pixels = np.stack(np.meshgrid(*share), axis=-1).reshape(-1, 2) * [width - 1, height - 1]
-    rays = np.asarray(rig.left.rays(pixels))
+    rays = _rays_of_view(rig) if rig.left.lens.WIDE else np.asarray(rig.left.rays(_grid(rig.left.size)))
     points = rays * distance * float(rig.baseline)
     right = points @ rig.rotation.T + rig.translation
     ahead = (right[:, 2] > 0.0) & (np.hypot(rays[:, 0], rays[:, 1]) < float(rig.left.lens_radius))
@@ -32,6 +31,24 @@ def points_of_view(rig: StereoRig, distance: float) -> Float[np.ndarray, "p 3"]:
     seen = np.asarray(rig.right.project(at_1))
     by_both = ahead & inside & ((seen >= 0.0) & (seen <= np.array([width, height]) - 1.0)).all(axis=-1)
     return points[by_both] if by_both.any() else points[ahead & inside]
+
+
+def _grid(size: tuple[int, int]) -> Float[np.ndarray, "p 2"]:
+    """Pixels over an image."""
+    share = [np.linspace(_MARGIN, 1.0 - _MARGIN, n) for n in _GRID]
+    return np.stack(np.meshgrid(*share), axis=-1).reshape(-1, 2) * [size[0] - 1, size[1] - 1]
+
+
+def _rays_of_view(rig: StereoRig) -> Float[np.ndarray, "_ 3"]:
+    """Of the left camera, at depth 1: the corners of a fisheye's image lie on no plane, and nobody rectifies them."""
+    shown = view(rig)
+    flat = (_grid(shown.size) - [shown.centre_left, shown.centre_row]) / shown.focal
+    to_left, _ = rectifying_rotations(rig.rotation, rig.translation)
+    rays = np.column_stack([flat, np.ones(len(flat))]) @ to_left
+    rays = rays[rays[:, 2] > _AHEAD * np.linalg.norm(rays, axis=1)]
+    pixels = rig.left.project(rays)
+    inside = ((pixels >= 0.0) & (pixels <= np.array(rig.left.size) - 1.0)).all(axis=1)
+    return rays[inside] / rays[inside, 2:]
 
 
 def readings(
@@ -57,7 +74,7 @@ def readings(
 
 def _focal(used: StereoRig) -> float:
     """The mean focal length."""
-    return float(np.mean([camera.matrix[i, i] for camera in (used.left, used.right) for i in (0, 1)]))
+    return float(np.mean([used.left.focal, used.right.focal]))
 
 
 @dataclass(frozen=True, eq=False)

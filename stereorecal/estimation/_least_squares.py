@@ -17,6 +17,7 @@ from stereorecal.estimation._explanations import (
     linear_rows,
 )
 from stereorecal.estimation._groups import grouped
+from stereorecal.estimation._lens_field import within_field
 from stereorecal.estimation._measured import NOTHING_ELSE, Measured
 from stereorecal.estimation._misfit import COMMON, DEVIATIONS
 from stereorecal.estimation._posterior import Posterior, merged
@@ -82,7 +83,8 @@ def fit(
         if number and np.abs(step).max() < _SETTLED:  # from the second round on, groups that err alone have less say
             break
         # Where rows bend along what they hardly tell, whole steps go to and fro.
-        theta = theta + (0.5 if step @ last < 0.0 else 1.0) * step * deviations
+        move = (0.5 if step @ last < 0.0 else 1.0) * step * deviations
+        theta = theta + within_field(found, chart, theta, move)
         if number < _REGROUPED:
             groups = grouped(found, chart, theta)
         rows = linear_rows(groups, chart, theta, prior, measured)

@@ -12,12 +12,12 @@ from dataclasses import replace
 from stereorecal.geometry import StereoRig
 from stereorecal.objectives import EXTRINSICS, SIDES, Parameters, Reach, RigChart
 
-LENS = ("f", "aspect", "cx", "cy", "k1", "k2", "p1", "p2", "k3", "s1", "s2", "s3", "s4")
+MATRIX = ("f", "aspect", "cx", "cy")  # of each camera; the terms of its lens follow
 DRIFTING = EXTRINSICS  # what moves after a calibration; they are the first of θ
 
 
 def rig_parameters(rig: StereoRig) -> RigChart:
     """The map from θ (n,) to rigs around `rig`, which is θ = 0; the extrinsics come first."""
-    lenses = [f"{side}.{name}" for side in SIDES for name in LENS]
+    lenses = [f"{side}.{name}" for side in SIDES for name in (*MATRIX, *getattr(rig, side).lens.CALIBRATED)]
     every = Parameters(("extrinsics", "baseline", *lenses)).of(rig, Reach())
     return RigChart(rig, tuple(replace(parameter, sigma=1.0) for parameter in every), wide=1.0)

@@ -6,10 +6,6 @@ from stereorecal.geometry._axis_errors import (
     axis_errors as axis_errors,
 )
 from stereorecal.geometry._camera import Camera as Camera, same_camera as same_camera
-from stereorecal.geometry._distortion import (
-    distort as distort,
-    undistort as undistort,
-)
 from stereorecal.geometry._intrinsics import (
     camera_changes as camera_changes,
     changed_camera as changed_camera,
@@ -36,6 +32,7 @@ from stereorecal.geometry._so3 import (
     angle_between as angle_between,
     euler_from_rotation as euler_from_rotation,
     euler_slopes as euler_slopes,
+    rotation_between as rotation_between,
     rotation_from_euler as rotation_from_euler,
     rotation_from_vector as rotation_from_vector,
     vector_from_rotation as vector_from_rotation,
@@ -49,3 +46,5 @@ from stereorecal.geometry._warp import (
     pixel_map as pixel_map,
     rectifying_maps as rectifying_maps,
 )
+from stereorecal.geometry.lenses import LensModel as LensModel, lens_model as lens_model
+from stereorecal.geometry.lenses._radial_tangential import distort as distort, undistort as undistort

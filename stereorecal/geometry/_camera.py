@@ -1,4 +1,4 @@
-"""One camera: image size, pinhole matrix, distortion."""
+"""One camera: image size, camera matrix, lens."""
 
 from dataclasses import dataclass, field
 
@@ -8,29 +8,34 @@ from jaxtyping import Float
 from stereorecal._arrays import AnyArray, Mat3, is_host, namespace
 from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal._pytree import register_pytree
-from stereorecal.geometry._distortion import COEFFICIENT_COUNTS, distort, field_radius, undistort
+from stereorecal.geometry.lenses import LensModel, lens_model
 
 
 @register_pytree
 @dataclass(frozen=True, eq=False)
 class Camera:
-    """A pinhole camera with OpenCV distortion. Frame: x right, y down, z forward; pixel centres at integers.
+    """A camera with a lens. Frame: x right, y down, z forward; pixel centres at integers.
 
     Attributes:
         size: (width, height) in pixels.
         matrix: (3, 3) float64, OpenCV's camera matrix, in pixels.
-        distortion: (n,) float64, n in 0, 4, 5, 8, 12, 14, in OpenCV's order.
-        lens_radius: largest undistorted radius the lens model is good for; derived from the distortion by default.
+        distortion: (n,) float64, the coefficients of the model; of "radtan" n in 0, 4, 5, 8, 12, 14, in OpenCV's order.
+        lens_radius: largest undistorted radius, hypot(x/z, y/z), that the lens model is good for, 8 at most (83
+            degrees off the axis); derived from the distortion by default.
+        model: "radtan" (OpenCV's pinhole model), "equidistant" (`cv2.fisheye`: k1 k2 k3 k4), "ds" (double sphere: xi
+            alpha) or "eucm" (extended unified: alpha beta).
 
     Raises:
-        InputError: if the matrix is singular, negative, skewed or not finite, or the size is not positive.
-        UnsupportedModelError: if the number of coefficients is none of OpenCV's.
+        InputError: if the matrix is singular, negative, skewed or not finite, the size is not positive, or the
+            coefficients are none of a lens.
+        UnsupportedModelError: if the model is not known, or has not so many coefficients.
     """
 
     size: tuple[int, int] = field(metadata={"static": True})
     matrix: Mat3
     distortion: Float[AnyArray, "n"] = field(default_factory=lambda: np.zeros(0))
     lens_radius: float | Float[AnyArray, ""] = float("nan")
+    model: str = field(default="radtan", kw_only=True, metadata={"static": True})
 
     def __post_init__(self) -> None:
         if not is_host(self.matrix, self.distortion):
@@ -48,15 +53,28 @@ class Camera:
         if matrix[0, 1] != 0 or matrix[1, 0] != 0:
             raise InputError("the camera matrix has skew, which is not supported; recalibrate without skew.")
         _check_plausible(self.size, matrix, distortion)
-        if distortion.size not in COEFFICIENT_COUNTS:
+        lens = lens_model(self.model)
+        if distortion.size not in lens.COUNTS:
             raise UnsupportedModelError(
-                f"a distortion of {distortion.size} coefficients is not supported; give OpenCV's 0, 4, 5, 8, 12 or 14."
+                f"a distortion of {distortion.size} coefficients is not supported; give those of {lens.ABOUT}."
             )
+        lens.check(distortion)
         object.__setattr__(self, "size", (int(self.size[0]), int(self.size[1])))
         object.__setattr__(self, "matrix", matrix)
         object.__setattr__(self, "distortion", distortion)
         if np.isnan(self.lens_radius):
-            object.__setattr__(self, "lens_radius", np.float64(field_radius(distortion)))
+            object.__setattr__(self, "lens_radius", np.float64(lens.flat_radius(distortion)))
+
+    @property
+    def lens(self) -> LensModel:
+        """The functions of its model."""
+        return lens_model(self.model)
+
+    @property
+    def focal(self) -> Float[np.ndarray, "2"]:
+        """Pixels that a radian takes in the middle of the image, along x and y: the resolution there. The focal lengths
+        of the matrix, but of double spheres."""
+        return self.lens.magnification(np.asarray(self.distortion)) * np.asarray(self.matrix)[(0, 1), (0, 1)]
 
     def resized(self, size: tuple[int, int]) -> "Camera":
         """The camera of the same image resampled to `size` (area convention: pixel corners stay corners)."""
@@ -64,20 +82,44 @@ class Camera:
         matrix = self.matrix * scale[:, None]
         centre = (np.asarray(self.matrix)[:2, 2] + 0.5) * scale[:2] - 0.5
         matrix[:2, 2] = centre
-        return Camera(size, matrix, self.distortion, self.lens_radius)
+        return Camera(size, matrix, self.distortion, self.lens_radius, model=self.model)
 
     def project(self, points: Float[AnyArray, "*n 3"]) -> Float[AnyArray, "*n 2"]:
-        """Points in the camera frame (any unit, z > 0) to pixels."""
-        distorted = distort(points[..., :2] / points[..., 2:], self.distortion)
+        """Points in the camera frame (any unit; z > 0, unless the lens is wide) to pixels."""
+        xp = namespace(points, self.distortion)
+        x, y, z = points[..., :1], points[..., 1:2], points[..., 2:]  # arrays, of one point too
+        image = xp.concatenate(self.lens.project(x, y, z, self.distortion), axis=-1)
         focal = self.matrix[(0, 1), (0, 1)]
-        return distorted * focal + self.matrix[:2, 2]
+        return image * focal + self.matrix[:2, 2]
 
     def rays(self, pixels: Float[AnyArray, "*n 2"]) -> Float[AnyArray, "*n 3"]:
-        """Pixels to rays (x/z, y/z, 1) in the camera frame; float64 for NumPy arrays, else float32."""
-        focal = self.matrix[(0, 1), (0, 1)]
-        normalised = undistort((pixels - self.matrix[:2, 2]) / focal, self.distortion)
-        xp = namespace(normalised)
-        return xp.concatenate([normalised, xp.ones_like(normalised[..., :1])], axis=-1)
+        """Pixels to rays (x/z, y/z, 1) in the camera frame; float64 for NumPy arrays, else float32. NaN where a wide
+        lens looks 90 degrees off its axis and more; `directions` has no such limit."""
+        return self.flat_rays((pixels - self.matrix[:2, 2]) / self.matrix[(0, 1), (0, 1)])
+
+    def flat_rays(
+        self, points: Float[AnyArray, "*n 2"], start: Float[np.ndarray, "*n 2"] | None = None
+    ) -> Float[AnyArray, "*n 3"]:
+        """`rays` of image points: pixels less the principal point, over the focal lengths.
+
+        Args:
+            start: of NumPy arrays: (x/z, y/z) near the answer, if it is known.
+        """
+        found = self.lens.unproject(points, self.distortion, start)
+        if not self.lens.WIDE:
+            return found
+        xp, z = namespace(found), found[..., 2:]
+        return xp.where(z > _FLATTEST, found / xp.where(z > _FLATTEST, z, 1.0), xp.nan)
+
+    def directions(self, pixels: Float[AnyArray, "*n 2"]) -> Float[AnyArray, "*n 3"]:
+        """Pixels to unit vectors in the camera frame; float64 for NumPy arrays, else float32. NaN where the lens shows
+        nothing."""
+        found = self.lens.unproject((pixels - self.matrix[:2, 2]) / self.matrix[(0, 1), (0, 1)], self.distortion)
+        xp = namespace(found)
+        return found / xp.sqrt(xp.sum(found * found, axis=-1, keepdims=True))
+
+
+_FLATTEST = 1e-3  # cosine of the angle off the axis: beyond, a ray (x/z, y/z, 1) has no meaning
 
 
 # Beyond these no lens is, and nothing that is computed of one has a meaning.
@@ -106,4 +148,5 @@ def _check_plausible(size: tuple[int, int], matrix: np.ndarray, distortion: np.n
 def same_camera(one: Camera, other: Camera) -> bool:
     """Whether two cameras have equal intrinsics; coefficients that are zero at the end make no other lens."""
     lens, other_lens = (np.trim_zeros(np.asarray(camera.distortion), "b") for camera in (one, other))
-    return np.array_equal(one.matrix, other.matrix) and np.array_equal(lens, other_lens)
+    alike = one.model == other.model and np.array_equal(lens, other_lens)
+    return alike and np.array_equal(one.matrix, other.matrix)

@@ -1,15 +1,15 @@
 """Changes of a camera's intrinsics, and how the ray of a pixel moves with them."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Float
 
+from stereorecal._errors import InputError
 from stereorecal.geometry._camera import Camera
-from stereorecal.geometry._distortion import COEFFICIENT_COUNTS, distort_planes, undistort
+from stereorecal.geometry.lenses import LensModel
 
-_COEFFICIENTS = ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6", "s1", "s2", "s3", "s4")
 _TINY = 1e-30
 
 
@@ -18,19 +18,23 @@ def changed_camera(camera: Camera, changes: Mapping[str, float]) -> Camera:
 
     Args:
         changes: "f", "aspect": by which the logarithms of both focal lengths, or of fy alone, grow; "cx", "cy": pixels;
-            "k1", "k2", "p1", "p2", "k3", … "s4": added to the coefficients. A lens model of fewer coefficients grows.
+            the terms of the lens model, "k1", "k2", …: added to the coefficients. A model of fewer coefficients grows.
+
+    Raises:
+        InputError: if its lens model has no such term, or it is none of a lens.
     """
     changes = {name: change for name, change in changes.items() if change}  # nothing grows for a change of nothing
     matrix = np.array(camera.matrix, float)
     matrix[0, 0] *= np.exp(changes.get("f", 0.0))
     matrix[1, 1] *= np.exp(changes.get("f", 0.0) + changes.get("aspect", 0.0))
     matrix[:2, 2] += [changes.get("cx", 0.0), changes.get("cy", 0.0)]
-    coefficients = _long_enough(np.array(camera.distortion, float), changes)
-    for index, name in enumerate(_COEFFICIENTS[: coefficients.size]):
+    _check_terms(camera.lens, changes)
+    coefficients = _long_enough(camera.lens, np.array(camera.distortion, float), changes)
+    for index, name in enumerate(camera.lens.TERMS[: coefficients.size]):
         coefficients[index] += changes.get(name, 0.0)
     if np.array_equal(coefficients, camera.distortion):
         return replace(camera, matrix=matrix)
-    return Camera(camera.size, matrix, coefficients)
+    return Camera(camera.size, matrix, coefficients, model=camera.model)
 
 
 def intrinsic(camera: Camera, name: str) -> float:
@@ -40,23 +44,41 @@ def intrinsic(camera: Camera, name: str) -> float:
     of_matrix = {"f": matrix[0, 0], "aspect": matrix[1, 1] / matrix[0, 0], "cx": matrix[0, 2], "cy": matrix[1, 2]}
     if name in of_matrix:
         return float(of_matrix[name])
-    index = _COEFFICIENTS.index(name)
+    _check_terms(camera.lens, (name,))
+    index = camera.lens.TERMS.index(name)
     return float(camera.distortion[index]) if index < len(camera.distortion) else 0.0
 
 
 def camera_changes(camera: Camera, changed: Camera) -> dict[str, float]:
-    """The changes by which `changed_camera` makes one camera from another, all of them."""
+    """The changes by which `changed_camera` makes one camera from another of the same lens model, all of them."""
     ratios = np.log(np.diag(changed.matrix)[:2] / np.diag(camera.matrix)[:2])
     centre = np.asarray(changed.matrix)[:2, 2] - np.asarray(camera.matrix)[:2, 2]
-    here, there = (_long_enough(np.array(one.distortion, float), _COEFFICIENTS) for one in (camera, changed))
-    coefficients = zip(_COEFFICIENTS, there - here, strict=False)
+    terms = camera.lens.TERMS
+    here, there = (_long_enough(camera.lens, np.array(one.distortion, float), terms) for one in (camera, changed))
+    coefficients = zip(terms, there - here, strict=False)
     named = {"f": ratios[0], "aspect": ratios[1] - ratios[0], "cx": centre[0], "cy": centre[1], **dict(coefficients)}
     return {name: float(change) for name, change in named.items()}
 
 
-def _long_enough(coefficients: Float[np.ndarray, "n"], names: Mapping[str, float] | Sequence[str]):
-    needed = max((1 + _COEFFICIENTS.index(name) for name in names if name in _COEFFICIENTS), default=0)
-    length = next(count for count in COEFFICIENT_COUNTS if count >= max(needed, coefficients.size))
+_OF_MATRIX = ("f", "aspect", "cx", "cy")
+
+
+def _check_terms(lens: LensModel, names: Iterable[str]) -> None:
+    """Refuse what the lens model does not have.
+
+    Raises:
+        InputError: if there is a name that is no term of it.
+    """
+    for name in names:
+        if name not in _OF_MATRIX and name not in lens.TERMS:
+            raise InputError(
+                f"{name} is no term of the lens model {lens.NAME!r}; it has {', '.join((*_OF_MATRIX, *lens.TERMS))}."
+            )
+
+
+def _long_enough(lens: LensModel, coefficients: Float[np.ndarray, "n"], names: Iterable[str]) -> Float[np.ndarray, "m"]:
+    needed = max((1 + lens.TERMS.index(name) for name in names if name in lens.TERMS), default=0)
+    length = next(count for count in lens.COUNTS if count >= max(needed, coefficients.size))
     return np.concatenate([coefficients, np.zeros(length - coefficients.size)])
 
 
@@ -65,8 +87,7 @@ def reread(rays: Float[np.ndarray, "*n 3"], true: Camera, read: Camera) -> Float
     rays = np.asarray(rays, float)
     points = rays[..., :2] / rays[..., 2:]
     goals = (true.project(rays) - read.matrix[:2, 2]) / read.matrix[(0, 1), (0, 1)]
-    points = undistort(goals, np.asarray(read.distortion), start=points)
-    return np.concatenate([points, np.ones_like(points[..., :1])], axis=-1)
+    return np.asarray(read.flat_rays(goals, start=points))
 
 
 def ray_slopes(camera: Camera, rays: Float[np.ndarray, "*n 3"], names: Sequence[str]) -> Float[np.ndarray, "p *n 2"]:
@@ -87,16 +108,18 @@ def pixel_slopes(
     `changed_camera` knows."""
     rays = np.asarray(rays, float)
     points = (rays[..., :2] / rays[..., 2:]).reshape(-1, 2)
-    coefficients = _long_enough(np.array(camera.distortion, float), _COEFFICIENTS[:4])
-    coefficients = _long_enough(coefficients, names)
-    lens = [index for index, name in enumerate(_COEFFICIENTS) if name in names]
+    terms = camera.lens.TERMS
+    coefficients = _long_enough(camera.lens, np.array(camera.distortion, float), (*terms[:4], *names))
+    lens = [index for index, name in enumerate(terms) if name in names]
     # Complex steps (Squire & Trapp 1998), all at once: derivatives without a difference, exact.
     steps = _TINY * 1j * np.eye(2 + coefficients.size)[[0, 1, *(2 + index for index in lens)]]
     lenses = (coefficients + steps[:, 2:]).T[..., None]
-    ends = np.stack(distort_planes(points[:, 0] + steps[:, :1], points[:, 1] + steps[:, 1:2], lenses), axis=-1)
+    ends = np.stack(
+        camera.lens.project(points[:, 0] + steps[:, :1], points[:, 1] + steps[:, 1:2], 1.0, lenses), axis=-1
+    )
     focal = np.asarray(camera.matrix)[(0, 1), (0, 1)]
     slopes = np.imag(ends) / _TINY * focal
-    of_name = dict(zip((_COEFFICIENTS[index] for index in lens), slopes[2:], strict=True))
+    of_name = dict(zip((terms[index] for index in lens), slopes[2:], strict=True))
     of_name |= {"f": np.real(ends[0]) * focal, "aspect": np.real(ends[0]) * focal * [0, 1]}
     of_name |= {"cx": np.broadcast_to([1.0, 0.0], points.shape), "cy": np.broadcast_to([0.0, 1.0], points.shape)}
     moved = np.stack([of_name[name] for name in names]) if names else np.zeros((0, *points.shape))

@@ -6,12 +6,14 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal._arrays import AnyArray, Mat3, Vec3, namespace
+from stereorecal._errors import InputError
 from stereorecal._pytree import register_pytree
 from stereorecal.geometry._camera import Camera
 from stereorecal.geometry._rig import StereoRig
 from stereorecal.geometry._so3 import rotation_between, rotation_from_vector, vector_from_rotation
 
 _TINY = 1e-30
+_WIDEST = 165.0  # degrees
 
 
 def rectifying_rotations(rotation: Mat3, translation: Vec3) -> tuple[Mat3, Mat3]:
@@ -96,21 +98,38 @@ class View:
         return View(size, self.focal * scale, *centres)
 
 
-def view(rig: StereoRig, *, zero_disparity: bool = True) -> View:
+def view(rig: StereoRig, *, zero_disparity: bool = True, field: float | None = None) -> View:
     """The default View of a rig, at the size of its left image.
 
     Focal length: as long as keeps the middles of all four borders of both undistorted images inside, but between
     0.7 and 1 times the mean focal length of the cameras, so that nothing is magnified and wide lenses do not shrink
-    the middle away. Centre: the image centres of both cameras, undistorted and rotated into the rectified frame,
-    project on average to the centre of the view; with `zero_disparity` both share one principal column (points at
-    infinity have disparity 0), else each camera's own centre lies in the middle.
+    the middle away; of fisheyes and other wide models 1, the widest that keeps the resolution of the middle. Centre:
+    the image centres of both cameras, undistorted and rotated into the rectified frame, project on average to the
+    centre of the view; with `zero_disparity` both share one principal column (points at infinity have disparity 0),
+    else each camera's own centre lies in the middle.
 
     The focal length depends on the intrinsics alone, so no zoom follows the extrinsics.
+
+    The view is a pinhole's: it shows 97 degrees of a fisheye of 130, and 118 of one of 190. More of the field costs
+    resolution in the middle.
+
+    Args:
+        field: the width of the view in degrees, below 165, in place of the focal length above.
+
+    Raises:
+        InputError: if the field makes no sense.
     """
     width, height = rig.left.size
-    mean_focal = float(np.prod([camera.matrix[i, i] for camera in (rig.left, rig.right) for i in (0, 1)]) ** 0.25)
+    mean_focal = float(np.prod([rig.left.focal, rig.right.focal]) ** 0.25)
     edge_focal = min(_edge_focal(camera) for camera in (rig.left, rig.right))
-    focal = float(np.clip(edge_focal, 0.7 * mean_focal, mean_focal))
+    wide = rig.left.lens.WIDE or rig.right.lens.WIDE
+    focal = float(np.clip(edge_focal, (1.0 if wide else 0.7) * mean_focal, mean_focal))
+    if field is not None:
+        if not 0.0 < field < _WIDEST:
+            raise InputError(
+                f"a field of {field:g} degrees makes no pinhole view; give more than 0 and less than {_WIDEST:g}."
+            )
+        focal = 0.5 * width / float(np.tan(0.5 * np.radians(field)))
     rotations = rectifying_rotations(rig.rotation, rig.translation)
     columns, rows = [], []
     for camera, rotation in zip((rig.left, rig.right), rotations, strict=True):
@@ -132,5 +151,6 @@ def _edge_focal(camera: Camera) -> float:
     pixels = np.array([[cx, cy], [0, cy], [w - 1, cy], [cx, 0], [cx, h - 1]], float)
     rays = np.asarray(camera.rays(pixels), float)
     offset = np.abs(rays[1:, :2] - rays[0, :2])
+    offset = np.where(np.isnan(offset), np.inf, offset)  # 90 degrees off the axis, and more
     horizontal, vertical = offset[:2, 0].max(), offset[2:, 1].max()
     return float(min(0.5 * w / horizontal, 0.5 * h / vertical))

@@ -98,15 +98,17 @@ class StereoRig:
         size: tuple[int, int],
         *,
         unit: str = "m",
+        model: str = Camera.model,
     ) -> "StereoRig":
-        """A rig from what `cv2.stereoCalibrate` returns.
+        """A rig from what `cv2.stereoCalibrate`, or, with another model, `cv2.fisheye.stereoCalibrate` returns.
 
         Args:
             K1, K2: (3, 3) camera matrices of the left and the right camera, in pixels.
-            D1, D2: distortion coefficients in OpenCV's order, of any shape; None for none.
+            D1, D2: distortion coefficients in OpenCV's order, of any shape; None for none, but of "radtan" only.
             R, T: (3, 3) and three numbers, with `x_right = R x_left + T`.
             size: (width, height) of the images in pixels.
             unit: of T, which is that of the chessboard's squares: "m", "cm", "mm" or "in".
+            model: of both lenses, as `Camera` has it: "equidistant" for `cv2.fisheye`.
 
         Raises:
             InputError: as `Camera`, `StereoRig` and `from_rotation`; or if a matrix has another shape, as where K and D
@@ -123,7 +125,8 @@ class StereoRig:
                     "in this order."
                 )
         left, right = (
-            Camera(size, np.asarray(K), np.zeros(0) if D is None else np.ravel(D)) for K, D in ((K1, D1), (K2, D2))
+            Camera(size, np.asarray(K), np.zeros(0) if D is None else np.ravel(D), model=model)
+            for K, D in ((K1, D1), (K2, D2))
         )
         translation = np.ravel(np.asarray(T, float))
         if translation.shape != (3,) or np.shape(R) != (3, 3):

@@ -10,13 +10,15 @@ from stereorecal.geometry._rig import StereoRig
 
 
 def rig_as_data(rig: StereoRig) -> dict[str, Any]:
-    """Lists and numbers: of each camera size, matrix and distortion, and the extrinsics in rad and metres."""
+    """Lists and numbers: of each camera size, matrix, distortion and model (left out if radtan), and the extrinsics
+    in rad and metres."""
     sides = {"left": rig.left, "right": rig.right}
     cameras = {
         side: {
             "size": list(camera.size),
             "matrix": np.asarray(camera.matrix, float).tolist(),
             "distortion": np.asarray(camera.distortion, float).tolist(),
+            **({} if camera.model == Camera.model else {"model": camera.model}),
         }
         for side, camera in sides.items()
     }
@@ -40,4 +42,5 @@ def rig_from_data(data: Any) -> StereoRig:
 
 def _camera(data: Any) -> Camera:
     width, height = data["size"]
-    return Camera((int(width), int(height)), np.array(data["matrix"], float), np.array(data["distortion"], float))
+    matrix, distortion = (np.array(data[name], float) for name in ("matrix", "distortion"))
+    return Camera((int(width), int(height)), matrix, distortion, model=data.get("model", Camera.model))

@@ -20,6 +20,7 @@ def _alike(one: Camera, other: Camera) -> bool:
     lenses = [np.concatenate([c.distortion, np.zeros(length - c.distortion.size)]) for c in (one, other)]
     return (
         one.size == other.size
+        and one.model == other.model
         and np.allclose(one.matrix, other.matrix, rtol=_SAME)
         and np.allclose(*lenses, rtol=_SAME, atol=1e-15)
     )

@@ -8,7 +8,6 @@ from jaxtyping import Bool, Float
 
 from stereorecal._arrays import AnyArray, Mat3
 from stereorecal.geometry._camera import Camera
-from stereorecal.geometry._distortion import distort_planes
 from stereorecal.geometry._rectification import View, rectifying_rotations
 
 PixelMap = Float[AnyArray, "2 h w"]  # a plane of columns x and one of rows y
@@ -17,8 +16,9 @@ PixelMap = Float[AnyArray, "2 h w"]  # a plane of columns x and one of rows y
 def pixel_map(camera: Camera, rotation: Mat3, matrix: Mat3, size: tuple[int, int]) -> PixelMap:
     """Where each pixel of a rectified view comes from in the camera's image: (2, h, w), columns x and rows y.
 
-    Same as `cv2.initUndistortRectifyMap(K, D, rotation, matrix, size)`, float32, except that pixels behind the
-    camera or beyond the radius at which the lens model folds back lie at (-1, -1), outside every image.
+    Same as `initUndistortRectifyMap(K, D, rotation, matrix, size)` of `cv2`, or of `cv2.fisheye` for an equidistant
+    lens, float32, except that pixels behind the camera or beyond the radius at which the lens model folds back lie at
+    (-1, -1), outside every image.
 
     Args:
         rotation: (3, 3) camera frame to rectified frame.
@@ -36,7 +36,7 @@ def pixel_map(camera: Camera, rotation: Mat3, matrix: Mat3, size: tuple[int, int
     inverse_z = 1.0 / jnp.where(forward, ray_z, 1.0)
     x, y = ray_x * inverse_z, ray_y * inverse_z
     seen = forward & (x * x + y * y < camera.lens_radius**2)
-    planes = distort_planes(x, y, camera.distortion)
+    planes = camera.lens.project(x, y, 1.0, camera.distortion)
     return jnp.stack(
         [jnp.where(seen, p * camera.matrix[i, i] + camera.matrix[i, 2], -1.0) for i, p in enumerate(planes)]
     )

@@ -72,7 +72,8 @@ def load(path: str | Path, rig: StereoRig | None = None) -> State:
 
 def _alike(one: StereoRig, other: StereoRig) -> bool:
     """Whether two calibrations are one, which may have been written with some digits less."""
-    return np.allclose(_numbers(one), _numbers(other), rtol=1e-6, atol=1e-6)
+    lenses = [(rig.left.model, rig.right.model) for rig in (one, other)]
+    return lenses[0] == lenses[1] and np.allclose(_numbers(one), _numbers(other), rtol=1e-6, atol=1e-6)
 
 
 def _numbers(rig: StereoRig) -> np.ndarray:

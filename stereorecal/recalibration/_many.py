@@ -156,6 +156,7 @@ def check_shared(scenes: Sequence[Scene], free: Parameters, extrinsics: str) -> 
     if not free.shared or not rigs:
         return
     first = rigs[0]
+    free.check(first)
     for scene in scenes:
         rig = scene.rig
         if rig is not None and not (same_camera(rig.left, first.left) and same_camera(rig.right, first.right)):

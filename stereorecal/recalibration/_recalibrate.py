@@ -90,6 +90,7 @@ def recalibrate(
     images, reach = pyramid(rig, pairs, view), as_reach(reach)
     schedule, budget, asked = as_schedule(schedule), as_budget(budget), as_matcher(matcher)
     free = with_ranges(as_parameters(free), ranges)
+    free.check(rig)
     ranges = resolved_ranges(ranges, [("", images.pairs)])
     check_schedule(schedule, free)
     check_motion(motion, len(images.pairs), prior)

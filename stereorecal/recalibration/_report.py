@@ -198,5 +198,9 @@ def _calibration(rig: StereoRig) -> dict[str, Any]:
         for key, name in (("K", "matrix"), ("D", "distortion"))
         for side in ("left", "right")
     }
-    about = {"image_size": list(rig.left.size), **cameras, "distortion_model": "opencv"}
+    about = {
+        "image_size": list(rig.left.size),
+        **cameras,
+        "distortion_model": "opencv" if rig.left.model == "radtan" else rig.left.model,
+    }
     return plain({**about, "R": np.asarray(rig.rotation), "T": np.asarray(rig.translation)})

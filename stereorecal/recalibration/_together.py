@@ -204,4 +204,4 @@ def _not_solved(repair: Solution, free: Parameters) -> Intrinsics:
     missing = np.full(len(parameters), np.nan)
     names, units = tuple(one.name for one in parameters), tuple(one.unit for one in parameters)
     nan = float("nan")
-    return Intrinsics(IntrinsicsOutcome.NOT_SOLVED, names, units, missing, missing, names, nan, nan, nan, nan, 0.0, nan)
+    return Intrinsics(IntrinsicsOutcome.NOT_SOLVED, names, units, missing, missing, names, nan, nan, 0.0, nan)

@@ -90,7 +90,7 @@ def _rendered(drive: Drive, place: int) -> Images:
         for side in (0, 1):
             time = number + (drive.late[frame] if side else 0.0)
             shown = replace(world, patches=(*world.patches, *(patch.moved(time * way) for patch, way in moving)))
-            focal = float(cameras[side].matrix[0, 0])
+            focal = float(cameras[side].focal[0])
             rays = world_rays(course.pose(time), rig, side, directions[side], focal, samples=1)
             falling = np.random.default_rng([drive.seed, frame, side, 1])
             light = radiance(shown, rays, time * _SECONDS_PER_FRAME)

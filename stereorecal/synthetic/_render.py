@@ -54,7 +54,7 @@ def render(
     # The optical axis of a real lens misses the middle of the sensor by a few percent.
     centres = [_middle(camera) * (1.0 + draw.uniform(-0.04, 0.04, 2)) for camera in cameras]
     directions = [supersampled_rays(camera) for camera in cameras]
-    focals = [float(camera.matrix[0, 0]) for camera in cameras]
+    focals = [float(camera.focal[0]) for camera in cameras]
 
     def photograph(frame: int, side: int) -> Texture:
         rays = world_rays(world.motion.pose(frame), rig, side, directions[side], focals[side])

@@ -105,7 +105,7 @@ SCENES: dict[str, tuple[Spoil, str]] = {
     "no rotation": (calibration(R=entry(2, 2, -1.0)), "R is not a rotation"),
     "swapped calibration": (calibration(T=lambda t: [-v for v in t]), "left and right are swapped"),
     "swapped images": (swap_images, "look swapped"),
-    "fisheye": (calibration(distortion_model="fisheye"), "distortion model 'fisheye' is not supported"),
+    "unknown lens": (calibration(distortion_model="fov"), "distortion model 'fov' is not supported"),
     "odd coefficients": (calibration(D_left=[0.1, 0.2, 0.3]), "distortion of 3 coefficients is not supported"),
     "no calibration": (
         calibration(K_left=None, K_right=None, D_left=None, D_right=None, R=None, T=None),

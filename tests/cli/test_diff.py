@@ -86,7 +86,7 @@ def spoiled(folder: Path, **keys: object) -> Path:
         ({"image_size": [320, 240]}, "the calibrations are for left images of 160x120 and of 320x240; resize one"),
         ({"K_left": None, "K_right": None}, "calib.json: the camera matrices are null"),
         ({"T": [0, 0, 0]}, "the baseline is zero"),
-        ({"distortion_model": "fisheye"}, "'fisheye' is not supported"),
+        ({"distortion_model": "fov"}, "'fov' is not supported"),
     ],
 )
 def test_bad_calibrations(command, clean_scene: Path, folder: Path, tmp_path: Path, keys: dict, message: str):

@@ -102,7 +102,7 @@ def test_no_common_time(tmp_path: Path):
     ("old", "new", "words"),
     [
         ("camera_model: pinhole", "camera_model: omni", "the camera model 'omni'"),
-        ("radial-tangential", "equidistant", "distortion model 'equidistant'"),
+        ("radial-tangential", "fov", "distortion model 'fov'"),
         ("-3.55590700e-05]", "-3.5e-05, 0, 0]", "distortion of 6 coefficients"),
     ],
 )

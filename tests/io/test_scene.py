@@ -123,8 +123,16 @@ def test_names_of_the_pinhole_model(make: Make, model: Any):
 
 @pytest.mark.parametrize(
     "model",
-    ["equidistant", "fisheye", "opencv_fisheye", "OpenCV (fisheye)", "kb4", "ds", "omni", "eucm", "fov", 4],
+    ["equidistant", "fisheye", "opencv_fisheye", "OpenCV (fisheye)", "kb4", "equidistant (Kannala-Brandt k1 k2 k3 k4)"],
 )
+def test_names_of_opencvs_fisheye(make: Make, model: Any):
+    rig = load_scene(make(distortion_model=model, D_left=[0.1, 0, 0, 0], D_right=[0, 0, 0, 0])).rig
+    assert rig is not None
+    assert rig.left.model == rig.right.model == "equidistant"
+    refused_scene(make(distortion_model=model, D_left=[0.1, 0, 0, 0, 0]), "5 coefficients", UnsupportedModelError)
+
+
+@pytest.mark.parametrize("model", ["omni", "opencv omni", "equirectangular", "fov", 4])
 def test_other_models_are_unsupported(make: Make, model: Any):
     refused_scene(make(distortion_model=model), "distortion model .* is not supported", UnsupportedModelError)
 

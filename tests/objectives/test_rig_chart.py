@@ -14,9 +14,10 @@ from stereorecal.objectives._parameters import GROUPS, NAMES
 from stereorecal.scoring import Correspondences
 
 RIG = sr.synthetic.default_rig()
-ALL = Parameters(NAMES)
+# Of radial-tangential lenses.
+ALL = Parameters(tuple(name for name in NAMES if name.rpartition(".")[2] not in ("k4", "xi", "alpha", "beta")))
 CHART = row_chart(RIG, Reach(), ALL)
-in_box = st.tuples(*[st.floats(-0.3, 0.3)] * len(NAMES)).map(np.array)
+in_box = st.tuples(*[st.floats(-0.3, 0.3)] * len(ALL.names)).map(np.array)
 
 
 def seen(rig: sr.StereoRig, seed: int = 0, points: int = 60) -> Correspondences:

@@ -10,7 +10,7 @@ from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._about import about
 from stereorecal.io._json import strict_json_text
 from stereorecal.io.formats._format import Documents, Hints, Target
-from stereorecal.io.formats._lenses import check_model, coefficients, pinhole_matrix, pinhole_numbers
+from stereorecal.io.formats._lenses import check_model, coefficients, has_lens, pinhole_matrix, pinhole_numbers
 from stereorecal.io.formats._numbers import image_size, numbers, value
 from stereorecal.io.formats._poses import Pose, inverse, left_to_right, pose, rig_of
 from stereorecal.io.formats.text._document import Syntax
@@ -24,7 +24,15 @@ UNIT = "m"
 
 _PLACE, _TURN = ("px", "py", "pz"), ("qx", "qy", "qz", "qw")
 _PINHOLE = ("fx", "fy", "cx", "cy")
-_MODELS = {"pinhole": (), "pinhole-radtan8": ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6")}
+_RADTAN8 = "pinhole-radtan8"
+_MODELS = {
+    "pinhole": (),
+    _RADTAN8: ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"),
+    "kb4": ("k1", "k2", "k3", "k4"),
+    "ds": ("xi", "alpha"),
+    "eucm": ("alpha", "beta"),
+}
+_LENSES = {"kb4": "equidistant", "ds": "ds", "eucm": "eucm"}  # the others are OpenCV's
 # What Basalt's reader insists on; the numbers of an IMU that nobody has measured are those of its EuRoC example.
 _IMU = {
     "calib_accel_bias": [0.0] * 9,
@@ -68,7 +76,7 @@ def _camera(content: Mapping[str, Any], index: int) -> Camera:
     params = value(stated, "intrinsics")
     matrix = pinhole_matrix(np.array([float(numbers(params, key, ())) for key in _PINHOLE]))
     lens = np.array([float(numbers(params, key, ())) for key in _MODELS[model]])
-    return Camera(size, matrix, lens)
+    return Camera(size, matrix, lens, model=_LENSES.get(model, Camera.model))
 
 
 def _pose(content: Mapping[str, Any], index: int) -> Pose:
@@ -83,12 +91,16 @@ def _pose(content: Mapping[str, Any], index: int) -> Pose:
 
 def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:
     """One file, with the left camera in the place of the IMU."""
-    straight = not any(np.any(np.asarray(camera.distortion)) for camera in (rig.left, rig.right))
-    model = "pinhole" if straight else "pinhole-radtan8"
-    lens = dict.fromkeys(_PINHOLE + _MODELS[model] + (() if straight else ("rpmax",)), 0.0)
+    of_radtan = _RADTAN8 if has_lens(rig) else "pinhole"
+    types = {model: name for name, model in _LENSES.items()}
+    names = [types.get(camera.model, of_radtan) for camera in (rig.left, rig.right)]
+    # Ones are numbers of every lens, so that what is blank can be read.
+    lenses = [
+        dict.fromkeys(_PINHOLE + _MODELS[name], 1.0) | ({"rpmax": 0.0} if name == _RADTAN8 else {}) for name in names
+    ]
     cameras = {
         "T_imu_cam": [dict.fromkeys(_PLACE + _TURN[:3], 0.0) | {"qw": 1.0} for _ in range(2)],
-        "intrinsics": [{"camera_type": model, "intrinsics": lens} for _ in range(2)],
+        "intrinsics": [{"camera_type": name, "intrinsics": lens} for name, lens in zip(names, lenses, strict=True)],
         "resolution": [list(camera.size) for camera in (rig.left, rig.right)],
     }
     return (strict_json_text({"value0": cameras | _IMU}),)
@@ -106,10 +118,13 @@ def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
     values: dict[Keys, Any] = {("value0", "T_imu_cam", 1, key): number for key, number in place}
     for index, camera, wanted in ((0, rig.left, target.left), (1, rig.right, target.right)):
         if wanted:
-            names = _MODELS[content["intrinsics"][index]["camera_type"]]
-            lens = coefficients(camera, (len(names),), "Basalt's model", "opencv, ros or depthai").tolist()
-            params = dict(zip(_PINHOLE + names, [*pinhole_numbers(camera), *lens], strict=True))
-            if names:
+            kind = content["intrinsics"][index]["camera_type"]
+            names = _MODELS[kind]
+            lens = np.asarray(camera.distortion)
+            if kind not in _LENSES:
+                lens = coefficients(camera, (len(names),), "Basalt's model", "opencv, ros or depthai")
+            params = dict(zip(_PINHOLE + names, [*pinhole_numbers(camera), *lens.tolist()], strict=True))
+            if kind == _RADTAN8:
                 params["rpmax"] = float(camera.lens_radius)
             values |= {("value0", "intrinsics", index, "intrinsics", key): number for key, number in params.items()}
     return (document.changed(values),)

@@ -26,6 +26,7 @@ UNIT = "cm"
 _STEREO, _NOWHERE, _VIEW = "stereoRectificationData", -1, View(alpha=0.0)
 _SOCKETS = {"leftCameraSocket": 1, "rightCameraSocket": 2}
 _EYE = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+_PERSPECTIVE, _FISHEYE = 0, 1  # cameraType; a fisheye is OpenCV's, and uses the first four coefficients
 _ZERO = {"x": 0.0, "y": 0.0, "z": 0.0}
 
 
@@ -84,7 +85,7 @@ def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:
 
 def _blank_camera(camera: Camera, to_socket: int, nominal: Mapping[str, float]) -> dict[str, Any]:
     return {
-        "cameraType": 0,
+        "cameraType": _FISHEYE if camera.model == "equidistant" else _PERSPECTIVE,
         "distortionCoeff": [0.0] * 14,
         "extrinsics": _blank_extrinsics(to_socket, nominal),
         "height": camera.size[1],
@@ -118,7 +119,10 @@ def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
             stated, at = _data(content, socket), ("cameraData", _index(content, socket), 1)
             size = pixels(stated, "width"), pixels(stated, "height")
             least = len(stated["distortionCoeff"])
-            lens = coefficients(camera, [n for n in (4, 5, 8, 12, 14) if n >= least], "DepthAI", "opencv")
+            if camera.model == "equidistant":
+                lens = np.pad(np.asarray(camera.distortion), (0, max(0, least - 4)))
+            else:
+                lens = coefficients(camera, [n for n in (4, 5, 8, 12, 14) if n >= least], "DepthAI", "opencv")
             values[(*at, "intrinsicMatrix")] = np.asarray(camera.resized(size).matrix).tolist()
             values[(*at, "distortionCoeff")] = lens.tolist()
     return (document.changed(values),)
@@ -145,14 +149,17 @@ def _data(content: Mapping[str, Any], socket: int) -> Mapping[str, Any]:
 def _camera(content: Mapping[str, Any], socket: int, hints: Hints) -> Camera:
     data = _data(content, socket)
     with about(f"socket {socket}"):
-        if data.get("cameraType", 0) != 0:
+        kind = data.get("cameraType", _PERSPECTIVE)
+        if kind not in (_PERSPECTIVE, _FISHEYE):
             raise UnsupportedModelError(
-                "the camera is not of the perspective model (cameraType 0); undistort the images, or calibrate it as "
-                "such."
+                "the camera is neither of the perspective model (cameraType 0) nor a fisheye (1); undistort the "
+                "images, or calibrate it as such."
             )
         size = pixels(data, "width"), pixels(data, "height")
         matrix = numbers(data, "intrinsicMatrix", (3, 3))
-        camera = Camera(size, matrix, numbers(data, "distortionCoeff", (-1,)))
+        lens = numbers(data, "distortionCoeff", (-1,))
+        fisheye = kind == _FISHEYE
+        camera = Camera(size, matrix, lens[:4] if fisheye else lens, model="equidistant" if fisheye else Camera.model)
     same_shape = hints.size is not None and hints.size[0] * size[1] == hints.size[1] * size[0]
     return camera.resized(hints.size) if hints.size is not None and same_shape else camera
 

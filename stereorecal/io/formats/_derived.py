@@ -1,12 +1,12 @@
 """What calibration files hold beside the calibration, made from it as OpenCV does."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.geometry import StereoRig, rectifying_rotations
+from stereorecal.geometry import StereoRig, rectifying_rotations, view as pinhole_view
 
 Array = Float[np.ndarray, "..."]
 
@@ -21,10 +21,12 @@ class View:
     Attributes:
         alpha: 0 shows only pixels that are seen, 1 all of them; -1 is OpenCV's choice.
         flags: CALIB_ZERO_DISPARITY puts points at infinity at disparity 0.
+        matrices: of lenses that `cv2.stereoRectify` does not know: the two rectified cameras; default `sr.view`'s.
     """
 
     alpha: float
     flags: int = cv2.CALIB_ZERO_DISPARITY
+    matrices: tuple[Array, Array] | None = None
 
 
 def view_of(rig: StereoRig, P1: Array, P2: Array, usual: View) -> View:
@@ -32,6 +34,8 @@ def view_of(rig: StereoRig, P1: Array, P2: Array, usual: View) -> View:
     images that were cut."""
     if P1.shape != (3, 4) or P2.shape != (3, 4) or not np.all(np.isfinite(P1)) or P1[0, 0] <= 0.0:
         return usual
+    if _is_wide(rig):
+        return replace(usual, matrices=(P1[:, :3], P2[:, :3]))
     for flags in (cv2.CALIB_ZERO_DISPARITY, 0):
         seen, everything = (rectification_of(rig, View(alpha, flags))["P1"][0, 0] for alpha in (0.0, 1.0))
         between = (P1[0, 0] - seen) / (everything - seen) if everything != seen else 0.0
@@ -50,6 +54,8 @@ def rectification_of(rig: StereoRig, view: View) -> dict[str, Array]:
     left, right = rig.left, rig.right
     # OpenCV's own rotations forget turns below 1e-7; some formats have no other place for the extrinsics.
     R1, R2 = rectifying_rotations(rig.rotation, rig.translation)
+    if _is_wide(rig):
+        return {"R1": np.asarray(R1), "R2": np.asarray(R2), **_projections(rig, view)}
     _, _, P1, P2, Q, roi1, roi2 = cv2.stereoRectify(
         np.asarray(left.matrix, float),
         np.asarray(left.distortion, float),
@@ -64,6 +70,23 @@ def rectification_of(rig: StereoRig, view: View) -> dict[str, Array]:
     regions = (np.array(region, float) for region in (roi1, roi2))
     names = ("R1", "R2", "P1", "P2", "Q", "roi1", "roi2")
     return dict(zip(names, (*map(np.asarray, (R1, R2, P1, P2, Q)), *regions), strict=True))
+
+
+def _is_wide(rig: StereoRig) -> bool:
+    return rig.left.lens.WIDE or rig.right.lens.WIDE
+
+
+def _projections(rig: StereoRig, view: View) -> dict[str, Array]:
+    """P1, P2, Q and the whole images as regions."""
+    ours, (width, height) = pinhole_view(rig), rig.left.size
+    left, right = view.matrices or (np.asarray(ours.matrix_left), np.asarray(ours.matrix_right))
+    baseline = float(rig.baseline)
+    P1, P2 = (np.column_stack([matrix, np.zeros(3)]) for matrix in (left, right))
+    P2[0, 3] = -right[0, 0] * baseline
+    Q = np.array([[1.0, 0, 0, -left[0, 2]], [0, 1.0, 0, -left[1, 2]], [0, 0, 0, left[0, 0]], [0, 0, 0, 0]])
+    Q[3, 2:] = 1.0 / baseline, (right[0, 2] - left[0, 2]) / baseline
+    whole = np.array([0.0, 0.0, width, height])
+    return {"P1": P1, "P2": P2, "Q": Q, "roi1": whole, "roi2": whole}
 
 
 def essential(rig: StereoRig) -> Array:

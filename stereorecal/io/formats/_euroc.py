@@ -8,7 +8,7 @@ import numpy as np
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._about import about
 from stereorecal.io.formats._format import Documents, Hints, Target
-from stereorecal.io.formats._lenses import check_model, coefficients, pinhole_matrix, pinhole_numbers
+from stereorecal.io.formats._lenses import check_held, check_model, coefficients, pinhole_matrix, pinhole_numbers
 from stereorecal.io.formats._matrices import matrix_values
 from stereorecal.io.formats._numbers import image_size, numbers, value
 from stereorecal.io.formats._poses import Pose, inverse, left_to_right, rig_of
@@ -23,6 +23,7 @@ UNIT = "m"
 
 # The name in EuRoC's files, and those of Kalibr and ROS for the same model: OpenCV's k1 k2 p1 p2.
 _RADIAL_TANGENTIAL = ("radial-tangential", "radtan", "plumb_bob")
+_EQUIDISTANT = "equidistant"
 _BLANK = """\
 sensor_type: camera
 T_BS:
@@ -35,7 +36,7 @@ T_BS:
 resolution: [{width}, {height}]
 camera_model: pinhole
 intrinsics: [0.0, 0.0, 0.0, 0.0]
-distortion_model: radial-tangential
+distortion_model: {model}
 distortion_coefficients: [0.0, 0.0, 0.0, 0.0]
 """
 
@@ -55,10 +56,12 @@ def read(documents: Documents, hints: Hints) -> StereoRig:
 def _camera(document: Document) -> tuple[Camera, Pose]:
     content = document.content
     with about(document.name):
-        check_model(value(content, "distortion_model"), _RADIAL_TANGENTIAL, value(content, "camera_model"))
+        stated = value(content, "distortion_model")
+        check_model(stated, (*_RADIAL_TANGENTIAL, _EQUIDISTANT), value(content, "camera_model"))
         matrix = pinhole_matrix(numbers(content, "intrinsics", (4,)))
         lens = numbers(content, "distortion_coefficients", (-1,))
-        camera = Camera(image_size(content, "resolution"), matrix, lens)
+        model = _EQUIDISTANT if stated == _EQUIDISTANT else Camera.model
+        camera = Camera(image_size(content, "resolution"), matrix, lens, model=model)
         return camera, _pose(content)
 
 
@@ -68,7 +71,12 @@ def _pose(content: Mapping[str, Any]) -> Pose:
 
 def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:
     """Both files; the left camera is the body."""
-    return tuple(_BLANK.format(width=camera.size[0], height=camera.size[1]) for camera in (rig.left, rig.right))
+    texts = []
+    for camera in (rig.left, rig.right):
+        check_held(camera, (Camera.model, _EQUIDISTANT), "EuRoC's layout")
+        model = _EQUIDISTANT if camera.model == _EQUIDISTANT else _RADIAL_TANGENTIAL[0]
+        texts.append(_BLANK.format(width=camera.size[0], height=camera.size[1], model=model))
+    return tuple(texts)
 
 
 def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
@@ -80,8 +88,11 @@ def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
     for (document, camera, wanted), pose in zip(sides, poses, strict=True):
         values: dict[Keys, Any] = {} if pose is None else matrix_values(document.content, ("T_BS",), np.asarray(pose))
         if wanted:
-            lens = coefficients(camera, (4,), "EuRoC's radial-tangential model", "opencv, ros or depthai")
             values[("intrinsics",)] = pinhole_numbers(camera)
+            if camera.model == _EQUIDISTANT:
+                lens = np.asarray(camera.distortion)
+            else:
+                lens = coefficients(camera, (4,), "EuRoC's radial-tangential model", "opencv, ros or depthai")
             values[("distortion_coefficients",)] = lens.tolist()
         texts.append(document.changed(values))
     return tuple(texts)

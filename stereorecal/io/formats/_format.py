@@ -78,7 +78,7 @@ class Format(Protocol):
 
         Raises:
             InputError: if the values are not a valid calibration; naming the file, if there are two.
-            UnsupportedModelError: if a camera is not one of OpenCV's pinhole model.
+            UnsupportedModelError: if the model of a lens is not known.
         """
         ...
 

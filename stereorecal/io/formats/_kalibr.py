@@ -23,12 +23,16 @@ FILES = 1
 UNIT = "m"
 
 _FROM_LAST, _FROM_IMU = "T_cn_cnm1", "T_cam_imu"
+# Distortion models of its pinhole, and cameras of its own whose intrinsics begin with two numbers of the lens.
+_DISTORTIONS = {"radtan": "radtan", "none": "radtan", "equidistant": "equidistant"}
+_SPHERES = {"ds": "ds", "eucm": "eucm"}
+_NONE = "[0.0, 0.0, 0.0, 0.0]"
 _CAMERA = """\
 cam{index}:
-{pose}  camera_model: pinhole
-  distortion_coeffs: [0.0, 0.0, 0.0, 0.0]
-  distortion_model: radtan
-  intrinsics: [0.0, 0.0, 0.0, 0.0]
+{pose}  camera_model: {kind}
+  distortion_coeffs: {lens}
+  distortion_model: {distortion}
+  intrinsics: {numbers}
   resolution: [{width}, {height}]
 """
 _POSE = "  T_cn_cnm1:\n" + "  - [0.0, 0.0, 0.0, 0.0]\n" * 3 + "  - [0.0, 0.0, 0.0, 1.0]\n"
@@ -54,17 +58,33 @@ def read(documents: Documents, hints: Hints) -> StereoRig:
 def _camera(content: Mapping[str, Any], key: str) -> Camera:
     with about(key):
         camera = content[key]
-        check_model(value(camera, "distortion_model"), ("radtan", "none"), value(camera, "camera_model"))
+        kind, distortion = value(camera, "camera_model"), value(camera, "distortion_model")
+        if kind in _SPHERES:
+            check_model(distortion, ("none",))
+            lens, pinhole = np.split(numbers(camera, "intrinsics", (6,)), [2])
+            return Camera(image_size(camera, "resolution"), pinhole_matrix(pinhole), lens, model=_SPHERES[kind])
+        check_model(distortion, tuple(_DISTORTIONS), kind)
         matrix, lens = pinhole_matrix(numbers(camera, "intrinsics", (4,))), numbers(camera, "distortion_coeffs", (-1,))
-        check_no_lens(camera["distortion_model"], lens)
-        return Camera(image_size(camera, "resolution"), matrix, lens)
+        check_no_lens(distortion, lens)
+        return Camera(image_size(camera, "resolution"), matrix, lens, model=_DISTORTIONS[distortion])
 
 
 def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:
     """A chain of two."""
-    cameras = enumerate((rig.left, rig.right))
-    return ("".join(_CAMERA.format(index=index, pose=_POSE if index else "", width=camera.size[0],
-                                   height=camera.size[1]) for index, camera in cameras),)  # fmt: skip
+    texts = []
+    for index, camera in enumerate((rig.left, rig.right)):
+        sphere = camera.model in _SPHERES
+        kind, distortion = (camera.model, "none") if sphere else ("pinhole", camera.model)
+        about_lens = (
+            {"lens": "[]", "numbers": "[0.0, 0.5, 1.0, 1.0, 0.0, 0.0]"} if sphere else {"lens": _NONE, "numbers": _NONE}
+        )
+        size = {"width": camera.size[0], "height": camera.size[1]}
+        texts.append(
+            _CAMERA.format(
+                index=index, pose=_POSE if index else "", kind=kind, distortion=distortion, **about_lens, **size
+            )
+        )
+    return ("".join(texts),)
 
 
 def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
@@ -78,8 +98,14 @@ def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
         raise InputError(f"cam1 has {_FROM_IMU} and cam0 has none; remove it, since it would not fit the new rig.")
     for key, camera, wanted in (("cam0", rig.left, target.left), ("cam1", rig.right, target.right)):
         if wanted:
-            lens = coefficients(camera, (4,), "Kalibr's radtan", "opencv, ros or depthai")
+            if camera.model in _SPHERES:
+                values[(key, "intrinsics")] = [*np.asarray(camera.distortion).tolist(), *pinhole_numbers(camera)]
+                continue
             values[(key, "intrinsics")] = pinhole_numbers(camera)
+            if camera.model == "equidistant":
+                values.update(matrix_values(content, (key, "distortion_coeffs"), np.asarray(camera.distortion)))
+                continue
+            lens = coefficients(camera, (4,), "Kalibr's radtan", "opencv, ros or depthai")
             if content[key]["distortion_model"] == "none":
                 if not np.any(lens):
                     continue

@@ -6,7 +6,7 @@ from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig
 from stereorecal.io.formats._format import Documents, Hints, Target
 from stereorecal.io.formats._kitti_rectified import camera_and_place, rectified_rig
-from stereorecal.io.formats._lenses import check_straight, is_turned
+from stereorecal.io.formats._lenses import check_straight, has_lens, is_turned
 from stereorecal.io.formats.text._document import Syntax
 from stereorecal.io.formats.text._values import Keys
 
@@ -39,8 +39,7 @@ def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:
 
 def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
     """The right camera moves."""
-    lenses = np.concatenate([np.asarray(camera.distortion) for camera in (rig.left, rig.right)])
-    check_straight(is_turned(rig) or np.any(lenses), "KITTI's calib.txt")
+    check_straight(is_turned(rig) or has_lens(rig), "KITTI's calib.txt")
     (document,), keys = target.documents, target.hints.cameras or _GREY
     fresh = target.left and target.right and not any(np.any(document.content[key]) for key in keys)
     place = np.zeros(3) if fresh else camera_and_place(document.content, keys[0], rig.left.size)[1]

@@ -10,7 +10,14 @@ from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal.geometry import Camera, StereoRig
 
 ROUNDING = 1e-9  # radians; and parts of the baseline
-_WAY_OUT = "undistort the images, or calibrate as pinhole with radial-tangential distortion"
+_WAY_OUT = "undistort the images, or calibrate as pinhole with radial-tangential distortion, or as equidistant"
+# Formats that have a place for a lens model, for messages.
+_HOLDERS = {
+    "radtan": "opencv, ros or depthai",
+    "equidistant": "kalibr, ros or stereorecal",
+    "ds": "kalibr, basalt or stereorecal",
+    "eucm": "kalibr, basalt or stereorecal",
+}
 
 
 def pinhole_matrix(numbers: Float[np.ndarray, "4"]) -> Mat3:
@@ -25,16 +32,40 @@ def pinhole_numbers(camera: Camera) -> list[float]:
     return [float(matrix[place]) for place in ((0, 0), (1, 1), (0, 2), (1, 2))]
 
 
+def check_held(camera: Camera, models: Sequence[str], what: str) -> None:
+    """Refuse a lens of a model that a format has no place for.
+
+    Args:
+        models: that it holds.
+        what: for the message: whose lens models these are.
+
+    Raises:
+        InputError: naming formats that hold it.
+    """
+    if camera.model not in models:
+        raise InputError(
+            f"{what} has no place for a lens of the model {camera.model!r}; write it as {_HOLDERS[camera.model]} "
+            "instead."
+        )
+
+
+def has_lens(rig: StereoRig) -> bool:
+    """Whether a camera is anything but a pinhole without distortion."""
+    return any(camera.model != "radtan" or bool(np.any(camera.distortion)) for camera in (rig.left, rig.right))
+
+
 def coefficients(camera: Camera, counts: Sequence[int], what: str, instead: str) -> Float[np.ndarray, "n"]:
-    """The distortion in OpenCV's order, with as many coefficients as a file takes: the first count that is enough.
+    """The radial-tangential distortion in OpenCV's order, with as many coefficients as a file takes: the first count
+    that is enough.
 
     Args:
         counts: that are possible, rising.
         what, instead: for the message: whose lens model is too small, and the formats that hold more.
 
     Raises:
-        InputError: if the camera has more.
+        InputError: if the camera has more, or another lens model.
     """
+    check_held(camera, ("radtan",), what or "this file")
     own = np.asarray(camera.distortion, float)
     needed = int(np.max(np.flatnonzero(own), initial=-1)) + 1
     for count in counts:

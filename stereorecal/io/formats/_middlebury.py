@@ -6,7 +6,7 @@ import numpy as np
 
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io.formats._format import Documents, Hints, Target
-from stereorecal.io.formats._lenses import ROUNDING, check_straight, is_turned
+from stereorecal.io.formats._lenses import ROUNDING, check_straight, has_lens, is_turned
 from stereorecal.io.formats._numbers import numbers, pixels
 from stereorecal.io.formats.text._document import Syntax
 from stereorecal.io.formats.text._values import Keys
@@ -42,10 +42,9 @@ def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:
 
 def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
     """The baseline, and doffs; nothing else can change in rectified images."""
-    lenses = np.concatenate([np.asarray(camera.distortion) for camera in (rig.left, rig.right)])
     aside = np.abs(np.asarray(rig.translation)[1:]).max() > ROUNDING * float(rig.baseline)
     off_line = is_turned(rig) or aside or rig.left.size != rig.right.size
-    check_straight(off_line or np.any(lenses), "Middlebury's calib.txt")
+    check_straight(off_line or has_lens(rig), "Middlebury's calib.txt")
     left, right = np.asarray(rig.left.matrix), np.asarray(rig.right.matrix)
     values: dict[Keys, Any] = {("baseline",): [float(rig.baseline)]}
     for key, matrix, wanted in (("cam0", left, target.left), ("cam1", right, target.right)):

@@ -1,6 +1,6 @@
 """OpenCV's FileStorage: YAML, XML or JSON with K1 (or M1) D1 K2 D2 R T; the stereo_calib sample writes two files."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import cv2
@@ -10,8 +10,9 @@ from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io.formats._derived import View, essential, fundamental, rectification_of, view_of
 from stereorecal.io.formats._format import Documents, Hints, Target
-from stereorecal.io.formats._lenses import coefficients
+from stereorecal.io.formats._lenses import check_held, coefficients
 from stereorecal.io.formats._matrices import Array, derived_values, matrix_values, size_of
+from stereorecal.io.formats._model_names import model_named
 from stereorecal.io.formats._numbers import image_size, numbers, pixels
 from stereorecal.io.formats.text._document import Syntax
 
@@ -28,6 +29,8 @@ _REGIONS = {"roi1": ("roi1", "validRoi1", "validROI1", "validPixROI1"), "roi2": 
             "validPixROI2")}  # fmt: skip
 _COUNTS = (4, 5, 8, 12, 14)
 _VIEW = View(alpha=1.0)  # of stereo_calib
+# Nothing else tells the coefficients of cv2.fisheye from those of a pinhole: OpenCV's own sample writes the first.
+_FISHEYE, _MODEL = "fisheye_model", "distortion_model"
 
 
 def can_read(documents: Documents) -> bool:
@@ -43,9 +46,14 @@ def read(documents: Documents, hints: Hints) -> StereoRig:
     content = _content(documents)
     _check_both_parts(content)
     matrix, distortion = _name(content, _MATRICES), _name(content, _DISTORTIONS)
-    size = _size(content, hints)
+    size, model = _size(content, hints), _model(content)
     left, right = (
-        Camera(size, numbers(content, f"{matrix}{side}", (3, 3)), numbers(content, f"{distortion}{side}", (-1,)))
+        Camera(
+            size,
+            numbers(content, f"{matrix}{side}", (3, 3)),
+            numbers(content, f"{distortion}{side}", (-1,)),
+            model=model,
+        )
         for side in (1, 2)
     )
     return StereoRig.from_rotation(left, right, numbers(content, "R", (3, 3)), numbers(content, "T", (3,)))
@@ -59,9 +67,11 @@ def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:
     for pixel in rig.left.size:
         storage.write("", pixel)
     storage.endWriteStruct()
+    if {rig.left.model, rig.right.model} == {"equidistant"}:
+        storage.write(_FISHEYE, 1)
     for side, camera in enumerate((rig.left, rig.right), start=1):
         storage.write(f"K{side}", np.eye(3))
-        storage.write(f"D{side}", np.zeros((1, coefficients(camera, _COUNTS, "", "").size)))
+        storage.write(f"D{side}", np.zeros((1, _lens(camera).size)))
     for key, shape in {
         "R": (3, 3),
         "T": (3, 1),
@@ -105,9 +115,25 @@ def _cameras(rig: StereoRig, target: Target, content: Mapping[str, Any], matrix:
         if wanted:
             key = f"{distortion}{side}"
             counts = [count for count in _COUNTS if count >= size_of(content, (key,))]
-            lens = coefficients(camera, counts, "OpenCV", "")
+            lens = _lens(camera, counts)
             yield from matrix_values(content, (f"{matrix}{side}",), np.asarray(camera.matrix)).items()
             yield from matrix_values(content, (key,), lens).items()
+
+
+def _lens(camera: Camera, counts: Sequence[int] = _COUNTS) -> Array:
+    check_held(camera, (Camera.model, "equidistant"), "OpenCV")
+    fisheye = camera.model == "equidistant"
+    return np.asarray(camera.distortion) if fisheye else coefficients(camera, counts, "OpenCV", "")
+
+
+def _model(content: Mapping[str, Any]) -> str:
+    """Of both lenses.
+
+    Raises:
+        UnsupportedModelError: if the file names one that is not known.
+    """
+    stated = content.get(_MODEL)
+    return "equidistant" if content.get(_FISHEYE) else Camera.model if stated is None else model_named(stated)
 
 
 def _check_both_parts(content: Mapping[str, Any]) -> None:

@@ -42,7 +42,7 @@ def read_files(
 
     Raises:
         InputError: naming the file, if it cannot be read, no format is recognised, or it holds no valid calibration.
-        UnsupportedModelError: if a camera is not one of OpenCV's pinhole model.
+        UnsupportedModelError: if the model of a lens is not known.
     """
     checked_unit(unit)
     chosen = None if format is None else named(format)

@@ -44,7 +44,7 @@ def load_rig(
     Raises:
         InputError: naming the file, if it cannot be read or does not hold a valid calibration; naming the formats that
             are known, if it is none of them.
-        UnsupportedModelError: if a camera is not one of OpenCV's pinhole model.
+        UnsupportedModelError: if the model of a lens is not known.
 
     Warns:
         CalibrationWarning: if the unit was told by the baseline, or the baseline is longer than 5 m or shorter than

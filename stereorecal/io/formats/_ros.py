@@ -7,7 +7,7 @@ from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._about import about
 from stereorecal.io.formats._derived import Array, View, rectification_of, view_of
 from stereorecal.io.formats._format import Documents, Hints, Target
-from stereorecal.io.formats._lenses import check_model, check_no_lens, coefficients
+from stereorecal.io.formats._lenses import check_held, check_model, check_no_lens, coefficients
 from stereorecal.io.formats._matrices import matrix_values, size_of
 from stereorecal.io.formats._numbers import numbers, pixels, value
 from stereorecal.io.formats._poses import pose, rig_of
@@ -20,7 +20,8 @@ SYNTAX = {".yaml": Syntax.YAML, ".yml": Syntax.YAML}
 FILES = 2
 UNIT = "m"
 
-_MODELS = {"plumb_bob": (5,), "rational_polynomial": (8,), "": (0,), "none": (0,)}
+_EQUIDISTANT = ("equidistant", "fisheye")
+_MODELS = ("plumb_bob", "rational_polynomial", "", "none", *_EQUIDISTANT)
 _VIEW = View(alpha=0.0)  # of the camera_calibration package
 _BLANK = """\
 image_width: {width}
@@ -71,10 +72,11 @@ def _camera(document: Document) -> tuple[Camera, Array, Array]:
     content = document.content
     with about(document.name):
         size = pixels(content, "image_width"), pixels(content, "image_height")
-        check_model(value(content, "distortion_model") or "", tuple(_MODELS))
+        check_model(value(content, "distortion_model") or "", _MODELS)
         lens = numbers(content, "distortion_coefficients", (-1,))
         check_no_lens(content["distortion_model"] or "", lens)
-        camera = Camera(size, numbers(content, "camera_matrix", (3, 3)), lens)
+        model = "equidistant" if content["distortion_model"] in _EQUIDISTANT else Camera.model
+        camera = Camera(size, numbers(content, "camera_matrix", (3, 3)), lens, model=model)
         rotation, projection = (
             numbers(content, "rectification_matrix", (3, 3)),
             numbers(content, "projection_matrix", (3, 4)),
@@ -106,7 +108,9 @@ def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
         if wanted:
             model, lens = _lens(camera, size_of(document.content, ("distortion_coefficients",)))
             arrays["camera_matrix"] = np.asarray(camera.matrix)
-            if np.any(lens) or document.content["distortion_model"] not in (None, "", "none"):
+            if camera.model == "equidistant":
+                arrays["distortion_coefficients"] = lens
+            elif np.any(lens) or document.content["distortion_model"] not in (None, "", "none"):
                 arrays["distortion_coefficients"] = lens
                 values[("distortion_model",)] = model
         for key, array in arrays.items():
@@ -117,6 +121,9 @@ def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
 
 def _lens(camera: Camera, least: int = 5) -> tuple[str, Array]:
     """The model and its coefficients: as many as the file has or more, up to ROS's 8 unless it has more."""
+    check_held(camera, (Camera.model, "equidistant"), "ROS")
+    if camera.model == "equidistant":
+        return camera.model, np.asarray(camera.distortion)
     counts = [count for count in ((4, 5, 8) if least <= 8 else (12, 14)) if count >= least]
     lens = coefficients(camera, counts, "ROS", "opencv or stereorecal")
     return "plumb_bob" if lens.size < 8 else "rational_polynomial", lens

@@ -1,17 +1,17 @@
 """calib.json: the calibration of a scene folder, and the format in which this library writes a rig by default."""
 
-import re
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal._errors import InputError, UnsupportedModelError
+from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._about import about
 from stereorecal.io._json import strict_json_text
 from stereorecal.io.formats._format import Documents, Hints, Target
+from stereorecal.io.formats._model_names import model_named, model_word
 from stereorecal.io.formats._numbers import image_size, numbers, value
 from stereorecal.io.formats.text._document import Syntax
 from stereorecal.io.formats.text._values import Keys
@@ -22,9 +22,6 @@ SYNTAX = {".json": Syntax.JSON}
 FILES = 1
 UNIT = "m"
 
-# Names of OpenCV's pinhole model: its own, those of ROS (plumb_bob, rational_polynomial) and of Kalibr (radtan).
-_PINHOLE_MODELS = frozenset({"", "none", "opencv", "plumb_bob", "rational_polynomial", "radtan"})
-_FISHEYE_WORDS = ("fisheye", "equi", "omni")
 _NO_RIG = "the camera matrices are null; give a file with a calibration."
 
 
@@ -85,13 +82,12 @@ def rig_from(content: Mapping[str, Any]) -> StereoRig | None:
 
     Raises:
         InputError: if a key is missing, or the values are not a valid calibration.
-        UnsupportedModelError: if the distortion model is not OpenCV's pinhole model.
+        UnsupportedModelError: if the distortion model is not known.
     """
     if all(value(content, key) is None for key in ("K_left", "K_right")):
         return None
-    _check_model(content.get("distortion_model"))
-    size = image_size(content, "image_size")
-    left, right = (_camera(content, side, size) for side in ("left", "right"))
+    model, size = model_named(content.get("distortion_model")), image_size(content, "image_size")
+    left, right = (_camera(content, side, size, model) for side in ("left", "right"))
     return StereoRig.from_rotation(left, right, numbers(content, "R", (3, 3)), numbers(content, "T", (3,)))
 
 
@@ -106,27 +102,17 @@ def calibration_of(rig: StereoRig | None, size: tuple[int, int]) -> dict[str, An
         "D_left": np.asarray(rig.left.distortion).tolist(),
         "K_right": np.asarray(rig.right.matrix).tolist(),
         "D_right": np.asarray(rig.right.distortion).tolist(),
-        "distortion_model": "opencv",
+        "distortion_model": model_word(rig),
         "R": np.asarray(rig.rotation).tolist(),
         "T": np.asarray(rig.translation).tolist(),
         "baseline_m": float(rig.baseline),
     }
 
 
-def _check_model(model: Any) -> None:
-    name = str(model or "").lower()
-    base = re.split(r"[(;,]", name)[0].strip()
-    if not (base in _PINHOLE_MODELS or base.startswith("opencv")) or any(word in name for word in _FISHEYE_WORDS):
-        raise UnsupportedModelError(
-            f"the distortion model {model!r} is not supported; undistort the images, or calibrate with OpenCV's "
-            "pinhole model (plumb_bob or rational_polynomial)."
-        )
-
-
-def _camera(content: Mapping[str, Any], side: str, size: tuple[int, int]) -> Camera:
+def _camera(content: Mapping[str, Any], side: str, size: tuple[int, int], model: str) -> Camera:
     matrix, distortion = numbers(content, f"K_{side}", (3, 3)), _distortion(content, f"D_{side}")
     with about(f"{side} camera"):
-        return Camera(size, matrix, distortion)
+        return Camera(size, matrix, distortion, model=model)
 
 
 def _distortion(content: Mapping[str, Any], key: str) -> Float[np.ndarray, "n"]:

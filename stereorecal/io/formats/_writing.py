@@ -95,6 +95,11 @@ def _into(rig: StereoRig, format: Format, source: Source) -> tuple[str, ...]:
                 f"the file is for images of {wide}x{high}, and the rig for {new.size[0]}x{new.size[1]}; write "
                 f"`rig.resized(({wide}, {high}))`, or a new file: `dataclasses.replace(rig, source=None)`, no template."
             )
+        if old.model != new.model:
+            raise InputError(
+                f"the file has a lens of the model {old.model!r}, and the rig one of {new.model!r}; write a new file: "
+                "`dataclasses.replace(rig, source=None)`, no template."
+            )
     kept = tuple(same_camera(*cameras) for cameras in ((before.left, rig.left), (before.right, rig.right)))
     texts = tuple(document.text for document in source.documents)
     if all(kept) and np.array_equal(before.extrinsics, rig.extrinsics):

@@ -23,7 +23,7 @@ def read(folder: Path, limit: int | None) -> Log:
 
     Raises:
         InputError: naming the file, if something is missing or damaged.
-        UnsupportedModelError: if a camera is not a pinhole with radial-tangential distortion.
+        UnsupportedModelError: if a lens is neither radial-tangential nor equidistant.
     """
     body = _body(folder) or folder
     pairs = load_matched(_same_time(body / _LEFT / _IMAGES, body / _RIGHT / _IMAGES), limit)

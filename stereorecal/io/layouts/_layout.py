@@ -23,6 +23,6 @@ class Layout(Protocol):
 
         Raises:
             InputError: naming the file, if something is missing or damaged.
-            UnsupportedModelError: if a camera is not one of OpenCV's pinhole model.
+            UnsupportedModelError: if the model of a lens is not known.
         """
         ...

@@ -48,7 +48,7 @@ def load_log(folder: AnyPath, limit: int | None = None) -> Log:
 
     Raises:
         InputError: naming the file, if no layout is recognised, or something is missing or damaged.
-        UnsupportedModelError: if a camera is not one of OpenCV's pinhole model.
+        UnsupportedModelError: if the model of a lens is not known.
 
     Warns:
         CalibrationWarning: as `load_rig`.
@@ -76,7 +76,7 @@ def load_scene(
 
     Raises:
         InputError: naming the file, if something is missing, unreadable, damaged or contradicts itself.
-        UnsupportedModelError: if a camera is not one of OpenCV's pinhole model.
+        UnsupportedModelError: if the model of a lens is not known.
 
     Warns:
         CalibrationWarning: as `load_rig`.

@@ -53,7 +53,7 @@ def _named(rig: StereoRig, pair: Pair) -> str | None:
     here, there = _partners(first, second)
     sides = (rig.left, left[here]), (rig.right, right[there])
     rays = [_at_depth_1(np.asarray(camera.rays(points))) for camera, points in sides]
-    tolerance = _AGREE * max(1.0, pair.size[0] / _WIDTH) / float(rig.left.matrix[0, 0])
+    tolerance = _AGREE * max(1.0, pair.size[0] / _WIDTH) / float(rig.left.focal[0])
     turned, agree = _rotation(rays[0], rays[1], tolerance)
     if agree.sum() <= _CHANCE:
         if not (_distinct(first) and _distinct(second)):

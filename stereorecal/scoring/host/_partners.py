@@ -81,7 +81,7 @@ def _right_pixels(
     turned = np.stack([(column - d - float(view.centre_right)) / focal, (line + v - middle) / focal, 0 * d + 1], -1)
     seen = np.asarray(rig.right.project(np.where(sure[:, None], turned, [0.0, 0.0, 1.0]) @ to_right))
     # Of the view at its scale, as an angle, in pixels of the right camera.
-    return Partners(np.where(sure[:, None], seen, np.nan), deviation / focal * float(rig.right.matrix[0, 0]))
+    return Partners(np.where(sure[:, None], seen, np.nan), deviation / focal * float(rig.right.focal[0]))
 
 
 def _planes_at(

@@ -13,26 +13,27 @@ from stereorecal.synthetic.rendering._trace import Rays
 
 _SUPERSAMPLE = 2  # per axis: 4 samples a pixel antialias the edges of patches
 
-_camera_rays = jax.jit(lambda camera, pixels: camera.rays(pixels))
+_camera_rays = jax.jit(lambda camera, pixels: (camera.directions if camera.lens.WIDE else camera.rays)(pixels))
 
 
 def supersampled_rays(camera: Camera) -> Float[np.ndarray, "h w 3"]:
-    """Rays (x/z, y/z, 1) of 2 x 2 samples in each pixel, (2h, 2w, 3) float32 for an image of h x w, camera frame."""
-    return _rays_of(camera.size, camera.matrix.tobytes(), camera.distortion.tobytes(), float(camera.lens_radius))
+    """Rays of 2 x 2 samples in each pixel, (2h, 2w, 3) float32 for an image of h x w, camera frame: (x/z, y/z, 1), or
+    unit vectors of a wide lens."""
+    return _rays_of(camera.size, camera.matrix.tobytes(), camera.distortion.tobytes(), camera.model)
 
 
 def pixel_rays(camera: Camera) -> Float[np.ndarray, "h w 3"]:
-    """Rays (x/z, y/z, 1) through the centres of the pixels, float32, camera frame."""
+    """The same through the centres of the pixels, (h, w, 3)."""
     return np.asarray(_camera_rays(camera, jnp.asarray(pixel_grid(camera.size), jnp.float32)))
 
 
 @lru_cache(maxsize=4)
-def _rays_of(size: tuple[int, int], matrix: bytes, distortion: bytes, lens_radius: float):
+def _rays_of(size: tuple[int, int], matrix: bytes, distortion: bytes, model: str):
     """`supersampled_rays` of a camera given by its numbers, so that scenes of equal cameras share them.
 
     The samples lie a quarter of a pixel off the pixel centres, near enough for a first-order expansion of the rays.
     """
-    camera = Camera(size, np.frombuffer(matrix).reshape(3, 3), np.frombuffer(distortion), lens_radius)
+    camera = Camera(size, np.frombuffer(matrix).reshape(3, 3), np.frombuffer(distortion), model=model)
     centre = np.asarray(_camera_rays(camera, jnp.asarray(pixel_grid(size), jnp.float32)))
     down, across = (np.float32(0.25) * slope for slope in np.gradient(centre, axis=(0, 1)))
     fine = np.empty((2 * size[1], 2 * size[0], 3), np.float32)

@@ -10,6 +10,7 @@ from stereorecal.synthetic.rendering._patch import Patch, Point
 
 _BLOCK = 16  # rays across and down in a block; patches are culled block by block
 _NEAR = 0.5  # near plane [m], for culling
+_ASIDE = 0.1  # cosine of the angle off the z axis, beyond which no plane of slopes tells what a ray can hit
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,23 +83,26 @@ def sample(levels, u, v, level, used) -> Float[np.ndarray, "h w c"]:
 
 
 def _block_bounds(directions: Float[np.ndarray, "h w 3"]) -> tuple[Shaped[np.ndarray, "rows columns"], ...]:
-    """Minimum and maximum of x/z, then of y/z, over the rays of each block of the grid."""
-    slopes = directions[..., :2] / directions[..., 2:]
+    """Minimum and maximum of x/z, then of y/z, over the rays of each block of the grid; infinite where one of them goes
+    aside or back."""
+    aside = directions[..., 2:] < _ASIDE * np.linalg.norm(directions, axis=-1, keepdims=True)
+    slopes = directions[..., :2] / np.where(aside, np.float32(1.0), directions[..., 2:])
     edges = [np.arange(0, n, _BLOCK) for n in slopes.shape[:2]]
-    low = np.minimum.reduceat(np.minimum.reduceat(slopes, edges[0], 0), edges[1], 1)
-    high = np.maximum.reduceat(np.maximum.reduceat(slopes, edges[0], 0), edges[1], 1)
+    below, above = (np.where(aside, np.float32(end), slopes) for end in (-np.inf, np.inf))
+    low = np.minimum.reduceat(np.minimum.reduceat(below, edges[0], 0), edges[1], 1)
+    high = np.maximum.reduceat(np.maximum.reduceat(above, edges[0], 0), edges[1], 1)
     return low[..., 0], high[..., 0], low[..., 1], high[..., 1]
 
 
 def _window(patch: Patch, centre: Point, bounds) -> tuple[slice, slice] | None:
     """Window of the grid outside which no ray can hit the patch; None if no ray can."""
-    outline = _clip_near(patch.corners - centre)
-    if len(outline) == 0:
-        return None
-    slopes = outline[:, :2] / outline[:, 2:]
-    (x0, y0), (x1, y1) = slopes.min(0) - 1e-4, slopes.max(0) + 1e-4
     low_x, high_x, low_y, high_y = bounds
-    touched = (low_x <= x1) & (high_x >= x0) & (low_y <= y1) & (high_y >= y0)
+    touched = np.isinf(high_x)
+    outline = _clip_near(patch.corners - centre)
+    if len(outline) > 0:
+        slopes = outline[:, :2] / outline[:, 2:]
+        (x0, y0), (x1, y1) = slopes.min(0) - 1e-4, slopes.max(0) + 1e-4
+        touched |= (low_x <= x1) & (high_x >= x0) & (low_y <= y1) & (high_y >= y0)
     rows, columns = np.flatnonzero(touched.any(1)), np.flatnonzero(touched.any(0))
     if rows.size == 0:
         return None

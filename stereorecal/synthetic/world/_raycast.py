@@ -1,5 +1,7 @@
 """Ray casting in a world: radiance, haze included, and depth along each ray."""
 
+from dataclasses import replace
+
 import numpy as np
 from jaxtyping import Float
 
@@ -12,7 +14,12 @@ _ROW = 256  # rays in a row of a chunk
 
 
 def radiance(world: World, rays: Rays, time: float) -> Texture:
-    """Radiance (h, w) float32 along each ray at `time` [s]: of the first patch that it hits, else of ground or sky."""
+    """Radiance (h, w) float32 along each ray at `time` [s]: of the first patch that it hits, else of ground or sky; 0
+    where there is none (NaN), as beyond the field of a lens."""
+    dark = np.isnan(rays.directions[..., 0])
+    if dark.any():
+        somewhere = np.where(dark[..., None], np.array([0.0, 0.0, 1.0], np.float32), rays.directions)
+        return np.where(dark, np.float32(0.0), radiance(world, replace(rays, directions=somewhere), time))
     met, seen = trace(world.patches, rays)
     lengths = np.sqrt(np.einsum("ijk,ijk->ij", rays.directions, rays.directions))
     solid = np.isfinite(met)

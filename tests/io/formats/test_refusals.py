@@ -62,14 +62,14 @@ def test_files(tmp_path: Path, name: str, text: str, words: str):
     ("name", "old", "new"),
     [
         ("kalibr", "camera_model: pinhole", "camera_model: omni"),
-        ("kalibr", "distortion_model: radtan", "distortion_model: equidistant"),
-        ("ros", "plumb_bob", "equidistant"),
-        ("euroc", "radial-tangential", "equidistant"),
+        ("kalibr", "distortion_model: radtan", "distortion_model: fov"),
+        ("ros", "plumb_bob", "thin_prism_fisheye"),
+        ("euroc", "radial-tangential", "fov"),
         ("boofcv", "  model: pinhole_radial_tangential", "  model: kannala_brandt"),
-        ("basalt", "pinhole-radtan8", "kb4"),
+        ("basalt", "pinhole-radtan8", "ucm"),
     ],
 )
-def test_lenses_that_are_no_pinhole(tmp_path: Path, name: str, old: str, new: str):
+def test_lenses_that_nobody_knows(tmp_path: Path, name: str, old: str, new: str):
     sample = SAMPLES[name]
     assert old in sample.texts[0]
     paths = replace(sample, texts=tuple(text.replace(old, new) for text in sample.texts)).write(tmp_path)

@@ -1,6 +1,7 @@
 """OpenCV's lens distortion: none, 4, 5, 8, 12 or 14 coefficients (k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4 tx ty)."""
 
 from functools import partial
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -8,8 +9,47 @@ import numpy as np
 from jaxtyping import Float, Inexact
 
 from stereorecal._arrays import AnyArray, is_host, namespace
+from stereorecal.geometry.lenses._model import FLAT_LIMIT
 
-COEFFICIENT_COUNTS = (0, 4, 5, 8, 12, 14)
+NAME = "radtan"
+ABOUT = "OpenCV's radial-tangential model, 0, 4, 5, 8, 12 or 14 coefficients"
+TERMS = ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6", "s1", "s2", "s3", "s4")
+CALIBRATED = ("k1", "k2", "p1", "p2", "k3", "s1", "s2", "s3", "s4")
+COUNTS = (0, 4, 5, 8, 12, 14)
+WIDE = False
+
+
+def check(coefficients: Float[np.ndarray, "c"]) -> None:
+    """Nothing: where the image folds back, `field` ends."""
+
+
+def project(x: Any, y: Any, z: Any, coefficients: Any) -> tuple:
+    """Image points of directions ahead of the camera."""
+    return distort_planes(x / z, y / z, coefficients)
+
+
+def unproject(
+    points: Float[AnyArray, "*n 2"], coefficients: Float[AnyArray, "c"], start: Float[np.ndarray, "*n 2"] | None = None
+) -> Float[AnyArray, "*n 3"]:
+    """Rays (x/z, y/z, 1)."""
+    flat = undistort(points, coefficients, start=start)
+    xp = namespace(flat)
+    return xp.concatenate([flat, xp.ones_like(flat[..., :1])], axis=-1)
+
+
+def magnification(coefficients: Float[np.ndarray, "c"]) -> float:
+    """1, as the model counts it: what tilts and prisms add is left out."""
+    return 1.0
+
+
+def field(coefficients: Float[np.ndarray, "c"]) -> float:
+    """Where the radial terms fold back."""
+    return float(np.arctan(field_radius(coefficients)))
+
+
+def flat_radius(coefficients: Float[np.ndarray, "c"]) -> float:
+    """The tangent of the same."""
+    return field_radius(coefficients)
 
 
 def distort(points: Inexact[AnyArray, "*n 2"], coefficients: Inexact[AnyArray, "c"]) -> Inexact[AnyArray, "*n 2"]:
@@ -151,7 +191,7 @@ def _undistort(
     return jax.vmap(newton)(points.reshape(-1, 2)).reshape(points.shape)
 
 
-def field_radius(coefficients: Float[np.ndarray, "c"], limit: float = 8.0) -> float:
+def field_radius(coefficients: Float[np.ndarray, "c"], limit: float = FLAT_LIMIT) -> float:
     """Largest undistorted radius (tan of the angle off axis) up to which the radial model is monotone.
 
     Beyond it the polynomial folds back into the image, and pixels there would show the wrong rays.

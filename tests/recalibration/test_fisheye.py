@@ -1,0 +1,132 @@
+"""Rendered rigs with fisheye lenses, from their own calibration to a repaired one."""
+
+from dataclasses import replace
+
+import cv2
+import numpy as np
+import pytest
+
+import stereorecal as sr
+from stereorecal.geometry import Camera, StereoRig, axis_errors, changed_camera
+
+SIZE = (320, 240)
+
+
+def fisheye(field: float, columns: float, rows: float, scale: float = 1.0) -> Camera:
+    focal = 0.5 * SIZE[0] / np.radians(0.5 * field)
+    matrix = np.array([[focal, 0, columns], [0, 1.002 * focal, rows], [0, 0, 1]])
+    return Camera(SIZE, matrix, scale * np.array([-0.02, -0.007, 0.002, -0.001]), model="equidistant")
+
+
+def rig_of(field: float) -> StereoRig:
+    extrinsics = np.array([0.004, -0.006, 0.003, -0.36, 0.002, -0.001])
+    return StereoRig(fisheye(field, 161.2, 118.0), fisheye(field, 158.5, 120.5, 0.9), extrinsics)
+
+
+@pytest.fixture(scope="module")
+def scene():
+    return sr.synthetic.render("street", 1, rig=rig_of(130.0))
+
+
+DRIFT = np.array([np.radians(0.5), np.radians(-0.7), np.radians(0.9), 0.0, 0.004, -0.003])
+
+
+@pytest.mark.parametrize("prior", ["exact", "default"])
+def test_a_drifted_fisheye_rig_is_repaired(scene, prior: str):
+    solution = sr.recalibrate(scene.rig.with_extrinsics(scene.rig.extrinsics + DRIFT), scene.pairs, prior=prior)
+    assert solution.accepted
+    errors = axis_errors(solution.rig, scene.rig).rotation_deg
+    assert max(errors.values()) < 0.06  # a tenth of the drift: the image is small
+    assert solution.rig.left.model == solution.rig.right.model == "equidistant"
+    np.testing.assert_array_equal(solution.rig.left.distortion, scene.rig.left.distortion)
+
+
+def test_a_rig_without_drift_is_healthy(scene):
+    health = sr.health(scene.rig, scene.pairs)
+    assert health.healthy
+    assert health.row_error < 0.3
+
+
+def test_cv2_rectifies_with_our_maps_as_with_its_own(scene):
+    """R1 and P1 into cv2.fisheye's own maps, and the rows of both images through ours."""
+    rig, made = scene.rig, sr.rectification(scene.rig)
+    for camera, turn, projection, maps in (
+        (rig.left, made.R1, made.P1, made.maps[0]),
+        (rig.right, made.R2, made.P2, made.maps[1]),
+    ):
+        own = cv2.fisheye.initUndistortRectifyMap(
+            camera.matrix, camera.distortion, turn, projection[:, :3], SIZE, cv2.CV_32FC1
+        )
+        shown = maps[0] >= 0
+        assert shown.mean() > 0.9
+        np.testing.assert_allclose(np.stack(maps)[:, shown], np.stack(own)[:, shown], atol=1e-3)
+
+
+def test_disparities_of_the_view_are_those_of_the_truth(scene):
+    made = sr.rectification(scene.rig)
+    left, right = (
+        cv2.remap(np.asarray(image, np.uint8), *maps, cv2.INTER_LINEAR)
+        for image, maps in zip((scene.pairs[0].left, scene.pairs[0].right), made.maps, strict=True)
+    )
+    found = cv2.StereoSGBM.create(0, 64, 7, 8 * 49, 32 * 49, 1, uniquenessRatio=10).compute(left, right) / 16.0
+    truth = sr.synthetic.ground_truth("street", 1, rig=scene.rig)
+    seen = (found > 1.0) & ~truth.occluded
+    assert seen.mean() > 0.2
+    assert np.median(np.abs(found - truth.disparity)[seen]) < 0.5
+
+
+def test_lens_terms_are_named_and_held_to_the_model(scene):
+    with pytest.raises(sr.InputError, match=r"left\.p1 is no parameter of a lens of the model 'equidistant'"):
+        sr.recalibrate(scene.rig, scene.pairs, free=("extrinsics", "left.p1"))
+    chart = sr.estimation.rig_parameters(scene.rig)
+    assert [name for name in chart.names if name.startswith("left.k")] == ["left.k1", "left.k2", "left.k3", "left.k4"]
+    theta = np.random.default_rng(0).uniform(-1e-3, 1e-3, chart.dim)
+    np.testing.assert_allclose(chart.coordinates_of(chart.rig_at(theta)), theta, atol=1e-9)
+
+
+@pytest.mark.parametrize("field", [130.0, 190.0])
+def test_what_a_calibration_leaves_is_made_through_the_lens(field: float):
+    """Each of the angles of a wide rig is known to a part of a degree: boards fill its image."""
+    from stereorecal.estimation._calibration_prior import calibration_covariances
+
+    chart = sr.estimation.rig_parameters(rig_of(field))
+    for covariance in calibration_covariances(chart):
+        assert np.linalg.eigvalsh(covariance).min() > 0
+        assert np.sqrt(np.diag(covariance))[:3].max() < 1.0
+    slightly, much = (np.sqrt(np.diag(calibration_covariances(chart)[index])) for index in (0, 4))
+    assert (much > slightly).all()
+
+
+def test_the_field_of_a_view_is_that_which_was_asked_for():
+    rig = rig_of(190.0)
+    view = sr.view(rig, field=140.0)
+    assert 2.0 * np.degrees(np.arctan(0.5 * SIZE[0] / view.focal)) == pytest.approx(140.0)
+    # The middle keeps its resolution by default.
+    assert sr.view(rig).focal == pytest.approx(np.mean([rig.left.focal, rig.right.focal]), rel=1e-3)
+    for field in (0.0, -10.0, 165.0, np.nan):
+        with pytest.raises(sr.InputError, match="makes no pinhole view"):
+            sr.view(rig, field=field)
+
+
+def test_a_double_sphere_has_its_resolution_in_the_middle():
+    """The same lens, as two models have it: 1 / (1 + xi) of a double sphere's focal length is the resolution."""
+    camera = Camera(SIZE, np.array([[100.0, 0, 160], [0, 100.0, 120], [0, 0, 1]]), np.array([-0.2, 0.55]), model="ds")
+    near = np.array([[1e-6, 0.0, 1.0]])
+    assert camera.focal[0] == pytest.approx((camera.project(near)[0, 0] - 160.0) / 1e-6, rel=1e-6)
+    rig = StereoRig(camera, changed_camera(camera, {"xi": 0.01}), np.array([0, 0, 0, -0.1, 0, 0]))
+    assert sr.view(rig).focal == pytest.approx(camera.focal[0], rel=0.02)
+
+
+@pytest.mark.slow
+def test_a_fisheye_beside_a_pinhole():
+    """Each camera has its own lens."""
+    wide = rig_of(100.0)
+    pinhole = Camera(SIZE, np.array([[150.0, 0, 160], [0, 150.0, 120], [0, 0, 1]]), np.array([-0.1, 0.01, 0, 0, 0]))
+    rig = replace(wide, right=pinhole)
+    scene = sr.synthetic.render("street", 2, rig=rig)
+    names = sr.estimation.rig_parameters(rig).names
+    assert {"left.k4", "right.p1"} <= set(names)
+    assert not {"left.p1", "right.k4"} & set(names)
+    solution = sr.recalibrate(rig.with_extrinsics(rig.extrinsics + DRIFT), scene.pairs, prior="exact")
+    assert solution.accepted
+    assert max(axis_errors(solution.rig, rig).rotation_deg.values()) < 0.1
