@@ -22,6 +22,7 @@ def again(command, sides, calibration: Path, *words, unit: bool = True):
     return answer, content and (content["settings"]["prior"], content["repairs"][0]["prior"])
 
 
+@pytest.mark.slow(after=1)
 @pytest.mark.parametrize("name", ["calib.json", "calib.yaml"])
 def test_the_second_call_begins_with_it(command, drifted_scene: Path, sides, tmp_path: Path, name: str):
     path = tmp_path / name

@@ -190,6 +190,7 @@ def test_a_long_folder_is_read_in_part(tmp_path):
     assert len(scene.pairs) == MOST_FRAMES
 
 
+@pytest.mark.slow
 def test_what_is_said_of_single_parameters_counts(given_wrong):
     """Of lenses that are nearly certain, nothing is left to refine."""
     sure = {f"{side}.{name}": 1e-4 for side in ("left", "right") for name in ("f", "cx", "cy", "k1", "k2")}

@@ -123,6 +123,7 @@ def test_the_objective(compilations, given):
     check(compilations, lambda k: jax.grad(asked.traced.soft_count)(jnp.asarray(single[k])))
 
 
+@pytest.mark.slow
 def test_objectives_of_equal_shape(compilations, scene, given):
     other = scene("street", 1, (160, 120))
 
