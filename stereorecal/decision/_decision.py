@@ -17,12 +17,15 @@ GAIN = 0.05
 # What counts as worse: what repairs that end well lose by noise [pixels of row, points of depth at 30 baselines].
 WORSE_ROWS, WORSE_DEPTH = 0.02, 1.0
 ALPHA = 0.01  # probability of a change for the worse, and of none for the better, at most
+# Rows farther apart than this [pixels] show a matcher's windows other things: such a rig has no depth to lose.
+BLIND_ROWS = 1.5
 GOOD_ROWS, GOOD_SURELY = 0.3, 0.95  # pixels of row that good calibrations have, and with which probability they do
 LIMITS = {
     "gain_px": GAIN,
     "worse_rows_px": WORSE_ROWS,
     "worse_depth_points": WORSE_DEPTH,
     "alpha": ALPHA,
+    "blind_rows_px": BLIND_ROWS,
     "good_rows_px": GOOD_ROWS,
     "good_surely": GOOD_SURELY,
 }
@@ -94,7 +97,8 @@ def decide(seen: Estimate, free: Sequence[str]) -> Decision:
     calibration does that loses least in rows; with ranges, also the one that changes no more than the length of the
     baseline. One replaces the calibration if its rows are better for sure, also on average those that the images show,
     or ranges agree with it and not with the calibration, and the probability is below 1 % that rows, of near or far
-    things, or depth are worse; of several, the one of least expected loss. Else the calibration is good if its rows
+    things, or depth are worse (a calibration whose rows blind the matcher has no depth to lose); of several, the one of
+    least expected loss. Else the calibration is good if its rows
     are, with 95 %. Absolute depth is not judged: no rig's rows know it.
 
     Args:
@@ -131,8 +135,9 @@ def do_as_well(held: Sequence[Decision], freed: Sequence[Decision]) -> bool:
 def _decided(seen: Estimate, theta: Float[np.ndarray, "n"], keeps_depth: bool) -> Decision:
     """Between θ = 0 and a candidate."""
     (rows_given, depth_given), (rows, depth) = seen.losses(np.zeros(len(theta))), seen.losses(theta)
-    lost = np.any(rows > rows_given + WORSE_ROWS, axis=0) | (depth > depth_given + WORSE_DEPTH)
-    worse, rows_given, rows = float(np.mean(lost)), np.mean(rows_given, axis=0), np.mean(rows, axis=0)
+    lost = np.any(rows > rows_given + WORSE_ROWS, axis=0)
+    rows_given, rows = np.mean(rows_given, axis=0), np.mean(rows, axis=0)
+    worse = float(np.mean(lost | ((depth > depth_given + WORSE_DEPTH) & (rows_given <= BLIND_ROWS))))
     better = float(np.mean(rows < rows_given - GAIN))
     good = float(np.mean(rows_given <= GOOD_ROWS)) >= GOOD_SURELY
     verdict = Verdict.GOOD if good else Verdict.CANNOT_TELL
