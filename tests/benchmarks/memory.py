@@ -1,8 +1,8 @@
 """Does a long recording need more memory than a short one, and fifty recordings more than five? Peak memory.
 
 Makes a scene folder (hard links to the images of one pair) and a video of both sides, and runs `score`, `recalibrate`
-and `load_log` (opened, and gone through) on each, in processes of their own; then `recalibrate_many` of recordings whose
-cameras are one, with their intrinsics free, of one pair and of eight.
+and `load_log` (opened, and gone through) on each, in processes of their own; then `recalibrate_many` of recordings of
+one rig, with its intrinsics free, of one pair and of eight.
 
     python tests/benchmarks/memory.py [--frames 10000] [--size 320x240] [--recordings 50]
 """
