@@ -17,12 +17,15 @@ GAIN = 0.05
 # What counts as worse: what repairs that end well lose by noise [pixels of row, points of depth at 30 baselines].
 WORSE_ROWS, WORSE_DEPTH = 0.02, 1.0
 ALPHA = 0.01  # probability of a change for the worse, and of none for the better, at most
+# Rows farther apart than this [pixels] show a matcher's windows other things: such a rig has no depth to lose.
+BLIND_ROWS = 1.5
 GOOD_ROWS, GOOD_SURELY = 0.3, 0.95  # pixels of row that good calibrations have, and with which probability they do
 LIMITS = {
     "gain_px": GAIN,
     "worse_rows_px": WORSE_ROWS,
     "worse_depth_points": WORSE_DEPTH,
     "alpha": ALPHA,
+    "blind_rows_px": BLIND_ROWS,
     "good_rows_px": GOOD_ROWS,
     "good_surely": GOOD_SURELY,
 }
@@ -94,8 +97,9 @@ def decide(seen: Estimate, free: Sequence[str]) -> Decision:
     calibration does that loses least in rows; with ranges, also the one that changes no more than the length of the
     baseline. One replaces the calibration if its rows are better for sure, also on average those that the images show,
     or ranges agree with it and not with the calibration, and the probability is below 1 % that rows, of near or far
-    things, or depth are worse; of several, the one of least expected loss. Else the calibration is good if its rows
-    are, with 95 %. Absolute depth is not judged: no rig's rows know it.
+    things, or depth are worse; of several, the one of least expected loss. Where none is so harmless, and the rows of
+    the calibration blind the matcher, which leaves it no depth to lose, that its rows are hardly ever worse is enough.
+    Else the calibration is good if its rows are, with 95 %. Absolute depth is not judged: no rig's rows know it.
 
     Args:
         seen: what is known; its θ = 0 is the calibration.
@@ -119,7 +123,15 @@ def decide_together(several: Sequence[Estimate], free: Sequence[str]) -> list[De
     for names, keeps_depth in kinds:
         thetas = with_free_together(several, names, keep_depth=keeps_depth)
         found.append([_decided(seen, theta, keeps_depth) for seen, theta in zip(several, thetas, strict=True)])
-    return min(found, key=lambda all_of: (sum(one.refused for one in all_of), sum(one.loss for one in all_of)))
+
+    def rank(all_of: Sequence[Decision]) -> tuple[float, ...]:
+        return (
+            sum(one.refused for one in all_of),
+            sum(one.worse >= ALPHA for one in all_of),
+            sum(one.loss for one in all_of),
+        )
+
+    return min(found, key=rank)
 
 
 def do_as_well(held: Sequence[Decision], freed: Sequence[Decision]) -> bool:
@@ -131,15 +143,17 @@ def do_as_well(held: Sequence[Decision], freed: Sequence[Decision]) -> bool:
 def _decided(seen: Estimate, theta: Float[np.ndarray, "n"], keeps_depth: bool) -> Decision:
     """Between θ = 0 and a candidate."""
     (rows_given, depth_given), (rows, depth) = seen.losses(np.zeros(len(theta))), seen.losses(theta)
-    lost = np.any(rows > rows_given + WORSE_ROWS, axis=0) | (depth > depth_given + WORSE_DEPTH)
-    worse, rows_given, rows = float(np.mean(lost)), np.mean(rows_given, axis=0), np.mean(rows, axis=0)
+    lost, nearer = np.any(rows > rows_given + WORSE_ROWS, axis=0), depth <= depth_given + WORSE_DEPTH
+    worse, rows_given, rows = float(np.mean(lost | ~nearer)), np.mean(rows_given, axis=0), np.mean(rows, axis=0)
+    blind = float(np.mean(rows_given > BLIND_ROWS)) > 1.0 - ALPHA
+    harmless = worse < ALPHA or (blind and float(np.mean(lost)) < ALPHA)
     better = float(np.mean(rows < rows_given - GAIN))
     good = float(np.mean(rows_given <= GOOD_ROWS)) >= GOOD_SURELY
     verdict = Verdict.GOOD if good else Verdict.CANNOT_TELL
     told = seen.beams.fit_better(seen.chart.rig, seen.chart.rig_at(theta))
     # What the images show bears it out: no posterior knows all ways in which lenses err.
     shown = np.mean(seen.rows_of_frames(theta)) - np.mean(seen.rows_of_frames(np.zeros(len(theta))))
-    if worse < ALPHA and ((better > 1.0 - ALPHA and shown < 0.0) or (told and not shown > WORSE_ROWS)):
+    if harmless and ((better > 1.0 - ALPHA and shown < 0.0) or (told and not shown > WORSE_ROWS)):
         verdict = Verdict.REPAIR
     loss = float(np.mean(rows / GAIN + depth / WORSE_DEPTH))
     said = np.percentile([rows_given, rows], [50.0, 2.5, 97.5], axis=1).T

@@ -8,7 +8,6 @@ from stereorecal.recalibration._acceptance import (
     Reason as Reason,
     RowErrors as RowErrors,
 )
-from stereorecal.recalibration._agreement import LIKELY as LIKELY
 from stereorecal.recalibration._consequences import Interval as Interval, depth_slopes as depth_slopes
 from stereorecal.recalibration._cost import Cost as Cost
 from stereorecal.recalibration._difference import Difference as Difference, difference as difference
@@ -53,4 +52,5 @@ from stereorecal.recalibration._slices import Progress as Progress, next_slice a
 from stereorecal.recalibration._solution import Solution as Solution
 from stereorecal.recalibration._stages import FEWEST as FEWEST, Case as Case
 from stereorecal.recalibration._uncertainty import NORMAL_95 as NORMAL_95, Uncertainty as Uncertainty
+from stereorecal.recalibration._unmatched import LIKELY as LIKELY
 from stereorecal.recalibration._warm_up import warm_up as warm_up

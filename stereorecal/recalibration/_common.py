@@ -22,13 +22,13 @@ from stereorecal.estimation import (
 from stereorecal.geometry import StereoRig
 from stereorecal.objectives import Parameters, read_by, row_chart
 from stereorecal.recalibration._acceptance import Reason, RowErrors, compared
-from stereorecal.recalibration._agreement import MOST_APART
 from stereorecal.recalibration._estimated import reason_of
 from stereorecal.recalibration._evidence import TILES_OF_A_FRAME, Evidence, evidence
 from stereorecal.recalibration._ranged import prior_of
 from stereorecal.recalibration._recording import Recording
 from stereorecal.recalibration._stages import FEWEST
 from stereorecal.recalibration._tasks import Each, beams_of, matched
+from stereorecal.recalibration._unmatched import MOST_APART
 from stereorecal.scoring import Correspondences
 
 

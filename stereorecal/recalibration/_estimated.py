@@ -18,7 +18,6 @@ from stereorecal.recalibration._acceptance import (
     behind as loses_matches,
     compared,
 )
-from stereorecal.recalibration._agreement import MOST_APART, unmatched, without
 from stereorecal.recalibration._consequences import Interval
 from stereorecal.recalibration._ending import Ending, counts
 from stereorecal.recalibration._evidence import TILES_OF_A_FRAME, Evidence, evidence
@@ -28,7 +27,8 @@ from stereorecal.recalibration._misfit import misfit
 from stereorecal.recalibration._ranged import matched_ranges
 from stereorecal.recalibration._schedule import ScoreKind, Stage
 from stereorecal.recalibration._stages import FEWEST, Case, StageRun, matched
-from stereorecal.recalibration._uncertainty import OBSERVED, Uncertainty, directions
+from stereorecal.recalibration._uncertainty import Uncertainty, uncertainty
+from stereorecal.recalibration._unmatched import MOST_APART, unmatched, without
 from stereorecal.recalibration._windows import windows_of, without_frames
 from stereorecal.scoring import Correspondences
 
@@ -160,7 +160,7 @@ def ended_by(case: Case, answer: Answer, near: StereoRig) -> Ending:
         answer.apart,
         rows,
         uncertainty_of(seen, candidate, case.chart),
-        misfit(facts.only(slice(len(case.free.axes))), *tiles[:, kept]),
+        misfit(facts),
         _intrinsics(answer, case, rows, reason),
         seen,
         decision,
@@ -225,8 +225,7 @@ def _places(found: Correspondences) -> Int[np.ndarray, "p"]:
 
 
 def _evidence_at(case: Case, found: Correspondences, candidate: StereoRig) -> Evidence:
-    """Row differences under the initial calibration and a candidate, as they are: it does not follow single regions,
-    so none is held out."""
+    """Row differences under the initial calibration and a candidate, as they are."""
     chart = row_chart(case.rig, case.reach, case.free)
     return evidence(chart, found, chart.coordinates_of(candidate))
 
@@ -237,16 +236,13 @@ def uncertainty_of(seen: Estimate, candidate: StereoRig, chart: RigChart) -> Unc
     where = [seen.names.index(name) for name in chart.names]
     apart = (seen.theta - seen.chart.coordinates_of(candidate))[where]
     spread = seen.posterior.covariance[np.ix_(where, where)]
-    sigmas = chart.prior * chart.units
-    observed = np.diag(spread) < OBSERVED**2 * (seen.prior_variance[where] + sigmas**2)
-    weak = directions(spread / sigmas[:, None] / sigmas, chart.names)
-    return Uncertainty(chart.names, spread + np.outer(apart, apart), spread, observed, weak)
+    return uncertainty(chart.names, spread, apart, chart.prior * chart.units, seen.prior_variance[where])
 
 
 def expected_by(seen: Estimate, used: StereoRig, view: View) -> Expected:
     """What to expect of a rig: rows over the view, and depth with its 95 % interval."""
-    rows = expected(used, seen.chart, seen.theta, seen.posterior.covariance, view)
-    return replace(rows, depth_percent=depth_by(seen, seen.chart.coordinates_of(used)))
+    depth = depth_by(seen, seen.chart.coordinates_of(used))
+    return expected(used, seen.chart, seen.theta, seen.posterior.covariance, view, depth)
 
 
 def depth_by(seen: Estimate, used: Float[np.ndarray, "n"]) -> dict[int, Interval]:

@@ -1,21 +1,20 @@
-"""What the last correspondences say about the solution: its covariance, and how it does on data it has not seen.
+"""What the last correspondences say about a solution: what it leaves of the rows, and its covariance.
 
 Everything rests on one linearisation at the solution, cut into tiles. Within a tile errors go together (windows
 overlap, a surface is smooth or a texture repeats), so the formal least-squares covariance is too small; and what a tile
 shows in one frame it may show in the next (a rig at rest, its own bow), so the tiles at one place of all frames are one
-unit of resampling, and are held out together.
+unit of resampling.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from statistics import NormalDist
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Float, Int
 
 from stereorecal.objectives import LinearRows, RigChart, differences_at, linearised
 from stereorecal.scoring import TILES, Correspondences, Loss, curvatures, precisions
 
-FOLDS = 4
 # Standard deviation of an offset that all rows share, pixels of the images that were measured: no resampling sees it.
 SHARED = 0.005
 TILES_OF_A_FRAME = TILES[0] * TILES[1]
@@ -48,21 +47,6 @@ class Evidence:
     prior: float
     scale: float = 1.0
     independent: float = 1.0
-
-    def of(self, rows: Bool[np.ndarray, "m"]) -> "Evidence":
-        """Some of the rows alone."""
-        names = ("jacobian", "residual", "start_residual", "weight", "curvature", "tile")
-        return replace(self, **{name: getattr(self, name)[rows] for name in names})
-
-    def only(self, parameters: slice | Bool[np.ndarray, "n"]) -> "Evidence":
-        """The problem of some of the parameters alone, the others held."""
-        return replace(self, z=self.z[parameters], jacobian=self.jacobian[:, parameters])
-
-    @property
-    def shift(self) -> Float[np.ndarray, "n"]:
-        """From z to the solution of these rows and the prior."""
-        normal, pull = self._normal(slice(None), self.weight), self._pull(slice(None))
-        return -np.linalg.solve(normal + self._prior, pull + self._prior @ self.z)
 
     @property
     def normal(self) -> Float[np.ndarray, "n n"]:
@@ -101,26 +85,9 @@ class Evidence:
         return jackknife(moves) + inverse @ self._prior @ inverse + np.outer(shared, shared)
 
     @property
-    def frames(self) -> int:
-        """How many frames show something."""
-        return len(np.unique(self.tile // TILES_OF_A_FRAME))
-
-    @property
     def places(self) -> int:
         """How many places of the frames show something."""
         return len(np.unique(self.tile % TILES_OF_A_FRAME))
-
-    def held_out(self) -> tuple[Float[np.ndarray, "t"], Float[np.ndarray, "t"]]:
-        """Median |row difference| in each tile, pixels: under the initial calibration, and under solutions that
-        did not see the tile, nor any at its place in another frame."""
-        fold = fold_of(self.tile % TILES_OF_A_FRAME)
-        unseen = np.empty_like(self.residual)
-        for part in np.unique(fold):
-            seen = fold != part
-            normal, pull = self._normal(seen, self.weight), self._pull(seen)
-            shift = -np.linalg.solve(normal + self._prior, pull + self._prior @ self.z)
-            unseen[~seen] = self.residual[~seen] + self.jacobian[~seen] @ shift
-        return self.medians(self.start_residual), self.medians(unseen)
 
     def medians(self, differences: Float[np.ndarray, "m"]) -> Float[np.ndarray, "t"]:
         """The median |difference| in each tile."""
@@ -131,14 +98,8 @@ class Evidence:
         return 0.5 * (size[first + (count - 1) // 2] + size[first + count // 2])
 
     def by_place(self, values: Float[np.ndarray, "t"]) -> Float[np.ndarray, "p"]:
-        """The mean over the frames of what `held_out` says of each tile: at each place that shows something."""
+        """The mean over the frames of what is said of each tile: at each place that shows something."""
         return mean_by(np.unique(self.tile) % TILES_OF_A_FRAME, values)
-
-
-def fold_of(place: Int[np.ndarray, "m"]) -> Int[np.ndarray, "m"]:
-    """Places are dealt out to the folds so that no fold is without a region."""
-    row, column = np.divmod(place, TILES[0])
-    return (column + 2 * row) % FOLDS
 
 
 def mean_by(place: Int[np.ndarray, "t"], values: Float[np.ndarray, "t"]) -> Float[np.ndarray, "p"]:
@@ -165,33 +126,27 @@ def _student_975(degrees: int) -> float:
     return float(stdtrit(degrees, 0.975))
 
 
-def evidence(chart: RigChart, found: Correspondences, z: Float[np.ndarray, "n"], loss: Loss = Loss.WELSCH) -> Evidence:
-    """The evidence of correspondences at a solution z of the box.
-
-    Args:
-        loss: by which rows vote; with SOFT_L1 those that lie far apart have a say as well.
-    """
+def evidence(chart: RigChart, found: Correspondences, z: Float[np.ndarray, "n"]) -> Evidence:
+    """The evidence of correspondences at a solution z of the box."""
     start = differences_at(found, chart, np.zeros_like(z))
-    return evidence_of(found, linearised(found, chart, z), start, chart.prior, loss)
+    return evidence_of(found, linearised(found, chart, z), start, chart.prior)
 
 
-def evidence_of(
-    found: Correspondences, rows: LinearRows, start: Float[np.ndarray, "k m"], prior: float, loss: Loss = Loss.WELSCH
-) -> Evidence:
+def evidence_of(found: Correspondences, rows: LinearRows, start: Float[np.ndarray, "k m"], prior: float) -> Evidence:
     """The same of rows that are linear already.
 
     Args:
         start: row differences under the initial calibration.
     """
     here, scale = np.asarray(found.weight) > 0, float(found.scale)
-    weight = precisions(found, rows.differences, loss)[here] * scale**2
+    weight = precisions(found, rows.differences, Loss.WELSCH)[here] * scale**2
     return Evidence(
         z=rows.z,
         jacobian=rows.jacobian[:, here].T / scale,
         residual=rows.differences[here] / scale,
         start_residual=start[here] / scale,
         weight=weight,
-        curvature=curvatures(found, rows.differences)[here] * scale**2 if loss is Loss.WELSCH else weight,
+        curvature=curvatures(found, rows.differences)[here] * scale**2,
         tile=np.asarray(found.tile)[here],
         prior=prior,
         scale=scale,

@@ -9,10 +9,9 @@ from jaxtyping import Float
 
 from stereorecal._plain import plain
 from stereorecal.geometry import StereoRig, View
-from stereorecal.objectives import Parameters, Reach, RigChart, row_chart
-from stereorecal.recalibration._consequences import Interval, depth_intervals
+from stereorecal.objectives import RigChart
+from stereorecal.recalibration._consequences import Interval
 from stereorecal.recalibration._effects import rows_apart
-from stereorecal.recalibration._uncertainty import Uncertainty
 from stereorecal.report.cells import change
 
 _GRID = (17, 13)  # points of the view
@@ -58,9 +57,15 @@ def _from_to(error: Interval) -> str:
 
 
 def expected(
-    used: StereoRig, chart: RigChart, z: Float[np.ndarray, "n"], covariance: Float[np.ndarray, "n n"], view: View
+    used: StereoRig,
+    chart: RigChart,
+    z: Float[np.ndarray, "n"],
+    covariance: Float[np.ndarray, "n n"],
+    view: View,
+    depth_percent: Mapping[int, Interval],
 ) -> Expected:
-    """What to expect of `used`, if the true rig lies around the point z of the chart with this covariance."""
+    """What to expect of `used`, if the true rig lies around the point z of the chart with this covariance, and depth is
+    wrong by so much."""
     width, height = view.size
     columns, rows = np.linspace(0, width - 1, _GRID[0]), np.linspace(0, height - 1, _GRID[1])
 
@@ -69,14 +74,4 @@ def expected(
 
     slopes = np.stack([(apart(z + h) - apart(z - h)) / (2 * _STEP) for h in _STEP * np.eye(len(z))], axis=-1)
     spread = np.sqrt(np.maximum(np.einsum("hwi,ij,hwj->hw", slopes, covariance, slopes), 0.0))
-    return Expected(apart(z), spread, depth_intervals(used, chart, z, covariance))
-
-
-def expected_of(used: StereoRig, free: Parameters, reach: Reach, view: View, known: Uncertainty) -> Expected:
-    """What to expect of the calibration that a repair with exact intrinsics ended at.
-
-    Args:
-        known: of the repair.
-    """
-    chart = row_chart(used, reach, free)
-    return expected(used, chart, np.zeros(chart.dim), known.covariance / np.outer(chart.units, chart.units), view)
+    return Expected(apart(z), spread, depth_percent)

@@ -14,13 +14,13 @@ from stereorecal.geometry import StereoRig, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import Reach, as_parameters
 from stereorecal.recalibration._acceptance import LEAST_COVERED
-from stereorecal.recalibration._agreement import LIKELY
 from stereorecal.recalibration._as_dict import score_as_dict
 from stereorecal.recalibration._consequences import Interval
 from stereorecal.recalibration._estimated import depth_by, looked, rows_of
 from stereorecal.recalibration._mending import Mending, mending
 from stereorecal.recalibration._schedule import as_schedule
 from stereorecal.recalibration._stages import Case
+from stereorecal.recalibration._unmatched import LIKELY
 from stereorecal.recordings import Pairs
 from stereorecal.report.cells import change
 from stereorecal.scoring import Legible, Pyramid, host, legible, pyramid

@@ -121,7 +121,7 @@ def known_after(
     """What is known of the rig to use; None: no more than of any calibration.
 
     Args:
-        seen: None where the intrinsics were taken as exact, or nothing was found.
+        seen: None where nothing was found.
         kept: numbers of the pairs that it rests on.
         good: whether the rig to use is good; else the images do not fit any rig, and nothing is learnt from them.
     """

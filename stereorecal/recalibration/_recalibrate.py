@@ -8,7 +8,7 @@ import numpy as np
 
 from stereorecal._arrays import refuse_tracers
 from stereorecal.decision import Verdict
-from stereorecal.estimation import NO_BEAMS, Prior, is_exact, rig_parameters, with_boards
+from stereorecal.estimation import NO_BEAMS, Prior, rig_parameters, with_boards
 from stereorecal.geometry import StereoRig, View
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import Parameters, Reach, as_parameters, as_reach
@@ -17,7 +17,6 @@ from stereorecal.recalibration._asked import Asked
 from stereorecal.recalibration._cost import Cost
 from stereorecal.recalibration._ending import Ending, counts
 from stereorecal.recalibration._estimated import answered, ended_by, looked
-from stereorecal.recalibration._exact import ended_exactly
 from stereorecal.recalibration._frames import looked_at
 from stereorecal.recalibration._prior_use import prior_use
 from stereorecal.recalibration._ranged import prior_of, ranges_seen
@@ -126,7 +125,7 @@ def searched(case: Case, schedule: Schedule, budget: Budget, seed: int, free: Pa
     began, asked = time.perf_counter(), Asked(case.matcher, schedule, budget, seed, case.free.names)
     case, start, cost = started(case, schedule)
     judged = replace(case, free=free or case.free)
-    look = None if is_exact(case.prior) else looked(judged, schedule.stages[-1])
+    look = looked(judged, schedule.stages[-1])
     if look is not None:
         cost = replace(cost, starts=cost.starts + look.run.cost)
         if look.answer is not None and look.verdict is Verdict.GOOD:
@@ -256,8 +255,6 @@ def _ended(case: Case, stages: tuple[StageRun, ...], *, cut: bool, signal: bool)
     near = stages[-1].ended if stages else case.rig
     found = next((stage.found for stage in reversed(stages) if stage.found is not None), None)
     if not cut and found is not None and found.found >= FEWEST:
-        if is_exact(case.prior):
-            return ended_exactly(case, found, near)
         return ended_by(case, answered(case, found, near, stages[-1].scale), near)
     tiles = counts(case, near)
     if cut:

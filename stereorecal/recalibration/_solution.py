@@ -23,7 +23,7 @@ from stereorecal.recalibration._cost import Cost
 from stereorecal.recalibration._difference import Difference, difference
 from stereorecal.recalibration._estimated import expected_by
 from stereorecal.recalibration._evidence import TILES_OF_A_FRAME
-from stereorecal.recalibration._expected import Expected, expected_of
+from stereorecal.recalibration._expected import Expected
 from stereorecal.recalibration._intrinsics import Intrinsics
 from stereorecal.recalibration._misfit import WORTH_SAYING, Cause, Misfit
 from stereorecal.recalibration._path import Waypoint, path_of
@@ -163,12 +163,9 @@ class Solution:
     def expected(self) -> Expected | None:
         """What to expect of the calibration to use: rows over the view and depth, with what misfit and intrinsics that
         were held may do; None without an epipolar stage, or where the calibration is known to be bad."""
-        found = self.found
-        if self.uncertainty is None or found is None or not self.reason.healthy:
+        if self.estimate is None or self.found is None or not self.reason.healthy:
             return None
-        if self.estimate is not None:
-            return expected_by(self.estimate, self.rig, self.view)
-        return expected_of(self.rig, self.free, self.reach, self.view, self.uncertainty)
+        return expected_by(self.estimate, self.rig, self.view)
 
     @property
     def found(self) -> Correspondences | None:

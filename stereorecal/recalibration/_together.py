@@ -87,7 +87,7 @@ def _answers(solved: Common, each: Each) -> list[Solution]:
             reason=reason,
             score_after=Score(int(tiles[1].sum()), repair.score_before.pixels),
             row_errors=rows,
-            misfit=misfit(facts.only(slice(len(solved.free.axes))), *joined[at]),
+            misfit=misfit(facts),
             uncertainty=uncertainty_of(seen, rig, row_chart(repair.initial, repair.reach, solved.free)),
             free=solved.free,
             estimate=seen,

@@ -5,8 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float
 
-from stereorecal.objectives import RigChart
-
 NORMAL_95 = 1.96
 _PART = 0.3  # of a unit direction: an axis with less is not named
 OBSERVED = 0.5  # of the prior's standard deviation; above it, the answer is mostly the prior
@@ -18,8 +16,8 @@ class Uncertainty:
 
     Attributes:
         names: of the parameters, n of them; five by default.
-        covariance: (n, n), the prior on the drift and the misfit included.
-        by_chance: (n, n), what of it is chance alone: without the misfit.
+        covariance: (n, n), mean squares of what the truth may differ by from the candidate.
+        by_chance: (n, n), of the posterior: without the way from its mean to the candidate.
         observed: (n,) which parameters the data determine; the others stay near the initial calibration.
         undetermined: directions that the data leave to the prior, in words, such as "y with pitch".
     """
@@ -37,7 +35,7 @@ class Uncertainty:
 
     @property
     def interval_by_chance(self) -> Float[np.ndarray, "n"]:
-        """The same without the misfit: where every region fits, they are equal."""
+        """The same of the posterior: where the candidate is its mean, they are equal."""
         return NORMAL_95 * np.sqrt(np.diag(self.by_chance))
 
     @property
@@ -47,16 +45,23 @@ class Uncertainty:
 
 
 def uncertainty(
-    by_chance: Float[np.ndarray, "n n"], by_misfit: Float[np.ndarray, "n n"], chart: RigChart
+    names: tuple[str, ...],
+    posterior: Float[np.ndarray, "n n"],
+    way: Float[np.ndarray, "n"],
+    drift: Float[np.ndarray, "n"],
+    left: Float[np.ndarray, "n"] | float = 0.0,
 ) -> Uncertainty:
-    """The uncertainty of a solution from its covariances, in half widths of the box."""
-    unit = chart.units
-    both = by_chance + by_misfit
-    observed = np.sqrt(np.diag(by_chance)) < OBSERVED * chart.prior
-    units = unit[:, None] * unit
-    return Uncertainty(
-        chart.names, both * units, by_chance * units, observed, directions(by_chance / chart.prior**2, chart.names)
-    )
+    """The uncertainty of a candidate.
+
+    Args:
+        posterior: its covariance.
+        way: from the candidate to its mean.
+        drift: standard deviations of the drift, before anything was seen.
+        left: variances of what the calibration left.
+    """
+    observed = np.diag(posterior) < OBSERVED**2 * (drift**2 + left)
+    weak = directions(posterior / drift[:, None] / drift, names)
+    return Uncertainty(names, posterior + np.outer(way, way), posterior, observed, weak)
 
 
 def directions(covariance: Float[np.ndarray, "n n"], free: tuple[str, ...]) -> tuple[str, ...]:

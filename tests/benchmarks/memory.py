@@ -1,9 +1,10 @@
-"""Does a long recording need more memory than a short one? Peak memory at ten and at ten thousand frames.
+"""Does a long recording need more memory than a short one, and fifty recordings more than five? Peak memory.
 
 Makes a scene folder (hard links to the images of one pair) and a video of both sides, and runs `score`, `recalibrate`
-and `load_log` (opened, and gone through) on each, in processes of their own.
+and `load_log` (opened, and gone through) on each, in processes of their own; then `recalibrate_many` of recordings of
+one rig, with its intrinsics free, of one pair and of eight.
 
-    python tests/benchmarks/memory.py [--frames 10000] [--size 320x240]
+    python tests/benchmarks/memory.py [--frames 10000] [--size 320x240] [--recordings 50]
 """
 
 import argparse
@@ -29,6 +30,19 @@ from stereorecal.io import load_log
 for mission in load_log(sys.argv[1]).missions:
     for pair in mission.pairs:
         pass
+{_PEAK}
+"""
+
+MANY = f"""
+import sys, jax
+import stereorecal as sr
+from stereorecal.synthetic import decalibrate, default_rig, render
+count, frames, size = int(sys.argv[1]), int(sys.argv[2]), tuple(map(int, sys.argv[3].split("x")))
+rig = default_rig().resized(size)
+scenes = [render("harbour", seed, rig=rig, frames=frames) for seed in range(5)]
+bad = [decalibrate(rig, jax.random.key(n), 0.3, 0.003) for n in range(count)]
+several = [sr.Scene(str(n), bad[n], scenes[n % 5].pairs) for n in range(count)]
+sr.recalibrate_many(several, free=("extrinsics", "intrinsics"))
 {_PEAK}
 """
 
@@ -68,6 +82,7 @@ def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--frames", type=int, default=10_000)
     parser.add_argument("--size", default="320x240")
+    parser.add_argument("--recordings", type=int, default=50)
     options = parser.parse_args()
     width, height = map(int, options.size.split("x"))
     place = Path(tempfile.mkdtemp())
@@ -86,6 +101,10 @@ def main() -> None:
     for name, (few, many) in found.items():
         peaks = f"{few[0]} MB at 10 frames, {many[0]} MB at {options.frames}"
         print(f"{name}: {peaks} ({many[0] - few[0]:+d}), in {many[1]:.0f} s")
+    for frames in (1, 8):
+        few, many = (peak(MANY, count, frames, options.size) for count in (5, options.recordings))
+        peaks = f"{few[0]} MB of 5 recordings, {many[0]} MB of {options.recordings}"
+        print(f"recalibrate_many, {frames} pairs each: {peaks} ({many[0] - few[0]:+d}), in {many[1]:.0f} s")
 
 
 if __name__ == "__main__":

@@ -117,6 +117,22 @@ def test_depth_is_kept_where_rows_do_not_tell_it(looks, rig):
         assert abs(readings(used, rig, points_of_view(rig, 30))[1].mean()) < 1e-3
 
 
+@pytest.mark.parametrize(("rows", "repaired"), [(2.0 * LIMITS["blind_rows_px"], True), (0.5, False)])
+def test_a_blind_rig_has_no_depth_to_lose(drifted, rows, repaired):
+    """In one draw of twenty, depth is worse by two points: too often for a rig that sees."""
+    _, seen = drifted[0]
+
+    class Doubtful(type(seen)):
+        def losses(self, used):
+            given = not np.any(used)
+            depth = np.zeros(1000) if given else np.where(np.arange(1000) < 50, 2.0, 0.0)
+            return np.full((3, 1000), rows if given else 0.1), depth
+
+    said = decide(Doubtful(**seen.__getstate__()), AXES)
+    assert said.worse == pytest.approx(0.05)
+    assert (said.verdict is Verdict.REPAIR) is repaired
+
+
 def test_far_rows_do_not_pay_for_near_ones(drifted):
     """What is worse at one distance is worse."""
     _, seen = drifted[0]

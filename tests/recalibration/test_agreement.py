@@ -5,46 +5,8 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
-from hypothesis import given, settings, strategies as st
-from spoiled_rows import nothing, seen
 
 import stereorecal as sr
-from stereorecal.recalibration._agreement import MOST_APART, disagreeing
-from stereorecal.recalibration._evidence import TILES_OF_A_FRAME, Evidence
-
-FRAMES = 5
-
-
-def with_others(seed: int, *apart: tuple[int, tuple[float, ...]]) -> Evidence:
-    """Five frames; some of them of rigs that are so far off, in degrees and percent."""
-    found = seen(nothing, frames=FRAMES, seed=seed)
-    frame = found.tile // TILES_OF_A_FRAME
-    residual = found.residual.copy()
-    for index, off in apart:
-        residual[frame == index] += found.jacobian[frame == index] @ np.array(off)
-    return replace(found, residual=residual)
-
-
-@pytest.mark.slow
-@settings(max_examples=20)
-@given(seed=st.integers(0, 999))
-def test_frames_of_one_rig_agree(seed):
-    assert disagreeing(with_others(seed)) == ((), FRAMES)
-
-
-@settings(max_examples=10)
-@given(seed=st.integers(0, 99), which=st.integers(0, 4), pitch=st.sampled_from([-0.2, 0.1, 0.5]))
-def test_one_of_another_rig_is_named(seed, which, pitch):
-    assert disagreeing(with_others(seed, (which, (pitch, 0.0, 0.0, 0.0, 0.0))))[0] == (which,)
-
-
-def test_one_frame_has_nobody_to_disagree_with():
-    assert disagreeing(seen(nothing)) == ((), 1)
-
-
-def test_too_many_disagree():
-    motions = [(i, (0.3 * i, 0.0, 0.2 * i * (-1) ** i, 0.0, 0.0)) for i in range(1, FRAMES)]
-    assert len(disagreeing(with_others(0, *motions))[0]) > MOST_APART * FRAMES
 
 
 @pytest.fixture
@@ -139,12 +101,3 @@ def test_a_frame_that_shows_nothing_has_no_say(street):
     assert sr.recalibrate(street.rig, [*street.pairs[:2], blank]).left_out == ()
     conflict = [turned(street.pairs[0], street.rig, 0.0), turned(street.pairs[1], street.rig, 1.2), blank]
     assert sr.recalibrate(street.rig, conflict).reason is sr.Reason.FRAMES_DISAGREE
-
-
-@settings(max_examples=20)
-@given(seed=st.integers(0, 999), places=st.integers(1, 11))
-def test_a_frame_of_few_places_has_no_say(seed, places):
-    found = with_others(seed, (4, (0.3, 0.0, 0.0, 0.0, 0.0)))
-    last = found.tile // TILES_OF_A_FRAME == 4
-    few = np.unique(found.tile[last])[:places]
-    assert disagreeing(found.of(~last | np.isin(found.tile, few))) == ((), 4)

@@ -1,4 +1,4 @@
-"""Covariance and held-out residuals of linear problems, against resampling and against solving again."""
+"""Covariance and rows of linear problems, against resampling."""
 
 from dataclasses import replace
 
@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from stereorecal.recalibration import _evidence
-from stereorecal.recalibration._acceptance import row_errors
+from stereorecal.recalibration._acceptance import compared
 from stereorecal.recalibration._evidence import Evidence
 
 PRIOR = np.eye(5) * 36.0  # 1 / (a sixth of the box)²: a drift of a third of the reach, in a box of two
@@ -113,7 +113,7 @@ def test_a_frame_that_repeats_is_no_news(times):
     found, _ = problem(common=0.5)
     several = repeated(found, times)
     np.testing.assert_allclose(np.diag(several.covariance()), np.diag(found.covariance()), rtol=0.1)
-    once, more = row_errors(found), row_errors(several)
+    once, more = (compared(one, one.medians(one.start_residual), one.medians(one.residual)) for one in (found, several))
     assert more.before == pytest.approx(once.before)
     assert more.significance == pytest.approx(once.significance, rel=0.2)
 
@@ -159,78 +159,7 @@ def test_one_place_says_nothing():
     np.testing.assert_allclose(found.covariance(), np.linalg.inv(PRIOR))
 
 
-# --- held out -----------------------------------------------------------------------------------------------
-
-
-def folds(found: Evidence) -> np.ndarray:
-    """Written out: places in a pattern that leaves no region out, the same in all frames."""
-    place = found.tile % TILES
-    return (place % 8 + 2 * (place // 8)) % 4
-
-
-@pytest.mark.parametrize("frames", [1, 2, 3, 5])
-def test_held_out_is_what_solving_without_the_fold_says(frames):
-    found, target = problem(frames=frames, per_tile=4)
-    fold, unseen = folds(found), np.full(len(target), np.nan)
-    for part in np.unique(fold):
-        seen = fold != part
-        best = solve(found.jacobian[seen], target[seen], found.weight[seen])
-        unseen[~seen] = target[~seen] + found.jacobian[~seen] @ best
-    before, after = found.held_out()
-    tiles = range(frames * TILES)
-    np.testing.assert_allclose(before, [np.median(np.abs(target[found.tile == t])) for t in tiles], rtol=1e-12)
-    np.testing.assert_allclose(after, [np.median(np.abs(unseen[found.tile == t])) for t in tiles], rtol=1e-6)
-
-
-@settings(max_examples=15)
-@given(tile=st.integers(0, TILES - 1), size=st.floats(50, 500))
-def test_a_tile_does_not_judge_itself(tile, size):
-    """Whatever happens to the rows of one tile, the solution that judges it is the same: the error shows in full."""
-    _, target = problem()
-    after = []
-    for shift in (0.0, size):
-        given_problem, _ = problem()
-        moved = target + np.where(given_problem.tile == tile, shift, 0.0)
-        best = solve(given_problem.jacobian, moved, given_problem.weight)
-        found = replace(given_problem, z=best, residual=moved + given_problem.jacobian @ best, start_residual=moved)
-        after.append(found.held_out()[1])
-    assert after[1][tile] == pytest.approx(size, abs=2.0)
-    assert np.abs(after[1] - after[0])[np.arange(TILES) != tile].max() > 1e-3  # the others do hear of it
-
-
-def test_nor_does_its_place_in_another_frame():
-    """What a tile shows in one frame, it may show in the next."""
-    found, target = problem(frames=3, per_tile=4)
-    moved = target + np.where(found.tile % TILES == 20, 100.0, 0.0)
-    best = solve(found.jacobian, moved, found.weight)
-    shifted = replace(found, z=best, residual=moved + found.jacobian @ best, start_residual=moved)
-    np.testing.assert_allclose(shifted.held_out()[1][20::TILES], 100.0, atol=2.0)
-
-
-def test_a_true_repair_is_seen_and_a_fit_to_noise_is_not():
-    found, _ = problem()
-    before, after = found.held_out()
-    assert np.median(after) < 0.3 < 5 < np.median(before)
-    still, _ = problem(truth=np.zeros(5))
-    before, after = still.held_out()
-    assert np.mean(after) == pytest.approx(np.mean(before), abs=0.05)
-    assert np.mean(after) > np.mean(np.abs(still.residual)) - 0.1
-
-
-@pytest.mark.parametrize(("frames", "seen"), [(2, [0]), (5, [0, 4]), (3, [2])])
-def test_frames_that_show_nothing_are_no_frames(frames, seen):
-    """One frame of texture among frames of fog is judged as an only frame is."""
-    found, _ = problem(frames=frames, per_tile=6)
-    here = np.isin(found.tile // TILES, seen)
-    cut = {
-        name: getattr(found, name)[here]
-        for name in ("jacobian", "residual", "start_residual", "weight", "curvature", "tile")
-    }
-    best = solve(cut["jacobian"], cut["start_residual"], cut["weight"])
-    cut |= {"z": best, "residual": cut["start_residual"] + cut["jacobian"] @ best}
-    before, after = replace(found, **cut).held_out()
-    assert len(before) == len(after) == len(seen) * TILES
-    assert np.median(after) < 0.3 < 5 < np.median(before)
+# --- rows ---------------------------------------------------------------------------------------------------
 
 
 @settings(max_examples=25)

@@ -1,0 +1,32 @@
+"""Frames that hardly match where others do: they show another rig than those, or another time."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from stereorecal.recordings import Pair
+from stereorecal.scoring import Correspondences, legible
+
+LIKELY = 0.25  # of what has texture; aligned rigs cover a half of it and more, rigs a degree out a fifth at most
+_FEWER = 0.5  # of what the frame that matches most covers
+MOST_APART = 1.0 / 3.0  # of the frames; if more disagree, which of them are wrong cannot be told
+
+
+def without(found: Correspondences, frames: Sequence[int]) -> Correspondences:
+    """The correspondences of the other frames."""
+    if not len(frames):
+        return found
+    kept = np.isin(np.arange(len(found.weight)), frames, invert=True)
+    return replace(found, weight=np.asarray(found.weight) * kept[:, None])
+
+
+def unmatched(found: Correspondences, pairs: Sequence[Pair]) -> tuple[int, ...]:
+    """Frames with light and texture that hardly match, where another one does match."""
+    covered = (np.asarray(found.weight) > 0).mean(axis=1)
+    best = int(covered.argmax())
+    fewer = [index for index, share in enumerate(covered) if share < _FEWER * covered[best]]
+    if not fewer or covered[best] < LIKELY * legible(pairs[best]).texture:
+        return ()
+    shown = {index: legible(pairs[index]) for index in fewer}
+    return tuple(i for i in fewer if shown[i].enough and covered[i] < LIKELY * shown[i].texture)
