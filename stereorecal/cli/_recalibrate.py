@@ -82,6 +82,7 @@ def run(options: argparse.Namespace) -> int:
             "free": free,
             "prior": options.prior,
             "boards": boards,
+            "motion": {"auto": None, "on": True, "off": False}[options.motion],
         }
         with progress_bar(options.quiet) as progress:
             how = {"extrinsics": options.extrinsics, "ranges": ranges, "executor": pool}
@@ -166,6 +167,7 @@ def _settings(
     ]
     return {
         "frames": options.frames,
+        "motion": options.motion,
         "matcher": {"name": options.matcher, **asdict(matcher)},
         "schedule": schedule.name,
         "stages": stages,

@@ -51,6 +51,13 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
         "chessboard calibration of this rig; exact: all that rows show is a drift (default: saved, if it was)",
     )
     add(
+        "--motion",
+        default="auto",
+        choices=("auto", "on", "off"),
+        help="the rig's own motion from one pair to the next tells depth: auto, where times are known and at most half "
+        "a second apart; on, the pairs are consecutive, whatever their times; off (default: %(default)s)",
+    )
+    add(
         "--boards",
         nargs=2,
         metavar=("LEFT", "RIGHT"),

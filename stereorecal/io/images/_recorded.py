@@ -13,7 +13,7 @@ from stereorecal.io.images._bags import bag_folder, bag_sources, is_bag
 from stereorecal.io.images._by_time import pairs_by_time
 from stereorecal.io.images._files import read_image
 from stereorecal.io.images._match import find_partners
-from stereorecal.io.images._pairs import find_images, load_matched
+from stereorecal.io.images._pairs import NANOSECONDS, find_images, load_matched
 from stereorecal.io.images._source import Source, halves
 from stereorecal.io.images._videos import is_video, video_source
 from stereorecal.recordings import LazyPairs, Pair, check_two_images, make_pair
@@ -118,9 +118,15 @@ def _recorded(places: _Places, left: Source, right: Source, found: list[tuple[in
     def read(number: int) -> Pair:
         first, second = found[number]
         name = left.names[first]
+        time = None if left.times is None else float(left.times[first])
         about = name if left.names is right.names else f"{name} and {right.names[second]}"
         pair = make_pair(
-            left.read(first), right.read(second), channels="bgr", name=about, origin=(_again, (places, number))
+            left.read(first),
+            right.read(second),
+            channels="bgr",
+            name=about,
+            origin=(_again, (places, number)),
+            time=time,
         )
         check_two_images(pair)
         return replace(pair, name=name)
@@ -170,4 +176,4 @@ def _time(file: Path) -> float:
         value = float(file.stem)
     except ValueError:
         raise InputError(f"{file}: the name is not a time; leave out the tolerance to pair by names.") from None
-    return value / 1e9 if len(file.stem.partition(".")[0]) >= 16 else value
+    return value / 1e9 if len(file.stem.partition(".")[0]) >= NANOSECONDS else value
