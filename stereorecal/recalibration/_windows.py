@@ -7,13 +7,13 @@ import numpy as np
 
 from stereorecal._errors import InputError
 from stereorecal.estimation import NO_WINDOWS, Estimate, Prior, Windows, is_exact
+from stereorecal.recalibration._frames import soon_after
 from stereorecal.recalibration._stages import Case
 from stereorecal.recordings import Pair
 from stereorecal.scoring import Correspondences
 from stereorecal.scoring.host import Matches, tracked
 
 MOST_WINDOWS = 8  # each costs a third of a second of the estimate
-_SOON = 0.5  # seconds from one pair to the next: farther apart, few corners can be followed
 _NEAR = 1.5  # cells of dense correspondences: a corner that is farther from all of them is of something else
 
 Windowed = tuple[tuple[int, int], ...]  # numbers of pairs that follow each other
@@ -45,14 +45,10 @@ def following(pairs: Sequence[Pair], numbers: Sequence[int], motion: bool | None
     every = [
         (index, index + 1)
         for index in range(len(numbers) - 1)
-        if (numbers[index + 1] == numbers[index] + 1 if motion else _soon_after(pairs[index], pairs[index + 1]))
+        if (numbers[index + 1] == numbers[index] + 1 if motion else soon_after(pairs[index], pairs[index + 1]))
     ]
     some = np.unique(np.linspace(0, len(every) - 1, min(MOST_WINDOWS, len(every))).round().astype(int))
     return tuple(every[index] for index in some)
-
-
-def _soon_after(first: Pair, second: Pair) -> bool:
-    return first.time is not None and second.time is not None and 0.0 < second.time - first.time <= _SOON
 
 
 def windows_of(case: Case, found: Correspondences) -> dict[tuple[int, int], Any]:

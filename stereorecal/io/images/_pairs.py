@@ -80,7 +80,8 @@ def load_matched(matched: Matched, limit: int | None = None, times: Sequence[flo
     files = [tuple(map(os.path.abspath, paths)) for paths in matched[:limit]]
     names = [Path(left).name for left, _ in files]
     known = _times_of(names) if times is None else [float(time) for time in times]
-    return LazyPairs([partial(load_pair, *paths, time) for paths, time in zip(files, known, strict=False)], names)
+    reads = [partial(load_pair, *paths, time) for paths, time in zip(files, known, strict=False)]
+    return LazyPairs(reads, names, known[: len(reads)])
 
 
 def _times_of(names: Sequence[str]) -> Sequence[float | None]:

@@ -115,10 +115,11 @@ def _recorded(places: _Places, left: Source, right: Source, found: list[tuple[in
         if index not in paired
     ]
 
+    times = [None if left.times is None else float(left.times[first]) for first, _ in found]
+
     def read(number: int) -> Pair:
         first, second = found[number]
         name = left.names[first]
-        time = None if left.times is None else float(left.times[first])
         about = name if left.names is right.names else f"{name} and {right.names[second]}"
         pair = make_pair(
             left.read(first),
@@ -126,13 +127,13 @@ def _recorded(places: _Places, left: Source, right: Source, found: list[tuple[in
             channels="bgr",
             name=about,
             origin=(_again, (places, number)),
-            time=time,
+            time=times[number],
         )
         check_two_images(pair)
         return replace(pair, name=name)
 
     frames = [_Frame(places, number, read) for number in range(len(found))]
-    return Recorded(LazyPairs(frames, [left.names[first] for first, _ in found]), tuple(alone), stream)
+    return Recorded(LazyPairs(frames, [left.names[first] for first, _ in found], times), tuple(alone), stream)
 
 
 def _again(places: _Places, number: int) -> Pair:
