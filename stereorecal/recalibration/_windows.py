@@ -26,9 +26,12 @@ def check_motion(motion: bool | None, pairs: int, prior: Prior) -> None:
     if motion not in (None, True, False):
         raise InputError(f"motion is {motion!r}; give True (the pairs are consecutive), False, or None.")
     if motion and pairs < 2:
-        raise InputError("motion=True needs two pairs or more, in the order in which they were taken.")
+        raise InputError(
+            "the rig's own motion needs two pairs or more, in the order in which they were taken; leave motion "
+            "(--motion) out."
+        )
     if motion and is_exact(prior):
-        raise InputError('motion=True tells depth, which prior="exact" takes as known; leave one of them out.')
+        raise InputError('motion tells depth, which prior="exact" takes as known; leave one of them out.')
 
 
 def following(pairs: Sequence[Pair], numbers: Sequence[int], motion: bool | None, prior: Prior) -> Windowed:
