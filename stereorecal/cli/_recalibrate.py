@@ -23,6 +23,7 @@ from stereorecal.cli._places import deliver, named_inputs, written_or_printed
 from stereorecal.cli._progress import progress_bar
 from stereorecal.cli._recordings import recordings, without
 from stereorecal.cli._streams import say
+from stereorecal.cli.arguments._motion import motion_of
 from stereorecal.estimation import DEFAULT, SAVED, check_prior
 from stereorecal.io import calibration_json, files_read, load_ranges, next_copy, save_maps
 from stereorecal.matching import AbstractMatcher, as_matcher
@@ -82,6 +83,7 @@ def run(options: argparse.Namespace) -> int:
             "free": free,
             "prior": options.prior,
             "boards": boards,
+            "motion": motion_of(options),
         }
         with progress_bar(options.quiet) as progress:
             how = {"extrinsics": options.extrinsics, "ranges": ranges, "executor": pool}
@@ -166,6 +168,7 @@ def _settings(
     ]
     return {
         "frames": options.frames,
+        "motion": options.motion,
         "matcher": {"name": options.matcher, **asdict(matcher)},
         "schedule": schedule.name,
         "stages": stages,

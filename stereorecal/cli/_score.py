@@ -14,6 +14,7 @@ from stereorecal.cli._json import write_json
 from stereorecal.cli._places import check_places, deliver, image_inputs, places_of, spare
 from stereorecal.cli._recordings import recordings
 from stereorecal.cli._streams import say
+from stereorecal.cli.arguments._motion import motion_of
 from stereorecal.io import about, files_read
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.recalibration import HEALTH_LIMITS, Condition, Health, health
@@ -36,7 +37,7 @@ def run(options: argparse.Namespace) -> int:
     interrupted = False
     try:
         for scene in scenes:
-            looked.append(_look(scene, matcher))
+            looked.append(_look(scene, matcher, motion_of(options)))
         hold()
     except KeyboardInterrupt:
         interrupted = True
@@ -71,12 +72,12 @@ def _show(looked: Sequence[Health | InputError], rows: Sequence[dict[str, Any]],
         print_lines(looked[0])
 
 
-def _look(scene: Scene, matcher: AbstractMatcher) -> Health | InputError:
+def _look(scene: Scene, matcher: AbstractMatcher, motion: bool | None) -> Health | InputError:
     """What there is to say of a recording: one that cannot be used does not take the others with it."""
     assert scene.rig is not None
     try:
         with about(scene.name):
-            return health(scene.rig, scene.pairs, matcher=matcher)
+            return health(scene.rig, scene.pairs, matcher=matcher, motion=motion)
     except InputError as error:
         return error
 
@@ -91,6 +92,7 @@ def _row(scene: Scene, found: Health | InputError) -> dict[str, Any]:
 def _about_all(options: argparse.Namespace, matcher: AbstractMatcher) -> dict[str, Any]:
     settings = {
         "frames": options.frames,
+        "motion": options.motion,
         "matcher": {"name": options.matcher, **asdict(matcher)},
         "thresholds": dict(HEALTH_LIMITS),
     }

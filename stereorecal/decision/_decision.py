@@ -51,6 +51,7 @@ class Decision:
         better: probability that its rows are better by what a matcher notices.
         loss: that is to be expected of the candidate: rows over what a matcher notices, and depth over a point.
         rows_px: (2, 3) rows apart over the view, of the calibration and of the candidate: median, 95 % interval.
+        told: whether ranges agree with the candidate, and not with the calibration.
     """
 
     verdict: Verdict
@@ -60,6 +61,7 @@ class Decision:
     better: float
     loss: float
     rows_px: Float[np.ndarray, "2 3"]
+    told: bool = False
 
     @property
     def refused(self) -> bool:
@@ -69,7 +71,13 @@ class Decision:
     @property
     def by_ranges(self) -> bool:
         """Whether ranges alone ask for the candidate: its rows are not better for sure."""
-        return not self.refused and self.better <= 1.0 - ALPHA
+        return not self.refused and self.better <= 1.0 - ALPHA and self.told
+
+    @property
+    def by_motion(self) -> bool:
+        """Whether it is the rig's own motion that asks for the candidate: its depth is better for sure, its rows are
+        not."""
+        return not self.refused and self.better <= 1.0 - ALPHA and not self.told
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data for JSON."""
@@ -96,7 +104,8 @@ def decide(seen: Estimate, free: Sequence[str]) -> Decision:
     Two candidates stand: the one that loses least in rows and depth, and the one of those that read depth as the
     calibration does that loses least in rows; with ranges, also the one that changes no more than the length of the
     baseline. One replaces the calibration if its rows are better for sure, also on average those that the images show,
-    or ranges agree with it and not with the calibration, and the probability is below 1 % that rows, of near or far
+    or ranges agree with it and not with the calibration, or the rig's own motion tells that its depth is, and the
+    probability is below 1 % that rows, of near or far
     things, or depth are worse; of several, the one of least expected loss. Where none is so harmless, and the rows of
     the calibration blind the matcher, which leaves it no depth to lose, that its rows are hardly ever worse is enough.
     Else the calibration is good if its rows are, with 95 %. Absolute depth is not judged: no rig's rows know it.
@@ -143,18 +152,19 @@ def do_as_well(held: Sequence[Decision], freed: Sequence[Decision]) -> bool:
 def _decided(seen: Estimate, theta: Float[np.ndarray, "n"], keeps_depth: bool) -> Decision:
     """Between θ = 0 and a candidate."""
     (rows_given, depth_given), (rows, depth) = seen.losses(np.zeros(len(theta))), seen.losses(theta)
-    lost, nearer = np.any(rows > rows_given + WORSE_ROWS, axis=0), depth <= depth_given + WORSE_DEPTH
-    worse, rows_given, rows = float(np.mean(lost | ~nearer)), np.mean(rows_given, axis=0), np.mean(rows, axis=0)
+    lost, farther = np.any(rows > rows_given + WORSE_ROWS, axis=0), depth > depth_given + WORSE_DEPTH
+    worse, rows_given, rows = float(np.mean(lost | farther)), np.mean(rows_given, axis=0), np.mean(rows, axis=0)
     blind = float(np.mean(rows_given > BLIND_ROWS)) > 1.0 - ALPHA
     harmless = worse < ALPHA or (blind and float(np.mean(lost)) < ALPHA)
     better = float(np.mean(rows < rows_given - GAIN))
     good = float(np.mean(rows_given <= GOOD_ROWS)) >= GOOD_SURELY
     verdict = Verdict.GOOD if good else Verdict.CANNOT_TELL
-    told = seen.beams.fit_better(seen.chart.rig, seen.chart.rig_at(theta))
+    told = bool(seen.beams.fit_better(seen.chart.rig, seen.chart.rig_at(theta)))
+    nearer = bool(seen.windows) and float(np.mean(depth < depth_given - WORSE_DEPTH)) > 1.0 - ALPHA
     # What the images show bears it out: no posterior knows all ways in which lenses err.
     shown = np.mean(seen.rows_of_frames(theta)) - np.mean(seen.rows_of_frames(np.zeros(len(theta))))
-    if harmless and ((better > 1.0 - ALPHA and shown < 0.0) or (told and not shown > WORSE_ROWS)):
+    if harmless and ((better > 1.0 - ALPHA and shown < 0.0) or ((told or nearer) and not shown > WORSE_ROWS)):
         verdict = Verdict.REPAIR
     loss = float(np.mean(rows / GAIN + depth / WORSE_DEPTH))
     said = np.percentile([rows_given, rows], [50.0, 2.5, 97.5], axis=1).T
-    return Decision(verdict, theta, keeps_depth, worse, better, loss, said)
+    return Decision(verdict, theta, keeps_depth, worse, better, loss, said, told)

@@ -23,6 +23,7 @@ class Reason(enum.Enum):
     IMPROVED = "the candidate is better, and that is sure"
     MORE_MATCHES = "the candidate matches more pixels"
     RANGES = "the candidate agrees with the ranges, which the initial calibration does not, and its rows are as good"
+    MOTION = "the rig's own motion tells that depth is better under the candidate, and its rows are as good"
     ALREADY_GOOD = "the initial calibration is already good; there is nothing to gain that is sure"
     NOT_IMPROVED = "no candidate matches more pixels than the initial calibration"
     FEWER_MATCHES = "the candidate matches fewer pixels than the initial calibration"
@@ -42,7 +43,7 @@ class Reason(enum.Enum):
     @property
     def accepted(self) -> bool:
         """True if the candidate replaces the initial calibration."""
-        return self in (Reason.IMPROVED, Reason.MORE_MATCHES, Reason.RANGES)
+        return self in (Reason.IMPROVED, Reason.MORE_MATCHES, Reason.RANGES, Reason.MOTION)
 
     @property
     def healthy(self) -> bool:

@@ -12,6 +12,7 @@ from stereorecal.geometry import AXES, StereoRig
 from stereorecal.objectives import BASELINE
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._stages import StageRun
+from stereorecal.recalibration._windows import as_dict as motion_as_dict
 from stereorecal.scoring.host import Score
 from stereorecal.strategies import name_of
 
@@ -53,6 +54,7 @@ def solution_as_dict(solution: Solution, *, expected: bool = True) -> dict[str, 
             "expected": solution.expected.as_dict() if expected and solution.expected else None,
             "depth_error_percent": dict(solution.depth_error_percent),
             "estimate": solution.estimate and _estimate(solution.estimate),
+            "motion": motion_as_dict(solution.estimate) if solution.estimate and solution.estimate.windows else None,
             "decision": solution.decision and solution.decision.as_dict(),
             "prior": solution.prior_use and solution.prior_use.as_dict(),
             "num_disparities": solution.matcher.num_disparities,

@@ -187,6 +187,8 @@ def reason_of(decision: Decision, tiles: Int[np.ndarray, "2 k tiles"]) -> Reason
     before, after = tiles.sum(axis=(1, 2)).tolist()
     if loses_matches(before, after, 0.0, 0.0):
         return Reason.FEWER_MATCHES
+    if decision.by_motion:
+        return Reason.MOTION
     return Reason.RANGES if decision.by_ranges else Reason.IMPROVED
 
 

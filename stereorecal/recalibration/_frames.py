@@ -1,17 +1,30 @@
-"""Which frames of a long recording a joint solution looks at."""
+"""Which frames of a long recording are looked at, and which of them follow each other."""
 
 from collections.abc import Sequence
+from itertools import pairwise, starmap
 
-from stereorecal.recordings import Pair, Range
+from stereorecal.recordings import Pair, Range, times_of
 from stereorecal.scoring import informative
 
 MOST_FRAMES = 24  # of a recording: more of one place tell hardly more, and each costs a match
+_SOON = 0.5  # seconds from one pair to the next: farther apart, few corners can be followed
 
 
 def chosen_frames(pairs: Sequence[Pair], most: int = MOST_FRAMES) -> tuple[Pair, ...]:
     """At most so many of the pairs, in order: of equal stretches, which are moments apart, the ones with the most
-    texture."""
-    return informative(pairs, most)
+    texture; where pairs were taken soon after each other, of half as many, each with its neighbour: the rig's own
+    motion tells depth."""
+    windows = most > 1 and any(starmap(_soon, pairwise(times_of(pairs))))
+    return informative(pairs, most, soon_after if windows else None)
+
+
+def soon_after(first: Pair, second: Pair) -> bool:
+    """Whether the times of two pairs say that one was taken soon after the other."""
+    return _soon(first.time, second.time)
+
+
+def _soon(first: float | None, second: float | None) -> bool:
+    return first is not None and second is not None and 0.0 < second - first <= _SOON
 
 
 def looked_at(pairs: Sequence[Pair], ranges: Sequence[Range]) -> tuple[int, ...]:

@@ -21,6 +21,7 @@ from stereorecal.recalibration._mending import Mending, mending
 from stereorecal.recalibration._schedule import as_schedule
 from stereorecal.recalibration._stages import Case
 from stereorecal.recalibration._unmatched import LIKELY
+from stereorecal.recalibration._windows import check_motion, following
 from stereorecal.recordings import Pairs
 from stereorecal.report.cells import change
 from stereorecal.scoring import Legible, Pyramid, host, legible, pyramid
@@ -149,7 +150,12 @@ class Health:
 
 
 def health(
-    rig: StereoRig, pairs: Pairs, *, matcher: AbstractMatcher | str | None = None, prior: Prior = None
+    rig: StereoRig,
+    pairs: Pairs,
+    *,
+    matcher: AbstractMatcher | str | None = None,
+    prior: Prior = None,
+    motion: bool | None = None,
 ) -> Health:
     """Match the pairs under the rig's calibration, and estimate once what would mend it.
 
@@ -157,16 +163,18 @@ def health(
 
     Args:
         matcher: a matcher, or "sad" (default), "bm" or "sgbm"; without `num_disparities` the range is measured.
-        prior: as `recalibrate` has it.
+        prior, motion: as `recalibrate` has them.
 
     Raises:
-        InputError: if images and calibration do not fit, the images are no left and right image of this rig, or the
-            prior makes no sense.
+        InputError: if images and calibration do not fit, the images are no left and right image of this rig, the
+            prior makes no sense, or nothing can have moved.
     """
     refuse_tracers("sr.health", "sr.correspondences and sr.row_differences", rig)
     images = pyramid(rig, pairs)
     check_prior(prior, rig_parameters(rig))
-    case = Case(images, ranged(matcher, images), Reach(), as_parameters(None), prior)
+    check_motion(motion, len(images.pairs), prior)
+    windows = following(images.pairs, range(len(images.pairs)), motion, prior)
+    case = Case(images, ranged(matcher, images), Reach(), as_parameters(None), prior, windows=windows)
     look = looked(case, as_schedule(None).stages[-1])
     score = _score(images, case.matcher)
     shown = max((legible(pair) for pair in images.pairs), key=lambda one: one.texture)

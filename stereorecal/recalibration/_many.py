@@ -84,6 +84,7 @@ def recalibrate_many(
     progress: Progress | None = None,
     prior: Prior = None,
     boards: Sequence[Board] | None = None,
+    motion: bool | None = None,
 ) -> tuple[Repair, ...]:
     """Repair the extrinsics of many recordings, each on its own; the answers come in the order of the recordings.
 
@@ -105,7 +106,7 @@ def recalibrate_many(
         executor: any `concurrent.futures.Executor`; default one recording after the other in this process.
         progress: called with (finished, total) after each recording.
         prior: as `recalibrate` has it, of the calibration that all start from.
-        boards: as `recalibrate` has them.
+        boards, motion: as `recalibrate` has them; what recordings share is told by their rows.
 
     Raises:
         InputError: if there is no recording, a strategy of the default schedule is not installed, or intrinsics are
@@ -115,7 +116,7 @@ def recalibrate_many(
     free = with_ranges(as_parameters(free), ranges)
     scenes, ranges = sharing(_as_scenes(scenes), free, ranges, extrinsics, as_schedule(schedule))
     options = {"schedule": schedule, "reach": reach, "budget": budget, "view": view, "seed": seed, "free": free}
-    options |= {"prior": prior, "boards": boards}
+    options |= {"prior": prior, "boards": boards, "motion": motion}
     finished: dict[int, Repair] = {}
     for index, repair in repairs_as_finished(scenes, matcher=matcher, executor=executor, **options):
         finished[index] = repair
@@ -232,6 +233,7 @@ def repairs_as_finished(
     executor: Executor | None = None,
     prior: Prior = None,
     boards: Sequence[Board] | None = None,
+    motion: bool | None = None,
 ) -> Iterator[tuple[int, Repair]]:
     """`recalibrate_many` for those who show or save each answer as soon as it is there: the index of a recording and
     its repair, in the order in which they finish. Arguments and errors as there; errors are raised at once. What
@@ -252,6 +254,7 @@ def repairs_as_finished(
         free=free.extrinsics,
         prior=prior,
         boards=boards,
+        motion=motion,
     )
 
     def repairs() -> Iterator[tuple[int, Repair]]:

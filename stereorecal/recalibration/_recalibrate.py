@@ -76,7 +76,7 @@ def recalibrate(
             drifted: they take the place of the default prior, and join any other.
         motion: whether the rig's own motion between consecutive pairs is used, which tells depth: True takes the pairs
             as they were taken, one after the other, the rig advancing by a fraction of a baseline or more in between;
-            None uses it where pairs know their times (none do yet), False never.
+            None uses it where pairs know their times, at most half a second apart; False never.
 
     Raises:
         InputError: if images and calibration do not fit, a strategy of the schedule is not installed, the prior makes
@@ -101,7 +101,7 @@ def recalibrate(
     if len(numbers) < len(images.pairs):
         images = pyramid(rig, [images.pairs[number] for number in numbers], images.view)
     known = prior_of(use.prior, free, rig, reach, ranges=bool(ranges))
-    case = Case(images, asked, reach, free.extrinsics, known, ranges, following(numbers, motion))
+    case = Case(images, asked, reach, free.extrinsics, known, ranges, following(images.pairs, numbers, motion, known))
     solution = searched(case, schedule, budget, seed, free)
     wanted = solution.asked and replace(solution.asked, free=free.names)
     chosen = numbers if free.shared or use.dropped else None

@@ -264,6 +264,8 @@ class Solution:
     def _depth_before(self) -> str:
         """What the repair says of the depth of the initial calibration."""
         if self.decision is not None and self.decision.keeps_depth:
+            if self.estimate is not None and self.estimate.windows:
+                return "depth    stays as it was calibrated: neither rows nor the rig's motion tell it better"
             return "depth    stays as it was calibrated: rows do not tell it; frames that move, or ranges, would"
         if self.estimate is None:
             return f"depth was off: {depths(self.depth_error_percent)}"

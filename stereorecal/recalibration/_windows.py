@@ -7,14 +7,16 @@ import numpy as np
 
 from stereorecal._errors import InputError
 from stereorecal.estimation import NO_WINDOWS, Estimate, Prior, Windows, is_exact
+from stereorecal.recalibration._frames import soon_after
 from stereorecal.recalibration._stages import Case
+from stereorecal.recordings import Pair
 from stereorecal.scoring import Correspondences
 from stereorecal.scoring.host import Matches, tracked
 
 MOST_WINDOWS = 8  # each costs a third of a second of the estimate
 _NEAR = 1.5  # cells of dense correspondences: a corner that is farther from all of them is of something else
 
-Pairs = tuple[tuple[int, int], ...]  # numbers of pairs that follow each other
+Windowed = tuple[tuple[int, int], ...]  # numbers of pairs that follow each other
 
 
 def check_motion(motion: bool | None, pairs: int, prior: Prior) -> None:
@@ -24,21 +26,30 @@ def check_motion(motion: bool | None, pairs: int, prior: Prior) -> None:
     if motion not in (None, True, False):
         raise InputError(f"motion is {motion!r}; give True (the pairs are consecutive), False, or None.")
     if motion and pairs < 2:
-        raise InputError("motion=True needs two pairs or more, in the order in which they were taken.")
+        raise InputError(
+            "the rig's own motion needs two pairs or more, in the order in which they were taken; leave motion "
+            "(--motion) out."
+        )
     if motion and is_exact(prior):
-        raise InputError('motion=True tells depth, which prior="exact" takes as known; leave one of them out.')
+        raise InputError('motion tells depth, which prior="exact" takes as known; leave one of them out.')
 
 
-def following(numbers: Sequence[int], motion: bool | None) -> Pairs:
+def following(pairs: Sequence[Pair], numbers: Sequence[int], motion: bool | None, prior: Prior) -> Windowed:
     """Which of the pairs that are looked at follow each other, spread over all; none if their order is not known.
 
     Args:
-        numbers: of the pairs, as they were given.
-        motion: whether that is the order in which they were taken; None: pairs know no times yet, so no.
+        pairs: that are looked at.
+        numbers: of them, as they were given.
+        motion: whether that is the order in which they were taken; None: where their times say so.
+        prior: exact intrinsics leave no depth to tell.
     """
-    if not motion:
+    if motion is False or is_exact(prior):
         return ()
-    every = [(index, index + 1) for index in range(len(numbers) - 1) if numbers[index + 1] == numbers[index] + 1]
+    every = [
+        (index, index + 1)
+        for index in range(len(numbers) - 1)
+        if (numbers[index + 1] == numbers[index] + 1 if motion else soon_after(pairs[index], pairs[index + 1]))
+    ]
     some = np.unique(np.linspace(0, len(every) - 1, min(MOST_WINDOWS, len(every))).round().astype(int))
     return tuple(every[index] for index in some)
 
@@ -62,17 +73,23 @@ def without_frames(tracks: dict[tuple[int, int], Any], apart: Sequence[int]) -> 
     return Windows(kept) if kept else NO_WINDOWS
 
 
-def described(seen: Estimate) -> str:
-    """What the rig's own motion told, in a line."""
+def as_dict(seen: Estimate) -> dict[str, Any]:
+    """What the rig's own motion told, as plain data: how many windows, points that were followed, those that fit the
+    motion of the rig, and the median of its way from one pair to the next; NaN if too few could be followed."""
     several = [one for one in seen.motions if one.motion is not None]
-    given = len(seen.windows.tracks)
-    if not several:
-        return f"{given} windows, too few points could be followed"
     inliers, tracks = (sum(getattr(one, name) for one in several) for name in ("inliers", "tracks"))
-    way = np.median([one.metres[0] for one in several])
+    way = float(np.median([one.metres[0] for one in several])) if several else float("nan")
+    return {"windows": len(seen.windows.tracks), "followed": tracks, "fitting": inliers, "metres": way}
+
+
+def described(seen: Estimate) -> str:
+    """The same in a line."""
+    told = as_dict(seen)
+    if not told["followed"]:
+        return f"{told['windows']} windows, too few points could be followed"
     return (
-        f"{given} windows, {inliers} of {tracks} points fit the motion of the rig, "
-        f"{way:.3g} m from one pair to the next (median)"
+        f"{told['windows']} windows, {told['fitting']} of {told['followed']} points fit the motion of the rig, "
+        f"{told['metres']:.3g} m from one pair to the next (median)"
     )
 
 

@@ -8,6 +8,7 @@ from stereorecal.recordings._lazy import (
     PairSequence as PairSequence,
     names_of as names_of,
     picked as picked,
+    times_of as times_of,
 )
 from stereorecal.recordings._log import Log as Log, Mission as Mission
 from stereorecal.recordings._pair import Pair as Pair, make_pair as make_pair

@@ -15,11 +15,14 @@ class LazyPairs(PairSequence):
     """Pairs that are read each time they are asked for; a slice is as lazy.
 
     Attributes:
-        names: of the pairs, known without reading them.
+        names, times: of the pairs, known without reading them; None for a time that is not known.
     """
 
-    def __init__(self, reads: Sequence[Callable[[], Pair]], names: Sequence[str]):
+    def __init__(
+        self, reads: Sequence[Callable[[], Pair]], names: Sequence[str], times: Sequence[float | None] | None = None
+    ):
         self._reads, self.names = reads, tuple(names)
+        self.times = (None,) * len(self.names) if times is None else tuple(times)
 
     def __len__(self) -> int:
         return len(self._reads)
@@ -30,16 +33,20 @@ class LazyPairs(PairSequence):
     def __getitem__(self, index: slice) -> "LazyPairs": ...
     def __getitem__(self, index: int | slice) -> "Pair | LazyPairs":
         if isinstance(index, slice):
-            return LazyPairs(self._reads[index], self.names[index])
+            return LazyPairs(self._reads[index], self.names[index], self.times[index])
         return self._reads[index]()
 
     def picked(self, numbers: Sequence[int]) -> "LazyPairs":
         """Those of these numbers."""
-        return LazyPairs([self._reads[number] for number in numbers], [self.names[number] for number in numbers])
+        return LazyPairs(
+            [self._reads[number] for number in numbers],
+            [self.names[number] for number in numbers],
+            [self.times[number] for number in numbers],
+        )
 
     def checked(self, check: Callable[[Pair], object]) -> "LazyPairs":
         """The same pairs, each handed to `check` when it is read, which raises if it is not as it should be."""
-        return LazyPairs([_Checked(read, check) for read in self._reads], self.names)
+        return LazyPairs([_Checked(read, check) for read in self._reads], self.names, self.times)
 
 
 class _Checked:
@@ -57,6 +64,11 @@ class _Checked:
 def names_of(pairs: PairSequence) -> tuple[str, ...]:
     """The names of pairs, without reading them."""
     return pairs.names if isinstance(pairs, LazyPairs) else tuple(pair.name for pair in pairs)
+
+
+def times_of(pairs: PairSequence) -> tuple[float | None, ...]:
+    """When pairs were taken, in seconds, without reading them; None where that is not known."""
+    return pairs.times if isinstance(pairs, LazyPairs) else tuple(pair.time for pair in pairs)
 
 
 def picked(pairs: PairSequence, numbers: Sequence[int]) -> PairSequence:

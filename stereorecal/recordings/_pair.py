@@ -23,17 +23,22 @@ class Pair:
         name: what people call the pair.
         origin: None, or (function, arguments) that make the pair again: a pair that came from files is pickled as
             its paths, not as pixels.
+        time: when it was taken, seconds of any clock; None if that is not known.
 
     Raises:
-        InputError: if the images differ in size, contain NaN or infinite values, or are constant.
+        InputError: if the images differ in size, contain NaN or infinite values, or are constant, or the time is not
+            finite.
     """
 
     left: Float[np.ndarray, "h w"]
     right: Float[np.ndarray, "h_right w_right"]  # the same, or an InputError says otherwise
     name: str = "pair"
     origin: tuple[Callable[..., "Pair"], tuple[Any, ...]] | None = field(default=None, repr=False)
+    time: float | None = None
 
     def __post_init__(self) -> None:
+        if self.time is not None and not np.isfinite(self.time):
+            raise InputError(f"{self.name}: a time of {self.time} s makes no sense; leave it out if it is not known.")
         for image in (self.left, self.right):
             if np.ndim(image) != 2:
                 raise InputError(
@@ -90,12 +95,12 @@ class Pair:
         if size == self.size:
             return self
         shrink = [cv2.resize(image, size, interpolation=cv2.INTER_AREA) for image in (self.left, self.right)]
-        return Pair(shrink[0], shrink[1], self.name)
+        return Pair(shrink[0], shrink[1], self.name, time=self.time)
 
     def __reduce__(self):
         if self.origin is not None:
             return self.origin
-        return Pair, (self.left, self.right, self.name)
+        return Pair, (self.left, self.right, self.name, None, self.time)
 
 
 def make_pair(
@@ -105,6 +110,7 @@ def make_pair(
     channels: str = "rgb",
     name: str = "pair",
     origin: tuple[Callable[..., Pair], tuple[Any, ...]] | None = None,
+    time: float | None = None,
 ) -> Pair:
     """A Pair from grey (h, w) or colour (h, w, 3 or 4) images of 8 to 16 bit or floating point.
 
@@ -112,6 +118,7 @@ def make_pair(
 
     Args:
         channels: "rgb" or "bgr", the order of the first three channels of colour images.
+        time: when it was taken, in seconds, if that is known: consecutive pairs then tell depth.
 
     Raises:
         InputError: if sizes or depths differ, values are NaN, infinite or negative, or an image is constant.
@@ -129,7 +136,7 @@ def make_pair(
     if not eight_bit:
         largest = max(grey_left.max(), grey_right.max(), 1e-30)
         grey_left, grey_right = grey_left * (255.0 / largest), grey_right * (255.0 / largest)
-    return Pair(grey_left.astype(np.float32), grey_right.astype(np.float32), name, origin)
+    return Pair(grey_left.astype(np.float32), grey_right.astype(np.float32), name, origin, time)
 
 
 def _grey(image: np.ndarray, channels: str, name: str) -> np.ndarray:

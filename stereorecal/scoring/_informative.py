@@ -1,6 +1,6 @@
 """Which frames of several tell the most."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 
 import cv2
@@ -12,14 +12,39 @@ _WIDTH = 128  # pixels: at which texture is looked at; what is finer is noise as
 _STEEP = 31.0  # grey levels of the x-Sobel response: matchers cut it there
 
 
-def informative(pairs: Sequence[Pair], most: int) -> tuple[Pair, ...]:
+def informative(
+    pairs: Sequence[Pair], most: int, follows: Callable[[Pair, Pair], bool] | None = None
+) -> tuple[Pair, ...]:
     """At most `most` of the pairs, in order: the one with the most texture of each of as many equal stretches, so that
-    they show different moments."""
+    they show different moments.
+
+    Args:
+        follows: whether a pair follows another; of half as many stretches, each pair then comes with the next one that
+            does, or else with the one before.
+    """
     if len(pairs) <= most:
         return tuple(pairs)
-    bounds = np.linspace(0, len(pairs), most + 1).round().astype(int)
+    bounds = np.linspace(0, len(pairs), (most if follows is None else most // 2) + 1).round().astype(int)
     stretches = [pairs[first:end] for first, end in pairwise(bounds)]
-    return tuple(max(stretch, key=_texture) for stretch in stretches)  # one after the other: they may lie in a video
+    # One after the other: they may lie in a video.
+    if follows is None:
+        return tuple(max(stretch, key=_texture) for stretch in stretches)
+    return tuple(pair for stretch in stretches for pair in _window(stretch, follows))
+
+
+def _window(stretch: Sequence[Pair], follows: Callable[[Pair, Pair], bool]) -> tuple[Pair, ...]:
+    """The pair with the most texture, and a neighbour; each pair is read once."""
+    best, texture, before, after, last = None, -1.0, None, None, None
+    for pair in stretch:
+        if last is not None and last is best:
+            after = pair
+        if (here := _texture(pair)) > texture:
+            best, texture, before, after = pair, here, last, None
+        last = pair
+    assert best is not None
+    if after is not None and follows(best, after):
+        return best, after
+    return (best,) if before is None or not follows(before, best) else (before, best)
 
 
 def _texture(pair: Pair) -> float:

@@ -8,10 +8,21 @@ import pytest
 from json_page import differences, listed, matched, paths
 
 import stereorecal as sr
+from stereorecal.estimation import Estimate, Posterior, rig_parameters
 from stereorecal.recalibration import RangesSeen
+from stereorecal.recalibration._windows import as_dict as motion_as_dict
 
 INTRINSICS = sr.Intrinsics(  # freeing them takes longer than a test may
     sr.IntrinsicsOutcome.REFINED, ("k1",), ("",), np.zeros(1), np.ones(1), (), 0.2, 0.1, 0.9, 0.1
+)
+CHART = rig_parameters(sr.synthetic.default_rig())
+MOVED = Estimate(
+    CHART,
+    Posterior(np.ones(1), np.zeros((1, CHART.dim)), np.eye(CHART.dim)[None]),
+    (0.0, 0.0),
+    1,
+    0.0,
+    np.ones(CHART.dim),
 )
 COUNT = ("--schedule", "count", "--scale", 0.5, "--budget", 40)
 
@@ -35,8 +46,10 @@ def test_what_is_written_and_what_is_listed(command, schema: str, clean_scene, d
         assert differences([prior]) == (set(), {"versions.*"})
         assert content["repairs"][0]["intrinsics"] is None
         assert content["repairs"][0]["ranges"] is None
+        assert content["repairs"][0]["motion"] is None
         content["repairs"][0]["intrinsics"] = INTRINSICS.as_dict()
         content["repairs"][0]["ranges"] = RangesSeen(5, 4, 1).as_dict()
+        content["repairs"][0]["motion"] = motion_as_dict(MOVED)
     assert differences([content]) == (set(), set())
 
 

@@ -14,11 +14,13 @@ from stereorecal.estimation import (
     Estimate,
     Posterior,
     SavedPrior,
+    Windows,
     around,
     estimate,
     readings,
 )
 from stereorecal.estimation._consequences import points_of_view
+from stereorecal.scoring import Tracks
 
 AXES = ("pitch", "yaw", "roll", "y", "z")
 AWAY = (5, 10, 30)
@@ -131,6 +133,25 @@ def test_a_blind_rig_has_no_depth_to_lose(drifted, rows, repaired):
     said = decide(Doubtful(**seen.__getstate__()), AXES)
     assert said.worse == pytest.approx(0.05)
     assert (said.verdict is Verdict.REPAIR) is repaired
+
+
+@pytest.mark.parametrize(("shown", "after", "verdict"), [(True, 0.2, "MOTION"), (False, 0.2, None), (True, 4.5, None)])
+def test_motion_is_a_reason_where_rows_are_none(drifted, shown, after, verdict):
+    """Rows are good and stay so; depth is off by five percent, and motion tells it."""
+    _, seen = drifted[0]
+
+    class Moving(type(seen)):
+        def losses(self, used):
+            return np.full((3, 1000), 0.1), np.full(1000, after if np.any(used) else 5.0)
+
+        def rows_of_frames(self, used):
+            return np.full(1, 0.1)
+
+    windows = Windows((Tracks(np.zeros((2, 1, 2)), np.zeros((2, 1, 2))),)) if shown else seen.windows
+    said = decide(Moving(**{**seen.__getstate__(), "windows": windows}), AXES)
+    assert said.refused is (verdict is None)
+    assert said.by_motion is (verdict == "MOTION")
+    assert not said.by_ranges
 
 
 def test_far_rows_do_not_pay_for_near_ones(drifted):

@@ -65,7 +65,7 @@ def test_the_folder_may_be_the_working_directory(tmp_path: Path, name: str, monk
 @TREE
 def test_a_bad_image_is_named(tmp_path: Path, name: str):
     folder = TREES[name](tmp_path)
-    left, right = (Path(path) for path in load_log(folder).missions[-1].pairs[-1].origin[1])
+    left, right = (Path(path) for path in load_log(folder).missions[-1].pairs[-1].origin[1][:2])
     whole = left.read_bytes()
     write_image(left, 0, (20, 16))
     refused(folder, str(left), "the left image is 20x16")
@@ -78,7 +78,7 @@ def test_a_bad_image_is_named(tmp_path: Path, name: str):
 @TREE
 def test_a_missing_partner_is_named(tmp_path: Path, name: str):
     folder = TREES[name](tmp_path)
-    left, right = (Path(path) for path in load_log(folder).missions[-1].pairs[-1].origin[1])
+    left, right = (Path(path) for path in load_log(folder).missions[-1].pairs[-1].origin[1][:2])
     right.unlink()
     if name in ("euroc", "mav0"):  # there, one camera may have missed a frame
         assert left.name not in [pair.name for pair in load_log(folder).missions[0].pairs]

@@ -86,7 +86,7 @@ def test_frames_of_one_camera_only_are_left_out(tmp_path: Path):
     write_image(folder / "mav0/cam1/data" / f"{EUROC_TIMES[0] - 50000000}.png", 99)
     pairs = load_scene(folder).pairs
     assert [pair.name for pair in pairs] == [f"{EUROC_TIMES[0]}.png", f"{EUROC_TIMES[2]}.png"]
-    assert [Path(path).name for pair in pairs for path in pair.origin[1]] == [
+    assert [Path(path).name for pair in pairs for path in pair.origin[1][:2]] == [
         f"{EUROC_TIMES[index]}.png" for index in (0, 0, 2, 2)
     ]
 

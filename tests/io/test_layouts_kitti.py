@@ -59,7 +59,7 @@ def assert_sees_as_the_projections(rig: StereoRig, left: int, right: int) -> Non
 
 def names(pairs: tuple[Pair, ...]) -> list[tuple[str, str]]:
     """Of the files: the folder of the image and its number."""
-    return [tuple("/".join(Path(path).parts[-3:]) for path in pair.origin[1]) for pair in pairs]
+    return [tuple("/".join(Path(path).parts[-3:]) for path in pair.origin[1][:2]) for pair in pairs]
 
 
 # --- raw ----------------------------------------------------------------------------------------------------
@@ -389,3 +389,25 @@ def test_the_real_sequence(data_dir: Path, tmp_path: Path):
     np.testing.assert_allclose(rig.left.matrix, matrix)
     np.testing.assert_allclose(rig.translation, stored["T"], atol=1e-12)
     assert [f"left/{pair.name}" for pair in log.missions[0].pairs] == stored["left_files"]
+
+
+# --- times --------------------------------------------------------------------------------------------------
+
+
+def test_odometry_times(tmp_path: Path):
+    """A line for each image, if there are as many."""
+    (mission,) = load_log(kitti_odometry(tmp_path)).missions[:1]
+    place, count = min(tmp_path.rglob("calib.txt")).parent, len(mission.pairs)
+    assert {pair.time for pair in mission.pairs} == {None}
+    for lines, expected in ((count, [0.1 * n for n in range(count)]), (count + 1, [None] * count)):
+        write_text(place / "times.txt", "\n".join(f"{0.1 * n:e}" for n in range(lines)))
+        assert [pair.time for pair in load_log(tmp_path).missions[0].pairs] == pytest.approx(expected)
+
+
+def test_raw_times(tmp_path: Path):
+    """Seconds after the first image."""
+    day = kitti_raw(tmp_path)
+    for camera in next(day.glob("*_sync")).glob("image_0*"):
+        write_text(camera / "timestamps.txt", "\n".join(f"2011-09-26 13:02:25.{n}64389445" for n in range(3)))
+    times = [pair.time for pair in load_log(day).missions[0].pairs]
+    assert times == pytest.approx([0.0, 0.1, 0.2])

@@ -165,3 +165,18 @@ def test_an_interrupted_save_leaves_whole_files_and_no_scene(tmp_path: Path, mon
     assert len(files_in(tmp_path)) == 2
     assert all(cv2.imread(str(tmp_path / name)) is not None for name in files_in(tmp_path))
     refused_scene(tmp_path, "no such file")
+
+
+def test_times_are_kept(tmp_path: Path):
+    """With the scene, where all pairs know theirs; what is no list of as many numbers is passed over."""
+    scene = scene_of(2)
+    pairs = tuple(dataclasses.replace(pair, time=0.1 * n) for n, pair in enumerate(scene.pairs))
+    timed = dataclasses.replace(scene, pairs=pairs)
+    save_scene(timed, tmp_path / "timed")
+    assert [pair.time for pair in load_scene(tmp_path / "timed").pairs] == [0.0, 0.1]
+    save_scene(scene, tmp_path / "not")
+    assert [pair.time for pair in load_scene(tmp_path / "not").pairs] == [None, None]
+    path = tmp_path / "timed" / "calib.json"
+    for wrong in ([0.0], ["a", "b"], 3, [0.0, None]):
+        path.write_text(json.dumps({**json.loads(path.read_text()), "times_s": wrong}))
+        assert [pair.time for pair in load_scene(tmp_path / "timed").pairs] == [None, None]

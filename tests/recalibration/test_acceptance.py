@@ -20,6 +20,7 @@ def test_what_is_healthy():
         Reason.MORE_MATCHES,
         Reason.ALREADY_GOOD,
         Reason.RANGES,
+        Reason.MOTION,
     }
 
 

@@ -89,6 +89,7 @@ VERDICTS = dict.fromkeys(Reason, Verdict.REFUSED) | {
     Reason.IMPROVED: Verdict.REPAIRED,
     Reason.MORE_MATCHES: Verdict.REPAIRED,
     Reason.RANGES: Verdict.REPAIRED,
+    Reason.MOTION: Verdict.REPAIRED,
     Reason.ALREADY_GOOD: Verdict.GOOD,
     Reason.TOO_LITTLE_TEXTURE: Verdict.UNKNOWN,
     Reason.OUT_OF_BUDGET: Verdict.UNKNOWN,

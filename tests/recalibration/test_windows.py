@@ -1,5 +1,7 @@
 """Motion in a repair: the tracker, which pairs follow each other, and what is refused."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -39,14 +41,28 @@ def test_without_matches_nothing_is_tracked():
     assert len(tracked(pair, pair, (none, none), near=5.0)) == 0
 
 
+def taken(*times: float | None) -> list[sr.Pair]:
+    """Pairs of these times."""
+    return [replace(sr.make_pair(moved(0, 0), moved(-9, 0)), time=time) for time in times]
+
+
 @pytest.mark.parametrize("motion", [None, False])
 def test_pairs_of_no_known_order_do_not_follow_each_other(motion):
-    assert following(range(9), motion) == ()
+    assert following(taken(*[None] * 9), range(9), motion, None) == ()
+
+
+def test_times_tell_which_pairs_follow_each_other():
+    """Soon after the one before: not at the same time, not long after, not before."""
+    times = (0.0, 0.1, 0.2, 0.2, 1.9, 2.0, 1.0, None, 1.2)
+    windows = ((0, 1), (1, 2), (4, 5))
+    assert following(taken(*times), range(9), None, None) == windows
+    assert following(taken(*times), range(9), None, "exact") == ()
+    assert following(taken(*times), range(9), False, None) == ()
 
 
 def test_pairs_follow_each_other_where_none_between_is_missing():
-    assert following((0, 1, 3, 4, 9), True) == ((0, 1), (2, 3))
-    many = following(range(100), True)
+    assert following(taken(*[None] * 5), (0, 1, 3, 4, 9), True, None) == ((0, 1), (2, 3))
+    many = following(taken(*[None] * 100), range(100), True, None)
     assert len(many) == MOST_WINDOWS
     assert many[0] == (0, 1)
     assert many[-1] == (98, 99)

@@ -43,8 +43,8 @@ class Meter:
         self.read = self.most = 0
         self.alive: weakref.WeakSet[Pair] = weakref.WeakSet()
 
-    def __call__(self, left: str, right: str, load=_pairs.load_pair) -> Pair:
-        pair = load(left, right)
+    def __call__(self, left: str, right: str, time: float | None = None, load=_pairs.load_pair) -> Pair:
+        pair = load(left, right, time)
         self.alive.add(pair)
         self.read += 1
         self.most = max(self.most, len(self.alive))

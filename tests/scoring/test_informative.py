@@ -27,6 +27,26 @@ def test_the_best_of_each_stretch(contrasts, most):
     assert all(abs(c - stretch * (i + 0.5)) <= stretch / 2 + 1 for i, c in enumerate(chosen))
 
 
+@given(
+    contrasts=st.lists(st.floats(0.01, 20), min_size=2, max_size=16, unique=True),
+    most=st.integers(2, 12),
+    apart=st.sets(st.integers(0, 15)),
+)
+def test_the_best_of_each_stretch_with_a_neighbour(contrasts, most, apart):
+    """Some pairs do not follow the one before."""
+    pairs = [pair(c, str(i)) for i, c in enumerate(contrasts)]
+    chosen = [int(p.name) for p in informative(pairs, most, lambda first, second: int(second.name) not in apart)]
+    assert chosen == sorted(set(chosen))
+    assert len(chosen) <= most
+    if len(pairs) <= most:
+        assert len(chosen) == len(pairs)
+        return
+    best = [int(p.name) for p in informative(pairs, most // 2)]
+    assert set(best) <= set(chosen)
+    for number in set(chosen) - set(best):
+        assert any(abs(number - other) == 1 and max(number, other) not in apart for other in best)
+
+
 def test_a_foggy_frame_is_not_looked_at(scene):
     given = scene(frames=2)
     assert given.rig is not None

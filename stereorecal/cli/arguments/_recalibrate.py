@@ -4,6 +4,7 @@ import argparse
 
 from stereorecal.cli.arguments._calibrations import FORMATS
 from stereorecal.cli.arguments._executors import EXECUTORS
+from stereorecal.cli.arguments._motion import add_motion_to
 from stereorecal.cli.arguments._recordings import add_recordings_to
 
 _DESCRIPTION = """\
@@ -50,6 +51,7 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
         help="how well the initial calibration is known: saved, as an earlier repair left it; default, as after a "
         "chessboard calibration of this rig; exact: all that rows show is a drift (default: saved, if it was)",
     )
+    add_motion_to(parser)
     add(
         "--boards",
         nargs=2,

@@ -2,6 +2,7 @@
 
 import glob
 import os
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -13,11 +14,16 @@ from stereorecal.io.images._files import images_in, natural_order, read_image
 from stereorecal.io.images._match import Matched, match_files
 from stereorecal.recordings import LazyPairs, Pair, check_two_images, make_pair
 
+NANOSECONDS = 16  # digits and more of a name that is a time
 
-def load_pair(left_path: AnyPath, right_path: AnyPath) -> Pair:
+
+def load_pair(left_path: AnyPath, right_path: AnyPath, time: float | None = None) -> Pair:
     """One pair from two image files: grey or colour, 8 or 16 bit, any format OpenCV reads.
 
     The pair is named after the left file, and is pickled as its two absolute paths.
+
+    Args:
+        time: when it was taken, in seconds, if that is known.
 
     Raises:
         InputError: if a file is missing, empty, truncated or not an image, if the two images differ in size or
@@ -31,7 +37,8 @@ def load_pair(left_path: AnyPath, right_path: AnyPath) -> Pair:
         read_image(right),
         channels="bgr",
         name=f"{left} and {right}",  # what errors are about
-        origin=(load_pair, (left, right)),
+        origin=(load_pair, (left, right, time)),
+        time=time,
     )
     check_two_images(pair)
     return replace(pair, name=Path(left).name)
@@ -55,9 +62,12 @@ def load_pairs(left: AnyPath, right: AnyPath, limit: int | None = None) -> tuple
     return tuple(load_matched(match_files(find_images(left), find_images(right)), limit))
 
 
-def load_matched(matched: Matched, limit: int | None = None) -> LazyPairs:
+def load_matched(matched: Matched, limit: int | None = None, times: Sequence[float] | None = None) -> LazyPairs:
     """The pairs of files that belong together, the first `limit` or all; each is read by `load_pair` when it is asked
     for. All of them are inputs already now.
+
+    Args:
+        times: of the pairs, in seconds; default their names, if all are nanoseconds of 16 digits or more.
 
     Raises:
         InputError: if the limit leaves none.
@@ -68,7 +78,17 @@ def load_matched(matched: Matched, limit: int | None = None) -> LazyPairs:
         note_input(path)
     # Absolute: they are read where the working directory may be another.
     files = [tuple(map(os.path.abspath, paths)) for paths in matched[:limit]]
-    return LazyPairs([partial(load_pair, *paths) for paths in files], [Path(left).name for left, _ in files])
+    names = [Path(left).name for left, _ in files]
+    known = _times_of(names) if times is None else [float(time) for time in times]
+    reads = [partial(load_pair, *paths, time) for paths, time in zip(files, known, strict=False)]
+    return LazyPairs(reads, names, known[: len(reads)])
+
+
+def _times_of(names: Sequence[str]) -> Sequence[float | None]:
+    stems = [Path(name).stem for name in names]
+    if not all(stem.isascii() and stem.isdigit() and len(stem) >= NANOSECONDS for stem in stems):
+        return [None] * len(names)
+    return [int(stem) / 1e9 for stem in stems]
 
 
 def find_images(where: AnyPath) -> list[Path]:

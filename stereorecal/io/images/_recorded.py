@@ -13,7 +13,7 @@ from stereorecal.io.images._bags import bag_folder, bag_sources, is_bag
 from stereorecal.io.images._by_time import pairs_by_time
 from stereorecal.io.images._files import read_image
 from stereorecal.io.images._match import find_partners
-from stereorecal.io.images._pairs import find_images, load_matched
+from stereorecal.io.images._pairs import NANOSECONDS, find_images, load_matched
 from stereorecal.io.images._source import Source, halves
 from stereorecal.io.images._videos import is_video, video_source
 from stereorecal.recordings import LazyPairs, Pair, check_two_images, make_pair
@@ -115,18 +115,25 @@ def _recorded(places: _Places, left: Source, right: Source, found: list[tuple[in
         if index not in paired
     ]
 
+    times = [None if left.times is None else float(left.times[first]) for first, _ in found]
+
     def read(number: int) -> Pair:
         first, second = found[number]
         name = left.names[first]
         about = name if left.names is right.names else f"{name} and {right.names[second]}"
         pair = make_pair(
-            left.read(first), right.read(second), channels="bgr", name=about, origin=(_again, (places, number))
+            left.read(first),
+            right.read(second),
+            channels="bgr",
+            name=about,
+            origin=(_again, (places, number)),
+            time=times[number],
         )
         check_two_images(pair)
         return replace(pair, name=name)
 
     frames = [_Frame(places, number, read) for number in range(len(found))]
-    return Recorded(LazyPairs(frames, [left.names[first] for first, _ in found]), tuple(alone), stream)
+    return Recorded(LazyPairs(frames, [left.names[first] for first, _ in found], times), tuple(alone), stream)
 
 
 def _again(places: _Places, number: int) -> Pair:
@@ -170,4 +177,4 @@ def _time(file: Path) -> float:
         value = float(file.stem)
     except ValueError:
         raise InputError(f"{file}: the name is not a time; leave out the tolerance to pair by names.") from None
-    return value / 1e9 if len(file.stem.partition(".")[0]) >= 16 else value
+    return value / 1e9 if len(file.stem.partition(".")[0]) >= NANOSECONDS else value

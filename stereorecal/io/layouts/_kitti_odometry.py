@@ -2,6 +2,9 @@
 
 from pathlib import Path
 
+import numpy as np
+
+from stereorecal.io._text import read_text
 from stereorecal.io.formats._format import Hints
 from stereorecal.io.formats._reading import read_files
 from stereorecal.io.images._files import natural_order
@@ -12,7 +15,7 @@ from stereorecal.io.layouts._sequences import Sequence, log_of
 from stereorecal.recordings import Log
 
 LAYOUT = "KITTI odometry (sequences/NN), or one sequence of it (calib.txt, image_0 and image_1, or image_2 and image_3)"
-_CALIBRATION, _SEQUENCES = "calib.txt", "sequences"
+_CALIBRATION, _SEQUENCES, _TIMES = "calib.txt", "sequences", "times.txt"
 _IF_MISSING = "download data_odometry_calib.zip from KITTI's page and unpack it over the images."
 _GREY_BEFORE_COLOUR = (("image_0", "image_1"), ("image_2", "image_3"))
 
@@ -42,7 +45,17 @@ def _places(folder: Path) -> list[Path]:
 
 def _sequence(folder: Path, limit: int | None) -> Sequence:
     left, right = sides_in(folder, _GREY_BEFORE_COLOUR)
-    pairs = load_matched(match_equal(folder / left, folder / right), limit)
+    matched = match_equal(folder / left, folder / right)
+    pairs = load_matched(matched, limit, _times(folder / _TIMES, len(matched)))
     hints = Hints(size=pairs[0].size, cameras=(f"P{left[-1]}", f"P{right[-1]}"))
     rig = read_files([folder / _CALIBRATION], "kitti-odometry", hints=hints, if_missing=_IF_MISSING)
     return folder, rig, pairs
+
+
+def _times(path: Path, pairs: int) -> list[float] | None:
+    """Seconds, a line for each image; None if the file is missing, or not of these images."""
+    try:
+        times = [float(line) for line in read_text(path).split()] if path.is_file() else []
+    except ValueError:
+        return None
+    return times if len(times) == pairs and np.isfinite(times).all() else None

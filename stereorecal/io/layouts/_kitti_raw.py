@@ -63,8 +63,8 @@ def _sequence(drive: Path, limit: int | None) -> Sequence:
     hints = Hints(cameras=(left[-2:], right[-2:]), rectified=rectified)
     missing = f"download {day.name}_calib.zip from KITTI's page and unpack it over the images."
     rig = read_files([day / _CALIBRATION], "kitti-raw", hints=hints, if_missing=missing)
-    match = _match_by_name if rectified else _match_by_time
-    return drive, rig, load_matched(match(drive / left, drive / right), limit)
+    matched = (_match_by_name if rectified else _match_by_time)(drive / left, drive / right)
+    return drive, rig, load_matched(matched, limit, _seconds(drive / left, matched))
 
 
 def _match_by_name(left: Path, right: Path) -> Matched:
@@ -81,6 +81,15 @@ def _match_by_time(left: Path, right: Path) -> Matched:
     if not matched:
         raise InputError(f"{left}: no image in there was taken together with one of {right.name}; check {_TIMES}.")
     return matched
+
+
+def _seconds(camera: Path, matched: Matched) -> list[float] | None:
+    """When the left images were taken; None if the file of their times is missing."""
+    if not (camera / _TIMES).is_file():
+        return None
+    files, times = _shots(camera)
+    of_file = dict(zip(files, (times - times[0]) / np.timedelta64(1, "s"), strict=True))
+    return [float(of_file[path]) for path, _ in matched]
 
 
 def _shots(camera: Path) -> tuple[list[Path], Shaped[np.ndarray, "n"]]:

@@ -1,9 +1,11 @@
 """Scene folders: left.* and right.*, or folders of these names, beside a calib.json."""
 
+import math
 import re
 import shlex
 from itertools import chain
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
@@ -22,6 +24,7 @@ from stereorecal.io.images._pairs import load_matched
 from stereorecal.recordings import LazyPairs, Pair, Scene, check_pairs
 
 _CALIBRATION_FILE = "calib.json"
+_TIMES = "times_s"
 
 
 def is_scene_folder(folder: Path) -> bool:
@@ -33,7 +36,7 @@ def open_scene_folder(folder: Path, limit: int | None) -> tuple[Calibration, Laz
     """The calibration of a scene folder, and its pairs, checked against it when they are read."""
     _check_calibrated(folder)
     calibration = load_calibration((folder / _CALIBRATION_FILE,), NAME)
-    return calibration, fitting(folder, calibration, load_sides(folder, limit))
+    return calibration, fitting(folder, calibration, load_sides(folder, limit, calibration.info.get(_TIMES)))
 
 
 def _check_calibrated(folder: Path) -> None:
@@ -51,14 +54,23 @@ def _check_calibrated(folder: Path) -> None:
     )
 
 
-def load_sides(folder: Path, limit: int | None) -> LazyPairs:
+def load_sides(folder: Path, limit: int | None, times: Any = None) -> LazyPairs:
     """The pairs of `left.*` and `right.*`, or of the folders `left` and `right` with equal names.
+
+    Args:
+        times: when they were taken, in seconds, as a calib.json has them; what is no such list is passed over.
 
     Raises:
         InputError: naming the file, if one is missing or has no partner.
     """
     matched = match_files(*(_side_files(folder, side) for side in ("left", "right")), by_order=False)
-    return load_matched(matched, limit)
+    return load_matched(matched, limit, times if _are_times(times, len(matched)) else None)
+
+
+def _are_times(times: Any, pairs: int) -> bool:
+    if not isinstance(times, list) or len(times) != pairs:
+        return False
+    return all(isinstance(time, int | float) and math.isfinite(time) for time in times)
 
 
 def save_scene(scene: Scene, folder: AnyPath, overwrite: bool = False) -> None:
@@ -81,7 +93,10 @@ def save_scene(scene: Scene, folder: AnyPath, overwrite: bool = False) -> None:
     if scene.rig is not None:
         check_pairs(scene.rig, scene.pairs)
     facts = calibration_of(scene.rig, scene.pairs[0].size)
-    text = calibration_text({**scene.info, **facts, "reference": scene.reference})
+    times = [pair.time for pair in scene.pairs]
+    known = {_TIMES: times} if None not in times else {}
+    others = {name: value for name, value in scene.info.items() if name != _TIMES}
+    text = calibration_text({**others, **known, **facts, "reference": scene.reference})
     if scene.rig is not None:
         text = with_prior(text, own_prior(scene.rig))
     images: dict[Path, Float[np.ndarray, "h w"]] = {}
