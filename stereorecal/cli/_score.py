@@ -37,7 +37,7 @@ def run(options: argparse.Namespace) -> int:
     interrupted = False
     try:
         for scene in scenes:
-            looked.append(_look(scene, matcher, motion_of(options)))
+            looked.append(_look(scene, matcher, options.prior, motion_of(options)))
         hold()
     except KeyboardInterrupt:
         interrupted = True
@@ -72,12 +72,12 @@ def _show(looked: Sequence[Health | InputError], rows: Sequence[dict[str, Any]],
         print_lines(looked[0])
 
 
-def _look(scene: Scene, matcher: AbstractMatcher, motion: bool | None) -> Health | InputError:
+def _look(scene: Scene, matcher: AbstractMatcher, prior: str | None, motion: bool | None) -> Health | InputError:
     """What there is to say of a recording: one that cannot be used does not take the others with it."""
     assert scene.rig is not None
     try:
         with about(scene.name):
-            return health(scene.rig, scene.pairs, matcher=matcher, motion=motion)
+            return health(scene.rig, scene.pairs, matcher=matcher, prior=prior, motion=motion)
     except InputError as error:
         return error
 

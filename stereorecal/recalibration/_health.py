@@ -18,6 +18,7 @@ from stereorecal.recalibration._as_dict import score_as_dict
 from stereorecal.recalibration._consequences import Interval
 from stereorecal.recalibration._estimated import depth_by, looked, rows_of
 from stereorecal.recalibration._mending import Mending, mending
+from stereorecal.recalibration._prior_use import looked_with
 from stereorecal.recalibration._schedule import as_schedule
 from stereorecal.recalibration._stages import Case
 from stereorecal.recalibration._unmatched import LIKELY
@@ -163,7 +164,7 @@ def health(
 
     Args:
         matcher: a matcher, or "sad" (default), "bm" or "sgbm"; without `num_disparities` the range is measured.
-        prior, motion: as `recalibrate` has them.
+        prior, motion: as `recalibrate` has them; pairs that a saved prior rests on count, for nothing is learnt here.
 
     Raises:
         InputError: if images and calibration do not fit, the images are no left and right image of this rig, the
@@ -172,6 +173,7 @@ def health(
     refuse_tracers("sr.health", "sr.correspondences and sr.row_differences", rig)
     images = pyramid(rig, pairs)
     check_prior(prior, rig_parameters(rig))
+    prior = looked_with(prior, rig)
     check_motion(motion, len(images.pairs), prior)
     windows = following(images.pairs, range(len(images.pairs)), motion, prior)
     case = Case(images, ranged(matcher, images), Reach(), as_parameters(None), prior, windows=windows)

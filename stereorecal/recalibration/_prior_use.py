@@ -30,6 +30,8 @@ from stereorecal.recordings import Pair
 
 AGAIN, GIVEN = "saved, without these pairs", "given"
 
+NO_SAVED = "no prior is saved with this calibration; leave prior= (--prior) out."
+
 
 @dataclass(frozen=True, eq=False)
 class PriorUse:
@@ -92,11 +94,25 @@ def prior_use(prior: Prior, rig: StereoRig, pairs: Sequence[Pair]) -> PriorUse:
     if prior is None or (isinstance(prior, str) and prior == SAVED):
         found, note = saved_with(rig)
         if found is None and prior == SAVED:
-            raise InputError(note or "no prior is saved with this calibration; leave prior= (--prior) out.")
+            raise InputError(note or NO_SAVED)
         prior = found or DEFAULT
     if isinstance(prior, SavedPrior):
         return _again(prior, images)
     return PriorUse(DEFAULT if prior == DEFAULT else GIVEN, prior, images, every, note=note)
+
+
+def looked_with(prior: Prior, rig: StereoRig) -> Prior:
+    """The prior of a look at images, from which nothing is learnt: the saved one, if none is named.
+
+    Raises:
+        InputError: if it is to be the saved one, and there is none.
+    """
+    if prior is not None and not (isinstance(prior, str) and prior == SAVED):
+        return prior
+    found, note = saved_with(rig)
+    if found is None and prior == SAVED:
+        raise InputError(note or NO_SAVED)
+    return found
 
 
 def _again(saved: SavedPrior, images: tuple[str, ...]) -> PriorUse:

@@ -84,6 +84,10 @@ def test_none_is_saved(command, sides, drifted_scene: Path):
     answer = command("recalibrate", drifted_scene, *COUNT, "--prior", "saved")
     assert (answer.code, answer.err.count("\n")) == (2, 1)
     assert "no prior is saved with this calibration" in answer.err
+    answer = command("score", drifted_scene, "--prior", "saved")
+    assert (answer.code, answer.err.count("\n")) == (2, 1)
+    assert "no prior is saved with this calibration" in answer.err
+    assert command("score", drifted_scene, "--prior", "sure").code == 2
 
 
 def test_what_lies_there_stays_unless_it_is_forced(command, drifted_scene: Path, tmp_path: Path):

@@ -10,7 +10,7 @@ from hypothesis import given, settings, strategies as st
 import stereorecal as sr
 from stereorecal.estimation import Earlier, Posterior, SavedPrior, rig_parameters
 from stereorecal.io import load_rig, save_rig
-from stereorecal.recalibration import _prior_use
+from stereorecal.recalibration import Condition, _prior_use
 from stereorecal.recalibration._prior_use import fingerprint, prior_use
 
 DRIFT = np.array([*np.radians([0.8, 0.3, -0.9]), 0.0, 0.003, -0.003])
@@ -168,6 +168,21 @@ def test_the_next_look_begins_with_it(scenes, first):
     if second.reason.healthy:
         assert second.prior.images == tuple(map(fingerprint, pairs))
         assert second.prior.earlier.images == first.prior.images
+
+
+def test_a_look_begins_with_it_too(scenes, first, tmp_path: Path):
+    """What was written is not to be repaired, by its own images or others, and more is known of it than of others."""
+    _, pairs, _ = scenes
+    save_rig(first.rig, tmp_path / "calib.json", prior=first.prior)
+    rig = load_rig(tmp_path / "calib.json")
+    for some in (pairs[:1], pairs[1:]):
+        found = {prior: sr.health(rig, some, matcher=MATCHER, prior=prior) for prior in (None, "saved", "default")}
+        assert found[None].condition is not Condition.REPAIR
+        assert found[None].as_dict() == found["saved"].as_dict()
+        wide, narrow = (found[prior].mending.depth_percent[30] for prior in ("default", None))
+        assert narrow.high - narrow.low < wide.high - wide.low
+    with pytest.raises(sr.InputError, match="no prior is saved"):
+        sr.health(first.rig, pairs, matcher=MATCHER, prior="saved")
 
 
 def test_the_same_images_again_change_nothing(scenes, first):

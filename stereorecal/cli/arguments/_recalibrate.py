@@ -5,6 +5,7 @@ import argparse
 from stereorecal.cli.arguments._calibrations import FORMATS
 from stereorecal.cli.arguments._executors import EXECUTORS
 from stereorecal.cli.arguments._motion import add_motion_to
+from stereorecal.cli.arguments._prior import add_prior_to
 from stereorecal.cli.arguments._recordings import add_recordings_to
 
 _DESCRIPTION = """\
@@ -45,12 +46,7 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
         help="where intrinsics are free: each recording has extrinsics of its own, or one set is that of all "
         "(default: %(default)s)",
     )
-    add(
-        "--prior",
-        metavar="saved|default|exact",
-        help="how well the initial calibration is known: saved, as an earlier repair left it; default, as after a "
-        "chessboard calibration of this rig; exact: all that rows show is a drift (default: saved, if it was)",
-    )
+    add_prior_to(parser)
     add_motion_to(parser)
     add(
         "--boards",

@@ -3,6 +3,7 @@
 import argparse
 
 from stereorecal.cli.arguments._motion import add_motion_to
+from stereorecal.cli.arguments._prior import add_prior_to
 from stereorecal.cli.arguments._recordings import add_recordings_to
 
 _DESCRIPTION = """\
@@ -23,6 +24,7 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
     )
     add_recordings_to(parser)
     parser.add_argument("--matcher", default="sad", metavar="NAME", help="sad, bm or sgbm (default: %(default)s)")
+    add_prior_to(parser)
     add_motion_to(parser)
     parser.add_argument("--json", metavar="FILE|-", help="write everything as JSON")
     parser.add_argument("--force", action="store_true", help="--json may replace a file that is no input")
