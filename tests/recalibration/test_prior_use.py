@@ -171,8 +171,8 @@ def test_the_next_look_begins_with_it(scenes, first):
 
 
 def test_a_look_begins_with_it_too(scenes, first, tmp_path: Path):
-    """What was written is not to be repaired, by its own images or others; its depth is off, since it was kept as it was
-    calibrated, and only what was saved knows that."""
+    """What was written is not to be repaired, by its own images or others; its depth is off, since it was kept as it
+    was calibrated, and only what was saved knows that."""
     _, pairs, true = scenes
     wrong = sr.difference(first.rig, true).depth_error_percent[30]
     assert first.decision.keeps_depth
