@@ -29,6 +29,7 @@ from .comparison import (
     compare as compare,
     compare_scenes as compare_scenes,
 )
+from .decision import Tolerances as Tolerances
 from .estimation import (
     CalibrationCovariance as CalibrationCovariance,
     Estimate as Estimate,

@@ -56,6 +56,7 @@ def run(options: argparse.Namespace) -> int:
     budget, seed = as_budget(options.budget), _values.seed(options.seed)
     ranges = load_ranges(options.ranges) if options.ranges is not None else ()
     free = with_ranges(_values.free(options.free), ranges)
+    limits = _values.tolerances(options)
     check_prior(options.prior)
     check_boards_asked(options)
     _output.checked(options)
@@ -84,6 +85,7 @@ def run(options: argparse.Namespace) -> int:
             "prior": options.prior,
             "boards": boards,
             "motion": motion_of(options),
+            "tolerances": limits,
         }
         with progress_bar(options.quiet) as progress:
             how = {"extrinsics": options.extrinsics, "ranges": ranges, "executor": pool}
@@ -175,6 +177,7 @@ def _settings(
         "reach": asdict(reach),
         "budget": asdict(budget),
         "free": free.names,
+        "tolerances": asdict(_values.tolerances(options)),
         "extrinsics": options.extrinsics,
         "ranges": options.ranges,
         "boards": options.boards,

@@ -8,6 +8,7 @@ from typing import Any
 from stereorecal._errors import InputError
 from stereorecal._signals import hold
 from stereorecal._versions import versions
+from stereorecal.cli import _values
 from stereorecal.cli._console import print_lines, table_console
 from stereorecal.cli._exit_codes import BAD_INPUT, CANNOT_TELL, INTERRUPTED, REPAIR
 from stereorecal.cli._json import write_json
@@ -15,6 +16,7 @@ from stereorecal.cli._places import check_places, deliver, image_inputs, places_
 from stereorecal.cli._recordings import recordings
 from stereorecal.cli._streams import say
 from stereorecal.cli.arguments._motion import motion_of
+from stereorecal.decision import Tolerances
 from stereorecal.io import about, files_read
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.recalibration import HEALTH_LIMITS, Condition, Health, health
@@ -28,6 +30,7 @@ _CODES = {Condition.REPAIR: REPAIR, Condition.CANNOT_TELL: CANNOT_TELL, Conditio
 def run(options: argparse.Namespace) -> int:
     """Check, save, print; returns the exit code."""
     matcher = as_matcher(options.matcher)
+    limits = _values.tolerances(options)
     places = places_of(options, "json")
     check_places(places, force=options.force)
     with files_read() as read:
@@ -37,13 +40,13 @@ def run(options: argparse.Namespace) -> int:
     interrupted = False
     try:
         for scene in scenes:
-            looked.append(_look(scene, matcher, options.prior, motion_of(options)))
+            looked.append(_look(scene, matcher, options.prior, motion_of(options), limits))
         hold()
     except KeyboardInterrupt:
         interrupted = True
     rows = [_row(scene, found) for scene, found in zip(scenes, looked, strict=False)]
     if any(isinstance(found, Health) for found in looked):
-        content = {**_about_all(options, matcher), "interrupted": interrupted, "scenes": rows}
+        content = {**_about_all(options, matcher, limits), "interrupted": interrupted, "scenes": rows}
         deliver(lambda: _show(looked, rows, options), lambda: _save(content, options))
     for found in looked:
         if isinstance(found, InputError):
@@ -72,12 +75,14 @@ def _show(looked: Sequence[Health | InputError], rows: Sequence[dict[str, Any]],
         print_lines(looked[0])
 
 
-def _look(scene: Scene, matcher: AbstractMatcher, prior: str | None, motion: bool | None) -> Health | InputError:
+def _look(
+    scene: Scene, matcher: AbstractMatcher, prior: str | None, motion: bool | None, limits: Tolerances
+) -> Health | InputError:
     """What there is to say of a recording: one that cannot be used does not take the others with it."""
     assert scene.rig is not None
     try:
         with about(scene.name):
-            return health(scene.rig, scene.pairs, matcher=matcher, prior=prior, motion=motion)
+            return health(scene.rig, scene.pairs, matcher=matcher, prior=prior, motion=motion, tolerances=limits)
     except InputError as error:
         return error
 
@@ -89,11 +94,12 @@ def _row(scene: Scene, found: Health | InputError) -> dict[str, Any]:
     return {**about_it, "error": None, **found.as_dict()}
 
 
-def _about_all(options: argparse.Namespace, matcher: AbstractMatcher) -> dict[str, Any]:
+def _about_all(options: argparse.Namespace, matcher: AbstractMatcher, limits: Tolerances) -> dict[str, Any]:
     settings = {
         "frames": options.frames,
         "motion": options.motion,
         "matcher": {"name": options.matcher, **asdict(matcher)},
-        "thresholds": dict(HEALTH_LIMITS),
+        "thresholds": {**HEALTH_LIMITS, **limits.limits},
+        "distances": limits.distances,
     }
     return {"schema": SCHEMA, "versions": versions(), "settings": settings}

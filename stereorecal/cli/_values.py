@@ -3,6 +3,8 @@
 import argparse
 
 from stereorecal._errors import InputError
+from stereorecal._names import known
+from stereorecal.decision import LIMITS, Tolerances, as_tolerances
 from stereorecal.objectives import Parameters, as_parameters
 from stereorecal.strategies import strategies
 
@@ -28,6 +30,30 @@ def degrees_and_fraction(text: str, option: str) -> tuple[float, float]:
             f"{option} is {text!r}; give degrees and a fraction of the baseline, such as 0.5,0.01."
         ) from None
     return degrees, fraction
+
+
+def tolerances(options: argparse.Namespace) -> Tolerances:
+    """Those of --tolerances and --distances.
+
+    Raises:
+        InputError: if a name is unknown, or a value makes no sense.
+    """
+    found: dict[str, object] = {}
+    for part in [] if options.tolerances is None else options.tolerances.split(","):
+        name, _, value = (piece.strip() for piece in part.partition("="))
+        known(name, list(LIMITS), "tolerance")
+        found[name] = _number(value, f"--tolerances has {shortened(part)}; give NAME=NUMBER, such as alpha=0.001.")
+    if options.distances is not None:
+        refusal = f"--distances is {shortened(options.distances)}; give baselines, such as 5,10,30."
+        found["distances"] = tuple(_number(part, refusal) for part in options.distances.split(","))
+    return as_tolerances(found)
+
+
+def _number(text: str, refusal: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise InputError(refusal) from None
 
 
 def seed(number: int) -> int:

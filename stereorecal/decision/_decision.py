@@ -2,33 +2,16 @@
 
 import enum
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
 from stereorecal._plain import plain
+from stereorecal.decision._tolerances import DEFAULT, Tolerances
 from stereorecal.estimation import Estimate, with_free_together
 from stereorecal.objectives import BASELINE
-
-# What a matcher notices, and what a change must gain [pixels of row, root mean square over the view].
-GAIN = 0.05
-# What counts as worse: what repairs that end well lose by noise [pixels of row, points of depth at 30 baselines].
-WORSE_ROWS, WORSE_DEPTH = 0.02, 1.0
-ALPHA = 0.01  # probability of a change for the worse, and of none for the better, at most
-# Rows farther apart than this [pixels] show a matcher's windows other things: such a rig has no depth to lose.
-BLIND_ROWS = 1.5
-GOOD_ROWS, GOOD_SURELY = 0.3, 0.95  # pixels of row that good calibrations have, and with which probability they do
-LIMITS = {
-    "gain_px": GAIN,
-    "worse_rows_px": WORSE_ROWS,
-    "worse_depth_points": WORSE_DEPTH,
-    "alpha": ALPHA,
-    "blind_rows_px": BLIND_ROWS,
-    "good_rows_px": GOOD_ROWS,
-    "good_surely": GOOD_SURELY,
-}
 
 
 class Verdict(enum.Enum):
@@ -52,6 +35,7 @@ class Decision:
         loss: that is to be expected of the candidate: rows over what a matcher notices, and depth over a point.
         rows_px: (2, 3) rows apart over the view, of the calibration and of the candidate: median, 95 % interval.
         told: whether ranges agree with the candidate, and not with the calibration.
+        tolerances: by which it was decided.
     """
 
     verdict: Verdict
@@ -62,6 +46,7 @@ class Decision:
     loss: float
     rows_px: Float[np.ndarray, "2 3"]
     told: bool = False
+    tolerances: Tolerances = DEFAULT
 
     @property
     def refused(self) -> bool:
@@ -71,13 +56,13 @@ class Decision:
     @property
     def by_ranges(self) -> bool:
         """Whether ranges alone ask for the candidate: its rows are not better for sure."""
-        return not self.refused and self.better <= 1.0 - ALPHA and self.told
+        return not self.refused and self.better <= 1.0 - self.tolerances.alpha and self.told
 
     @property
     def by_motion(self) -> bool:
         """Whether it is the rig's own motion that asks for the candidate: its depth is better for sure, its rows are
         not."""
-        return not self.refused and self.better <= 1.0 - ALPHA and not self.told
+        return not self.refused and self.better <= 1.0 - self.tolerances.alpha and not self.told
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data for JSON."""
@@ -95,10 +80,10 @@ class Decision:
     @property
     def explains(self) -> bool:
         """Whether the rig explains the rows: the candidate's are those of a good calibration, as likely as not."""
-        return bool(self.rows_px[1, 0] <= GOOD_ROWS)
+        return bool(self.rows_px[1, 0] <= self.tolerances.good_rows_px)
 
 
-def decide(seen: Estimate, free: Sequence[str]) -> Decision:
+def decide(seen: Estimate, free: Sequence[str], tolerances: Tolerances | None = None) -> Decision:
     """Choose between a calibration, and changes of its free parameters.
 
     Two candidates stand: the one that loses least in rows and depth, and the one of those that read depth as the
@@ -113,30 +98,37 @@ def decide(seen: Estimate, free: Sequence[str]) -> Decision:
     Args:
         seen: what is known; its θ = 0 is the calibration.
         free: names of the parameters that may change.
+        tolerances: default those of `Tolerances()`.
     """
-    (found,) = decide_together([seen], free)
+    (found,) = decide_together([seen], free, tolerances)
     return found
 
 
-def decide_together(several: Sequence[Estimate], free: Sequence[str]) -> list[Decision]:
+def decide_together(
+    several: Sequence[Estimate], free: Sequence[str], tolerances: Tolerances | None = None
+) -> list[Decision]:
     """The same for each of several calibrations whose free parameters are the same but for a drift: all candidates keep
     depth, or none, or change the length of the baseline alone; so that fewest are refused, then of least expected loss.
 
     Args:
         several: what is known, with the same parameters.
-        free: as `decide` has it.
+        free, tolerances: as `decide` has them.
     """
+    limits = DEFAULT if tolerances is None else tolerances
+    several = [
+        seen if seen.judged_at == limits.distances else replace(seen, judged_at=limits.distances) for seen in several
+    ]
     found, kinds = [], [(tuple(free), False), (tuple(free), True)]
     if BASELINE in free and any(seen.beams for seen in several):
         kinds.append(((BASELINE,), False))  # where rows are good, they stay
     for names, keeps_depth in kinds:
         thetas = with_free_together(several, names, keep_depth=keeps_depth)
-        found.append([_decided(seen, theta, keeps_depth) for seen, theta in zip(several, thetas, strict=True)])
+        found.append([_decided(seen, theta, keeps_depth, limits) for seen, theta in zip(several, thetas, strict=True)])
 
     def rank(all_of: Sequence[Decision]) -> tuple[float, ...]:
         return (
             sum(one.refused for one in all_of),
-            sum(one.worse >= ALPHA for one in all_of),
+            sum(one.worse >= limits.alpha for one in all_of),
             sum(one.loss for one in all_of),
         )
 
@@ -149,22 +141,28 @@ def do_as_well(held: Sequence[Decision], freed: Sequence[Decision]) -> bool:
     return all(less.loss < more.loss + 1.0 and (more.refused or not less.refused) for less, more in both)
 
 
-def _decided(seen: Estimate, theta: Float[np.ndarray, "n"], keeps_depth: bool) -> Decision:
+def _decided(seen: Estimate, theta: Float[np.ndarray, "n"], keeps_depth: bool, limits: Tolerances) -> Decision:
     """Between θ = 0 and a candidate."""
     (rows_given, depth_given), (rows, depth) = seen.losses(np.zeros(len(theta))), seen.losses(theta)
-    lost, farther = np.any(rows > rows_given + WORSE_ROWS, axis=0), depth > depth_given + WORSE_DEPTH
+    lost, farther = (
+        np.any(rows > rows_given + limits.worse_rows_px, axis=0),
+        depth > depth_given + limits.worse_depth_points,
+    )
     worse, rows_given, rows = float(np.mean(lost | farther)), np.mean(rows_given, axis=0), np.mean(rows, axis=0)
-    blind = float(np.mean(rows_given > BLIND_ROWS)) > 1.0 - ALPHA
-    harmless = worse < ALPHA or (blind and float(np.mean(lost)) < ALPHA)
-    better = float(np.mean(rows < rows_given - GAIN))
-    good = float(np.mean(rows_given <= GOOD_ROWS)) >= GOOD_SURELY
+    blind = float(np.mean(rows_given > limits.blind_rows_px)) > 1.0 - limits.alpha
+    harmless = worse < limits.alpha or (blind and float(np.mean(lost)) < limits.alpha)
+    better = float(np.mean(rows < rows_given - limits.gain_px))
+    good = float(np.mean(rows_given <= limits.good_rows_px)) >= limits.good_surely
     verdict = Verdict.GOOD if good else Verdict.CANNOT_TELL
     told = bool(seen.beams.fit_better(seen.chart.rig, seen.chart.rig_at(theta)))
-    nearer = bool(seen.windows) and float(np.mean(depth < depth_given - WORSE_DEPTH)) > 1.0 - ALPHA
+    nearer = bool(seen.windows) and float(np.mean(depth < depth_given - limits.worse_depth_points)) > 1.0 - limits.alpha
     # What the images show bears it out: no posterior knows all ways in which lenses err.
     shown = np.mean(seen.rows_of_frames(theta)) - np.mean(seen.rows_of_frames(np.zeros(len(theta))))
-    if harmless and ((better > 1.0 - ALPHA and shown < 0.0) or ((told or nearer) and not shown > WORSE_ROWS)):
+    if harmless and (
+        (better > 1.0 - limits.alpha and shown < 0.0) or ((told or nearer) and not shown > limits.worse_rows_px)
+    ):
         verdict = Verdict.REPAIR
-    loss = float(np.mean(rows / GAIN + depth / WORSE_DEPTH))
+    # Candidates are compared alike, whatever is asked of them.
+    loss = float(np.mean(rows / DEFAULT.gain_px + depth / DEFAULT.worse_depth_points))
     said = np.percentile([rows_given, rows], [50.0, 2.5, 97.5], axis=1).T
-    return Decision(verdict, theta, keeps_depth, worse, better, loss, said, told)
+    return Decision(verdict, theta, keeps_depth, worse, better, loss, said, told, limits)

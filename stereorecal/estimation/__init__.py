@@ -17,6 +17,7 @@ from stereorecal.estimation._calibration_prior import (
 )
 from stereorecal.estimation._consequences import readings as readings
 from stereorecal.estimation._estimate import (
+    JUDGED_AT as JUDGED_AT,
     Estimate as Estimate,
     estimate as estimate,
     with_free_together as with_free_together,

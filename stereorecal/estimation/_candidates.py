@@ -15,7 +15,6 @@ _ROWS_MATTER = 0.1  # pixels: what a matcher notices
 _DEPTH_MATTERS = 0.01  # of the disparity
 _DEPTH_KEPT = 0.0005  # likewise, where depth is not to change
 _NEAR_MEAN = 0.1  # of what a matcher notices, for each deviation of a parameter from its mean
-_SEEN_AT = (5, 10, 30)  # baselines
 
 
 def depth_kept(
@@ -43,7 +42,9 @@ class Known:
         near: the linear maps at the mean.
         mean: of θ.
         deviations: of θ: what neither rows nor depth tell stays near the mean.
-        nearness: relative disparity that a rig should read, less that of the rig at the mean, at each of DISTANCES.
+        nearness: relative disparity that a rig should read, less that of the rig at the mean, at each distance of
+            the maps.
+        judged_at: those of the distances at which it counts, baselines.
     """
 
     chart: RigChart
@@ -51,6 +52,7 @@ class Known:
     mean: Float[np.ndarray, "n"]
     deviations: Float[np.ndarray, "n"]
     nearness: Float[np.ndarray, "d"]
+    judged_at: tuple[float, ...]
 
 
 def least_loss(
@@ -93,9 +95,9 @@ def _loss(
 ) -> tuple[Float[np.ndarray, "k n"], Float[np.ndarray, "k"]]:
     """Maps and goal: what the rig at θ loses is the square of maps θ - goal."""
     maps, goal = [], []
-    for index, distance in enumerate(DISTANCES):
-        if distance in _SEEN_AT:
-            slopes = one.near.rows[index] / (_ROWS_MATTER * np.sqrt(len(one.near.rows[index]) * len(_SEEN_AT)))
+    for index, distance in enumerate(one.near.distances):
+        if distance in one.judged_at:
+            slopes = one.near.rows[index] / (_ROWS_MATTER * np.sqrt(len(one.near.rows[index]) * len(one.judged_at)))
             maps += [slopes, one.near.nearness[index : index + 1] / depth_matters]
             goal += [slopes @ one.mean, maps[-1] @ one.mean + one.nearness[index] / depth_matters]
     near_mean = _NEAR_MEAN * np.diag(1.0 / np.maximum(one.deviations, 1e-12))[free]
@@ -107,7 +109,7 @@ def least_loss_of_depth_kept(
 ) -> list[Float[np.ndarray, "n"]]:
     """The same of those that read depth as the rigs at θ = 0 do, on average over the view; Newton steps, since depth is
     not linear as far as a drift may reach."""
-    sets = [[points_of_view(one.chart.rig, distance) for distance in DISTANCES] for one in several]
+    sets = [[points_of_view(one.chart.rig, distance) for distance in one.near.distances] for one in several]
     wanted = [
         np.array([readings(one.chart.rig, one.chart.rig_at(one.mean), points)[1].mean() for points in some])
         for one, some in zip(several, sets, strict=True)

@@ -82,18 +82,22 @@ class Consequences:
     """`readings` near a used rig, linear in what the truth differs by.
 
     Attributes:
-        rows: for each of DISTANCES, (p, n) pixels a unit of θ(used) - θ(true).
-        nearness: (d, n) mean relative error of disparity over the view at each of DISTANCES, likewise.
+        distances: in baselines.
+        rows: for each of the distances, (p, n) pixels a unit of θ(used) - θ(true).
+        nearness: (d, n) mean relative error of disparity over the view at each of them, likewise.
     """
 
+    distances: tuple[float, ...]
     rows: tuple[Float[np.ndarray, "_ n"], ...]
     nearness: Float[np.ndarray, "d n"]
 
 
-def consequences(chart: RigChart, theta: Float[np.ndarray, "n"]) -> Consequences:
-    """The linear maps at the rig at θ."""
+def consequences(
+    chart: RigChart, theta: Float[np.ndarray, "n"], distances: tuple[float, ...] = DISTANCES
+) -> Consequences:
+    """The linear maps at the rig at θ, at distances in baselines."""
     used = chart.rig_at(theta)
-    sets = [points_of_view(used, distance) for distance in DISTANCES]
+    sets = [points_of_view(used, distance) for distance in distances]
     points = np.concatenate(sets)
     right = points @ used.rotation.T + used.translation
     # How the rays that the used cameras give move if the truth is another: those of pixels that stay, the other way.
@@ -114,7 +118,7 @@ def consequences(chart: RigChart, theta: Float[np.ndarray, "n"]) -> Consequences
     nearness = by_disparity / disparity + (left_rays @ to_left[2]) / along
     ends = np.cumsum([len(points) for points in sets])[:-1]
     by_distance = np.split(nearness, ends, axis=1)
-    return Consequences(tuple(np.split(rows.T, ends)), np.stack([part.mean(axis=1) for part in by_distance]))
+    return Consequences(distances, tuple(np.split(rows.T, ends)), np.stack([part.mean(axis=1) for part in by_distance]))
 
 
 def _rectified(

@@ -30,8 +30,7 @@ from stereorecal.scoring import Correspondences
 
 _SAMPLES = 2000
 _SEED = 0
-_SEEN_AT, _FAR = (5, 10, 30), 30  # baselines
-_WORSE_ROWS, _WORSE_DEPTH = 0.02, 1.0  # pixels and percentage points: what counts as worse
+JUDGED_AT = (5, 10, 30)  # baselines
 _LEAST_NEARNESS = 1e-3  # a thousandth of the true nearness: what lies beyond is called infinitely far
 
 
@@ -51,6 +50,7 @@ class Estimate:
         beams: ranges that took part.
         shown: the mean row differences that it rests on; None where there are none.
         windows: pairs of pairs that told of the rig's motion.
+        judged_at: distances [baselines] at which rows count; depth counts at the farthest.
     """
 
     chart: RigChart
@@ -63,6 +63,7 @@ class Estimate:
     beams: Beams = NO_BEAMS
     shown: Groups | None = None
     windows: Windows = NO_WINDOWS
+    judged_at: tuple[float, ...] = JUDGED_AT
 
     def __getstate__(self) -> dict[str, Any]:
         """What is derived stays behind: samples are larger than all else."""
@@ -122,19 +123,13 @@ class Estimate:
     def known(self) -> Known:
         """What candidates are chosen by."""
         deviations = np.sqrt(np.diag(self.posterior.covariance))
-        return Known(self.chart, self._consequences, self.theta, deviations, self._target_nearness)
+        return Known(self.chart, self._consequences, self.theta, deviations, self._target_nearness, self.judged_at)
 
-    def probability_worse(self, candidate: Float[np.ndarray, "n"]) -> float:
-        """That the rig at θ = candidate reads rows worse than the given one by more than 0.02 pixels (root mean square
-        over the view, at 5, 10 or 30 baselines), or depth at 30 baselines by more than one percentage point."""
-        (rows, depth), (rows_given, depth_given) = map(self.losses, (candidate, np.zeros_like(candidate)))
-        return float(np.mean(np.any(rows > rows_given + _WORSE_ROWS, axis=0) | (depth > depth_given + _WORSE_DEPTH)))
-
-    def losses(self, used: Float[np.ndarray, "n"]) -> tuple[Float[np.ndarray, "3 s"], Float[np.ndarray, "s"]]:
-        """Rows [pixels], at 5, 10 and 30 baselines, and |error of depth| at 30 baselines [%] of the rig at θ = used,
-        for each of some rigs drawn from the posterior; always the same."""
-        rows = [self._row_errors(used, DISTANCES.index(distance)) for distance in _SEEN_AT]
-        near = 1.0 + self._nearness(used)[:, DISTANCES.index(_FAR)]
+    def losses(self, used: Float[np.ndarray, "n"]) -> tuple[Float[np.ndarray, "d s"], Float[np.ndarray, "s"]]:
+        """Rows [pixels] at each of the distances that it is judged at, and |error of depth| at the farthest of them [%]
+        of the rig at θ = used, for each of some rigs drawn from the posterior; always the same."""
+        rows = [self._row_errors(used, distance) for distance in self.judged_at]
+        near = 1.0 + self._nearness(used)[:, self._distances.index(max(self.judged_at))]
         return np.stack(rows), 100.0 * np.abs(1.0 / np.maximum(near, _LEAST_NEARNESS) - 1.0)
 
     @one_blas_thread()
@@ -147,11 +142,11 @@ class Estimate:
         return np.bincount(numbers, count * np.abs(rows)) / np.bincount(numbers, count)
 
     @one_blas_thread()
-    def _row_errors(self, used: Float[np.ndarray, "n"], index: int) -> Float[np.ndarray, "s"]:
+    def _row_errors(self, used: Float[np.ndarray, "n"], distance: float) -> Float[np.ndarray, "s"]:
         """Root mean square over the view of the row errors of the rig at θ = used, for each sample: exact at the mean,
         linear around it."""
-        slopes, mean = self._consequences.rows[index], self.mean_rig
-        at_mean, _ = readings(self.chart.rig_at(used), mean, points_of_view(mean, DISTANCES[index]))
+        slopes, mean = self._consequences.rows[self._distances.index(distance)], self.mean_rig
+        at_mean, _ = readings(self.chart.rig_at(used), mean, points_of_view(mean, distance))
         return np.sqrt(np.mean((at_mean - (self._samples - self.theta) @ slopes.T) ** 2, axis=1))
 
     @cached_property
@@ -162,7 +157,12 @@ class Estimate:
     @cached_property
     @one_blas_thread()
     def _consequences(self) -> Consequences:
-        return consequences(self.chart, self.theta)
+        return consequences(self.chart, self.theta, self._distances)
+
+    @property
+    def _distances(self) -> tuple[float, ...]:
+        """All at which something is said, or judged."""
+        return (*DISTANCES, *(distance for distance in self.judged_at if distance not in DISTANCES))
 
     @cached_property
     def _target_nearness(self) -> Float[np.ndarray, "d"]:
@@ -174,7 +174,7 @@ class Estimate:
         reports too far; infinite where a point seems to lie at infinity or beyond. Over the view, on average."""
         near = self._nearness(used)
         found = {}
-        for distance, of_samples in zip(DISTANCES, near.T, strict=True):
+        for distance, of_samples in zip(DISTANCES, near.T, strict=False):
             middle, low, high = (
                 float("inf") if value < _LEAST_NEARNESS else 100.0 * (1.0 / value - 1.0)
                 for value in (1.0 + np.percentile(of_samples, [50.0, 97.5, 2.5])).tolist()
@@ -186,8 +186,8 @@ class Estimate:
         """The row error of the rig at θ = used, root mean square over the view, of points at distances in baselines:
         median, and 95 % interval; pixels of the images."""
         found = {}
-        for index, distance in enumerate(DISTANCES):
-            middle, low, high = np.percentile(self._row_errors(used, index), [50.0, 2.5, 97.5]).tolist()
+        for distance in DISTANCES:
+            middle, low, high = np.percentile(self._row_errors(used, distance), [50.0, 2.5, 97.5]).tolist()
             found[distance] = (middle, low, high)
         return found
 
@@ -196,7 +196,7 @@ class Estimate:
         """Relative error of disparity of the rig at θ = used, for each sample and distance: exact at the mean, linear
         around it."""
         rig, mean = self.chart.rig_at(used), self.mean_rig
-        at_mean = [readings(rig, mean, points_of_view(mean, distance))[1].mean() for distance in DISTANCES]
+        at_mean = [readings(rig, mean, points_of_view(mean, distance))[1].mean() for distance in self._distances]
         return np.array(at_mean) - (self._samples - self.theta) @ self._consequences.nearness.T
 
 

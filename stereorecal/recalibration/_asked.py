@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from stereorecal.decision import DEFAULT, Tolerances
 from stereorecal.matching import AbstractMatcher
 from stereorecal.recalibration._schedule import Schedule, Stage
 from stereorecal.strategies import Budget, name_of, origin_of
@@ -19,6 +20,7 @@ class Asked:
         matcher: without its disparity range, if that was to be measured.
         schedule, budget, seed: as they were.
         free: names of the parameters that were free, whether or not all of them could be solved for.
+        tolerances: by which it was decided.
     """
 
     matcher: AbstractMatcher
@@ -26,6 +28,7 @@ class Asked:
     budget: Budget
     seed: int
     free: Sequence[str]
+    tolerances: Tolerances = DEFAULT
 
     def as_text(self) -> dict[str, Any]:
         """By name, as people read it."""
@@ -40,6 +43,7 @@ class Asked:
             "stage": {str(number): _stage(stage) for number, stage in enumerate(self.schedule.stages, 1)},
             "budget": limits,
             "seed": self.seed,
+            "tolerances": ", ".join(f"{name} {value}" for name, value in asdict(self.tolerances).items()),
         }
 
     @property

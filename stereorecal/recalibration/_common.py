@@ -114,7 +114,14 @@ def _solved(
 ) -> Common:
     several = (_merged(shown),) if one else tuple(shown)
     estimates = tuple(estimate_together(several, each=each))
-    return Common(recordings, free, several, estimates, tuple(decide_together(estimates, free.names)), beams)
+    return Common(
+        recordings,
+        free,
+        several,
+        estimates,
+        tuple(decide_together(estimates, free.names, recordings[0].repair.tolerances)),
+        beams,
+    )
 
 
 def _priors(recordings: Sequence[Recording], free: Parameters) -> list[CalibrationPrior]:

@@ -83,7 +83,7 @@ def answered(case: Case, found: Correspondences, near: StereoRig, again_at: floa
         seen = estimate(rest, case.rig, case.prior, start=start, beams=ranges, windows=windows)
     if again_at is not None and case.free.lenses:
         seen, rest = _matched_again(case, seen, rest, again_at)
-    return Answer(rest, seen, tuple(sorted(apart)), refused, decide(seen, case.free.names))
+    return Answer(rest, seen, tuple(sorted(apart)), refused, decide(seen, case.free.names, case.tolerances))
 
 
 @dataclass(frozen=True, eq=False)

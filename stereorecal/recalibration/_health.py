@@ -1,6 +1,7 @@
 """Will depth be right? One look at the images through a calibration, without any search."""
 
 import enum
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -8,7 +9,7 @@ import numpy as np
 
 from stereorecal._arrays import refuse_tracers
 from stereorecal._plain import plain
-from stereorecal.decision import LIMITS, Verdict
+from stereorecal.decision import LIMITS, Tolerances, Verdict, as_tolerances
 from stereorecal.estimation import Prior, check_prior, rig_parameters
 from stereorecal.geometry import StereoRig, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
@@ -16,6 +17,7 @@ from stereorecal.objectives import Reach, as_parameters
 from stereorecal.recalibration._acceptance import LEAST_COVERED
 from stereorecal.recalibration._as_dict import score_as_dict
 from stereorecal.recalibration._consequences import Interval
+from stereorecal.recalibration._doubts import doubts
 from stereorecal.recalibration._estimated import depth_by, looked, rows_of
 from stereorecal.recalibration._mending import Mending, mending
 from stereorecal.recalibration._prior_use import looked_with
@@ -54,6 +56,7 @@ class Health:
         shown: light and texture of the images, of the frame that shows most.
         mending: what would mend it; None if hardly anything matches.
         disagreeing: names of frames that show another rig than others, where they are too many to be left out.
+        doubts: sentences on values of the calibration that hardly any rig has.
     """
 
     score: Score
@@ -62,6 +65,7 @@ class Health:
     shown: Legible
     mending: Mending | None
     disagreeing: tuple[str, ...] = ()
+    doubts: tuple[str, ...] = ()
 
     @property
     def condition(self) -> Condition:
@@ -88,10 +92,16 @@ class Health:
         if self.mending is None:
             if self.shown.dark:
                 return Condition.CANNOT_TELL, "the images are too dark"
+            if self.shown.noise:
+                return Condition.CANNOT_TELL, "an image shows nothing but noise; uncover the lens, or give light"
             if not self.shown.enough:
                 return Condition.CANNOT_TELL, "the images have too little texture"
+            if self.doubts:
+                return Condition.CANNOT_TELL, f"hardly anything matches; {self.doubts[0]}"
             return Condition.REPAIR, "hardly anything matches, though the images have texture"
         decision = self.mending.decision
+        if self.doubts and decision.verdict is not Verdict.GOOD:
+            return Condition.CANNOT_TELL, self.doubts[0]
         if decision.verdict is Verdict.REPAIR:
             kept = ", and depth keeps as it was calibrated" if decision.keeps_depth else ""
             return Condition.REPAIR, f"{_listed(self.mending.named)}{kept}"
@@ -117,6 +127,7 @@ class Health:
                 "probability_worse": mended and mended.decision.worse,
                 "probability_better": mended and mended.decision.better,
                 "disagreeing": self.disagreeing,
+                "doubts": self.doubts,
                 "axes": mended and (mended.named if self.condition is Condition.REPAIR else ()),
                 "mending": mended
                 and {
@@ -131,7 +142,7 @@ class Health:
         )
 
     def __str__(self) -> str:
-        lines = [self.verdict, f"matched    {self.score}"]
+        lines = [self.verdict, *(f"check      {doubt}" for doubt in self.doubts), f"matched    {self.score}"]
         if self.mending is None:
             sure = f"matches that passed all checks cover {100 * self.covered:.0f} % of the image"
             return "\n".join([*lines, f"row error  not measured: {sure} (chance matches count as matched)"])
@@ -157,6 +168,7 @@ def health(
     matcher: AbstractMatcher | str | None = None,
     prior: Prior = None,
     motion: bool | None = None,
+    tolerances: Tolerances | Mapping[str, object] | None = None,
 ) -> Health:
     """Match the pairs under the rig's calibration, and estimate once what would mend it.
 
@@ -164,7 +176,8 @@ def health(
 
     Args:
         matcher: a matcher, or "sad" (default), "bm" or "sgbm"; without `num_disparities` the range is measured.
-        prior, motion: as `recalibrate` has them; pairs that a saved prior rests on count, for nothing is learnt here.
+        prior, motion, tolerances: as `recalibrate` has them; pairs that a saved prior rests on count, for nothing is
+            learnt here.
 
     Raises:
         InputError: if images and calibration do not fit, the images are no left and right image of this rig, the
@@ -176,25 +189,29 @@ def health(
     prior = looked_with(prior, rig)
     check_motion(motion, len(images.pairs), prior)
     windows = following(images.pairs, range(len(images.pairs)), motion, prior)
-    case = Case(images, ranged(matcher, images), Reach(), as_parameters(None), prior, windows=windows)
+    limits, doubtful = as_tolerances(tolerances), doubts(rig)
+    case = Case(
+        images, ranged(matcher, images), Reach(), as_parameters(None), prior, windows=windows, tolerances=limits
+    )
     look = looked(case, as_schedule(None).stages[-1])
     score = _score(images, case.matcher)
     shown = max((legible(pair) for pair in images.pairs), key=lambda one: one.texture)
     answer = look.answer if look is not None else None
     if answer is None:
         refuse_mixed_up(images)
-        return Health(score, float("nan"), 0.0 if look is None else look.covered, shown, None)
+        return Health(score, float("nan"), 0.0 if look is None else look.covered, shown, None, (), doubtful)
     covered = answer.found.covered
     if answer.refused:
         names = tuple(images.pairs[f].name for f in answer.apart)
-        return Health(score, float("nan"), covered, shown, None, names)
+        return Health(score, float("nan"), covered, shown, None, names, doubtful)
     rows = rows_of(case, answer)
     if not answer.enough or (covered < LIKELY * shown.texture and rows.after > FALSE):
         refuse_mixed_up(images)
-        return Health(score, float("nan"), covered, shown, None)
+        return Health(score, float("nan"), covered, shown, None, (), doubtful)
     seen = answer.estimate
     depth = depth_by(seen, np.zeros(len(seen.names)))
-    return Health(score, rows.before, covered, shown, mending(seen, answer.decision, depth, rows.after))
+    mends = mending(seen, answer.decision, depth, rows.after)
+    return Health(score, rows.before, covered, shown, mends, (), doubtful)
 
 
 def _score(images: Pyramid, matcher: AbstractMatcher) -> Score:

@@ -1,7 +1,7 @@
 """Repairing many recordings, one task each."""
 
 import enum
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -13,6 +13,7 @@ import numpy as np
 from stereorecal._errors import InputError, StrategyError
 from stereorecal._names import known
 from stereorecal._run_all import Progress, run_all
+from stereorecal.decision import Tolerances, as_tolerances
 from stereorecal.estimation import Prior, check_boards, check_prior
 from stereorecal.geometry import View, same_camera
 from stereorecal.matching import AbstractMatcher, as_matcher
@@ -85,6 +86,7 @@ def recalibrate_many(
     prior: Prior = None,
     boards: Sequence[Board] | None = None,
     motion: bool | None = None,
+    tolerances: Tolerances | Mapping[str, object] | None = None,
 ) -> tuple[Repair, ...]:
     """Repair the extrinsics of many recordings, each on its own; the answers come in the order of the recordings.
 
@@ -106,7 +108,7 @@ def recalibrate_many(
         executor: any `concurrent.futures.Executor`; default one recording after the other in this process.
         progress: called with (finished, total) after each recording.
         prior: as `recalibrate` has it, of the calibration that all start from.
-        boards, motion: as `recalibrate` has them; what recordings share is told by their rows.
+        boards, motion, tolerances: as `recalibrate` has them; what recordings share is told by their rows.
 
     Raises:
         InputError: if there is no recording, a strategy of the default schedule is not installed, or intrinsics are
@@ -116,7 +118,7 @@ def recalibrate_many(
     free = with_ranges(as_parameters(free), ranges)
     scenes, ranges = sharing(_as_scenes(scenes), free, ranges, extrinsics, as_schedule(schedule))
     options = {"schedule": schedule, "reach": reach, "budget": budget, "view": view, "seed": seed, "free": free}
-    options |= {"prior": prior, "boards": boards, "motion": motion}
+    options |= {"prior": prior, "boards": boards, "motion": motion, "tolerances": tolerances}
     finished: dict[int, Repair] = {}
     for index, repair in repairs_as_finished(scenes, matcher=matcher, executor=executor, **options):
         finished[index] = repair
@@ -234,6 +236,7 @@ def repairs_as_finished(
     prior: Prior = None,
     boards: Sequence[Board] | None = None,
     motion: bool | None = None,
+    tolerances: Tolerances | Mapping[str, object] | None = None,
 ) -> Iterator[tuple[int, Repair]]:
     """`recalibrate_many` for those who show or save each answer as soon as it is there: the index of a recording and
     its repair, in the order in which they finish. Arguments and errors as there; errors are raised at once. What
@@ -255,6 +258,7 @@ def repairs_as_finished(
         prior=prior,
         boards=boards,
         motion=motion,
+        tolerances=as_tolerances(tolerances),
     )
 
     def repairs() -> Iterator[tuple[int, Repair]]:

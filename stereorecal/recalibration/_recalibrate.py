@@ -1,13 +1,13 @@
 """The entry point: validate, run the schedule, judge its end."""
 
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from stereorecal._arrays import refuse_tracers
-from stereorecal.decision import Verdict
+from stereorecal.decision import Tolerances, Verdict, as_tolerances
 from stereorecal.estimation import NO_BEAMS, Prior, rig_parameters, with_boards
 from stereorecal.geometry import StereoRig, View
 from stereorecal.matching import AbstractMatcher, as_matcher
@@ -48,6 +48,7 @@ def recalibrate(
     prior: Prior = None,
     boards: Sequence[Board] | None = None,
     motion: bool | None = None,
+    tolerances: Tolerances | Mapping[str, object] | None = None,
 ) -> Solution:
     """Repair the extrinsics of a rig from image pairs that it took.
 
@@ -77,6 +78,8 @@ def recalibrate(
         motion: whether the rig's own motion between consecutive pairs is used, which tells depth: True takes the pairs
             as they were taken, one after the other, the rig advancing by a fraction of a baseline or more in between;
             None uses it where pairs know their times, at most half a second apart; False never.
+        tolerances: what is asked of a change, and the distances at which it is judged: a `Tolerances`, or some of its
+            values by name, such as {"distances": (3, 8), "alpha": 0.001}.
 
     Raises:
         InputError: if images and calibration do not fit, a strategy of the schedule is not installed, the prior makes
@@ -90,6 +93,7 @@ def recalibrate(
     schedule, budget, asked = as_schedule(schedule), as_budget(budget), as_matcher(matcher)
     free = with_ranges(as_parameters(free), ranges)
     free.check(rig)
+    limits = as_tolerances(tolerances)
     ranges = resolved_ranges(ranges, [("", images.pairs)])
     check_schedule(schedule, free)
     check_motion(motion, len(images.pairs), prior)
@@ -101,7 +105,8 @@ def recalibrate(
     if len(numbers) < len(images.pairs):
         images = pyramid(rig, [images.pairs[number] for number in numbers], images.view)
     known = prior_of(use.prior, free, rig, reach, ranges=bool(ranges))
-    case = Case(images, asked, reach, free.extrinsics, known, ranges, following(images.pairs, numbers, motion, known))
+    windows = following(images.pairs, numbers, motion, known)
+    case = Case(images, asked, reach, free.extrinsics, known, ranges, windows, limits)
     solution = searched(case, schedule, budget, seed, free)
     wanted = solution.asked and replace(solution.asked, free=free.names)
     chosen = numbers if free.shared or use.dropped else None
@@ -122,7 +127,7 @@ def searched(case: Case, schedule: Schedule, budget: Budget, seed: int, free: Pa
         NeedNotMet: if a strategy needs what a score does not offer over this box.
         StrategyError: if a strategy crashes.
     """
-    began, asked = time.perf_counter(), Asked(case.matcher, schedule, budget, seed, case.free.names)
+    began, asked = time.perf_counter(), Asked(case.matcher, schedule, budget, seed, case.free.names, case.tolerances)
     case, start, cost = started(case, schedule)
     judged = replace(case, free=free or case.free)
     look = looked(judged, schedule.stages[-1])

@@ -11,7 +11,7 @@ from jaxtyping import Float
 
 from stereorecal._errors import InputError
 from stereorecal._extras import extra
-from stereorecal.decision import Decision
+from stereorecal.decision import DEFAULT as UNCHANGED, Decision, Tolerances
 from stereorecal.estimation import DEFAULT, EXACT, NO_BEAMS, Beams, Estimate, SavedPrior
 from stereorecal.geometry import AXES, StereoRig, View
 from stereorecal.io import write_text
@@ -21,6 +21,7 @@ from stereorecal.recalibration._acceptance import Reason, RowErrors
 from stereorecal.recalibration._asked import Asked
 from stereorecal.recalibration._cost import Cost
 from stereorecal.recalibration._difference import Difference, difference
+from stereorecal.recalibration._doubts import doubts
 from stereorecal.recalibration._estimated import expected_by
 from stereorecal.recalibration._evidence import TILES_OF_A_FRAME
 from stereorecal.recalibration._expected import Expected
@@ -178,6 +179,16 @@ class Solution:
         return replace(found, **parts, tile=tile + TILES_OF_A_FRAME * np.arange(len(tile), dtype=np.int32)[:, None])
 
     @property
+    def tolerances(self) -> Tolerances:
+        """By which it was decided."""
+        return UNCHANGED if self.asked is None else self.asked.tolerances
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """Sentences on values of the initial calibration that hardly any rig has."""
+        return doubts(self.initial)
+
+    @property
     def difference(self) -> Difference:
         """What the candidate changes against the initial calibration: axes, rows over the view, depth."""
         return difference(self.initial, self.candidate, view=self.view)
@@ -238,6 +249,7 @@ class Solution:
             f"after    {self.score_after}" + self._rows("after"),
             *(self._axis(index, name) for index, name in enumerate(AXES)),
         ]
+        lines += [f"check    {doubt}" for doubt in self.doubts]
         if self.prior_use is not None and str(self.prior_use) not in (DEFAULT, EXACT):
             lines.append(f"prior    {self.prior_use}")
         if self.misfit is not None and (said := self._of(self.misfit)):

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
+from stereorecal.decision import DEFAULT, Tolerances
 from stereorecal.estimation import EXACT, Prior
 from stereorecal.geometry import StereoRig, same_camera, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
@@ -48,6 +49,7 @@ class Case:
         prior: of what the initial calibration leaves; EXACT: its intrinsics are the truth.
         ranges: of what the images show.
         windows: numbers of pairs that follow each other.
+        tolerances: by which it is decided.
     """
 
     images: Pyramid
@@ -57,6 +59,7 @@ class Case:
     prior: Prior = EXACT
     ranges: tuple[Range, ...] = ()
     windows: tuple[tuple[int, int], ...] = ()
+    tolerances: Tolerances = DEFAULT
 
     @property
     def rig(self) -> StereoRig:

@@ -111,7 +111,7 @@ def _images_of_others(recordings: Sequence[Recording], index: int) -> tuple[str,
 def _intrinsics(solved: Common, answers: Sequence[Solution]) -> Intrinsics:
     """The shared parameters, and whether they are taken: not where the others alone do as well."""
     free, decisions = solved.free, solved.decisions
-    held = decide_together(solved.estimates, _held(free).names)
+    held = decide_together(solved.estimates, _held(free).names, decisions[0].tolerances)
     outcome = IntrinsicsOutcome.REFINED if any(one.accepted for one in answers) else IntrinsicsOutcome.REFUSED
     outcome = IntrinsicsOutcome.NO_GAIN if do_as_well(held, decisions) else outcome
     fixed, freed = (

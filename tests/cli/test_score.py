@@ -187,3 +187,27 @@ def test_interrupted(command, clean_scene: Path, drifted_scene: Path, tmp_path: 
         content = json.loads(target.read_text())
         assert content["interrupted"] is True
         assert [scene["healthy"] for scene in content["scenes"]] == [True]
+
+
+def test_tolerances_are_taken_and_told(command, drifted_scene: Path):
+    answer = command("score", drifted_scene, "--json", "-", "--distances", "8,3", "--tolerances", "alpha=0.001")
+    settings = json.loads(answer.out)["settings"]
+    assert settings["thresholds"]["alpha"] == 0.001
+    assert settings["distances"] == [3.0, 8.0]
+
+
+@pytest.mark.parametrize("verb", ["score", "recalibrate"])
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("--tolerances", "alpha"), "give NAME=NUMBER"),
+        (("--tolerances", "alhpa=0.1"), "did you mean alpha"),
+        (("--tolerances", "alpha=2"), "between 0 and 1"),
+        (("--distances", "near"), "give baselines"),
+        (("--distances", "0"), "1 baseline and farther"),
+    ],
+)
+def test_tolerances_that_make_no_sense(command, drifted_scene: Path, verb: str, options, said: str):
+    answer = command(verb, drifted_scene, *options)
+    assert answer.code == 2
+    assert said in answer.err

@@ -161,7 +161,7 @@ def of_one(known: Known, free: np.ndarray) -> np.ndarray:
 
 
 def test_with_all_free_and_nothing_to_correct_it_is_the_mean(chart, theta, near):
-    found = of_one(Known(chart, near, theta, deviations(chart), np.zeros(4)), np.ones(chart.dim, bool))
+    found = of_one(Known(chart, near, theta, deviations(chart), np.zeros(4), (5, 10, 30)), np.ones(chart.dim, bool))
     np.testing.assert_array_equal(found, theta)
 
 
@@ -173,7 +173,7 @@ def test_held_parameters_stay_and_more_freedom_loses_no_more(chart, theta, near,
     lenses = np.array([name.startswith("right.") for name in names])
     extrinsics = np.arange(chart.dim) < 5
     for free in (extrinsics & (names != "y"), extrinsics, extrinsics | lenses, np.ones(chart.dim, bool)):
-        found = of_one(Known(chart, near, theta, deviations(chart), nearness), free)
+        found = of_one(Known(chart, near, theta, deviations(chart), nearness, (5, 10, 30)), free)
         assert not found[~free].any()
         losses.append(loss(chart, near, theta, nearness, found))
     assert losses[0] <= loss(chart, near, theta, nearness, np.zeros(chart.dim))
@@ -185,7 +185,7 @@ def test_held_parameters_stay_and_more_freedom_loses_no_more(chart, theta, near,
 @given(seed=st.integers(0, 999))
 def test_no_step_of_the_extrinsics_loses_less(chart, theta, near, seed):
     nearness, free = np.array([0.01, 0.01, 0.02, 0.05]), np.arange(chart.dim) < 5
-    found = of_one(Known(chart, near, theta, deviations(chart), nearness), free)
+    found = of_one(Known(chart, near, theta, deviations(chart), nearness, (5, 10, 30)), free)
     for size in (1e-3, 1e-2, 0.1):
         moved = found + drifted(chart, seed) * size
         here, there = (loss(chart, near, theta, nearness, one) for one in (found, moved))
@@ -196,6 +196,6 @@ def test_what_is_exact_stays_as_it_is(chart, near):
     """No deviation, and a mean of zero: free, but there is no reason to move it."""
     mean, exact = drifted(chart, 1), np.arange(chart.dim) >= 5
     sigma = np.where(exact, 0.0, deviations(chart))
-    found = of_one(Known(chart, near, mean, sigma, np.full(4, 0.01)), np.ones(chart.dim, bool))
+    found = of_one(Known(chart, near, mean, sigma, np.full(4, 0.01), (5, 10, 30)), np.ones(chart.dim, bool))
     assert np.isfinite(found).all()
     assert not found[exact].any()

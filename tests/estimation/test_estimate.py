@@ -280,11 +280,13 @@ def test_only_what_is_free_changes(chart, found):
         assert theta[np.isin(chart.names, names)].all()
 
 
-def test_the_given_rig_is_not_worse_than_itself_and_a_turned_one_is(chart, found):
-    assert found.probability_worse(np.zeros(chart.dim)) == 0.0
-    assert found.probability_worse(2.0 * found.theta * (np.arange(chart.dim) < 3)) > 0.2
-    assert found.probability_worse(found.theta) < 0.02
-    assert found.probability_worse(-found.theta) == 1.0
+def test_losses_are_told_at_the_distances_that_are_named(found, chart):
+    rows, depth = found.losses(np.zeros(chart.dim))
+    elsewhere = replace(found, judged_at=(7.0, 30.0, 300.0))
+    rows_there, depth_there = elsewhere.losses(np.zeros(chart.dim))
+    np.testing.assert_allclose(rows_there[1], rows[2])
+    assert depth_there.mean() > 2.0 * depth.mean()  # an offset of disparity is ten times as much there
+    assert elsewhere.depth_error_percent(found.theta).keys() == found.depth_error_percent(found.theta).keys()
 
 
 def test_names_and_units_go_with_theta(chart, found):

@@ -8,11 +8,12 @@ import pytest
 
 from stereorecal import recalibrate
 from stereorecal.decision import Decision, Verdict
+from stereorecal.geometry import Camera
 from stereorecal.matching import SAD, SGBM
 from stereorecal.recalibration import Condition, Health, health
 from stereorecal.recalibration._consequences import Interval
 from stereorecal.recalibration._mending import Mending
-from stereorecal.recordings import Pair
+from stereorecal.recordings import Pair, make_pair
 from stereorecal.scoring import Legible
 from stereorecal.scoring.host import Score, score
 
@@ -161,3 +162,40 @@ def test_more_frames_are_one_look(scene):
     assert found.healthy
     assert found.score.pixels == 2 * SIZE[0] * SIZE[1]
     assert replace(found, mending=None).condition is Condition.REPAIR
+
+
+@pytest.mark.parametrize("counts", [40.0, 0.5])
+def test_a_covered_lens_is_no_alarm(scene, counts):
+    """Images of 16 bit and of floating point are stretched to full contrast, and so is their noise."""
+    given, draw = scene("harbour", 0, SIZE), np.random.default_rng(1)
+
+    def covered(shape) -> np.ndarray:
+        dark = np.abs(draw.normal(0, counts, shape))
+        return np.round(dark).astype(np.uint16) if counts > 1 else (dark / 65535.0).astype(np.float32)
+
+    shape = (SIZE[1], SIZE[0])
+    found = health(given.rig, [make_pair(covered(shape), covered(shape))], matcher=SAD_48)
+    assert found.condition is Condition.CANNOT_TELL
+    assert "noise" in found.verdict
+
+
+@pytest.mark.parametrize("factor", [10.0, 0.1])
+def test_a_focal_length_ten_times_off_is_named(scene, factor):
+    given = scene("harbour", 0, SIZE)
+    left, right = (
+        Camera(camera.size, np.asarray(camera.matrix) * [[factor, 1, 1], [1, factor, 1], [1, 1, 1]], camera.distortion)
+        for camera in (given.rig.left, given.rig.right)
+    )
+    found = health(replace(given.rig, left=left, right=right), given.pairs, matcher=SAD_48)
+    assert found.condition is not Condition.REPAIR
+    assert any("view of" in doubt and "check fx" in doubt for doubt in found.doubts)
+    assert "check fx" in str(found)
+    assert found.as_dict()["doubts"] == list(found.doubts)
+
+
+def test_centimetres_for_metres_are_named(scene):
+    given = scene("harbour", 0, SIZE)
+    far = given.rig.with_extrinsics(given.rig.extrinsics * np.array([1, 1, 1, 100, 100, 100]))
+    found = health(far, given.pairs, matcher=SAD_48)
+    assert "check the unit" in str(found)
+    assert not health(given.rig, given.pairs, matcher=SAD_48).doubts

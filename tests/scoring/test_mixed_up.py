@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from stereorecal._errors import InputError
-from stereorecal.geometry import view
+from stereorecal.geometry import StereoRig, view
 from stereorecal.io import load_scene
 from stereorecal.matching import SAD
 from stereorecal.recordings import Pair
 from stereorecal.scoring import legible, pyramid
 from stereorecal.scoring.host import refuse_mixed_up, score, with_disparity_range
-from stereorecal.synthetic import KINDS
+from stereorecal.synthetic import KINDS, render
 
 MISTAKES = {
     "exchanged": (lambda left, right: (right, left), "look swapped"),
@@ -103,3 +103,14 @@ def test_no_false_alarm_within_a_wider_reach(scene, kind):
     for sign in (1, -1):
         drifted = rig.with_extrinsics(rig.extrinsics + np.radians([4.0 * sign, 5.0 * sign, -4.0, 0.0, 0.0, 0.0]))
         assert with_disparity_range(SAD(), drifted, given_scene.pairs, view(drifted), np.radians(6.0)).num_disparities
+
+
+def test_an_inverted_rotation_is_named(scene):
+    """Cameras that look at each other's side: their rotation and its inverse are farther apart than any drift."""
+    given = scene("street", 0, (320, 240))
+    turned = given.rig.with_extrinsics(given.rig.extrinsics + np.array([0, np.radians(6.0), 0, 0, 0, 0]))
+    seen = render("street", 0, rig=turned)
+    refuse_mixed_up(pyramid(turned, seen.pairs))
+    inverted = StereoRig.from_rotation(turned.left, turned.right, np.asarray(turned.rotation).T, turned.translation)
+    with pytest.raises(InputError, match=r"inverted \(transposed\)"):
+        refuse_mixed_up(pyramid(inverted, seen.pairs))

@@ -7,6 +7,7 @@ from stereorecal.cli.arguments._executors import EXECUTORS
 from stereorecal.cli.arguments._motion import add_motion_to
 from stereorecal.cli.arguments._prior import add_prior_to
 from stereorecal.cli.arguments._recordings import add_recordings_to
+from stereorecal.cli.arguments._tolerances import add_tolerances_to
 
 _DESCRIPTION = """\
 Repair the extrinsic calibration of the rig of each recording from its images. The candidate is accepted only if its
@@ -48,6 +49,7 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
     )
     add_prior_to(parser)
     add_motion_to(parser)
+    add_tolerances_to(parser)
     add(
         "--boards",
         nargs=2,

@@ -5,6 +5,7 @@ import argparse
 from stereorecal.cli.arguments._motion import add_motion_to
 from stereorecal.cli.arguments._prior import add_prior_to
 from stereorecal.cli.arguments._recordings import add_recordings_to
+from stereorecal.cli.arguments._tolerances import add_tolerances_to
 
 _DESCRIPTION = """\
 Check the calibration of each recording against its images, without changing anything: how many pixels match, the
@@ -26,6 +27,7 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
     parser.add_argument("--matcher", default="sad", metavar="NAME", help="sad, bm or sgbm (default: %(default)s)")
     add_prior_to(parser)
     add_motion_to(parser)
+    add_tolerances_to(parser)
     parser.add_argument("--json", metavar="FILE|-", help="write everything as JSON")
     parser.add_argument("--force", action="store_true", help="--json may replace a file that is no input")
     parser.add_argument("--quiet", action="store_true", help="no report, only the exit code")

@@ -29,6 +29,7 @@ _MOST = 0.8  # share of the pairs that agree, and of those that say the same
 _MOVED = 2.0  # of parallax, in units of _AGREE; less may be noise
 _DISTINCT = 150.0  # between descriptors of 512: one thing seen twice is nearer, two different things are farther
 _ROUNDS = 6  # of least squares, which converge in two or three
+_TRANSPOSED = np.radians(5.0)  # the least rotation between cameras that cannot be a drift of its inverse
 _NEAR = np.radians(15.0)  # from the given rotation, thrice the drift that must never be called a mistake
 
 
@@ -66,6 +67,11 @@ def _named(rig: StereoRig, pair: Pair) -> str | None:
     given = np.asarray(rotation_from_euler(np.asarray(rig.extrinsics[:3], float)))
     if _angle(turned @ np.diag([-1.0, -1.0, 1.0]), given) < _NEAR:
         return "one of the two images is upside down; turn it by 180 degrees."
+    if _angle(given, np.eye(3)) > _TRANSPOSED and _angle(turned, given.T) < 0.5 * _angle(given, np.eye(3)):
+        return (
+            "the rotation between the cameras looks inverted (transposed): it must turn points of the left camera into "
+            "the right one; transpose it."
+        )
     if _angle(turned, given) > _NEAR:
         return None
     towards = np.asarray(rig.translation, float) / float(rig.baseline)
@@ -75,7 +81,8 @@ def _named(rig: StereoRig, pair: Pair) -> str | None:
     if np.mean(parallax < -_MOVED) > _MOST:
         return (
             "near things lie on the wrong side: the left and right images look swapped (or both are mirrored or upside "
-            "down); exchange left and right."
+            "down, or the calibration says how the left camera stands in the right one the other way round); exchange "
+            "left and right, or invert the transform."
         )
     return None
 
