@@ -275,4 +275,5 @@ def _exit_code(repairs: Sequence[Repair]) -> int:
             return code
     reasons = {repair.solution.reason for repair in repairs if repair.solution}
     wrong = {reason for reason in reasons if not reason.healthy}
-    return 1 if wrong - {Reason.TOO_LITTLE_TEXTURE, Reason.CANNOT_TELL} else CANNOT_TELL if wrong else 0
+    untold = {Reason.TOO_LITTLE_TEXTURE, Reason.CANNOT_TELL, Reason.FEWER_MATCHES}
+    return 1 if wrong - untold else CANNOT_TELL if wrong else 0

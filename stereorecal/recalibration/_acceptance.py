@@ -4,12 +4,11 @@ import enum
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from stereorecal.recalibration._evidence import Evidence
 
-_COUNT_LOSS = 0.01  # of the count, which is flat to half of that around the optimum (measured on real scenes)
-_ROW_LOSS = 0.02  # pixels: what a repair that ends well may lose by noise
+_MOST_LOST = 0.15  # of what the candidate matches; repairs that end well lose 0 to 0.11
 FEWEST_PLACES = 6  # of tiles: a covariance of five parameters from fewer says nothing
 _EDGE = 0.98  # of the box of the epipolar stages, which is twice the reach
 LEAST_COVERED = 0.1  # of the image; good rigs cover a half, rigs half a degree out 0 to 6 %: what false matches cover
@@ -26,7 +25,10 @@ class Reason(enum.Enum):
     MOTION = "the rig's own motion tells that depth is better under the candidate, and its rows are as good"
     ALREADY_GOOD = "the initial calibration is already good; there is nothing to gain that is sure"
     NOT_IMPROVED = "no candidate matches more pixels than the initial calibration"
-    FEWER_MATCHES = "the candidate matches fewer pixels than the initial calibration"
+    FEWER_MATCHES = (
+        "the candidate loses whole regions that match under the initial calibration: something moved between the two "
+        "exposures; give other frames"
+    )
     TOO_LITTLE_TEXTURE = "too little of the images matches: too little light or texture"
     NO_MATCHES = "hardly anything matches, though the images have texture: a drift beyond the reach, or another rig"
     OUT_OF_BUDGET = "the budget ended before the row error of a candidate could be judged; give a larger one"
@@ -85,7 +87,9 @@ def at_the_edge(z: Float[np.ndarray, "n"]) -> bool:
     return bool(np.any(np.abs(z) > _EDGE))
 
 
-def behind(before: int, after: int, rows_before: float, rows_after: float) -> bool:
-    """Whether a calibration loses against another that is there already: in matches, or in rows by pixels at which they
-    were measured."""
-    return after < (1.0 - _COUNT_LOSS) * before or rows_after - rows_before > _ROW_LOSS
+def loses_regions(tiles: Int[np.ndarray, "2 k tiles"]) -> bool:
+    """Whether a candidate loses, in some tiles, what it does not find there: matches under the initial calibration and
+    the candidate, of all tiles of all frames. A drift leaves chance matches, which are few; where half of an image has
+    moved between the exposures, each half fits a rig of its own."""
+    before, after = tiles.astype(float)
+    return bool(np.maximum(before - after, 0.0).sum() > _MOST_LOST * after.sum())

@@ -15,8 +15,8 @@ from stereorecal.recalibration._acceptance import (
     Reason,
     RowErrors,
     at_the_edge,
-    behind as loses_matches,
     compared,
+    loses_regions,
 )
 from stereorecal.recalibration._consequences import Interval
 from stereorecal.recalibration._ending import Ending, counts
@@ -184,8 +184,7 @@ def reason_of(decision: Decision, tiles: Int[np.ndarray, "2 k tiles"]) -> Reason
         return Reason.ALREADY_GOOD
     if decision.verdict is Verdict.CANNOT_TELL:
         return Reason.CANNOT_TELL if decision.explains else Reason.MISFIT
-    before, after = tiles.sum(axis=(1, 2)).tolist()
-    if loses_matches(before, after, 0.0, 0.0):
+    if loses_regions(tiles):
         return Reason.FEWER_MATCHES
     if decision.by_motion:
         return Reason.MOTION

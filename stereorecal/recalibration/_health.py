@@ -14,11 +14,12 @@ from stereorecal.estimation import Prior, check_prior, rig_parameters
 from stereorecal.geometry import StereoRig, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import Reach, as_parameters
-from stereorecal.recalibration._acceptance import LEAST_COVERED
+from stereorecal.recalibration._acceptance import LEAST_COVERED, Reason, loses_regions
 from stereorecal.recalibration._as_dict import score_as_dict
 from stereorecal.recalibration._consequences import Interval
 from stereorecal.recalibration._doubts import doubts
-from stereorecal.recalibration._estimated import depth_by, looked, rows_of
+from stereorecal.recalibration._ending import counts
+from stereorecal.recalibration._estimated import Answer, depth_by, looked, rows_of
 from stereorecal.recalibration._mending import Mending, mending
 from stereorecal.recalibration._prior_use import looked_with
 from stereorecal.recalibration._schedule import as_schedule
@@ -57,6 +58,7 @@ class Health:
         mending: what would mend it; None if hardly anything matches.
         disagreeing: names of frames that show another rig than others, where they are too many to be left out.
         doubts: sentences on values of the calibration that hardly any rig has.
+        loses: what would mend it would lose whole regions that match now.
     """
 
     score: Score
@@ -66,6 +68,7 @@ class Health:
     mending: Mending | None
     disagreeing: tuple[str, ...] = ()
     doubts: tuple[str, ...] = ()
+    loses: bool = False
 
     @property
     def condition(self) -> Condition:
@@ -102,6 +105,8 @@ class Health:
         decision = self.mending.decision
         if self.doubts and decision.verdict is not Verdict.GOOD:
             return Condition.CANNOT_TELL, self.doubts[0]
+        if decision.verdict is Verdict.REPAIR and self.loses:
+            return Condition.CANNOT_TELL, Reason.FEWER_MATCHES.value
         if decision.verdict is Verdict.REPAIR:
             kept = ", and depth keeps as it was calibrated" if decision.keeps_depth else ""
             return Condition.REPAIR, f"{_listed(self.mending.named)}{kept}"
@@ -211,7 +216,13 @@ def health(
     seen = answer.estimate
     depth = depth_by(seen, np.zeros(len(seen.names)))
     mends = mending(seen, answer.decision, depth, rows.after)
-    return Health(score, rows.before, covered, shown, mends, (), doubtful)
+    loses = not answer.decision.refused and _loses_regions(case, answer)
+    return Health(score, rows.before, covered, shown, mends, (), doubtful, loses)
+
+
+def _loses_regions(case: Case, answer: Answer) -> bool:
+    tiles = counts(case, answer.estimate.chart.rig_at(answer.decision.theta))
+    return loses_regions(np.delete(tiles, answer.apart, axis=1))
 
 
 def _score(images: Pyramid, matcher: AbstractMatcher) -> Score:

@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
+from hypothesis import given, strategies as st
 
-from stereorecal.recalibration import Reason, RowErrors
-from stereorecal.recalibration._acceptance import behind, compared, verdict_on_count
+from stereorecal import make_pair, recalibrate
+from stereorecal.recalibration import Condition, Reason, RowErrors, health
+from stereorecal.recalibration._acceptance import compared, loses_regions, verdict_on_count
 from stereorecal.recalibration._evidence import Evidence
 
 PRIOR = 0.2
@@ -55,15 +57,32 @@ def test_one_tile_proves_nothing():
     assert paired(np.array([5.0]), np.array([0.1])).significance == 0.0
 
 
-@pytest.mark.parametrize(
-    ("before", "after", "rows_before", "rows_after", "lost"),
-    [
-        (1000, 1000, 0.2, 0.2, False),
-        (1000, 1500, 0.2, 0.1, False),
-        (1000, 900, 0.2, 0.1, True),  # a tenth of the matches, whatever the rows say
-        (1000, 1500, 0.1, 0.3, True),  # rows, whatever the matches say
-        (1000, 999, 0.2, 0.201, False),
-    ],
-)
-def test_behind_what_is_there_already(before: int, after: int, rows_before: float, rows_after: float, lost: bool):
-    assert behind(before, after, rows_before, rows_after) == lost
+def test_what_is_lost_in_places_is_not_made_good_in_others():
+    """Of two halves of an image, each of which fits a rig of its own, a candidate takes one and leaves the other."""
+    left, right = np.r_[np.full(24, 100), np.full(24, 5)], np.r_[np.full(24, 5), np.full(24, 100)]
+    assert loses_regions(np.array([left, right])[:, None])
+    assert not loses_regions(np.array([left // 10, right])[:, None])  # chance matches
+    assert not loses_regions(np.array([left, left + right])[:, None])
+
+
+@given(st.lists(st.tuples(st.integers(0, 500), st.integers(0, 500)), min_size=1, max_size=48))
+def test_a_candidate_that_matches_more_everywhere_loses_nothing(counts):
+    before, more = np.array(counts).T
+    assert not loses_regions(np.stack([before, before + more])[:, None])
+
+
+@pytest.mark.slow(after=0)
+@pytest.mark.parametrize("kind", ["harbour", "coast"])
+def test_half_of_an_image_that_moved_is_no_reason_to_change_a_calibration(scene, kind):
+    """It is as many pixels as the other half, and fits a rig of its own; nobody can tell which is right."""
+    seen = scene(kind, 1, (640, 480))
+    right = np.array(seen.pairs[0].right)
+    right[:, 320:] = np.roll(right, -4, axis=0)[:, 320:]
+    moved = make_pair(np.array(seen.pairs[0].left, np.uint8), right.astype(np.uint8))
+    turned = seen.rig.with_extrinsics(seen.rig.extrinsics + np.radians([0.3, 0, 0, 0, 0, 0]))
+    for rig in (seen.rig, turned):
+        done = recalibrate(rig, [moved])
+        if done.accepted:
+            used, true = (np.asarray(one.extrinsics)[:3] for one in (done.rig, seen.rig))
+            assert np.abs(used - true)[[0, 2]].max() <= np.abs(np.asarray(rig.extrinsics)[:3] - true).max() + 1e-3
+        assert (health(rig, [moved]).condition is Condition.REPAIR) <= done.accepted
