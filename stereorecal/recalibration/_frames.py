@@ -7,20 +7,26 @@ from stereorecal.recordings import Pair, Range, times_of
 from stereorecal.scoring import informative
 
 MOST_FRAMES = 24  # of a recording: more of one place tell hardly more, and each costs a match
-_SOON = 0.5  # seconds from one pair to the next: farther apart, few corners can be followed
+_LEAST = 0.09  # seconds from one pair to the next: in less, hardly anything moves; 10 Hz, with what clocks err
+_SOON = 0.5  # seconds, at most: farther apart, few corners can be followed
 
 
 def chosen_frames(pairs: Sequence[Pair], most: int = MOST_FRAMES) -> tuple[Pair, ...]:
     """At most so many of the pairs, in order: of equal stretches, which are moments apart, the ones with the most
-    texture; where pairs were taken soon after each other, of half as many, each with its neighbour: the rig's own
-    motion tells depth."""
+    texture; where pairs were taken soon after each other, of half as many, each with one a moment later: the rig's
+    own motion tells depth."""
     windows = most > 1 and any(starmap(_soon, pairwise(times_of(pairs))))
-    return informative(pairs, most, soon_after if windows else None)
+    return informative(pairs, most, a_moment_after if windows else None)
 
 
 def soon_after(first: Pair, second: Pair) -> bool:
     """Whether the times of two pairs say that one was taken soon after the other."""
     return _soon(first.time, second.time)
+
+
+def a_moment_after(first: Pair, second: Pair) -> bool:
+    """The same, and not so soon that nothing has moved: of 30 pairs a second, the third after."""
+    return soon_after(first, second) and (second.time or 0.0) - (first.time or 0.0) >= _LEAST
 
 
 def _soon(first: float | None, second: float | None) -> bool:

@@ -7,7 +7,7 @@ import numpy as np
 
 from stereorecal._errors import InputError
 from stereorecal.estimation import NO_WINDOWS, Estimate, Prior, Windows, is_exact
-from stereorecal.recalibration._frames import soon_after
+from stereorecal.recalibration._frames import a_moment_after, soon_after
 from stereorecal.recalibration._stages import Case
 from stereorecal.recordings import Pair
 from stereorecal.scoring import Correspondences
@@ -45,13 +45,22 @@ def following(pairs: Sequence[Pair], numbers: Sequence[int], motion: bool | None
     """
     if motion is False or is_exact(prior):
         return ()
-    every = [
-        (index, index + 1)
-        for index in range(len(numbers) - 1)
-        if (numbers[index + 1] == numbers[index] + 1 if motion else soon_after(pairs[index], pairs[index + 1]))
-    ]
+    if motion:
+        every = [(at, at + 1) for at, number in enumerate(numbers[:-1]) if numbers[at + 1] == number + 1]
+    else:
+        every = [(at, after) for at in range(len(numbers)) if (after := _next(pairs, at)) is not None]
     some = np.unique(np.linspace(0, len(every) - 1, min(MOST_WINDOWS, len(every))).round().astype(int))
     return tuple(every[index] for index in some)
+
+
+def _next(pairs: Sequence[Pair], at: int) -> int | None:
+    """The first pair a moment later, by times that only rise in between."""
+    for after in range(at + 1, len(pairs)):
+        if a_moment_after(pairs[at], pairs[after]):
+            return after
+        if not soon_after(pairs[at], pairs[after]):
+            break
+    return None
 
 
 def windows_of(case: Case, found: Correspondences) -> dict[tuple[int, int], Any]:

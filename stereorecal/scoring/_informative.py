@@ -1,5 +1,6 @@
 """Which frames of several tell the most."""
 
+from collections import deque
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 
@@ -9,6 +10,7 @@ import numpy as np
 from stereorecal.recordings import Pair
 
 _WIDTH = 128  # pixels: at which texture is looked at; what is finer is noise as often
+_RECENT = 16  # pairs that are held at once: a tenth of a second, up to 160 of them a second
 _STEEP = 31.0  # grey levels of the x-Sobel response: matchers cut it there
 
 
@@ -20,7 +22,7 @@ def informative(
 
     Args:
         follows: whether a pair follows another; of half as many stretches, each pair then comes with the next one that
-            does, or else with the one before.
+            does, or else with the last before that it follows.
     """
     if len(pairs) <= most:
         return tuple(pairs)
@@ -34,17 +36,21 @@ def informative(
 
 def _window(stretch: Sequence[Pair], follows: Callable[[Pair, Pair], bool]) -> tuple[Pair, ...]:
     """The pair with the most texture, and a neighbour; each pair is read once."""
-    best, texture, before, after, last = None, -1.0, None, None, None
+    best, texture, before, after = None, -1.0, None, None
+    recent: deque[Pair] = deque(maxlen=_RECENT)  # the last one that a pair follows, and those after it
     for pair in stretch:
-        if last is not None and last is best:
+        while len(recent) > 1 and follows(recent[1], pair):
+            recent.popleft()
+        if best is not None and after is None and follows(best, pair):
             after = pair
         if (here := _texture(pair)) > texture:
-            best, texture, before, after = pair, here, last, None
-        last = pair
+            earlier = recent[0] if recent and follows(recent[0], pair) else None
+            best, texture, before, after = pair, here, earlier, None
+        recent.append(pair)
     assert best is not None
-    if after is not None and follows(best, after):
+    if after is not None:
         return best, after
-    return (best,) if before is None or not follows(before, best) else (before, best)
+    return (best,) if before is None else (before, best)
 
 
 def _texture(pair: Pair) -> float:

@@ -1,6 +1,7 @@
 """Is a good rig ever replaced by a bad one, where five parameters cannot explain the images? Prints two tables.
 
-    python tests/benchmarks/misfit.py [--draws N] [--frames N] [--only NAME,…] [--unseen | --new] [--part I/N] [--json FILE]
+    python tests/benchmarks/misfit.py [--draws N] [--frames N] [--only NAME,…] [--unseen | --new] [--part I/N]
+        [--json FILE]
     python tests/benchmarks/misfit.py --turning
 
 Rendered and real scenes are spoiled in many ways, half of which the model explains (noise, blur, exposure, JPEG from

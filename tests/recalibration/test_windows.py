@@ -8,6 +8,7 @@ import pytest
 from scipy.ndimage import fourier_shift
 
 import stereorecal as sr
+from stereorecal.recalibration import chosen_frames
 from stereorecal.recalibration._windows import MOST_WINDOWS, following
 from stereorecal.scoring.host import Matches, tracked
 
@@ -58,6 +59,26 @@ def test_times_tell_which_pairs_follow_each_other():
     assert following(taken(*times), range(9), None, None) == windows
     assert following(taken(*times), range(9), None, "exact") == ()
     assert following(taken(*times), range(9), False, None) == ()
+
+
+@pytest.mark.parametrize(("rate", "apart"), [(30, 3), (20, 2), (10, 1), (2, 1)])
+def test_of_fast_videos_pairs_follow_that_have_moved(rate, apart):
+    """A thirtieth of a second moves nothing by more than it can be measured."""
+    pairs = taken(*(1e9 + np.arange(12) / rate).tolist())
+    windows = following(pairs, range(12), None, None)
+    assert windows
+    assert {later - first for first, later in windows} == {apart}
+
+
+@pytest.mark.parametrize("rate", [100, 30, 10, 3])
+def test_of_long_recordings_pairs_are_chosen_that_have_moved(rate):
+    pairs = taken(*(np.arange(240) / rate).tolist())
+    chosen = chosen_frames(pairs, 8)
+    apart = np.diff([pair.time for pair in chosen])
+    assert len(chosen) == 8
+    assert np.all(apart[::2] >= 0.09)
+    assert np.all(apart[::2] <= 0.5)
+    assert len(following(chosen, range(8), None, None)) >= 4
 
 
 def test_pairs_follow_each_other_where_none_between_is_missing():
