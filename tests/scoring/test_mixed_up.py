@@ -114,3 +114,14 @@ def test_an_inverted_rotation_is_named(scene):
     inverted = StereoRig.from_rotation(turned.left, turned.right, np.asarray(turned.rotation).T, turned.translation)
     with pytest.raises(InputError, match=r"inverted \(transposed\)"):
         refuse_mixed_up(pyramid(inverted, seen.pairs))
+
+
+def test_a_band_that_moved_is_not_taken_for_images_that_are_exchanged(scene):
+    """It bends what features say of the rotation, not the order of near and far."""
+    given = scene("street", 1, (640, 480))
+    right = np.array(given.pairs[0].right)
+    right[204:324] = np.roll(right, -2, axis=0)[204:324]
+    seen = [Pair(np.asarray(given.pairs[0].left), right)]
+    for degrees in (0.0, 2.0):
+        turned = given.rig.with_extrinsics(given.rig.extrinsics + np.radians([0.7, -degrees, 0.5, 0, 0, 0]))
+        refuse_mixed_up(pyramid(turned, seen))

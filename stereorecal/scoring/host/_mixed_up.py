@@ -26,6 +26,7 @@ _CHANCE = 14  # pairs that agree on some rigid motion by chance: it has five deg
 _SURE = 30  # pairs that agree
 _AGREE = 1.5  # pixels from the epipolar line
 _MOST = 0.8  # share of the pairs that agree, and of those that say the same
+_TRAIL = 2.0  # times as far from the median as the other end; of images that are exchanged 0.7 to 1.4
 _MOVED = 2.0  # of parallax, in units of _AGREE; less may be noise
 _DISTINCT = 150.0  # between descriptors of 512: one thing seen twice is nearer, two different things are farther
 _ROUNDS = 6  # of least squares, which converge in two or three
@@ -78,13 +79,20 @@ def _named(rig: StereoRig, pair: Pair) -> str | None:
     first, second = (found[agree] for found in rays)
     turned = _aligned(first, second, turned, towards, tolerance)
     parallax = (second - _at_depth_1(first @ turned.T)) @ towards / tolerance
-    if np.mean(parallax < -_MOVED) > _MOST:
+    if np.mean(parallax < -_MOVED) > _MOST and not _trails_ahead(parallax):
         return (
             "near things lie on the wrong side: the left and right images look swapped (or both are mirrored or upside "
             "down, or the calibration says how the left camera stands in the right one the other way round); exchange "
             "left and right, or invert the transform."
         )
     return None
+
+
+def _trails_ahead(parallax: Float[np.ndarray, "n"]) -> bool:
+    """Whether things that are nearer than most lie on the right side of those: then it is the rotation that was not
+    found, as where a part of an image has moved."""
+    low, middle, high = np.percentile(parallax, [5.0, 50.0, 95.0])
+    return bool(high - middle > _TRAIL * (middle - low))
 
 
 def _features(image: np.ndarray) -> tuple[Float[np.ndarray, "n 2"], np.ndarray, Bool[np.ndarray, "n"]]:
