@@ -90,10 +90,11 @@ def decide(seen: Estimate, free: Sequence[str], tolerances: Tolerances | None = 
     calibration does that loses least in rows; with ranges, also the one that changes no more than the length of the
     baseline. One replaces the calibration if its rows are better for sure, also on average those that the images show,
     or ranges agree with it and not with the calibration, or the rig's own motion tells that its depth is, and the
-    probability is below 1 % that rows, of near or far
-    things, or depth are worse; of several, the one of least expected loss. Where none is so harmless, and the rows of
-    the calibration blind the matcher, which leaves it no depth to lose, that its rows are hardly ever worse is enough.
-    Else the calibration is good if its rows are, with 95 %. Absolute depth is not judged: no rig's rows know it.
+    probability is below 1 % that rows, of near or far things, or depth are worse. Of several, the one that keeps depth,
+    unless another's depth is surely the better one: of the rigs for which it matters, in 95 %. Where none is so
+    harmless, and the rows of the calibration blind the matcher, which leaves it no depth to lose, that its rows are
+    hardly ever worse is enough. Else the calibration is good if its rows are, with 95 %. Absolute depth is not judged:
+    no rig's rows know it.
 
     Args:
         seen: what is known; its θ = 0 is the calibration.
@@ -108,7 +109,7 @@ def decide_together(
     several: Sequence[Estimate], free: Sequence[str], tolerances: Tolerances | None = None
 ) -> list[Decision]:
     """The same for each of several calibrations whose free parameters are the same but for a drift: all candidates keep
-    depth, or none, or change the length of the baseline alone; so that fewest are refused, then of least expected loss.
+    depth, or none, or change the length of the baseline alone; so that fewest are refused.
 
     Args:
         several: what is known, with the same parameters.
@@ -118,21 +119,21 @@ def decide_together(
     several = [
         seen if seen.judged_at == limits.distances else replace(seen, judged_at=limits.distances) for seen in several
     ]
-    found, kinds = [], [(tuple(free), False), (tuple(free), True)]
-    if BASELINE in free and any(seen.beams for seen in several):
-        kinds.append(((BASELINE,), False))  # where rows are good, they stay
-    for names, keeps_depth in kinds:
+    given = [_losses(seen, np.zeros(len(seen.names))) for seen in several]
+
+    def candidate(names: Sequence[str], *, keeps_depth: bool = False) -> _Candidate:
         thetas = with_free_together(several, names, keep_depth=keeps_depth)
-        found.append([_decided(seen, theta, keeps_depth, limits) for seen, theta in zip(several, thetas, strict=True)])
+        after = [_losses(seen, theta) for seen, theta in zip(several, thetas, strict=True)]
+        each = zip(several, thetas, given, after, strict=True)
+        return _Candidate([_decided(*one, keeps_depth, limits) for one in each], [one.depth for one in after])
 
-    def rank(all_of: Sequence[Decision]) -> tuple[float, ...]:
-        return (
-            sum(one.refused for one in all_of),
-            sum(one.worse >= limits.alpha for one in all_of),
-            sum(one.loss for one in all_of),
-        )
-
-    return min(found, key=rank)
+    others = [candidate(free)]
+    if BASELINE in free and any(seen.beams for seen in several):
+        others.append(candidate((BASELINE,)))  # where rows are good, they stay
+    keeps, changes = candidate(free, keeps_depth=True), min(others, key=lambda one: (*one.refusals, one.loss))
+    if keeps.refusals == changes.refusals:
+        return (changes if changes.reads_depth_better(keeps, limits) else keeps).decisions
+    return min(keeps, changes, key=lambda one: one.refusals).decisions
 
 
 def do_as_well(held: Sequence[Decision], freed: Sequence[Decision]) -> bool:
@@ -141,28 +142,83 @@ def do_as_well(held: Sequence[Decision], freed: Sequence[Decision]) -> bool:
     return all(less.loss < more.loss + 1.0 and (more.refused or not less.refused) for less, more in both)
 
 
-def _decided(seen: Estimate, theta: Float[np.ndarray, "n"], keeps_depth: bool, limits: Tolerances) -> Decision:
-    """Between θ = 0 and a candidate."""
-    (rows_given, depth_given), (rows, depth) = seen.losses(np.zeros(len(theta))), seen.losses(theta)
-    lost, farther = (
-        np.any(rows > rows_given + limits.worse_rows_px, axis=0),
-        depth > depth_given + limits.worse_depth_points,
-    )
-    worse, rows_given, rows = float(np.mean(lost | farther)), np.mean(rows_given, axis=0), np.mean(rows, axis=0)
-    blind = float(np.mean(rows_given > limits.blind_rows_px)) > 1.0 - limits.alpha
+@dataclass(frozen=True, eq=False)
+class _Losses:
+    """What a rig loses, if each of some rigs drawn from the posterior is the truth.
+
+    Attributes:
+        rows: pixels, at each distance.
+        depth: percent, at the farthest.
+        shown: |row difference| of what the images show, on average, pixels.
+    """
+
+    rows: Float[np.ndarray, "d s"]
+    depth: Float[np.ndarray, "s"]
+    shown: float
+
+    @property
+    def mean_rows(self) -> Float[np.ndarray, "s"]:
+        """Over the distances."""
+        return np.mean(self.rows, axis=0)
+
+
+@dataclass(frozen=True, eq=False)
+class _Candidate:
+    """What is decided on a candidate for each calibration, and its errors of depth [%] as `_Losses` has them."""
+
+    decisions: list[Decision]
+    depth: list[Float[np.ndarray, "s"]]
+
+    @property
+    def refusals(self) -> tuple[int, int]:
+        """How many calibrations it does not replace, and how many it may make worse: less is better, in this order."""
+        return (
+            sum(one.refused for one in self.decisions),
+            sum(one.worse >= one.tolerances.alpha for one in self.decisions),
+        )
+
+    @property
+    def loss(self) -> float:
+        """To be expected, of all together."""
+        return sum(one.loss for one in self.decisions)
+
+    def reads_depth_better(self, other: "_Candidate", limits: Tolerances) -> bool:
+        """Whether it is worth it to change what depth reads: it loses less, and of the rigs for which the two differ by
+        what counts, depth is the better one in 95 %."""
+        gains = np.concatenate(other.depth) - np.concatenate(self.depth)
+        better, worse = (np.count_nonzero(sign * gains > limits.worse_depth_points) for sign in (1.0, -1.0))
+        return self.loss < other.loss and better >= limits.good_surely * (better + worse)
+
+
+def _losses(seen: Estimate, theta: Float[np.ndarray, "n"]) -> _Losses:
+    return _Losses(*seen.losses(theta), float(np.mean(seen.rows_of_frames(theta))))
+
+
+def _decided(
+    seen: Estimate,
+    theta: Float[np.ndarray, "n"],
+    given: _Losses,
+    after: _Losses,
+    keeps_depth: bool,
+    limits: Tolerances,
+) -> Decision:
+    """Between θ = 0, which loses what is given, and a candidate, which loses what comes after."""
+    lost = np.any(after.rows > given.rows + limits.worse_rows_px, axis=0)
+    farther = after.depth > given.depth + limits.worse_depth_points
+    worse, before, rows = float(np.mean(lost | farther)), given.mean_rows, after.mean_rows
+    blind = float(np.mean(before > limits.blind_rows_px)) > 1.0 - limits.alpha
     harmless = worse < limits.alpha or (blind and float(np.mean(lost)) < limits.alpha)
-    better = float(np.mean(rows < rows_given - limits.gain_px))
-    good = float(np.mean(rows_given <= limits.good_rows_px)) >= limits.good_surely
+    better = float(np.mean(rows < before - limits.gain_px))
+    good = float(np.mean(before <= limits.good_rows_px)) >= limits.good_surely
     verdict = Verdict.GOOD if good else Verdict.CANNOT_TELL
     told = bool(seen.beams.fit_better(seen.chart.rig, seen.chart.rig_at(theta)))
-    nearer = bool(seen.windows) and float(np.mean(depth < depth_given - limits.worse_depth_points)) > 1.0 - limits.alpha
+    nearer = float(np.mean(after.depth < given.depth - limits.worse_depth_points)) > 1.0 - limits.alpha
     # What the images show bears it out: no posterior knows all ways in which lenses err.
-    shown = np.mean(seen.rows_of_frames(theta)) - np.mean(seen.rows_of_frames(np.zeros(len(theta))))
-    if harmless and (
-        (better > 1.0 - limits.alpha and shown < 0.0) or ((told or nearer) and not shown > limits.worse_rows_px)
-    ):
+    shown = after.shown - given.shown
+    asked = (told or (bool(seen.windows) and nearer)) and not shown > limits.worse_rows_px
+    if harmless and (asked or (better > 1.0 - limits.alpha and shown < 0.0)):
         verdict = Verdict.REPAIR
     # Candidates are compared alike, whatever is asked of them.
-    loss = float(np.mean(rows / DEFAULT.gain_px + depth / DEFAULT.worse_depth_points))
-    said = np.percentile([rows_given, rows], [50.0, 2.5, 97.5], axis=1).T
+    loss = float(np.mean(rows / DEFAULT.gain_px + after.depth / DEFAULT.worse_depth_points))
+    said = np.percentile([before, rows], [50.0, 2.5, 97.5], axis=1).T
     return Decision(verdict, theta, keeps_depth, worse, better, loss, said, told, limits)

@@ -24,7 +24,8 @@ class Tolerances:
         alpha: probability of a change for the worse, and of none for the better, at most.
         blind_rows_px: of row error beyond which a matcher's windows show other things: such a rig has no depth to lose.
         good_rows_px: of row error that good calibrations have.
-        good_surely: probability with which they do, at least.
+        good_surely: probability with which they do, at least; and with which a change of what depth reads is for the
+            better.
         distances: in baselines, at which rows are judged; depth at the farthest of them.
 
     Raises:

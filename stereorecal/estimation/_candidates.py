@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Bool, Float
 
-from stereorecal.estimation._consequences import DISTANCES, Consequences, consequences, points_of_view, readings
+from stereorecal.estimation._consequences import DISTANCES, Consequences, consequences, points_of_view, readings_at
 from stereorecal.objectives import RigChart
 
 _KEPT_AT = (10, 30)  # baselines: an offset of disparity and a scale of depth
@@ -27,7 +27,7 @@ def depth_kept(
     pull = covariance @ slopes.T
     theta = mean
     for _ in range(_STEPS):
-        here = np.array([readings(chart.rig_at(theta), chart.rig, points)[1].mean() for points in sets])
+        _, here, _ = readings_at(chart.rig_at(theta), chart.rig, sets)
         wanted = slopes @ (mean - theta) + here
         theta = mean - pull @ np.linalg.lstsq(slopes @ pull, wanted, rcond=None)[0]
     return theta
@@ -43,7 +43,8 @@ class Known:
         mean: of θ.
         deviations: of θ: what neither rows nor depth tell stays near the mean.
         nearness: relative disparity that a rig should read, less that of the rig at the mean, at each distance of
-            the maps.
+            the maps, on average over the view.
+        variation: by what that of single points should differ from it, likewise.
         judged_at: those of the distances at which it counts, baselines.
     """
 
@@ -52,6 +53,7 @@ class Known:
     mean: Float[np.ndarray, "n"]
     deviations: Float[np.ndarray, "n"]
     nearness: Float[np.ndarray, "d"]
+    variation: Sequence[Float[np.ndarray, "_"]]
     judged_at: tuple[float, ...]
 
 
@@ -93,13 +95,21 @@ def least_loss(
 def _loss(
     one: Known, free: Bool[np.ndarray, "n"], depth_matters: float
 ) -> tuple[Float[np.ndarray, "k n"], Float[np.ndarray, "k"]]:
-    """Maps and goal: what the rig at θ loses is the square of maps θ - goal."""
+    """Maps and goal: what the rig at θ loses is the square of maps θ - goal. Rows and disparities count over the whole
+    view: depth that is right on average may be wrong everywhere."""
     maps, goal = [], []
     for index, distance in enumerate(one.near.distances):
         if distance in one.judged_at:
-            slopes = one.near.rows[index] / (_ROWS_MATTER * np.sqrt(len(one.near.rows[index]) * len(one.judged_at)))
-            maps += [slopes, one.near.nearness[index : index + 1] / depth_matters]
-            goal += [slopes @ one.mean, maps[-1] @ one.mean + one.nearness[index] / depth_matters]
+            points = np.sqrt(len(one.near.rows[index]))
+            rows = one.near.rows[index] / (_ROWS_MATTER * points * np.sqrt(len(one.judged_at)))
+            nearness = one.near.nearness[index : index + 1] / depth_matters
+            variation = one.near.variation[index] / (_DEPTH_MATTERS * points)
+            maps += [rows, nearness, variation]
+            goal += [
+                rows @ one.mean,
+                nearness @ one.mean + one.nearness[index] / depth_matters,
+                variation @ one.mean + one.variation[index] / (_DEPTH_MATTERS * points),
+            ]
     near_mean = _NEAR_MEAN * np.diag(1.0 / np.maximum(one.deviations, 1e-12))[free]
     return np.concatenate([*maps, near_mean]), np.concatenate([*goal, near_mean @ one.mean])
 
@@ -107,13 +117,16 @@ def _loss(
 def least_loss_of_depth_kept(
     several: Sequence[Known], free: Bool[np.ndarray, "n"], shared: Bool[np.ndarray, "n"]
 ) -> list[Float[np.ndarray, "n"]]:
-    """The same of those that read depth as the rigs at θ = 0 do, on average over the view; Newton steps, since depth is
-    not linear as far as a drift may reach."""
-    sets = [[points_of_view(one.chart.rig, distance) for distance in one.near.distances] for one in several]
-    wanted = [
-        np.array([readings(one.chart.rig, one.chart.rig_at(one.mean), points)[1].mean() for points in some])
-        for one, some in zip(several, sets, strict=True)
+    """The same of those that read depth as the rigs at θ = 0 do: on average over the view, by Newton steps, since depth
+    is not linear as far as a drift may reach; and at single points as well as rows allow."""
+    means = [one.chart.rig_at(one.mean) for one in several]
+    sets = [
+        [points_of_view(mean, distance) for distance in one.near.distances]
+        for one, mean in zip(several, means, strict=True)
     ]
+    given = [readings_at(one.chart.rig, mean, some) for one, mean, some in zip(several, means, sets, strict=True)]
+    wanted = [nearness for _, nearness, _ in given]
+    several = [replace(one, variation=variation) for one, (_, _, variation) in zip(several, given, strict=True)]
     best, least = [np.zeros_like(one.mean) for one in several], np.inf
     for _ in range(_STEPS):
         asked = [replace(one, nearness=nearness) for one, nearness in zip(several, wanted, strict=True)]
@@ -121,7 +134,7 @@ def least_loss_of_depth_kept(
         if not all(one.chart.stands_at(theta) for one, theta in zip(several, thetas, strict=True)):
             break
         off = [
-            np.array([readings(one.chart.rig_at(theta), one.chart.rig, points)[1].mean() for points in some])
+            readings_at(one.chart.rig_at(theta), one.chart.rig, some)[1]
             for one, theta, some in zip(several, thetas, sets, strict=True)
         ]
         if not np.abs(off).max() < least:

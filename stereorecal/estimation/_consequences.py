@@ -3,6 +3,7 @@
 Both follow points of the world: the true rig says in which pixels they appear, the used one reads those pixels.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -72,6 +73,17 @@ def readings(
     return _focal(used) * (left[:, 1] - right[:, 1]), points[:, 2] * (left[:, 0] - right[:, 0]) / depth - 1.0
 
 
+def readings_at(
+    used: StereoRig, true: StereoRig, sets: Sequence[Float[np.ndarray, "_ 3"]]
+) -> tuple[list[Float[np.ndarray, "_"]], Float[np.ndarray, "d"], list[Float[np.ndarray, "_"]]]:
+    """`readings` of several sets of points: the row differences of each, the mean relative error of its disparities,
+    and what those of single points differ from it by."""
+    ends = np.cumsum([len(points) for points in sets])[:-1]
+    rows, nearness = (np.split(found, ends) for found in readings(used, true, np.concatenate(sets)))
+    means = np.array([some.mean() for some in nearness])
+    return rows, means, [some - mean for some, mean in zip(nearness, means, strict=True)]
+
+
 def _focal(used: StereoRig) -> float:
     """The mean focal length."""
     return float(np.mean([used.left.focal, used.right.focal]))
@@ -85,11 +97,13 @@ class Consequences:
         distances: in baselines.
         rows: for each of the distances, (p, n) pixels a unit of θ(used) - θ(true).
         nearness: (d, n) mean relative error of disparity over the view at each of them, likewise.
+        variation: for each of the distances, (p, n) by what that of each point differs from the mean.
     """
 
     distances: tuple[float, ...]
     rows: tuple[Float[np.ndarray, "_ n"], ...]
     nearness: Float[np.ndarray, "d n"]
+    variation: tuple[Float[np.ndarray, "_ n"], ...]
 
 
 def consequences(
@@ -117,8 +131,10 @@ def consequences(
     disparity, by_disparity = left[:, 0] - right[:, 0], by_left[..., 0] - by_right[..., 0]
     nearness = by_disparity / disparity + (left_rays @ to_left[2]) / along
     ends = np.cumsum([len(points) for points in sets])[:-1]
-    by_distance = np.split(nearness, ends, axis=1)
-    return Consequences(distances, tuple(np.split(rows.T, ends)), np.stack([part.mean(axis=1) for part in by_distance]))
+    by_distance = [part.T for part in np.split(nearness, ends, axis=1)]
+    means = np.stack([part.mean(axis=0) for part in by_distance])
+    variation = tuple(part - mean for part, mean in zip(by_distance, means, strict=True))
+    return Consequences(distances, tuple(np.split(rows.T, ends)), means, variation)
 
 
 def _rectified(

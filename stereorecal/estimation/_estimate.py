@@ -12,7 +12,7 @@ from stereorecal._names import known
 from stereorecal.estimation._beams import NO_BEAMS, Beams
 from stereorecal.estimation._calibration_prior import CalibrationPrior
 from stereorecal.estimation._candidates import Known, depth_kept, least_loss, least_loss_of_depth_kept
-from stereorecal.estimation._consequences import DISTANCES, Consequences, consequences, points_of_view, readings
+from stereorecal.estimation._consequences import DISTANCES, Consequences, consequences, points_of_view, readings_at
 from stereorecal.estimation._explanations import Explanation
 from stereorecal.estimation._frames import OtherRig, other_rigs
 from stereorecal.estimation._groups import Groups
@@ -123,14 +123,22 @@ class Estimate:
     def known(self) -> Known:
         """What candidates are chosen by."""
         deviations = np.sqrt(np.diag(self.posterior.covariance))
-        return Known(self.chart, self._consequences, self.theta, deviations, self._target_nearness, self.judged_at)
+        near = self._consequences
+        as_mean = [np.zeros(len(points)) for points in near.variation]
+        return Known(self.chart, near, self.theta, deviations, self._target_nearness, as_mean, self.judged_at)
 
+    @one_blas_thread()
     def losses(self, used: Float[np.ndarray, "n"]) -> tuple[Float[np.ndarray, "d s"], Float[np.ndarray, "s"]]:
-        """Rows [pixels] at each of the distances that it is judged at, and |error of depth| at the farthest of them [%]
-        of the rig at θ = used, for each of some rigs drawn from the posterior; always the same."""
-        rows = [self._row_errors(used, distance) for distance in self.judged_at]
-        near = 1.0 + self._nearness(used)[:, self._distances.index(max(self.judged_at))]
-        return np.stack(rows), 100.0 * np.abs(1.0 / np.maximum(near, _LEAST_NEARNESS) - 1.0)
+        """Rows [pixels] at each of the distances that it is judged at, and the error of depth at the farthest of them
+        [%] of the rig at θ = used, root mean squares over the view, for each of some rigs drawn from the posterior;
+        always the same."""
+        read = self._read(used)
+        far = self._distances.index(max(self.judged_at))
+        depth = 1.0 / np.maximum(1.0 + read.nearness[:, far], _LEAST_NEARNESS) - 1.0
+        varying = _rms_of_samples(read.variation[far], *self._variation_of_samples)
+        return read.rows[[self._distances.index(distance) for distance in self.judged_at]], 100.0 * np.hypot(
+            depth, varying
+        )
 
     @one_blas_thread()
     def rows_of_frames(self, used: Float[np.ndarray, "n"]) -> Float[np.ndarray, "f"]:
@@ -142,12 +150,11 @@ class Estimate:
         return np.bincount(numbers, count * np.abs(rows)) / np.bincount(numbers, count)
 
     @one_blas_thread()
-    def _row_errors(self, used: Float[np.ndarray, "n"], distance: float) -> Float[np.ndarray, "s"]:
-        """Root mean square over the view of the row errors of the rig at θ = used, for each sample: exact at the mean,
-        linear around it."""
-        slopes, mean = self._consequences.rows[self._distances.index(distance)], self.mean_rig
-        at_mean, _ = readings(self.chart.rig_at(used), mean, points_of_view(mean, distance))
-        return np.sqrt(np.mean((at_mean - (self._samples - self.theta) @ slopes.T) ** 2, axis=1))
+    def _read(self, used: Float[np.ndarray, "n"]) -> "_Read":
+        """What the rig at θ = used reads at all distances: exact at the mean, linear around it."""
+        at_mean, nearness, variation = readings_at(self.chart.rig_at(used), self.mean_rig, self._points)
+        rows = [_rms_of_samples(rows, *moved) for rows, moved in zip(at_mean, self._rows_of_samples, strict=True)]
+        return _Read(np.stack(rows), nearness - self._nearness_of_samples, variation)
 
     @cached_property
     @one_blas_thread()
@@ -159,6 +166,34 @@ class Estimate:
     def _consequences(self) -> Consequences:
         return consequences(self.chart, self.theta, self._distances)
 
+    @cached_property
+    def _points(self) -> list[Float[np.ndarray, "_ 3"]]:
+        """Over the view of the rig at the mean, at each distance."""
+        return [points_of_view(self.mean_rig, distance) for distance in self._distances]
+
+    @cached_property
+    @one_blas_thread()
+    def _rows_of_samples(self) -> list[tuple[Float[np.ndarray, "s _"], Float[np.ndarray, "s"]]]:
+        """At each distance: by how much rows of each sample's rig differ from those at the mean, and their mean
+        squares."""
+        return [self._of_samples(slopes) for slopes in self._consequences.rows]
+
+    @cached_property
+    @one_blas_thread()
+    def _variation_of_samples(self) -> tuple[Float[np.ndarray, "s _"], Float[np.ndarray, "s"]]:
+        """The same of the variation of relative disparity, at the farthest distance that it is judged at."""
+        return self._of_samples(self._consequences.variation[self._distances.index(max(self.judged_at))])
+
+    def _of_samples(self, slopes: Float[np.ndarray, "p n"]) -> tuple[Float[np.ndarray, "s p"], Float[np.ndarray, "s"]]:
+        moved = (self._samples - self.theta) @ slopes.T
+        return moved, np.mean(moved**2, axis=1)
+
+    @cached_property
+    @one_blas_thread()
+    def _nearness_of_samples(self) -> Float[np.ndarray, "s d"]:
+        """The same of relative disparity, at all distances."""
+        return (self._samples - self.theta) @ self._consequences.nearness.T
+
     @property
     def _distances(self) -> tuple[float, ...]:
         """All at which something is said, or judged."""
@@ -167,12 +202,12 @@ class Estimate:
     @cached_property
     def _target_nearness(self) -> Float[np.ndarray, "d"]:
         """What a rig should read, relative to the one at the mean: the median, since what is lost is |error|."""
-        return np.median((self._samples - self.theta) @ self._consequences.nearness.T, axis=0)
+        return np.median(self._nearness_of_samples, axis=0)
 
     def depth_error_percent(self, used: Float[np.ndarray, "n"]) -> dict[int, tuple[float, float, float]]:
         """The error of depth of the rig at θ = used, at distances in baselines: median, and 95 % interval; positive: it
         reports too far; infinite where a point seems to lie at infinity or beyond. Over the view, on average."""
-        near = self._nearness(used)
+        near = self._read(used).nearness
         found = {}
         for distance, of_samples in zip(DISTANCES, near.T, strict=False):
             middle, low, high = (
@@ -186,18 +221,33 @@ class Estimate:
         """The row error of the rig at θ = used, root mean square over the view, of points at distances in baselines:
         median, and 95 % interval; pixels of the images."""
         found = {}
-        for distance in DISTANCES:
-            middle, low, high = np.percentile(self._row_errors(used, distance), [50.0, 2.5, 97.5]).tolist()
+        for distance, of_samples in zip(DISTANCES, self._read(used).rows, strict=False):
+            middle, low, high = np.percentile(of_samples, [50.0, 2.5, 97.5]).tolist()
             found[distance] = (middle, low, high)
         return found
 
-    @one_blas_thread()
-    def _nearness(self, used: Float[np.ndarray, "n"]) -> Float[np.ndarray, "s d"]:
-        """Relative error of disparity of the rig at θ = used, for each sample and distance: exact at the mean, linear
-        around it."""
-        rig, mean = self.chart.rig_at(used), self.mean_rig
-        at_mean = [readings(rig, mean, points_of_view(mean, distance))[1].mean() for distance in self._distances]
-        return np.array(at_mean) - (self._samples - self.theta) @ self._consequences.nearness.T
+
+@dataclass(frozen=True, eq=False)
+class _Read:
+    """What a rig reads, for each of some rigs drawn from the posterior.
+
+    Attributes:
+        rows: (d, s) root mean squares of row errors over the view, pixels.
+        nearness: (s, d) relative errors of disparity, on average over the view.
+        variation: of single points from that average, at each distance, if the mean is the truth.
+    """
+
+    rows: Float[np.ndarray, "d s"]
+    nearness: Float[np.ndarray, "s d"]
+    variation: Sequence[Float[np.ndarray, "_"]]
+
+
+def _rms_of_samples(
+    at_mean: Float[np.ndarray, "p"], moved: Float[np.ndarray, "s p"], of_moved: Float[np.ndarray, "s"]
+) -> Float[np.ndarray, "s"]:
+    """Of at_mean - moved, whose own mean squares are known."""
+    square = np.mean(at_mean**2) - moved @ at_mean * (2.0 / len(at_mean)) + of_moved
+    return np.sqrt(np.maximum(square, 0.0))
 
 
 @one_blas_thread()

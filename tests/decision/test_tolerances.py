@@ -83,5 +83,5 @@ def test_depth_counts_at_the_farthest_distance(drifted):
     near, far = (
         [decide(seen, AXES, Tolerances(distances=distances)) for seen in drifted] for distances in ((3,), (3, 300))
     )
-    assert np.mean([one.worse for one in near]) < np.mean([one.worse for one in far])
+    assert np.mean([one.loss for one in near]) < np.mean([one.loss for one in far])
     assert all(said.tolerances.distances == (3.0,) for said in near)

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from stereorecal.estimation._candidates import Known, depth_kept, least_loss
+from stereorecal.estimation._candidates import Known, depth_kept, least_loss, least_loss_of_depth_kept
 from stereorecal.estimation._consequences import DISTANCES, consequences, points_of_view, readings
 
 SIZES = {"deg": 0.2, "%": 0.3, "px": 2.0, "": 1e-3}
@@ -144,15 +144,21 @@ def deviations(chart) -> np.ndarray:
 
 
 def loss(chart, near, mean, nearness, theta) -> float:
-    """In squares: a tenth of a pixel of rows counts like one percent of disparity, at each of three distances, and ten
-    deviations of a free parameter from its mean."""
+    """In squares: a tenth of a pixel of rows counts like one percent of disparity, on average and at single points, at
+    each of three distances, and ten deviations of a free parameter from its mean."""
     total = np.sum((0.1 * (theta - mean) / deviations(chart))[theta != 0.0] ** 2)
     for distance in (5, 10, 30):
         index = DISTANCES.index(distance)
         rows = near.rows[index] @ (theta - mean)
         total += np.mean((rows / 0.1) ** 2) / 3
         total += ((near.nearness[index] @ (theta - mean) - nearness[index]) / 0.01) ** 2
+        total += np.mean((near.variation[index] @ (theta - mean) / 0.01) ** 2)
     return float(total)
+
+
+def known_as(chart, near, mean, sigma, nearness) -> Known:
+    """Judged at three distances, with the disparities of single points as they are at the mean."""
+    return Known(chart, near, mean, sigma, nearness, [np.zeros(len(some)) for some in near.variation], (5, 10, 30))
 
 
 def of_one(known: Known, free: np.ndarray) -> np.ndarray:
@@ -161,7 +167,7 @@ def of_one(known: Known, free: np.ndarray) -> np.ndarray:
 
 
 def test_with_all_free_and_nothing_to_correct_it_is_the_mean(chart, theta, near):
-    found = of_one(Known(chart, near, theta, deviations(chart), np.zeros(4), (5, 10, 30)), np.ones(chart.dim, bool))
+    found = of_one(known_as(chart, near, theta, deviations(chart), np.zeros(4)), np.ones(chart.dim, bool))
     np.testing.assert_array_equal(found, theta)
 
 
@@ -173,7 +179,7 @@ def test_held_parameters_stay_and_more_freedom_loses_no_more(chart, theta, near,
     lenses = np.array([name.startswith("right.") for name in names])
     extrinsics = np.arange(chart.dim) < 5
     for free in (extrinsics & (names != "y"), extrinsics, extrinsics | lenses, np.ones(chart.dim, bool)):
-        found = of_one(Known(chart, near, theta, deviations(chart), nearness, (5, 10, 30)), free)
+        found = of_one(known_as(chart, near, theta, deviations(chart), nearness), free)
         assert not found[~free].any()
         losses.append(loss(chart, near, theta, nearness, found))
     assert losses[0] <= loss(chart, near, theta, nearness, np.zeros(chart.dim))
@@ -181,11 +187,23 @@ def test_held_parameters_stay_and_more_freedom_loses_no_more(chart, theta, near,
     assert (np.diff(losses) <= 0.01 * chart.dim).all()
 
 
+def test_depth_is_kept_over_the_view_and_not_on_average_alone(chart, theta, near):
+    """Free lenses could bend depth by percents, too far here and too near there, for a little of rows."""
+    free = np.array(["." in name or name in ("pitch", "yaw", "roll", "y", "z") for name in chart.names])
+    known = known_as(chart, near, theta, deviations(chart), np.zeros(4))
+    (kept,) = least_loss_of_depth_kept([known], free, np.zeros_like(free))
+    for distance in (10, 30):
+        points = points_of_view(chart.rig_at(theta), distance)
+        _, moved = readings(chart.rig_at(kept), chart.rig, points)
+        assert abs(moved.mean()) < 1e-3
+        assert moved.std() < 0.01
+
+
 @settings(max_examples=15)
 @given(seed=st.integers(0, 999))
 def test_no_step_of_the_extrinsics_loses_less(chart, theta, near, seed):
     nearness, free = np.array([0.01, 0.01, 0.02, 0.05]), np.arange(chart.dim) < 5
-    found = of_one(Known(chart, near, theta, deviations(chart), nearness, (5, 10, 30)), free)
+    found = of_one(known_as(chart, near, theta, deviations(chart), nearness), free)
     for size in (1e-3, 1e-2, 0.1):
         moved = found + drifted(chart, seed) * size
         here, there = (loss(chart, near, theta, nearness, one) for one in (found, moved))
@@ -196,6 +214,6 @@ def test_what_is_exact_stays_as_it_is(chart, near):
     """No deviation, and a mean of zero: free, but there is no reason to move it."""
     mean, exact = drifted(chart, 1), np.arange(chart.dim) >= 5
     sigma = np.where(exact, 0.0, deviations(chart))
-    found = of_one(Known(chart, near, mean, sigma, np.full(4, 0.01), (5, 10, 30)), np.ones(chart.dim, bool))
+    found = of_one(known_as(chart, near, mean, sigma, np.full(4, 0.01)), np.ones(chart.dim, bool))
     assert np.isfinite(found).all()
     assert not found[exact].any()
