@@ -1,5 +1,7 @@
 """What errors of a rig do to rows and depth, and the rigs that may be written."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -190,13 +192,15 @@ def test_held_parameters_stay_and_more_freedom_loses_no_more(chart, theta, near,
 def test_depth_is_kept_over_the_view_and_not_on_average_alone(chart, theta, near):
     """Free lenses could bend depth by percents, too far here and too near there, for a little of rows."""
     free = np.array(["." in name or name in ("pitch", "yaw", "roll", "y", "z") for name in chart.names])
-    known = known_as(chart, near, theta, deviations(chart), np.zeros(4))
-    (kept,) = least_loss_of_depth_kept([known], free, np.zeros_like(free))
-    for distance in (10, 30):
-        points = points_of_view(chart.rig_at(theta), distance)
-        _, moved = readings(chart.rig_at(kept), chart.rig, points)
-        assert abs(moved.mean()) < 1e-3
-        assert moved.std() < 0.01
+    on_average = replace(near, variation=tuple(0.0 * some for some in near.variation))
+    varying = []
+    for maps in (near, on_average):
+        known = known_as(chart, maps, theta, deviations(chart), np.zeros(4))
+        (kept,) = least_loss_of_depth_kept([known], free, np.zeros_like(free))
+        moved = readings(chart.rig_at(kept), chart.rig, points_of_view(chart.rig_at(theta), 30))[1]
+        assert abs(moved.mean()) < 2e-3
+        varying.append(moved.std())
+    assert varying[0] < 0.6 * varying[1]
 
 
 @settings(max_examples=15)
