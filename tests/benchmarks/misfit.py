@@ -7,7 +7,7 @@
 Rendered and real scenes are spoiled in many ways, half of which the model explains (noise, blur, exposure, JPEG from
 20 on, glints, rain, fixed dirt) and half of which it does not, and repaired from the true rig, from 0.3° and from 2.5°
 away; with several frames, what moves does so differently in each. Judges: rows by correspondences that were found on
-the CLEAN images under the true rig, depth at 30 baselines by the true rig (of real scenes depth is not judged: what stands
+the CLEAN images under the true rig, depth at 30 baselines by the true rig (not of real scenes: what stands there
 for the true rig is the consensus of repairs of the clean images). Harmful: accepted, and the median row error grown by
 more than 0.02 px, or the median error of depth by more than a percentage point. Kinds that parameters of the model
 explain, so that no image can tell them from a rig, are printed by themselves and not counted.
