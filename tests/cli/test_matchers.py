@@ -1,25 +1,21 @@
 """`matchers` lists what is installed, and checks one; `--matcher` takes what is installed."""
 
-import json
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.metadata import EntryPoint, EntryPoints
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+import stereorecal as sr
 from stereorecal import _plugins
-from stereorecal.matching import SAD, AbstractMatcher, Disparity
+from stereorecal.matching import BM, AbstractMatcher, Disparity
 
 
 @dataclass(frozen=True)
-class Mine(AbstractMatcher):
-    """SAD under another name."""
-
-    def search(self, left, right):
-        found = SAD(**vars(self)).search(left, right)
-        return Disparity(np.asarray(found.values), np.asarray(found.valid))
+class Mine(BM):
+    """BM under another name."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +55,7 @@ def test_list(command, plugins):
     assert "stereorecal" in lines["sad"]
     assert "in JAX, smooth" in lines["sad"]
     assert "on the host" in lines["mine"]
-    assert "SAD under another name." in lines["mine"]
+    assert "BM under another name." in lines["mine"]
     assert "cannot be loaded" in answer.out
 
 
@@ -82,13 +78,12 @@ def test_check(command, plugins):
     assert "unknown matcher 'minne'; did you mean mine?" in answer.err
 
 
-def test_a_plugin_in_a_comparison(command, plugins, clean_scene: Path):
-    small = ("--scene", clean_scene, "--draws", "1", "--scale", "0.25", "--budget", "2", "--strategies", "compass")
-    answer = command("compare", *small, "--matcher", "mine", "--json", "-", "--quiet")
-    assert answer.code == 0, answer.err
-    content = json.loads(answer.out)
-    assert content["settings"]["matcher"]["name"] == content["trials"][0]["matcher"] == "mine"
-    assert "matcher mine" in content["versions"]
+def test_a_comparison_names_it(plugins, clean_scene: Path):
+    scene, mine = replace(sr.io.load_scene(clean_scene), reference="truth"), sr.matcher("mine", num_disparities=32)
+    table = sr.compare_scenes([scene], strategies=["compass"], matcher=mine, draws=1, scale=0.25, budget=0.5)
+    assert table.settings["matcher"]["name"] == table.trials[0].matcher == "mine"
+    assert table.versions["matcher mine"] == __name__
+    assert table.trials[0].score_final is not None
 
 
 @pytest.mark.parametrize("verb", ["compare --scene", "score", "recalibrate", "monitor", "reproduce --log"])
