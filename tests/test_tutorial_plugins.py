@@ -61,4 +61,4 @@ def test_a_matcher_from_an_empty_folder_to_its_name_on_the_command_line(environm
     assert "FAIL" not in output
     assert re.search(r"\d+ passed", output)
     rows = re.findall(r"^ (?:default|count) .*?(\d+) % ", output, re.MULTILINE)
-    assert rows == ["100", "0"]  # the default schedule repairs with it, the count alone at a quarter of the size no rig
+    assert rows == ["100", "0"]  # by default it repairs; the count alone at that scale does not
