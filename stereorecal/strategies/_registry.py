@@ -22,6 +22,7 @@ _REGISTRY = Registry[AbstractStrategy](
         "optimistix-": ("stereorecal-optimistix", "optimistix"),
         "nlopt-": ("stereorecal-nlopt", "nlopt"),
         "features": ("stereorecal-features", "features"),
+        "colmap": ("stereorecal-colmap", "colmap"),
     },
 )
 

@@ -83,6 +83,7 @@ def test_nothing_installed(installed):
         ("optimistix-bfgs", "stereorecal-optimistix", "optimistix"),
         ("nlopt-bobyqa", "stereorecal-nlopt", "nlopt"),
         ("features", "stereorecal-features", "features"),
+        ("colmap", "stereorecal-colmap", "colmap"),
     ],
 )
 def test_a_missing_one_of_ours_gives_the_install_line(installed, name: str, what: str, folder: str):
