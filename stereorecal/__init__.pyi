@@ -18,6 +18,7 @@ from . import (
 from ._errors import (
     CalibrationWarning as CalibrationWarning,
     InputError as InputError,
+    MatcherError as MatcherError,
     PairingWarning as PairingWarning,
     StrategyError as StrategyError,
     UnsupportedModelError as UnsupportedModelError,
@@ -43,7 +44,14 @@ from .geometry import (
     rectification as rectification,
     view as view,
 )
-from .matching import BM as BM, SAD as SAD, SGBM as SGBM, Disparity as Disparity
+from .matching import (
+    BM as BM,
+    SAD as SAD,
+    SGBM as SGBM,
+    Disparity as Disparity,
+    matcher as matcher,
+    matchers as matchers,
+)
 from .objectives import Parameters as Parameters, Reach as Reach, objective as objective
 from .recalibration import (
     Cost as Cost,

@@ -16,8 +16,16 @@ class NeedNotMet(InputError):
     """The objective does not offer what a strategy needs; in a comparison, a SKIPPED row."""
 
 
-class StrategyError(RuntimeError):
-    """A strategy crashed; the message names its distribution and version."""
+class PluginError(RuntimeError):
+    """Somebody's plug-in cannot be loaded, or crashed; the message names its distribution and version."""
+
+
+class StrategyError(PluginError):
+    """A strategy cannot be loaded, or crashed; the message names its distribution and version."""
+
+
+class MatcherError(PluginError):
+    """A matcher cannot be loaded, or crashed; the message names its distribution and version."""
 
 
 class BudgetExhausted(Exception):

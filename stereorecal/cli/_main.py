@@ -9,13 +9,13 @@ from contextlib import contextmanager, suppress
 from importlib import import_module
 from typing import Any
 
-from stereorecal._errors import CalibrationWarning, InputError, PairingWarning, StrategyError
+from stereorecal._errors import CalibrationWarning, InputError, PairingWarning, PluginError
 from stereorecal._signals import interrupted, interruptible
 from stereorecal.cli._exit_codes import BAD_INPUT, FAILURE, INTERRUPTED
 from stereorecal.cli._streams import flush, leave_stdout, nobody_reads, say, spell_out
 from stereorecal.cli.arguments import parser
 
-_WITHOUT_PROGRAMS = (("convert", None), ("diff", None), ("strategies", "list"))  # and actions
+_WITHOUT_PROGRAMS = (("convert", None), ("diff", None), ("strategies", "list"), ("matchers", "list"))  # and actions
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -64,7 +64,7 @@ def _said(error: Exception) -> int:
             return _say(error, BAD_INPUT)
         case ImportError(name="cv2"):
             return _say(f"{error}.", BAD_INPUT)
-        case StrategyError():
+        case PluginError():
             return _say(error, FAILURE)
         case OSError():
             return _say(f"{error.filename or 'output'}: {error.strerror or error}; check the path.", BAD_INPUT)

@@ -16,6 +16,7 @@ from stereorecal.cli._places import check_places, deliver, places_of, spare
 from stereorecal.cli._progress import progress_bar
 from stereorecal.cli._streams import say
 from stereorecal.io import files_read, load_log
+from stereorecal.matching import as_matcher
 from stereorecal.objectives import Reach
 from stereorecal.recalibration import SCHEDULES
 from stereorecal.recordings import Log
@@ -48,6 +49,7 @@ def run(options: argparse.Namespace) -> int:
     if options.frames is not None and options.log is None:
         raise InputError("--frames belongs to --log; leave it out, or give a log.")
     schedules = SCHEDULES if schedule == _BOTH else (schedule,)
+    matcher = as_matcher(options.matcher)
     methods(schedules, options.strategy)  # what is not installed is said before a log is rendered
     places = places_of(options, "json")
     check_places(places, force=options.force)
@@ -67,6 +69,7 @@ def run(options: argparse.Namespace) -> int:
                 experiments,
                 schedules=schedules,
                 strategy=options.strategy,
+                matcher=matcher,
                 extent=QUICK if options.quick else Extent(),
                 reach=reach,
                 seed=seed,

@@ -18,7 +18,7 @@ from stereorecal.comparison._pictures import Shown
 from stereorecal.comparison._trial import Task, Trial, failed, run_trial
 from stereorecal.estimation import EXACT
 from stereorecal.geometry import StereoRig
-from stereorecal.matching import AbstractMatcher, as_matcher
+from stereorecal.matching import AbstractMatcher, as_matcher, name_of, origin_of as origin_of_matcher
 from stereorecal.objectives import Parameters, Reach, as_parameters
 from stereorecal.recalibration import recalibrate
 from stereorecal.recordings import Pairs, Scene, check_pairs
@@ -112,8 +112,8 @@ def compare_scenes(
         scenes: each with a rig, from which the drift is drawn.
         strategies: names from the registry, or a mapping from names to strategies with options of their own; default
             those of the schedule.
-        matcher: a matcher, or "sad" (default), "bm" or "sgbm"; without `num_disparities` each scene's range is measured
-            once.
+        matcher: a matcher, or the name of an installed one (default "sad"); without `num_disparities` each scene's
+            range is measured once.
         drift: default 0.5 degrees and 1 % of the baseline.
         reach: default the larger of 3 degrees, 3 % and 1.2 x the drift.
         schedule: "count": the strategy maximises the count at one scale; "default": coarse to fine, with the strategy
@@ -146,6 +146,7 @@ def compare_scenes(
     made_with = versions() | {
         f"strategy {name}": origin_of(plugin) for entrant in entrants for name, plugin in entrant.running.items()
     }
+    made_with[f"matcher {name_of(matcher)}"] = origin_of_matcher(matcher)
     planned = [_plan(scene, matcher, reach, scale) for scene in scenes]
     tasks = [
         Task(
@@ -154,7 +155,7 @@ def compare_scenes(
             start=decalibrate(_rig_of(scene), _draw_key(seed, draw), drift.degrees, drift.baseline_fraction),
             draw=draw,
             strategy_name=entrant.name,
-            matcher_name=type(matcher).__name__.lower(),
+            matcher_name=name_of(matcher),
             matcher=scene_matcher,
             schedule=entrant.schedule,
             strategies=tuple(entrant.running),
@@ -170,7 +171,7 @@ def compare_scenes(
     settings = {
         "strategies": list(dict.fromkeys(entrant.name for entrant in entrants)),
         "entrants": [entrant.as_dict() for entrant in entrants],
-        "matcher": {"name": type(matcher).__name__.lower(), **asdict(matcher)},
+        "matcher": {"name": name_of(matcher), **asdict(matcher)},
         "schedule": " and ".join(sorted({entrant.schedule.name for entrant in entrants})),
         "scale": scale,
         "decalibrate": asdict(drift),

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stereorecal.comparison._trial import FAILED, SCORE_AT, SKIPPED, Trial
+from stereorecal.comparison._truth import is_harmful
 from stereorecal.strategies import Status
 
 
@@ -17,6 +18,8 @@ class Thresholds:
         ratio: lowest r.
         pitch_roll_deg, yaw_deg: largest errors. 0.05 degrees of pitch are half a row at a focal length of 600 pixels;
             yaw, which rows hardly show, may be off by four times as much.
+        harmful_rows_px, harmful_depth_percent: by the true rig, a repair is harmful whose rows are worse than before by
+            more than this, or whose |depth error| at 30 baselines has grown by more percentage points.
         flagged_ratio: above it a wrong calibration may score higher than the right one.
     """
 
@@ -24,11 +27,17 @@ class Thresholds:
     pitch_roll_deg: float = 0.05
     yaw_deg: float = 0.2
     flagged_ratio: float = 1.05
+    harmful_rows_px: float = 0.02
+    harmful_depth_percent: float = 1.0
 
 
 @dataclass(frozen=True)
 class Summary:
-    """The trials of one strategy in one schedule with one matcher on one scene; medians over the finished ones."""
+    """The trials of one strategy in one schedule with one matcher on one scene; medians over the finished ones.
+
+    What the true rig judges (`harmful`, a number of trials, and the medians of row error and |depth error| at the end)
+    is None where it is not known.
+    """
 
     scene: str
     strategy: str
@@ -52,6 +61,9 @@ class Summary:
     cost_total_median: float | None
     seconds_median: float | None
     score_at_median: dict[str, float | None]
+    harmful: int | None
+    row_error_px_median: dict[str, float] | None
+    depth_error_percent_median: dict[str, float] | None
 
 
 def succeeded(trial: Trial, thresholds: Thresholds) -> bool:
@@ -80,6 +92,8 @@ def _summary(
     finished = [t for t in trials if t.score_final is not None]
     ratios = [t.ratio for t in finished if t.ratio is not None]
     wanted = [t for t in trials if t.status != SKIPPED]
+    judged = [t.by_truth for t in finished if t.by_truth is not None]
+    limits = thresholds.harmful_rows_px, thresholds.harmful_depth_percent
     return Summary(
         scene,
         strategy,
@@ -103,6 +117,11 @@ def _summary(
         cost_total_median=_median([t.cost_total for t in finished]),
         seconds_median=_median([t.seconds for t in finished]),
         score_at_median={str(cost): _median_at(finished, str(cost)) for cost in SCORE_AT},
+        harmful=sum(is_harmful(errors, *limits) for errors in judged) if judged else None,
+        row_error_px_median=_median_of_each([errors["row_error_px"] for errors in judged]),
+        depth_error_percent_median=_median_of_each(
+            [{at: abs(error) for at, error in errors["depth_error_percent"]["final"].items()} for errors in judged]
+        ),
     )
 
 

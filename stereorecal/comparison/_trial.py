@@ -1,11 +1,13 @@
 """One trial: one strategy repairs one decalibration of one scene."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from stereorecal._errors import NeedNotMet
 from stereorecal.comparison._course import course_of
+from stereorecal.comparison._truth import errors_by_truth
 from stereorecal.geometry import StereoRig, View, axis_errors
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import Parameters, Reach, count_objective, reach_chart, rig_count_objective
@@ -69,6 +71,8 @@ class Trial:
             candidate, accepted or not. A strategy that evaluates nothing itself, inside JAX or on images, has no steps
             between its start and its end.
         extrinsics: "start", "final" and "reference": pitch, yaw, roll [rad], x, y, z [m].
+        by_truth: `errors_by_truth` of the start and of what the repair ended with; None unless the reference is the
+            truth.
     """
 
     scene: str
@@ -95,6 +99,7 @@ class Trial:
     score_at: dict[str, float | None] | None = None
     course: dict[str, list] | None = None
     extrinsics: dict[str, list[float]] | None = None
+    by_truth: dict[str, Any] | None = None
 
 
 def run_trial(task: Task) -> Trial:
@@ -118,7 +123,7 @@ def _repair(task: Task) -> Solution:
 
 
 def _finished(task: Task, solution: Solution) -> Trial:
-    reference, _ = task.reference
+    reference, worth = task.reference
     initial, final, target = _counts(task, solution)
     errors = axis_errors(solution.rig, reference)
     return Trial(
@@ -144,6 +149,7 @@ def _finished(task: Task, solution: Solution) -> Trial:
             "final": list(map(float, solution.rig.extrinsics)),
             "reference": list(map(float, reference.extrinsics)),
         },
+        by_truth=errors_by_truth(task.start, solution.rig, reference, solution.view) if worth == "truth" else None,
     )
 
 

@@ -1,6 +1,15 @@
-"""Stereo matchers: SAD in JAX, OpenCV's BM and SGBM, one interface."""
+"""Stereo matchers: one interface, a registry of plug-ins, and the core's own: SAD in JAX, OpenCV's BM and SGBM."""
 
-from stereorecal.matching._by_name import MATCHERS as MATCHERS, as_matcher as as_matcher
+from stereorecal._errors import MatcherError as MatcherError
+from stereorecal.matching._by_name import (
+    MatcherInfo as MatcherInfo,
+    as_matcher as as_matcher,
+    matcher as matcher,
+    matchers as matchers,
+    name_of as name_of,
+    origin_of as origin_of,
+    overview as overview,
+)
 from stereorecal.matching._matcher import (
     AbstractMatcher as AbstractMatcher,
     Disparity as Disparity,

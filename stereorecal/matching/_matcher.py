@@ -78,10 +78,10 @@ class AbstractMatcher(abc.ABC):
         """Refuse options that it does not have, OpenCV's camel case among them, in a sentence."""
         known = [option.name for option in fields(cls)]
         if values:
-            raise InputError(f"name the options of {cls.__name__}, as in sr.{cls.__name__}(num_disparities=64).")
+            raise InputError(f"name the options of {cls.__name__}, as in {called(cls)}(num_disparities=64).")
         for name, value in options.items():
             if name not in known:
-                raise InputError(_no_option(cls.__name__, name, value, known))
+                raise InputError(_no_option(cls, name, value, known))
         return super().__new__(cls)
 
     @property
@@ -153,9 +153,15 @@ class AbstractMatcher(abc.ABC):
         return replace(self, min_disparity=lowest, num_disparities=max(1, highest - lowest))
 
 
-def _no_option(matcher: str, name: str, value: Any, known: Sequence[str]) -> str:
+def called(cls: type[AbstractMatcher]) -> str:
+    """How a program calls the class: the core's own are public names of the library."""
+    return f"sr.{cls.__name__}" if cls.__module__.partition(".")[0] == "stereorecal" else cls.__name__
+
+
+def _no_option(cls: type[AbstractMatcher], name: str, value: Any, known: Sequence[str]) -> str:
+    matcher = cls.__name__
     snake = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()
     close = [snake] if snake in known else difflib.get_close_matches(snake, known, 1)
     if close:
-        return f"{matcher} has no option {name!r}; write sr.{matcher}({close[0]}={value!r})."
+        return f"{matcher} has no option {name!r}; write {called(cls)}({close[0]}={value!r})."
     return f"{matcher} has no option {name!r}; it has: {', '.join(known)}."

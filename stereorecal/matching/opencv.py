@@ -13,9 +13,10 @@ from stereorecal.matching._matcher import AbstractMatcher, Disparity
 
 @dataclass(frozen=True)
 class BM(AbstractMatcher):
-    """`cv2.StereoBM`. Options: see `AbstractMatcher`; `num_disparities` is rounded up to a multiple of 16.
+    """OpenCV's block matching (`cv2.StereoBM`).
 
-    It always matches the x-Sobel response, so `pre_filter_cap` must be positive, and `block_size` at least 5.
+    Options: see `AbstractMatcher`; `num_disparities` is rounded up to a multiple of 16. It always
+    matches the x-Sobel response, so `pre_filter_cap` must be positive, and `block_size` at least 5.
     """
 
     def __post_init__(self) -> None:
@@ -37,9 +38,9 @@ class BM(AbstractMatcher):
 
 @dataclass(frozen=True)
 class SGBM(AbstractMatcher):
-    """`cv2.StereoSGBM` with OpenCV's suggested smoothness penalties. Options: see `AbstractMatcher`.
+    """OpenCV's semi-global matching (`cv2.StereoSGBM`) with its suggested smoothness penalties.
 
-    `num_disparities` is rounded up to a multiple of 16.
+    Options: see `AbstractMatcher`; `num_disparities` is rounded up to a multiple of 16.
     """
 
     block_size: int = 5

@@ -99,7 +99,8 @@ def objective(
     its traced face (`objective.traced`) composes with JAX.
 
     Args:
-        matcher: a matcher, or "sad" (default), "bm" or "sgbm"; without `num_disparities` the range is measured.
+        matcher: a matcher, or the name of an installed one (default "sad"); without `num_disparities` the range is
+            measured.
         reach: half widths of the box; default 3 degrees and 3 % of the baseline.
         view: default the view of `rig`.
         scale: image scale, (0, 1].

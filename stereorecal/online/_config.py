@@ -13,8 +13,8 @@ class Config:
     """How a rig is watched and repaired. Times are counted in pairs, so that the same pairs give the same states.
 
     Attributes:
-        matcher: a matcher, or "sad", "bm" or "sgbm"; without `num_disparities` the range is measured on the first pairs
-            that show something.
+        matcher: a matcher, or the name of an installed one (default "sad"); without `num_disparities` the range is
+            measured on the first pairs that show something.
         every: a look at every so many pairs; the others only tell how the rig moves.
         wander: standard deviations of what pitch, yaw and roll jump by from one pair to the next, degrees: vibration.
         shift: the same of y and z, percent of the baseline.

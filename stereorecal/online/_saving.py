@@ -5,17 +5,17 @@ import json
 import zipfile
 import zlib
 from collections.abc import Mapping
-from dataclasses import fields, is_dataclass
+from dataclasses import fields
 from enum import Enum
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from stereorecal._errors import InputError
+from stereorecal._errors import InputError, MatcherError
 from stereorecal.geometry import Camera, StereoRig, View
 from stereorecal.io import write_bytes
-from stereorecal.matching import BM, SAD, SGBM
+from stereorecal.matching import AbstractMatcher, matcher, matchers, name_of
 from stereorecal.online._config import Config
 from stereorecal.online._estimate import Estimate, Measurement
 from stereorecal.online._events import Kind
@@ -24,10 +24,10 @@ from stereorecal.online._state import State
 from stereorecal.online._trial import Trial
 from stereorecal.recordings import Pair
 
-SCHEMA = "stereorecal.state/3"
+SCHEMA = "stereorecal.state/4"
 _KNOWN: dict[str, Any] = {
     kind.__name__: kind
-    for kind in (State, Config, Estimate, Measurement, Job, Trial, StereoRig, Camera, View, Pair, SAD, BM, SGBM, Kind)
+    for kind in (State, Config, Estimate, Measurement, Job, Trial, StereoRig, Camera, View, Pair, Kind)
 }
 # What zipfile, NumPy and the classes raise for what is damaged; RuntimeError for flags that no archive of ours has.
 _DAMAGED = (ValueError, LookupError, TypeError, AttributeError, RuntimeError, EOFError, OSError, MemoryError)
@@ -35,11 +35,15 @@ _DAMAGED += (zipfile.BadZipFile, zlib.error)
 _ANEW = "remove it, or name another file, to begin anew"
 
 
+class _NotInstalled(Exception):
+    """A matcher of that name is not."""
+
+
 def save(state: State, path: str | Path) -> None:
     """Write a state, whole or not at all: after a loss of power the file holds the last one that was written.
 
     Raises:
-        InputError: if the place cannot be written to, or the state holds a matcher of somebody else's.
+        InputError: if the place cannot be written to, or the state holds a matcher that is not installed.
     """
     arrays: dict[str, np.ndarray] = {}
     content = {"schema": SCHEMA, "state": _told(state, arrays)}
@@ -57,7 +61,9 @@ def load(path: str | Path, rig: StereoRig | None = None) -> State:
             a state knows nothing of a new one.
 
     Raises:
-        InputError: if the file cannot be read, is of another version, or of another calibration.
+        InputError: if the file cannot be read, is of another version or of another calibration, or its matcher is not
+            installed.
+        MatcherError: if its matcher cannot be loaded.
     """
     state = _loaded(path)
     if rig is not None and not any(
@@ -94,6 +100,10 @@ def _loaded(path: str | Path) -> State:
         content = json.loads(arrays["content"].tobytes())
         if content["schema"] == SCHEMA:
             return _made(content["state"], arrays)
+    except _NotInstalled as error:
+        raise InputError(f"{path}: the matcher {error} is not installed; install it, or {_ANEW}.") from error
+    except MatcherError:
+        raise
     except _DAMAGED as error:
         raise InputError(f"{path}: is no state of this library, or cut short; {_ANEW}.") from error
     raise InputError(f"{path}: the state is of version {content['schema']!r}, not {SCHEMA!r}; {_ANEW}.")
@@ -112,14 +122,19 @@ def _told(value: Any, arrays: dict[str, np.ndarray]) -> Any:
     if isinstance(value, tuple):
         return [_told(item, arrays) for item in value]
     kind = type(value).__name__
-    if _KNOWN.get(kind) is not type(value):
-        raise InputError(f"a {kind} cannot be saved; use a matcher of this library, such as sr.SAD().")
-    if isinstance(value, Enum):
+    if isinstance(value, Enum) and _KNOWN.get(kind) is type(value):
         return {"of": kind, "name": value.name}
-    assert is_dataclass(value)
+    if isinstance(value, AbstractMatcher) and name_of(value) in matchers():
+        return {"matcher": name_of(value), "with": _parts(value, arrays)}
+    if _KNOWN.get(kind) is not type(value):
+        raise InputError(f"a {kind} cannot be saved; use a matcher that is installed, such as sr.SAD().")
+    return {"of": kind, "with": _parts(value, arrays)}
+
+
+def _parts(value: Any, arrays: dict[str, np.ndarray]) -> dict[str, Any]:
     # Where pixels and calibrations came from is not kept: the files may be gone by then.
     kept = [part.name for part in fields(value) if part.init and part.name not in ("origin", "source")]
-    return {"of": kind, "with": {name: _told(getattr(value, name), arrays) for name in kept}}
+    return {name: _told(getattr(value, name), arrays) for name in kept}
 
 
 def _made(told: Any, arrays: Mapping[str, np.ndarray]) -> Any:
@@ -131,6 +146,10 @@ def _made(told: Any, arrays: Mapping[str, np.ndarray]) -> Any:
         return float.fromhex(told["float"])
     if "array" in told:
         return arrays[told["array"]]
+    if "matcher" in told:
+        if told["matcher"] not in matchers():
+            raise _NotInstalled(told["matcher"])
+        return matcher(told["matcher"], **{name: _made(item, arrays) for name, item in told["with"].items()})
     kind = _KNOWN[told["of"]]
     if "name" in told:
         return kind[told["name"]]

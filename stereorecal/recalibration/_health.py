@@ -180,7 +180,8 @@ def health(
     `recalibrate` begins with the same look: what is healthy here stays there, what is to be repaired here is repaired.
 
     Args:
-        matcher: a matcher, or "sad" (default), "bm" or "sgbm"; without `num_disparities` the range is measured.
+        matcher: a matcher, or the name of an installed one (default "sad"); without `num_disparities` the range is
+            measured.
         prior, motion, tolerances: as `recalibrate` has them; pairs that a saved prior rests on count, for nothing is
             learnt here.
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from stereorecal._errors import InputError, StrategyError
+from stereorecal._errors import InputError, PluginError
 from stereorecal._names import known
 from stereorecal._run_all import Progress, run_all
 from stereorecal.decision import Tolerances, as_tolerances
@@ -286,5 +286,5 @@ def _failed(name: str, error: BaseException) -> Repair:
     if isinstance(error, InputError):
         return Repair(name, error=str(error), fault=Fault.INPUT)
     hint = "see where it comes from with --traceback (or in Repair.traceback), and please report it"
-    message = str(error) if isinstance(error, StrategyError) else f"internal error ({error!r}); {hint}."
+    message = str(error) if isinstance(error, PluginError) else f"internal error ({error!r}); {hint}."
     return Repair(name, error=message, fault=Fault.INSIDE, traceback="".join(format_exception(error)))

@@ -55,8 +55,8 @@ def recalibrate(
     Args:
         rig: the calibration to start from.
         pairs: one or several frames, used jointly; a pair may be a tuple of two arrays.
-        matcher: a matcher, or "sad" (default), "bm" or "sgbm"; without `num_disparities` the range is measured, and
-            again as the rig comes right.
+        matcher: a matcher, or the name of an installed one (default "sad"); without `num_disparities` the range is
+            measured, and again as the rig comes right.
         schedule: a `Schedule`, or "default" (also for None): coarse to fine, the count and then epipolar residuals; or
             "count": compass search on the count at full scale, the paper's way.
         reach: how far the rig may have drifted, a `Reach` or (degrees, fraction of the baseline); default 3 degrees and

@@ -32,7 +32,8 @@ def warm_up(
     `jax.config.update("jax_compilation_cache_dir", folder)`, and `"jax_persistent_cache_min_compile_time_secs", 0.1`.
 
     Args:
-        matcher: a matcher, or "sad" (default), "bm" or "sgbm"; with `num_disparities`, that range alone is compiled.
+        matcher: a matcher, or the name of an installed one (default "sad"); with `num_disparities`, that range alone is
+            compiled.
         schedule: as `recalibrate` has it.
         disparities: the ranges that are compiled. Measured ranges are one of 16, 32, 48, 64, 96, 128, 192, 256, 384
             and 512 (`Solution.matcher` tells).

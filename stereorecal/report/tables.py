@@ -28,6 +28,9 @@ _LEAST_MISSED = (
     "status",
     "s",
     "success",
+    "10 B %",
+    "px before",
+    "px after",
 )  # columns, the first is missed least
 _SIDE_BY_SIDE, _APART = (("scores", "errors"),), (("scores",), ("errors",))
 _ROTATIONS, _TRANSLATIONS = ("pitch", "yaw", "roll"), ("y", "z")
@@ -48,6 +51,11 @@ def comparison_tables(data: Mapping[str, Any], width: int, most_trials: int = 24
         tables += [table for table, _ in narrowed]
         dropped = dict.fromkeys(head for _, heads in narrowed for head in heads)
         missed += [f"{', '.join(dropped)} of {name}"] * bool(dropped)
+    if any(row.get("harmful") is not None for row in data["summary"]):
+        (table,) = first_that_fits([partial(_truth_table, data, fold) for fold in _FOLDS], width)
+        table, dropped = _narrowed(table, width)
+        tables.append(table)
+        missed += [f"{', '.join(dropped)} of the errors by the true rig"] * bool(dropped)
     said = f"left out in {width} columns: {'; '.join(missed)}.\n" if missed else ""
     leaders = _leaders_table(data)
     if len(data["settings"]["strategies"]) > 1 and leaders.row_count:
@@ -137,6 +145,23 @@ def _summary_table(data: Mapping[str, Any], parts: Sequence[str], fold: int) -> 
     return table
 
 
+def _truth_table(data: Mapping[str, Any], fold: int) -> list[Table]:
+    """What the true rig says of rows and depth, where it is known."""
+    table = _table("by the true rig", data)
+    heads, about = _about(data, fold)
+    for heading in heads:
+        table.add_column(heading, overflow="fold", min_width=_LEAST.get(heading))
+    for heading in ("px before", "px after", "10 B %", "30 B %", "harmful"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    for row in data["summary"]:
+        if row.get("harmful") is None:
+            continue
+        rows, depth = row["row_error_px_median"], row["depth_error_percent_median"]
+        cells = [number(rows["start"], 2), number(rows["final"], 2), *(number(depth[at], 1) for at in ("10", "30"))]
+        table.add_row(*map(Text, (*about(row), *cells, str(row["harmful"]))))
+    return [table]
+
+
 def _leaders_table(data: Mapping[str, Any]) -> Table:
     """The three strategies with the best median score at each budget, in units, within that of the comparison.
 
@@ -187,7 +212,18 @@ def _legend(data: Mapping[str, Any]) -> str:
         f"r = N_o / N_GT; ! above {limits['flagged_ratio']}: a wrong calibration may score higher than the right one.\n"
         f"reference, also of errors: {'; '.join(REFERENCES.get(r, r) for r in references)}.\n"
         f"success: r >= {limits['ratio']}, pitch and roll within {limits['pitch_roll_deg']}°, "
-        f"yaw within {limits['yaw_deg']}°.\n"
+        f"yaw within {limits['yaw_deg']}°.\n" + _truth_legend(data)
+    )
+
+
+def _truth_legend(data: Mapping[str, Any]) -> str:
+    if all(row.get("harmful") is None for row in data["summary"]):
+        return ""
+    limits = data["settings"]["thresholds"]
+    return (
+        "px: row error over the view; 10 B %, 30 B %: |depth error| at so many baselines; all by the true rig.\n"
+        f"harmful: trials after which rows are worse by more than {limits['harmful_rows_px']} px, or the depth "
+        f"error at 30 baselines by more than {limits['harmful_depth_percent']:g} percentage points.\n"
     )
 
 

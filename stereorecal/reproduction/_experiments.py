@@ -7,7 +7,7 @@ import jax
 import numpy as np
 
 from stereorecal.geometry import StereoRig, with_unit_baseline
-from stereorecal.matching import BM, SAD, SGBM, AbstractMatcher
+from stereorecal.matching import BM, SAD, SGBM, AbstractMatcher, name_of
 from stereorecal.objectives import EXTRINSICS, Reach
 from stereorecal.recalibration import Schedule
 from stereorecal.recordings import Log, Mission, PairSequence, names_of, picked
@@ -39,7 +39,7 @@ class Extent:
         starts: wrong calibrations from which one pair is repaired.
         sweeps: pairs through which axes are swept, each of another sequence.
         points: of a sweep.
-        matchers: with which axes are swept.
+        matchers: with which axes are swept, and besides with the one that the experiments count with.
         steps: pairs that are repaired one after the other.
         iterations: of each of those, ten evaluations long.
     """
@@ -80,11 +80,13 @@ class Setting:
     """What all experiments share.
 
     Attributes:
+        matcher: counts pixels and repairs.
         seed: chooses wrong calibrations, images and orders.
     """
 
     log: Log
     methods: tuple[Method, ...]
+    matcher: AbstractMatcher
     extent: Extent
     reach: Reach
     seed: int
@@ -98,7 +100,7 @@ class Setting:
     def judge(self, mission: Mission) -> Judge:
         """The judge of a mission; made once, when it is asked for."""
         if mission.name not in self._judges:
-            self._judges[mission.name] = judge_of(self.log, mission, self.reach)
+            self._judges[mission.name] = judge_of(self.log, mission, self.reach, self.matcher)
         return self._judges[mission.name]
 
     def shots(self, mission: Mission, pairs: PairSequence) -> list[Shot]:
@@ -148,14 +150,16 @@ def validity(setting: Setting) -> Iterator[Task]:
 
 def sweeps(setting: Setting) -> Iterator[Task]:
     """One pair of some sequences along every axis, with every matcher (section 4.1); closer steps near the middle."""
-    extent = setting.extent
+    extent, asked = setting.extent, setting.matcher
+    there = any(type(matcher) is type(asked) for matcher in extent.matchers)
+    named = [(name_of(matcher), matcher) for matcher in (*extent.matchers, *([] if there else [asked]))]
     even = np.linspace(-1.0, 1.0, extent.points)
     offsets = tuple((_FAR * np.sign(even) * even**2).tolist())
     for mission in setting.missions[: extent.sweeps]:
         (shot,) = setting.shots(mission, unstarred(mission)[:1])
         for axis in _AXES.values():
-            for matcher in extent.matchers:
-                yield Sweep(shot, axis, matcher, offsets)
+            for name, matcher in named:
+                yield Sweep(shot, axis, name, matcher, offsets)
 
 
 def repair(setting: Setting) -> Iterator[Task]:

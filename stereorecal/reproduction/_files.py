@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from stereorecal.io import json_text, make_folder, write_bytes, write_text
+from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import Reach
 from stereorecal.recordings import Log, names_of
 from stereorecal.reproduction._judge import judge_of
@@ -36,7 +37,7 @@ def write_files(found: Reproduction, log: Log, folder: Path) -> list[Path]:
         for stem, lines in _flat(name, rows).items():
             if lines:
                 texts[f"{stem}.csv"] = _csv(lines)
-    figures = experiment_figures(data["rows"]) | _disparities(data, log)
+    figures = experiment_figures(data["rows"]) | _disparities(data, log, found.matcher)
     make_folder(folder)
     for name, text in texts.items():
         write_text(folder / name, text)
@@ -48,7 +49,7 @@ def write_files(found: Reproduction, log: Log, folder: Path) -> list[Path]:
     return [folder / name for name in (*texts, *(f"{figure}.{suffix}" for figure in figures for suffix in _SUFFIXES))]
 
 
-def _disparities(data: Mapping[str, Any], log: Log) -> dict[str, Any]:
+def _disparities(data: Mapping[str, Any], log: Log, matcher: AbstractMatcher) -> dict[str, Any]:
     """The figure of disparities before and after, of the first pair without a star (paper, figure 7)."""
     from stereorecal.reproduction._figures import disparity_figure
 
@@ -59,7 +60,7 @@ def _disparities(data: Mapping[str, Any], log: Log) -> dict[str, Any]:
     same = [row for row in rows if (row["sequence"], row["image"]) == (first["sequence"], first["image"])]
     mission = next(mission for mission in log.missions if mission.name == first["sequence"])
     pair = mission.pairs[names_of(mission.pairs).index(first["image"])]
-    judge = judge_of(log, mission, Reach(**data["settings"]["reach"]))
+    judge = judge_of(log, mission, Reach(**data["settings"]["reach"]), matcher)
     shown = {"from nothing": first["extrinsics"]["start"]}
     shown |= {f"after, {row['schedule']}": row["extrinsics"]["found"] for row in same}
     shown |= {"manual": judge.rig.extrinsics}

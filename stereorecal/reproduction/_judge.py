@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stereorecal.geometry import StereoRig, View, axis_errors, view, with_unit_baseline
-from stereorecal.matching import SAD, AbstractMatcher
+from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import Reach
 from stereorecal.recalibration import Waypoint
 from stereorecal.recordings import Log, Mission, Pair, PairSequence, names_of, picked
@@ -65,14 +65,14 @@ class Judge:
         return rows
 
 
-def judge_of(log: Log, mission: Mission, reach: Reach) -> Judge:
-    """The judge of a mission: SAD, whose disparity range is measured with the manual calibration on the first pairs
-    without a star, in the view of the ideal rig, which favours no calibration."""
+def judge_of(log: Log, mission: Mission, reach: Reach, matcher: AbstractMatcher) -> Judge:
+    """The judge of a mission. The matcher's disparity range, if it has none, is measured with the manual calibration on
+    the first pairs without a star, in the view of the ideal rig, which favours no calibration."""
     rig = log.calibration_of(mission)
     neutral = view(ideal(rig, float(rig.baseline)))
     pairs = informative(unstarred(mission), _SURVEYED)
-    matcher = with_disparity_range(SAD(), rig, pairs, neutral, np.radians(reach.degrees))
-    return Judge(rig, matcher, neutral, mission.truth)
+    ranged = with_disparity_range(matcher, rig, pairs, neutral, np.radians(reach.degrees))
+    return Judge(rig, ranged, neutral, mission.truth)
 
 
 def ideal(rig: StereoRig, baseline: float) -> StereoRig:

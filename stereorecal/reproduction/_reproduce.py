@@ -4,7 +4,7 @@ import hashlib
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +17,7 @@ from stereorecal._run_all import Progress, run_all
 from stereorecal._signals import hold
 from stereorecal._versions import versions
 from stereorecal.geometry import StereoRig
-from stereorecal.matching import AbstractMatcher
+from stereorecal.matching import SAD, AbstractMatcher, as_matcher, name_of, origin_of as origin_of_matcher
 from stereorecal.objectives import Reach
 from stereorecal.recordings import Log, names_of
 from stereorecal.reproduction import _summaries as summaries
@@ -41,6 +41,7 @@ class Reproduction:
         errors: of tasks that failed, by their keys.
         unfinished: number of tasks left by an interruption, or by the loss of a worker.
         lost: messages of the executor about workers that were lost.
+        matcher: what pixels were counted with.
     """
 
     settings: dict[str, Any]
@@ -49,6 +50,7 @@ class Reproduction:
     errors: dict[str, str]
     unfinished: int
     lost: tuple[str, ...] = ()
+    matcher: AbstractMatcher = field(default_factory=SAD)
 
     @property
     def summary(self) -> dict[str, Any]:
@@ -85,6 +87,7 @@ def reproduce(
     *,
     schedules: Sequence[str] = ("count", "default"),
     strategy: str | None = None,
+    matcher: AbstractMatcher | str | None = None,
     extent: Extent | None = None,
     reach: Reach | None = None,
     seed: int = 0,
@@ -102,6 +105,7 @@ def reproduce(
         experiments: of "validity", "repair", "generalise", "ex-nihilo", "sequential".
         schedules: "count" (the paper's way) and "default" (coarse to fine), both or one of them.
         strategy: takes the place of compass, or of Levenberg-Marquardt if it needs residuals.
+        matcher: counts pixels and repairs; a matcher, or the name of an installed one (default "sad").
         extent: how much of the log is looked at; default as much as the paper does.
         reach: default 3 degrees and 3 % of the baseline.
         seed: chooses wrong calibrations, images and orders.
@@ -117,7 +121,7 @@ def reproduce(
             raise InputError(f"unknown experiment {name!r}; choose from: {', '.join(EXPERIMENTS)}.")
     if not experiments or not set(schedules) <= {"count", "default"} or not schedules:
         raise InputError("there is nothing to run; give at least one experiment, and schedules from: count, default.")
-    reach, extent = reach or Reach(), extent or Extent()
+    reach, extent, matcher = reach or Reach(), extent or Extent(), as_matcher(matcher)
     chosen = methods(tuple(schedules), strategy)
     installed = versions()
     made_with = installed | {
@@ -125,22 +129,24 @@ def reproduce(
         for method in chosen
         for stage in method.schedule.stages
     }
+    made_with[f"matcher {name_of(matcher)}"] = origin_of_matcher(matcher)
     settings = {
         "log": _described(log),
         "strategy": strategy,
+        "matcher": _named(matcher),
         "extent": {**asdict(extent), "matchers": [_named(matcher) for matcher in extent.matchers]},
         "reach": asdict(reach),
         "seed": seed,
     }
     store = None if output is None else Store(Path(output), {**settings, "versions": installed})
-    planned = _planned(Setting(log, chosen, extent, reach, seed), experiments)
+    planned = _planned(Setting(log, chosen, matcher, extent, reach, seed), experiments)
     rows, errors, lost = _run(planned, store, executor, progress)
     names = list(dict.fromkeys(plan.__name__ for name in experiments for plan in EXPERIMENTS[name]))
     found = {
         name: tuple(rows[key] for key in planned if key in rows and key.partition(":")[0] == name) for name in names
     }
     settings |= {"experiments": list(experiments), "schedules": list(schedules)}
-    return Reproduction(settings, made_with, found, errors, len(planned) - len(rows) - len(errors), lost)
+    return Reproduction(settings, made_with, found, errors, len(planned) - len(rows) - len(errors), lost, matcher)
 
 
 def run_task(task: Task) -> Row | str:
@@ -206,7 +212,7 @@ def _described(log: Log) -> dict[str, Any]:
 
 
 def _named(matcher: AbstractMatcher) -> dict[str, Any]:
-    return {"name": type(matcher).__name__.lower(), **asdict(matcher)}
+    return {"name": name_of(matcher), **asdict(matcher)}
 
 
 def _leaves(rig: StereoRig) -> Iterator[np.ndarray]:

@@ -1,6 +1,6 @@
 """The tasks of the experiments, of four kinds; each runs in a worker and returns its row."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -86,7 +86,7 @@ class Search:
     def arguments(self, judge: Judge) -> dict[str, Any]:
         """Those of `recalibrate`; everything is scored in the judge's view."""
         return {
-            "matcher": judge.matcher if self.method.ranged else None,
+            "matcher": judge.matcher if self.method.ranged else replace(judge.matcher, num_disparities=None),
             "schedule": self.method.schedule,
             "reach": self.reach,
             "budget": self.budget,
@@ -126,11 +126,13 @@ class Sweep:
 
     Attributes:
         axis: index of the parameter among pitch, yaw, roll, x, y, z.
+        matcher_name: what the matcher is called in rows.
         offsets: degrees, or percent of the baseline.
     """
 
     shot: Shot
     axis: int
+    matcher_name: str
     matcher: AbstractMatcher
     offsets: tuple[float, ...]
 
@@ -141,7 +143,7 @@ class Sweep:
 
     @property
     def _names(self) -> dict[str, str]:
-        return {"axis": AXES[self.axis], "matcher": type(self.matcher).__name__.lower()}
+        return {"axis": AXES[self.axis], "matcher": self.matcher_name}
 
     def run(self) -> Row:
         """Count."""

@@ -2,7 +2,8 @@
 rules, then texture and range, the same for all) and that both images really show."""
 
 from stereorecal._arrays import namespace
-from stereorecal.matching import AbstractMatcher, Disparity
+from stereorecal._errors import InputError, MatcherError
+from stereorecal.matching import AbstractMatcher, Disparity, name_of, origin_of
 from stereorecal.scoring._rectify import Rectified
 
 
@@ -11,8 +12,16 @@ def match_frame(matcher: AbstractMatcher, frame: Rectified) -> Disparity:
 
     Valid: found by the matcher's own rules (unique, textured, left-right consistent), `d >= min_disparity`, and the
     pixel and its partner both show something real. Traceable if the matcher is.
+
+    Raises:
+        MatcherError: if the matcher crashes; the message names it.
     """
-    disparity = matcher.match(frame.left, frame.right)
+    try:
+        disparity = matcher.match(frame.left, frame.right)
+    except InputError:
+        raise
+    except Exception as error:
+        raise MatcherError(f"matcher {name_of(matcher)} ({origin_of(matcher)}) crashed: {error!r}") from error
     xp = namespace(disparity.values)
     width = disparity.values.shape[1]
     partner = xp.arange(width) - xp.round(disparity.values).astype(xp.int32)

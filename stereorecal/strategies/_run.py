@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal._errors import BudgetExhausted, NeedNotMet, StrategyError
+from stereorecal._errors import BudgetExhausted, NeedNotMet, PluginError, StrategyError
 from stereorecal.strategies._contract import AbstractStrategy, Outcome, Status, follows_an_older_contract
 from stereorecal.strategies._objective import Objective
 from stereorecal.strategies._registry import name_of, origin_of
@@ -54,7 +54,7 @@ def run_strategy(strategy: AbstractStrategy, objective: Objective, start: Float[
         outcome = strategy.run(metered, start.copy(), seed)
     except BudgetExhausted:
         outcome = Outcome(start, Status.BUDGET)
-    except StrategyError:
+    except PluginError:  # as a matcher's, which names it
         raise
     except Exception as error:
         raise StrategyError(f"{_called(strategy)} crashed: {error!r}") from error

@@ -11,9 +11,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from stereorecal import _plugins
 from stereorecal.cli import main
 from stereorecal.io import save_scene
-from stereorecal.strategies import AbstractStrategy, _registry
+from stereorecal.strategies import AbstractStrategy
 from stereorecal.synthetic import default_rig, render
 
 
@@ -55,12 +56,12 @@ def crashing(monkeypatch: pytest.MonkeyPatch) -> None:
     """A strategy "crashing" beside compass, and no other."""
     points = EntryPoints(
         [
-            EntryPoint("compass", "stereorecal_compass:Compass", _registry.GROUP),
-            EntryPoint("crashing", f"{__name__}:Crashing", _registry.GROUP),
+            EntryPoint("compass", "stereorecal_compass:Compass", "stereorecal.strategies"),
+            EntryPoint("crashing", f"{__name__}:Crashing", "stereorecal.strategies"),
         ]
     )
     monkeypatch.setitem(sys.modules, __name__, sys.modules[Crashing.__module__])
-    monkeypatch.setattr(_registry, "entry_points", lambda **wanted: points.select(**wanted))
+    monkeypatch.setattr(_plugins, "entry_points", lambda **wanted: points.select(**wanted))
 
 
 @pytest.fixture(scope="session")

@@ -10,6 +10,8 @@ import cv2
 import numpy as np
 import pytest
 
+from stereorecal import _plugins
+
 Spoil = Callable[[Path], Any]
 
 
@@ -280,9 +282,7 @@ def test_commands(command, words: list[str]):
 def test_missing_compass_gives_the_install_line(command, clean_scene: Path, monkeypatch: pytest.MonkeyPatch):
     from importlib.metadata import EntryPoints
 
-    from stereorecal.strategies import _registry
-
-    monkeypatch.setattr(_registry, "entry_points", lambda **_: EntryPoints())
+    monkeypatch.setattr(_plugins, "entry_points", lambda **_: EntryPoints())
     refused(command("compare", "--scene", clean_scene), "pip install 'stereorecal[default]'")
     refused(command("compare", "--scene", clean_scene, "--strategies", "all"), "pip install 'stereorecal[default]'")
     refused(command("recalibrate", clean_scene), "pip install 'stereorecal[default]'")

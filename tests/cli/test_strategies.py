@@ -4,7 +4,7 @@ from importlib.metadata import EntryPoint, EntryPoints, version
 
 import pytest
 
-from stereorecal.strategies import _registry
+from stereorecal import _plugins
 
 
 def test_list(command):
@@ -29,11 +29,11 @@ def test_check(command):
 def test_a_broken_one_is_listed_with_the_reason(command, monkeypatch: pytest.MonkeyPatch):
     points = EntryPoints(
         [
-            EntryPoint("compass", "stereorecal_compass:Compass", _registry.GROUP),
-            EntryPoint("shaky", "no_such_module:Thing", _registry.GROUP),
+            EntryPoint("compass", "stereorecal_compass:Compass", "stereorecal.strategies"),
+            EntryPoint("shaky", "no_such_module:Thing", "stereorecal.strategies"),
         ]
     )
-    monkeypatch.setattr(_registry, "entry_points", lambda **wanted: points.select(**wanted))
+    monkeypatch.setattr(_plugins, "entry_points", lambda **wanted: points.select(**wanted))
     answer = command("strategies")
     assert answer.code == 3
     assert "Compass (pattern) search" in answer.out

@@ -45,6 +45,17 @@ def test_top_level(content):
     assert content["interrupted"] is False
 
 
+def test_the_truth_judges_rows_and_depth(content):
+    for trial in content["trials"]:
+        if trial["strategy"] == "compass":
+            assert set(trial["by_truth"]["row_error_px"]) == {"start", "final"}
+            assert set(trial["by_truth"]["depth_error_percent"]["final"]) == {"10", "30"}
+        else:
+            assert trial["by_truth"] is None
+    for row in content["summary"]:
+        assert (row["harmful"] is None) == (row["strategy"] == "crashing")
+
+
 def test_versions(content):
     assert {"python", "stereorecal", "jax", "numpy"} <= set(content["versions"])
     assert content["versions"]["strategy compass"].startswith("stereorecal-compass ")

@@ -5,11 +5,12 @@ from importlib.metadata import EntryPoint, EntryPoints
 
 import pytest
 
+from stereorecal import _plugins
 from stereorecal.comparison import _trial, compare_scenes
 from stereorecal.matching import SAD
 from stereorecal.recalibration import searched
 from stereorecal.scoring.host import Score
-from stereorecal.strategies import AbstractStrategy, Budget, Need, Outcome, Status, _registry, strategy
+from stereorecal.strategies import AbstractStrategy, Budget, Need, Outcome, Status, strategy
 
 SMALL = {"matcher": SAD(num_disparities=24), "draws": 2, "scale": 0.5, "budget": Budget(evaluations=5)}
 
@@ -136,10 +137,10 @@ def test_progress_counts_up(scene):
 
 def test_a_broken_installed_strategy_fails_and_the_others_live(scene, monkeypatch):
     points = [
-        EntryPoint("compass", "stereorecal_compass:Compass", _registry.GROUP),
-        EntryPoint("shaky", "no_such_module:Thing", _registry.GROUP),
+        EntryPoint("compass", "stereorecal_compass:Compass", "stereorecal.strategies"),
+        EntryPoint("shaky", "no_such_module:Thing", "stereorecal.strategies"),
     ]
-    monkeypatch.setattr(_registry, "entry_points", lambda **wanted: EntryPoints(points).select(**wanted))
+    monkeypatch.setattr(_plugins, "entry_points", lambda **wanted: EntryPoints(points).select(**wanted))
     table = run(scene, ["shaky", "compass"])
     rows = {name: [t for t in table.trials if t.strategy == name] for name in ("shaky", "compass")}
     assert {t.status for t in rows["shaky"]} == {"FAILED"}

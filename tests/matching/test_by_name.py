@@ -7,7 +7,7 @@ import re
 import pytest
 
 from stereorecal._errors import InputError
-from stereorecal.matching import BM, MATCHERS, SAD, SGBM, as_matcher
+from stereorecal.matching import BM, SAD, SGBM, as_matcher
 
 CLASSES = (SAD, BM, SGBM)
 CAMEL = {
@@ -21,9 +21,9 @@ CAMEL = {
 }
 
 
-@pytest.mark.parametrize("name", MATCHERS)
-def test_a_name_is_the_matcher_with_its_default_options(name):
-    assert as_matcher(name) == MATCHERS[name]()
+@pytest.mark.parametrize("cls", CLASSES)
+def test_a_name_is_the_matcher_with_its_default_options(cls):
+    assert as_matcher(cls.__name__.lower()) == cls()
 
 
 def test_nothing_is_sad_and_a_matcher_is_itself():
@@ -36,14 +36,14 @@ def test_nothing_is_sad_and_a_matcher_is_itself():
     ("given", "said"),
     [
         ("sgmb", "unknown matcher 'sgmb'; did you mean sgbm?"),
-        ("census", "unknown matcher 'census'; choose one of: sad, bm, sgbm."),
-        ("", "unknown matcher ''; choose one of: sad, bm, sgbm."),
+        ("census", "unknown matcher 'census'; installed: bm, sad, sgbm."),
+        ("", "unknown matcher ''; installed: bm, sad, sgbm."),
         (SGBM, "matcher is the class SGBM; make one of it, such as sr.SGBM()."),
         (BM, "matcher is the class BM; make one of it, such as sr.BM()."),
-        (64, "matcher is a int; give a name (sad, bm, sgbm) or a matcher such as sr.SGBM(num_disparities=128)."),
+        (64, "matcher is a int; give a name (bm, sad, sgbm) or a matcher such as sr.SGBM(num_disparities=128)."),
         (
             {"num_disparities": 64},
-            "matcher is a dict; give a name (sad, bm, sgbm) or a matcher such as sr.SGBM(num_disparities=128).",
+            "matcher is a dict; give a name (bm, sad, sgbm) or a matcher such as sr.SGBM(num_disparities=128).",
         ),
     ],
 )

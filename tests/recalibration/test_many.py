@@ -14,11 +14,12 @@ import numpy as np
 import pytest
 
 import stereorecal as sr
+from stereorecal import _plugins
 from stereorecal._errors import InputError
 from stereorecal.io import load_scene, save_scene
 from stereorecal.objectives import Reach
 from stereorecal.recalibration import Fault, recalibrate_many, repairs_as_finished
-from stereorecal.strategies import AbstractStrategy, Budget, _registry, strategy
+from stereorecal.strategies import AbstractStrategy, Budget, strategy
 
 OPTIONS = {
     "matcher": sr.SAD(num_disparities=24),
@@ -232,7 +233,7 @@ def test_nothing_to_repair():
 
 
 def test_a_missing_strategy_is_said_once_and_before_any_work(scenes, monkeypatch):
-    monkeypatch.setattr(_registry, "entry_points", lambda **_: EntryPoints())
+    monkeypatch.setattr(_plugins, "entry_points", lambda **_: EntryPoints())
     with pytest.raises(InputError, match="pip install"):
         sr.recalibrate_many(scenes)
 

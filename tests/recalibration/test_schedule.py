@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
+from stereorecal import _plugins
 from stereorecal._errors import InputError
 from stereorecal.recalibration import Schedule, ScoreKind, Stage
 from stereorecal.strategies import AbstractStrategy, Need, strategy
@@ -90,9 +91,7 @@ def test_default():
 
 def test_default_without_its_plugins(monkeypatch):
     """One sentence that says what to install."""
-    from stereorecal.strategies import _registry
-
-    monkeypatch.setattr(_registry, "entry_points", lambda **wanted: EntryPoints().select(**wanted))
+    monkeypatch.setattr(_plugins, "entry_points", lambda **wanted: EntryPoints().select(**wanted))
     with pytest.raises(InputError, match="strategy compass is not installed; run: pip install"):
         Schedule.default()
 

@@ -138,3 +138,24 @@ def test_the_reason_of_a_row_without_numbers_names_its_schedule():
     data = comparison(BOTH)
     data["trials"][-1] |= {"status": "FAILED", "message": "it crashed"}
     assert "count FAILED: it crashed" in printed(data, 120)
+
+
+@pytest.mark.parametrize("width", [120, 80, 48])
+def test_what_the_true_rig_says_has_a_table_of_its_own(width):
+    data = comparison(BOTH)
+    data["settings"]["thresholds"] |= {"harmful_rows_px": 0.02, "harmful_depth_percent": 1.0}
+    judged = {
+        "row_error_px_median": {"start": 8.84, "final": 0.09},
+        "depth_error_percent_median": {"10": 0.7, "30": 2.1},
+    }
+    data["summary"][0] |= {"harmful": 0, **judged}
+    data["summary"][1] |= {"harmful": None}
+    lines = printed(data, width)
+    (head,) = [words for words in heads(lines) if "harmful" in words]
+    below = lines[next(index for index, line in enumerate(lines) if line.split() == head) :]
+    row = next(line for line in below if "default" in line)
+    assert row.split()[-2:] == ["2.1", "0"]
+    assert ("8.84      0.09     0.7" in row) == (width > 48)
+    assert not any("…" in line for line in lines)
+    assert all(len(line) <= width for line in lines if set(line.strip()) == {"─"})
+    assert "harmful: trials after which rows are worse by more than 0.02 px" in " ".join(lines)

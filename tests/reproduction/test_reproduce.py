@@ -96,7 +96,7 @@ def test_a_repair_is_one_by_the_library_itself(log, serial):
     judged = sr.reproduce(log, ["ex-nihilo"], **COUNT)  # the same row once more
     assert timeless(judged)["ex_nihilo"] == timeless(serial)["ex_nihilo"]
     found = rig.with_extrinsics(np.array(row["extrinsics"]["found"]))
-    ranged = judge_of(log, mission, sr.Reach()).matcher
+    ranged = judge_of(log, mission, sr.Reach(), sr.SAD()).matcher
     for one, key in ((start, "score_initial"), (found, "score_final"), (rig, "score_reference")):
         assert sr.score(one, mission.pairs[:1], matcher=ranged, view=view).count == row[key]
     error = np.degrees(np.abs(found.extrinsics - rig.extrinsics)[:3])

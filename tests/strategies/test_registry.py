@@ -8,10 +8,10 @@ from types import ModuleType
 
 import pytest
 
+from stereorecal import _plugins
 from stereorecal._errors import InputError, StrategyError
 from stereorecal.strategies import (
     AbstractStrategy,
-    _registry,
     describe,
     name_of,
     origin_of,
@@ -40,7 +40,7 @@ def installed(monkeypatch):
     """installed(points...): what is installed from now on."""
 
     def install(*points: EntryPoint) -> None:
-        monkeypatch.setattr(_registry, "entry_points", lambda **wanted: EntryPoints(points).select(**wanted))
+        monkeypatch.setattr(_plugins, "entry_points", lambda **wanted: EntryPoints(points).select(**wanted))
 
     return install
 
@@ -83,6 +83,7 @@ def test_nothing_installed(installed):
         ("optimistix-bfgs", "stereorecal-optimistix", "optimistix"),
         ("nlopt-bobyqa", "stereorecal-nlopt", "nlopt"),
         ("features", "stereorecal-features", "features"),
+        ("colmap", "stereorecal-colmap", "colmap"),
     ],
 )
 def test_a_missing_one_of_ours_gives_the_install_line(installed, name: str, what: str, folder: str):
@@ -132,8 +133,8 @@ def test_an_overview_has_each_description_or_its_error(installed, monkeypatch):
         point("twice", distribution="one"),
         point("twice", distribution="two"),
     )
-    looks, look = [], _registry.entry_points
-    monkeypatch.setattr(_registry, "entry_points", lambda **wanted: looks.append(wanted) or look(**wanted))
+    looks, look = [], _plugins.entry_points
+    monkeypatch.setattr(_plugins, "entry_points", lambda **wanted: looks.append(wanted) or look(**wanted))
     found = overview()
     assert len(looks) == 1
     assert list(found) == ["compass", "shaky", "twice"]

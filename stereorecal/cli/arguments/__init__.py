@@ -10,7 +10,17 @@ from typing import NoReturn
 
 from stereorecal._version import __version__
 from stereorecal.cli._exit_codes import BAD_INPUT
-from stereorecal.cli.arguments import _compare, _convert, _diff, _monitor, _recalibrate, _reproduce, _score, _strategies
+from stereorecal.cli.arguments import (
+    _compare,
+    _convert,
+    _diff,
+    _matchers,
+    _monitor,
+    _recalibrate,
+    _reproduce,
+    _score,
+    _strategies,
+)
 from stereorecal.cli.arguments._calibrations import TWO_FILES
 
 
@@ -47,6 +57,6 @@ def parser() -> argparse.ArgumentParser:
         help_text = "show where an error comes from"
         place.add_argument("--traceback", action="store_true", default=default, help=help_text)
     verbs = made.add_subparsers(title="commands", required=True, metavar="COMMAND")
-    for command in (_recalibrate, _score, _monitor, _diff, _convert, _compare, _reproduce, _strategies):
+    for command in (_recalibrate, _score, _monitor, _diff, _convert, _compare, _reproduce, _strategies, _matchers):
         command.add_to(verbs, common)
     return made

@@ -3,6 +3,7 @@
 import argparse
 
 from stereorecal.cli.arguments._executors import EXECUTORS
+from stereorecal.cli.arguments._matchers import add_matcher_to
 
 
 def add_to(verbs, common: argparse.ArgumentParser) -> None:
@@ -18,7 +19,7 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
     add("--scene", action="append", default=[], metavar="PATH", help="scene folder (repeatable)")
     add("--synthetic", metavar="KIND", help="render a scene: harbour, coast, open-sea, street")
     add("--frames", default="1", metavar="N|all", help="pairs of each scene to use, jointly (default: %(default)s)")
-    add("--matcher", default="sad", metavar="NAME", help="sad, bm or sgbm (default: %(default)s)")
+    add_matcher_to(parser)
     add("--strategies", metavar="A,B|all", help="names of installed strategies (default: those of the schedule)")
     add(
         "--schedule",

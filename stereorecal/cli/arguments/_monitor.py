@@ -2,6 +2,7 @@
 
 import argparse
 
+from stereorecal.cli.arguments._matchers import add_matcher_to
 from stereorecal.cli.arguments._recordings import add_recordings_to
 
 _DESCRIPTION = """\
@@ -19,7 +20,7 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
     )
     add_recordings_to(parser)
     add = parser.add_argument
-    add("--matcher", default="sad", metavar="NAME", help="sad, bm or sgbm (default: %(default)s)")
+    add_matcher_to(parser)
     add("--once", action="store_true", help="watch alone, switch nothing: a check of the calibration, for cron")
     add(
         "--state",

@@ -4,6 +4,7 @@ import argparse
 
 from stereorecal.cli.arguments._calibrations import FORMATS
 from stereorecal.cli.arguments._executors import EXECUTORS
+from stereorecal.cli.arguments._matchers import add_matcher_to
 from stereorecal.cli.arguments._motion import add_motion_to
 from stereorecal.cli.arguments._prior import add_prior_to
 from stereorecal.cli.arguments._recordings import add_recordings_to
@@ -23,7 +24,7 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
     )
     add_recordings_to(parser)
     add = parser.add_argument
-    add("--matcher", default="sad", metavar="NAME", help="sad, bm or sgbm (default: %(default)s)")
+    add_matcher_to(parser)
     add(
         "--schedule",
         default="default",

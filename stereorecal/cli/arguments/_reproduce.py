@@ -3,6 +3,7 @@
 import argparse
 
 from stereorecal.cli.arguments._executors import EXECUTORS
+from stereorecal.cli.arguments._matchers import add_matcher_to
 
 _EXPERIMENTS = "validity, repair, generalise, ex-nihilo, sequential, all (default: all)"
 _DESCRIPTION = """\
@@ -27,6 +28,7 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
         metavar="NAME",
         help="count (the paper's way), default (coarse to fine), or both (default: %(default)s)",
     )
+    add_matcher_to(parser)
     add("--strategy", metavar="NAME", help="in place of compass, or of Levenberg-Marquardt if it needs residuals")
     add("--quick", action="store_true", help="a small log, few pairs: does everything work?")
     add("--reach", default="3,0.03", metavar="DEG,FRACTION", help="how far the rig may have drifted (default: 3,0.03)")

@@ -2,6 +2,7 @@
 
 import argparse
 
+from stereorecal.cli.arguments._matchers import add_matcher_to
 from stereorecal.cli.arguments._motion import add_motion_to
 from stereorecal.cli.arguments._prior import add_prior_to
 from stereorecal.cli.arguments._recordings import add_recordings_to
@@ -24,7 +25,7 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
         "score", parents=[common], help="check a calibration against images", description=_DESCRIPTION
     )
     add_recordings_to(parser)
-    parser.add_argument("--matcher", default="sad", metavar="NAME", help="sad, bm or sgbm (default: %(default)s)")
+    add_matcher_to(parser)
     add_prior_to(parser)
     add_motion_to(parser)
     add_tolerances_to(parser)

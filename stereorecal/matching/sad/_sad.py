@@ -26,7 +26,7 @@ from stereorecal.matching.sad._winners import Winners, dearest_rival, index_bits
 
 @dataclass(frozen=True)
 class SAD(AbstractMatcher):
-    """Sums of absolute differences over a square window; winner takes all, with OpenCV BM's checks.
+    """Sums of absolute differences over a square window, in JAX; winner takes all, with OpenCV BM's checks.
 
     Options: see `AbstractMatcher`. `pre_filter_cap=0` matches grey levels without the x-Sobel prefilter. Ties go to
     the smallest disparity; the sub-pixel part is the vertex of the parabola through the three costs at the winner.

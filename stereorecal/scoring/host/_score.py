@@ -54,7 +54,8 @@ def score(
     """How many pixels of the pairs find a valid disparity under the rig's calibration. Works on the host.
 
     Args:
-        matcher: a matcher, or "sad" (default), "bm" or "sgbm"; without `num_disparities` the range is measured.
+        matcher: a matcher, or the name of an installed one (default "sad"); without `num_disparities` the range is
+            measured.
         view: default the view of `rig`. Scores are comparable only within one view and one disparity range: to
             compare calibrations, give both (a `Solution` carries its own).
         scale: image scale, (0, 1].

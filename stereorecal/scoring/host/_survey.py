@@ -118,7 +118,7 @@ def with_disparity_range(
     """The matcher with its number of disparities: its own, or measured on the images, whose rig may be decalibrated.
 
     Args:
-        matcher: a matcher, or "sad" (also for None), "bm" or "sgbm".
+        matcher: a matcher, or the name of an installed one ("sad" for None).
         view: default the view of `rig`.
         reach: largest rotation error expected, radians; a yaw error moves far things by up to `focal * tan(reach)`.
 

@@ -1,4 +1,4 @@
-"""Tutorial 5, followed to the letter in an environment of its own."""
+"""Tutorials 5 and 10, which write plug-ins, followed to the letter, each in an environment of its own."""
 
 import os
 import re
@@ -10,11 +10,11 @@ from pathlib import Path
 
 import pytest
 
-PAGE = Path(__file__).parents[1] / "docs" / "tutorials" / "05-write-a-strategy.md"
+PAGES = Path(__file__).parents[1] / "docs" / "tutorials"
 STEP = re.compile(r"(?:\*\*`(?P<file>[^`]+)`\*\*\n\n)?```(?P<language>\w+)\n(?P<body>.*?)```", re.DOTALL)
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def environment(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     """A new virtual environment that also sees what is installed in this one."""
     home = tmp_path_factory.mktemp("environment")
@@ -25,23 +25,40 @@ def environment(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     return os.environ | {"PATH": path, "VIRTUAL_ENV": str(home), "PIP_DISABLE_PIP_VERSION_CHECK": "1"}
 
 
-@pytest.mark.slow
-def test_the_page_from_an_empty_folder_to_a_row_of_compare(environment: dict[str, str], tmp_path: Path):
+def followed(page: str, environment: dict[str, str], folder: Path) -> str:
+    """What the commands of a page print, in a folder that begins empty."""
     output = ""
-    for step in STEP.finditer(PAGE.read_text()):
+    for step in STEP.finditer((PAGES / page).read_text()):
         if step["file"]:
-            (tmp_path / step["file"]).write_text(step["body"])
+            (folder / step["file"]).write_text(step["body"])
             continue
         assert step["language"] == "sh"
         for line in step["body"].splitlines():
             done = subprocess.run(
-                line, shell=True, check=False, cwd=tmp_path, env=environment, capture_output=True, text=True
+                line, shell=True, check=False, cwd=folder, env=environment, capture_output=True, text=True
             )
             assert done.returncode == 0, f"{line}\n{done.stdout}{done.stderr}"
             output += done.stdout
+    return output
+
+
+@pytest.mark.slow
+def test_a_strategy_from_an_empty_folder_to_a_row_of_compare(environment: dict[str, str], tmp_path: Path):
+    output = followed("05-write-a-strategy.md", environment, tmp_path)
     assert re.search(r"evolution +stereorecal-evolution +0\.1\.0 +host +Evolution \(1 \+ lambda\)", output)
     assert re.search(r"^\[0\.\d+ +0\.\d+ *\] 0\.9\d+ (CONVERGED|BUDGET) \d+\.0$", output, re.MULTILINE)
     assert "pass  repairs a stereo rig" in output
     assert "FAIL" not in output
     assert re.search(r"\d+ passed", output)
     assert re.search(r"evolution +\d+ % ", output)  # its row in the summary
+
+
+@pytest.mark.slow
+def test_a_matcher_from_an_empty_folder_to_its_name_on_the_command_line(environment: dict[str, str], tmp_path: Path):
+    output = followed("10-write-a-matcher.md", environment, tmp_path)
+    assert re.search(r"census +stereorecal-census +0\.1\.0 +on the host +Census transform", output)
+    assert "pass  finds known shifts" in output
+    assert "FAIL" not in output
+    assert re.search(r"\d+ passed", output)
+    rows = re.findall(r"^ (?:default|count) .*?(\d+) % ", output, re.MULTILINE)
+    assert rows == ["100", "0"]  # by default it repairs; the count alone at that scale does not

@@ -1,0 +1,201 @@
+"""COLMAP as a strategy: it conforms, it finds a rig that is known exactly, and says why where it cannot."""
+
+import jax
+import numpy as np
+import pytest
+
+pytest.importorskip("pycolmap", reason="pycolmap is not installed")
+
+from stereorecal_colmap import Colmap
+from stereorecal_colmap._cameras import colmap_camera, colmap_pose, extrinsics_of
+from stereorecal_colmap._fit import fitted
+from stereorecal_colmap._matches import Matches, matched_pixels, pooled
+
+from stereorecal.geometry import Camera, StereoRig
+from stereorecal.objectives import Images, Reach, count_chart
+from stereorecal.recordings import Pair, Scene
+from stereorecal.strategies import Budget, Objective, Problem, Status
+from stereorecal.synthetic import decalibrate, default_rig, render
+from stereorecal.testing import StrategyConformance
+
+RIG = default_rig().resized((480, 360))
+LENSES = {
+    "no lens": ("radtan", []),
+    "four": ("radtan", [-0.2, 0.05, 0.001, -0.002]),
+    "five, of which the last is 0": ("radtan", [-0.2, 0.05, 0.001, -0.002, 0.0]),
+    "eight": ("radtan", [0.3, -0.1, 0.001, -0.002, 0.01, 0.35, -0.08, 0.02]),
+    "fisheye": ("equidistant", [0.02, -0.01, 0.002, -0.001]),
+}
+
+
+def lens_of(name: str, size: tuple[int, int], focal: float) -> Camera:
+    model, coefficients = LENSES[name]
+    matrix = np.array([[focal, 0, size[0] / 2 + 3], [0, focal + 1, size[1] / 2 - 2], [0, 0, 1]])
+    return Camera(size, matrix, np.array(coefficients), model=model)
+
+
+class TestColmap(StrategyConformance):
+    strategy = Colmap()
+
+
+@pytest.fixture(scope="module")
+def coast() -> Scene:
+    return render("coast", 1, rig=RIG)
+
+
+def images_around(rig: StereoRig, pairs=(), **options) -> Images:
+    return Images(rig, tuple(pairs), count_chart(rig, Reach(), **options))
+
+
+def repair(images: Images, strategy=None, *, budget=None, seed=0):
+    """Its outcome, and how far its rig is from the true one: degrees, and percent of the baseline."""
+
+    def values(points):
+        raise AssertionError("it asked the score")
+
+    objective = Objective(Problem(images.chart.dim, values, images=images)).with_budget(budget)
+    outcome = (strategy or Colmap()).run(objective, np.zeros(images.chart.dim), seed)
+    assert objective.spent == 0
+    error = images.chart.extrinsics(outcome.best) - RIG.extrinsics
+    return outcome, np.abs([*np.degrees(error[:3]), *100 * error[3:] / RIG.baseline])
+
+
+def test_it_finds_the_rig(coast):
+    images = images_around(decalibrate(RIG, jax.random.key(3), 2.5, 0.025), coast.pairs)
+    outcome, (pitch, yaw, roll, x, y, z) = repair(images)
+    assert outcome.status is Status.CONVERGED
+    assert max(pitch, roll) < 0.03
+    assert yaw < 0.1
+    assert x == pytest.approx(0.0, abs=1e-12)
+    assert max(y, z) < 1.5
+
+
+def exact_matches(rig: StereoRig, frames: int, count: int = 150, nearest=1.0, farthest=6.0) -> Matches:
+    """Of points that both cameras see, in COLMAP's pixels, where the centre of the first one is (0.5, 0.5)."""
+    draw, pixels = np.random.default_rng(0), []
+    for _ in range(frames):
+        points = draw.uniform([-0.4, -0.3, 1], [0.4, 0.3, 1], (count, 3)) * draw.uniform(nearest, farthest, (count, 1))
+        sides = rig.left.project(points), rig.right.project(points @ rig.rotation.T + rig.translation)
+        pixels.append(tuple(np.asarray(side) + 0.5 for side in sides))
+    return pooled(pixels)
+
+
+@pytest.mark.parametrize(("lens", "frames"), [("no lens", 1), ("eight", 2), ("fisheye", 1)])
+def test_exact_matches_give_the_exact_rig(lens, frames):
+    """A tenth of them is wrong; the right camera stands a little lower and further ahead, so that x is not all."""
+    camera = lens_of(lens, (480, 360), 400.0)
+    rig = StereoRig(camera, camera, np.array([0.01, -0.02, 0.015, -0.356, 0.02, -0.03]))
+    matches = exact_matches(rig, frames)
+    wrong = np.arange(len(matches)) % 10 == 0
+    matches.right[wrong] += np.random.default_rng(1).uniform(20.0, 40.0, (wrong.sum(), 2))
+    images = images_around(rig.with_extrinsics(rig.extrinsics + np.array([0.01, -0.005, 0.01, 0, 0.002, 0.002])))
+    cameras = [colmap_camera(camera, number) for number in (1, 2)]
+    outcome = fitted(Colmap(), images, cameras, matches, np.zeros(5), 0)
+    assert outcome.status is Status.CONVERGED
+    kept = int(outcome.message.partition(" ")[0])
+    assert 0.8 * len(matches) < kept <= (~wrong).sum() + 2
+    found = np.asarray(images.chart.extrinsics(outcome.best))
+    np.testing.assert_allclose(np.degrees(found[:3] - rig.extrinsics[:3]), 0.0, atol=2e-3)
+    np.testing.assert_allclose(found[3:], rig.extrinsics[3:], atol=1e-4)
+
+
+@pytest.mark.parametrize("lens", LENSES)
+def test_cameras_project_as_ours_do(lens):
+    camera = lens_of(lens, (640, 480), 500.0)
+    points = np.random.default_rng(0).uniform([-1, -1, 2], [1, 1, 5], (50, 3))
+    theirs = np.array([colmap_camera(camera, 1).img_from_cam(point) for point in points])
+    np.testing.assert_allclose(theirs, np.asarray(camera.project(points)) + 0.5, atol=1e-8)
+
+
+def test_poses_go_there_and_back():
+    extrinsics = np.array([0.1, -0.2, 0.05, -0.3, 0.02, 0.01])
+    pose = colmap_pose(extrinsics)
+    point = np.array([0.3, -0.2, 4.0])
+    rig = RIG.with_extrinsics(extrinsics)
+    np.testing.assert_allclose(pose * point, rig.rotation @ point + rig.translation, atol=1e-12)
+    pose.translation = 7.0 * np.asarray(pose.translation)
+    np.testing.assert_allclose(extrinsics_of(pose, -0.3), extrinsics, atol=1e-12)
+
+
+def test_a_lens_that_colmap_does_not_have():
+    camera = Camera((480, 360), RIG.left.matrix, np.array([-0.2, 0.6]), model="ds")
+    rig = StereoRig(camera, camera, RIG.extrinsics)
+    outcome, _ = repair(images_around(rig))
+    assert outcome.status is Status.STALLED
+    assert outcome.message == "COLMAP has no camera model for these lenses"
+
+
+def test_fewer_free_axes():
+    matches = exact_matches(RIG, 1)
+    images = images_around(
+        RIG.with_extrinsics(RIG.extrinsics + np.array([0.01, 0, -0.01, 0, 0, 0])), free=("roll", "pitch")
+    )
+    cameras = [colmap_camera(camera, number) for number, camera in enumerate((RIG.left, RIG.right), 1)]
+    outcome = fitted(Colmap(), images, cameras, matches, np.zeros(2), 0)
+    np.testing.assert_allclose(images.chart.extrinsics(outcome.best), RIG.extrinsics, atol=1e-4)
+
+
+def test_without_texture_it_stalls():
+    slope = np.linspace(0, 255, 480, dtype=np.float32) * np.ones((360, 1), np.float32)
+    outcome, _ = repair(images_around(RIG, [Pair(slope, slope)]))
+    assert outcome.status is Status.STALLED
+    assert outcome.message == "only 0 matches; 15 are needed"
+    np.testing.assert_array_equal(outcome.best, 0.0)
+
+
+def test_matches_that_agree_on_nothing_stall():
+    matches = exact_matches(RIG, 1)
+    matches.right[:] = np.random.default_rng(2).uniform(0, 360, matches.right.shape)
+    cameras = [colmap_camera(camera, number) for number, camera in enumerate((RIG.left, RIG.right), 1)]
+    outcome = fitted(Colmap(), images_around(RIG), cameras, matches, np.zeros(5), 0)
+    assert outcome.status is Status.STALLED
+    assert "150 matches" in outcome.message
+    np.testing.assert_array_equal(outcome.best, 0.0)
+
+
+def test_a_rig_outside_the_reach_is_told():
+    matches = exact_matches(RIG, 1)
+    images = images_around(RIG.with_extrinsics(RIG.extrinsics + np.radians([4.0, 0, 0, 0, 0, 0])))
+    cameras = [colmap_camera(camera, number) for number, camera in enumerate((RIG.left, RIG.right), 1)]
+    outcome = fitted(Colmap(), images, cameras, matches, np.zeros(5), 0)
+    assert outcome.message.endswith(", outside the reach")
+    assert outcome.best[0] == -1.0
+
+
+def test_points_that_all_lie_far_away_stall():
+    """Under COLMAP's least angle of a point, 1.5 degrees, there are none."""
+    matches = exact_matches(RIG, 1, nearest=50.0, farthest=90.0)
+    cameras = [colmap_camera(camera, number) for number, camera in enumerate((RIG.left, RIG.right), 1)]
+    outcome = fitted(Colmap(), images_around(RIG), cameras, matches, np.zeros(5), 0)
+    assert outcome.status is Status.STALLED
+    assert outcome.message == "only 0 of 150 matches are kept as points; 15 are needed"
+
+
+def test_a_limit_in_seconds(coast):
+    outcome, _ = repair(images_around(RIG, coast.pairs), budget=Budget(seconds=1e-9))
+    assert outcome.status is Status.BUDGET
+
+
+def test_matches_lie_where_they_are(coast):
+    """On the epipolar lines of the true rig."""
+    left, right = matched_pixels(coast.pairs[0])
+    rays = [np.asarray(camera.rays(side - 0.5)) for camera, side in ((RIG.left, left), (RIG.right, right))]
+    lines = np.cross(RIG.translation, rays[0] @ RIG.rotation.T)
+    apart = RIG.right.matrix[0, 0] * (rays[1] * lines).sum(1) / np.linalg.norm(lines[:, :2], axis=1)
+    assert abs(np.median(apart)) < 0.05
+    assert np.median(np.abs(apart)) < 0.3
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"max_reproj_error": 0.0}, "need max_reproj_error > 0"),
+        ({"max_refinement_change": np.nan}, "need max_refinement_change > 0"),
+        ({"min_tri_angle": -1.0}, "need 0 <= min_tri_angle"),
+        ({"max_refinements": 0}, "need max_refinements >= 1"),
+        ({"min_matches": 7}, "need min_matches >= 8"),
+    ],
+)
+def test_options_that_make_no_sense(options, message):
+    with pytest.raises(ValueError, match=message):
+        Colmap(**options)

@@ -1,0 +1,114 @@
+"""`matchers` lists what is installed, and checks one; `--matcher` takes what is installed."""
+
+import sys
+from dataclasses import dataclass, replace
+from importlib.metadata import EntryPoint, EntryPoints
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import stereorecal as sr
+from stereorecal import _plugins
+from stereorecal.matching import BM, AbstractMatcher, Disparity
+
+
+@dataclass(frozen=True)
+class Mine(BM):
+    """BM under another name."""
+
+
+@dataclass(frozen=True)
+class Blind(AbstractMatcher):
+    """Finds nothing."""
+
+    def search(self, left, right):
+        return Disparity(np.zeros(left.shape, np.float32), np.zeros(left.shape, bool))
+
+
+@dataclass(frozen=True)
+class Crashing(AbstractMatcher):
+    """Has a bug."""
+
+    def search(self, left, right):
+        raise KeyError("a bug")
+
+
+@pytest.fixture
+def plugins(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Matchers of somebody else's, beside all strategies that are installed."""
+    names = {"mine": "Mine", "blind": "Blind", "crashing": "Crashing", "shaky": "Missing"}
+    points = [EntryPoint(name, f"{__name__}:{cls}", "stereorecal.matchers") for name, cls in names.items()]
+    look = _plugins.entry_points
+
+    def found(group: str) -> EntryPoints:
+        return EntryPoints([*look(group=group), *points]).select(group=group)
+
+    monkeypatch.setitem(sys.modules, __name__, sys.modules[Mine.__module__])
+    monkeypatch.setattr(_plugins, "entry_points", found)
+
+
+def test_list(command, plugins):
+    answer = command("matchers")
+    assert (answer.code, answer.err) == (3, "")  # shaky cannot be loaded
+    lines = {line.split()[0]: line for line in answer.out.splitlines() if line.strip()}
+    assert "stereorecal" in lines["sad"]
+    assert "in JAX, smooth" in lines["sad"]
+    assert "on the host" in lines["mine"]
+    assert "BM under another name." in lines["mine"]
+    assert "cannot be loaded" in answer.out
+
+
+def test_list_of_ours_alone(command):
+    answer = command("matchers", "list")
+    assert (answer.code, answer.err) == (0, "")
+    assert "block matching" in answer.out
+
+
+def test_check(command, plugins):
+    answer = command("matchers", "check", "mine")
+    assert answer.code == 0
+    assert all(line.startswith("pass  ") for line in answer.out.splitlines())
+    assert len(answer.out.splitlines()) >= 8
+    answer = command("matchers", "check", "blind")
+    assert answer.code == 1
+    assert "FAIL  finds known shifts: " in answer.out
+    answer = command("matchers", "check", "minne")
+    assert (answer.code, answer.out) == (2, "")
+    assert "unknown matcher 'minne'; did you mean mine?" in answer.err
+
+
+def test_a_comparison_names_it(plugins, clean_scene: Path):
+    scene, mine = replace(sr.io.load_scene(clean_scene), reference="truth"), sr.matcher("mine", num_disparities=32)
+    table = sr.compare_scenes([scene], strategies=["compass"], matcher=mine, draws=1, scale=0.25, budget=0.5)
+    assert table.settings["matcher"]["name"] == table.trials[0].matcher == "mine"
+    assert table.versions["matcher mine"] == __name__
+    assert table.trials[0].score_final is not None
+
+
+@pytest.mark.parametrize("verb", ["compare --scene", "score", "recalibrate", "monitor", "reproduce --log"])
+def test_a_broken_one_is_a_sentence_wherever_it_is_named(command, plugins, clean_scene: Path, verb: str):
+    answer = command(*verb.split(), clean_scene, "--matcher", "shaky")
+    assert (answer.code, answer.out) == (3, "")
+    assert "matcher shaky of unknown distribution" in answer.err
+    assert answer.err.count("\n") == 1
+
+
+def test_one_that_crashes_is_told_in_a_sentence(command, plugins, clean_scene: Path):
+    answer = command("score", clean_scene, "--matcher", "crashing")
+    assert answer.code == 3
+    assert "matcher crashing" in answer.err
+    assert "crashed: KeyError('a bug')" in answer.err
+    assert "internal error" not in answer.err
+
+
+def test_a_watch_keeps_its_matcher(command, plugins, clean_scene: Path, tmp_path: Path, monkeypatch):
+    state = tmp_path / "state"
+    watch = ("monitor", clean_scene, "--once", "--quiet", "--state", state)
+    first = command(*watch, "--matcher", "mine")
+    assert first.err == ""
+    assert command(*watch) == first  # one pair tells neither more nor less than one
+    monkeypatch.undo()
+    answer = command(*watch)
+    assert answer.code == 2
+    assert "the matcher mine is not installed; install it, or remove it" in answer.err

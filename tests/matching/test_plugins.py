@@ -1,0 +1,163 @@
+"""Matchers as plug-ins: through the door of strategies, with the core's own behind it too."""
+
+import subprocess
+import sys
+import tomllib
+from dataclasses import dataclass
+from importlib.metadata import EntryPoint, EntryPoints
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import stereorecal as sr
+from stereorecal import _plugins
+from stereorecal.matching import AbstractMatcher, Disparity, MatcherInfo, _by_name, as_matcher, name_of, overview
+from stereorecal.strategies import strategies
+
+GROUP = "stereorecal.matchers"
+OWN = {"bm": "stereorecal.matching:BM", "sad": "stereorecal.matching:SAD", "sgbm": "stereorecal.matching:SGBM"}
+
+
+@dataclass(frozen=True)
+class Nothing(AbstractMatcher):
+    """Finds nothing.
+
+    At all.
+    """
+
+    patience: float = 1.0
+
+    def search(self, left, right):
+        return Disparity(np.zeros(left.shape, np.float32), np.zeros(left.shape, bool))
+
+
+@dataclass(frozen=True)
+class Traced(Nothing):
+    traceable = True
+
+
+class Distribution:
+    """As much of a distribution as an entry point shows."""
+
+    def __init__(self, name: str) -> None:
+        self.name, self.version = name, "1.2"
+
+
+def point(name: str, value: str = f"{__name__}:Nothing", distribution: str = "plug-in"):
+    made = EntryPoint(name, value, GROUP)
+    vars(made)["dist"] = Distribution(distribution)
+    return made
+
+
+@pytest.fixture
+def installed(monkeypatch):
+    """installed(points...): what is installed from now on."""
+    monkeypatch.setitem(sys.modules, __name__, sys.modules[Nothing.__module__])
+
+    def install(*points: EntryPoint) -> None:
+        monkeypatch.setattr(_plugins, "entry_points", lambda **wanted: EntryPoints(points).select(**wanted))
+
+    return install
+
+
+def test_ours_come_through_the_door_as_declared():
+    """What stands in for metadata that is older than the code is what pyproject.toml declares."""
+    declared = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text())
+    assert declared["project"]["entry-points"] == {GROUP: OWN}
+    assert dict(_by_name._REGISTRY.own) == OWN
+
+
+@pytest.mark.parametrize("metadata", [(), ("sad",), ("sad", "bm", "sgbm")], ids=len)
+def test_ours_are_there_whatever_the_metadata_says(installed, metadata):
+    installed(*(point(name, OWN[name], "stereorecal") for name in metadata))
+    assert sr.matchers() == ("bm", "sad", "sgbm")
+    assert sr.matcher("sgbm", num_disparities=32) == sr.SGBM(num_disparities=32)
+    found = overview()
+    assert all(isinstance(info, MatcherInfo) and info.distribution == "stereorecal" for info in found.values())
+    assert [name_of(one) for one in (sr.SAD(), sr.BM(), sr.SGBM())] == ["sad", "bm", "sgbm"]
+    assert _by_name.origin_of(sr.BM()).startswith("stereorecal ")
+
+
+def test_a_plugin_is_one_of_them(installed):
+    installed(point("nothing"), point("traced", f"{__name__}:Traced"))
+    assert sr.matchers() == ("bm", "nothing", "sad", "sgbm", "traced")
+    made = sr.matcher("nothing", patience=2.0, num_disparities=16)
+    assert made == Nothing(patience=2.0, num_disparities=16)
+    assert name_of(made) == "nothing"
+    assert _by_name.origin_of(made) == "plug-in 1.2"
+    assert as_matcher("nothing") == Nothing()
+    found = overview()
+    assert found["nothing"] == MatcherInfo("nothing", "plug-in", "1.2", "on the host", "Finds nothing.")
+    assert [found[name].runs for name in ("sad", "traced")] == ["in JAX, smooth", "in JAX"]
+    assert "nothing" not in strategies()
+
+
+def test_a_name_of_ours_that_somebody_else_claims(installed):
+    installed(point("sad"))
+    with pytest.raises(sr.InputError, match="matcher sad is claimed by plug-in and stereorecal; uninstall all but one"):
+        sr.matcher("sad")
+
+
+@pytest.mark.parametrize(
+    ("value", "said"),
+    [
+        ("no_such_module:Thing", "matcher shaky of plug-in 1.2 cannot be loaded (ModuleNotFoundError"),
+        ("json:JSONDecoder", "the entry point shaky of plug-in 1.2 is not a matcher class."),
+        ("stereorecal.strategies:AbstractStrategy", "the entry point shaky of plug-in 1.2 is not a matcher class."),
+    ],
+)
+def test_a_broken_one_is_told_and_hides_no_other(installed, value, said):
+    installed(point("shaky", value))
+    with pytest.raises(sr.MatcherError) as error:
+        sr.matcher("shaky")
+    assert str(error.value).startswith(said)
+    found = overview()
+    assert str(found["shaky"]) == str(error.value)
+    assert isinstance(found["sad"], MatcherInfo)
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "said"),
+    [
+        ("nothing", {"patiense": 1}, "matcher nothing has no option 'patiense'; it has: min_disparity, "),
+        ("nothing", {"block_size": 4}, "matcher nothing: block_size is 4; it must be odd and at least 3."),
+        ("noting", {}, "unknown matcher 'noting'; did you mean nothing?"),
+    ],
+)
+def test_what_does_not_fit_is_one_sentence(installed, name, options, said):
+    installed(point("nothing"))
+    with pytest.raises(sr.InputError) as refusal:
+        sr.matcher(name, **options)
+    assert str(refusal.value).startswith(said)
+
+
+def test_a_plugins_class_is_called_by_its_own_name():
+    with pytest.raises(sr.InputError, match=r"'numDisparities'; write Nothing\(num_disparities=9\)"):
+        Nothing(numDisparities=9)
+    with pytest.raises(sr.InputError, match=r"matcher is the class Nothing; make one of it, such as Nothing\(\)"):
+        as_matcher(Nothing)
+
+
+@dataclass(frozen=True)
+class Crashing(AbstractMatcher):
+    def search(self, left, right):
+        raise KeyError("a bug")
+
+
+def test_one_that_crashes_is_named(installed):
+    installed(point("crashing", f"{__name__}:Crashing"))
+    texture = np.random.default_rng(0).uniform(0, 255, (96, 128)).astype(np.float32)
+    rig = sr.synthetic.default_rig().resized((128, 96))
+    with pytest.raises(sr.MatcherError, match=r"matcher crashing \(plug-in 1\.2\) crashed: KeyError\('a bug'\)"):
+        sr.score(rig, [sr.Pair(texture, texture[::-1].copy())], matcher=Crashing(num_disparities=16))
+
+
+def test_listing_imports_none():
+    code = (
+        "import sys; from importlib.metadata import EntryPoint, EntryPoints; from stereorecal import _plugins; "
+        "_plugins.entry_points = lambda group: EntryPoints([EntryPoint('zen', 'this:Zen', group)]); "
+        "import stereorecal as sr; assert 'zen' in sr.matchers(); assert 'this' not in sys.modules"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
