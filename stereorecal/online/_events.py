@@ -22,6 +22,7 @@ class Kind(enum.Enum):
     REPAIRED = "a better calibration is in use: it wins on pairs that came later than those it was fitted to"
     RECALIBRATED = "recalibrated on request: another calibration is in use, which the decision has accepted"
     REJECTED = "a candidate was not better"
+    ROLLED_BACK = "an earlier calibration is in use again, on request; nothing is switched"
     REFUSED = "a request was refused"
     FRAMES_DISAGREE = "the frames show different rigs"
     TOO_LITTLE_TEXTURE = "too little light or texture to tell"
