@@ -212,7 +212,7 @@ def _worker(
         while True:
             sent = pipe.recv()
             began, spent = time.monotonic(), time.process_time()
-            state, events = _changed(state, sent) if callable(sent) else step(state, sent, seconds)
+            state, events = step(state, sent, seconds) if isinstance(sent, tuple) else _changed(state, sent)
             if keep is not None and (events or began - saved >= keep_every):
                 save(state, keep)
                 saved, written = began, state

@@ -5,8 +5,10 @@
 - `_pairing`: which two images belong together, by their stamps;
 - `_camera_info`: a rig from two `CameraInfo`, and back;
 - `_applied`: which calibration is published, and what was before it, over restarts;
+- `_given`, `_heard`: which calibration the drivers say, and which input is silent;
+- `_worker`: the life of the worker process, and `_requests`, what it is asked;
 - `_status`: how the rig stands, for `/diagnostics`;
-- `_watch`: all of it together, around `stereorecal.online.Beside`.
+- `_watch`: all of it together, around it.
 """
 
 from stereorecal_ros._applied import Applied as Applied

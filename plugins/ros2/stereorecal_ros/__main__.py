@@ -1,4 +1,5 @@
 """`stereorecal-ros`, or `python -m stereorecal_ros`."""
+# pyright: reportMissingImports=false
 
 import os
 import sys

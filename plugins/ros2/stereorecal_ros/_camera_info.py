@@ -81,7 +81,9 @@ def rig_of(left: CameraInfo, right: CameraInfo) -> StereoRig:
     if shift == 0.0:
         raise InputError("camera_info: P has no baseline (P[3] is the same in both); calibrate the two as stereo.")
     to_left, to_right = rotations
-    return StereoRig.from_rotation(*cameras, to_right.T @ to_left, to_right.T @ np.array([shift, 0.0, 0.0]))
+    return StereoRig.from_rotation(
+        cameras[0], cameras[1], to_right.T @ to_left, to_right.T @ np.array([shift, 0.0, 0.0])
+    )
 
 
 def view_of(left: CameraInfo, right: CameraInfo) -> View | None:

@@ -1,4 +1,5 @@
 """Plain data as messages of ROS."""
+# pyright: reportMissingImports=false
 
 from collections.abc import Sequence
 

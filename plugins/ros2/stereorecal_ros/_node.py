@@ -1,4 +1,5 @@
 """The node: topics, services and parameters around a `Watch`."""
+# pyright: reportMissingImports=false
 
 import json
 from collections.abc import Callable

@@ -6,6 +6,7 @@
 Publishes left/image_raw, left/camera_info, right/image_raw and right/camera_info, all with the stamp of now; -r, -p and
 the like after --ros-args. Ends with the recording.
 """
+# pyright: reportMissingImports=false
 
 import argparse
 import itertools
