@@ -2,6 +2,7 @@
 
 import threading
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -52,14 +53,18 @@ class Worker:
         rig is set aside."""
         if self._clock() < self._due or (self._ending is not None and self._ending.is_alive()):
             return None
+        settings = self._settings
+        config = Config(matcher=settings.matcher, repair=settings.repair)
+        kept = {"keep": self._place, "keep_every": settings.keep_every}
+        begin = partial(self._work, rig, config, share=settings.share, **kept)
         try:
             try:
-                self._beside = self._begun(rig)
+                self._beside = begin()
             except InputError as error:
                 if not self._place.exists():
                     raise
                 set_aside(self._place, error, self._tell)
-                self._beside = self._begun(rig)
+                self._beside = begin()
             state, _ = self._beside.latest()
         except (InputError, OSError, RuntimeError) as error:
             self.end(str(error))
@@ -106,11 +111,6 @@ class Worker:
         self.end(None)
         if self._ending is not None:
             self._ending.join()
-
-    def _begun(self, rig: StereoRig) -> Beside:
-        settings = self._settings
-        config = Config(matcher=settings.matcher, repair=settings.repair)
-        return self._work(rig, config, keep=self._place, keep_every=settings.keep_every, share=settings.share)
 
     def _try(self, act: Callable[[Beside], object]) -> bool:
         if self._beside is None:
