@@ -38,6 +38,9 @@ def main(words: Sequence[str] | None = None) -> int:
         )
         return 2
     home = Path(os.environ.get("ROS_HOME") or Path.home() / ".ros") / "stereorecal"
+    # Of the worker process, which compiles for some twenty seconds when nothing is kept yet.
+    os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(home / "programs"))
+    os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0.1")
     rclpy.init(args=list(words))
     node = None
     try:

@@ -1,7 +1,6 @@
 """The node: topics, services and parameters around a `Watch`."""
 # pyright: reportMissingImports=false
 
-import json
 from collections.abc import Callable
 from dataclasses import fields
 from functools import partial
@@ -21,6 +20,8 @@ from sensor_msgs.srv import SetCameraInfo
 from std_msgs.msg import Header, String
 from std_srvs.srv import Trigger
 
+from stereorecal import InputError
+from stereorecal.io import json_line
 from stereorecal_ros._messages import camera_info_message, diagnostics_message, transform_message
 from stereorecal_ros._pairing import LEFT, RIGHT
 from stereorecal_ros._settings import Settings, about, changes
@@ -47,7 +48,10 @@ class CalibrationNode(Node):
         settings = self._declared()
         self._full_name = self.get_fully_qualified_name().strip("/")
         place = Path(settings.state_file or home / f"{self._full_name.replace('/', '.')}.state")
-        place.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            place.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise InputError(f"{error.filename}: {error.strerror}; give the parameter state_file.") from error
         self._watch = Watch(settings, place, self._tell)
         self._frames = ["", ""]
         self._publish(settings)
@@ -115,7 +119,7 @@ class CalibrationNode(Node):
 
     def _poll(self) -> None:
         for event in self._watch.poll():
-            self._events.publish(String(data=json.dumps(event.as_dict())))
+            self._events.publish(String(data=json_line(event.as_dict()).rstrip()))
         told = self._watch.corrected, *self._frames
         if self._watch.corrected is not None and all(self._frames) and told != self._transformed:
             self._transformed, rig = told, self._watch.rig
@@ -150,6 +154,7 @@ class CalibrationNode(Node):
             info = camera_info_message(corrected[side], Header(frame_id=self._frames[side]))
             asked = self._drivers[side].call_async(SetCameraInfo.Request(camera_info=info))
             asked.add_done_callback(partial(self._saved, side))
+        self._tell(Level.WARN, f"the drivers of both cameras are asked to take: {self._watch.change}")
         return True, "asked the drivers of both cameras; what they answer is logged."
 
     def _saved(self, side: int, asked: Any) -> None:

@@ -70,7 +70,7 @@ class Watch:
         self._applied: Applied | None = None
         self._corrected: tuple[CameraInfo, CameraInfo] | None = None
         self._recent: deque[tuple[int, tuple[np.ndarray, np.ndarray]]] = deque(maxlen=_RECENT)
-        self._asked = False
+        self._asked = self._returning = False
         self._told_at = clock()
         self._used = self._dropped = self._refused = 0
         self._complaint: str | None = None
@@ -88,6 +88,11 @@ class Watch:
         if self._rig is None or self._state is None or self._applied is None:
             return self._rig
         return replace(self._state.rig_at(self._applied.offset), source=self._rig.source)
+
+    @property
+    def change(self) -> str:
+        """From the calibration that was given to the one that is published, for a log."""
+        return "" if self._rig is None or self.rig is None else f"{_numbers(self._rig)} -> {_numbers(self.rig)}"
 
     def camera_info(self, side: int, message: Any) -> None:
         """A `CameraInfo` of one side has come."""
@@ -117,7 +122,7 @@ class Watch:
             self._start(self._rig)
         latest = self._worker.latest()
         if latest is None:
-            self._asked = False
+            self._asked = self._returning = False
             return ()
         state, events = latest
         if self._state is None or state.seen != self._state.seen:
@@ -133,7 +138,7 @@ class Watch:
         state, applied, pairing = self._state, self._applied, self._pairing
         found, waits = None, False
         if state is not None and applied is not None:
-            waits = applied.waits(state)
+            waits = applied.waits(state) and not self._returning
             found = reading(state.using_now(applied.offset)) if state.seen else None
         counts = {
             "pairs": pairing.paired,
@@ -165,7 +170,7 @@ class Watch:
 
     def apply(self) -> Answer:
         """Publish what the decision has accepted."""
-        if self._state is None or self._applied is None or not self._applied.waits(self._state):
+        if self._returning or self._state is None or self._applied is None or not self._applied.waits(self._state):
             return False, "no accepted calibration waits; nothing to apply."
         return True, self._publish(self._applied.apply(self._state), "applied")
 
@@ -179,7 +184,8 @@ class Watch:
             return False, str(error)
         said = self._publish(applied, "rolled back")
         self.settings = replace(self.settings, repair=False)
-        self._worker.change(partial(returned, offset=applied.offset))
+        # Until the worker has returned as well, what was taken back looks like a calibration that waits.
+        self._returning = self._worker.change(partial(returned, offset=applied.offset))
         return True, said
 
     def save(self) -> Answer:
@@ -194,7 +200,7 @@ class Watch:
         except InputError as error:
             self._tell(Level.ERROR, f"not saved: {error}")
             return False, str(error)
-        said = f"saved in {', '.join(map(str, files))}: {_numbers(rig)}; the old one is kept as {', '.join(kept)}."
+        said = f"saved in {', '.join(map(str, files))}: {self.change}; the old one is kept as {', '.join(kept)}."
         self._tell(Level.WARN, said)
         return True, said
 
@@ -283,6 +289,8 @@ class Watch:
             self._recent.clear()  # they show another rig
         if event.kind in _OUTCOMES:
             self._asked = False
+        if event.kind is Kind.ROLLED_BACK:
+            self._returning = False
         if event.kind is Kind.BAD_FRAME:
             self._complain(f"{event.kind.value}: {event.why}")
         else:
@@ -290,7 +298,7 @@ class Watch:
 
     def _apply_accepted(self) -> None:
         settings, state, applied = self.settings, self._state, self._applied
-        if state is None or applied is None or not (settings.auto_apply and settings.repair):
+        if self._returning or state is None or applied is None or not (settings.auto_apply and settings.repair):
             return
         if state.config.repair and applied.waits(state):
             self._publish(applied.apply(state), "applied by itself")

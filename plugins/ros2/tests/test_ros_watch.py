@@ -37,7 +37,9 @@ class Work:
     closed: bool = False
     events: list[Event] = field(default_factory=list)
     pairs: list[tuple[np.ndarray, np.ndarray]] = field(default_factory=list)
-    changes: list[Callable] = field(default_factory=list)
+    changes: list[partial] = field(default_factory=list)
+    waiting: list[partial] = field(default_factory=list)
+    slow: bool = False
 
     def __post_init__(self) -> None:
         self.state = load(self.keep, self.rig) if self.keep.exists() else init(self.rig, self.config)
@@ -47,15 +49,17 @@ class Work:
         self.pairs.append(images)
         return True
 
-    def change(self, change: Callable[[State], tuple[State, tuple[Event, ...]]]) -> None:
+    def change(self, change: partial) -> None:
         self._check()
         self.changes.append(change)
-        if getattr(change, "func", change).__name__ != "recalibrate":
-            self.state, events = change(self.state)
-            self.events += events
+        if change.func.__name__ != "recalibrate":
+            self.waiting.append(change)
 
     def latest(self) -> tuple[State, tuple[Event, ...]]:
         self._check()
+        while self.waiting and not self.slow:
+            self.state, events = self.waiting.pop(0)(self.state)
+            self.events += events
         events, self.events = self.events, []
         return self.state, tuple(events)
 
@@ -187,6 +191,25 @@ def test_auto_apply_applies_what_is_accepted_and_nothing_after_a_roll_back(robot
     one.see()
     assert one.turned() == pytest.approx(0.2, abs=0.01)
     assert one.said("repair: False -> True")
+
+
+def test_what_is_taken_back_does_not_come_back_while_the_worker_is_busy(robot):
+    one = robot(auto_apply=True)
+    one.calibrate()
+    one.see()
+    one.work.accept(BETTER)
+    one.see()
+    one.work.slow = True
+    one.watch.roll_back()
+    one.see()
+    one.watch.set(repair=True)
+    one.see()
+    assert not one.watch.apply()[0]
+    assert one.turned() == pytest.approx(0.0, abs=1e-9)
+    assert "waits" not in one.watch.status().message
+    one.work.slow = False
+    one.see()
+    assert one.turned() == pytest.approx(0.0, abs=1e-9)
 
 
 def test_auto_apply_switched_on_later(robot):
