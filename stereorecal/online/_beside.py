@@ -26,6 +26,7 @@ from stereorecal.recordings import Images, Pair
 Change = Callable[[State], tuple[State, tuple[Event, ...]]]
 
 _PATIENCE = 10.0  # seconds that the process has to end by itself
+_LONGEST_REST = 10.0  # seconds
 _DEAD = "the process beside has died (exit code {}), and nobody watches the rig; "
 _AT_ONCE = 'it imports the program that starts it, which must do so under `if __name__ == "__main__":`.'
 _LATER = "look at what it printed, and start another."
@@ -61,7 +62,7 @@ class Beside:
             seconds: of each step, for a repair, as `step` has it; default all that it takes: pairs that come meanwhile
                 are dropped.
             share: of one core, above 0 and at most 1: after each step the process rests until its processor time is
-                no more than that.
+                no more than that; after a long one, such as the first, which compiles, for ten seconds at most.
 
         Raises:
             InputError: as `init` and `load`, or if the share makes no sense.
@@ -217,7 +218,8 @@ def _worker(
                 save(state, keep)
                 saved, written = began, state
             took = time.monotonic() - began
-            pipe.send((state, events, max((time.process_time() - spent) / share - took, 0.0)))
+            rest = (time.process_time() - spent) / share - took
+            pipe.send((state, events, min(max(rest, 0.0), _LONGEST_REST)))
     if keep is not None and written is not state:
         save(state, keep)
 

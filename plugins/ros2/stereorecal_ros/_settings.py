@@ -30,7 +30,7 @@ class Settings:
     )
     transport: str = _parameter("raw", "raw or compressed images")
     tolerance: float = _parameter(0.005, "seconds by which the stamps of a pair may differ")
-    share: float = _parameter(0.3, "of one core, that the work may take")
+    share: float = _parameter(0.25, "of one core, that the work may take")
     matcher: str = _parameter("sad", "sad, bm or sgbm")
     state_file: str = _parameter("", "where the state is kept over restarts; default in ROS_HOME, by the node's name")
     keep_every: float = _parameter(10.0, "seconds between two savings of the state, unless something has happened")

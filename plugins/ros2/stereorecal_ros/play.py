@@ -2,9 +2,10 @@
 
     python -m stereorecal_ros.play scene-folder/ [--rate 10] [--loop]
     python -m stereorecal_ros.play --drive          a rendered harbour; the right camera is knocked by 0.3 degrees
+                                                    after ten seconds, and the drive stays where it ends
 
 Publishes left/image_raw, left/camera_info, right/image_raw and right/camera_info, all with the stamp of now; -r, -p and
-the like after --ros-args. Ends with the recording.
+the like after --ros-args. Ends with the recording; Ctrl-C ends it before.
 """
 # pyright: reportMissingImports=false
 
@@ -32,7 +33,7 @@ from stereorecal_ros._camera_info import corrected
 from stereorecal_ros._messages import camera_info_message
 from stereorecal_ros._watch import SIDES
 
-_FRAMES, _KNOCK = 300, 100  # of the drive, 30 seconds; the pair that shows the knock
+_FRAMES, _KNOCK, _LAST = 300, 100, 40  # of the drive; the pair that shows the knock; pairs that are shown on and on
 
 
 class Player(Node):
@@ -90,7 +91,8 @@ def _wanted(words: Sequence[str]) -> tuple[StereoRig, Iterable[Pair], float]:
         parser.error("give a scene or --drive, and a rate above 0.")
     if options.drive:
         drive = plan_drive("harbour", 2, _FRAMES, knocks=(Knock(_KNOCK, (0.3, 0.0, 0.0)),), weather=False)
-        rig, pairs = drive.rig, photographs(drive)
+        rig, last = drive.rig, photographs(drive, _FRAMES - _LAST)
+        pairs = itertools.chain(photographs(drive), itertools.cycle(last))
     else:
         every: list[LazyPairs] = []  # read one by one, as they are sent
 

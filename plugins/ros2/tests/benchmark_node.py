@@ -128,7 +128,7 @@ class Playing:
 
 
 def cost(seconds: int = 40) -> Table:
-    table = Table("process", "share of one core, 640x480 at 10 Hz", title="default share of 0.3")
+    table = Table("process", "share of one core, 640x480 at 10 Hz", title="at the default share")
     with tempfile.TemporaryDirectory() as folder, subprocess.Popen([sys.executable, "-c", "while True: pass"]) as busy:
         playing = Playing(folder, 10.0)
         try:
