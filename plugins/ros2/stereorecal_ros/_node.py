@@ -13,7 +13,7 @@ from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.parameter import Parameter
-from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 from sensor_msgs.srv import SetCameraInfo
@@ -78,14 +78,14 @@ class CalibrationNode(Node):
 
     def _subscribe(self, settings: Settings) -> None:
         kind, ending = (Image, "") if settings.transport == "raw" else (CompressedImage, "/compressed")
-        subscribe = partial(self.create_subscription, qos_profile=qos_profile_sensor_data)
         options = {"qos_overriding_options": QoSOverridingOptions.with_default_policies()}
         for side in (LEFT, RIGHT):
             # What is remapped is the topic of the raw images, as everywhere with image_transport.
             topic = self.resolve_topic_name(f"{SIDES[side]}/image_raw") + ending
-            subscribe(kind, topic, partial(self._on_image, side), **options)
+            self.create_subscription(kind, topic, partial(self._on_image, side), _as_sensors(), **options)
             if not settings.files:
-                subscribe(CameraInfo, f"{SIDES[side]}/camera_info", partial(self._on_info, side), **options)
+                topic = f"{SIDES[side]}/camera_info"
+                self.create_subscription(CameraInfo, topic, partial(self._on_info, side), _as_sensors(), **options)
 
     def _publish(self, settings: Settings) -> None:
         last = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -180,3 +180,8 @@ class CalibrationNode(Node):
             logger.warning(text)
         else:
             logger.error(text)
+
+
+def _as_sensors() -> QoSProfile:
+    """A value of its own for each subscription: what overrides one is written into it."""
+    return QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)

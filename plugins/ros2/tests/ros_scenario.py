@@ -20,6 +20,7 @@ from geometry_msgs.msg import TransformStamped
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from sensor_msgs.msg import CameraInfo, Image
+from sensor_msgs.srv import SetCameraInfo
 from std_msgs.msg import Header, String
 from std_srvs.srv import Trigger
 from stereorecal_ros.play import Player
@@ -39,6 +40,7 @@ class Listener(Player):
         self.stamps: set[tuple[str, int, int]] = set()
         self.events: list[dict] = []
         self.status: dict[str, str] = {}
+        self.taken: dict[str, dict] = {}
         self.transform: TransformStamped | None = None
         self._folder = folder
         for side in ("left", "right"):
@@ -87,11 +89,22 @@ class Listener(Player):
             time.sleep(0.02)
         return answer.result().success, answer.result().message
 
+    def serve(self) -> None:
+        """Take a calibration, as drivers do."""
+
+        def take(side: str):
+            def taken(asked: SetCameraInfo.Request, answer: SetCameraInfo.Response) -> SetCameraInfo.Response:
+                self.taken[side] = _plain(asked.camera_info)
+                answer.success = True
+                return answer
+
+            return taken
+
+        for side in ("left", "right"):
+            self.create_service(SetCameraInfo, f"{side}/set_camera_info", take(side))
+
     def published(self) -> dict:
-        return {
-            side: {name: np.asarray(getattr(info, name)).tolist() for name in ("k", "d", "r", "p")}
-            for side, info in self.infos.items()
-        }
+        return {side: _plain(info) for side, info in self.infos.items()}
 
 
 def main(drive: Path, folder: Path) -> None:
@@ -129,6 +142,10 @@ def main(drive: Path, folder: Path) -> None:
         one.play_until(after, lambda: len(one.stamps) > marks + 8)
         said["back"] = one.published()
         said["nothing to save to"] = one.ask("save")
+        one.serve()
+        said["asked the drivers"] = one.play_until(after, lambda: one.ask("save")[0])
+        said["saved"] = one.play_until(after, lambda: len(one.taken) == 2)
+        said["taken"] = one.taken
         node.send_signal(signal.SIGINT)
         said["code"] = node.wait(PATIENCE)
     finally:
@@ -182,6 +199,10 @@ class _Odd(_Late):
     def publish(self, message: Image) -> None:
         message.encoding = "yuv9"
         self._publisher.publish(message)
+
+
+def _plain(info: CameraInfo) -> dict:
+    return {name: np.asarray(getattr(info, name)).tolist() for name in ("k", "d", "r", "p")}
 
 
 def _numbers(message: TransformStamped | None) -> dict:

@@ -144,4 +144,6 @@ def test_it_can_be_taken_back(said: dict):
     assert said["back"] == said["given"]
     assert said["nothing to save to"][0] is False
     assert "set_camera_info" in said["nothing to save to"][1]
+    assert said["asked the drivers"]
+    assert said["taken"] == said["back"]
     assert said["code"] == 0

@@ -7,6 +7,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import cv2
 import numpy as np
 import pytest
 from stereorecal_ros import Level, Settings, Watch, corrected
@@ -337,6 +338,12 @@ def test_what_it_cannot_follow_is_dropped_and_counted(robot):
     assert one.watch.status().values["pairs"] == "23"
 
 
+def compressed(ending: str, kind: type = np.uint8) -> SimpleNamespace:
+    """As `CompressedImage`, which has no encoding."""
+    pixels = np.random.default_rng(0).integers(0, 255, SIZE[::-1]).astype(kind)
+    return SimpleNamespace(format=ending[1:], data=cv2.imencode(ending, pixels)[1].tobytes())
+
+
 ENCODINGS = {
     "mono8": image(),
     "mono16": image(encoding="mono16", depth=2),
@@ -345,6 +352,8 @@ ENCODINGS = {
     "bgra8": image(encoding="bgra8", channels=4),
     "bayer_rggb8": image(encoding="bayer_rggb8"),
     "bayer_gbrg16": image(encoding="bayer_gbrg16", depth=2),
+    "jpeg": compressed(".jpg"),
+    "png, mono16": compressed(".png", np.uint16),
 }
 
 
@@ -353,7 +362,8 @@ def test_encodings_become_grey(robot, encoding: str):
     one = robot()
     one.calibrate()
     one.see()
-    one.see(**vars(ENCODINGS[encoding]))
+    for side in (LEFT, RIGHT):
+        one.watch.image(side, 10**12, ENCODINGS[encoding])
     ((left, right),) = one.work.pairs
     assert left.shape == right.shape == SIZE[::-1]
     assert left.dtype == (np.uint16 if "16" in encoding else np.uint8)
