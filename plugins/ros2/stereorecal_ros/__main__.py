@@ -22,6 +22,7 @@ def main(words: Sequence[str] | None = None) -> int:
     """Run the node until it is interrupted; returns the exit code."""
     try:
         import rclpy
+        from rclpy.exceptions import ParameterException
         from rclpy.executors import ExternalShutdownException
         from rclpy.utilities import remove_ros_args
 
@@ -46,7 +47,7 @@ def main(words: Sequence[str] | None = None) -> int:
     try:
         node = CalibrationNode(home)
         rclpy.spin(node)
-    except InputError as error:
+    except (InputError, ParameterException) as error:
         print(f"stereorecal-ros: {error}", file=sys.stderr)
         return 2
     except (KeyboardInterrupt, ExternalShutdownException):

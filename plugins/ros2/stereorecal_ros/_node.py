@@ -70,7 +70,7 @@ class CalibrationNode(Node):
     def _declared(self) -> Settings:
         values = {}
         for one in fields(Settings):
-            default = list(one.default) if isinstance(one.default, tuple) else one.default
+            default: Any = list(one.default) if isinstance(one.default, tuple) else one.default
             described = ParameterDescriptor(description=about(one.name), read_only=not changes(one.name))
             value = self.declare_parameter(one.name, default, described).value
             values[one.name] = tuple(value) if isinstance(one.default, tuple) else value
@@ -78,14 +78,16 @@ class CalibrationNode(Node):
 
     def _subscribe(self, settings: Settings) -> None:
         kind, ending = (Image, "") if settings.transport == "raw" else (CompressedImage, "/compressed")
-        options = {"qos_overriding_options": QoSOverridingOptions.with_default_policies()}
+        overrides = QoSOverridingOptions.with_default_policies()
         for side in (LEFT, RIGHT):
             # What is remapped is the topic of the raw images, as everywhere with image_transport.
             topic = self.resolve_topic_name(f"{SIDES[side]}/image_raw") + ending
-            self.create_subscription(kind, topic, partial(self._on_image, side), _as_sensors(), **options)
+            come = partial(self._on_image, side)
+            self.create_subscription(kind, topic, come, _as_sensors(), qos_overriding_options=overrides)
             if not settings.files:
                 topic = f"{SIDES[side]}/camera_info"
-                self.create_subscription(CameraInfo, topic, partial(self._on_info, side), _as_sensors(), **options)
+                come = partial(self._on_info, side)
+                self.create_subscription(CameraInfo, topic, come, _as_sensors(), qos_overriding_options=overrides)
 
     def _publish(self, settings: Settings) -> None:
         last = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)

@@ -147,7 +147,7 @@ def cost(seconds: int = 40) -> Table:
 
 
 def memory(messages: int) -> Table:
-    table = Table("images", "node", "worker", title="640x480 at 30 Hz, megabytes")
+    table = Table("images", "node", "resource tracker", "worker", title="640x480 at 30 Hz, megabytes")
     with tempfile.TemporaryDirectory() as folder:
         playing = Playing(folder, 30.0)
         try:
