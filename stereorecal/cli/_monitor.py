@@ -12,9 +12,19 @@ from typing import IO
 
 from stereorecal._errors import InputError
 from stereorecal._signals import hold
+from stereorecal.cli._cameras import watched_cameras
 from stereorecal.cli._exit_codes import CANNOT_TELL, INTERRUPTED, REPAIR
 from stereorecal.cli._live import lines, live
-from stereorecal.cli._places import Place, check_places, deliver, image_inputs, places_of, spare, written_or_printed
+from stereorecal.cli._places import (
+    Place,
+    check_places,
+    deliver,
+    image_inputs,
+    named_inputs,
+    places_of,
+    spare,
+    written_or_printed,
+)
 from stereorecal.cli._recordings import watched
 from stereorecal.cli._streams import given_up, leave_stdout, nobody_reads, say
 from stereorecal.io import calibration_json, check_savable, files_read, json_line, save_rig
@@ -33,8 +43,8 @@ def run(options: argparse.Namespace) -> int:
     appended = goes_on and _is_log(options.json)
     places = _check_places(options, appended)
     with files_read() as read:
-        scene, pairs = watched(options)
-    spare(places, {*read, *image_inputs(options)})
+        scene, pairs = watched(options) if options.camera is None else watched_cameras(options)
+    spare(places, {*read, *image_inputs(options), *named_inputs(options.camera)})
     assert scene.rig is not None
     if options.output is not None:
         check_savable(scene.rig, options.output)

@@ -39,6 +39,8 @@ from stereorecal.io.formats._rigs import (
     says_its_unit as says_its_unit,
     unsaid_unit as unsaid_unit,
 )
+from stereorecal.io.images._cameras import camera_pairs as camera_pairs
+from stereorecal.io.images._messages import image_of_message as image_of_message
 from stereorecal.io.images._pairs import load_pair as load_pair, load_pairs as load_pairs
 from stereorecal.io.images._recorded import Recorded as Recorded, open_pairs as open_pairs
 from stereorecal.io.layouts._plain_log import (

@@ -8,6 +8,7 @@ from stereorecal.online._beside import Beside as Beside
 from stereorecal.online._config import Config as Config
 from stereorecal.online._events import EVENTS_SCHEMA as EVENTS_SCHEMA, Event as Event, Kind as Kind
 from stereorecal.online._reading import FAR as FAR, Reading as Reading, reading as reading
+from stereorecal.online._recalibrating import recalibrate as recalibrate
 from stereorecal.online._run import Stepped as Stepped, run as run
 from stereorecal.online._saving import load as load, save as save
 from stereorecal.online._state import State as State

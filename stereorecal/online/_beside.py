@@ -4,6 +4,9 @@ import math
 import multiprocessing
 import os
 import threading
+import time
+from collections import deque
+from collections.abc import Callable
 from contextlib import suppress
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -11,15 +14,19 @@ from types import TracebackType
 
 import numpy as np
 
+from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig
 from stereorecal.online._config import Config
-from stereorecal.online._events import Event
+from stereorecal.online._events import Event, Kind
 from stereorecal.online._saving import load, save
 from stereorecal.online._state import State
 from stereorecal.online._step import init, step
 from stereorecal.recordings import Images, Pair
 
+Change = Callable[[State], tuple[State, tuple[Event, ...]]]
+
 _PATIENCE = 10.0  # seconds that the process has to end by itself
+_LONGEST_REST = 10.0  # seconds
 _DEAD = "the process beside has died (exit code {}), and nobody watches the rig; "
 _AT_ONCE = 'it imports the program that starts it, which must do so under `if __name__ == "__main__":`.'
 _LATER = "look at what it printed, and start another."
@@ -38,8 +45,10 @@ class Beside:
         config: Config = Config(),  # noqa: B008
         *,
         keep: str | Path | None = None,
+        keep_every: float = 0.0,
         nice: int = 10,
         seconds: float | None = math.inf,
+        share: float = 1.0,
     ) -> None:
         """Start the process; it is ready some seconds later, and pairs wait until then.
 
@@ -47,23 +56,33 @@ class Beside:
             rig: the calibration to start from, or a state to go on from.
             keep: a file in which each state is saved, and from which it goes on, if the file exists; it must be of
                 this calibration.
+            keep_every: seconds between two savings, at least, unless something has happened; the last state is saved
+                at the end.
             nice: by how much the process gives way to others.
             seconds: of each step, for a repair, as `step` has it; default all that it takes: pairs that come meanwhile
                 are dropped.
+            share: of one core, above 0 and at most 1: after each step the process rests until its processor time is
+                no more than that; after a long one, such as the first, which compiles, for ten seconds at most.
 
         Raises:
-            InputError: as `init` and `load`.
+            InputError: as `init` and `load`, or if the share makes no sense.
         """
+        if not 0.0 < share <= 1.0:
+            raise InputError(f"a share of {share} of a core makes no sense; give one above 0, and at most 1.")
         state = rig if isinstance(rig, State) else init(rig, config)
         if keep is not None and Path(keep).exists():
             state = load(keep, None if isinstance(rig, State) else rig)
         # Not forked: JAX has threads, and a copy of a process without them hangs.
         ours, theirs = multiprocessing.get_context("spawn").Pipe()
         context = multiprocessing.get_context("spawn")
-        self._process = context.Process(target=_worker, args=(theirs, state, keep, nice, seconds), daemon=True)
+        self._process = context.Process(
+            target=_worker, args=(theirs, state, keep, keep_every, nice, seconds, share), daemon=True
+        )
         self._lock, self._there = threading.Lock(), threading.Condition()
         self._state, self._events, self._dropped = state, (), 0
         self._waiting: Pair | Images | None = None
+        self._changes: deque[Change] = deque()
+        self._working = False
         self._closed = self._answered = False
         self._process.start()
         theirs.close()
@@ -96,10 +115,29 @@ class Beside:
                 self._check_alive()
             return self._state, events
 
+    def change(self, change: Change) -> None:
+        """Have the state changed in the process, before the next pair, by a function that can be pickled, such as
+        `partial(recalibrate, pairs=pairs)`; `latest` tells the events that it returns. One that raises an InputError
+        leaves the state as it is, and is told as REFUSED.
+
+        Raises:
+            RuntimeError: if the process has died.
+        """
+        self._check_alive()
+        with self._there:
+            self._changes.append(change)
+            self._there.notify()
+
     @property
     def dropped(self) -> int:
         """Pairs that nobody looked at."""
         return self._dropped
+
+    @property
+    def ready(self) -> bool:
+        """Whether a pair that is put now is looked at as soon as it can be, and takes no other's place: a capture loop
+        that asks first need not prepare what would be dropped."""
+        return self._waiting is None and not self._working and not self._changes
 
     @property
     def alive(self) -> bool:
@@ -132,16 +170,24 @@ class Beside:
         with suppress(EOFError, OSError):
             while True:
                 with self._there:
-                    while self._waiting is None and not self._closed:
+                    while self._waiting is None and not self._changes and not self._closed:
                         self._there.wait()
-                    pair, self._waiting = self._waiting, None
                     if self._closed:
                         break
-                pipe.send(_plain(pair))
-                state, events = pipe.recv()
+                    self._working = True
+                    if self._changes:
+                        sent = self._changes.popleft()
+                    else:
+                        pair, self._waiting = self._waiting, None
+                        sent = _plain(pair)
+                pipe.send(sent)
+                state, events, rest = pipe.recv()
                 self._answered = True
                 with self._lock:
                     self._state, self._events = state, (*self._events, *events)
+                with self._there:
+                    self._there.wait_for(lambda: self._closed, rest)
+                    self._working = False
         pipe.close()
 
 
@@ -151,12 +197,35 @@ def _plain(pair: Pair | Images | None) -> Images:
     return (pair.left, pair.right) if isinstance(pair, Pair) else (np.asarray(pair[0]), np.asarray(pair[1]))
 
 
-def _worker(pipe: Connection, state: State, keep: str | Path | None, nice: int, seconds: float | None) -> None:
+def _worker(
+    pipe: Connection,
+    state: State,
+    keep: str | Path | None,
+    keep_every: float,
+    nice: int,
+    seconds: float | None,
+    share: float,
+) -> None:
     with suppress(OSError, AttributeError):
         os.nice(nice)
+    saved, written = -math.inf, state
     with suppress(EOFError, KeyboardInterrupt):
         while True:
-            state, events = step(state, pipe.recv(), seconds)
-            if keep is not None:
+            sent = pipe.recv()
+            began, spent = time.monotonic(), time.process_time()
+            state, events = step(state, sent, seconds) if isinstance(sent, tuple) else _changed(state, sent)
+            if keep is not None and (events or began - saved >= keep_every):
                 save(state, keep)
-            pipe.send((state, events))
+                saved, written = began, state
+            took = time.monotonic() - began
+            rest = (time.process_time() - spent) / share - took
+            pipe.send((state, events, min(max(rest, 0.0), _LONGEST_REST)))
+    if keep is not None and written is not state:
+        save(state, keep)
+
+
+def _changed(state: State, change: Change) -> tuple[State, tuple[Event, ...]]:
+    try:
+        return change(state)
+    except InputError as error:
+        return state, (Event(state.frame, Kind.REFUSED, str(error)),)

@@ -13,7 +13,7 @@ from stereorecal.online._estimate import SIZE, at_start
 from stereorecal.online._events import Event, Kind
 from stereorecal.online._glance import Glance, glance
 from stereorecal.online._repairing import begun, continued, too_far
-from stereorecal.online._state import State, nearing
+from stereorecal.online._state import Offset, State, nearing
 from stereorecal.online._switching import judged, matched, nominated, switched
 from stereorecal.online._turning import small, turn
 from stereorecal.online._watching import followed, measurement
@@ -74,16 +74,22 @@ def freeze(state: State, frozen: bool = True) -> State:
     return state.but(config=replace(state.config, repair=not frozen), job=None, trial=None)
 
 
-def rollback(state: State) -> State:
-    """The calibration that was in use before, and frozen: what led away from it would do so again.
+def rollback(state: State, to: Offset | None = None) -> State:
+    """A calibration that was in use before, and frozen: what led away from it would do so again.
+
+    Args:
+        to: its offset, one of `state.previous`; default the last one. Those after it are forgotten.
 
     Raises:
-        InputError: if no other has been in use.
+        InputError: if no other has been in use, or not that one.
     """
     if not state.previous:
         raise InputError("no other calibration has been in use; there is nothing to return to.")
-    *previous, last = state.previous
-    return freeze(switched(state, last).but(previous=tuple(previous)))
+    numbers = [number for number, offset in enumerate(state.previous) if to is None or np.array_equal(offset, to)]
+    if not numbers:
+        raise InputError("that calibration has not been in use, or too long ago; give one of state.previous.")
+    kept = state.previous[: numbers[-1]]
+    return freeze(switched(state, state.previous[numbers[-1]]).but(previous=kept))
 
 
 def _seen(state: State, pair: Pair) -> Outcome:

@@ -13,7 +13,7 @@ from stereorecal.online._state import Offset, State
 from stereorecal.online._trial import Trial
 
 _WORTH = 1e-2  # chance of an offset, below which the estimate becomes a candidate
-_AFTER_REPAIR = 0.1  # degrees and percent: how well a repair of few frames is trusted, beyond its own covariance
+AFTER_REPAIR = 0.1  # degrees and percent: how well a repair of few frames is trusted, beyond its own covariance
 
 
 def judged(state: State, measured: Measurement, look: Glance) -> tuple[State, list[Event]]:
@@ -42,11 +42,11 @@ def decided(state: State) -> tuple[State, list[Event]]:
     trial = state.trial
     assert trial is not None
     if trial.won(state.config.switch):
-        facts = {"old": _named(state, state.using), "new": _named(state, trial.offset), "proof": trial.as_dict()}
+        facts = {"old": named(state, state.using), "new": named(state, trial.offset), "proof": trial.as_dict()}
         state = switched(state, trial.offset)
         return state, [Event(state.frame, Kind.REPAIRED, "", facts)]
     if trial.lost:
-        facts = {"candidate": _named(state, trial.offset), "proof": trial.as_dict()}
+        facts = {"candidate": named(state, trial.offset), "proof": trial.as_dict()}
         state = state.but(trial=None, ready=state.frame + state.config.rest)
         return state, [Event(state.frame, Kind.REJECTED, f"fitted by {trial.by}", facts)]
     return state, []
@@ -85,12 +85,12 @@ def nominated(state: State) -> tuple[State, list[Event]]:
 
 def after_repair(state: State, offset: Offset, covariance: Float[np.ndarray, "5 5"]) -> State:
     """A candidate of a repair on trial, unless nothing is to be switched."""
-    estimate = state.estimate.moved(offset, covariance + np.eye(SIZE) * _AFTER_REPAIR**2)
+    estimate = state.estimate.moved(offset, covariance + np.eye(SIZE) * AFTER_REPAIR**2)
     trial = Trial(offset, "repair", state.frame) if state.config.repair else None
     return state.but(trial=trial, estimate=estimate, suspect=None)
 
 
-def _named(state: State, offset: Offset) -> dict[str, list[float]]:
+def named(state: State, offset: Offset) -> dict[str, list[float]]:
     """A calibration, as plain data."""
     return {
         "offset": [float(value) for value in offset],

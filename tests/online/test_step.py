@@ -79,6 +79,17 @@ def test_rollback_returns_and_stays(ride: Ride, ridden: list[Stepped]):
         rollback(init(ride.rig))
 
 
+def test_rollback_to_one_of_several(ride: Ride):
+    one, two, three = (0.1 * number * np.eye(5)[0] for number in (1, 2, 3))
+    state = init(ride.rig).using_now(three).but(previous=(np.zeros(5), one, two))
+    back = rollback(state, one)
+    assert np.array_equal(back.using, one)
+    assert np.array_equal(back.previous, [np.zeros(5)])
+    assert not back.config.repair
+    with pytest.raises(sr.InputError, match="has not been in use"):
+        rollback(state, three)
+
+
 @pytest.mark.parametrize("what", ["black", "constant", "nan", "size", "twice"])
 def test_a_bad_pair_is_an_event(ride: Ride, ridden: list[Stepped], what: str):
     good = ride.pairs[0]

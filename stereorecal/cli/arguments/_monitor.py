@@ -6,7 +6,7 @@ from stereorecal.cli.arguments._matchers import add_matcher_to
 from stereorecal.cli.arguments._recordings import add_recordings_to
 
 _DESCRIPTION = """\
-Watch a rig over a recording, pair by pair, as it would be watched on the vehicle: its health fused over time, knocks,
+Watch a rig over a recording, or while its cameras run, pair by pair: its health fused over time, knocks,
 drift, late shutters; repair it, and switch to what wins on later pairs. A terminal shows a live view; else events are
 lines. The calibration file stays as it is: a repaired one is written where --output says. Exit code: that of score, for
 the calibration in use at the end: 0 healthy; 1 repair it; 2 bad input; 3 internal failure; 4 cannot tell; 130
@@ -20,6 +20,13 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
     )
     add_recordings_to(parser)
     add = parser.add_argument
+    add(
+        "--camera",
+        nargs="+",
+        metavar="NAME",
+        help="watch cameras while they run, in place of a recording, with --calibration: numbers (0,1), devices, "
+        "addresses, or GStreamer pipelines (two words); one that shows both images side by side; --tolerance as above",
+    )
     add_matcher_to(parser)
     add("--once", action="store_true", help="watch alone, switch nothing: a check of the calibration, for cron")
     add(

@@ -1,0 +1,375 @@
+"""What the node does, without ROS: images and camera_info go in; calibrations, events and a status come out."""
+
+import time
+from collections import deque
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+
+from stereorecal import InputError, StereoRig, View
+from stereorecal.io import back_up, calibration_files, image_of_message, load_rig, save_rig
+from stereorecal.online import Beside, Event, Kind, State, reading, recalibrate
+from stereorecal_ros._applied import Applied, load_applied
+from stereorecal_ros._camera_info import CameraInfo, corrected, rig_of, view_of
+from stereorecal_ros._given import Given
+from stereorecal_ros._heard import Heard
+from stereorecal_ros._pairing import Pairing
+from stereorecal_ros._requests import frozen, returned
+from stereorecal_ros._settings import Settings
+from stereorecal_ros._status import Level, Status, status_of
+from stereorecal_ros._worker import Tell, Worker, set_aside
+
+SIDES = ("left", "right")
+_RECENT = 4  # pairs, which a recalibration on request rests on
+_SPACING = 1_000_000_000  # nanoseconds between them, at least: other views of the scene
+_OUTCOMES = (Kind.RECALIBRATED, Kind.REJECTED, Kind.REFUSED)
+
+Answer = tuple[bool, str]
+"""Of a request: whether it is done or begun, and what to say."""
+
+
+class Watch:
+    """A rig that is watched. Nothing waits here: the work is done by a process of its own, `stereorecal.online.Beside`.
+
+    The calibration that is published changes by `apply` and `roll_back` alone, and where `auto_apply` is set; it is
+    always one that was given, or that the decision has accepted.
+
+    Args:
+        settings: the parameters of the node.
+        place: the file in which the state is kept; what has been applied is kept beside it.
+        tell: what is called with lines for the log.
+        work, clock: for tests.
+
+    Raises:
+        InputError: if the calibration file cannot be used.
+    """
+
+    def __init__(
+        self,
+        settings: Settings,
+        place: Path,
+        tell: Tell,
+        *,
+        work: Callable[..., Beside] = Beside,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self.settings = settings
+        self._tell, self._clock = tell, clock
+        self._applied_place = place.with_name(f"{place.name}.applied.json")
+        self._worker = Worker(settings, place, tell, work, clock)
+        self._pairing = Pairing(round(settings.tolerance * 1e9))
+        self._heard, self._given = Heard(settings.silent_after), Given()
+        self._rig: StereoRig | None = None  # the one that was given
+        self._view: View | None = None
+        self._state: State | None = None
+        self._applied: Applied | None = None
+        self._corrected: tuple[CameraInfo, CameraInfo] | None = None
+        self._recent: deque[tuple[int, tuple[np.ndarray, np.ndarray]]] = deque(maxlen=_RECENT)
+        self._asked = self._returning = False
+        self._told_at = clock()
+        self._used = self._dropped = self._refused = 0
+        self._complaint: str | None = None
+        if settings.files:
+            self._adopt(load_rig(settings.files), None)
+
+    @property
+    def corrected(self) -> tuple[CameraInfo, CameraInfo] | None:
+        """The CameraInfo to publish, of the left and the right camera; None before there is a calibration."""
+        return self._corrected
+
+    @property
+    def rig(self) -> StereoRig | None:
+        """The calibration that is published."""
+        if self._rig is None or self._state is None or self._applied is None:
+            return self._rig
+        return replace(self._state.rig_at(self._applied.offset), source=self._rig.source)
+
+    @property
+    def change(self) -> str:
+        """From the calibration that was given to the one that is published, for a log."""
+        return "" if self._rig is None or self.rig is None else f"{_numbers(self._rig)} -> {_numbers(self.rig)}"
+
+    def camera_info(self, side: int, message: Any) -> None:
+        """A `CameraInfo` of one side has come."""
+        now = self._clock()
+        self._heard.note(f"{SIDES[side]}/camera_info", now)
+        try:
+            self._given = self._given.with_info(side, CameraInfo.of(message), now)
+        except InputError as error:
+            self._complain(f"{SIDES[side]}/{error}")
+
+    def image(self, side: int, stamp: int, message: Any) -> None:
+        """An image of one side has come, with its stamp in nanoseconds."""
+        now, jumps = self._clock(), self._pairing.jumps
+        self._heard.note(f"{SIDES[side]}/image_raw", now)
+        self._pairing, pair = self._pairing.with_image(side, stamp, message)
+        if self._pairing.jumps > jumps:
+            self._recent.clear()
+            self._tell(Level.WARN, "time has jumped back; pairs are made anew from now on.")
+        if pair is not None:
+            self._heard.note("pairs", now)
+            self._hand_over(stamp, *pair)
+
+    def poll(self) -> tuple[Event, ...]:
+        """What has happened since this was asked before; to be asked several times a second."""
+        self._follow_camera_info()
+        if self._rig is not None and not self._worker.runs:
+            self._start(self._rig)
+        latest = self._worker.latest()
+        if latest is None:
+            self._asked = self._returning = False
+            return ()
+        state, events = latest
+        if self._state is None or state.seen != self._state.seen:
+            self._told_at = self._clock()
+        self._state = state
+        for event in events:
+            self._follow(event)
+        self._apply_accepted()
+        return events
+
+    def status(self) -> Status:
+        """How the rig stands under the calibration that is published."""
+        state, applied, pairing = self._state, self._applied, self._pairing
+        found, waits = None, False
+        if state is not None and applied is not None:
+            waits = applied.waits(state) and not self._returning
+            found = reading(state.using_now(applied.offset)) if state.seen else None
+        counts = {
+            "pairs": pairing.paired,
+            "pairs looked at": self._used,
+            "pairs dropped, which could not be followed": self._dropped,
+            "pairs refused": self._refused,
+            "images without partner": pairing.unpaired,
+            "images too late": pairing.late,
+            "jumps back in time": pairing.jumps,
+            "auto_apply": self.settings.auto_apply,
+            "repair": self.settings.repair,
+        }
+        age = None if found is None else self._clock() - self._told_at
+        return status_of(found, missing=self._missing(), waits=waits, dead=self._worker.dead, age=age, counts=counts)
+
+    def recalibrate(self) -> Answer:
+        """Recalibrate on the last pairs; the outcome is an event."""
+        if not self._worker.runs:
+            return False, self._worker.dead or "there is no calibration yet; nothing to start from."
+        if not self._recent:
+            return False, "no pair has come yet."
+        if self._asked:
+            return False, "a recalibration is under way."
+        pairs = tuple(pair for _, pair in self._recent)
+        self._asked = self._worker.change(partial(recalibrate, pairs=pairs))
+        if not self._asked:
+            return False, self._worker.dead or "the worker process exited."
+        return True, f"begun on the last {len(pairs)} pairs; the outcome comes as an event."
+
+    def apply(self) -> Answer:
+        """Publish what the decision has accepted."""
+        if self._returning or self._state is None or self._applied is None or not self._applied.waits(self._state):
+            return False, "no accepted calibration waits; nothing to apply."
+        return True, self._publish(self._applied.apply(self._state), "applied")
+
+    def roll_back(self) -> Answer:
+        """Publish the calibration before again, and look for no other until `repair` is set."""
+        if self._applied is None:
+            return False, "there is no calibration yet."
+        try:
+            applied = self._applied.roll_back()
+        except InputError as error:
+            return False, str(error)
+        said = self._publish(applied, "rolled back")
+        self.settings = replace(self.settings, repair=False)
+        # Until the worker has returned as well, what was taken back looks like a calibration that waits.
+        self._returning = self._worker.change(partial(returned, offset=applied.offset))
+        return True, said
+
+    def save(self) -> Answer:
+        """Write the calibration that is published into the file that it was read from; the old one is kept beside."""
+        rig = self.rig
+        files = calibration_files(rig)
+        if rig is None or not files:
+            return False, "the calibration came from no file."
+        try:
+            kept = [str(back_up(path)) for path in files]
+            save_rig(rig, files, overwrite=True)
+        except InputError as error:
+            self._tell(Level.ERROR, f"not saved: {error}")
+            return False, str(error)
+        said = f"saved in {', '.join(map(str, files))}: {self.change}; the old one is kept as {', '.join(kept)}."
+        self._tell(Level.WARN, said)
+        return True, said
+
+    def set(self, **changed: bool) -> None:
+        """Change `auto_apply` or `repair`."""
+        before, self.settings = self.settings, replace(self.settings, **changed)
+        for name, value in changed.items():
+            if value != getattr(before, name):
+                self._tell(Level.WARN, f"{name}: {getattr(before, name)} -> {value}")
+        if self.settings.repair != before.repair and self._applied is not None:
+            self._keep(replace(self._applied, frozen=not self.settings.repair))
+            self._worker.change(partial(frozen, frozen=not self.settings.repair))
+        self._apply_accepted()
+
+    def close(self) -> None:
+        """End the worker process; the last state is saved."""
+        self._worker.close()
+
+    def _follow_camera_info(self) -> None:
+        infos = self._given.new(self._clock())
+        if infos is None:
+            return
+        self._given = self._given.followed()
+        try:
+            rig = rig_of(*infos)
+        except InputError as error:
+            self._complain(str(error))
+        else:
+            self._adopt(rig, view_of(*infos))
+
+    def _adopt(self, rig: StereoRig, view: View | None) -> None:
+        """Begin with a calibration, unless it is one that is known: what was saved comes back from the driver."""
+        state = None if self._state is None else self._state.rig
+        if any(known is not None and _alike(rig, known) for known in (self._rig, self.rig, state)):
+            return
+        if self._rig is not None:
+            self._tell(Level.WARN, f"another calibration is given: {_numbers(self._rig)} -> {_numbers(rig)}")
+        self._rig, self._view, self._corrected = rig, view, corrected(rig, view)
+        self._state = self._applied = None
+        self._recent.clear()
+        self._worker.end(None)
+
+    def _start(self, rig: StereoRig) -> None:
+        """Begin to watch, with what was applied when it was watched before."""
+        state = self._worker.start(rig)
+        if state is None:
+            return
+        applied = None
+        try:
+            applied = load_applied(self._applied_place, state)
+        except InputError as error:
+            set_aside(self._applied_place, error, self._tell)
+        if applied is None:
+            known = (np.zeros(5), state.using, *state.previous)
+            apart = [np.abs(state.rig_at(offset).extrinsics - rig.extrinsics).max() for offset in known]
+            applied = Applied(np.asarray(state.initial.extrinsics), (known[int(np.argmin(apart))],))
+        if applied.frozen and self.settings.repair:
+            self.settings = replace(self.settings, repair=False)
+            self._tell(Level.WARN, "repair: True -> False, as it was left.")
+        self._state, self._applied, self._told_at = state, applied, self._clock()
+        self._corrected = corrected(state.rig_at(applied.offset), self._view)
+        self._tell(Level.OK, f"watching from {_numbers(state.rig_at(applied.offset))}, after {state.frame} pairs.")
+        if state.config.repair != self.settings.repair:
+            self._worker.change(partial(frozen, frozen=not self.settings.repair))
+
+    def _hand_over(self, stamp: int, left: Any, right: Any) -> None:
+        """A pair that nobody could look at now is not even decoded."""
+        if self._rig is None or not self._worker.ready:
+            self._dropped += 1
+            return
+        try:
+            images = _images(left, right, self._rig)
+        except InputError as error:
+            self._refused += 1
+            self._complain(str(error))
+            return
+        if not self._worker.put(images):
+            return
+        self._used += 1
+        self._complaint = None
+        if not self._recent or stamp - self._recent[-1][0] >= _SPACING:
+            self._recent.append((stamp, images))
+
+    def _follow(self, event: Event) -> None:
+        if event.kind is Kind.KNOCK:
+            self._recent.clear()  # they show another rig
+        if event.kind in _OUTCOMES:
+            self._asked = False
+        if event.kind is Kind.ROLLED_BACK:
+            self._returning = False
+        if event.kind is Kind.BAD_FRAME:
+            self._complain(f"{event.kind.value}: {event.why}")
+        else:
+            self._tell(Level.OK if event.kind is Kind.HEALTHY else Level.WARN, str(event).strip())
+
+    def _apply_accepted(self) -> None:
+        settings, state, applied = self.settings, self._state, self._applied
+        if self._returning or state is None or applied is None or not (settings.auto_apply and settings.repair):
+            return
+        if state.config.repair and applied.waits(state):
+            self._publish(applied.apply(state), "applied by itself")
+
+    def _publish(self, applied: Applied, how: str) -> str:
+        before = self.rig
+        self._keep(applied)
+        after = self.rig
+        assert before is not None
+        assert after is not None
+        self._corrected = corrected(after, self._view)
+        said = f"{how}: {_numbers(before)} -> {_numbers(after)}"
+        self._tell(Level.WARN, said)
+        return said
+
+    def _keep(self, applied: Applied) -> None:
+        self._applied = applied
+        try:
+            applied.save(self._applied_place)
+        except InputError as error:
+            self._tell(Level.ERROR, f"what is applied cannot be kept over a restart: {error}")
+
+    def _complain(self, what: str) -> None:
+        """Once, until something else is wrong, or nothing is."""
+        if what != self._complaint:
+            self._complaint = what
+            self._tell(Level.ERROR, what)
+
+    def _missing(self) -> list[str]:
+        """Inputs that are silent; where none is, what else is lacking."""
+        now, pairing = self._clock(), self._pairing
+        topics = ("image_raw",) if self.settings.files else ("image_raw", "camera_info")
+        missing = self._heard.missing([f"{side}/{topic}" for topic in topics for side in SIDES], now)
+        if missing:
+            return missing
+        if self._rig is None:
+            return [f"a calibration ({self._complaint})"]
+        if self._heard.missing(["pairs"], now):
+            apart = "not known" if pairing.apart is None else f"{pairing.apart / 1e6:.1f} ms"
+            return [f"pairs (stamps are {apart} apart, the tolerance is {pairing.tolerance / 1e6:.1f} ms)"]
+        return [] if self._complaint is None else [f"images that can be used ({self._complaint})"]
+
+
+def _images(left: Any, right: Any, rig: StereoRig) -> tuple[np.ndarray, np.ndarray]:
+    """The two images of a pair, grey, (h, w) of 8 or 16 bit.
+
+    Raises:
+        InputError: if one is damaged, encoded in a way that is not known, or of another size than the calibration.
+    """
+    images = []
+    for side, message, camera in zip(SIDES, (left, right), (rig.left, rig.right), strict=True):
+        image = image_of_message(message, f"{side}/image_raw")
+        if image.ndim == 3:
+            image = cv2.cvtColor(image, cv2.COLOR_BGRA2GRAY if image.shape[2] == 4 else cv2.COLOR_BGR2GRAY)
+        height, width = image.shape
+        if (width, height) != camera.size:
+            raise InputError(
+                f"{side}/image_raw: the image is {width}x{height}, and the calibration of {camera.size[0]}x"
+                f"{camera.size[1]}; publish images of that size."
+            )
+        images.append(image)
+    return images[0], images[1]
+
+
+def _alike(one: StereoRig, other: StereoRig) -> bool:
+    """Whether two calibrations are one, which may have been written with some digits less."""
+    return all(a.is_like(b) for a, b in zip(corrected(one), corrected(other), strict=True))
+
+
+def _numbers(rig: StereoRig) -> str:
+    """The extrinsics, for a log."""
+    pitch, yaw, roll = np.degrees(rig.extrinsics[:3])
+    x, y, z = 1e3 * np.asarray(rig.extrinsics[3:])
+    return f"pitch {pitch:+.4f} yaw {yaw:+.4f} roll {roll:+.4f} deg, x {x:+.3f} y {y:+.3f} z {z:+.3f} mm"

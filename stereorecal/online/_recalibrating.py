@@ -1,0 +1,43 @@
+"""A recalibration on request, in place of waiting until looks ask for one."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from stereorecal._errors import InputError
+from stereorecal.online._estimate import SIZE
+from stereorecal.online._events import Event, Kind
+from stereorecal.online._state import State
+from stereorecal.online._switching import AFTER_REPAIR, named, switched
+from stereorecal.recalibration import recalibrate as recalibrated
+from stereorecal.recordings import Images, Pair
+
+
+def recalibrate(state: State, pairs: Sequence[Pair | Images]) -> tuple[State, tuple[Event, ...]]:
+    """What `sr.recalibrate` finds from the calibration in use, which takes its place if the decision accepts it; else
+    the state stays as it is. A state that is frozen stays so.
+
+    Args:
+        pairs: the last ones, of different views of the scene; used jointly.
+
+    Returns:
+        The state, and RECALIBRATED, or REJECTED with the reason.
+    """
+    try:
+        solution = recalibrated(state.rig, list(pairs), matcher=state.config.matcher, motion=False)
+    except InputError as error:
+        return state, (Event(state.frame, Kind.REJECTED, str(error)),)
+    if not solution.accepted or solution.covariance is None:
+        return state, (Event(state.frame, Kind.REJECTED, solution.reason.value),)
+    offset, rows = state.offset_of(solution.rig), solution.row_errors
+    proof = {
+        "by": "recalibration",
+        "pairs": len(pairs),
+        "reason": solution.reason.name.lower(),
+        "row_error_before_px": None if rows is None else float(rows.before),
+        "row_error_after_px": None if rows is None else float(rows.after),
+    }
+    facts = {"old": named(state, state.using), "new": named(state, offset), "proof": proof}
+    estimate = state.estimate.moved(offset, solution.covariance + np.eye(SIZE) * AFTER_REPAIR**2)
+    state = switched(state.but(estimate=estimate, suspect=None, odd=0, said=None), offset)
+    return state, (Event(state.frame, Kind.RECALIBRATED, "", facts),)
