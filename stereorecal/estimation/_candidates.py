@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from stereorecal.estimation._consequences import DISTANCES, Consequences, consequences, points_of_view, readings
+from stereorecal.geometry import View
 from stereorecal.objectives import RigChart
 
 _KEPT_AT = (10, 30)  # baselines: an offset of disparity and a scale of depth
@@ -18,16 +19,16 @@ _NEAR_MEAN = 0.1  # of what a matcher notices, for each deviation of a parameter
 
 
 def depth_kept(
-    chart: RigChart, mean: Float[np.ndarray, "n"], covariance: Float[np.ndarray, "n n"]
+    chart: RigChart, mean: Float[np.ndarray, "n"], covariance: Float[np.ndarray, "n n"], shown: View | None = None
 ) -> Float[np.ndarray, "n"]:
     """The most probable θ whose disparities are those of the rig at θ = 0, on average over the view; Newton steps along
     the covariance."""
-    sets = [points_of_view(chart.rig, distance) for distance in _KEPT_AT]
-    slopes = consequences(chart, mean).nearness[[DISTANCES.index(distance) for distance in _KEPT_AT]]
+    sets = [points_of_view(chart.rig, distance, shown) for distance in _KEPT_AT]
+    slopes = consequences(chart, mean, shown=shown).nearness[[DISTANCES.index(distance) for distance in _KEPT_AT]]
     pull = covariance @ slopes.T
     theta = mean
     for _ in range(_STEPS):
-        here = np.array([readings(chart.rig_at(theta), chart.rig, points)[1].mean() for points in sets])
+        here = np.array([readings(chart.rig_at(theta), chart.rig, points, shown)[1].mean() for points in sets])
         wanted = slopes @ (mean - theta) + here
         theta = mean - pull @ np.linalg.lstsq(slopes @ pull, wanted, rcond=None)[0]
     return theta
@@ -45,6 +46,7 @@ class Known:
         nearness: relative disparity that a rig should read, less that of the rig at the mean, at each distance of
             the maps.
         judged_at: those of the distances at which it counts, baselines.
+        shown: the view; None: the rig's own.
     """
 
     chart: RigChart
@@ -53,6 +55,7 @@ class Known:
     deviations: Float[np.ndarray, "n"]
     nearness: Float[np.ndarray, "d"]
     judged_at: tuple[float, ...]
+    shown: View | None = None
 
 
 def least_loss(
@@ -109,9 +112,9 @@ def least_loss_of_depth_kept(
 ) -> list[Float[np.ndarray, "n"]]:
     """The same of those that read depth as the rigs at θ = 0 do, on average over the view; Newton steps, since depth is
     not linear as far as a drift may reach."""
-    sets = [[points_of_view(one.chart.rig, distance) for distance in one.near.distances] for one in several]
+    sets = [[points_of_view(one.chart.rig, distance, one.shown) for distance in one.near.distances] for one in several]
     wanted = [
-        np.array([readings(one.chart.rig, one.chart.rig_at(one.mean), points)[1].mean() for points in some])
+        np.array([readings(one.chart.rig, one.chart.rig_at(one.mean), points, one.shown)[1].mean() for points in some])
         for one, some in zip(several, sets, strict=True)
     ]
     best, least = [np.zeros_like(one.mean) for one in several], np.inf
@@ -121,7 +124,7 @@ def least_loss_of_depth_kept(
         if not all(one.chart.stands_at(theta) for one, theta in zip(several, thetas, strict=True)):
             break
         off = [
-            np.array([readings(one.chart.rig_at(theta), one.chart.rig, points)[1].mean() for points in some])
+            np.array([readings(one.chart.rig_at(theta), one.chart.rig, points, one.shown)[1].mean() for points in some])
             for one, theta, some in zip(several, thetas, sets, strict=True)
         ]
         if not np.abs(off).max() < least:

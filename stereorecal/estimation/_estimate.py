@@ -24,7 +24,7 @@ from stereorecal.estimation._one_thread import one_blas_thread
 from stereorecal.estimation._parameters import DRIFTING, rig_parameters
 from stereorecal.estimation._posterior import Posterior
 from stereorecal.estimation._priors import Prior, as_prior
-from stereorecal.geometry import StereoRig
+from stereorecal.geometry import StereoRig, View
 from stereorecal.objectives import RigChart
 from stereorecal.scoring import Correspondences
 
@@ -51,6 +51,7 @@ class Estimate:
         shown: the mean row differences that it rests on; None where there are none.
         windows: pairs of pairs that told of the rig's motion.
         judged_at: distances [baselines] at which rows count; depth counts at the farthest.
+        view: in which rows and depth are judged; None: the rig's own.
     """
 
     chart: RigChart
@@ -64,6 +65,7 @@ class Estimate:
     shown: Groups | None = None
     windows: Windows = NO_WINDOWS
     judged_at: tuple[float, ...] = JUDGED_AT
+    view: View | None = None
 
     def __getstate__(self) -> dict[str, Any]:
         """What is derived stays behind: samples are larger than all else."""
@@ -104,7 +106,7 @@ class Estimate:
     @one_blas_thread()
     def depth_kept(self) -> Float[np.ndarray, "n"]:
         """The most probable θ whose depth is that of the given rig."""
-        return depth_kept(self.chart, self.theta, self.posterior.covariance)
+        return depth_kept(self.chart, self.theta, self.posterior.covariance, self.view)
 
     @one_blas_thread()
     def with_free(self, names: Sequence[str], *, keep_depth: bool = False) -> Float[np.ndarray, "n"]:
@@ -123,7 +125,8 @@ class Estimate:
     def known(self) -> Known:
         """What candidates are chosen by."""
         deviations = np.sqrt(np.diag(self.posterior.covariance))
-        return Known(self.chart, self._consequences, self.theta, deviations, self._target_nearness, self.judged_at)
+        near, target = self._consequences, self._target_nearness
+        return Known(self.chart, near, self.theta, deviations, target, self.judged_at, self.view)
 
     def losses(self, used: Float[np.ndarray, "n"]) -> tuple[Float[np.ndarray, "d s"], Float[np.ndarray, "s"]]:
         """Rows [pixels] at each of the distances that it is judged at, and |error of depth| at the farthest of them [%]
@@ -146,7 +149,7 @@ class Estimate:
         """Root mean square over the view of the row errors of the rig at θ = used, for each sample: exact at the mean,
         linear around it."""
         slopes, mean = self._consequences.rows[self._distances.index(distance)], self.mean_rig
-        at_mean, _ = readings(self.chart.rig_at(used), mean, points_of_view(mean, distance))
+        at_mean, _ = readings(self.chart.rig_at(used), mean, points_of_view(mean, distance, self.view), self.view)
         return np.sqrt(np.mean((at_mean - (self._samples - self.theta) @ slopes.T) ** 2, axis=1))
 
     @cached_property
@@ -157,7 +160,7 @@ class Estimate:
     @cached_property
     @one_blas_thread()
     def _consequences(self) -> Consequences:
-        return consequences(self.chart, self.theta, self._distances)
+        return consequences(self.chart, self.theta, self._distances, self.view)
 
     @property
     def _distances(self) -> tuple[float, ...]:
@@ -196,7 +199,8 @@ class Estimate:
         """Relative error of disparity of the rig at θ = used, for each sample and distance: exact at the mean, linear
         around it."""
         rig, mean = self.chart.rig_at(used), self.mean_rig
-        at_mean = [readings(rig, mean, points_of_view(mean, distance))[1].mean() for distance in self._distances]
+        sets = [points_of_view(mean, distance, self.view) for distance in self._distances]
+        at_mean = [readings(rig, mean, points, self.view)[1].mean() for points in sets]
         return np.array(at_mean) - (self._samples - self.theta) @ self._consequences.nearness.T
 
 
@@ -208,6 +212,7 @@ def estimate(
     start: Float[np.ndarray, "n"] | None = None,
     beams: Beams = NO_BEAMS,
     windows: Windows = NO_WINDOWS,
+    view: View | None = None,
 ) -> Estimate:
     """The estimate of a rig.
 
@@ -220,9 +225,10 @@ def estimate(
         beams: ranges of what was seen; they tell the length of the baseline, too, which the prior must know
             (`told_length` of `as_prior`).
         windows: tracks of consecutive pairs; they tell depth from the rig's own motion.
+        view: in which rows and depth are judged; default the rig's own.
     """
     chart = rig_parameters(rig)
-    return solved(found, chart, as_prior(prior, chart), start, beams, windows)[0]
+    return solved(found, chart, as_prior(prior, chart), start, beams, windows, view)[0]
 
 
 @one_blas_thread()
@@ -233,11 +239,13 @@ def solved(
     start: Float[np.ndarray, "n"] | None = None,
     beams: Beams = NO_BEAMS,
     windows: Windows = NO_WINDOWS,
+    view: View | None = None,
 ) -> tuple[Estimate, Explanation]:
     """The estimate, and the most probable one of its explanations."""
     end = fit(found, chart, prior, start, Measured(beams, windows))
     mean, rows = end.posterior.mean, end.rows
-    seen = Estimate(chart, end.posterior, end.misfit, 0, float("nan"), end.prior_variance, beams=beams, windows=windows)
+    seen = Estimate(chart, end.posterior, end.misfit, 0, float("nan"), end.prior_variance)
+    seen = replace(seen, beams=beams, windows=windows, view=view)
     if rows is not None:
         residual, others = rows.residual(mean), other_rigs(rows, sum(end.misfit), mean)
         rms = float(np.sqrt(np.mean(residual**2)))
