@@ -24,7 +24,7 @@ class Camera:
             degrees off the axis); derived from the distortion by default.
         lens_field: the same as an angle off the axis in radians, without that limit.
         model: "radtan" (OpenCV's pinhole model), "equidistant" (`cv2.fisheye`: k1 k2 k3 k4), "ds" (double sphere: xi
-            alpha) or "eucm" (extended unified: alpha beta).
+            alpha), "eucm" (extended unified: alpha beta) or "omni" (unified with distortion: xi k1 k2 p1 p2).
 
     Raises:
         InputError: if the matrix is singular, negative, skewed or not finite, the size is not positive, or the
@@ -77,7 +77,7 @@ class Camera:
     @property
     def focal(self) -> Float[np.ndarray, "2"]:
         """Pixels that a radian takes in the middle of the image, along x and y: the resolution there. The focal lengths
-        of the matrix, but of double spheres."""
+        of the matrix, but of double spheres and omni lenses."""
         return self.lens.magnification(np.asarray(self.distortion)) * np.asarray(self.matrix)[(0, 1), (0, 1)]
 
     def resized(self, size: tuple[int, int]) -> "Camera":

@@ -52,7 +52,7 @@ def directions_of(draw: st.DataObject, farthest: float, count: int = 50) -> np.n
 @pytest.mark.parametrize("name", NAMES)
 def test_every_projection_offers_what_a_projection_offers(name: str):
     assert isinstance(projection(name), Projection)
-    assert projection(name).NAME == name
+    assert name == projection(name).NAME
     assert projection(name).angle(projection(name).edge(0.7)) == pytest.approx(0.7, abs=1e-15)
 
 
