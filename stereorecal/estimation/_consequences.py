@@ -6,9 +6,8 @@ Both follow points of the world: the true rig says in which pixels they appear, 
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Inexact
 
-from stereorecal._arrays import AnyArray
 from stereorecal.estimation._slopes import lens_parameters, moved_by_extrinsics
 from stereorecal.geometry import (
     PINHOLE,
@@ -91,14 +90,16 @@ def readings(
     left = read(points, true.left, used.left, to_left)
     right = read(points @ true.rotation.T + true.translation, true.right, used.right, to_right)
     rows, nearness = _read(_formulas(shown), left, right)
-    return _focal(used) * rows, points[:, 2] / float(used.baseline) * nearness - 1.0
+    return np.asarray(_focal(used) * rows), points[:, 2] / float(used.baseline) * nearness - 1.0
 
 
 def _formulas(shown: View | None) -> Projection:
     return projection(PINHOLE) if shown is None else shown.formulas
 
 
-def _read(formulas: Projection, left: AnyArray, right: AnyArray) -> tuple[AnyArray, AnyArray]:
+def _read(
+    formulas: Projection, left: Inexact[np.ndarray, "*p 3"], right: Inexact[np.ndarray, "*p 3"]
+) -> tuple[Inexact[np.ndarray, "*p"], Inexact[np.ndarray, "*p"]]:
     """Row differences in focal lengths, and baselines over depth along the axis of the left camera, of rectified rays
     (*p, 3) that are at depth 1 of the cameras; analytic."""
     (u, row), (v, other) = (formulas.project(*np.moveaxis(rays, -1, 0)) for rays in (left, right))

@@ -85,7 +85,7 @@ class Rectification:
         """
         disparity = _checked(disparity)
         if self.view.projection == PINHOLE:
-            return self._over(self.view.nearness(np.zeros(()), disparity))
+            return self._over(np.asarray(self.view.nearness(np.zeros(()), disparity)))
         return self._over(self._nearness(disparity)) * self._directions()[..., 2]
 
     def points(self, disparity: Num[np.ndarray, "h w"]) -> Float[np.ndarray, "h w 3"]:
@@ -111,7 +111,7 @@ class Rectification:
                 f"the disparity image has the shape {disparity.shape}, and the rectified images "
                 f"{self.size[::-1]}; give one of that shape."
             )
-        return self.view.nearness(np.indices(disparity.shape, float)[1], disparity)
+        return np.asarray(self.view.nearness(np.indices(disparity.shape, float)[1], disparity))
 
     def _directions(self) -> Float[np.ndarray, "h w 3"]:
         rows, columns = np.indices(self.size[::-1], float)

@@ -77,8 +77,8 @@ class View:
     def scaled(self, scale: float) -> "View":
         """The same view at `scale` times the resolution."""
         size = (round(self.size[0] * scale), round(self.size[1] * scale))
-        centres = [(c + 0.5) * scale - 0.5 for c in (self.centre_left, self.centre_right, self.centre_row)]
-        return View(size, self.focal * scale, *centres, self.projection)
+        left, right, row = ((c + 0.5) * scale - 0.5 for c in (self.centre_left, self.centre_right, self.centre_row))
+        return View(size, self.focal * scale, left, right, row, self.projection)
 
     def directions(self, columns: AnyArray, rows: AnyArray, side: int) -> Float[AnyArray, "*n 3"]:
         """Directions in the rectified frame of pixels of one image, of any shape: (x, y, 1) of a pinhole, else unit

@@ -47,7 +47,7 @@ def ground_truth(
     far = depth(world, rays)  # in lengths of the directions
     nearness = float(rig.baseline) / far.astype(float)
     in_right = rectified - nearness[..., None] * [1.0, 0.0, 0.0]
-    disparity = view.pixels(rectified, 0)[0] - view.pixels(in_right, 1)[0]
+    disparity = np.asarray(view.pixels(rectified, 0)[0] - view.pixels(in_right, 1)[0])
 
     # Occlusion: cast the ray from the right camera to each point. The sky, put at 1e5 m, is hidden by what stands
     # before it as well; half a percent of the depth is tolerated for rounding.

@@ -1,6 +1,7 @@
 """The unified sphere with radial-tangential distortion: Kalibr's `omni` with `radtan` or none, OpenCV's `omnidir`.
 
-Mei & Rives: Single view point omnidirectional camera calibration from planar grids, ICRA 2007. A direction is laid on the unit sphere, seen from ξ behind its centre, and distorted as by OpenCV's k1 k2 p1 p2.
+Mei & Rives: Single view point omnidirectional camera calibration from planar grids, ICRA 2007. A direction is
+laid on the unit sphere, seen from ξ behind its centre, and distorted as by OpenCV's k1 k2 p1 p2.
 """
 
 from typing import Any

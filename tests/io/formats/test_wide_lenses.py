@@ -68,9 +68,7 @@ def test_new_files_and_changes_to_them(tmp_path_factory, model: str, name: str, 
 )
 def test_formats_without_a_place_say_which_have_one(tmp_path: Path, model: str, name: str):
     paths = places(tmp_path, name)
-    with pytest.raises(
-        InputError, match=rf"no place for a lens of the model '{model}'; write it as kalibr"
-    ) as raised:
+    with pytest.raises(InputError, match=rf"no place for a lens of the model '{model}'; write it as kalibr") as raised:
         save_rig(rig_of(model), place_of(paths), format=name)
     assert str(raised.value).count("\n") == 0
     assert not any(path.exists() for path in paths)
