@@ -117,6 +117,50 @@ def test_a_double_sphere_has_its_resolution_in_the_middle():
     assert sr.view(rig).focal == pytest.approx(camera.focal[0], rel=0.02)
 
 
+@pytest.fixture(scope="module")
+def very_wide():
+    return sr.synthetic.render("street", 1, rig=rig_of(190.0))
+
+
+def test_a_very_wide_rig_is_repaired_in_an_equirectangular_view(very_wide):
+    start = very_wide.rig.with_extrinsics(very_wide.rig.extrinsics + DRIFT)
+    view = sr.view(start, projection="equirectangular")
+    solution = sr.recalibrate(start, very_wide.pairs, prior="exact", view=view)
+    assert solution.accepted
+    assert solution.view is view
+    assert max(axis_errors(solution.rig, very_wide.rig).rotation_deg.values()) < 0.08
+    assert solution.score_after.count > 1.1 * solution.score_before.count
+    # What is to be expected is of the same view: rows of what lies far aside, too.
+    expected = solution.expected
+    assert expected is not None
+    assert np.isfinite(expected.rows).mean() > 0.7
+    assert expected.rows_px < 0.5
+    apart = sr.difference(start, very_wide.rig, view=view)
+    assert apart.row_error_median > 1.0
+
+
+def test_disparities_of_an_equirectangular_view_are_those_of_the_truth(very_wide):
+    """By OpenCV's matcher, in both directions of depth: the truth's disparities, and its points."""
+    rig, pair = very_wide.rig, very_wide.pairs[0]
+    view = sr.view(rig, projection="equirectangular")
+    made = sr.rectification(rig, view)
+    left, right = (
+        cv2.remap(np.asarray(image, np.uint8), *maps, cv2.INTER_LINEAR)
+        for image, maps in zip((pair.left, pair.right), made.maps, strict=True)
+    )
+    found = cv2.StereoSGBM.create(0, 32, 7, 8 * 49, 32 * 49, 1, uniquenessRatio=10).compute(left, right) / 16.0
+    truth = sr.synthetic.ground_truth("street", 1, rig=rig, view=view)
+    seen = (found > 1.0) & ~truth.occluded
+    assert seen.mean() > 0.2
+    assert np.median(np.abs(found - truth.disparity)[seen]) < 0.5
+    beside = seen & (np.abs(np.arange(SIZE[0]) - view.centre_left) > view.focal)  # 57 degrees and more
+    assert beside.sum() > 200
+    assert np.median(np.abs(found - truth.disparity)[beside]) < 0.6
+    far = np.linalg.norm(made.points(np.where(seen, found, np.nan)), axis=-1)
+    true = np.linalg.norm(made.points(np.where(seen, truth.disparity, np.nan)), axis=-1)
+    assert np.nanmedian(np.abs(far / true - 1.0)) < 0.15
+
+
 @pytest.mark.slow
 def test_a_fisheye_beside_a_pinhole():
     """Each camera has its own lens."""
