@@ -10,9 +10,10 @@ LENSES = {
     14: _ALL,
 }
 FEW = (0, 5, 14)  # where each count is a program of its own
-# Of wide models: MYNT EYE's, and Basalt's of the TUM VI camera.
+# Of wide models: MYNT EYE's, Basalt's of the TUM VI camera, and one of 200 degrees.
 WIDE_LENSES = {
     "equidistant": [-0.020476443, -0.007108226, 0.00218058, -0.001192386],
     "ds": [-0.2, 0.59],
     "eucm": [0.63, 1.05],
+    "omni": [1.2, -0.12, 0.02, 4e-4, -3e-4],
 }

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from stereorecal.estimation._consequences import DISTANCES, Consequences, consequences, points_of_view, readings_at
+from stereorecal.geometry import View
 from stereorecal.objectives import RigChart
 
 _KEPT_AT = (10, 30)  # baselines: an offset of disparity and a scale of depth
@@ -18,16 +19,16 @@ _NEAR_MEAN = 0.1  # of what a matcher notices, for each deviation of a parameter
 
 
 def depth_kept(
-    chart: RigChart, mean: Float[np.ndarray, "n"], covariance: Float[np.ndarray, "n n"]
+    chart: RigChart, mean: Float[np.ndarray, "n"], covariance: Float[np.ndarray, "n n"], shown: View | None = None
 ) -> Float[np.ndarray, "n"]:
     """The most probable θ whose disparities are those of the rig at θ = 0, on average over the view; Newton steps along
     the covariance."""
-    sets = [points_of_view(chart.rig, distance) for distance in _KEPT_AT]
-    slopes = consequences(chart, mean).nearness[[DISTANCES.index(distance) for distance in _KEPT_AT]]
+    sets = [points_of_view(chart.rig, distance, shown) for distance in _KEPT_AT]
+    slopes = consequences(chart, mean, shown=shown).nearness[[DISTANCES.index(distance) for distance in _KEPT_AT]]
     pull = covariance @ slopes.T
     theta = mean
     for _ in range(_STEPS):
-        _, here, _ = readings_at(chart.rig_at(theta), chart.rig, sets)
+        _, here, _ = readings_at(chart.rig_at(theta), chart.rig, sets, shown)
         wanted = slopes @ (mean - theta) + here
         theta = mean - pull @ np.linalg.lstsq(slopes @ pull, wanted, rcond=None)[0]
     return theta
@@ -46,6 +47,7 @@ class Known:
             the maps, on average over the view.
         variation: by what that of single points should differ from it, likewise.
         judged_at: those of the distances at which it counts, baselines.
+        shown: the view; None: the rig's own.
     """
 
     chart: RigChart
@@ -55,6 +57,7 @@ class Known:
     nearness: Float[np.ndarray, "d"]
     variation: Sequence[Float[np.ndarray, "_"]]
     judged_at: tuple[float, ...]
+    shown: View | None = None
 
 
 def least_loss(
@@ -121,10 +124,12 @@ def least_loss_of_depth_kept(
     is not linear as far as a drift may reach; and at single points as well as rows allow."""
     means = [one.chart.rig_at(one.mean) for one in several]
     sets = [
-        [points_of_view(mean, distance) for distance in one.near.distances]
+        [points_of_view(mean, distance, one.shown) for distance in one.near.distances]
         for one, mean in zip(several, means, strict=True)
     ]
-    given = [readings_at(one.chart.rig, mean, some) for one, mean, some in zip(several, means, sets, strict=True)]
+    given = [
+        readings_at(one.chart.rig, mean, some, one.shown) for one, mean, some in zip(several, means, sets, strict=True)
+    ]
     wanted = [nearness for _, nearness, _ in given]
     several = [replace(one, variation=variation) for one, (_, _, variation) in zip(several, given, strict=True)]
     best, least = [np.zeros_like(one.mean) for one in several], np.inf
@@ -134,7 +139,7 @@ def least_loss_of_depth_kept(
         if not all(one.chart.stands_at(theta) for one, theta in zip(several, thetas, strict=True)):
             break
         off = [
-            readings_at(one.chart.rig_at(theta), one.chart.rig, some)[1]
+            readings_at(one.chart.rig_at(theta), one.chart.rig, some, one.shown)[1]
             for one, theta, some in zip(several, thetas, sets, strict=True)
         ]
         if not np.abs(off).max() < least:

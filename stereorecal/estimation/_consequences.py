@@ -7,24 +7,45 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Inexact
 
 from stereorecal.estimation._slopes import lens_parameters, moved_by_extrinsics
-from stereorecal.geometry import StereoRig, ray_slopes, rectifying_rotations, reread, same_camera, view
+from stereorecal.geometry import (
+    PINHOLE,
+    Projection,
+    StereoRig,
+    View,
+    projection,
+    ray_slopes,
+    rectifying_rotations,
+    reread,
+    same_camera,
+    view,
+)
 from stereorecal.objectives import SIDES, RigChart
 
 DISTANCES = (5, 10, 30, 100)  # baselines
 _GRID = (9, 7)  # points of the left image
 _AHEAD = 0.1  # cosine of the angle off the axis
 _MARGIN = 0.05  # of the image, at each side
+_TINY = 1e-30
 
 
-def points_of_view(rig: StereoRig, distance: float) -> Float[np.ndarray, "p 3"]:
+def points_of_view(rig: StereoRig, distance: float, shown: View | None = None) -> Float[np.ndarray, "p 3"]:
     """Points over the left image, at a distance along its axis in baselines, that both cameras see, or, where that
-    is too near for both, that the lens models reach; metres. Of a wide lens, over what the rig's view shows of it."""
-    width, height = rig.left.size
-    rays = _rays_of_view(rig) if rig.left.lens.WIDE else np.asarray(rig.left.rays(_grid(rig.left.size)))
-    points = rays * distance * float(rig.baseline)
+    is too near for both, that the lens models reach; metres. Of a wide lens, or in a view that is no pinhole, over what
+    the view shows of it; where that is no pinhole, at a distance from the left camera.
+
+    Args:
+        shown: the view; default the rig's own.
+    """
+    (width, height), shown = rig.left.size, view(rig) if shown is None else shown
+    if rig.left.lens.WIDE or shown.projection != PINHOLE:
+        rays = _rays_of_view(rig, shown)
+    else:
+        rays = np.asarray(rig.left.rays(_grid(rig.left.size)))
+    away = distance * float(rig.baseline)
+    points = rays * away if shown.projection == PINHOLE else rays * (away / np.linalg.norm(rays, axis=1))[:, None]
     right = points @ rig.rotation.T + rig.translation
     ahead = (right[:, 2] > 0.0) & (np.hypot(rays[:, 0], rays[:, 1]) < float(rig.left.lens_radius))
     at_1 = right / np.where(ahead, right[:, 2], 1.0)[:, None]
@@ -40,12 +61,11 @@ def _grid(size: tuple[int, int]) -> Float[np.ndarray, "p 2"]:
     return np.stack(np.meshgrid(*share), axis=-1).reshape(-1, 2) * [size[0] - 1, size[1] - 1]
 
 
-def _rays_of_view(rig: StereoRig) -> Float[np.ndarray, "_ 3"]:
+def _rays_of_view(rig: StereoRig, shown: View) -> Float[np.ndarray, "_ 3"]:
     """Of the left camera, at depth 1: the corners of a fisheye's image lie on no plane, and nobody rectifies them."""
-    shown = view(rig)
-    flat = (_grid(shown.size) - [shown.centre_left, shown.centre_row]) / shown.focal
     to_left, _ = rectifying_rotations(rig.rotation, rig.translation)
-    rays = np.column_stack([flat, np.ones(len(flat))]) @ to_left
+    columns, rows = _grid(shown.size).T
+    rays = np.asarray(shown.directions(columns, rows, 0)) @ to_left
     rays = rays[rays[:, 2] > _AHEAD * np.linalg.norm(rays, axis=1)]
     pixels = rig.left.project(rays)
     inside = ((pixels >= 0.0) & (pixels <= np.array(rig.left.size) - 1.0)).all(axis=1)
@@ -53,33 +73,47 @@ def _rays_of_view(rig: StereoRig) -> Float[np.ndarray, "_ 3"]:
 
 
 def readings(
-    used: StereoRig, true: StereoRig, points: Float[np.ndarray, "p 3"]
+    used: StereoRig, true: StereoRig, points: Float[np.ndarray, "p 3"], shown: View | None = None
 ) -> tuple[Float[np.ndarray, "p"], Float[np.ndarray, "p"]]:
     """Row differences of points, and their relative errors of disparity (true depth over that read, less 1), as `used`
-    reads the pixels in which `true` sees them; rows in pixels of the mean focal length of `used`."""
+    reads the pixels in which `true` sees them; rows in pixels of the mean focal length of `used`.
+
+    Args:
+        shown: the view in which rows and disparities are read; default a pinhole.
+    """
     to_left, to_right = rectifying_rotations(used.rotation, used.translation)
 
     def read(ray: Float[np.ndarray, "p 3"], true_camera, used_camera, rotation) -> Float[np.ndarray, "p 3"]:
         at_1 = ray / ray[:, 2:]
         seen = at_1 if same_camera(true_camera, used_camera) else reread(at_1, true_camera, used_camera)
-        turned = seen @ rotation.T
-        return turned / turned[:, 2:]
+        return seen @ rotation.T
 
     left = read(points, true.left, used.left, to_left)
     right = read(points @ true.rotation.T + true.translation, true.right, used.right, to_right)
-    # Depth along the used left camera's axis against that along the true one's.
-    axis = left @ to_left
-    depth = float(used.baseline) * axis[:, 2]  # over the disparity
-    return _focal(used) * (left[:, 1] - right[:, 1]), points[:, 2] * (left[:, 0] - right[:, 0]) / depth - 1.0
+    rows, nearness = _read(_formulas(shown), left, right)
+    return np.asarray(_focal(used) * rows), points[:, 2] / float(used.baseline) * nearness - 1.0
+
+
+def _formulas(shown: View | None) -> Projection:
+    return projection(PINHOLE) if shown is None else shown.formulas
+
+
+def _read(
+    formulas: Projection, left: Inexact[np.ndarray, "*p 3"], right: Inexact[np.ndarray, "*p 3"]
+) -> tuple[Inexact[np.ndarray, "*p"], Inexact[np.ndarray, "*p"]]:
+    """Row differences in focal lengths, and baselines over depth along the axis of the left camera, of rectified rays
+    (*p, 3) that are at depth 1 of the cameras; analytic."""
+    (u, row), (v, other) = (formulas.project(*np.moveaxis(rays, -1, 0)) for rays in (left, right))
+    return row - other, formulas.nearness(u, v) * formulas.length(*np.moveaxis(left, -1, 0))
 
 
 def readings_at(
-    used: StereoRig, true: StereoRig, sets: Sequence[Float[np.ndarray, "_ 3"]]
+    used: StereoRig, true: StereoRig, sets: Sequence[Float[np.ndarray, "_ 3"]], shown: View | None = None
 ) -> tuple[list[Float[np.ndarray, "_"]], Float[np.ndarray, "d"], list[Float[np.ndarray, "_"]]]:
     """`readings` of several sets of points: the row differences of each, the mean relative error of its disparities,
     and what those of single points differ from it by."""
     ends = np.cumsum([len(points) for points in sets])[:-1]
-    rows, nearness = (np.split(found, ends) for found in readings(used, true, np.concatenate(sets)))
+    rows, nearness = (np.split(found, ends) for found in readings(used, true, np.concatenate(sets), shown))
     means = np.array([some.mean() for some in nearness])
     return rows, means, [some - mean for some, mean in zip(nearness, means, strict=True)]
 
@@ -107,11 +141,15 @@ class Consequences:
 
 
 def consequences(
-    chart: RigChart, theta: Float[np.ndarray, "n"], distances: tuple[float, ...] = DISTANCES
+    chart: RigChart,
+    theta: Float[np.ndarray, "n"],
+    distances: tuple[float, ...] = DISTANCES,
+    shown: View | None = None,
 ) -> Consequences:
-    """The linear maps at the rig at θ, at distances in baselines."""
+    """The linear maps at the rig at θ, at distances in baselines, in a view as `points_of_view` and `readings` have
+    it."""
     used = chart.rig_at(theta)
-    sets = [points_of_view(used, distance) for distance in distances]
+    sets = [points_of_view(used, distance, shown) for distance in distances]
     points = np.concatenate(sets)
     right = points @ used.rotation.T + used.translation
     # How the rays that the used cameras give move if the truth is another: those of pixels that stay, the other way.
@@ -122,26 +160,15 @@ def consequences(
     outer, by_extrinsics = moved_by_extrinsics(chart, theta, points)
     right_rays[outer] = -(by_extrinsics - right / right[:, 2:] * by_extrinsics[..., 2:]) / right[:, 2:]
     to_left, to_right = rectifying_rotations(used.rotation, used.translation)
-    (left, along, by_left), (right, _, by_right) = (
-        _rectified(seen, moved, np.asarray(rotation))
+    # Complex steps (Squire & Trapp 1998): derivatives of all that `_read` says, exact.
+    turned = (
+        (seen / seen[:, 2:] + _TINY * 1j * moved) @ np.asarray(rotation).T
         for seen, moved, rotation in ((points, left_rays, to_left), (right, right_rays, to_right))
     )
-    rows = _focal(used) * (by_left[..., 1] - by_right[..., 1])
-    # Disparity over nearness is as it should be; depth along the used camera's axis is over that along the common one.
-    disparity, by_disparity = left[:, 0] - right[:, 0], by_left[..., 0] - by_right[..., 0]
-    nearness = by_disparity / disparity + (left_rays @ to_left[2]) / along
+    rows, near = _read(_formulas(shown), *turned)
+    rows, nearness = _focal(used) * np.imag(rows) / _TINY, np.imag(near) / np.real(near) / _TINY
     ends = np.cumsum([len(points) for points in sets])[:-1]
     by_distance = [part.T for part in np.split(nearness, ends, axis=1)]
     means = np.stack([part.mean(axis=0) for part in by_distance])
     variation = tuple(part - mean for part, mean in zip(by_distance, means, strict=True))
     return Consequences(distances, tuple(np.split(rows.T, ends)), means, variation)
-
-
-def _rectified(
-    seen: Float[np.ndarray, "p 3"], moved: Float[np.ndarray, "n p 3"], rotation: Float[np.ndarray, "3 3"]
-) -> tuple[Float[np.ndarray, "p 2"], Float[np.ndarray, "p"], Float[np.ndarray, "n p 2"]]:
-    """Points at depth 1 of the common plane, what that depth is on a ray (x, y, 1), and how they move with the ray."""
-    turned, by_theta = seen / seen[:, 2:] @ rotation.T, moved @ rotation.T
-    along = turned[:, 2]
-    at_1 = turned[:, :2] / along[:, None]
-    return at_1, along, (by_theta[..., :2] - at_1 * by_theta[..., 2:]) / along[:, None]

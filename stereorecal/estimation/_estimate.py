@@ -24,7 +24,7 @@ from stereorecal.estimation._one_thread import one_blas_thread
 from stereorecal.estimation._parameters import DRIFTING, rig_parameters
 from stereorecal.estimation._posterior import Posterior
 from stereorecal.estimation._priors import Prior, as_prior
-from stereorecal.geometry import StereoRig
+from stereorecal.geometry import StereoRig, View
 from stereorecal.objectives import RigChart
 from stereorecal.scoring import Correspondences
 
@@ -51,6 +51,7 @@ class Estimate:
         shown: the mean row differences that it rests on; None where there are none.
         windows: pairs of pairs that told of the rig's motion.
         judged_at: distances [baselines] at which rows count; depth counts at the farthest.
+        view: in which rows and depth are judged; None: the rig's own.
     """
 
     chart: RigChart
@@ -64,6 +65,7 @@ class Estimate:
     shown: Groups | None = None
     windows: Windows = NO_WINDOWS
     judged_at: tuple[float, ...] = JUDGED_AT
+    view: View | None = None
 
     def __getstate__(self) -> dict[str, Any]:
         """What is derived stays behind: samples are larger than all else."""
@@ -104,7 +106,7 @@ class Estimate:
     @one_blas_thread()
     def depth_kept(self) -> Float[np.ndarray, "n"]:
         """The most probable θ whose depth is that of the given rig."""
-        return depth_kept(self.chart, self.theta, self.posterior.covariance)
+        return depth_kept(self.chart, self.theta, self.posterior.covariance, self.view)
 
     @one_blas_thread()
     def with_free(self, names: Sequence[str], *, keep_depth: bool = False) -> Float[np.ndarray, "n"]:
@@ -125,7 +127,9 @@ class Estimate:
         deviations = np.sqrt(np.diag(self.posterior.covariance))
         near = self._consequences
         as_mean = [np.zeros(len(points)) for points in near.variation]
-        return Known(self.chart, near, self.theta, deviations, self._target_nearness, as_mean, self.judged_at)
+        return Known(
+            self.chart, near, self.theta, deviations, self._target_nearness, as_mean, self.judged_at, self.view
+        )
 
     @one_blas_thread()
     def losses(self, used: Float[np.ndarray, "n"]) -> tuple[Float[np.ndarray, "d s"], Float[np.ndarray, "s"]]:
@@ -152,7 +156,7 @@ class Estimate:
     @one_blas_thread()
     def _read(self, used: Float[np.ndarray, "n"]) -> "_Read":
         """What the rig at θ = used reads at all distances: exact at the mean, linear around it."""
-        at_mean, nearness, variation = readings_at(self.chart.rig_at(used), self.mean_rig, self._points)
+        at_mean, nearness, variation = readings_at(self.chart.rig_at(used), self.mean_rig, self._points, self.view)
         rows = [_rms_of_samples(rows, *moved) for rows, moved in zip(at_mean, self._rows_of_samples, strict=True)]
         return _Read(np.stack(rows), nearness - self._nearness_of_samples, variation)
 
@@ -164,12 +168,12 @@ class Estimate:
     @cached_property
     @one_blas_thread()
     def _consequences(self) -> Consequences:
-        return consequences(self.chart, self.theta, self._distances)
+        return consequences(self.chart, self.theta, self._distances, self.view)
 
     @cached_property
     def _points(self) -> list[Float[np.ndarray, "_ 3"]]:
         """Over the view of the rig at the mean, at each distance."""
-        return [points_of_view(self.mean_rig, distance) for distance in self._distances]
+        return [points_of_view(self.mean_rig, distance, self.view) for distance in self._distances]
 
     @cached_property
     @one_blas_thread()
@@ -258,6 +262,7 @@ def estimate(
     start: Float[np.ndarray, "n"] | None = None,
     beams: Beams = NO_BEAMS,
     windows: Windows = NO_WINDOWS,
+    view: View | None = None,
 ) -> Estimate:
     """The estimate of a rig.
 
@@ -270,9 +275,10 @@ def estimate(
         beams: ranges of what was seen; they tell the length of the baseline, too, which the prior must know
             (`told_length` of `as_prior`).
         windows: tracks of consecutive pairs; they tell depth from the rig's own motion.
+        view: in which rows and depth are judged; default the rig's own.
     """
     chart = rig_parameters(rig)
-    return solved(found, chart, as_prior(prior, chart), start, beams, windows)[0]
+    return solved(found, chart, as_prior(prior, chart), start, beams, windows, view)[0]
 
 
 @one_blas_thread()
@@ -283,11 +289,13 @@ def solved(
     start: Float[np.ndarray, "n"] | None = None,
     beams: Beams = NO_BEAMS,
     windows: Windows = NO_WINDOWS,
+    view: View | None = None,
 ) -> tuple[Estimate, Explanation]:
     """The estimate, and the most probable one of its explanations."""
     end = fit(found, chart, prior, start, Measured(beams, windows))
     mean, rows = end.posterior.mean, end.rows
-    seen = Estimate(chart, end.posterior, end.misfit, 0, float("nan"), end.prior_variance, beams=beams, windows=windows)
+    seen = Estimate(chart, end.posterior, end.misfit, 0, float("nan"), end.prior_variance)
+    seen = replace(seen, beams=beams, windows=windows, view=view)
     if rows is not None:
         residual, others = rows.residual(mean), other_rigs(rows, sum(end.misfit), mean)
         rms = float(np.sqrt(np.mean(residual**2)))

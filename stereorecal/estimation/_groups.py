@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float, Int
 
-from stereorecal.geometry import rectifying_rotations, with_unit_baseline
+from stereorecal.geometry import PINHOLE, projection, rectifying_rotations, with_unit_baseline
 from stereorecal.objectives import LinearRows, RigChart, differences_at, linearised, read_by
 from stereorecal.scoring import Correspondences
 
@@ -35,6 +35,7 @@ class Groups:
         disparity: (g,) pixels at full size, under the rig at which they were grouped.
         count: (g,) correspondences.
         focal: of the rectified rows, in pixels at full size.
+        projection: by which rays become rows.
     """
 
     left: Float[np.ndarray, "g 3"]
@@ -46,6 +47,7 @@ class Groups:
     disparity: Float[np.ndarray, "g"]
     count: Int[np.ndarray, "g"]
     focal: float
+    projection: str = PINHOLE
 
     def __len__(self) -> int:
         return len(self.offset)
@@ -68,7 +70,8 @@ class Groups:
     def _as_correspondences(self) -> Correspondences:
         number, one = len(self), np.ones(())
         weight, tile = np.ones((1, number)), np.zeros((1, number), np.int32)
-        return Correspondences(self.left[None], self.right[None], weight, tile, np.asarray(self.focal), one, one)
+        focal = np.asarray(self.focal)
+        return Correspondences(self.left[None], self.right[None], weight, tile, focal, one, one, self.projection)
 
 
 def grouped(found: Correspondences, chart: RigChart, theta: Float[np.ndarray, "n"]) -> Groups:
@@ -82,7 +85,9 @@ def grouped(found: Correspondences, chart: RigChart, theta: Float[np.ndarray, "n
     places = _places(chart, left)
     if not seen.any():
         nothing, numbers = np.zeros(0), np.zeros(0, int)
-        return Groups(left, right, nothing, nothing, numbers, numbers, nothing, numbers, focal / scale)
+        return Groups(
+            left, right, nothing, nothing, numbers, numbers, nothing, numbers, focal / scale, found.projection
+        )
     cuts = np.quantile(disparity, np.arange(1, _DISPARITIES) / _DISPARITIES) if len(disparity) else []
     key = (frame * np.prod(PLACES) + places) * _DISPARITIES + np.searchsorted(cuts, disparity)
     order = np.argsort(key, kind="stable")
@@ -115,6 +120,7 @@ def grouped(found: Correspondences, chart: RigChart, theta: Float[np.ndarray, "n
         disparity=mean(disparity) / scale,
         count=n,
         focal=focal / scale,
+        projection=found.projection,
     ).of(n >= _FEWEST)
     if not len(groups):
         return groups
@@ -128,8 +134,9 @@ def _rectified(found: Correspondences, chart: RigChart, theta: Float[np.ndarray,
     read = read_by(found, chart.rig, rig)
     extrinsics = with_unit_baseline(rig.extrinsics)
     rotations = rectifying_rotations(rig.rotation, extrinsics[3:])
+    of_view = projection(found.projection)
     (x, y), (u, v) = (
-        (lambda ray: (ray[:, 0] / ray[:, 2], ray[:, 1] / ray[:, 2]))(np.asarray(rays, float)[seen] @ rotation.T)
+        of_view.project(*(np.asarray(rays, float)[seen] @ rotation.T).T)
         for rays, rotation in zip((read.left, read.right), rotations, strict=True)
     )
     return float(found.focal) * (y - v), float(found.focal) * (x - u)

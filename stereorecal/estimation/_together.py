@@ -23,7 +23,7 @@ from stereorecal.estimation._explanations import Explanation
 from stereorecal.estimation._knowledge import updated
 from stereorecal.estimation._motion import NO_WINDOWS, Windows
 from stereorecal.estimation._parameters import DRIFTING, rig_parameters
-from stereorecal.geometry import StereoRig
+from stereorecal.geometry import StereoRig, View
 from stereorecal.scoring import Correspondences
 
 _ROUNDS = 3  # the first knows nothing of the others
@@ -43,6 +43,7 @@ class Recording:
         start: (n,) θ to begin at; default 0.
         beams: ranges of what it shows.
         windows: of its frames that follow each other.
+        view: in which its rows and depth are judged; None: the rig's own.
     """
 
     found: Correspondences
@@ -51,6 +52,7 @@ class Recording:
     start: Float[np.ndarray, "n"] | None = None
     beams: Beams = NO_BEAMS
     windows: Windows = NO_WINDOWS
+    view: View | None = None
 
 
 def estimate_together(
@@ -84,7 +86,7 @@ def _round(
 def _solved(task: tuple[Recording, CalibrationPrior]) -> tuple[Estimate, Normal]:
     """A recording with what is known before it, and what it shows of the calibration's error."""
     one, prior = task
-    seen, best = solved(one.found, rig_parameters(one.rig), prior, one.start, one.beams, one.windows)
+    seen, best = solved(one.found, rig_parameters(one.rig), prior, one.start, one.beams, one.windows, one.view)
     return seen, of_calibration(best)
 
 

@@ -15,10 +15,8 @@ from stereorecal.geometry._intrinsics import (
     reread as reread,
 )
 from stereorecal.geometry._rectification import (
-    View as View,
     rectifying_rotations as rectifying_rotations,
     rectifying_slopes as rectifying_slopes,
-    view as view,
 )
 from stereorecal.geometry._rectified import Rectification as Rectification, rectification as rectification
 from stereorecal.geometry._rig import (
@@ -37,6 +35,7 @@ from stereorecal.geometry._so3 import (
     rotation_from_vector as rotation_from_vector,
     vector_from_rotation as vector_from_rotation,
 )
+from stereorecal.geometry._view import PINHOLE as PINHOLE, View as View, view as view
 from stereorecal.geometry._warp import (
     PixelMap as PixelMap,
     bilinear_warp as bilinear_warp,
@@ -48,3 +47,4 @@ from stereorecal.geometry._warp import (
 )
 from stereorecal.geometry.lenses import LensModel as LensModel, lens_model as lens_model
 from stereorecal.geometry.lenses._radial_tangential import distort as distort, undistort as undistort
+from stereorecal.geometry.projections import Projection as Projection, projection as projection

@@ -1,6 +1,6 @@
 """One camera: image size, camera matrix, lens."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from jaxtyping import Float
@@ -22,8 +22,9 @@ class Camera:
         distortion: (n,) float64, the coefficients of the model; of "radtan" n in 0, 4, 5, 8, 12, 14, in OpenCV's order.
         lens_radius: largest undistorted radius, hypot(x/z, y/z), that the lens model is good for, 8 at most (83
             degrees off the axis); derived from the distortion by default.
+        lens_field: the same as an angle off the axis in radians, without that limit.
         model: "radtan" (OpenCV's pinhole model), "equidistant" (`cv2.fisheye`: k1 k2 k3 k4), "ds" (double sphere: xi
-            alpha) or "eucm" (extended unified: alpha beta).
+            alpha), "eucm" (extended unified: alpha beta) or "omni" (unified with distortion: xi k1 k2 p1 p2).
 
     Raises:
         InputError: if the matrix is singular, negative, skewed or not finite, the size is not positive, or the
@@ -35,6 +36,7 @@ class Camera:
     matrix: Mat3
     distortion: Float[AnyArray, "n"] = field(default_factory=lambda: np.zeros(0))
     lens_radius: float | Float[AnyArray, ""] = float("nan")
+    lens_field: float | Float[AnyArray, ""] = field(default=float("nan"), kw_only=True)
     model: str = field(default="radtan", kw_only=True, metadata={"static": True})
 
     def __post_init__(self) -> None:
@@ -64,6 +66,8 @@ class Camera:
         object.__setattr__(self, "distortion", distortion)
         if np.isnan(self.lens_radius):
             object.__setattr__(self, "lens_radius", np.float64(lens.flat_radius(distortion)))
+        if np.isnan(self.lens_field):
+            object.__setattr__(self, "lens_field", np.float64(lens.field(distortion)))
 
     @property
     def lens(self) -> LensModel:
@@ -73,7 +77,7 @@ class Camera:
     @property
     def focal(self) -> Float[np.ndarray, "2"]:
         """Pixels that a radian takes in the middle of the image, along x and y: the resolution there. The focal lengths
-        of the matrix, but of double spheres."""
+        of the matrix, but of double spheres and omni lenses."""
         return self.lens.magnification(np.asarray(self.distortion)) * np.asarray(self.matrix)[(0, 1), (0, 1)]
 
     def resized(self, size: tuple[int, int]) -> "Camera":
@@ -82,7 +86,7 @@ class Camera:
         matrix = self.matrix * scale[:, None]
         centre = (np.asarray(self.matrix)[:2, 2] + 0.5) * scale[:2] - 0.5
         matrix[:2, 2] = centre
-        return Camera(size, matrix, self.distortion, self.lens_radius, model=self.model)
+        return replace(self, size=size, matrix=matrix)
 
     def project(self, points: Float[AnyArray, "*n 3"]) -> Float[AnyArray, "*n 2"]:
         """Points in the camera frame (any unit; z > 0, unless the lens is wide) to pixels."""

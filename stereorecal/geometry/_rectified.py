@@ -7,9 +7,10 @@ from jaxtyping import Float, Num
 
 from stereorecal._arrays import Mat3
 from stereorecal._errors import InputError
-from stereorecal.geometry._rectification import View, rectifying_rotations, view as view_of
+from stereorecal.geometry._rectification import rectifying_rotations
 from stereorecal.geometry._rig import StereoRig
-from stereorecal.geometry._warp import pixel_map
+from stereorecal.geometry._view import PINHOLE, View, view as view_of
+from stereorecal.geometry._warp import rectifying_maps
 
 Projection = Float[np.ndarray, "3 4"]
 Plane = Float[np.ndarray, "h w"]
@@ -19,22 +20,56 @@ Plane = Float[np.ndarray, "h w"]
 class Rectification:
     """What `cv2.stereoRectify` and `cv2.initUndistortRectifyMap` return, in the units of the rig: metres and pixels.
 
+    P1, P2 and Q are those of a pinhole, and of another view there are none: its disparities do not tell depth alone,
+    but with their columns. `depth` and `points` are of any view.
+
     Attributes:
-        size: (width, height) of the rectified images.
+        view: the rectified cameras.
+        baseline: of the rig, metres.
         R1, R2: (3, 3) left and right camera frame to the rectified frame.
-        P1, P2: (3, 4) rectified projection matrices; P2[0, 3] is minus the focal length times the baseline.
-        Q: (4, 4), takes (column, row, disparity, 1) to homogeneous points in the left rectified frame.
         maps: of the left and the right image, each (map_x, map_y) of (h, w) float32: for
             `cv2.remap(image, *maps[0], cv2.INTER_LINEAR)`. Pixels that no ray of the lens reaches are at (-1, -1).
     """
 
-    size: tuple[int, int]
+    view: View
+    baseline: float
     R1: Mat3
     R2: Mat3
-    P1: Projection
-    P2: Projection
-    Q: Float[np.ndarray, "4 4"]
     maps: tuple[tuple[Plane, Plane], tuple[Plane, Plane]]
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """(width, height) of the rectified images."""
+        return self.view.size
+
+    @property
+    def P1(self) -> Projection:
+        """(3, 4) projection matrix of the left rectified camera."""
+        return np.column_stack([self._matrix("P1", self.view.matrix_left), np.zeros(3)])
+
+    @property
+    def P2(self) -> Projection:
+        """(3, 4) projection matrix of the right one; P2[0, 3] is minus the focal length times the baseline."""
+        found = np.column_stack([self._matrix("P2", self.view.matrix_right), np.zeros(3)])
+        found[0, 3] = -float(self.view.focal) * self.baseline
+        return found
+
+    @property
+    def Q(self) -> Float[np.ndarray, "4 4"]:
+        """(4, 4), takes (column, row, disparity, 1) to homogeneous points in the left rectified frame."""
+        left, found = self._matrix("Q", self.view.matrix_left), np.eye(4)
+        found[:3, 3] = -left[0, 2], -left[1, 2], float(self.view.focal)
+        found[2, 2] = 0.0
+        found[3, 2:] = 1.0 / self.baseline, -float(self.view.at_infinity) / self.baseline
+        return found
+
+    def _matrix(self, name: str, matrix: Mat3) -> Float[np.ndarray, "3 3"]:
+        if self.view.projection != PINHOLE:
+            raise InputError(
+                f"{name} is a pinhole's, and this view is {self.view.projection}; use maps, depth and points, or a "
+                "pinhole view: sr.view(rig)."
+            )
+        return np.asarray(matrix, float)
 
     def depth(self, disparity: Num[np.ndarray, "*n"]) -> Float[np.ndarray, "*n"]:
         """Depth z in the rectified frame [m] of disparities in pixels (x_left - x_right); inf where there is none: at
@@ -42,17 +77,16 @@ class Rectification:
 
         `cv2.StereoSGBM` and `StereoBM` compute int16 in sixteenths of a pixel: divide by 16.0.
 
+        Args:
+            disparity: of a pinhole of any shape, else a disparity image.
+
         Raises:
-            InputError: if the disparities are integers.
+            InputError: if the disparities are integers, or those of a view that is no pinhole are no image of its size.
         """
-        if np.ndim(disparity) and np.asarray(disparity).dtype.kind in "iu":
-            raise InputError(
-                f"the disparities are {disparity.dtype}, which cv2's matchers have for sixteenths of a pixel; give "
-                "pixels as floating point: disparity / 16.0."
-            )
-        shift = np.asarray(disparity, float) - (self.P1[0, 2] - self.P2[0, 2])
-        with np.errstate(divide="ignore"):
-            return np.where(shift > 0.0, -self.P2[0, 3] / shift, np.where(np.isnan(shift), np.nan, np.inf))
+        disparity = _checked(disparity)
+        if self.view.projection == PINHOLE:
+            return self._over(np.asarray(self.view.nearness(np.zeros(()), disparity)))
+        return self._over(self._nearness(disparity)) * self._directions()[..., 2]
 
     def points(self, disparity: Num[np.ndarray, "h w"]) -> Float[np.ndarray, "h w 3"]:
         """Points (x, y, z) [m] of a disparity image, in the frame of the left camera as it stands on the rig; NaN where
@@ -61,25 +95,36 @@ class Rectification:
         `cv2.reprojectImageTo3D(disparity, Q)` gives the same points turned by R1.
 
         Raises:
-            InputError: as `depth`, or if the image has another size than the rectified ones.
+            InputError: if the disparities are integers, or the image has another size than the rectified ones.
         """
-        if np.shape(disparity) != self.size[::-1]:
+        far = self._over(self._nearness(_checked(disparity)))
+        return (self._directions() * np.where(np.isfinite(far), far, np.nan)[..., None]) @ np.asarray(self.R1)
+
+    def _over(self, nearness: Float[np.ndarray, "*n"]) -> Float[np.ndarray, "*n"]:
+        """Metres."""
+        with np.errstate(divide="ignore"):
+            return np.where(nearness > 0.0, self.baseline / nearness, np.where(np.isnan(nearness), np.nan, np.inf))
+
+    def _nearness(self, disparity: Float[np.ndarray, "*n"]) -> Float[np.ndarray, "h w"]:
+        if disparity.shape != self.size[::-1]:
             raise InputError(
-                f"the disparity image has the shape {np.shape(disparity)}, and the rectified images "
+                f"the disparity image has the shape {disparity.shape}, and the rectified images "
                 f"{self.size[::-1]}; give one of that shape."
             )
-        z = self.depth(disparity)
-        z = np.where(np.isfinite(z), z, np.nan)
-        rows, columns = np.indices(np.shape(disparity), float)
-        rays = np.stack(
-            [
-                (columns - self.P1[0, 2]) / self.P1[0, 0],
-                (rows - self.P1[1, 2]) / self.P1[1, 1],
-                np.ones_like(columns),
-            ],
-            axis=-1,
+        return np.asarray(self.view.nearness(np.indices(disparity.shape, float)[1], disparity))
+
+    def _directions(self) -> Float[np.ndarray, "h w 3"]:
+        rows, columns = np.indices(self.size[::-1], float)
+        return np.asarray(self.view.directions(columns, rows, 0))
+
+
+def _checked(disparity: Num[np.ndarray, "*n"]) -> Float[np.ndarray, "*n"]:
+    if np.ndim(disparity) and np.asarray(disparity).dtype.kind in "iu":
+        raise InputError(
+            f"the disparities are {disparity.dtype}, which cv2's matchers have for sixteenths of a pixel; give "
+            "pixels as floating point: disparity / 16.0."
         )
-        return (rays * z[..., None]) @ np.asarray(self.R1)
+    return np.asarray(disparity, float)
 
 
 def rectification(rig: StereoRig, view: View | None = None) -> Rectification:
@@ -90,17 +135,7 @@ def rectification(rig: StereoRig, view: View | None = None) -> Rectification:
     """
     view = view_of(rig) if view is None else view
     R1, R2 = (np.asarray(r, float) for r in rectifying_rotations(rig.rotation, rig.translation))
-    left, right = (np.asarray(matrix, float) for matrix in (view.matrix_left, view.matrix_right))
-    baseline, focal = float(rig.baseline), float(view.focal)
-    P1, P2 = (np.column_stack([matrix, np.zeros(3)]) for matrix in (left, right))
-    P2[0, 3] = -focal * baseline
-    Q = np.eye(4)
-    Q[:3, 3] = -left[0, 2], -left[1, 2], focal
-    Q[2, 2] = 0.0
-    Q[3, 2:] = 1.0 / baseline, -(left[0, 2] - right[0, 2]) / baseline
-    planes = [
-        np.asarray(pixel_map(camera, rotation, matrix, view.size), np.float32)
-        for camera, rotation, matrix in ((rig.left, R1, left), (rig.right, R2, right))
-    ]
-    maps = ((planes[0][0], planes[0][1]), (planes[1][0], planes[1][1]))
-    return Rectification(view.size, R1, R2, P1, P2, Q, maps)
+    (left_x, left_y), (right_x, right_y) = (
+        np.asarray(one, np.float32) for one in rectifying_maps(rig.left, rig.right, rig.rotation, rig.translation, view)
+    )
+    return Rectification(view, float(rig.baseline), R1, R2, ((left_x, left_y), (right_x, right_y)))

@@ -8,35 +8,47 @@ from jaxtyping import Bool, Float
 
 from stereorecal._arrays import AnyArray, Mat3
 from stereorecal.geometry._camera import Camera
-from stereorecal.geometry._rectification import View, rectifying_rotations
+from stereorecal.geometry._rectification import rectifying_rotations
+from stereorecal.geometry._view import PINHOLE, View
+from stereorecal.geometry.projections import projection as projection_of
 
 PixelMap = Float[AnyArray, "2 h w"]  # a plane of columns x and one of rows y
 
 
-def pixel_map(camera: Camera, rotation: Mat3, matrix: Mat3, size: tuple[int, int]) -> PixelMap:
+def pixel_map(
+    camera: Camera, rotation: Mat3, matrix: Mat3, size: tuple[int, int], projection: str = PINHOLE
+) -> PixelMap:
     """Where each pixel of a rectified view comes from in the camera's image: (2, h, w), columns x and rows y.
 
-    Same as `initUndistortRectifyMap(K, D, rotation, matrix, size)` of `cv2`, or of `cv2.fisheye` for an equidistant
-    lens, float32, except that pixels behind the camera or beyond the radius at which the lens model folds back lie at
-    (-1, -1), outside every image.
+    Of a pinhole the same as `initUndistortRectifyMap(K, D, rotation, matrix, size)` of `cv2`, or of `cv2.fisheye` for
+    an equidistant lens, float32, except that pixels that the lens does not show, behind the camera or beyond the angle
+    at which its model folds back, lie at (-1, -1), outside every image.
 
     Args:
         rotation: (3, 3) camera frame to rectified frame.
-        matrix: (3, 3) camera matrix of the view.
+        matrix: (3, 3) from image points of the projection to pixels of the view.
         size: (width, height) of the view.
+        projection: of the view.
     """
-    columns = (jnp.arange(size[0], dtype=jnp.float32) - matrix[0, 2]) / matrix[0, 0]
-    rows = (jnp.arange(size[1], dtype=jnp.float32) - matrix[1, 2]) / matrix[1, 1]
-    x, y = columns[None, :], rows[:, None]
-    r = rotation  # rays of the view, turned back by the transpose
-    ray_x = r[0, 0] * x + r[1, 0] * y + r[2, 0]
-    ray_y = r[0, 1] * x + r[1, 1] * y + r[2, 1]
-    ray_z = r[0, 2] * x + r[1, 2] * y + r[2, 2]
-    forward = ray_z > 1e-3
-    inverse_z = 1.0 / jnp.where(forward, ray_z, 1.0)
-    x, y = ray_x * inverse_z, ray_y * inverse_z
-    seen = forward & (x * x + y * y < camera.lens_radius**2)
-    planes = camera.lens.project(x, y, 1.0, camera.distortion)
+    formulas = projection_of(projection)
+    u = ((jnp.arange(size[0], dtype=jnp.float32) - matrix[0, 2]) / matrix[0, 0])[None, :]
+    v = ((jnp.arange(size[1], dtype=jnp.float32) - matrix[1, 2]) / matrix[1, 1])[:, None]
+    x, y, z = formulas.directions(u, v)
+    r = rotation  # directions of the view, turned back by the transpose
+    ray_x, ray_y, ray_z = (r[0, axis] * x + r[1, axis] * y + r[2, axis] * z for axis in range(3))
+    if camera.lens.WIDE:
+        length = jnp.sqrt(ray_x * ray_x + ray_y * ray_y + ray_z * ray_z)
+        seen = ray_z > length * jnp.cos(camera.lens_field)
+        # A direction that is seen, for those that are not: derivatives of what is not used must be finite, too.
+        ray_x, ray_y, ray_z = (jnp.where(seen, ray, axis) for ray, axis in ((ray_x, 0.0), (ray_y, 0.0), (ray_z, 1.0)))
+        planes = camera.lens.project(ray_x, ray_y, ray_z, camera.distortion)
+    else:
+        forward = ray_z > 1e-3
+        inverse_z = 1.0 / jnp.where(forward, ray_z, 1.0)
+        x, y = ray_x * inverse_z, ray_y * inverse_z
+        seen = forward & (x * x + y * y < camera.lens_radius**2)
+        planes = camera.lens.project(x, y, 1.0, camera.distortion)
+    seen = seen & formulas.shows(u, v)
     return jnp.stack(
         [jnp.where(seen, p * camera.matrix[i, i] + camera.matrix[i, 2], -1.0) for i, p in enumerate(planes)]
     )
@@ -48,8 +60,8 @@ def rectifying_maps(
     """The pixel maps of both cameras for one set of extrinsics in one View."""
     r1, r2 = rectifying_rotations(rotation, translation)
     return (
-        pixel_map(left, r1, view.matrix_left, view.size),
-        pixel_map(right, r2, view.matrix_right, view.size),
+        pixel_map(left, r1, view.matrix_left, view.size, view.projection),
+        pixel_map(right, r2, view.matrix_right, view.size, view.projection),
     )
 
 

@@ -6,8 +6,10 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal.geometry import (
+    Projection,
     StereoRig,
     euler_slopes,
+    projection,
     ray_slopes,
     rectifying_rotations,
     rectifying_slopes,
@@ -62,8 +64,8 @@ def linearised(found: Correspondences, chart: RigChart, z: Float[np.ndarray, "n"
     Args:
         found: with the rays that the cameras of the chart's own rig give.
 
-    Extrinsics act through the rectifying rotations, intrinsics through the rays. A row is f (r₁ · x) / (r₂ · x), with
-    the rows r₁, r₂ of a rotation and a ray x, and its derivatives follow from theirs.
+    Extrinsics act through the rectifying rotations, intrinsics through the rays. A row is a function of r₁ · x and
+    r₂ · x, with the rows r₁, r₂ of a rotation and a ray x, and its derivatives follow from theirs.
     """
     rig = chart.rig_at(z)
     found = read_by(found, chart.rig, rig)
@@ -73,37 +75,40 @@ def linearised(found: Correspondences, chart: RigChart, z: Float[np.ndarray, "n"
     by_rotation = np.tensordot(by_angles, euler_slopes(np.asarray(rig.extrinsics[:3])), 1)
     slopes = rectifying_slopes(np.asarray(rig.rotation), np.asarray(rig.translation), by_rotation, by_shift)
     shape = np.shape(found.weight)
-    jacobian, rows = np.zeros((z.size, *shape)), np.zeros(shape)
+    jacobian, rows, of_view = np.zeros((z.size, *shape)), np.zeros(shape), projection(found.projection)
     for side, sign in enumerate((1.0, -1.0)):
         rays, camera = np.asarray(getattr(found, SIDES[side]), float), getattr(rig, SIDES[side])
-        across, by_rotation = _rows(rays, here[side], slopes[:, side])
-        rows += sign * across
+        row, by_rotation = _rows(of_view, rays, here[side], slopes[:, side])
+        rows += sign * row
         jacobian[outer] += sign * by_rotation
         own = [index for index, name in enumerate(chart.names) if name.startswith(SIDES[side])]
         if own:
             moved = ray_slopes(camera, rays, [chart.names[index].split(".")[1] for index in own])
-            jacobian[own] = sign * _by_rays(rays, across, here[side], moved) * chart.half_width[own, None, None]
+            jacobian[own] = sign * _by_rays(of_view, rays, here[side], moved) * chart.half_width[own, None, None]
     focal = float(found.focal)
     return LinearRows(z, focal * rows, focal * jacobian)
 
 
 def _rows(
-    rays: Float[np.ndarray, "k m 3"], rotation: Float[np.ndarray, "3 3"], slopes: Float[np.ndarray, "n 3 3"]
+    of_view: Projection,
+    rays: Float[np.ndarray, "k m 3"],
+    rotation: Float[np.ndarray, "3 3"],
+    slopes: Float[np.ndarray, "n 3 3"],
 ) -> tuple[Float[np.ndarray, "k m"], Float[np.ndarray, "n k m"]]:
     """Rectified rows, in focal lengths, and their derivatives."""
     planes = np.concatenate([rotation[1:], slopes[:, 1], slopes[:, 2]])
-    (across, along), moved = np.split(planes @ rays.reshape(-1, 3).T, [2])
-    rows, (across_by, along_by) = across / along, np.split(moved, 2)
-    shape = rays.shape[:2]
-    return rows.reshape(shape), ((across_by - rows * along_by) / along).reshape(-1, *shape)
+    (y, z), moved = np.split(planes @ rays.reshape(-1, 3).T, [2])
+    (by_y, by_z), (y_by, z_by), shape = of_view.row_slopes(y, z), np.split(moved, 2), rays.shape[:2]
+    return of_view.row(y, z).reshape(shape), (by_y * y_by + by_z * z_by).reshape(-1, *shape)
 
 
 def _by_rays(
+    of_view: Projection,
     rays: Float[np.ndarray, "k m 3"],
-    rows: Float[np.ndarray, "k m"],
     rotation: Float[np.ndarray, "3 3"],
     moved: Float[np.ndarray, "p k m 2"],
 ) -> Float[np.ndarray, "p k m"]:
     """Derivatives of rectified rows, in focal lengths, of rays (x, y, 1) that move."""
     points = rays / rays[..., 2:]
-    return (moved @ rotation[1, :2] - rows * (moved @ rotation[2, :2])) / (points @ rotation[2])
+    by_y, by_z = of_view.row_slopes(points @ rotation[1], points @ rotation[2])
+    return by_y * (moved @ rotation[1, :2]) + by_z * (moved @ rotation[2, :2])

@@ -92,7 +92,8 @@ def common(recordings: Sequence[Recording], free: Parameters, *, one: bool, each
         beams = tuple(each(beams_of, [r.task(r.repair.candidate, ranges=True) for r in recordings]))
     priors, shown = _priors(recordings, free), []
     for r, prior, some in zip(recordings, priors, beams, strict=True):
-        shown.append(Shown(r.found, r.repair.initial, prior, _start(r, r.repair.candidate), some))
+        start = _start(r, r.repair.candidate)
+        shown.append(Shown(r.found, r.repair.initial, prior, start, some, view=r.repair.view))
     first = _solved(recordings, free, shown, beams, one=one, each=each)
     rigs = [first.rig(index) for index in range(len(recordings))]
     again = each(matched, [r.task(rig) for rig, r in zip(rigs, recordings, strict=True)])

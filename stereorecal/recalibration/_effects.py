@@ -64,14 +64,14 @@ def rows_apart(
         where not both cameras see the point.
     """
     to_left, to_right = rectifying_rotations(used.rotation, used.translation)
-    x, y = np.meshgrid((columns - view.centre_left) / view.focal, (rows - view.centre_row) / view.focal)
-    shown = np.stack([x, y, np.ones_like(x)], axis=-1) @ to_left
+    in_view = np.meshgrid(columns, rows)
+    shown = np.asarray(view.directions(*in_view, 0)) @ to_left
     true = _reread(_seen(shown, used.left), used.left, better.left)
     apart = []
     for distance in ROW_DISTANCES:
         from_right = true @ better.rotation.T + better.translation / (distance * float(better.baseline))
         read = _reread(_seen(from_right, better.right), better.right, used.right) @ to_right.T
-        apart.append(view.focal * (y - _at_depth_1(read)[..., 1]))
+        apart.append(in_view[1] - view.pixels(_at_depth_1(read), 1)[1])
     return np.stack(apart)
 
 

@@ -70,17 +70,18 @@ def answered(case: Case, found: Correspondences, near: StereoRig, again_at: floa
     seeing = int(np.any(np.asarray(without(found, apart).weight) > 0, axis=1).sum())
     most = MOST_APART * (seeing + len(apart))
     start, tracks = rig_parameters(case.rig).coordinates_of(near), windows_of(case, found)
+    view = case.images.view
     while True:
         rest = without(found, apart)
         ranges, windows = matched_ranges(case, found, near, apart), without_frames(tracks, apart)
-        seen = estimate(rest, case.rig, case.prior, start=start, beams=ranges, windows=windows)
+        seen = estimate(rest, case.rig, case.prior, start=start, beams=ranges, windows=windows, view=view)
         if not seen.other_rigs or len(apart) > most:
             break
         apart, start = (*apart, seen.other_rigs[0].frame), seen.theta
     if refused := len(apart) > most:
         rest = found
         ranges, windows = matched_ranges(case, found, near), without_frames(tracks, ())
-        seen = estimate(rest, case.rig, case.prior, start=start, beams=ranges, windows=windows)
+        seen = estimate(rest, case.rig, case.prior, start=start, beams=ranges, windows=windows, view=view)
     if again_at is not None and case.free.lenses:
         seen, rest = _matched_again(case, seen, rest, again_at)
     return Answer(rest, seen, tuple(sorted(apart)), refused, decide(seen, case.free.names, case.tolerances))
@@ -138,7 +139,10 @@ def _matched_again(
     again = replace(again, weight=np.asarray(again.weight) * kept[:, None])
     if again.found < FEWEST:
         return seen, found
-    return estimate(again, case.rig, case.prior, start=seen.theta, beams=seen.beams, windows=seen.windows), again
+    seen = estimate(
+        again, case.rig, case.prior, start=seen.theta, beams=seen.beams, windows=seen.windows, view=seen.view
+    )
+    return seen, again
 
 
 def ended_by(case: Case, answer: Answer, near: StereoRig) -> Ending:

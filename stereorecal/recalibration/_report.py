@@ -182,7 +182,7 @@ def _settings(solution: Any) -> dict[str, Any]:
         {
             **(asked.as_text() if asked is not None else {}),
             "reach": f"{solution.reach.degrees:g}°, {solution.reach.baseline_fraction:g} of the baseline",
-            "view": f"{view.size[0]} x {view.size[1]} pixels, focal length {view.focal:.3f} px",
+            "view": str(view),
             "matcher, with the range that was measured": matcher_as_text(solution.matcher),
             "stages that ran": "; ".join(stages) or "none",
             "cost": f"{solution.cost.total:.1f} units",

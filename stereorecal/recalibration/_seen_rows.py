@@ -73,8 +73,7 @@ def _cells(
     width, height = view.size
     turn, _ = rectifying_rotations(candidate.rotation, candidate.translation)
     rays = np.asarray(found.left, float)[frame][here[frame]] @ np.asarray(turn).T
-    x = view.focal * rays[:, 0] / rays[:, 2] + view.centre_left
-    y = view.focal * rays[:, 1] / rays[:, 2] + view.centre_row
+    x, y = view.pixels(rays, 0)
     column = np.clip((x / width * _CELLS[0]).astype(int), 0, _CELLS[0] - 1)
     row = np.clip((y / height * _CELLS[1]).astype(int), 0, _CELLS[1] - 1)
     return row * _CELLS[0] + column

@@ -5,17 +5,17 @@ fixed by the shape of the images, and neighbours whose windows overlap do not vo
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
 from stereorecal._arrays import AnyArray, Extrinsics, namespace
 from stereorecal._pytree import register_pytree
-from stereorecal.geometry import cubic_warp, rectifying_rotations, rotation_from_euler
+from stereorecal.geometry import PINHOLE, Camera, cubic_warp, rectifying_rotations, rotation_from_euler
 from stereorecal.matching import AbstractMatcher, Disparity
 from stereorecal.scoring._extrinsics import checked_extrinsics
 from stereorecal.scoring._matchers import pure_matcher
@@ -42,6 +42,7 @@ class Correspondences:
         focal: of the view, in pixels of the scale at which they were found.
         scale: pixels there per pixel at full size.
         independent: how many of them carry independent information, as a share: windows overlap.
+        projection: of the view, by which rays become rows.
     """
 
     left: Float[AnyArray, "k m 3"]
@@ -51,6 +52,7 @@ class Correspondences:
     focal: Float[AnyArray, ""]
     scale: Float[AnyArray, ""]
     independent: Float[AnyArray, ""]
+    projection: str = field(default=PINHOLE, metadata={"static": True})
 
     @property
     def found(self) -> int:
@@ -107,6 +109,7 @@ def gathered(
         xp.asarray(data.view.focal, np.float32),
         xp.asarray(data.scale, np.float32),
         xp.asarray(min(1.0, side**2 / WINDOW**2), np.float32),
+        data.view.projection,
     )
 
 
@@ -123,8 +126,8 @@ def refined(data: ScoringData, extrinsics: Extrinsics, found: Disparity) -> tupl
     columns, rows = jnp.meshgrid(jnp.arange(width, dtype=jnp.float32), jnp.arange(height, dtype=jnp.float32))
     to_left, to_right = rectifying_rotations(rotation_from_euler(extrinsics[:3]), extrinsics[3:])
 
-    def rays(x, y, centre, rotation):
-        ray = jnp.stack([(x - centre) / view.focal, (y - view.centre_row) / view.focal, jnp.ones_like(x)], axis=-1)
+    def rays(x, y, side, rotation):
+        ray = view.directions(x, y, side)
         return jnp.matmul(ray, rotation, precision=jax.lax.Precision.HIGHEST)  # turned back by the transpose
 
     def frame(rectified: Rectified, disparity: Disparity):
@@ -132,11 +135,20 @@ def refined(data: ScoringData, extrinsics: Extrinsics, found: Disparity) -> tupl
         weight = jnp.where(offsets.good, 1.0 / (offsets.variance + _FLOOR**2), 0.0)
         fields = jnp.stack([columns, rows, offsets.disparity, offsets.row])
         (x, y, d, v), weight = _means_of_cells(fields, weight, side)
-        left = rays(x, y, view.centre_left, to_left)
-        right = rays(x - d, y + v, view.centre_right, to_right)
-        return left, right, weight
+        left, right = rays(x, y, 0, to_left), rays(x - d, y + v, 1, to_right)
+        if view.projection == PINHOLE and not (data.left_camera.lens.WIDE or data.right_camera.lens.WIDE):
+            return left, right, weight
+        flat = _flat(left, data.left_camera) & _flat(right, data.right_camera)
+        ahead = jnp.asarray([0.0, 0.0, 1.0])  # for what has no ray (x/z, y/z, 1)
+        left, right = (jnp.where(flat[:, None], ray, ahead) for ray in (left, right))
+        return left, right, jnp.where(flat, weight, 0.0)
 
     return rectify_frames(data, extrinsics, frame, warp=cubic_warp, more=(found,))
+
+
+def _flat(rays: Float[jax.Array, "m 3"], camera: Camera) -> Bool[jax.Array, "m"]:
+    """Whether rays are those that the estimate works with: (x/z, y/z, 1) within the lens radius."""
+    return jnp.hypot(rays[:, 0], rays[:, 1]) < camera.lens_radius * rays[:, 2]
 
 
 def _means_of_cells(fields: Float[jax.Array, "c h w"], weight: Float[jax.Array, "h w"], side: int):

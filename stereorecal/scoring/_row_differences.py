@@ -5,7 +5,7 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal._arrays import AnyArray, Extrinsics, is_host, namespace
-from stereorecal.geometry import rectifying_rotations, rotation_from_euler
+from stereorecal.geometry import projection, rectifying_rotations, rotation_from_euler
 from stereorecal.scoring._correspondences import Correspondences
 from stereorecal.scoring._extrinsics import checked_extrinsics
 
@@ -37,8 +37,9 @@ def differences_of(found: Correspondences, extrinsics: Extrinsics) -> Float[AnyA
     def rows(rays, rotation):
         x, y, z = rays[..., 0], rays[..., 1], rays[..., 2]  # written out: a GPU would multiply matrices with ten bits
         (a, b, c), (d, e, f) = rotation[1], rotation[2]
-        return (a * x + b * y + c * z) / (d * x + e * y + f * z)
+        return row(a * x + b * y + c * z, d * x + e * y + f * z)
 
+    row = projection(found.projection).row
     return xp.asarray(found.focal) * (rows(found.left, first) - rows(found.right, second))
 
 

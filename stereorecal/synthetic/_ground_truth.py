@@ -39,31 +39,30 @@ def ground_truth(
     rig, world = rig or default_rig(), make_world(kind, seed)
     view = view or make_view(rig)
     left_turn, _ = rectifying_rotations(rig.rotation, rig.translation)
-    pixels = pixel_grid(view.size)
-    ideal = np.concatenate([pixels, np.ones_like(pixels[..., :1])], -1) @ np.linalg.inv(view.matrix_left).T
-    directions = ideal @ left_turn
+    columns, rows = np.moveaxis(pixel_grid(view.size), -1, 0)
+    rectified = np.asarray(view.directions(columns, rows, 0))
+    directions = rectified @ left_turn
     pose, focal = world.motion.pose(frame), float(view.focal)
     rays = world_rays(pose, rig, 0, directions.astype(np.float32), focal)
-    z = depth(world, rays)
-    inverse = 1.0 / z.astype(float)
-    infinity = float(view.centre_left) - float(view.centre_right)
-    disparity = focal * float(rig.baseline) * inverse + infinity
+    far = depth(world, rays)  # in lengths of the directions
+    nearness = float(rig.baseline) / far.astype(float)
+    in_right = rectified - nearness[..., None] * [1.0, 0.0, 0.0]
+    disparity = np.asarray(view.pixels(rectified, 0)[0] - view.pixels(in_right, 1)[0])
 
     # Occlusion: cast the ray from the right camera to each point. The sky, put at 1e5 m, is hidden by what stands
     # before it as well; half a percent of the depth is tolerated for rounding.
-    near = np.isfinite(z)
-    points = directions * np.where(near, z, 1e5)[..., None]
+    points = directions * np.where(np.isfinite(far), far, 1e5)[..., None]
     in_right = points @ rig.rotation.T + rig.translation
-    back = in_right / np.maximum(in_right[..., 2:], 1e-6)
+    away = np.linalg.norm(in_right, axis=-1)
+    back = in_right / away[..., None]
     second = world_rays(pose, rig, 1, back.astype(np.float32), focal)
-    first_met = depth(world, second)
-    hidden = first_met < 0.995 * in_right[..., 2]
-    return GroundTruth(disparity.astype(np.float32), hidden | ~_inside(rig.right, back, in_right[..., 2]))
+    hidden = (depth(world, second) < 0.995 * away) | ~np.broadcast_to(view.shows(columns, rows, 0), away.shape)
+    return GroundTruth(disparity.astype(np.float32), hidden | ~_inside(rig.right, back))
 
 
-def _inside(camera: Camera, rays: Float[np.ndarray, "h w 3"], z: Float[np.ndarray, "h w"]) -> Bool[np.ndarray, "h w"]:
-    """Mask of the rays (x/z, y/z, 1), camera frame, at depth z [m] that project into the image."""
-    within = (z > 0) & (np.sum(rays[..., :2] ** 2, -1) < float(camera.lens_radius) ** 2)
-    pixels = camera.project(np.where(within[..., None], rays, [0.0, 0.0, 1.0]))
+def _inside(camera: Camera, directions: Float[np.ndarray, "h w 3"]) -> Bool[np.ndarray, "h w"]:
+    """Mask of the unit vectors, camera frame, that project into the image."""
+    within = directions[..., 2] > np.cos(float(camera.lens_field))
+    pixels = camera.project(np.where(within[..., None], directions, [0.0, 0.0, 1.0]))
     limit = np.array(camera.size) - 1.0
     return within & np.all((pixels >= 0.0) & (pixels <= limit), axis=-1)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
-from lenses import LENSES
+from lenses import LENSES, WIDE_LENSES
 
 import stereorecal as sr
 from stereorecal.estimation import _calibration_prior as of_boards, rig_parameters
@@ -13,7 +13,11 @@ from stereorecal.estimation._slopes import moved_by_extrinsics, pixels_of, slope
 SIZES = {"deg": 0.3, "%": 0.3, "px": 3.0, "": 1e-3}
 
 
-def chart_of(rig, coefficients: str):
+def chart_of(rig, coefficients: int | str):
+    if coefficients == "equidistant":
+        matrix = rig.left.matrix * [[0.5], [0.5], [1.0]] + [[0, 0, 160], [0, 0, 120], [0, 0, 0]]
+        camera = sr.Camera((640, 480), matrix, np.array(WIDE_LENSES[coefficients]), model=coefficients)
+        return rig_parameters(sr.StereoRig(camera, camera, rig.extrinsics))
     camera = sr.Camera((640, 480), rig.left.matrix, np.array(LENSES[coefficients]))
     return rig_parameters(sr.StereoRig(camera, rig.right, rig.extrinsics))
 
@@ -58,14 +62,24 @@ def test_pixels_and_right_points_by_points_and_extrinsics(chart, steps, seed):
     assert not np.delete(right, outer, axis=0).any()
 
 
-@pytest.mark.parametrize("coefficients", sorted(LENSES))
-def test_consequences_by_theta_whatever_the_lens(rig, steps, coefficients):
+@pytest.mark.parametrize(
+    ("coefficients", "projection"),
+    [*((count, "pinhole") for count in sorted(LENSES)), (5, "equirectangular"), ("equidistant", "equirectangular")],
+)
+def test_consequences_by_theta_whatever_the_lens_and_the_view(rig, coefficients, projection):
     chart = chart_of(rig, coefficients)
+    steps = np.array([{"%": 1e-2, "px": 1e-2, "deg": 1e-3, "": 1e-5}[p.unit] for p in chart.parameters])
     theta = somewhere(chart, 1)
-    used, found = chart.rig_at(theta), consequences(chart, theta)
+    used, shown = chart.rig_at(theta), sr.view(chart.rig, projection=projection)
+    found = consequences(chart, theta, shown=shown)
     for index, distance in enumerate(DISTANCES):
-        points = points_of_view(used, distance)
-        both = -differences(chart, steps, theta, lambda true, points=points: np.array(readings(used, true, points)))
+        points = points_of_view(used, distance, shown)
+        assert len(points) > 20
+
+        def read(true, points=points):
+            return np.array(readings(used, true, points, shown))
+
+        both = -differences(chart, steps, theta, read)
         assert_near(found.rows[index].T, both[:, 0])
         assert_near(found.nearness[index][:, None], both[:, 1].mean(axis=1, keepdims=True))
 

@@ -159,10 +159,10 @@ def test_pytree_and_pickle():
         np.testing.assert_array_equal(copy.matrix, lens.matrix)
         np.testing.assert_array_equal(copy.distortion, lens.distortion)
         assert copy.lens_radius == lens.lens_radius
-    assert len(jax.tree.leaves(lens)) == 3
+    assert len(jax.tree.leaves(lens)) == 4
     assert jax.tree.map(lambda leaf: object(), lens).size == SIZE  # placeholders pass
     names = [jax.tree_util.keystr(path) for path, _ in jax.tree_util.tree_leaves_with_path(lens)]
-    assert names == [".matrix", ".distortion", ".lens_radius"]
+    assert names == [".matrix", ".distortion", ".lens_radius", ".lens_field"]
 
 
 def test_zeros_at_the_end_make_no_other_lens():

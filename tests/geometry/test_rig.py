@@ -110,7 +110,7 @@ def test_pytree():
     assert copy.extrinsics.tobytes() == IDEAL.tobytes()
     leaves, structure = jax.tree.flatten(stereo)
     assert structure == jax.tree.structure(rig([0.1, 0, 0, -1, 0, 0]))
-    assert len(leaves) == 7
+    assert len(leaves) == 9
     assert jax.tree.map(lambda leaf: None, stereo).left.size == (96, 64)
     stacked = jax.tree.map(lambda *leaves: np.stack(leaves), stereo, stereo)  # would not pass validation
     assert stacked.extrinsics.shape == (2, 6)

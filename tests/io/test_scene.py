@@ -132,7 +132,7 @@ def test_names_of_opencvs_fisheye(make: Make, model: Any):
     refused_scene(make(distortion_model=model, D_left=[0.1, 0, 0, 0, 0]), "5 coefficients", UnsupportedModelError)
 
 
-@pytest.mark.parametrize("model", ["omni", "opencv omni", "equirectangular", "fov", 4])
+@pytest.mark.parametrize("model", ["omnidir", "opencv omni", "equirectangular", "fov", 4])
 def test_other_models_are_unsupported(make: Make, model: Any):
     refused_scene(make(distortion_model=model), "distortion model .* is not supported", UnsupportedModelError)
 

@@ -9,6 +9,7 @@ from hypothesis import given, settings, strategies as st
 
 import stereorecal as sr
 from stereorecal.geometry import changed_camera, distort, ray_slopes, reread
+from stereorecal.geometry.projections import NAMES as PROJECTIONS
 from stereorecal.objectives import Parameters, Reach, as_parameters, differences_at, linearised, read_by, row_chart
 from stereorecal.objectives._parameters import GROUPS, NAMES
 from stereorecal.scoring import Correspondences
@@ -87,10 +88,10 @@ def test_the_rig_at_a_point(z):
 
 
 @settings(max_examples=20)
-@given(z=in_box, by=in_box, seed=st.integers(0, 5))
-def test_derivatives_of_the_rows(z, by, seed):
-    """Central differences along any direction of the box, intrinsics included."""
-    found, step = seen(RIG, seed), 1e-4 * by
+@given(z=in_box, by=in_box, seed=st.integers(0, 5), projection=st.sampled_from(PROJECTIONS))
+def test_derivatives_of_the_rows(z, by, seed, projection):
+    """Central differences along any direction of the box, intrinsics included, in views of all projections."""
+    found, step = replace(seen(RIG, seed), projection=projection), 1e-4 * by
     rows = linearised(found, CHART, z)
     np.testing.assert_allclose(rows.differences, differences_at(found, CHART, z), atol=1e-9)
     ends = [differences_at(found, CHART, z + step), differences_at(found, CHART, z - step)]

@@ -1,10 +1,10 @@
 """Lens models by name."""
 
 from stereorecal._errors import UnsupportedModelError
-from stereorecal.geometry.lenses import _double_sphere, _equidistant, _extended_unified, _radial_tangential
+from stereorecal.geometry.lenses import _double_sphere, _equidistant, _extended_unified, _omni, _radial_tangential
 from stereorecal.geometry.lenses._model import LensModel
 
-_EVERY: tuple[LensModel, ...] = (_radial_tangential, _equidistant, _double_sphere, _extended_unified)
+_EVERY: tuple[LensModel, ...] = (_radial_tangential, _equidistant, _double_sphere, _extended_unified, _omni)
 _MODELS = {model.NAME: model for model in _EVERY}
 NAMES = tuple(_MODELS)
 

@@ -25,7 +25,7 @@ UNIT = "m"
 _FROM_LAST, _FROM_IMU = "T_cn_cnm1", "T_cam_imu"
 # Distortion models of its pinhole, and cameras of its own whose intrinsics begin with two numbers of the lens.
 _DISTORTIONS = {"radtan": "radtan", "none": "radtan", "equidistant": "equidistant"}
-_SPHERES = {"ds": "ds", "eucm": "eucm"}
+_SPHERES, _OMNI = {"ds": "ds", "eucm": "eucm"}, "omni"  # the last one's with one, and radtan besides
 _NONE = "[0.0, 0.0, 0.0, 0.0]"
 _CAMERA = """\
 cam{index}:
@@ -63,6 +63,14 @@ def _camera(content: Mapping[str, Any], key: str) -> Camera:
             check_model(distortion, ("none",))
             lens, pinhole = np.split(numbers(camera, "intrinsics", (6,)), [2])
             return Camera(image_size(camera, "resolution"), pinhole_matrix(pinhole), lens, model=_SPHERES[kind])
+        if kind == _OMNI:
+            check_model(distortion, ("radtan", "none"))
+            xi, pinhole = np.split(numbers(camera, "intrinsics", (5,)), [1])
+            none = distortion == "none"
+            lens = numbers(camera, "distortion_coeffs", (-1 if none else 4,))
+            check_no_lens(distortion, lens)
+            lens = np.concatenate([xi, np.zeros(4) if none else lens])
+            return Camera(image_size(camera, "resolution"), pinhole_matrix(pinhole), lens, model=_OMNI)
         check_model(distortion, tuple(_DISTORTIONS), kind)
         matrix, lens = pinhole_matrix(numbers(camera, "intrinsics", (4,))), numbers(camera, "distortion_coeffs", (-1,))
         check_no_lens(distortion, lens)
@@ -73,11 +81,12 @@ def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:
     """A chain of two."""
     texts = []
     for index, camera in enumerate((rig.left, rig.right)):
-        sphere = camera.model in _SPHERES
-        kind, distortion = (camera.model, "none") if sphere else ("pinhole", camera.model)
-        about_lens = (
-            {"lens": "[]", "numbers": "[0.0, 0.5, 1.0, 1.0, 0.0, 0.0]"} if sphere else {"lens": _NONE, "numbers": _NONE}
-        )
+        kind, distortion, lens, intrinsics = "pinhole", camera.model, _NONE, _NONE
+        if camera.model in _SPHERES:
+            kind, distortion, lens, intrinsics = camera.model, "none", "[]", "[0.0, 0.5, 1.0, 1.0, 0.0, 0.0]"
+        elif camera.model == _OMNI:
+            kind, distortion, intrinsics = _OMNI, "radtan", "[0.0, 1.0, 1.0, 0.0, 0.0]"
+        about_lens = {"lens": lens, "numbers": intrinsics}
         size = {"width": camera.size[0], "height": camera.size[1]}
         texts.append(
             _CAMERA.format(
@@ -101,17 +110,27 @@ def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
             if camera.model in _SPHERES:
                 values[(key, "intrinsics")] = [*np.asarray(camera.distortion).tolist(), *pinhole_numbers(camera)]
                 continue
+            if camera.model == _OMNI:
+                xi, *distortion = np.asarray(camera.distortion).tolist()
+                values[(key, "intrinsics")] = [xi, *pinhole_numbers(camera)]
+                values.update(_radtan(content, key, np.array(distortion)))
+                continue
             values[(key, "intrinsics")] = pinhole_numbers(camera)
             if camera.model == "equidistant":
                 values.update(matrix_values(content, (key, "distortion_coeffs"), np.asarray(camera.distortion)))
                 continue
             lens = coefficients(camera, (4,), "Kalibr's radtan", "opencv, ros or depthai")
-            if content[key]["distortion_model"] == "none":
-                if not np.any(lens):
-                    continue
-                values[(key, "distortion_model")] = "radtan"
-            values.update(matrix_values(content, (key, "distortion_coeffs"), lens))
+            values.update(_radtan(content, key, lens))
     return (document.changed(values),)
+
+
+def _radtan(content: Mapping[str, Any], key: str, lens: np.ndarray) -> dict[Keys, Any]:
+    """The distortion of a camera, which is none as long as all four coefficients are zero."""
+    if content[key]["distortion_model"] != "none":
+        return matrix_values(content, (key, "distortion_coeffs"), lens)
+    if not np.any(lens):
+        return {}
+    return {(key, "distortion_model"): "radtan", **matrix_values(content, (key, "distortion_coeffs"), lens)}
 
 
 def _from_imu(content: Mapping[str, Any], motion: np.ndarray) -> dict[Keys, Any]:

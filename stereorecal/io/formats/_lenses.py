@@ -17,6 +17,7 @@ _HOLDERS = {
     "equidistant": "kalibr, ros or stereorecal",
     "ds": "kalibr, basalt or stereorecal",
     "eucm": "kalibr, basalt or stereorecal",
+    "omni": "kalibr or stereorecal",
 }
 
 

@@ -22,7 +22,7 @@ def model_named(stated: Any) -> str:
     base = re.split(r"[(;,]", name)[0].strip()
     if any(word in name for word in _FISHEYE):
         return "equidistant"
-    if base in ("ds", "eucm"):
+    if base in ("ds", "eucm", "omni"):
         return base
     if not (base in _PINHOLE or base.startswith("opencv")) or any(word in name for word in _OTHER):
         raise UnsupportedModelError(

@@ -70,18 +70,15 @@ def _offsets(data: ScoringData, extrinsics: Extrinsics, found: Disparity) -> tup
 def _right_pixels(
     data: ScoringData, rig: StereoRig, offsets: Sequence[np.ndarray], pixels: Float[np.ndarray, "n 2"]
 ) -> Partners:
-    view, (disparity, row, good) = data.view, offsets
-    focal, middle = float(view.focal), float(view.centre_row)
+    view, (disparity, row, good) = jax.tree.map(float, data.view), offsets  # float64
     to_left, to_right = rectifying_rotations(rig.rotation, rig.translation)
-    ray = np.asarray(rig.left.rays(pixels)) @ to_left.T
-    column = focal * ray[:, 0] / ray[:, 2] + float(view.centre_left)
-    line = focal * ray[:, 1] / ray[:, 2] + middle
+    column, line = np.nan_to_num(view.pixels(np.asarray(rig.left.rays(pixels)) @ to_left.T, 0), nan=-np.inf)
     (d, v), deviation = _planes_at(np.stack([disparity, row]), good > 0, column, line)
     sure = np.isfinite(deviation)
-    turned = np.stack([(column - d - float(view.centre_right)) / focal, (line + v - middle) / focal, 0 * d + 1], -1)
+    turned = np.asarray(view.directions(column - d, line + v, 1))
     seen = np.asarray(rig.right.project(np.where(sure[:, None], turned, [0.0, 0.0, 1.0]) @ to_right))
     # Of the view at its scale, as an angle, in pixels of the right camera.
-    return Partners(np.where(sure[:, None], seen, np.nan), deviation / focal * float(rig.right.focal[0]))
+    return Partners(np.where(sure[:, None], seen, np.nan), deviation / view.focal * float(rig.right.focal[0]))
 
 
 def _planes_at(

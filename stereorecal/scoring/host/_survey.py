@@ -53,13 +53,14 @@ class Survey:
         """The matcher with its number of disparities: its own, or measured when it is None.
 
         Measured: the 99.5 % quantile of the coarse match (a quarter of the width where nothing matches), plus 25 %,
-        plus `focal * tan(yaw)` for the yaw [rad] that may be missing; then the next of a few round numbers.
+        plus what the yaw [rad] that may be missing moves (of a pinhole `focal * tan(yaw)`); then the next of a few
+        round numbers.
         """
         if matcher.num_disparities is not None:
             return matcher
         enough = self.disparities.size > _FEWEST
         nearest = np.quantile(self.disparities, 0.995) if enough else self.view.size[0] / 4
-        widest = (_MARGIN * nearest + float(self.view.focal) * np.tan(yaw)) / self.scale
+        widest = (_MARGIN * nearest + float(self.view.focal) * self.view.formulas.edge(yaw)) / self.scale
         width = round(self.view.size[0] / self.scale)
         limit = width - 1 - abs(matcher.min_disparity)
         wanted = max(16, next((n for n in RANGES if n >= widest), widest) - matcher.min_disparity)

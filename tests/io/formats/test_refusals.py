@@ -61,7 +61,7 @@ def test_files(tmp_path: Path, name: str, text: str, words: str):
 @pytest.mark.parametrize(
     ("name", "old", "new"),
     [
-        ("kalibr", "camera_model: pinhole", "camera_model: omni"),
+        ("kalibr", "camera_model: pinhole", "camera_model: fov"),
         ("kalibr", "distortion_model: radtan", "distortion_model: fov"),
         ("ros", "plumb_bob", "thin_prism_fisheye"),
         ("euroc", "radial-tangential", "fov"),

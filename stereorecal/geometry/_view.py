@@ -1,0 +1,188 @@
+"""The View: the pair of rectified cameras."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from stereorecal._arrays import AnyArray, Mat3, namespace
+from stereorecal._errors import InputError
+from stereorecal._pytree import register_pytree
+from stereorecal.geometry._camera import Camera
+from stereorecal.geometry._rectification import rectifying_rotations
+from stereorecal.geometry._rig import StereoRig
+from stereorecal.geometry.projections import Projection, projection as projection_of
+
+PINHOLE = "pinhole"
+
+
+@register_pytree
+@dataclass(frozen=True, eq=False)
+class View:
+    """The rectified cameras: one projection, one focal length, common rows, and a centre column for each side. Epipolar
+    planes are rows of it, whatever the projection.
+
+    All counts that are compared with each other must use one View: a zoom that follows the candidate lets it win
+    by showing fewer pixels.
+
+    Attributes:
+        size: (width, height) of the rectified images in pixels.
+        focal: focal length in pixels of both rectified cameras: pixels a radian in the middle.
+        centre_left, centre_right: principal columns in pixels; equal when infinity has disparity 0.
+        centre_row: principal row in pixels.
+        projection: "pinhole", or "equirectangular": columns and rows are angles about the baseline.
+    """
+
+    size: tuple[int, int] = field(metadata={"static": True})
+    focal: float | Float[AnyArray, ""]
+    centre_left: float | Float[AnyArray, ""]
+    centre_right: float | Float[AnyArray, ""]
+    centre_row: float | Float[AnyArray, ""]
+    projection: str = field(default=PINHOLE, metadata={"static": True})
+
+    def __post_init__(self) -> None:
+        projection_of(self.projection)
+
+    @property
+    def formulas(self) -> Projection:
+        """The functions of its projection."""
+        return projection_of(self.projection)
+
+    @property
+    def degrees(self) -> float:
+        """How much it shows across, in degrees."""
+        return float(np.degrees(2.0 * self.formulas.angle(0.5 * self.size[0] / float(self.focal))))
+
+    @property
+    def at_infinity(self) -> float | Float[AnyArray, ""]:
+        """The disparity of what is infinitely far away, in pixels."""
+        return self.centre_left - self.centre_right
+
+    @property
+    def matrix_left(self) -> Mat3:
+        """(3, 3) from image points of the projection to pixels of the left image: a pinhole's camera matrix."""
+        return self._matrix(self.centre_left)
+
+    @property
+    def matrix_right(self) -> Mat3:
+        """(3, 3) the same of the right image."""
+        return self._matrix(self.centre_right)
+
+    def _matrix(self, centre) -> Mat3:
+        xp = namespace(self.focal, centre, self.centre_row)
+        zero, one = 0.0 * self.focal, 0.0 * self.focal + 1.0
+        rows = [[self.focal, zero, centre], [zero, self.focal, self.centre_row], [zero, zero, one]]
+        return xp.stack([xp.stack([xp.asarray(v) for v in row]) for row in rows])
+
+    def scaled(self, scale: float) -> "View":
+        """The same view at `scale` times the resolution."""
+        size = (round(self.size[0] * scale), round(self.size[1] * scale))
+        left, right, row = ((c + 0.5) * scale - 0.5 for c in (self.centre_left, self.centre_right, self.centre_row))
+        return View(size, self.focal * scale, left, right, row, self.projection)
+
+    def directions(self, columns: AnyArray, rows: AnyArray, side: int) -> Float[AnyArray, "*n 3"]:
+        """Directions in the rectified frame of pixels of one image, of any shape: (x, y, 1) of a pinhole, else unit
+        vectors.
+
+        Args:
+            columns, rows: of one shape.
+            side: 0 for the left image, 1 for the right one.
+        """
+        xp = namespace(columns, self.focal)
+        u = (columns - (self.centre_left, self.centre_right)[side]) / self.focal
+        x, y, z = self.formulas.directions(u, (rows - self.centre_row) / self.focal)
+        return xp.stack([x, y, z + 0.0 * x], axis=-1)
+
+    def pixels(self, directions: Float[AnyArray, "*n 3"], side: int) -> tuple[AnyArray, AnyArray]:
+        """Columns and rows, (*n,) each, of directions in the rectified frame, of any length, in one image; those of a
+        pinhole must have z > 0."""
+        u, v = self.formulas.project(*(directions[..., axis] for axis in range(3)))
+        return self.focal * u + (self.centre_left, self.centre_right)[side], self.focal * v + self.centre_row
+
+    def shows(self, columns: AnyArray, rows: AnyArray, side: int) -> Bool[AnyArray, "*n"] | bool:
+        """Whether pixels of one image are those of directions, and not beyond the poles of the projection."""
+        u = (columns - (self.centre_left, self.centre_right)[side]) / self.focal
+        return self.formulas.shows(u, (rows - self.centre_row) / self.focal)
+
+    def nearness(self, columns: AnyArray, disparity: AnyArray) -> Float[AnyArray, "*n"]:
+        """Baselines over the distance of points, which is counted in lengths of their `directions`: of a pinhole the
+        depth z, else the distance from the left camera. Zero or less where nothing lies before infinity.
+
+        Args:
+            columns: of the left image.
+            disparity: column in the left image less that in the right one, in pixels.
+        """
+        left, right = columns - self.centre_left, columns - disparity - self.centre_right
+        return self.formulas.nearness(left / self.focal, right / self.focal)
+
+    def __str__(self) -> str:
+        width, height = self.size
+        kind = f"{self.projection}, {self.degrees:.0f} degrees across"
+        return f"{width} x {height} pixels, {kind}, focal length {float(self.focal):.3f} px"
+
+
+def view(rig: StereoRig, *, zero_disparity: bool = True, field: float | None = None, projection: str = PINHOLE) -> View:
+    """The default View of a rig, at the size of its left image.
+
+    Focal length of a pinhole: as long as keeps the middles of all four borders of both undistorted images inside, but
+    between 0.7 and 1 times the mean focal length of the cameras, so that nothing is magnified and wide lenses do not
+    shrink the middle away; of fisheyes and other wide models, and of the other projection, 1, the widest that keeps the
+    resolution of the middle (but not more than 160 degrees). Centre: the image centres of both cameras, undistorted and
+    rotated into the rectified frame, project on average to the centre of the view; with `zero_disparity` both share
+    one principal column (points at infinity have disparity 0), else each camera's own centre lies in the middle.
+
+    The focal length depends on the intrinsics alone, so no zoom follows the extrinsics.
+
+    A pinhole shows 97 degrees of a fisheye of 130, and 118 of one of 190: more of the field costs resolution in the
+    middle. "equirectangular" shows all of the first, and 160 degrees of the second, at the resolution of the middle.
+
+    Args:
+        field: the width of the view in degrees, in place of the focal length above: up to 165 of a pinhole, up to 180
+            of "equirectangular".
+        projection: "pinhole" or "equirectangular", as `View` has it.
+
+    Raises:
+        InputError: if the field makes no sense, or the projection is unknown.
+    """
+    width, height = rig.left.size
+    formulas, focal = projection_of(projection), _widest_focal(rig, projection)
+    if field is not None:
+        if not 0.0 < field <= formulas.WIDEST:
+            raise InputError(
+                f"a field of {field:g} degrees makes no {projection} view; give more than 0 and at most "
+                f"{formulas.WIDEST:g}."
+            )
+        focal = 0.5 * width / formulas.edge(0.5 * float(np.radians(field)))
+    rotations = rectifying_rotations(rig.rotation, rig.translation)
+    columns, rows = [], []
+    for camera, rotation in zip((rig.left, rig.right), rotations, strict=True):
+        u, v = formulas.project(*(rotation @ np.asarray(camera.rays(_image_centre(camera)[None]))[0].astype(float)))
+        columns.append(0.5 * (width - 1) - focal * u)
+        rows.append(0.5 * (height - 1) - focal * v)
+    if zero_disparity:
+        columns = [float(np.mean(columns))] * 2
+    return View((width, height), focal, float(columns[0]), float(columns[1]), float(np.mean(rows)), projection)
+
+
+def _widest_focal(rig: StereoRig, projection: str) -> float:
+    """The shortest focal length that does not take away from the middle what a view of this projection keeps."""
+    focal = float(np.prod([rig.left.focal, rig.right.focal]) ** 0.25)
+    if projection == PINHOLE and not (rig.left.lens.WIDE or rig.right.lens.WIDE):
+        return float(np.clip(min(_edge_focal(camera) for camera in (rig.left, rig.right)), 0.7 * focal, focal))
+    formulas = projection_of(projection)
+    return max(focal, 0.5 * rig.left.size[0] / formulas.edge(0.5 * float(np.radians(formulas.USUAL))))
+
+
+def _image_centre(camera: Camera) -> Float[np.ndarray, "2"]:
+    return 0.5 * (np.array(camera.size, float) - 1.0)
+
+
+def _edge_focal(camera: Camera) -> float:
+    """Focal length at which the middle of the nearest border of this camera's image lies on the view's border."""
+    (cx, cy), (w, h) = _image_centre(camera), camera.size
+    pixels = np.array([[cx, cy], [0, cy], [w - 1, cy], [cx, 0], [cx, h - 1]], float)
+    rays = np.asarray(camera.rays(pixels), float)
+    offset = np.abs(rays[1:, :2] - rays[0, :2])
+    offset = np.where(np.isnan(offset), np.inf, offset)  # 90 degrees off the axis, and more
+    horizontal, vertical = offset[:2, 0].max(), offset[2:, 1].max()
+    return float(min(0.5 * w / horizontal, 0.5 * h / vertical))

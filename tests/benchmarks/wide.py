@@ -1,0 +1,363 @@
+"""Rigs with wide lenses: are they repaired, and are calibrations right afterwards? Prints a table for each judge.
+
+    python tests/benchmarks/wide.py [--judges hall,rendered,simulated] [--starts N] [--rigs N]
+        [--first SEED] [--projections pinhole,equirectangular]
+
+hall: the one real fisheye rig at hand, data/mynteye_fisheye/hall (in STEREORECAL_DATA), from its stored calibration and
+    from 2.5° and 2.25 % of the baseline away. Rows of SIFT matches of the raw images, which no repair sees, within the
+    rig's pinhole view; and of all matches, wherever they lie, the angle between a ray and the epipolar plane of its
+    partner, in pixels of the middle of the image.
+rendered: fisheye rigs of 130 and 190 degrees, whose truth is known, from up to 2.5° and 2.25 % away, prior "exact".
+simulated: rigs of 130 and 190 degrees, calibrated with cv2.fisheye on simulated boards, drifted, seen through simulated
+    correspondences (`simulated_rigs.py` for the rest): do the stated intervals hold the truth, and what is written?
+    Harmful: accepted, and rows at 30 baselines are worse by more than 0.02 px, or depth there by more than 1 %.
+"""
+
+import argparse
+import os
+from collections.abc import Iterator
+from itertools import product
+from pathlib import Path
+
+import coverage
+import cv2
+import jax
+import numpy as np
+import simulated_rigs
+from accuracy import AXES, errors
+from rich.console import Console
+from rich.table import Table
+from stereorecal_features._matches import matched_pixels
+
+import stereorecal as sr
+from stereorecal.decision import decide
+from stereorecal.estimation import as_prior, estimate, rig_parameters
+from stereorecal.geometry import rectifying_rotations
+
+CHECKOUT = Path(__file__).resolve().parents[2]
+DATA = Path(os.environ.get("STEREORECAL_DATA", CHECKOUT / "../shared/data"))
+DEGREES, SHARE = 2.5, 0.0225
+FIELDS = (130.0, 190.0)
+KINDS = ("harbour", "coast", "street")
+DRIFTS = (("none", 0.0), ("all", 0.1), ("all", 0.5), ("all", 2.5), ("yaw", 0.3), ("pitch", 0.3), ("roll", 0.3))
+TERMS = (-0.02, -0.007, 0.002, -0.0012)  # about those of MYNT EYE's lenses
+
+
+# --- the real one -------------------------------------------------------------------------------------------
+
+
+def independent(scene: sr.Scene) -> tuple[np.ndarray, np.ndarray]:
+    """Pixels (n, 2) of SIFT features that are each other's best match, without any calibration's say: outliers are told
+    by an essential matrix of their own, two pixels off its planes."""
+    assert scene.rig is not None
+    found, cameras = [], (scene.rig.left, scene.rig.right)
+    for pair in scene.pairs:
+        left, right = matched_pixels(pair, 8000, 0.02, 0.8)
+        flat = [np.asarray(camera.rays(pixels))[:, :2] for camera, pixels in zip(cameras, (left, right), strict=True)]
+        good = np.all([np.linalg.norm(points, axis=1) < 4.0 for points in flat], axis=0)
+        threshold = 2.0 / float(scene.rig.left.focal[0])
+        _, inliers = cv2.findEssentialMat(
+            *(points[good] for points in flat), np.eye(3), method=cv2.USAC_MAGSAC, prob=0.9999, threshold=threshold
+        )
+        found.append([pixels[good][inliers.ravel() > 0] for pixels in (left, right)])
+    left, right = (np.concatenate(side) for side in zip(*found, strict=True))
+    return left, right
+
+
+def rows_of(rig: sr.StereoRig, pixels: tuple[np.ndarray, np.ndarray], view: sr.View) -> tuple[float, float]:
+    """Of matched pixels: median |row difference| [px] of those within a view, and the median angle off the epipolar
+    plane [px of the middle] of all."""
+    rays = [np.asarray(c.directions(p)) for c, p in zip((rig.left, rig.right), pixels, strict=True)]
+    turned = [ray @ turn.T for ray, turn in zip(rays, rectifying_rotations(rig.rotation, rig.translation), strict=True)]
+    (column, row), (_, other) = (view.pixels(ray, side) for side, ray in enumerate(turned))
+    width, height = view.size
+    shown = (column >= 0) & (column <= width - 1) & (row >= 0) & (row <= height - 1)
+    angles = np.subtract(*(np.arctan2(ray[:, 1], ray[:, 2]) for ray in turned))
+    along = np.hypot(turned[0][:, 1], turned[0][:, 2]) / np.linalg.norm(turned[0], axis=1)
+    return float(np.median(np.abs(row - other)[shown])), float(view.focal * np.median(np.abs(angles) * along))
+
+
+def hall(options: argparse.Namespace) -> None:
+    """From where it stands, and from some starts."""
+    folder = DATA / "mynteye_fisheye/hall"
+    if not folder.exists():
+        print(f"skipped: {folder} is not there")
+        return
+    scene = sr.io.load_scene(folder)
+    assert scene.rig is not None
+    pixels, view = independent(scene), sr.view(scene.rig)
+    table = table_of(
+        f"mynteye_fisheye/hall, {len(pixels[0])} independent matches",
+        ("view", "prior", "start", "verdict", "rows before, px", "after, px", "everywhere before, px", "after, px"),
+        (*(f"{axis}" for axis in AXES), "depth at 30 B, %"),
+    )
+    ends = []
+    for projection, prior in product(options.projections.split(","), ("default", "exact")):
+        for index, start in enumerate([scene.rig, *drifted(scene.rig, options.starts)]):
+            shown = sr.view(start, projection=projection)
+            solution = sr.recalibrate(start, scene.pairs, prior=prior, view=shown)
+            before, after = rows_of(start, pixels, view), rows_of(solution.rig, pixels, view)
+            numbers = (before[0], after[0], before[1], after[1])
+            moved = errors(solution.rig, scene.rig)
+            depth = sr.difference(scene.rig, solution.rig).depth_error_percent[30]
+            name = f"2.5° #{index - 1}" if index else "stored"
+            said = f"{'written' if solution.accepted else 'kept'}: {solution.reason.name}"
+            table.add_row(
+                projection,
+                prior,
+                name,
+                said,
+                *(f"{n:.3f}" for n in numbers),
+                *(f"{m:+.3f}" for m in moved),
+                f"{depth:+.1f}",
+            )
+            ends.append((projection, prior, index, after[0], moved))
+    show(table)
+    for kind in dict.fromkeys(end[:2] for end in ends):
+        rows = np.array([after for *of, index, after, _ in ends if tuple(of) == kind and index])
+        moved = np.array([moved for *of, index, _, moved in ends if tuple(of) == kind and index])
+        if len(rows):
+            apart = ", ".join(f"{a} {m:.3f}" for a, m in zip(AXES, np.ptp(moved, axis=0), strict=True))
+            within = f"{(rows <= 0.25).sum()} of {len(rows)} within .25 px, median {np.median(rows):.3f}"
+            print(f"{', '.join(kind)}, starts: {within}; ends differ by {apart}")
+
+
+# --- rendered ones ------------------------------------------------------------------------------------------
+
+
+def fisheye(field: float, draw: np.random.Generator, size: tuple[int, int] = (640, 480)) -> sr.Camera:
+    """An equidistant lens whose image is so wide; no two are the same."""
+    half = np.radians(0.5 * field)
+    terms = np.array(TERMS) * draw.uniform(0.8, 1.2)
+    grown = half * (1.0 + np.polyval([*terms[::-1], 0.0], half * half))
+    focal = 0.5 * size[0] / grown * (1.0 + draw.normal(0.0, 0.003))
+    centre = (np.array(size) - 1.0) / 2.0 + draw.normal(0.0, 0.01 * size[0], 2)
+    matrix = np.array([[focal, 0, centre[0]], [0, focal * (1.0 + draw.normal(0.0, 3e-4)), centre[1]], [0, 0, 1.0]])
+    return sr.Camera(size, matrix, terms, model="equidistant")
+
+
+def rig_of(field: float, draw: np.random.Generator, baseline: float) -> sr.StereoRig:
+    """Two of them, side by side but for some tenths of a degree."""
+    translation = np.array([-1.0, *draw.normal(0.0, 0.005, 2)])
+    extrinsics = [*np.radians(draw.normal(0.0, 0.3, 3)), *(baseline * translation / np.linalg.norm(translation))]
+    return sr.StereoRig(fisheye(field, draw), fisheye(field, draw), np.array(extrinsics))
+
+
+def drifted(rig: sr.StereoRig, number: int, first: int = 0) -> Iterator[sr.StereoRig]:
+    """Starts."""
+    for index in range(number):
+        yield sr.synthetic.decalibrate(rig, jax.random.key(first + index), DEGREES, SHARE)
+
+
+def rendered(options: argparse.Namespace) -> None:
+    """Scenes whose truth is known."""
+    table = table_of(
+        "rendered fisheye rigs, prior exact",
+        ("view", "field", "scene", "accepted"),
+        (*(f"{axis}: median, worst" for axis in AXES), "held by the 95 % intervals"),
+    )
+    for projection, field in product(options.projections.split(","), FIELDS):
+        of_field, accepted, held = [], [], []
+        for seed, kind in enumerate(KINDS):
+            rig = rig_of(field, np.random.default_rng([seed, int(field)]), 0.36)
+            scene = sr.synthetic.render(kind, seed, rig=rig)
+            some, taken, inside = [], [], []
+            for start in drifted(rig, options.starts, 100 * seed):
+                shown = sr.view(start, projection=projection)
+                solution = sr.recalibrate(start, scene.pairs, prior="exact", view=shown)
+                taken.append(solution.accepted)
+                error = np.abs(errors(solution.candidate, rig))
+                some.append(error)
+                if solution.uncertainty is not None:
+                    inside.append(error <= np.asarray(solution.uncertainty.interval))
+            table.add_row(projection, f"{field:g}°", f"{kind}-{seed}", shares(taken), *middles(some), held_by(inside))
+            of_field, accepted, held = of_field + some, accepted + taken, held + inside
+        table.add_row(projection, f"{field:g}°", "all", shares(accepted), *middles(of_field), held_by(held))
+    show(table)
+
+
+def shares(taken: list[bool]) -> str:
+    return f"{sum(taken)} of {len(taken)}"
+
+
+def middles(found: list[np.ndarray]) -> list[str]:
+    return [f"{m:.4f}, {w:.4f}" for m, w in zip(np.median(found, axis=0), np.max(found, axis=0), strict=True)]
+
+
+def held_by(inside: list[np.ndarray]) -> str:
+    return f"{100 * np.mean(inside):.0f} %" if inside else "-"
+
+
+# --- simulated calibrations -----------------------------------------------------------------------------------
+
+
+def simulated(options: argparse.Namespace) -> None:
+    """Calibrated with cv2.fisheye on simulated boards, drifted, seen through simulated correspondences."""
+    heads = ("rigs", "written", "harmful", "depth held, 10 30 B", "pitch yaw roll y z held")
+    rows = ("rows 30 B before, px", "mean's, px", "used, px", "|depth| 30 B before, %", "used, %")
+    table = table_of("simulated calibrations of fisheye rigs", ("field", "drift"), (*heads, *rows))
+    for field in FIELDS:
+        of_field = [
+            [judged(one) for one in of_seed(seed, field)]
+            for seed in range(options.first, options.first + 2 * options.rigs, 2)
+        ]
+        for (kind, degrees), some in zip(DRIFTS, zip(*of_field, strict=True), strict=True):
+            table.add_row(f"{field:g}°", f"{kind} {degrees:g}°" if degrees else kind, *line(list(some)))
+        every = [one for some in of_field for one in some]
+        table.add_row(f"{field:g}°", "every", *line(every))
+    show(table)
+
+
+def line(some: list[dict]) -> list[str]:
+    """Of rigs, for the table."""
+    of = {name: np.array([one[name] for one in some], float) for name in some[0]}
+    worst = np.nanquantile(of["rows used"], 0.95)
+    return [
+        f"{len(some)}",
+        f"{100 * of['written'].mean():.0f} %",
+        f"{of['harmful'].sum():.0f}",
+        " ".join(f"{100 * share:.0f}" for share in of["depth held"].mean(0)),
+        " ".join(f"{100 * share:.0f}" for share in of["axes held"].mean(0)),
+        f"{np.nanmedian(of['rows before']):.3f}",
+        f"{np.nanmedian(of['rows mean']):.3f}",
+        f"{np.nanmedian(of['rows used']):.3f}, 95 %: {worst:.3f}",
+        f"{np.nanmedian(np.abs(of['depth before'])):.2f}",
+        f"{np.nanmedian(np.abs(of['depth used'])):.2f}",
+    ]
+
+
+def of_seed(seed: int, field: float) -> Iterator[simulated_rigs.Simulated]:
+    """The rig of a seed after each kind of drift."""
+    true, given, boards = calibrated(seed, field)
+    eye = np.eye(3)
+    for index, (kind, degrees) in enumerate(DRIFTS):
+        drift, draw = np.zeros(6), np.random.default_rng([seed, 3, index])
+        if kind == "all":
+            drift[[0, 1, 2]] = np.radians(degrees) * draw.uniform(-1.0, 1.0, 3)
+            drift[4:] = 0.009 * degrees * float(true.baseline) * draw.uniform(-1.0, 1.0, 2)
+        elif kind != "none":
+            drift[("pitch", "yaw", "roll").index(kind)] = np.radians(degrees) * draw.choice([-1.0, 1.0])
+        moved = true.with_extrinsics(true.extrinsics + drift)
+        eyes = [simulated_rigs.Eye(camera, None, eye, eye) for camera in (true.left, true.right)]
+        yield simulated_rigs.Simulated(
+            seed, kind, degrees, given, *eyes, moved.rotation, moved.translation, drift, moved, given, False, (), boards
+        )
+
+
+def calibrated(seed: int, field: float) -> tuple[sr.StereoRig, sr.StereoRig, dict]:
+    """A true rig, what cv2.fisheye makes of 12 to 30 views of a board, and how; another draw where that fails."""
+    for attempt in range(100):
+        draw = np.random.default_rng([seed, int(field), attempt])
+        true = rig_of(field, draw, float(np.exp(draw.uniform(np.log(0.06), np.log(0.5)))))
+        views, noise = seen_boards(true, draw, int(draw.integers(12, 31))), float(np.exp(draw.uniform(-3.0, -1.2)))
+        corners = [np.stack(some) for some in zip(*views, strict=True)]
+        seen = [some + draw.normal(0.0, noise, some.shape) for some in corners[1:]]
+        objects = [one[None] for one in corners[0]]
+        flags = cv2.CALIB_RECOMPUTE_EXTRINSIC | cv2.CALIB_FIX_SKEW
+        until = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 100, 1e-9)
+        size, monos = true.left.size, []
+        try:
+            for side, some in enumerate(seen):
+                lens = (true.left, true.right)[side]
+                guess = np.array(
+                    [[0.95 * lens.matrix[0, 0], 0, 319.5], [0, 0.95 * lens.matrix[0, 0], 239.5], [0, 0, 1]]
+                )
+                guessed = flags | cv2.CALIB_USE_INTRINSIC_GUESS
+                pixels = [one[None] for one in some]
+                found = cv2.fisheye.calibrate(
+                    objects, pixels, size, guess, np.zeros((4, 1)), flags=guessed, criteria=until
+                )
+                monos.append(found[:3])
+            (_, K1, D1), (_, K2, D2) = monos
+            both = [[one[None] for one in some] for some in seen]
+            rms, K1, D1, K2, D2, R, T, *_ = cv2.fisheye.stereoCalibrate(
+                objects, *both, K1, D1, K2, D2, size, flags=cv2.CALIB_FIX_INTRINSIC, criteria=until
+            )
+            given = sr.StereoRig.from_matrices(K1, D1, K2, D2, R, T, size, model="equidistant")
+        except (cv2.error, sr.InputError):
+            continue
+        if max(rms, monos[0][0], monos[1][0]) < 1.0:
+            return true, given, {"views": len(views), "noise": noise, "rms": rms}
+    raise RuntimeError(f"no calibration of seed {seed} succeeds")
+
+
+def seen_boards(rig: sr.StereoRig, draw: np.random.Generator, number: int) -> list[tuple[np.ndarray, ...]]:
+    """Views of a board of 9 x 6 corners, turned to the camera wherever it is, up to 65 degrees off the axis: corners on
+    the board, and in both images."""
+    square = 0.16 * float(rig.baseline)
+    grid = np.mgrid[0:9, 0:6].reshape(2, -1).T - [4.0, 2.5]
+    board, views = np.column_stack([grid, np.zeros(len(grid))]) * square, []
+    while len(views) < number:
+        off, around = np.radians(draw.uniform(0.0, 65.0)), draw.uniform(0.0, 2.0 * np.pi)
+        towards = np.array([np.sin(off) * np.cos(around), np.sin(off) * np.sin(around), np.cos(off)])
+        turn = cv2.Rodrigues(np.radians(draw.uniform(-30.0, 30.0, 3)))[0]
+        aside = cv2.Rodrigues(off * np.array([-np.sin(around), np.cos(around), 0.0]))[0]
+        points = board @ (aside @ turn).T + towards * float(rig.baseline) * draw.uniform(1.2, 3.0)
+        right = points @ rig.rotation.T + rig.translation
+        pixels = [np.asarray(camera.project(some)) for camera, some in ((rig.left, points), (rig.right, right))]
+        ahead = min(float((some[:, 2] / np.linalg.norm(some, axis=1)).min()) for some in (points, right))
+        if ahead > np.cos(np.radians(80.0)) and all(simulated_rigs.inside(p, rig.left.size).all() for p in pixels):
+            views.append((board, *pixels))
+    return views
+
+
+def judged(rig: simulated_rigs.Simulated) -> dict[str, np.ndarray | float]:
+    """What an estimate says of a rig, and what would be written, against the truth."""
+    chart = rig_parameters(rig.calibrated)
+    seen = estimate(rig.correspondences(1), rig.calibrated, as_prior(None, chart))
+    decision = decide(seen, sr.Parameters().names)
+    held = coverage.measured(rig, seen)
+    written = not decision.refused
+    used = seen.chart.rig_at(decision.theta) if written else rig.calibrated
+    at = np.array([30.0])
+    rows, depth = (
+        [float(f(one, at)[0]) for one in (rig.calibrated, used)] for f in (rig.rows_px, rig.depth_error_percent)
+    )
+    return {
+        "written": written,
+        "harmful": written and (rows[1] > rows[0] + 0.02 or abs(depth[1]) > abs(depth[0]) + 1.0),
+        "depth held": held["depth"][1:3],
+        "axes held": held["axes"],
+        "rows before": rows[0],
+        "rows mean": held["rows"][2],
+        "rows used": rows[1],
+        "depth before": depth[0],
+        "depth used": depth[1],
+    }
+
+
+# --- printing -----------------------------------------------------------------------------------------------
+
+
+def table_of(title: str, left: tuple[str, ...], right: tuple[str, ...]) -> Table:
+    table = Table(title=title, title_justify="left", box=None)
+    for head in left:
+        table.add_column(head)
+    for head in right:
+        table.add_column(head, justify="right")
+    return table
+
+
+def show(table: Table) -> None:
+    Console(width=200).print(table)
+
+
+JUDGES = {"hall": hall, "rendered": rendered, "simulated": simulated}
+
+
+def main() -> None:
+    """Ask the judges."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--judges", default=",".join(JUDGES), help="comma separated")
+    parser.add_argument("--starts", type=int, default=10, help="2.5° off, for each scene")
+    parser.add_argument("--rigs", type=int, default=40, help="simulated, of each field")
+    parser.add_argument("--first", type=int, default=0, help="seed of the first of them; odd ones stay unseen")
+    parser.add_argument("--projections", default="pinhole,equirectangular", help="of views, of the first two judges")
+    options = parser.parse_args()
+    cv2.setNumThreads(1)
+    for judge in options.judges.split(","):
+        JUDGES[judge](options)
+
+
+if __name__ == "__main__":
+    main()
