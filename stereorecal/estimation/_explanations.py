@@ -146,10 +146,16 @@ def linear_rows(
     theta: Float[np.ndarray, "n"],
     prior: CalibrationPrior,
     measured: Measured = NOTHING_ELSE,
+    told: Sequence[tuple[float, Normal]] | None = None,
 ) -> LinearRows:
-    """Linear at θ."""
+    """Linear at θ.
+
+    Args:
+        told: what else is measured, as it told near another θ; default anew.
+    """
     rows = groups.rows(chart, theta)
     jacobian = rows.jacobian[:, 0].T
     frames = [np.flatnonzero(groups.frame == frame) for frame in np.unique(groups.frame)]
-    at_zero, told = rows.differences[0] - jacobian @ theta, measured.told(chart, theta, prior)
+    at_zero = rows.differences[0] - jacobian @ theta
+    told = measured.told(chart, theta, prior) if told is None else told
     return LinearRows(groups, jacobian, at_zero, groups.deviation, frames, measured, told)

@@ -87,7 +87,7 @@ def fit(
         theta = theta + within_field(found, chart, theta, move)
         if number < _REGROUPED:
             groups = grouped(found, chart, theta)
-        rows = linear_rows(groups, chart, theta, prior, measured)
+        rows = linear_rows(groups, chart, theta, prior, measured, None if number < _REGROUPED else rows.told)
         rows = replace(rows, deviation=rows.robust(sum(misfit), theta))
     near = _near(misfit, len(rows.frames) > 1)
     several = explanations(rows, prior, range(len(prior.roots)), near)

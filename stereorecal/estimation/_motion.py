@@ -22,7 +22,7 @@ from stereorecal.objectives import RigChart
 from stereorecal.scoring import Tracks
 
 # Standard deviations of what windows say, in those that their tracks alone would leave: neighbours err together.
-_WORSE = (1.5, 2.0, 3.0, 4.5, 7.0, 10.0, 15.0)
+_WORSE = (1.0, 1.5, 2.0, 3.0, 4.5, 7.0, 10.0, 15.0)
 _OF_OTHER_THINGS = 0.05  # probability that most of what moves is not the rig
 _OWN_YAW = 1.0  # degrees: how far depth seems to be off, then
 
