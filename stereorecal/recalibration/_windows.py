@@ -76,10 +76,14 @@ def windows_of(case: Case, found: Correspondences) -> dict[tuple[int, int], Any]
     return {(a, b): tracked(pairs[a], pairs[b], (matches[a], matches[b]), near) for a, b in case.windows}
 
 
-def without_frames(tracks: dict[tuple[int, int], Any], apart: Sequence[int]) -> Windows:
+def without_frames(case: Case, tracks: dict[tuple[int, int], Any], apart: Sequence[int]) -> Windows:
     """Those windows whose pairs both count."""
-    kept = tuple(some for window, some in tracks.items() if not set(window) & set(apart))
-    return Windows(kept) if kept else NO_WINDOWS
+    kept = [window for window in tracks if not set(window) & set(apart)]
+    times = [[case.images.pairs[frame].time for frame in window] for window in kept]
+    seconds = [second - first for first, second in times if first is not None and second is not None]
+    if len(seconds) < len(kept) or min(seconds, default=1.0) <= 0.0:
+        seconds = [1.0] * len(kept)
+    return Windows(tuple(tracks[window] for window in kept), tuple(kept), tuple(seconds)) if kept else NO_WINDOWS
 
 
 def as_dict(seen: Estimate) -> dict[str, Any]:

@@ -12,11 +12,11 @@ from stereorecal.decision import Verdict, decide
 from stereorecal.estimation import Estimate, Windows, as_prior, estimate, rig_parameters
 from stereorecal.geometry import rotation_from_vector
 from stereorecal.objectives import EXTRINSICS
-from stereorecal.scoring import Tracks
+from stereorecal.scoring import Correspondences, Tracks
 
 DRIFTS = (("none", 0.0), ("all", 0.3), ("all", 2.5))
 USUAL = DRIFTS[1]
-ROWS = "rows alone"
+ROWS, FRAMES = "rows alone", 3
 
 
 @dataclass(frozen=True)
@@ -32,6 +32,7 @@ class Case:
         wall: whether all that is seen is a wall, twelve baselines away.
         wrong: share of tracks that are.
         noise: of the tracks, in that of good images.
+        late: by which the right shutter is, of the time between two pairs.
     """
 
     move: tuple[float, float, float] = (0.02, 0.01, -1.0)
@@ -41,6 +42,15 @@ class Case:
     wall: bool = False
     wrong: float = 0.1
     noise: float = 1.0
+    late: float = 0.0
+
+    def way(self, rig: simulated_rigs.Simulated, draw: int, share: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
+        """How points move in a share of the time of one window: a rotation, and a translation after it [m]."""
+        rng = np.random.default_rng([rig.seed, 78, draw])
+        turn, speed = self.turn * rng.normal(size=3), rng.uniform(0.5, 1.25)
+        length = float(np.linalg.norm(rig.translation))
+        rotation = np.asarray(rotation_from_vector(share * turn), float)
+        return rotation, share * length * speed * np.array(self.move)
 
 
 CASES = {
@@ -52,6 +62,7 @@ CASES = {
     "a wall": Case(wall=True),
     "at rest": Case(move=(0.0, 0.0, 0.0), turn=0.0),
     "turning only": Case(move=(0.0, 0.0, 0.0), turn=0.03),
+    "late by 0.2": Case(turn=0.01, late=0.2),
 }
 
 
@@ -67,11 +78,12 @@ def tracks_of(rig: simulated_rigs.Simulated, draw: int, case: Case) -> Tracks:
         vehicle = (np.abs(left / size - 0.5) < [0.25, 0.2]).all(axis=1)
         near, stays = np.where(vehicle, 0.1, near), stays | vehicle
     points = rays / near[:, None] * baseline
-    turn = np.asarray(rotation_from_vector(case.turn * rng.normal(size=3)), float)
-    later = points @ turn.T + baseline * rng.uniform(0.5, 1.25) * np.array(case.move)
+    turn, move = case.way(rig, draw)
+    later = points @ turn.T + move
     later[stays] = points[stays] + 0.02 * baseline * rng.normal(size=3)
     shown = [rig.left.pixels(some) for some in (points, later)]
-    partners = [rig.right.pixels(some @ rig.rotation.T + rig.translation) for some in (points, later)]
+    turn, move = case.way(rig, draw, case.late)
+    partners = [rig.right.pixels((p @ turn.T + move) @ rig.rotation.T + rig.translation) for p in (points, later)]
     cells = tuple((left / size * [14, 9]).astype(int).T)
 
     def shared() -> np.ndarray:
@@ -88,15 +100,22 @@ def tracks_of(rig: simulated_rigs.Simulated, draw: int, case: Case) -> Tracks:
     return Tracks(np.stack([left, shown[1]]), np.stack(partners)).of(good)
 
 
+def late_rows(rig: simulated_rigs.Simulated, case: Case, windows: int) -> Correspondences:
+    """What a late shutter makes of a frame of each window."""
+    return rig.correspondences(windows, late=[case.way(rig, draw, case.late) for draw in range(windows)])
+
+
 @dataclass(frozen=True)
 class Judged:
     """One estimate: whether the 95 % interval of disparity at 30 baselines of the posterior's mean holds the truth, its
-    |error of depth| there in percent, whether a repair would be written, and whether it harms."""
+    |error of depth| there in percent, whether a repair would be written, whether it harms, and the delay of the right
+    shutter that is more probable than none, 0 if there is none."""
 
     held: bool
     error: float
     accepted: bool
     harmful: bool
+    delay: float
 
 
 def judged(rig: simulated_rigs.Simulated, seen: Estimate) -> Judged:
@@ -110,31 +129,49 @@ def judged(rig: simulated_rigs.Simulated, seen: Estimate) -> Judged:
         rows = [np.median(rig.rows_px(one, (10.0, 30.0))) for one in (before, after)]
         depth = [abs(float(rig.depth_error_percent(one, [30.0])[0])) for one in (before, after)]
         harmful = rows[1] > rows[0] + 0.02 or depth[1] > depth[0] + 1.0
-    return Judged(low <= error <= high, abs(error), accepted, bool(harmful))
+    delay = seen.delay.seconds if seen.delay and seen.delay.probability > 0.5 else 0.0
+    return Judged(low <= error <= high, abs(error), accepted, bool(harmful), delay)
 
 
 def row(name: str, drift: tuple[str, float], found: list[Judged]) -> tuple[str, ...]:
     """Of the table."""
     error = np.quantile([one.error for one in found], (0.5, 0.95), method="higher")
-    held, accepted, harmful = (sum(getattr(one, part) for one in found) for part in ("held", "accepted", "harmful"))
+    held, accepted, harmful = (
+        sum(getattr(one, part) for one in found)
+        for part in ("held", "accepted", "harmful", "delay: least, median, most")
+    )
+    delays = " ".join(f"{np.quantile([one.delay for one in found], share):+.3f}" for share in (0.0, 0.5, 1.0))
     share, errors = f"{100.0 * held / len(found):.0f} %", " ".join(f"{one:.2f}" for one in error)
-    return name, f"{drift[0]} {drift[1]:g}°", f"{len(found)}", share, errors, f"{accepted}", f"{harmful}"
+    return name, f"{drift[0]} {drift[1]:g}°", f"{len(found)}", share, errors, f"{accepted}", f"{harmful}", delays
 
 
 def simulated(rigs: int, first: int, windows: int, console: Console) -> None:
     """Windows of each rig."""
-    heads = ("motion", "drift", "rigs", "held", "|depth error| at 30 B, %: median, 95th", "accepted", "harmful")
+    heads = (
+        "motion",
+        "drift",
+        "rigs",
+        "held",
+        "|depth error| at 30 B, %: median, 95th",
+        "accepted",
+        "harmful",
+        "delay: least, median, most",
+    )
     table = Table(*heads, box=None)
     told: dict[tuple[str, tuple[str, float]], list[Judged]] = defaultdict(list)
     for seed in range(first, first + 2 * rigs, 2):
         for drift in DRIFTS:
             rig = simulated_rigs.simulated(seed, *drift)
-            prior, rows = as_prior(None, rig_parameters(rig.calibrated)), rig.correspondences(3)
+            prior = as_prior(None, rig_parameters(rig.calibrated))
+            rows = rig.correspondences(FRAMES)
             told[ROWS, drift].append(judged(rig, estimate(rows, rig.calibrated, prior)))
             for name, case in CASES.items():
                 if name == "ahead" or drift == USUAL:
-                    seen = Windows(tuple(tracks_of(rig, draw, case) for draw in range(windows)))
-                    told[name, drift].append(judged(rig, estimate(rows, rig.calibrated, prior, windows=seen)))
+                    some = rows if not case.late else late_rows(rig, case, windows)
+                    tracks = tuple(tracks_of(rig, draw, case) for draw in range(windows))
+                    frames = tuple((draw % len(some.weight),) * 2 for draw in range(windows))
+                    seen = Windows(tracks, frames, (1.0,) * windows)
+                    told[name, drift].append(judged(rig, estimate(some, rig.calibrated, prior, windows=seen)))
     for name in (ROWS, *CASES):
         for drift in DRIFTS:
             if (name, drift) in told:
