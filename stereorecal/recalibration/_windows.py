@@ -88,11 +88,19 @@ def without_frames(case: Case, tracks: dict[tuple[int, int], Any], apart: Sequen
 
 def as_dict(seen: Estimate) -> dict[str, Any]:
     """What the rig's own motion told, as plain data: how many windows, points that were followed, those that fit the
-    motion of the rig, and the median of its way from one pair to the next; NaN if too few could be followed."""
+    motion of the rig, the median of its way from one pair to the next, NaN if too few could be followed, and by how
+    much the right shutter may be late, None if it is not."""
     several = [one for one in seen.motions if one.motion is not None]
     inliers, tracks = (sum(getattr(one, name) for one in several) for name in ("inliers", "tracks"))
     way = float(np.median([one.metres[0] for one in several])) if several else float("nan")
-    return {"windows": len(seen.windows.tracks), "followed": tracks, "fitting": inliers, "metres": way}
+    told = {"windows": len(seen.windows.tracks), "followed": tracks, "fitting": inliers, "metres": way}
+    delay = seen.delay and {"probability": seen.delay.probability, "value": seen.delay.seconds, "unit": _unit(seen)}
+    return told | {"delay": delay}
+
+
+def _unit(seen: Estimate) -> str:
+    """Of a delay: where times are not known, all windows last 1, and no two pairs of known times are so far apart."""
+    return "pairs" if set(seen.windows.seconds) == {1.0} else "s"
 
 
 def described(seen: Estimate) -> str:
@@ -102,8 +110,15 @@ def described(seen: Estimate) -> str:
         return f"{told['windows']} windows, too few points could be followed"
     return (
         f"{told['windows']} windows, {told['fitting']} of {told['followed']} points fit the motion of the rig, "
-        f"{told['metres']:.3g} m from one pair to the next (median)"
+        f"{told['metres']:.3g} m from one pair to the next (median)" + _late(told["delay"])
     )
+
+
+def _late(delay: dict[str, Any] | None) -> str:
+    if delay is None or delay["probability"] < 0.5:
+        return ""
+    unit = "s" if delay["unit"] == "s" else "of the time between pairs"
+    return f"; the right shutter is late by {delay['value']:.2g} {unit}"
 
 
 def _matches(case: Case, found: Correspondences, frame: int) -> Matches:
