@@ -107,6 +107,7 @@ def motion() -> None:
         for frame in frames:
             some = [pairs[frame], pairs[frame + _APART]]
             seen = sr.recalibrate(given, some, motion=used).estimate
+            assert seen is not None
             errors = seen.depth_error_percent(np.zeros(len(seen.names)))[_BASELINES]
             said.append([at * (1.0 / (1.0 + error / 100.0) - 1.0) for error in errors])
         middle, high, low = np.array(said).T
@@ -116,7 +117,7 @@ def motion() -> None:
     axes.plot(truth, color="black", lw=1.0, label="truth")
     axes.set_xlabel("pair")
     axes.set_ylabel("offset of disparity [px]")
-    axes.legend(fontsize=8, ncols=3)
+    axes.legend(fontsize=8, loc="lower left")
     figure.savefig(HERE / "motion.png", dpi=110)
     plt.close(figure)
 

@@ -78,7 +78,7 @@ def beside_delay(
     least = float(end.found.log_evidence.max()) - _FAR
     theta, delay = end.found.means[end.found.log_evidence.argmax()], 0.0
     misfits = list(dict.fromkeys(one.misfit for one in alone))
-    ways = np.zeros((len(windows.tracks), chart.dim))
+    ways, late, found = np.zeros((len(windows.tracks), chart.dim)), rows, list(alone)
     for round_ in range(_ROUNDS):
         rig = chart.rig_at(theta)
         near = [window(one, chart, theta + delay * way) for one, way in zip(windows.tracks, ways, strict=True)]
