@@ -1,7 +1,7 @@
 """Depth from the rig's own motion: real consecutive frames, and simulated tracks whose truth is known.
 
     python tests/benchmarks/motion.py [--data FOLDER] [--starts N] [--rigs N] [--first SEED] [--windows N]
-                                      [--only real|simulated]
+                                      [--only real|simulated|rendered]
 
 Real: `kitti_odometry/suburb_drive`, whose depth is right by lidar. The stored rig and N starts up to 2.5° and 2.25 % of
 the baseline are repaired with `motion=True` from nine frames: the offset of disparity of what is written,
@@ -11,7 +11,10 @@ and both halves of the drive.
 Simulated: the rigs of `simulated_rigs.py` (even seeds unless --first is odd), eight windows each beside the rows of
 three frames: how often the 95 % interval of depth at 30 baselines holds the truth, |depth error| of the posterior's
 mean there, how many repairs would be written, and how many of them harm; with rows alone and with motion, by drift, and
-for motions that tell little or are half of other things.
+for motions that tell little or are half of other things, and how late the right shutter is said to be, where it is.
+
+Rendered: drives of 320x240 pairs, nine pairs about a baseline apart, from the truth, 0.3° and 2.5° away, and with a
+right shutter that is late by 0.2 of the time between two pairs.
 """
 
 import argparse
@@ -21,6 +24,7 @@ from pathlib import Path
 
 import jax
 import numpy as np
+from motion_rendered import rendered
 from motion_simulated import simulated
 from rich.console import Console
 from rich.table import Table
@@ -93,20 +97,23 @@ def halves(scene: sr.Scene, console: Console) -> None:
 
 
 def main() -> None:
-    """Both."""
+    """All, or some."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--data", type=Path, default=Path(os.environ.get("STEREORECAL_DATA", "../shared/data")))
     parser.add_argument("--starts", type=int, default=3)
     parser.add_argument("--rigs", type=int, default=20)
     parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--seeds", type=int, default=1, help="drives of each kind that are rendered")
     parser.add_argument("--windows", type=int, default=8, help="of each simulated rig")
-    parser.add_argument("--only", choices=("real", "simulated"))
+    parser.add_argument("--only", choices=("real", "simulated", "rendered"))
     options = parser.parse_args()
     console = Console(width=170)
-    if options.only != "simulated":
+    if options.only in (None, "real"):
         real(options.data, options.starts, console)
-    if options.only != "real":
+    if options.only in (None, "simulated"):
         simulated(options.rigs, options.first, options.windows, console)
+    if options.only in (None, "rendered"):
+        rendered(options.seeds, console)
 
 
 if __name__ == "__main__":
