@@ -18,6 +18,7 @@ def tracks_of(
     noise=0.1,
     nearness=None,
     with_rig=0.0,
+    late=0.0,
 ) -> Tracks:
     """Of points 5 to 60 baselines away.
 
@@ -27,6 +28,7 @@ def tracks_of(
         noise: pixels of each match.
         nearness: of rays (m, 3): inverse depths in 1 / baselines, in place of random ones.
         with_rig: share of the near half of all points that moves with the rig.
+        late: by which the right shutter is, of the time between the pairs.
     """
     rng, edge, baseline = np.random.default_rng(seed), np.array(true.left.size) - 1.0, float(true.baseline)
     left = rng.uniform([0.0, 0.0], edge, (number, 2))
@@ -37,8 +39,16 @@ def tracks_of(
     stays = (near > np.median(near)) & (rng.random(number) < with_rig)
     later[stays] = points[stays] + 0.02 * baseline * rng.normal(size=3)
     shown = [left, true.left.project(later) + noise * rng.normal(size=left.shape)]
-    partners = [true.right.project(p @ true.rotation.T + true.translation) for p in (points, later)]
+    seen = late_rig(true, move, turn, late)
+    partners = [true.right.project(p @ seen.rotation.T + seen.translation) for p in (points, later)]
     partners = [one + noise * rng.normal(size=left.shape) for one in partners]
     partners[1] += shown[1] - true.left.project(later)  # looked for where the corner was seen
     good = np.all([((p >= 0.0) & (p <= edge)).all(axis=1) for p in (*shown, *partners)], axis=0) & (later[:, 2] > 0.1)
     return Tracks(np.stack(shown), np.stack(partners)).of(good)
+
+
+def late_rig(true: sr.StereoRig, move, turn, late: float) -> sr.StereoRig:
+    """The rig as which a late shutter shows one that moves so."""
+    rotation = true.rotation @ np.asarray(rotation_from_vector(late * np.array(turn)), float)
+    translation = true.translation + true.rotation @ (late * float(true.baseline) * np.array(move))
+    return sr.StereoRig.from_rotation(true.left, true.right, rotation, translation)

@@ -13,12 +13,14 @@ import numpy as np
 
 import stereorecal as sr
 from stereorecal.estimation import readings
+from stereorecal.estimation._consequences import points_of_view
 from stereorecal.geometry import changed_camera
 from stereorecal.report.figures import Panel, repair_figure, save
 from stereorecal.reproduction import write_files
 from stereorecal.synthetic import Knock
 
 HERE = Path(__file__).parent
+_BASELINES, _APART = 30, 2  # of motion: a distance, and pairs from the first of a window to the second
 
 
 def repair() -> None:
@@ -89,6 +91,34 @@ def drive() -> None:
     rows[0].legend(loc="upper right", fontsize=8, ncols=4)
     rows[-1].set_xlabel("pair")
     figure.savefig(HERE / "drive.png", dpi=110)
+    plt.close(figure)
+
+
+def motion() -> None:
+    """The offset of disparity of a calibration over a drive on which yaw is knocked: by the rows of two pairs, by their
+    rows and the motion between them, and the truth."""
+    taken = sr.synthetic.plan_drive("street", 3, 48, knocks=(Knock(24, (0.0, 0.25, 0.0)),), weather=False)
+    pairs, given = [*sr.synthetic.photographs(taken)], taken.rig
+    at = float(given.left.focal[0]) / _BASELINES  # pixels of disparity
+    figure, axes = plt.subplots(figsize=(9.0, 3.6), layout="constrained")
+    frames = range(0, len(pairs) - _APART, 4)
+    for used, colour, name, beside in ((False, "tab:orange", "rows", -0.4), (True, "tab:blue", "rows and motion", 0.4)):
+        said = []
+        for frame in frames:
+            some = [pairs[frame], pairs[frame + _APART]]
+            seen = sr.recalibrate(given, some, motion=used).estimate
+            assert seen is not None
+            errors = seen.depth_error_percent(np.zeros(len(seen.names)))[_BASELINES]
+            said.append([at * (1.0 / (1.0 + error / 100.0) - 1.0) for error in errors])
+        middle, high, low = np.array(said).T
+        where = np.array(frames) + 0.5 * _APART + beside
+        axes.errorbar(where, middle, (middle - low, high - middle), fmt="o", ms=4, color=colour, label=f"{name}, 95 %")
+    truth = [at * np.mean(readings(given, t, points_of_view(t, _BASELINES))[1]) for t in map(taken.truth, range(48))]
+    axes.plot(truth, color="black", lw=1.0, label="truth")
+    axes.set_xlabel("pair")
+    axes.set_ylabel("offset of disparity [px]")
+    axes.legend(fontsize=8, loc="lower left")
+    figure.savefig(HERE / "motion.png", dpi=110)
     plt.close(figure)
 
 
@@ -194,4 +224,5 @@ if __name__ == "__main__":
     misfit()
     yaw_and_centre()
     drive()
+    motion()
     experiments()

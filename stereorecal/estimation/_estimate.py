@@ -13,6 +13,7 @@ from stereorecal.estimation._beams import NO_BEAMS, Beams
 from stereorecal.estimation._calibration_prior import CalibrationPrior
 from stereorecal.estimation._candidates import Known, depth_kept, least_loss, least_loss_of_depth_kept
 from stereorecal.estimation._consequences import DISTANCES, Consequences, consequences, points_of_view, readings_at
+from stereorecal.estimation._delay import Delay
 from stereorecal.estimation._explanations import Explanation
 from stereorecal.estimation._frames import OtherRig, other_rigs
 from stereorecal.estimation._groups import Groups
@@ -52,6 +53,7 @@ class Estimate:
         windows: pairs of pairs that told of the rig's motion.
         judged_at: distances [baselines] at which rows count; depth counts at the farthest.
         view: in which rows and depth are judged; None: the rig's own.
+        delay: of the right shutter, if windows leave one possible.
     """
 
     chart: RigChart
@@ -66,6 +68,7 @@ class Estimate:
     windows: Windows = NO_WINDOWS
     judged_at: tuple[float, ...] = JUDGED_AT
     view: View | None = None
+    delay: Delay | None = None
 
     def __getstate__(self) -> dict[str, Any]:
         """What is derived stays behind: samples are larger than all else."""
@@ -294,8 +297,8 @@ def solved(
     """The estimate, and the most probable one of its explanations."""
     end = fit(found, chart, prior, start, Measured(beams, windows))
     mean, rows = end.posterior.mean, end.rows
-    seen = Estimate(chart, end.posterior, end.misfit, 0, float("nan"), end.prior_variance)
-    seen = replace(seen, beams=beams, windows=windows, view=view)
+    told = {"beams": beams, "windows": windows, "view": view, "delay": end.delay}
+    seen = Estimate(chart, end.posterior, end.misfit, 0, float("nan"), end.prior_variance, **told)
     if rows is not None:
         residual, others = rows.residual(mean), other_rigs(rows, sum(end.misfit), mean)
         rms = float(np.sqrt(np.mean(residual**2)))

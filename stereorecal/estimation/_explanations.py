@@ -91,15 +91,25 @@ class Explanation:
 
 
 def explanations(
-    rows: LinearRows, prior: CalibrationPrior, which: Sequence[int], misfits: Sequence[tuple[float, float]]
+    rows: LinearRows,
+    prior: CalibrationPrior,
+    which: Sequence[int],
+    misfits: Sequence[tuple[float, float]],
+    nuisance: Float[np.ndarray, "q q"] = NOTHING,
+    log_prior: float = 0.0,
 ) -> list[Explanation]:
-    """θ for each misfit and some of the covariances of the calibration's prior."""
+    """θ for each misfit and some of the covariances of the calibration's prior.
+
+    Args:
+        rows: whose last columns are nuisance parameters.
+        nuisance, log_prior: as `explained_by` has them.
+    """
     whole = {misfit: rows.normal(misfit) for misfit in {of_a_frame for of_a_frame, _ in misfits}}
     if len(rows.frames) > 1:
         normals = [without(whole[of_a_frame], common * _ROOT_OF_FIELD) for of_a_frame, common in misfits]
     else:
         normals = [whole[of_a_frame] for of_a_frame, _ in misfits]
-    return explained_by(dict(zip(misfits, normals, strict=True)), rows.told, prior, which)
+    return explained_by(dict(zip(misfits, normals, strict=True)), rows.told, prior, which, nuisance, log_prior)
 
 
 def explained_by(
@@ -115,13 +125,13 @@ def explained_by(
 
     Args:
         normals: the likelihood of rows under each misfit.
-        told: as `Measured.told` has it.
+        told: as `Measured.told` has it; of nuisance parameters, too, or of θ alone.
         nuisance: a root of the covariance of what the likelihoods have besides θ.
         log_prior: logarithm of its probability.
     """
     sizes, weights = drift_sizes()
     every = [
-        (misfit, index, log_told + log_prior, of_rows + of_others.with_nuisance(len(nuisance)))
+        (misfit, index, log_told + log_prior, of_rows + of_others.with_nuisance(len(of_rows.b) - len(of_others.b)))
         for (misfit, of_rows), (log_told, of_others), index in product(normals.items(), told, which)
     ]
     several = [index for _, index, _, _ in every]
@@ -146,10 +156,16 @@ def linear_rows(
     theta: Float[np.ndarray, "n"],
     prior: CalibrationPrior,
     measured: Measured = NOTHING_ELSE,
+    told: Sequence[tuple[float, Normal]] | None = None,
 ) -> LinearRows:
-    """Linear at θ."""
+    """Linear at θ.
+
+    Args:
+        told: what else is measured, as it told near another θ; default anew.
+    """
     rows = groups.rows(chart, theta)
     jacobian = rows.jacobian[:, 0].T
     frames = [np.flatnonzero(groups.frame == frame) for frame in np.unique(groups.frame)]
-    at_zero, told = rows.differences[0] - jacobian @ theta, measured.told(chart, theta, prior)
+    at_zero = rows.differences[0] - jacobian @ theta
+    told = measured.told(chart, theta, prior) if told is None else told
     return LinearRows(groups, jacobian, at_zero, groups.deviation, frames, measured, told)

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal.estimation._calibration_prior import CalibrationPrior
+from stereorecal.estimation._delay import Delay, beside_delay
 from stereorecal.estimation._evidence import Normal
 from stereorecal.estimation._explanations import (
     Explanation,
@@ -44,6 +45,7 @@ class Fit:
         prior: the most probable one of the calibration's covariances.
         prior_variance: (n,) of its error, before any image was seen, by the weights that its covariances have after.
         best: the most probable explanation.
+        delay: of the right shutter; None where motion says nothing of it.
     """
 
     posterior: Posterior
@@ -52,6 +54,7 @@ class Fit:
     prior: int
     prior_variance: Float[np.ndarray, "n"]
     best: Explanation
+    delay: Delay | None = None
 
 
 def fit(
@@ -87,16 +90,20 @@ def fit(
         theta = theta + within_field(found, chart, theta, move)
         if number < _REGROUPED:
             groups = grouped(found, chart, theta)
-        rows = linear_rows(groups, chart, theta, prior, measured)
+        rows = linear_rows(groups, chart, theta, prior, measured, None if number < _REGROUPED else rows.told)
         rows = replace(rows, deviation=rows.robust(sum(misfit), theta))
     near = _near(misfit, len(rows.frames) > 1)
     several = explanations(rows, prior, range(len(prior.roots)), near)
     if len(rows.frames) == 1:  # what moves differs between frames, and they outvote it
         several += [one for beside in beside_rivals(rows, chart, prior, several) for one in beside.several]
+    delay = None
+    if (late := beside_delay(rows, chart, prior, several)) is not None:
+        delay, several = late.delay(several), several + late.several
+        rows = late.rows if delay.probability > 0.5 else rows
     evidence = np.array([np.logaddexp.reduce(one.found.log_evidence) for one in several])
     weights = np.exp(evidence - np.logaddexp.reduce(evidence))
     variances = np.stack([np.sum(prior.roots[one.prior] ** 2, axis=1) for one in several])
-    return Fit(mixture(several), rows, misfit, which, weights @ variances, best_of(several)[0])
+    return Fit(mixture(several), rows, misfit, which, weights @ variances, best_of(several)[0], delay)
 
 
 def _nothing_seen(chart: RigChart, prior: CalibrationPrior, told: Sequence[tuple[float, Normal]]) -> Fit:

@@ -22,7 +22,7 @@ from stereorecal.objectives import RigChart
 from stereorecal.scoring import Tracks
 
 # Standard deviations of what windows say, in those that their tracks alone would leave: neighbours err together.
-_WORSE = (1.5, 2.0, 3.0, 4.5, 7.0, 10.0, 15.0)
+_WORSE = (1.0, 1.5, 2.0, 3.0, 4.5, 7.0, 10.0, 15.0)
 _OF_OTHER_THINGS = 0.05  # probability that most of what moves is not the rig
 _OWN_YAW = 1.0  # degrees: how far depth seems to be off, then
 
@@ -33,9 +33,13 @@ class Windows:
 
     Attributes:
         tracks: of each.
+        frames: numbers of the two pairs of each, as correspondences have them; empty where they are not known.
+        seconds: from one pair to the other; those of all windows are 1 where times are not known.
     """
 
     tracks: tuple[Tracks, ...] = ()
+    frames: tuple[tuple[int, int], ...] = ()
+    seconds: tuple[float, ...] = ()
 
     def near(self, chart: RigChart, theta: Float[np.ndarray, "n"]) -> tuple[Window, ...]:
         """What each says, linear near θ."""
@@ -50,24 +54,36 @@ class Windows:
         """What they may tell of θ, near a θ: as `Beams.told`; that, or all but depth."""
         if not self:
             return [(0.0, Normal(np.zeros((chart.dim,) * 2), np.zeros(chart.dim), 0.0))]
-        normal = together([one.normal for one in self.near(chart, theta)], prior)
-        return [
-            (float(np.log1p(-_OF_OTHER_THINGS)), normal),
-            (float(np.log(_OF_OTHER_THINGS)), without_depth(normal)),
-        ]
+        return with_other_things(together([one.normal for one in self.near(chart, theta)], *root_and_mean(prior)))
 
 
 NO_WINDOWS = Windows()
 
 
-def together(several: Sequence[Normal], prior: CalibrationPrior) -> Normal:
-    """The likelihood of all windows, their errors as much larger as the evidence says: under the prior, all of its
-    calibrations and drifts being one normal distribution."""
-    total, n = reduce(add, several), len(several[0].b)
+def with_other_things(normal: Normal) -> list[tuple[float, Normal]]:
+    """What windows tell, or all but depth, each with the logarithm of its probability."""
+    return [
+        (float(np.log1p(-_OF_OTHER_THINGS)), normal),
+        (float(np.log(_OF_OTHER_THINGS)), without_depth(normal)),
+    ]
+
+
+def root_and_mean(prior: CalibrationPrior) -> tuple[Float[np.ndarray, "n n"], Float[np.ndarray, "n"]]:
+    """All calibrations and drifts as one normal distribution of θ: a root of its covariance, and its mean."""
     drifts, weights = drift_sizes()
     covariance = np.einsum("m,mik,mjk->ij", prior.weights, prior.roots, prior.roots)
     covariance[: len(DRIFTING), : len(DRIFTING)] += np.diag(weights @ drifts**2)
-    root, mean = np.linalg.cholesky(covariance + 1e-18 * np.eye(n)), prior.weights @ prior.means
+    return np.linalg.cholesky(covariance + 1e-18 * np.eye(len(covariance))), prior.weights @ prior.means
+
+
+def together(several: Sequence[Normal], root: Float[np.ndarray, "n n"], mean: Float[np.ndarray, "n"]) -> Normal:
+    """The likelihood of all windows, their errors as much larger as the evidence says.
+
+    Args:
+        root: of the covariance of what they tell of, before, and
+        mean: its mean.
+    """
+    total, n = reduce(add, several), len(mean)
     counted = [one for one in several if one.a.any()]
     found = []
     for worse in _WORSE:

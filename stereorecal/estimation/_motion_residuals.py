@@ -40,12 +40,14 @@ class Seen:
 
     Attributes:
         tracks: their pixels.
+        size: of the images, width and height.
         rays: (m, 3) of the left camera, at first, at depth 1.
         later: (m, 2, 2) pixels by ray of the left camera, later.
         partners: (2, m, 2, 2) the same of the right camera at both times.
     """
 
     tracks: Tracks
+    size: tuple[int, int]
     rays: Float[np.ndarray, "m 3"]
     later: Float[np.ndarray, "m 2 2"]
     partners: Float[np.ndarray, "2 m 2 2"]
@@ -87,7 +89,7 @@ def seen_by(tracks: Tracks, rig: StereoRig) -> Seen:
     """By the cameras of a rig."""
     left, right = (np.asarray(getattr(rig, side).rays(getattr(tracks, side)), float) for side in SIDES)
     later, partners = pixel_slopes(rig.left, left[1], ())[0], pixel_slopes(rig.right, right, ())[0]
-    return Seen(tracks, left[0] / left[0, :, 2:], later, partners)
+    return Seen(tracks, rig.left.size, left[0] / left[0, :, 2:], later, partners)
 
 
 def residuals(seen: Seen, rig: StereoRig, motion: Motion, nearness: Float[np.ndarray, "m"]) -> Residuals:

@@ -7,9 +7,10 @@ free besides: a rig whose depth is wrong fits no motion either, and all of its t
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from stereorecal.estimation._evidence import Normal, without
+from stereorecal.estimation._groups import PLACES
 from stereorecal.estimation._motion_residuals import (
     MOVES,
     SEEN,
@@ -30,11 +31,14 @@ _FEWEST = 30  # tracks: from fewer nothing is to be learnt of motion and depth
 # it is seen later. The tracks themselves say how much larger or smaller all of them are.
 _ALIKE, _PARTNER, _LATER = 0.07, 0.07, 0.07
 _LEAST_SCALE = 0.5
+# What tracks of one place have in common, in standard deviations of their own errors: windows of pixels overlap, and
+# a surface, a lens or a shadow is wrong for all of them. Which, the evidence says.
+_SHARED = (0.0, 0.1, 0.2, 0.35, 0.5, 0.7, 1.0, 1.5)
 _GROWS = 0.03  # of its depth that a point comes nearer: its window is then another one, and all errors are larger
 _MEDIAN = 0.888  # of the root mean square of three standard normal numbers
 _REDESCENDS = 1.5  # standard deviations
 _ROUNDS, _SETTLED = 40, 0.03  # standard deviations of the motion
-_CONVEX = 4  # rounds in which what is far still has some say
+_CONVEX, _SOME = 4, 300  # rounds in which what is far still has some say, of so many tracks
 _YAW = 1.0  # degrees: how far depth may be off, while the motion is sought
 _TURN, _MOVE = 1.0, 100.0  # rad and baselines: motions of which nothing is known
 
@@ -71,18 +75,14 @@ class _Solved:
     weight: Float[np.ndarray, "m"]
 
 
-def window(tracks: Tracks, chart: RigChart, theta: Float[np.ndarray, "n"], start: Motion | None = None) -> Window:
-    """The window of tracks, linear near θ and the depth that it says itself.
-
-    Args:
-        tracks: in pixels of the cameras of the chart's rig.
-        start: where the motion is sought first; default at rest.
-    """
+def window(tracks: Tracks, chart: RigChart, theta: Float[np.ndarray, "n"]) -> Window:
+    """The window of tracks, in pixels of the cameras of the chart's rig, linear near θ and the depth that it says
+    itself."""
     nothing = Normal(np.zeros((chart.dim,) * 2), np.zeros(chart.dim), 0.0)
     if len(tracks) < _FEWEST:
         return Window(nothing, len(tracks), 0, None, (0.0, np.inf), 1.0)
     seen = seen_by(tracks, chart.rig_at(theta))
-    found = _motion(seen, chart, theta, start or Motion(np.eye(3), np.zeros(3)))
+    found = _motion(seen, chart, theta, _roughly(tracks, chart, theta))
     near = theta + found.yaw * _yaw_axis(chart)
     normal, covariance = _normal(seen, chart, near, found)
     metres = float(np.linalg.norm(found.motion.translation))
@@ -97,10 +97,22 @@ def _yaw_axis(chart: RigChart) -> Float[np.ndarray, "n"]:
     return np.eye(chart.dim)[DRIFTING.index("yaw")]
 
 
-def _motion(seen: Seen, chart: RigChart, theta: Float[np.ndarray, "n"], start: Motion) -> _Solved:
-    """Gauss-Newton with redescending weights."""
+def _roughly(tracks: Tracks, chart: RigChart, theta: Float[np.ndarray, "n"]) -> _Solved:
+    """From rest, by some of the tracks: most of the rounds are far from the end."""
+    some = tracks.of(slice(None, None, max(1, len(tracks) // _SOME)))
+    number = len(some)
+    rest = _Solved(Motion(np.eye(3), np.zeros(3)), 0.0, np.zeros(number), 1.0, np.ones(number))
+    return _motion(seen_by(some, chart.rig_at(theta)), chart, theta, rest, _CONVEX)
+
+
+def _motion(seen: Seen, chart: RigChart, theta: Float[np.ndarray, "n"], start: _Solved, convex: int = 0) -> _Solved:
+    """Gauss-Newton with redescending weights, from a motion and a yaw.
+
+    Args:
+        convex: rounds in which what is far still has some say.
+    """
     number, axis = len(seen.tracks), _yaw_axis(chart)
-    motion, yaw, nearness, scale, weight = start, 0.0, np.zeros(number), 1.0, np.ones(number)
+    motion, yaw, nearness, scale, weight = start.motion, start.yaw, np.zeros(number), 1.0, np.ones(number)
     prior = np.diag(np.r_[_wide(chart), _YAW**-2.0])
     given, slopes = chart.rig_at(theta), chart.extrinsic_slopes[[DRIFTING.index("yaw")]]
     for round_ in range(_ROUNDS):
@@ -111,18 +123,19 @@ def _motion(seen: Seen, chart: RigChart, theta: Float[np.ndarray, "n"], start: M
             continue
         of_yaw = by_extrinsics(seen, rig, slopes, motion, nearness)
         columns = np.concatenate([here.value[..., None], here.by_motion, of_yaw], axis=2)
-        left, pulls = _without_depth(_roots(here.along, _approach(motion, nearness)), here.by_nearness, columns)
+        left, pulls, _ = _without_depth(_roots(here.along, _approach(motion, nearness)), here.by_nearness, columns)
         apart = np.sqrt(np.mean(left[..., 0] ** 2, axis=1))
         scale = max(float(np.median(apart)) / _MEDIAN, _LEAST_SCALE)
         far = apart / (_REDESCENDS * scale)
-        weight = 1.0 / (1.0 + far**2) ** (1 if round_ < _CONVEX else 2)
+        weight = 1.0 / (1.0 + far**2) ** (1 if round_ < convex else 2)
         j, r = left[..., 1:], left[..., 0]
-        a = np.einsum("m,mki,mkj->ij", weight, j, j) / scale**2 + prior
-        b = -np.einsum("m,mki,mk->i", weight, j, r) / scale**2 - prior @ np.r_[np.zeros(MOVES), yaw]
+        weighted = weight[:, None, None] * j
+        a = np.tensordot(weighted, j, ([0, 1], [0, 1])) / scale**2 + prior
+        b = -np.tensordot(weighted, r, ([0, 1], [0, 1])) / scale**2 - prior @ np.r_[np.zeros(MOVES), yaw]
         step = np.linalg.solve(a, b)
         nearness = nearness - (pulls[:, 0] + pulls[:, 1:] @ step)
         motion, yaw = _moved(motion, step[:MOVES]), yaw + float(step[MOVES])
-        if round_ > _CONVEX and step @ a @ step < _SETTLED**2:
+        if round_ > convex + 1 and step @ a @ step < _SETTLED**2:
             break
     return _Solved(motion, yaw, nearness, scale, weight)
 
@@ -155,12 +168,14 @@ def _roots(along: Float[np.ndarray, "m 2"], approach: Float[np.ndarray, "m"]) ->
 
 def _without_depth(
     white: Float[np.ndarray, "m 4 4"], by_nearness: Float[np.ndarray, "m 4"], columns: Float[np.ndarray, "m 4 c"]
-) -> tuple[Float[np.ndarray, "m 4 c"], Float[np.ndarray, "m c"]]:
-    """Columns, whitened, less what a point's depth takes of them; and how much of the depth that is."""
-    by = (white @ by_nearness[..., None])[..., 0]
-    columns = white @ columns
-    share = np.einsum("mk,mkc->mc", by, columns) / np.maximum(np.sum(by**2, axis=1), 1e-300)[:, None]
-    return columns - by[..., None] * share[:, None], share
+) -> tuple[Float[np.ndarray, "m 4 c"], Float[np.ndarray, "m c"], Float[np.ndarray, "m 4"]]:
+    """Columns, whitened, less what a point's depth takes of them; how much of the depth that is; and the directions
+    that depth takes, of length 1."""
+    by, columns = (white @ by_nearness[..., None])[..., 0], white @ columns
+    size = np.maximum(np.linalg.norm(by, axis=1, keepdims=True), 1e-150)
+    by = by / size
+    along = np.einsum("mk,mkc->mc", by, columns)
+    return columns - by[..., None] * along[:, None], along / size, by
 
 
 def _normal(
@@ -172,18 +187,53 @@ def _normal(
     by = by_theta(seen, chart, near, found.motion, found.nearness)
     columns = np.concatenate([here.value[..., None], by, here.by_motion], axis=2)
     white = _roots(here.along, _approach(found.motion, found.nearness))
-    left, _ = _without_depth(white, here.by_nearness, columns)
-    left *= np.sqrt(found.weight)[:, None, None] / found.scale
-    rows = left.reshape(-1, left.shape[2])
-    j, at_zero = rows[:, 1:], rows[:, 0] - rows[:, 1 : 1 + n] @ near
+    left, _, taken = _without_depth(white, here.by_nearness, columns)
+    left[..., 0] -= left[..., 1 : 1 + n] @ near
+    total = _together_with_neighbours(left / found.scale, taken, found.weight, _places(seen))
+    pull, a = total[0, 1:], total[1:, 1:]
     # Of the m numbers of all tracks, those count that θ or the motion change.
-    pull, a = j.T @ at_zero, j.T @ j
-    scale = np.sqrt(np.maximum(np.diag(a), 1e-300))
-    c = float(pull / scale @ np.linalg.lstsq(a / scale / scale[:, None], pull / scale, rcond=1e-12)[0])
-    whole = Normal(a, -pull, c)
     covariance = np.linalg.inv(a[n:, n:] + np.diag(_wide(chart)))[3:, 3:]
-    alone = without(whole, np.diag(_wide(chart) ** -0.5))
+    alone = without(Normal(a, -pull, _explained(total)), np.diag(_wide(chart) ** -0.5))
     return Normal(alone.a, alone.b, alone.c - _log_volume(a[n:, n:], chart)), covariance
+
+
+def _places(seen: Seen) -> Int[np.ndarray, "m"]:
+    """In which of the parts of the left image each track begins."""
+    width, height = seen.size
+    at = np.clip(seen.tracks.left[0] / [width, height] * PLACES, 0, np.array(PLACES) - 1).astype(int)
+    return at[:, 1] * PLACES[0] + at[:, 0]
+
+
+def _together_with_neighbours(
+    rows: Float[np.ndarray, "m 4 c"],
+    taken: Float[np.ndarray, "m 4"],
+    weight: Float[np.ndarray, "m"],
+    place: Int[np.ndarray, "m"],
+) -> Float[np.ndarray, "c c"]:
+    """Products of the columns of whitened rows, of which the first are residuals, where tracks of one place have an
+    error in common besides their own: as large as the evidence says, and integrated.
+
+    Args:
+        taken: directions that the depth of each took.
+    """
+    own = np.sqrt(weight)[:, None, None] * rows
+    plain = np.tensordot(own, own, ([0, 1], [0, 1]))
+    pulls, known = np.zeros((PLACES[0] * PLACES[1], *rows.shape[1:])), np.zeros((PLACES[0] * PLACES[1], SEEN, SEEN))
+    np.add.at(pulls, place, weight[:, None, None] * rows)
+    np.add.at(known, place, weight[:, None, None] * (np.eye(SEEN) - taken[:, :, None] * taken[:, None]))
+    found = []
+    for shared in _SHARED:
+        inner = np.eye(SEEN) + shared**2 * known
+        total = plain - shared**2 * np.tensordot(pulls, np.linalg.solve(inner, pulls), ([0, 1], [0, 1]))
+        found.append((float(total[0, 0] - _explained(total) + np.linalg.slogdet(inner)[1].sum()), total))
+    return min(found, key=lambda one: one[0])[1]
+
+
+def _explained(total: Float[np.ndarray, "c c"]) -> float:
+    """The part of the squared residuals, the first of these columns, that the others explain."""
+    scale = np.sqrt(np.maximum(np.diag(total)[1:], 1e-300))
+    pull = total[0, 1:] / scale
+    return float(pull @ np.linalg.lstsq(total[1:, 1:] / scale / scale[:, None], pull, rcond=1e-12)[0])
 
 
 def _log_volume(of_motion: Float[np.ndarray, "6 6"], chart: RigChart) -> float:

@@ -73,14 +73,14 @@ def answered(case: Case, found: Correspondences, near: StereoRig, again_at: floa
     view = case.images.view
     while True:
         rest = without(found, apart)
-        ranges, windows = matched_ranges(case, found, near, apart), without_frames(tracks, apart)
+        ranges, windows = matched_ranges(case, found, near, apart), without_frames(case, tracks, apart)
         seen = estimate(rest, case.rig, case.prior, start=start, beams=ranges, windows=windows, view=view)
         if not seen.other_rigs or len(apart) > most:
             break
         apart, start = (*apart, seen.other_rigs[0].frame), seen.theta
     if refused := len(apart) > most:
         rest = found
-        ranges, windows = matched_ranges(case, found, near), without_frames(tracks, ())
+        ranges, windows = matched_ranges(case, found, near), without_frames(case, tracks, ())
         seen = estimate(rest, case.rig, case.prior, start=start, beams=ranges, windows=windows, view=view)
     if again_at is not None and case.free.lenses:
         seen, rest = _matched_again(case, seen, rest, again_at)

@@ -76,19 +76,31 @@ def windows_of(case: Case, found: Correspondences) -> dict[tuple[int, int], Any]
     return {(a, b): tracked(pairs[a], pairs[b], (matches[a], matches[b]), near) for a, b in case.windows}
 
 
-def without_frames(tracks: dict[tuple[int, int], Any], apart: Sequence[int]) -> Windows:
+def without_frames(case: Case, tracks: dict[tuple[int, int], Any], apart: Sequence[int]) -> Windows:
     """Those windows whose pairs both count."""
-    kept = tuple(some for window, some in tracks.items() if not set(window) & set(apart))
-    return Windows(kept) if kept else NO_WINDOWS
+    kept = [window for window in tracks if not set(window) & set(apart)]
+    times = [[case.images.pairs[frame].time for frame in window] for window in kept]
+    seconds = [second - first for first, second in times if first is not None and second is not None]
+    if len(seconds) < len(kept) or min(seconds, default=1.0) <= 0.0:
+        seconds = [1.0] * len(kept)
+    return Windows(tuple(tracks[window] for window in kept), tuple(kept), tuple(seconds)) if kept else NO_WINDOWS
 
 
 def as_dict(seen: Estimate) -> dict[str, Any]:
     """What the rig's own motion told, as plain data: how many windows, points that were followed, those that fit the
-    motion of the rig, and the median of its way from one pair to the next; NaN if too few could be followed."""
+    motion of the rig, the median of its way from one pair to the next, NaN if too few could be followed, and by how
+    much the right shutter may be late, None if it is not."""
     several = [one for one in seen.motions if one.motion is not None]
     inliers, tracks = (sum(getattr(one, name) for one in several) for name in ("inliers", "tracks"))
     way = float(np.median([one.metres[0] for one in several])) if several else float("nan")
-    return {"windows": len(seen.windows.tracks), "followed": tracks, "fitting": inliers, "metres": way}
+    told = {"windows": len(seen.windows.tracks), "followed": tracks, "fitting": inliers, "metres": way}
+    delay = seen.delay and {"probability": seen.delay.probability, "value": seen.delay.seconds, "unit": _unit(seen)}
+    return told | {"delay": delay}
+
+
+def _unit(seen: Estimate) -> str:
+    """Of a delay: where times are not known, all windows last 1, and no two pairs of known times are so far apart."""
+    return "pairs" if set(seen.windows.seconds) == {1.0} else "s"
 
 
 def described(seen: Estimate) -> str:
@@ -98,8 +110,15 @@ def described(seen: Estimate) -> str:
         return f"{told['windows']} windows, too few points could be followed"
     return (
         f"{told['windows']} windows, {told['fitting']} of {told['followed']} points fit the motion of the rig, "
-        f"{told['metres']:.3g} m from one pair to the next (median)"
+        f"{told['metres']:.3g} m from one pair to the next (median)" + _late(told["delay"])
     )
+
+
+def _late(delay: dict[str, Any] | None) -> str:
+    if delay is None or delay["probability"] < 0.5:
+        return ""
+    unit = "s" if delay["unit"] == "s" else "of the time between pairs"
+    return f"; the right shutter is late by {delay['value']:.2g} {unit}"
 
 
 def _matches(case: Case, found: Correspondences, frame: int) -> Matches:

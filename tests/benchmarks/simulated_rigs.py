@@ -142,7 +142,13 @@ class Simulated:
 
     # What a matcher finds.
 
-    def correspondences(self, frames: int = 1, spoil: str | None = None, draw: int = 0) -> Correspondences:
+    def correspondences(
+        self,
+        frames: int = 1,
+        spoil: str | None = None,
+        draw: int = 0,
+        late: Sequence[tuple[np.ndarray, np.ndarray]] | None = None,
+    ) -> Correspondences:
         """What the library's matcher would find in `frames` scenes: rays that the calibrated cameras give to true
         pixels with errors.
 
@@ -151,6 +157,8 @@ class Simulated:
                 right image is late on a vehicle that moves, the rows of the right image shift linearly from top to
                 bottom (another amount in each frame), the right image is stretched vertically (the same).
             draw: another one gives other scenes and errors.
+            late: how the points of each frame move, as the left camera has them, before the right image is taken: a
+                rotation (3, 3), and a translation (3,) [m] after it.
         """
         if spoil is not None and spoil not in SPOILS:
             raise ValueError(f"{spoil!r} is none of {SPOILS}")
@@ -166,6 +174,8 @@ class Simulated:
             true = self.left.rays(project(self.calibrated.left, given))
             points = true / _nearness(true, rng)[:, None] * self._baseline
             points, shift = spoiled.frame(points, where)
+            if late is not None:
+                points = points @ late[frame][0].T + late[frame][1]
             right = self.right.pixels(points @ self.rotation.T + self.translation)
             error, variance = _errors(columns, rows, rng)
             seen = rays(self.calibrated.right, spoiled.bent(right) + shift + error)

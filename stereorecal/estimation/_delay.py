@@ -1,0 +1,176 @@
+"""A late shutter beside the rig: the right camera sees each pair from where the rig is a little later.
+
+The θ of a pair is then θ + τ e, e being what the rig's own motion in a second makes of the extrinsics: rows and windows
+tell τ as they tell θ. Where all pairs move alike, only the sum is told, and the posterior says that, too.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from stereorecal.estimation._calibration_prior import CalibrationPrior
+from stereorecal.estimation._evidence import Normal
+from stereorecal.estimation._explanations import Explanation, LinearRows, best_of, explanations
+from stereorecal.estimation._misfit import DEVIATIONS
+from stereorecal.estimation._motion import Windows, root_and_mean, together, with_other_things
+from stereorecal.estimation._motion_residuals import Motion
+from stereorecal.estimation._motion_window import Window, window
+from stereorecal.geometry import StereoRig, rotation_from_vector, vector_from_rotation
+from stereorecal.objectives import RigChart
+
+_LATE = 0.005  # probability: as of an image that is late among single pairs
+_DELAY = 0.3  # of the time between two pairs: standard deviation
+_STEP = 0.01  # of a motion, for derivatives
+_FAR = 12.0  # nats below the rig alone: what has no say
+_ROUNDS, _SETTLED = 6, 0.01  # standard deviations of the delay
+_FEWEST = 2  # windows that move: one says nothing that the rig does not
+
+
+@dataclass(frozen=True)
+class Delay:
+    """Of the right shutter.
+
+    Attributes:
+        probability: that there is one.
+        seconds: how late it is, then; of the time from one pair to the next, where times are not known.
+    """
+
+    probability: float
+    seconds: float
+
+
+@dataclass(frozen=True, eq=False)
+class Late:
+    """θ beside a delay.
+
+    Attributes:
+        several: explanations, whose nuisance parameter is the delay in seconds.
+        rows: near the best of them, with that delay.
+    """
+
+    several: list[Explanation]
+    rows: LinearRows
+
+    def delay(self, alone: Sequence[Explanation]) -> Delay:
+        """What they say of it, beside explanations without."""
+        evidence, without = (np.concatenate([e.found.log_evidence for e in some]) for some in (self.several, alone))
+        both = np.logaddexp.reduce(np.concatenate([evidence, without]))
+        weights = np.exp(evidence - np.logaddexp.reduce(evidence))
+        values = np.concatenate([one.found.nuisance[:, 0] for one in self.several])
+        return Delay(float(np.exp(np.logaddexp.reduce(evidence) - both)), float(weights @ values))
+
+
+def beside_delay(
+    rows: LinearRows, chart: RigChart, prior: CalibrationPrior, alone: Sequence[Explanation]
+) -> Late | None:
+    """θ beside a delay; None where that has no say.
+
+    Args:
+        rows: near the rig that was fitted alone, with windows.
+        alone: the rig alone, for some misfits and all covariances of the calibration's prior.
+    """
+    windows, end = rows.measured.windows, best_of(alone)[0]
+    if not windows.frames:
+        return None
+    size = _DELAY * float(np.median(windows.seconds))
+    least = float(end.found.log_evidence.max()) - _FAR
+    theta, delay = end.found.means[end.found.log_evidence.argmax()], 0.0
+    misfits = list(dict.fromkeys(one.misfit for one in alone))
+    ways, late, found = np.zeros((len(windows.tracks), chart.dim)), rows, list(alone)
+    for round_ in range(_ROUNDS):
+        rig = chart.rig_at(theta)
+        near = [window(one, chart, theta + delay * way) for one, way in zip(windows.tracks, ways, strict=True)]
+        if sum(one.motion is not None for one in near) < _FEWEST:
+            return None
+        ways = np.stack(
+            [
+                np.zeros(chart.dim) if one.motion is None else of_motion(chart, rig, one.motion) / seconds
+                for one, seconds in zip(near, windows.seconds, strict=True)
+            ]
+        )
+        told = _told(rows, chart, theta, near, ways, prior, size)
+        late = replace(_rows(rows, chart, theta, delay, _of_frames(windows, near, ways, rows.groups.frame)), told=told)
+        if round_:
+            late = replace(late, deviation=late.robust(sum(end.misfit), np.append(theta, delay)))
+        found = explanations(late, prior, range(len(prior.roots)), misfits, np.full((1, 1), size), float(np.log(_LATE)))
+        end, kind = best_of(found)
+        if end.found.log_evidence[kind] < least:
+            return None
+        last, theta, delay = delay, end.found.means[kind], float(end.found.nuisance[kind, 0])
+        # The rig alone may have been far away, and much was misfit.
+        at, commons = DEVIATIONS.index(end.misfit[0]), dict.fromkeys(common for _, common in misfits)
+        misfits = [(deviation, common) for deviation in DEVIATIONS[max(at - 2, 0) : at + 2] for common in commons]
+        if round_ and abs(delay - last) < _SETTLED * size:
+            break
+    moved = late.at_zero + delay * late.jacobian[:, -1]
+    return Late(found, replace(rows, jacobian=late.jacobian[:, :-1], at_zero=moved, deviation=late.deviation))
+
+
+def _rows(
+    rows: LinearRows, chart: RigChart, theta: Float[np.ndarray, "n"], delay: float, ways: Float[np.ndarray, "g n"]
+) -> LinearRows:
+    """Linear near a θ and a delay, with a column for that."""
+    jacobian, at_zero = np.empty_like(rows.jacobian), np.empty_like(rows.at_zero)
+    for groups in rows.frames:
+        there = theta + delay * ways[groups[0]]
+        here = rows.groups.of(groups).rows(chart, there)
+        jacobian[groups] = here.jacobian[:, 0].T
+        at_zero[groups] = here.differences[0] - jacobian[groups] @ there
+    column = np.einsum("gn,gn->g", jacobian, ways)
+    return replace(rows, jacobian=np.column_stack([jacobian, column]), at_zero=at_zero)
+
+
+def _told(
+    rows: LinearRows,
+    chart: RigChart,
+    theta: Float[np.ndarray, "n"],
+    near: Sequence[Window],
+    ways: Float[np.ndarray, "w n"],
+    prior: CalibrationPrior,
+    size: float,
+) -> list[tuple[float, Normal]]:
+    """What windows and ranges tell of θ and the delay."""
+    several = [_beside(one.normal, way) for one, way in zip(near, ways, strict=True)]
+    root, mean = root_and_mean(prior)
+    wider = np.zeros((len(mean) + 1,) * 2)
+    wider[:-1, :-1], wider[-1, -1] = root, size
+    of_windows = with_other_things(together(several, wider, np.append(mean, 0.0)))
+    return [
+        (log + other, of_beams.with_nuisance(1) + normal)
+        for log, of_beams in rows.measured.beams.told(chart, theta)
+        for other, normal in of_windows
+    ]
+
+
+def _beside(normal: Normal, way: Float[np.ndarray, "n"]) -> Normal:
+    """Of θ and of how often a way is added to it."""
+    to = np.column_stack([np.eye(len(way)), way])
+    return Normal(to.T @ normal.a @ to, to.T @ normal.b, normal.c)
+
+
+def _of_frames(
+    windows: Windows, near: Sequence[Window], ways: Float[np.ndarray, "w n"], frames: Int[np.ndarray, "g"]
+) -> Float[np.ndarray, "g n"]:
+    """Of some frames: the mean of its windows; of one that is in none, that of the nearest."""
+    known = [
+        (frame, way)
+        for pair, one, way in zip(windows.frames, near, ways, strict=True)
+        for frame in pair
+        if one.motion is not None
+    ]
+    numbers, of_each = np.array([frame for frame, _ in known]), np.stack([way for _, way in known])
+    apart = np.abs(frames[:, None] - numbers)
+    nearest = apart == apart.min(axis=1, keepdims=True)
+    return (nearest / nearest.sum(axis=1, keepdims=True)) @ of_each
+
+
+def of_motion(chart: RigChart, rig: StereoRig, motion: Motion) -> Float[np.ndarray, "n"]:
+    """How θ of a rig seems to change, to first order, if the right camera sees what the rig comes to see by a
+    motion."""
+    turn = vector_from_rotation(motion.rotation)
+    rotation = rig.rotation @ np.asarray(rotation_from_vector(_STEP * turn), float)
+    translation = np.asarray(rig.translation) + _STEP * rig.rotation @ motion.translation
+    moved = StereoRig.from_rotation(rig.left, rig.right, rotation, translation)
+    return (chart.coordinates_of(moved) - chart.coordinates_of(rig)) / _STEP

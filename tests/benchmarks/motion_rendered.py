@@ -1,0 +1,68 @@
+"""Rendered drives for `motion.py`: what comes of images, where tracks alone come of a simulation."""
+
+from collections.abc import Sequence
+
+import jax
+from rich.console import Console
+from rich.table import Table
+
+import stereorecal as sr
+from stereorecal.estimation import readings
+from stereorecal.estimation._consequences import points_of_view
+from stereorecal.synthetic import photographs, plan_drive
+
+TOURS = ("street", "harbour")
+PAIRS = 9
+EVERY = {"street": 3, "harbour": 6}  # frames from one pair to the next: about a baseline
+STARTS = ((0.0, 0.0), (0.3, 0.0), (2.5, 0.0), (0.3, 0.2))  # degrees, and how late, of the time between two pairs
+
+
+def depth_error_percent(used: sr.StereoRig, true: sr.StereoRig, baselines: float = 30.0) -> float:
+    """Of the depth that a rig reads, over the view, on average; positive: too far."""
+    near = float(readings(used, true, points_of_view(true, baselines))[1].mean())
+    return 100.0 * (1.0 / (1.0 + near) - 1.0)
+
+
+def taken(tour: str, seed: int, late: float) -> tuple[sr.StereoRig, Sequence[sr.Pair]]:
+    """The true rig and some of the pairs of a drive in clear weather, on which things move."""
+    every = EVERY[tour]
+    number = (PAIRS - 1) * every + 1
+    plan = plan_drive(tour, seed, number, weather=False, late=((0, number, late * every),) if late else ())
+    return plan.truth(number // 2), [pair for frame, pair in enumerate(photographs(plan)) if frame % every == 0]
+
+
+def rendered(seeds: int, console: Console) -> None:
+    """A table of repairs."""
+    heads = (
+        "drive",
+        "from",
+        "late by",
+        "|depth error| at 30 B, %: before",
+        "written",
+        "posterior's mean: 95 %",
+        "rows",
+    )
+    table = Table(*heads, "delay", "verdict", box=None)
+    for tour in TOURS:
+        for seed in range(seeds):
+            for degrees, late in STARTS:
+                true, pairs = taken(tour, seed, late)
+                given = sr.synthetic.decalibrate(true, jax.random.key(seed), degrees, 0.009 * degrees)
+                found = sr.recalibrate(given, pairs, motion=True)
+                seen = found.estimate
+                assert seen is not None
+                assert found.row_errors is not None
+                _, low, high = seen.depth_error_percent(seen.theta)[30]
+                delay = seen.delay
+                table.add_row(
+                    f"{tour} {seed}",
+                    f"{degrees:g}°",
+                    f"{late:g}",
+                    f"{abs(depth_error_percent(given, true)):.1f}",
+                    f"{abs(depth_error_percent(found.rig, true)):.2f}",
+                    f"{depth_error_percent(seen.mean_rig, true):+.2f}: {low:+.1f} {high:+.1f}",
+                    f"{found.row_errors.before:.2f} {found.row_errors.after:.2f}",
+                    f"{delay.seconds:+.3f}" if delay and delay.probability > 0.5 else "",
+                    found.reason.name,
+                )
+    console.print(table)

@@ -1,0 +1,49 @@
+"""A late shutter beside the rig: told where frames move at different speeds, and the rig beside it is the true one."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from simulated_tracks import late_rig, tracks_of
+
+from stereorecal.estimation import Windows, estimate
+from stereorecal.estimation._consequences import points_of_view, readings
+
+SECONDS = 0.1
+WAYS = [((0.05 * k, 0.0, -0.4 - 0.2 * k), (0.004 * k - 0.006, 0.008 - 0.005 * k, 0.002 * k)) for k in range(4)]
+STEADY = [WAYS[2]] * 4
+
+
+def solved(rig, true, prior, seen, late, ways=WAYS):
+    """The estimate of four frames of a rig whose right shutter is late by a share of the time between two pairs."""
+    tracks = tuple(tracks_of(true, *way, seed=k, number=300, late=late) for k, way in enumerate(ways))
+    frames = [seen(rig, late_rig(true, *way, late), k, frames=1, cells=400) for k, way in enumerate(ways)]
+    parts = {
+        name: np.concatenate([getattr(one, name) for one in frames]) for name in ("left", "right", "weight", "tile")
+    }
+    windows = Windows(tracks, tuple((k, k) for k in range(len(ways))), (SECONDS,) * len(ways))
+    return estimate(replace(frames[0], **parts), rig, prior, windows=windows)
+
+
+@pytest.mark.parametrize("late", [0.2, pytest.param(-0.1, marks=pytest.mark.slow)])
+def test_a_late_shutter_is_told_and_does_no_harm(rig, chart, prior, seen, late):
+    true = chart.rig_at(np.r_[0.2, 0.3, -0.3, 0.2, -0.3, np.zeros(chart.dim - 5)])
+    found = solved(rig, true, prior, seen, late)
+    assert found.delay.probability > 0.99
+    assert found.delay.seconds == pytest.approx(late * SECONDS, abs=0.03 * SECONDS)
+    error = 100.0 * float(readings(found.mean_rig, true, points_of_view(true, 30))[1].mean())
+    assert abs(error) < 3.0
+    assert not found.other_rigs
+
+
+def test_a_shutter_in_time_is_not_late(rig, chart, prior, seen):
+    found = solved(rig, rig, prior, seen, 0.0)
+    assert found.delay is None or found.delay.probability < 0.1
+
+
+@pytest.mark.slow
+def test_on_a_steady_way_a_delay_and_a_shift_are_one(rig, prior, seen):
+    """What is told is their sum; and no drift shifts a rig so far."""
+    found = solved(rig, rig, prior, seen, 0.1, STEADY)
+    low, high = found.intervals[found.names.index("z")]
+    assert low < 0.0 < high
