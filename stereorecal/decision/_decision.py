@@ -88,7 +88,7 @@ def decide(seen: Estimate, free: Sequence[str], tolerances: Tolerances | None = 
 
     Two candidates stand: the one that loses least in rows and depth, and the one of those that read depth as the
     calibration does that loses least in rows; with ranges, also the one that changes no more than the length of the
-    baseline. One replaces the calibration if its rows are better for sure, also on average those that the images show,
+    baseline. One replaces the calibration if its rows are better for sure, also on average those that most frames show,
     or ranges agree with it and not with the calibration, or the rig's own motion tells that its depth is, and the
     probability is below 1 % that rows, of near or far things, or depth are worse. Of several, the one that keeps depth,
     unless another's depth is surely the better one: of the rigs for which it matters, in 95 %. Where none is so
@@ -149,12 +149,12 @@ class _Losses:
     Attributes:
         rows: pixels, at each distance.
         depth: percent, at the farthest.
-        shown: |row difference| of what the images show, on average, pixels.
+        shown: |row difference| of what each frame shows, on average, pixels.
     """
 
     rows: Float[np.ndarray, "d s"]
     depth: Float[np.ndarray, "s"]
-    shown: float
+    shown: Float[np.ndarray, "f"]
 
     @property
     def mean_rows(self) -> Float[np.ndarray, "s"]:
@@ -191,7 +191,7 @@ class _Candidate:
 
 
 def _losses(seen: Estimate, theta: Float[np.ndarray, "n"]) -> _Losses:
-    return _Losses(*seen.losses(theta), float(np.mean(seen.rows_of_frames(theta))))
+    return _Losses(*seen.losses(theta), seen.rows_of_frames(theta))
 
 
 def _decided(
@@ -213,8 +213,9 @@ def _decided(
     verdict = Verdict.GOOD if good else Verdict.CANNOT_TELL
     told = bool(seen.beams.fit_better(seen.chart.rig, seen.chart.rig_at(theta)))
     nearer = float(np.mean(after.depth < given.depth - limits.worse_depth_points)) > 1.0 - limits.alpha
-    # What the images show bears it out: no posterior knows all ways in which lenses err.
-    shown = after.shown - given.shown
+    # What most frames show bears it out: no posterior knows all ways in which lenses err, and where they do, one frame
+    # gains what others lose.
+    shown = float(np.median(after.shown - given.shown))
     asked = (told or (bool(seen.windows) and nearer)) and not shown > limits.worse_rows_px
     if harmless and (asked or (better > 1.0 - limits.alpha and shown < 0.0)):
         verdict = Verdict.REPAIR

@@ -1,6 +1,6 @@
 """The decision: what it may change, when it changes nothing, and that it is true to rigs that are known."""
 
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -240,3 +240,16 @@ def test_images_must_bear_it_out(drifted):
     as_given = groups.rows(seen.chart, np.zeros(len(seen.theta))).differences[0]
     aligned = replace(seen, shown=replace(groups, offset=groups.offset - as_given))  # as if they met as calibrated
     assert decide(aligned, AXES).verdict is not Verdict.REPAIR
+
+
+@pytest.mark.parametrize(("after", "repaired"), [((0.1, 0.9, 1.2), True), ((0.1, 1.1, 1.1), False)])
+def test_most_frames_must_bear_it_out(drifted, after, repaired):
+    """One frame may gain what others lose, on average."""
+    _, seen = drifted[0]
+
+    class Frames(type(seen)):
+        def rows_of_frames(self, used):
+            return np.array(after) if np.any(used) else np.ones(3)
+
+    said = decide(Frames(**{field.name: getattr(seen, field.name) for field in fields(seen)}), AXES)
+    assert (said.verdict is Verdict.REPAIR) == repaired
