@@ -33,11 +33,9 @@ def main(words: Sequence[str] | None = None) -> int:
     words = sys.argv if words is None else ["stereorecal-ros", *words]
     left = remove_ros_args(list(words))[1:]
     if left:
-        print(
-            __doc__ if left[0] in ("-h", "--help") else f"stereorecal-ros: {left[0]}: give --ros-args …",
-            file=sys.stderr,
-        )
-        return 2
+        asked = left[0] in ("-h", "--help")
+        print(f"stereorecal-ros: {_USAGE if asked else f'{left[0]} is not known; {_USAGE}'}", file=sys.stderr)
+        return 0 if asked else 2
     home = Path(os.environ.get("ROS_HOME") or Path.home() / ".ros") / "stereorecal"
     # Of the worker process, which compiles for some twenty seconds when nothing is kept yet.
     os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(home / "programs"))

@@ -13,6 +13,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -104,13 +105,16 @@ class Playing:
 
     def __init__(self, folder: str, rate: float, **parameters: object) -> None:
         import rclpy
+        from diagnostic_msgs.msg import DiagnosticArray
         from stereorecal_ros.play import Player
 
         os.environ.update(ROS_DOMAIN_ID="88", ROS_AUTOMATIC_DISCOVERY_RANGE="LOCALHOST")
         rig = sr.synthetic.default_rig().resized((640, 480))
         self._pairs = [pair for seed in range(4) for pair in render("harbour", seed, rig=rig).pairs]
         rclpy.init()
-        self._player, self._rate, self._sent = Player(rig), rate, 0
+        self._player, self._rate, self._sent, self.looked_at = Player(rig), rate, 0, 0
+        self._player.create_subscription(DiagnosticArray, "/diagnostics", self._on_status, 10)
+        self._listen = partial(rclpy.spin_once, self._player, timeout_sec=0.0)
         given = {"state_file": f"{folder}/state", **parameters}
         words = [word for name, value in given.items() for word in ("-p", f"{name}:={value}")]
         self.node = subprocess.Popen([sys.executable, "-m", "stereorecal_ros", "--ros-args", *words])
@@ -120,7 +124,12 @@ class Playing:
         for number in range(pairs):
             time.sleep(max(0.0, began + number / self._rate - time.perf_counter()))
             self._player.send(self._pairs[self._sent // 10 % len(self._pairs)])
+            self._listen()
             self._sent += 1
+
+    def _on_status(self, message) -> None:
+        values = {value.key: value.value for value in message.status[0].values}
+        self.looked_at = int(values["pairs looked at"])
 
     def close(self) -> None:
         self.node.terminate()
@@ -134,12 +143,13 @@ def cost(seconds: int = 40) -> Table:
         try:
             playing.play(300)  # until all is compiled
             processes = tree(playing.node.pid)
-            before, began = [spent(one) for one in processes], time.perf_counter()
+            before, began, looked_at = [spent(one) for one in processes], time.perf_counter(), playing.looked_at
             playing.play(10 * seconds)
             took = time.perf_counter() - began
             for process, used in zip(processes, before, strict=True):
                 name = Path(f"/proc/{process}/cmdline").read_bytes().decode().replace("\0", " ")[-60:]
                 table.add_row(name, f"{100 * (spent(process) - used) / took:.1f} %")
+            table.caption = f"looked at {playing.looked_at - looked_at} of {10 * seconds} pairs"
         finally:
             playing.close()
             busy.kill()
