@@ -8,6 +8,7 @@ import pytest
 from json_page import differences, listed, matched, paths
 
 import stereorecal as sr
+from stereorecal.comparison._truth import errors_by_truth
 from stereorecal.estimation import Estimate, Posterior, rig_parameters
 from stereorecal.recalibration import RangesSeen
 from stereorecal.recalibration._windows import as_dict as motion_as_dict
@@ -15,7 +16,8 @@ from stereorecal.recalibration._windows import as_dict as motion_as_dict
 INTRINSICS = sr.Intrinsics(  # freeing them takes longer than a test may
     sr.IntrinsicsOutcome.REFINED, ("k1",), ("",), np.zeros(1), np.ones(1), (), 0.2, 0.1, 0.9, 0.1
 )
-CHART = rig_parameters(sr.synthetic.default_rig())
+RIG = sr.synthetic.default_rig()
+CHART = rig_parameters(RIG)
 MOVED = Estimate(
     CHART,
     Posterior(np.ones(1), np.zeros((1, CHART.dim)), np.eye(CHART.dim)[None]),
@@ -50,6 +52,11 @@ def test_what_is_written_and_what_is_listed(command, schema: str, clean_scene, d
         content["repairs"][0]["intrinsics"] = INTRINSICS.as_dict()
         content["repairs"][0]["ranges"] = RangesSeen(5, 4, 1).as_dict()
         content["repairs"][0]["motion"] = motion_as_dict(MOVED)
+    if schema == "compare":  # of a scene whose true rig is not known
+        (trial,), (row,) = content["trials"], content["summary"]
+        assert trial["by_truth"] is row["harmful"] is row["row_error_px_median"] is None
+        trial["by_truth"] = errors_by_truth(RIG, RIG, RIG, sr.view(RIG))
+        row |= {"row_error_px_median": {"final": 0.1}, "depth_error_percent_median": {"30": 1.0}}
     assert differences([content]) == (set(), set())
 
 
