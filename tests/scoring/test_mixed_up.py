@@ -18,6 +18,7 @@ from stereorecal.synthetic import KINDS, render
 MISTAKES = {
     "exchanged": (lambda left, right: (right, left), "look swapped"),
     "mirrored": (lambda left, right: (left[:, ::-1], right[:, ::-1]), "both are mirrored"),
+    "right mirrored": (lambda left, right: (left, right[:, ::-1]), "one of the two images is mirrored"),
     "both upside down": (lambda left, right: (left[::-1, ::-1], right[::-1, ::-1]), "or upside down"),
     "left upside down": (lambda left, right: (left[::-1, ::-1], right), "one of the two images is upside down"),
     "right upside down": (lambda left, right: (left, right[::-1, ::-1]), "one of the two images is upside down"),
@@ -28,7 +29,7 @@ def mixed(pair: Pair, mistake) -> list[Pair]:
     return [Pair(*(np.ascontiguousarray(image) for image in mistake(np.asarray(pair.left), np.asarray(pair.right))))]
 
 
-@pytest.mark.slow(after=5)
+@pytest.mark.slow(after=6)
 @pytest.mark.parametrize("name", MISTAKES)
 @pytest.mark.parametrize("kind", ["harbour", "street"])
 def test_each_mistake_is_named(scene, kind, name):

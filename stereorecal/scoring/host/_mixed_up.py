@@ -24,6 +24,7 @@ _RATIO = 0.8  # of the distances to the best and to the second best partner
 _ENOUGH = 300  # features in each image: some of them must have partners if both show the same
 _CHANCE = 14  # pairs that agree on some rigid motion by chance: it has five degrees of freedom
 _SURE = 30  # pairs that agree
+_MANY_TIMES = 3  # as many pairs agree once an image is flipped; of images that are as they should be a ninth
 _AGREE = 1.5  # pixels from the epipolar line
 _MOST = 0.8  # share of the pairs that agree, and of those that say the same
 _TRAIL = 2.0  # times as far from the median as the other end; of images that are exchanged 0.7 to 1.4
@@ -52,11 +53,13 @@ def _named(rig: StereoRig, pair: Pair) -> str | None:
     enough = _ENOUGH // (4 if pair.size[0] < _WIDTH // 2 else 1)
     if min(len(left), len(right)) < enough:
         return None
-    here, there = _partners(first, second)
-    sides = (rig.left, left[here]), (rig.right, right[there])
-    rays = [_at_depth_1(np.asarray(camera.rays(points))) for camera, points in sides]
     tolerance = _AGREE * max(1.0, pair.size[0] / _WIDTH) / float(rig.left.focal[0])
-    turned, agree = _rotation(rays[0], rays[1], tolerance)
+    rays = _rays_of_partners(rig, (left, first), (right, second))
+    turned, agree = _rotation(*rays, tolerance)
+    flipped, other, _ = _features(np.fliplr(np.asarray(pair.right)))
+    _, mirrored = _rotation(*_rays_of_partners(rig, (left, first), (flipped, other)), tolerance)
+    if mirrored.sum() >= max(_SURE, _MANY_TIMES * agree.sum()) and mirrored.mean() >= _MOST:
+        return "one of the two images is mirrored; flip it from left to right."
     if agree.sum() <= _CHANCE:
         if not (_distinct(first) and _distinct(second)):
             return None  # a texture that repeats has no unambiguous partners in the right image either
@@ -86,6 +89,17 @@ def _named(rig: StereoRig, pair: Pair) -> str | None:
             "left and right, or invert the transform."
         )
     return None
+
+
+def _rays_of_partners(
+    rig: StereoRig,
+    left: tuple[Float[np.ndarray, "n 2"], Float[np.ndarray, "n c"]],
+    right: tuple[Float[np.ndarray, "m 2"], Float[np.ndarray, "m c"]],
+) -> tuple[Float[np.ndarray, "p 3"], Float[np.ndarray, "p 3"]]:
+    """Of features, in pixels and with descriptors, that choose each other: rays at depth 1 of the cameras."""
+    here, there = _partners(left[1], right[1])
+    first, second = np.asarray(rig.left.rays(left[0][here])), np.asarray(rig.right.rays(right[0][there]))
+    return _at_depth_1(first), _at_depth_1(second)
 
 
 def _trails_ahead(parallax: Float[np.ndarray, "n"]) -> bool:
