@@ -130,10 +130,10 @@ def decide_together(
     others = [candidate(free)]
     if BASELINE in free and any(seen.beams for seen in several):
         others.append(candidate((BASELINE,)))  # where rows are good, they stay
-    keeps, changes = candidate(free, keeps_depth=True), min(others, key=lambda one: (*one.refusals, one.loss))
-    if keeps.refusals == changes.refusals:
+    keeps, changes = candidate(free, keeps_depth=True), min(others, key=lambda one: (one.refused, one.harms, one.loss))
+    if keeps.refused == changes.refused:
         return (changes if changes.reads_depth_better(keeps, limits) else keeps).decisions
-    return min(keeps, changes, key=lambda one: one.refusals).decisions
+    return min(keeps, changes, key=lambda one: one.refused).decisions
 
 
 def do_as_well(held: Sequence[Decision], freed: Sequence[Decision]) -> bool:
@@ -170,12 +170,14 @@ class _Candidate:
     depth: list[Float[np.ndarray, "s"]]
 
     @property
-    def refusals(self) -> tuple[int, int]:
-        """How many calibrations it does not replace, and how many it may make worse: less is better, in this order."""
-        return (
-            sum(one.refused for one in self.decisions),
-            sum(one.worse >= one.tolerances.alpha for one in self.decisions),
-        )
+    def refused(self) -> int:
+        """How many calibrations it does not replace."""
+        return sum(one.refused for one in self.decisions)
+
+    @property
+    def harms(self) -> int:
+        """How many it may make worse."""
+        return sum(one.worse >= one.tolerances.alpha for one in self.decisions)
 
     @property
     def loss(self) -> float:
