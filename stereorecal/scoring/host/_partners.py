@@ -20,6 +20,7 @@ from stereorecal.scoring.host._disparities import disparities
 
 _WINDOW = 5  # pixels to each side: what a matcher's window saw
 _COVERED = 0.1  # of the window
+_OUTSIDE = -1e6  # pixels: of what no view shows
 _FLAT = 0.3  # pixels of disparity off a plane: at an edge, nobody knows which side was meant
 
 
@@ -72,7 +73,7 @@ def _right_pixels(
 ) -> Partners:
     view, (disparity, row, good) = jax.tree.map(float, data.view), offsets  # float64
     to_left, to_right = rectifying_rotations(rig.rotation, rig.translation)
-    column, line = np.nan_to_num(view.pixels(np.asarray(rig.left.rays(pixels)) @ to_left.T, 0), nan=-np.inf)
+    column, line = np.nan_to_num(view.pixels(np.asarray(rig.left.rays(pixels)) @ to_left.T, 0), nan=_OUTSIDE)
     (d, v), deviation = _planes_at(np.stack([disparity, row]), good > 0, column, line)
     sure = np.isfinite(deviation)
     turned = np.asarray(view.directions(column - d, line + v, 1))
