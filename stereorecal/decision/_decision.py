@@ -91,7 +91,8 @@ def decide(seen: Estimate, free: Sequence[str], tolerances: Tolerances | None = 
     baseline. One replaces the calibration if its rows are better for sure, also on average those that most frames show,
     or ranges agree with it and not with the calibration, or the rig's own motion tells that its depth is, and the
     probability is below 1 % that rows, of near or far things, or depth are worse. Of several, the one that keeps depth,
-    unless another's depth is surely the better one: of the rigs for which it matters, in 95 %. Where none is so
+    unless that costs rows that a matcher notices, or another's depth is surely the better one: of the rigs for which it
+    matters, in 95 %. Where none is so
     harmless, and the rows of the calibration blind the matcher, which leaves it no depth to lose, that its rows are
     hardly ever worse is enough. Else the calibration is good if its rows are, with 95 %. Absolute depth is not judged:
     no rig's rows know it.
@@ -132,7 +133,8 @@ def decide_together(
         others.append(candidate((BASELINE,)))  # where rows are good, they stay
     keeps, changes = candidate(free, keeps_depth=True), min(others, key=lambda one: (one.refused, one.harms, one.loss))
     if keeps.refused == changes.refused:
-        return (changes if changes.reads_depth_better(keeps, limits) else keeps).decisions
+        worth_it = changes.reads_depth_better(keeps, limits) or changes.aligns_rows_better(keeps, limits)
+        return (changes if worth_it else keeps).decisions
     return min(keeps, changes, key=lambda one: one.refused).decisions
 
 
@@ -183,6 +185,15 @@ class _Candidate:
     def loss(self) -> float:
         """To be expected, of all together."""
         return sum(one.loss for one in self.decisions)
+
+    @property
+    def rows(self) -> float:
+        """Median row errors [px] over the view, on average."""
+        return float(np.mean([one.rows_px[1, 0] for one in self.decisions]))
+
+    def aligns_rows_better(self, other: "_Candidate", limits: Tolerances) -> bool:
+        """Whether the other one costs rows that a matcher notices, and this one is hardly ever for the worse."""
+        return not self.harms and self.rows < other.rows - limits.gain_px
 
     def reads_depth_better(self, other: "_Candidate", limits: Tolerances) -> bool:
         """Whether it is worth it to change what depth reads: it loses less, and of the rigs for which the two differ by

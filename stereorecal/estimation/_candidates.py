@@ -28,7 +28,7 @@ def depth_kept(
     pull = covariance @ slopes.T
     theta = mean
     for _ in range(_STEPS):
-        _, here, _ = readings_at(chart.rig_at(theta), chart.rig, sets, shown)
+        _, here = readings_at(chart.rig_at(theta), chart.rig, sets, shown)
         wanted = slopes @ (mean - theta) + here
         theta = mean - pull @ np.linalg.lstsq(slopes @ pull, wanted, rcond=None)[0]
     return theta
@@ -45,7 +45,6 @@ class Known:
         deviations: of θ: what neither rows nor depth tell stays near the mean.
         nearness: relative disparity that a rig should read, less that of the rig at the mean, at each distance of
             the maps, on average over the view.
-        variation: by what that of single points should differ from it, likewise.
         judged_at: those of the distances at which it counts, baselines.
         shown: the view; None: the rig's own.
     """
@@ -55,7 +54,6 @@ class Known:
     mean: Float[np.ndarray, "n"]
     deviations: Float[np.ndarray, "n"]
     nearness: Float[np.ndarray, "d"]
-    variation: Sequence[Float[np.ndarray, "_"]]
     judged_at: tuple[float, ...]
     shown: View | None = None
 
@@ -98,8 +96,9 @@ def least_loss(
 def _loss(
     one: Known, free: Bool[np.ndarray, "n"], depth_matters: float
 ) -> tuple[Float[np.ndarray, "k n"], Float[np.ndarray, "k"]]:
-    """Maps and goal: what the rig at θ loses is the square of maps θ - goal. Rows and disparities count over the whole
-    view: depth that is right on average may be wrong everywhere."""
+    """Maps and goal: what the rig at θ loses is the square of maps θ - goal. Disparities count over the whole view, as
+    rows do: depth that is as it should be on average may be wrong everywhere. How they vary is the mean's, since that
+    comes from lenses, of which rows tell."""
     maps, goal = [], []
     for index, distance in enumerate(one.near.distances):
         if distance in one.judged_at:
@@ -111,7 +110,7 @@ def _loss(
             goal += [
                 rows @ one.mean,
                 nearness @ one.mean + one.nearness[index] / depth_matters,
-                variation @ one.mean + one.variation[index] / (_DEPTH_MATTERS * points),
+                variation @ one.mean,
             ]
     near_mean = _NEAR_MEAN * np.diag(1.0 / np.maximum(one.deviations, 1e-12))[free]
     return np.concatenate([*maps, near_mean]), np.concatenate([*goal, near_mean @ one.mean])
@@ -120,18 +119,17 @@ def _loss(
 def least_loss_of_depth_kept(
     several: Sequence[Known], free: Bool[np.ndarray, "n"], shared: Bool[np.ndarray, "n"]
 ) -> list[Float[np.ndarray, "n"]]:
-    """The same of those that read depth as the rigs at θ = 0 do: on average over the view, by Newton steps, since depth
-    is not linear as far as a drift may reach; and at single points as well as rows allow."""
+    """The same of those that read depth as the rigs at θ = 0 do, on average over the view; Newton steps, since depth is
+    not linear as far as a drift may reach."""
     means = [one.chart.rig_at(one.mean) for one in several]
     sets = [
         [points_of_view(mean, distance, one.shown) for distance in one.near.distances]
         for one, mean in zip(several, means, strict=True)
     ]
-    given = [
-        readings_at(one.chart.rig, mean, some, one.shown) for one, mean, some in zip(several, means, sets, strict=True)
+    wanted = [
+        readings_at(one.chart.rig, mean, some, one.shown)[1]
+        for one, mean, some in zip(several, means, sets, strict=True)
     ]
-    wanted = [nearness for _, nearness, _ in given]
-    several = [replace(one, variation=variation) for one, (_, _, variation) in zip(several, given, strict=True)]
     best, least = [np.zeros_like(one.mean) for one in several], np.inf
     for _ in range(_STEPS):
         asked = [replace(one, nearness=nearness) for one, nearness in zip(several, wanted, strict=True)]

@@ -109,13 +109,12 @@ def _read(
 
 def readings_at(
     used: StereoRig, true: StereoRig, sets: Sequence[Float[np.ndarray, "_ 3"]], shown: View | None = None
-) -> tuple[list[Float[np.ndarray, "_"]], Float[np.ndarray, "d"], list[Float[np.ndarray, "_"]]]:
-    """`readings` of several sets of points: the row differences of each, the mean relative error of its disparities,
-    and what those of single points differ from it by."""
+) -> tuple[list[Float[np.ndarray, "_"]], Float[np.ndarray, "d"]]:
+    """`readings` of several sets of points: the row differences of each, and the mean relative error of its
+    disparities."""
     ends = np.cumsum([len(points) for points in sets])[:-1]
     rows, nearness = (np.split(found, ends) for found in readings(used, true, np.concatenate(sets), shown))
-    means = np.array([some.mean() for some in nearness])
-    return rows, means, [some - mean for some, mean in zip(nearness, means, strict=True)]
+    return rows, np.array([some.mean() for some in nearness])
 
 
 def _focal(used: StereoRig) -> float:

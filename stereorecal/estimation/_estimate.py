@@ -128,24 +128,17 @@ class Estimate:
     def known(self) -> Known:
         """What candidates are chosen by."""
         deviations = np.sqrt(np.diag(self.posterior.covariance))
-        near = self._consequences
-        as_mean = [np.zeros(len(points)) for points in near.variation]
-        return Known(
-            self.chart, near, self.theta, deviations, self._target_nearness, as_mean, self.judged_at, self.view
-        )
+        near, target = self._consequences, self._target_nearness
+        return Known(self.chart, near, self.theta, deviations, target, self.judged_at, self.view)
 
     @one_blas_thread()
     def losses(self, used: Float[np.ndarray, "n"]) -> tuple[Float[np.ndarray, "d s"], Float[np.ndarray, "s"]]:
-        """Rows [pixels] at each of the distances that it is judged at, and the error of depth at the farthest of them
-        [%] of the rig at θ = used, root mean squares over the view, for each of some rigs drawn from the posterior;
-        always the same."""
-        read = self._read(used)
-        far = self._distances.index(max(self.judged_at))
-        depth = 1.0 / np.maximum(1.0 + read.nearness[:, far], _LEAST_NEARNESS) - 1.0
-        varying = _rms_of_samples(read.variation[far], *self._variation_of_samples)
-        return read.rows[[self._distances.index(distance) for distance in self.judged_at]], 100.0 * np.hypot(
-            depth, varying
-        )
+        """Rows [pixels] at each of the distances that it is judged at, and |error of depth| at the farthest of them [%]
+        of the rig at θ = used, for each of some rigs drawn from the posterior; always the same."""
+        rows, nearness = self._read(used)
+        near = 1.0 + nearness[:, self._distances.index(max(self.judged_at))]
+        judged = rows[[self._distances.index(distance) for distance in self.judged_at]]
+        return judged, 100.0 * np.abs(1.0 / np.maximum(near, _LEAST_NEARNESS) - 1.0)
 
     @one_blas_thread()
     def rows_of_frames(self, used: Float[np.ndarray, "n"]) -> Float[np.ndarray, "f"]:
@@ -157,11 +150,16 @@ class Estimate:
         return np.bincount(numbers, count * np.abs(rows)) / np.bincount(numbers, count)
 
     @one_blas_thread()
-    def _read(self, used: Float[np.ndarray, "n"]) -> "_Read":
-        """What the rig at θ = used reads at all distances: exact at the mean, linear around it."""
-        at_mean, nearness, variation = readings_at(self.chart.rig_at(used), self.mean_rig, self._points, self.view)
-        rows = [_rms_of_samples(rows, *moved) for rows, moved in zip(at_mean, self._rows_of_samples, strict=True)]
-        return _Read(np.stack(rows), nearness - self._nearness_of_samples, variation)
+    def _read(self, used: Float[np.ndarray, "n"]) -> tuple[Float[np.ndarray, "d s"], Float[np.ndarray, "s d"]]:
+        """What the rig at θ = used reads at all distances if a sample is the truth: root mean squares of row errors
+        [pixels] over the view, and relative errors of disparity, on average over it; exact at the mean, linear around
+        it."""
+        at_mean, nearness = readings_at(self.chart.rig_at(used), self.mean_rig, self._points, self.view)
+        square = [
+            np.mean(rows**2) - moved @ rows * (2.0 / len(rows)) + of_moved
+            for rows, (moved, of_moved) in zip(at_mean, self._rows_of_samples, strict=True)
+        ]
+        return np.sqrt(np.maximum(square, 0.0)), nearness - self._nearness_of_samples
 
     @cached_property
     @one_blas_thread()
@@ -183,17 +181,8 @@ class Estimate:
     def _rows_of_samples(self) -> list[tuple[Float[np.ndarray, "s _"], Float[np.ndarray, "s"]]]:
         """At each distance: by how much rows of each sample's rig differ from those at the mean, and their mean
         squares."""
-        return [self._of_samples(slopes) for slopes in self._consequences.rows]
-
-    @cached_property
-    @one_blas_thread()
-    def _variation_of_samples(self) -> tuple[Float[np.ndarray, "s _"], Float[np.ndarray, "s"]]:
-        """The same of the variation of relative disparity, at the farthest distance that it is judged at."""
-        return self._of_samples(self._consequences.variation[self._distances.index(max(self.judged_at))])
-
-    def _of_samples(self, slopes: Float[np.ndarray, "p n"]) -> tuple[Float[np.ndarray, "s p"], Float[np.ndarray, "s"]]:
-        moved = (self._samples - self.theta) @ slopes.T
-        return moved, np.mean(moved**2, axis=1)
+        moved = [(self._samples - self.theta) @ slopes.T for slopes in self._consequences.rows]
+        return [(some, np.mean(some**2, axis=1)) for some in moved]
 
     @cached_property
     @one_blas_thread()
@@ -214,7 +203,7 @@ class Estimate:
     def depth_error_percent(self, used: Float[np.ndarray, "n"]) -> dict[int, tuple[float, float, float]]:
         """The error of depth of the rig at θ = used, at distances in baselines: median, and 95 % interval; positive: it
         reports too far; infinite where a point seems to lie at infinity or beyond. Over the view, on average."""
-        near = self._read(used).nearness
+        near = self._read(used)[1]
         found = {}
         for distance, of_samples in zip(DISTANCES, near.T, strict=False):
             middle, low, high = (
@@ -228,33 +217,10 @@ class Estimate:
         """The row error of the rig at θ = used, root mean square over the view, of points at distances in baselines:
         median, and 95 % interval; pixels of the images."""
         found = {}
-        for distance, of_samples in zip(DISTANCES, self._read(used).rows, strict=False):
+        for distance, of_samples in zip(DISTANCES, self._read(used)[0], strict=False):
             middle, low, high = np.percentile(of_samples, [50.0, 2.5, 97.5]).tolist()
             found[distance] = (middle, low, high)
         return found
-
-
-@dataclass(frozen=True, eq=False)
-class _Read:
-    """What a rig reads, for each of some rigs drawn from the posterior.
-
-    Attributes:
-        rows: (d, s) root mean squares of row errors over the view, pixels.
-        nearness: (s, d) relative errors of disparity, on average over the view.
-        variation: of single points from that average, at each distance, if the mean is the truth.
-    """
-
-    rows: Float[np.ndarray, "d s"]
-    nearness: Float[np.ndarray, "s d"]
-    variation: Sequence[Float[np.ndarray, "_"]]
-
-
-def _rms_of_samples(
-    at_mean: Float[np.ndarray, "p"], moved: Float[np.ndarray, "s p"], of_moved: Float[np.ndarray, "s"]
-) -> Float[np.ndarray, "s"]:
-    """Of at_mean - moved, whose own mean squares are known."""
-    square = np.mean(at_mean**2) - moved @ at_mean * (2.0 / len(at_mean)) + of_moved
-    return np.sqrt(np.maximum(square, 0.0))
 
 
 @one_blas_thread()

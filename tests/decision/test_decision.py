@@ -119,17 +119,19 @@ def test_depth_is_kept_where_rows_do_not_tell_it(looks, rig):
         assert abs(readings(used, rig, points_of_view(rig, 30))[1].mean()) < 1e-3
 
 
-@given(seed=st.integers(0, 5))
-@settings(max_examples=6, deadline=None)
-def test_what_depth_reads_changes_only_where_that_is_surely_for_the_better(drifted, seed):
-    """Of the rigs for which it matters by a point, in 95 %."""
-    _, seen = drifted[seed]
-    said, kept = decide(seen, AXES), seen.with_free(AXES, keep_depth=True)
-    if not said.keeps_depth:
-        gains = seen.losses(kept)[1] - seen.losses(said.theta)[1]
-        assert np.mean(gains[np.abs(gains) > 1.0] > 0.0) >= 0.95
-    asking = decide(seen, AXES, replace(said.tolerances, good_surely=0.9999))
-    assert asking.keeps_depth or not said.keeps_depth
+def test_what_depth_reads_changes_only_where_that_is_worth_it(drifted):
+    """It is the better one in 95 % of the rigs for which it matters by a point, or keeping it costs rows."""
+    changed = 0
+    for _, seen in drifted:
+        said, kept = decide(seen, AXES), seen.with_free(AXES, keep_depth=True)
+        if said.keeps_depth:
+            np.testing.assert_array_equal(said.theta, kept)
+            continue
+        (rows, depth), (rows_kept, depth_kept) = seen.losses(said.theta), seen.losses(kept)
+        gains, costs = depth_kept - depth, np.median(rows_kept.mean(axis=0)) - np.median(rows.mean(axis=0))
+        changed += 1
+        assert np.mean(gains[np.abs(gains) > 1.0] > 0.0) >= 0.95 or costs > LIMITS["gain_px"]
+    assert changed
 
 
 @pytest.mark.parametrize(("rows", "repaired"), [(2.0 * LIMITS["blind_rows_px"], True), (0.5, False)])

@@ -158,18 +158,13 @@ def loss(chart, near, mean, nearness, theta) -> float:
     return float(total)
 
 
-def known_as(chart, near, mean, sigma, nearness) -> Known:
-    """Judged at three distances, with the disparities of single points as they are at the mean."""
-    return Known(chart, near, mean, sigma, nearness, [np.zeros(len(some)) for some in near.variation], (5, 10, 30))
-
-
 def of_one(known: Known, free: np.ndarray) -> np.ndarray:
     (found,) = least_loss([known], free, np.zeros_like(free))
     return found
 
 
 def test_with_all_free_and_nothing_to_correct_it_is_the_mean(chart, theta, near):
-    found = of_one(known_as(chart, near, theta, deviations(chart), np.zeros(4)), np.ones(chart.dim, bool))
+    found = of_one(Known(chart, near, theta, deviations(chart), np.zeros(4), (5, 10, 30)), np.ones(chart.dim, bool))
     np.testing.assert_array_equal(found, theta)
 
 
@@ -181,7 +176,7 @@ def test_held_parameters_stay_and_more_freedom_loses_no_more(chart, theta, near,
     lenses = np.array([name.startswith("right.") for name in names])
     extrinsics = np.arange(chart.dim) < 5
     for free in (extrinsics & (names != "y"), extrinsics, extrinsics | lenses, np.ones(chart.dim, bool)):
-        found = of_one(known_as(chart, near, theta, deviations(chart), nearness), free)
+        found = of_one(Known(chart, near, theta, deviations(chart), nearness, (5, 10, 30)), free)
         assert not found[~free].any()
         losses.append(loss(chart, near, theta, nearness, found))
     assert losses[0] <= loss(chart, near, theta, nearness, np.zeros(chart.dim))
@@ -189,16 +184,16 @@ def test_held_parameters_stay_and_more_freedom_loses_no_more(chart, theta, near,
     assert (np.diff(losses) <= 0.01 * chart.dim).all()
 
 
-def test_depth_is_kept_over_the_view_and_not_on_average_alone(chart, theta, near):
-    """Free lenses could bend depth by percents, too far here and too near there, for a little of rows."""
+def test_free_lenses_do_not_vary_depth_over_the_view_for_a_little_of_rows(chart, theta, near):
+    """Too far here and too near there is right on average, and wrong everywhere."""
     free = np.array(["." in name or name in ("pitch", "yaw", "roll", "y", "z") for name in chart.names])
     on_average = replace(near, variation=tuple(0.0 * some for some in near.variation))
     varying = []
     for maps in (near, on_average):
-        known = known_as(chart, maps, theta, deviations(chart), np.zeros(4))
+        known = Known(chart, maps, theta, deviations(chart), np.zeros(4), (5, 10, 30))
         (kept,) = least_loss_of_depth_kept([known], free, np.zeros_like(free))
-        moved = readings(chart.rig_at(kept), chart.rig, points_of_view(chart.rig_at(theta), 30))[1]
-        assert abs(moved.mean()) < 2e-3
+        mean = chart.rig_at(theta)
+        moved = readings(chart.rig_at(kept), mean, points_of_view(mean, 30))[1]
         varying.append(moved.std())
     assert varying[0] < 0.6 * varying[1]
 
@@ -207,7 +202,7 @@ def test_depth_is_kept_over_the_view_and_not_on_average_alone(chart, theta, near
 @given(seed=st.integers(0, 999))
 def test_no_step_of_the_extrinsics_loses_less(chart, theta, near, seed):
     nearness, free = np.array([0.01, 0.01, 0.02, 0.05]), np.arange(chart.dim) < 5
-    found = of_one(known_as(chart, near, theta, deviations(chart), nearness), free)
+    found = of_one(Known(chart, near, theta, deviations(chart), nearness, (5, 10, 30)), free)
     for size in (1e-3, 1e-2, 0.1):
         moved = found + drifted(chart, seed) * size
         here, there = (loss(chart, near, theta, nearness, one) for one in (found, moved))
@@ -218,6 +213,6 @@ def test_what_is_exact_stays_as_it_is(chart, near):
     """No deviation, and a mean of zero: free, but there is no reason to move it."""
     mean, exact = drifted(chart, 1), np.arange(chart.dim) >= 5
     sigma = np.where(exact, 0.0, deviations(chart))
-    found = of_one(known_as(chart, near, mean, sigma, np.full(4, 0.01)), np.ones(chart.dim, bool))
+    found = of_one(Known(chart, near, mean, sigma, np.full(4, 0.01), (5, 10, 30)), np.ones(chart.dim, bool))
     assert np.isfinite(found).all()
     assert not found[exact].any()
