@@ -1,6 +1,7 @@
 """Simulated drives for `motion.py`: tracks without images, of rigs whose truth is known, and what is made of them."""
 
 from collections import defaultdict
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -145,8 +146,8 @@ def row(name: str, drift: tuple[str, float], found: list[Judged]) -> tuple[str, 
     return name, f"{drift[0]} {drift[1]:g}°", f"{len(found)}", share, errors, f"{accepted}", f"{harmful}", delays
 
 
-def simulated(rigs: int, first: int, windows: int, console: Console) -> None:
-    """Windows of each rig."""
+def simulated(rigs: int, first: int, windows: int, cases: Sequence[str], console: Console) -> None:
+    """Windows of each rig, in some cases."""
     heads = (
         "motion",
         "drift",
@@ -164,9 +165,10 @@ def simulated(rigs: int, first: int, windows: int, console: Console) -> None:
             rig = simulated_rigs.simulated(seed, *drift)
             prior = as_prior(None, rig_parameters(rig.calibrated))
             rows = rig.correspondences(FRAMES)
-            told[ROWS, drift].append(judged(rig, estimate(rows, rig.calibrated, prior)))
+            if ROWS in cases:
+                told[ROWS, drift].append(judged(rig, estimate(rows, rig.calibrated, prior)))
             for name, case in CASES.items():
-                if name == "ahead" or drift == USUAL:
+                if name in cases and (name == "ahead" or drift == USUAL):
                     some = rows if not case.late else late_rows(rig, case, windows)
                     tracks = tuple(tracks_of(rig, draw, case) for draw in range(windows))
                     frames = tuple((draw % len(some.weight),) * 2 for draw in range(windows))
