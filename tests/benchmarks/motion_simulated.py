@@ -137,10 +137,7 @@ def judged(rig: simulated_rigs.Simulated, seen: Estimate) -> Judged:
 def row(name: str, drift: tuple[str, float], found: list[Judged]) -> tuple[str, ...]:
     """Of the table."""
     error = np.quantile([one.error for one in found], (0.5, 0.95), method="higher")
-    held, accepted, harmful = (
-        sum(getattr(one, part) for one in found)
-        for part in ("held", "accepted", "harmful", "delay: least, median, most")
-    )
+    held, accepted, harmful = (sum(getattr(one, part) for one in found) for part in ("held", "accepted", "harmful"))
     delays = " ".join(f"{np.quantile([one.delay for one in found], share):+.3f}" for share in (0.0, 0.5, 1.0))
     share, errors = f"{100.0 * held / len(found):.0f} %", " ".join(f"{one:.2f}" for one in error)
     return name, f"{drift[0]} {drift[1]:g}°", f"{len(found)}", share, errors, f"{accepted}", f"{harmful}", delays
