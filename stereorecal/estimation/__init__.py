@@ -4,9 +4,10 @@ squares; `docs/estimate.md` explains it.
 `_parameters` names θ, `_calibration_prior` and `_drift` are its prior, `_boards` that of a calibration whose boards
 are at hand (`_board_poses`: their rows), `_groups` the rows as data, `_beams` ranges, `_motion` the rig's own motion
 (`_motion_window` two pairs, `_motion_residuals` what tracks should do), `_measured` both, `_misfit` what no parameter
-explains, `_rivals` what else may, `_evidence` integrates in closed form, `_explanations` compares, `_least_squares`
-solves, `_together` solves several recordings, `_posterior` is the answer, `_consequences` what errors of a rig do to
-rows and depth, `_candidates` the rigs that may be written, `_saved_prior` what the next call begins with.
+explains, `_rivals` what else may, `_delay` a late shutter, `_evidence` integrates in closed form, `_explanations`
+compares, `_least_squares` solves, `_together` solves several recordings, `_posterior` is the answer, `_consequences`
+what errors of a rig do to rows and depth, `_candidates` the rigs that may be written, `_saved_prior` what the next
+call begins with.
 """
 
 from stereorecal.estimation._beams import NO_BEAMS as NO_BEAMS, Beams as Beams

@@ -99,7 +99,8 @@ def fit(
     delay = None
     if (late := beside_delay(rows, chart, prior, several)) is not None:
         delay, several = late.delay(several), several + late.several
-        rows = late.rows if delay.probability > 0.5 else rows
+        if delay.probability > 0.5:
+            rows, misfit = late.rows, best_of(late.several)[0].misfit
     evidence = np.array([np.logaddexp.reduce(one.found.log_evidence) for one in several])
     weights = np.exp(evidence - np.logaddexp.reduce(evidence))
     variances = np.stack([np.sum(prior.roots[one.prior] ** 2, axis=1) for one in several])

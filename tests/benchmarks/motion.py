@@ -1,7 +1,7 @@
 """Depth from the rig's own motion: real consecutive frames, and simulated tracks whose truth is known.
 
     python tests/benchmarks/motion.py [--data FOLDER] [--starts N] [--rigs N] [--first SEED] [--windows N]
-                                      [--only real|simulated|rendered]
+                                      [--cases NAME,…] [--only real|simulated|rendered]
 
 Real: `kitti_odometry/suburb_drive`, whose depth is right by lidar. The stored rig and N starts up to 2.5° and 2.25 % of
 the baseline are repaired with `motion=True` from nine frames: the offset of disparity of what is written,
@@ -25,7 +25,7 @@ from pathlib import Path
 import jax
 import numpy as np
 from motion_rendered import rendered
-from motion_simulated import simulated
+from motion_simulated import CASES, ROWS, simulated
 from rich.console import Console
 from rich.table import Table
 
@@ -103,6 +103,7 @@ def main() -> None:
     parser.add_argument("--starts", type=int, default=3)
     parser.add_argument("--rigs", type=int, default=20)
     parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--cases", default=",".join((ROWS, *CASES)), help="of simulated rigs")
     parser.add_argument("--seeds", type=int, default=1, help="drives of each kind that are rendered")
     parser.add_argument("--windows", type=int, default=8, help="of each simulated rig")
     parser.add_argument("--only", choices=("real", "simulated", "rendered"))
@@ -111,7 +112,7 @@ def main() -> None:
     if options.only in (None, "real"):
         real(options.data, options.starts, console)
     if options.only in (None, "simulated"):
-        simulated(options.rigs, options.first, options.windows, console)
+        simulated(options.rigs, options.first, options.windows, options.cases.split(","), console)
     if options.only in (None, "rendered"):
         rendered(options.seeds, console)
 
