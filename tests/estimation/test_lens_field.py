@@ -11,11 +11,13 @@ from stereorecal.estimation._lens_field import within_field
 from stereorecal.objectives import read_by
 from stereorecal.scoring import Correspondences
 
-MATRIX = np.array([[280.0, 0, 320], [0, 280.0, 240], [0, 0, 1]])
+FOCAL = {"omni": 600.0}  # pixels, of a plane behind a sphere; the others 280
 
 
 def chart_of(model: str):
-    camera = sr.Camera((640, 480), MATRIX, np.array(WIDE_LENSES.get(model, [-0.1, 0.01, 0, 0])), model=model)
+    focal = FOCAL.get(model, 280.0)
+    matrix = np.array([[focal, 0, 320], [0, focal, 240], [0, 0, 1]])
+    camera = sr.Camera((640, 480), matrix, np.array(WIDE_LENSES.get(model, [-0.1, 0.01, 0, 0])), model=model)
     return rig_parameters(sr.StereoRig(camera, camera, np.array([0, 0, 0, -0.1, 0, 0])))
 
 

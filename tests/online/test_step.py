@@ -39,12 +39,13 @@ def test_events_are_plain_data(ridden: list[Stepped]):
 
 
 def test_events_and_readings_are_those_of_the_page(ridden: list[Stepped]):
-    """Those of other kinds have no keys of their own, but for a candidate that loses."""
+    """Those of other kinds have no keys of their own, but for a candidate that loses and a request to recalibrate."""
     events = [event.as_dict() for stepped in ridden for event in stepped.events]
     (repaired, *_) = [event for event in events if event["event"] == "repaired"]
     lost = {"schema": repaired["schema"], "candidate": repaired["new"], "proof": repaired["proof"]}
     told = {"schema": repaired["schema"], **reading(ridden[-1].state).as_dict()}
-    unlisted, unwritten = differences([*events, lost, told])
+    asked = {"schema": repaired["schema"], "proof": {"by": "recalibration", "pairs": 3, "reason": "improved"}}
+    unlisted, unwritten = differences([*events, lost, told, asked])
     assert unlisted == set()
     assert unwritten == {"versions.*"}
 
