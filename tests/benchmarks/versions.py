@@ -49,6 +49,7 @@ CHOICE = (
     "tests/test_imports.py",
     "tests/test_kept.py",
     "plugins/compass",
+    "plugins/colmap",
     "plugins/features",
     "plugins/levenberg-marquardt",
     "plugins/nlopt",
