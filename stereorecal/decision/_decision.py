@@ -36,6 +36,7 @@ class Decision:
         rows_px: (2, 3) rows apart over the view, of the calibration and of the candidate: median, 95 % interval.
         told: whether ranges agree with the candidate, and not with the calibration.
         tolerances: by which it was decided.
+        by_rows: whether its rows are better for sure, also those that most frames show.
     """
 
     verdict: Verdict
@@ -47,6 +48,7 @@ class Decision:
     rows_px: Float[np.ndarray, "2 3"]
     told: bool = False
     tolerances: Tolerances = DEFAULT
+    by_rows: bool = True
 
     @property
     def refused(self) -> bool:
@@ -56,13 +58,13 @@ class Decision:
     @property
     def by_ranges(self) -> bool:
         """Whether ranges alone ask for the candidate: its rows are not better for sure."""
-        return not self.refused and self.better <= 1.0 - self.tolerances.alpha and self.told
+        return not self.refused and not self.by_rows and self.told
 
     @property
     def by_motion(self) -> bool:
         """Whether it is the rig's own motion that asks for the candidate: its depth is better for sure, its rows are
         not."""
-        return not self.refused and self.better <= 1.0 - self.tolerances.alpha and not self.told
+        return not self.refused and not self.by_rows and not self.told
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data for JSON."""
@@ -91,8 +93,8 @@ def decide(seen: Estimate, free: Sequence[str], tolerances: Tolerances | None = 
     baseline. One replaces the calibration if its rows are better for sure, also on average those that most frames show,
     or ranges agree with it and not with the calibration, or the rig's own motion tells that its depth is, and the
     probability is below 1 % that rows, of near or far things, or depth are worse. Of several, the one that keeps depth,
-    unless that costs rows that a matcher notices, or another's depth is surely the better one: of the rigs for which it
-    matters, in 95 %. Where none is so
+    unless that costs rows that a matcher notices, ranges ask for another, or another's depth is surely the better one:
+    of the rigs for which it matters, in 95 %. Where none is so
     harmless, and the rows of the calibration blind the matcher, which leaves it no depth to lose, that its rows are
     hardly ever worse is enough. Else the calibration is good if its rows are, with 95 %. Absolute depth is not judged:
     no rig's rows know it.
@@ -133,7 +135,11 @@ def decide_together(
         others.append(candidate((BASELINE,)))  # where rows are good, they stay
     keeps, changes = candidate(free, keeps_depth=True), min(others, key=lambda one: (one.refused, one.harms, one.loss))
     if keeps.refused == changes.refused:
-        worth_it = changes.reads_depth_better(keeps, limits) or changes.aligns_rows_better(keeps, limits)
+        worth_it = (
+            changes.told > keeps.told
+            or changes.reads_depth_better(keeps, limits)
+            or changes.aligns_rows_better(keeps, limits)
+        )
         return (changes if worth_it else keeps).decisions
     return min(keeps, changes, key=lambda one: one.refused).decisions
 
@@ -191,16 +197,23 @@ class _Candidate:
         """Median row errors [px] over the view, on average."""
         return float(np.mean([one.rows_px[1, 0] for one in self.decisions]))
 
+    @property
+    def told(self) -> int:
+        """How many ranges ask for it."""
+        return sum(one.told and not one.refused for one in self.decisions)
+
     def aligns_rows_better(self, other: "_Candidate", limits: Tolerances) -> bool:
-        """Whether the other one costs rows that a matcher notices, and this one is hardly ever for the worse."""
-        return not self.harms and self.rows < other.rows - limits.gain_px
+        """Whether the other one costs rows that a matcher notices, and this one is hardly ever for the worse; or, of a
+        rig that is blind, so that either may be, loses less."""
+        harmless = not self.harms or (self.harms <= other.harms and self.loss < other.loss)
+        return harmless and self.rows < other.rows - limits.gain_px
 
     def reads_depth_better(self, other: "_Candidate", limits: Tolerances) -> bool:
         """Whether it is worth it to change what depth reads: it loses less, and of the rigs for which the two differ by
         what counts, depth is the better one in 95 %."""
         gains = np.concatenate(other.depth) - np.concatenate(self.depth)
         better, worse = (np.count_nonzero(sign * gains > limits.worse_depth_points) for sign in (1.0, -1.0))
-        return self.loss < other.loss and better >= limits.good_surely * (better + worse)
+        return self.loss < other.loss and 0 < better >= limits.good_surely * (better + worse)
 
 
 def _losses(seen: Estimate, theta: Float[np.ndarray, "n"]) -> _Losses:
@@ -230,9 +243,10 @@ def _decided(
     # gains what others lose.
     shown = float(np.median(after.shown - given.shown))
     asked = (told or (bool(seen.windows) and nearer)) and not shown > limits.worse_rows_px
-    if harmless and (asked or (better > 1.0 - limits.alpha and shown < 0.0)):
+    by_rows = better > 1.0 - limits.alpha and shown < 0.0
+    if harmless and (asked or by_rows):
         verdict = Verdict.REPAIR
     # Candidates are compared alike, whatever is asked of them.
     loss = float(np.mean(rows / DEFAULT.gain_px + after.depth / DEFAULT.worse_depth_points))
     said = np.percentile([before, rows], [50.0, 2.5, 97.5], axis=1).T
-    return Decision(verdict, theta, keeps_depth, worse, better, loss, said, told, limits)
+    return Decision(verdict, theta, keeps_depth, worse, better, loss, said, told, limits, by_rows)

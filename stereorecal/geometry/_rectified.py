@@ -86,7 +86,8 @@ class Rectification:
         disparity = _checked(disparity)
         if self.view.projection == PINHOLE:
             return self._over(np.asarray(self.view.nearness(np.zeros(()), disparity)))
-        return self._over(self._nearness(disparity)) * self._directions()[..., 2]
+        far = self._over(self._nearness(disparity))
+        return np.where(np.isinf(far), np.inf, far * self._directions()[..., 2])
 
     def points(self, disparity: Num[np.ndarray, "h w"]) -> Float[np.ndarray, "h w 3"]:
         """Points (x, y, z) [m] of a disparity image, in the frame of the left camera as it stands on the rig; NaN where

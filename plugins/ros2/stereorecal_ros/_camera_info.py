@@ -105,8 +105,11 @@ def corrected(rig: StereoRig, shown: View | None = None) -> tuple[CameraInfo, Ca
 
     Raises:
         UnsupportedModelError: if ROS has no such model of a lens.
+        InputError: if the view is no pinhole, which P holds.
     """
     shown = view(rig) if shown is None else shown
+    if shown.projection != "pinhole":
+        raise InputError(f"a CameraInfo holds pinhole views, not {shown.projection} ones; give sr.view(rig).")
     rotations = rectifying_rotations(rig.rotation, rig.translation)
     matrices, shifts = (shown.matrix_left, shown.matrix_right), (0.0, -float(shown.focal) * float(rig.baseline))
     infos = []
