@@ -260,12 +260,12 @@ def test_most_frames_must_bear_it_out(drifted, after, repaired):
 
 
 def test_ranges_are_heard_although_depth_could_be_kept(chart):
-    """The baseline is a percent longer, pitch has drifted: the candidate that keeps depth agrees with no range."""
+    """The baseline is 0.8 % longer, pitch has drifted: the candidate that keeps depth agrees with no range."""
     names, n = list(chart.names), chart.dim
     free = (*AXES, BASELINE)
     sigma = np.where([name in free for name in names], 1e-3, 0.0)
     mean = np.zeros(n)
-    mean[names.index("pitch")], mean[names.index(BASELINE)] = 0.1, 1.0
+    mean[names.index("pitch")], mean[names.index(BASELINE)] = 0.1, 0.8
     posterior = Posterior(np.ones(1), mean[None], np.diag(sigma**2)[None])
     true = chart.rig_at(mean)
     points = points_of_view(true, 20)
@@ -284,4 +284,4 @@ def test_ranges_are_heard_although_depth_could_be_kept(chart):
     said = decide(Aligned(**{field.name: getattr(seen, field.name) for field in fields(seen)}), free)
     assert said.verdict is Verdict.REPAIR
     assert said.told
-    assert said.theta[names.index(BASELINE)] == pytest.approx(1.0, abs=0.2)
+    assert said.theta[names.index(BASELINE)] == pytest.approx(0.8, abs=0.2)
