@@ -2,11 +2,12 @@
 
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal import InputError
+from stereorecal import InputError, StereoRig
 from stereorecal.io import read_json, write_json
 from stereorecal.online import State
 
@@ -22,14 +23,17 @@ class Applied:
     """The calibrations that have been published, the last one being in use. Only `apply` adds one.
 
     Attributes:
-        initial: (6,) extrinsics [rad, m] of the calibration that offsets count from.
+        initial: the calibration that offsets count from.
         offsets: of the calibrations, the last one last; at most eight.
         frozen: whether nothing is applied by itself, as after a roll back.
+        not_accepted: what a state uses that was begun anew and does not know what is published: no decision has
+            accepted that.
     """
 
-    initial: Float[np.ndarray, "6"]
+    initial: StereoRig
     offsets: tuple[Offset, ...]
     frozen: bool = False
+    not_accepted: Offset | None = None
 
     @property
     def offset(self) -> Offset:
@@ -38,7 +42,13 @@ class Applied:
 
     def waits(self, state: State) -> bool:
         """Whether the decision has accepted another calibration than the one that is published."""
-        return not np.array_equal(state.using, self.offset)
+        begun = self.not_accepted is not None and np.array_equal(state.using, self.not_accepted)
+        return not begun and not np.array_equal(state.using, self.offset)
+
+    def beside(self, state: State) -> "Applied":
+        """The same beside a state that goes on: one that does not know what is published offers nothing of its own."""
+        known = any(np.array_equal(self.offset, offset) for offset in (state.using, *state.previous))
+        return replace(self, not_accepted=None if known else state.using)
 
     def apply(self, state: State) -> "Applied":
         """What the decision has accepted is published from now on."""
@@ -62,7 +72,7 @@ class Applied:
         """
         offsets = [offset.tolist() for offset in self.offsets]
         write_json(
-            path, {"schema": SCHEMA, "initial": self.initial.tolist(), "offsets": offsets, "frozen": self.frozen}
+            path, {"schema": SCHEMA, "initial": _numbers_of(self.initial), "offsets": offsets, "frozen": self.frozen}
         )
 
 
@@ -76,11 +86,28 @@ def load_applied(path: Path, state: State) -> Applied | None:
         return None
     content = read_json(path)
     try:
-        if content["schema"] != SCHEMA or content["initial"] != np.asarray(state.initial.extrinsics).tolist():
+        if content["schema"] != SCHEMA or content["initial"] != _numbers_of(state.initial):
             return None
         offsets = tuple(np.array(offset, float).reshape(5) for offset in content["offsets"])
         if not offsets or not all(np.isfinite(offset).all() for offset in offsets):
             raise ValueError("no offsets")
-        return Applied(np.asarray(state.initial.extrinsics, float), offsets, bool(content["frozen"]))
+        return Applied(state.initial, offsets, bool(content["frozen"]))
     except (LookupError, TypeError, ValueError) as error:
         raise InputError(f"{path}: does not say what was applied ({error}); remove it.") from error
+
+
+def _numbers_of(rig: StereoRig) -> dict[str, Any]:
+    """All that a calibration consists of: a correction of one is none of another, though both stand alike."""
+    sides = {"left": rig.left, "right": rig.right}
+    return {
+        "extrinsics": np.asarray(rig.extrinsics, float).tolist(),
+        **{
+            side: {
+                "size": list(camera.size),
+                "matrix": np.asarray(camera.matrix, float).tolist(),
+                "distortion": np.asarray(camera.distortion, float).tolist(),
+                "model": camera.model,
+            }
+            for side, camera in sides.items()
+        },
+    }

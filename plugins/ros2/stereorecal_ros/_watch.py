@@ -2,7 +2,7 @@
 
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -69,6 +69,7 @@ class Watch:
         self._state: State | None = None
         self._applied: Applied | None = None
         self._corrected: tuple[CameraInfo, CameraInfo] | None = None
+        self._infos: tuple[CameraInfo, CameraInfo] | None = None  # as the drivers gave them
         self._recent: deque[tuple[int, tuple[np.ndarray, np.ndarray]]] = deque(maxlen=_RECENT)
         self._asked = self._returning = False
         self._told_at = clock()
@@ -140,6 +141,8 @@ class Watch:
         if state is not None and applied is not None:
             waits = applied.waits(state) and not self._returning
             found = reading(state.using_now(applied.offset)) if state.seen else None
+            if found is not None and not np.array_equal(state.using, applied.offset):
+                found = replace(found, row_error=float("nan"))  # that of the last pair is of what the state uses
         counts = {
             "pairs": pairing.paired,
             "pairs looked at": self._used,
@@ -224,12 +227,28 @@ class Watch:
         if infos is None:
             return
         self._given = self._given.followed()
+        if self._halves(infos):
+            self._complain("the drivers give the halves of two calibrations; give both the same, or save again.")
+            return
         try:
             rig = rig_of(*infos)
         except InputError as error:
             self._complain(str(error))
         else:
             self._adopt(rig, view_of(*infos))
+            self._infos = infos
+
+    def _halves(self, infos: Sequence[CameraInfo]) -> bool:
+        """Whether one driver gives what was given before, and the other what is published since: a save half done."""
+        given, now = self._infos, self._corrected
+        if given is None or now is None:
+            return False
+        # A view of their own may come with them: which camera stands how is in R.
+        old, new = (
+            [one.is_like(replace(other, p=one.p)) for one, other in zip(infos, some, strict=True)]
+            for some in (given, now)
+        )
+        return any(old) and any(new) and not all(old) and not all(new)
 
     def _adopt(self, rig: StereoRig, view: View | None) -> None:
         """Begin with a calibration, unless it is one that is known: what was saved comes back from the driver."""
@@ -248,15 +267,16 @@ class Watch:
         state = self._worker.start(rig)
         if state is None:
             return
-        applied = None
+        applied = self._applied  # of a worker that ended; what is in the file may be older
         try:
-            applied = load_applied(self._applied_place, state)
+            applied = applied or load_applied(self._applied_place, state)
         except InputError as error:
             set_aside(self._applied_place, error, self._tell)
         if applied is None:
             known = (np.zeros(5), state.using, *state.previous)
             apart = [np.abs(state.rig_at(offset).extrinsics - rig.extrinsics).max() for offset in known]
-            applied = Applied(np.asarray(state.initial.extrinsics), (known[int(np.argmin(apart))],))
+            applied = Applied(state.initial, (known[int(np.argmin(apart))],))
+        applied = applied.beside(state)
         if applied.frozen and self.settings.repair:
             self.settings = replace(self.settings, repair=False)
             self._tell(Level.WARN, "repair: True -> False, as it was left.")

@@ -1,7 +1,7 @@
 """The node without ROS, around a worker that is a stand-in: what is published, and what never is."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
@@ -267,8 +267,10 @@ def test_the_driver_gives_what_was_applied(robot):
     one.watch.apply()
     applied = one.watch.rig
     one.infos[LEFT] = corrected(applied)[LEFT]
-    one.see(10)
+    one.see(40)  # a driver that takes its time, or refuses: half of it is no calibration
     assert len(one.works) == 1
+    assert one.turned() == pytest.approx(0.1, abs=0.01)
+    assert one.said("halves of two calibrations")
     one.infos[RIGHT] = corrected(applied)[RIGHT]
     one.see(30)
     assert len(one.works) == 1
@@ -324,6 +326,63 @@ def test_a_file_that_is_damaged_is_set_aside(robot, tmp_path: Path, what: str):
     assert one.turned() == pytest.approx(0.0, abs=1e-9)
     assert one.said(name, "kept as")
     assert (tmp_path / f"{name}.bak").exists()
+
+
+@pytest.mark.parametrize("auto_apply", [False, True])
+def test_a_state_begun_anew_offers_nothing_that_was_not_accepted(robot, tmp_path: Path, auto_apply: bool):
+    """What it begins with is what was given at first, and bad by then."""
+    one = robot(auto_apply=True)
+    one.calibrate()
+    one.see()
+    one.work.accept(BETTER)
+    one.see()
+    one.watch.close()
+    (tmp_path / "node.state").write_text("cut off")
+    two = robot(auto_apply=auto_apply)
+    two.calibrate()
+    two.see(3)
+    assert two.turned() == pytest.approx(0.1, abs=0.01)
+    assert "waits" not in two.watch.status().message
+    two.watch.apply()
+    assert two.turned() == pytest.approx(0.1, abs=0.01)
+    two.work.accept(BEST)
+    two.see()
+    two.watch.apply()
+    assert two.turned() == pytest.approx(0.2, abs=0.01)
+
+
+def test_a_correction_is_of_one_calibration_with_all_that_it_consists_of(robot):
+    """Another one may stand alike, with other lenses."""
+    one = robot(auto_apply=True)
+    one.calibrate()
+    one.see()
+    one.work.accept(BETTER)
+    one.see()
+    assert one.turned() == pytest.approx(0.1, abs=0.01)
+    one.watch.close()
+    two = robot()
+    lenses = replace(two.rig.left, distortion=np.array([-0.1, 0.02, 0.0, 0.0]))
+    two.rig = replace(two.rig, left=lenses)
+    two.calibrate()
+    two.see()
+    assert two.turned() == pytest.approx(0.0, abs=1e-9)
+
+
+def test_what_was_applied_outlives_a_worker_though_no_file_could_hold_it(robot, monkeypatch: pytest.MonkeyPatch):
+    one = robot()
+    one.calibrate()
+    one.see()
+    one.work.accept(BETTER)
+    one.see()
+    monkeypatch.setattr("stereorecal_ros._applied.write_json", lambda *_: (_ for _ in ()).throw(InputError("full")))
+    one.watch.apply()
+    one.work.exited = True
+    one.see()
+    one.now += _RETRY
+    one.watch._worker._ending.join()
+    one.see()
+    assert len(one.works) == 2
+    assert one.turned() == pytest.approx(0.1, abs=0.01)
 
 
 def test_what_it_cannot_follow_is_dropped_and_counted(robot):
