@@ -94,10 +94,9 @@ def decide(seen: Estimate, free: Sequence[str], tolerances: Tolerances | None = 
     or ranges agree with it and not with the calibration, or the rig's own motion tells that its depth is, and the
     probability is below 1 % that rows, of near or far things, or depth are worse. Of several, the one that keeps depth,
     unless that costs rows that a matcher notices, ranges ask for another, or another's depth is surely the better one:
-    of the rigs for which it matters, in 95 %. Where none is so
-    harmless, and the rows of the calibration blind the matcher, which leaves it no depth to lose, that its rows are
-    hardly ever worse is enough. Else the calibration is good if its rows are, with 95 %. Absolute depth is not judged:
-    no rig's rows know it.
+    of the rigs for which it matters, in 95 %. Where none is so harmless, and the rows of the calibration blind the
+    matcher, which leaves it no depth to lose, that its rows are hardly ever worse is enough. Else the calibration is
+    good if its rows are, with 95 %. Absolute depth is not judged: no rig's rows know it.
 
     Args:
         seen: what is known; its θ = 0 is the calibration.

@@ -82,7 +82,7 @@ def grouped(found: Correspondences, chart: RigChart, theta: Float[np.ndarray, "n
     frame = np.nonzero(seen)[0]
     left, right, weight = (np.asarray(part, float)[seen] for part in (found.left, found.right, found.weight))
     rows, disparity = _rectified(found, chart, theta, seen)
-    places = _places(chart, left)
+    places = places_of(np.asarray(chart.rig.left.project(left)), chart.rig.left.size)
     if not seen.any():
         nothing, numbers = np.zeros(0), np.zeros(0, int)
         return Groups(
@@ -142,10 +142,9 @@ def _rectified(found: Correspondences, chart: RigChart, theta: Float[np.ndarray,
     return float(found.focal) * (y - v), float(found.focal) * (x - u)
 
 
-def _places(chart: RigChart, left: Float[np.ndarray, "m 3"]) -> Int[np.ndarray, "m"]:
-    """Places of the left image in which rays lie."""
-    width, height = chart.rig.left.size
-    share = np.asarray(chart.rig.left.project(left)) / [width, height]
+def places_of(pixels: Float[np.ndarray, "m 2"], size: tuple[int, int]) -> Int[np.ndarray, "m"]:
+    """Places of the left image, of a width and a height, in which pixels lie."""
+    share = pixels / np.array(size)
     column, row = (np.clip((share[:, axis] * PLACES[axis]).astype(int), 0, PLACES[axis] - 1) for axis in (0, 1))
     return row * PLACES[0] + column
 

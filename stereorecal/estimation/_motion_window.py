@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from stereorecal.estimation._evidence import Normal, without
-from stereorecal.estimation._groups import PLACES
+from stereorecal.estimation._groups import PLACES, places_of
 from stereorecal.estimation._motion_residuals import (
     MOVES,
     SEEN,
@@ -189,19 +189,14 @@ def _normal(
     white = _roots(here.along, _approach(found.motion, found.nearness))
     left, _, taken = _without_depth(white, here.by_nearness, columns)
     left[..., 0] -= left[..., 1 : 1 + n] @ near
-    total = _together_with_neighbours(left / found.scale, taken, found.weight, _places(seen))
+    total = _together_with_neighbours(
+        left / found.scale, taken, found.weight, places_of(seen.tracks.left[0], seen.size)
+    )
     pull, a = total[0, 1:], total[1:, 1:]
     # Of the m numbers of all tracks, those count that θ or the motion change.
     covariance = np.linalg.inv(a[n:, n:] + np.diag(_wide(chart)))[3:, 3:]
     alone = without(Normal(a, -pull, _explained(total)), np.diag(_wide(chart) ** -0.5))
     return Normal(alone.a, alone.b, alone.c - _log_volume(a[n:, n:], chart)), covariance
-
-
-def _places(seen: Seen) -> Int[np.ndarray, "m"]:
-    """In which of the parts of the left image each track begins."""
-    width, height = seen.size
-    at = np.clip(seen.tracks.left[0] / [width, height] * PLACES, 0, np.array(PLACES) - 1).astype(int)
-    return at[:, 1] * PLACES[0] + at[:, 0]
 
 
 def _together_with_neighbours(

@@ -2,12 +2,12 @@
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
 from stereorecal import InputError, StereoRig
+from stereorecal.geometry import rig_as_data
 from stereorecal.io import read_json, write_json
 from stereorecal.online import State
 
@@ -72,7 +72,7 @@ class Applied:
         """
         offsets = [offset.tolist() for offset in self.offsets]
         write_json(
-            path, {"schema": SCHEMA, "initial": _numbers_of(self.initial), "offsets": offsets, "frozen": self.frozen}
+            path, {"schema": SCHEMA, "initial": rig_as_data(self.initial), "offsets": offsets, "frozen": self.frozen}
         )
 
 
@@ -86,7 +86,7 @@ def load_applied(path: Path, state: State) -> Applied | None:
         return None
     content = read_json(path)
     try:
-        if content["schema"] != SCHEMA or content["initial"] != _numbers_of(state.initial):
+        if content["schema"] != SCHEMA or content["initial"] != rig_as_data(state.initial):
             return None
         offsets = tuple(np.array(offset, float).reshape(5) for offset in content["offsets"])
         if not offsets or not all(np.isfinite(offset).all() for offset in offsets):
@@ -94,20 +94,3 @@ def load_applied(path: Path, state: State) -> Applied | None:
         return Applied(state.initial, offsets, bool(content["frozen"]))
     except (LookupError, TypeError, ValueError) as error:
         raise InputError(f"{path}: does not say what was applied ({error}); remove it.") from error
-
-
-def _numbers_of(rig: StereoRig) -> dict[str, Any]:
-    """All that a calibration consists of: a correction of one is none of another, though both stand alike."""
-    sides = {"left": rig.left, "right": rig.right}
-    return {
-        "extrinsics": np.asarray(rig.extrinsics, float).tolist(),
-        **{
-            side: {
-                "size": list(camera.size),
-                "matrix": np.asarray(camera.matrix, float).tolist(),
-                "distortion": np.asarray(camera.distortion, float).tolist(),
-                "model": camera.model,
-            }
-            for side, camera in sides.items()
-        },
-    }

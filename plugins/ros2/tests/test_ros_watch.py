@@ -119,6 +119,11 @@ class Robot:
                 self.watch.image(side, self.stamp + late, image(**changes))
         self.watch.poll()
 
+    def accept(self, offset: np.ndarray) -> None:
+        """The decision accepts a calibration; the next pair comes."""
+        self.work.accept(offset)
+        self.see()
+
     def turned(self) -> np.ndarray:
         """Degrees of pitch by which what is published differs from what was given."""
         assert self.watch.rig is not None
@@ -153,8 +158,7 @@ def test_a_calibration_waits_until_it_is_applied_and_can_be_taken_back(robot):
     one.see()
     given = one.watch.corrected
     assert [a.is_like(b) for a, b in zip(given, corrected(one.rig), strict=True)] == [True, True]
-    one.work.accept(BETTER)
-    one.see()
+    one.accept(BETTER)
     assert one.watch.corrected == given
     status = one.watch.status()
     assert "waits for ~/apply" in status.message
@@ -180,13 +184,11 @@ def test_auto_apply_applies_what_is_accepted_and_nothing_after_a_roll_back(robot
     one = robot(auto_apply=True)
     one.calibrate()
     one.see()
-    one.work.accept(BETTER)
-    one.see()
+    one.accept(BETTER)
     assert one.turned() == pytest.approx(0.1, abs=0.01)
     one.watch.roll_back()
     one.see()
-    one.work.accept(BEST)  # as a recalibration on request would
-    one.see()
+    one.accept(BEST)  # as a recalibration on request would
     assert one.turned() == pytest.approx(0.0, abs=1e-9)
     one.watch.set(repair=True)
     one.see()
@@ -198,8 +200,7 @@ def test_what_is_taken_back_does_not_come_back_while_the_worker_is_busy(robot):
     one = robot(auto_apply=True)
     one.calibrate()
     one.see()
-    one.work.accept(BETTER)
-    one.see()
+    one.accept(BETTER)
     one.work.slow = True
     one.watch.roll_back()
     one.see()
@@ -217,8 +218,7 @@ def test_auto_apply_switched_on_later(robot):
     one = robot()
     one.calibrate()
     one.see()
-    one.work.accept(BETTER)
-    one.see()
+    one.accept(BETTER)
     one.watch.set(auto_apply=True)
     assert one.turned() == pytest.approx(0.1, abs=0.01)
 
@@ -237,11 +237,9 @@ def test_it_goes_on_after_a_restart(robot):
     one = robot()
     one.calibrate()
     one.see()
-    one.work.accept(BETTER)
-    one.see()
+    one.accept(BETTER)
     one.watch.apply()
-    one.work.accept(BEST)
-    one.see()
+    one.accept(BEST)
     one.watch.close()
     two = robot()
     two.calibrate()
@@ -262,8 +260,7 @@ def test_the_driver_gives_what_was_applied(robot):
     one = robot()
     one.calibrate()
     one.see()
-    one.work.accept(BETTER)
-    one.see()
+    one.accept(BETTER)
     one.watch.apply()
     applied = one.watch.rig
     one.infos[LEFT] = corrected(applied)[LEFT]
@@ -334,8 +331,7 @@ def test_a_state_begun_anew_offers_nothing_that_was_not_accepted(robot, tmp_path
     one = robot(auto_apply=True)
     one.calibrate()
     one.see()
-    one.work.accept(BETTER)
-    one.see()
+    one.accept(BETTER)
     one.watch.close()
     (tmp_path / "node.state").write_text("cut off")
     two = robot(auto_apply=auto_apply)
@@ -345,8 +341,7 @@ def test_a_state_begun_anew_offers_nothing_that_was_not_accepted(robot, tmp_path
     assert "waits" not in two.watch.status().message
     two.watch.apply()
     assert two.turned() == pytest.approx(0.1, abs=0.01)
-    two.work.accept(BEST)
-    two.see()
+    two.accept(BEST)
     two.watch.apply()
     assert two.turned() == pytest.approx(0.2, abs=0.01)
 
@@ -356,8 +351,7 @@ def test_a_correction_is_of_one_calibration_with_all_that_it_consists_of(robot):
     one = robot(auto_apply=True)
     one.calibrate()
     one.see()
-    one.work.accept(BETTER)
-    one.see()
+    one.accept(BETTER)
     assert one.turned() == pytest.approx(0.1, abs=0.01)
     one.watch.close()
     two = robot()
@@ -372,8 +366,7 @@ def test_what_was_applied_outlives_a_worker_though_no_file_could_hold_it(robot, 
     one = robot()
     one.calibrate()
     one.see()
-    one.work.accept(BETTER)
-    one.see()
+    one.accept(BETTER)
     monkeypatch.setattr("stereorecal_ros._applied.write_json", lambda *_: (_ for _ in ()).throw(InputError("full")))
     one.watch.apply()
     one.work.exited = True
@@ -527,8 +520,7 @@ def test_files_are_read_and_saved_with_a_copy(robot, tmp_path: Path):
     assert one.watch.corrected is not None
     one.see()
     assert one.watch.status().values["missing"] == "nothing"
-    one.work.accept(BETTER)
-    one.see()
+    one.accept(BETTER)
     one.watch.apply()
     done, said = one.watch.save()
     assert done
