@@ -24,7 +24,11 @@ from stereorecal.estimation._estimate import (
     with_free_together as with_free_together,
 )
 from stereorecal.estimation._knowledge import around as around, as_mixture as as_mixture
-from stereorecal.estimation._motion import NO_WINDOWS as NO_WINDOWS, Windows as Windows
+from stereorecal.estimation._motion import (
+    NO_WINDOWS as NO_WINDOWS,
+    Windows as Windows,
+    windows_of_all as windows_of_all,
+)
 from stereorecal.estimation._parameters import rig_parameters as rig_parameters
 from stereorecal.estimation._posterior import Posterior as Posterior
 from stereorecal.estimation._priors import (

@@ -41,6 +41,21 @@ class Windows:
     frames: tuple[tuple[int, int], ...] = ()
     seconds: tuple[float, ...] = ()
 
+    def numbered(self, kept: Sequence[int], first: int = 0) -> "Windows":
+        """Those of the frames that are kept, which are numbered anew.
+
+        Args:
+            kept: numbers of the frames, in their new order.
+            first: number of the first of them.
+        """
+        new = {frame: first + number for number, frame in enumerate(kept)}
+        some = [number for number, frames in enumerate(self.frames) if all(frame in new for frame in frames)]
+        return Windows(
+            tuple(self.tracks[number] for number in some),
+            tuple((new[self.frames[number][0]], new[self.frames[number][1]]) for number in some),
+            tuple(self.seconds[number] for number in some),
+        )
+
     def near(self, chart: RigChart, theta: Float[np.ndarray, "n"]) -> tuple[Window, ...]:
         """What each says, linear near θ."""
         return tuple(window(one, chart, theta) for one in self.tracks)
@@ -58,6 +73,11 @@ class Windows:
 
 
 NO_WINDOWS = Windows()
+
+
+def windows_of_all(several: Sequence[Windows]) -> Windows:
+    """Those of several recordings, whose frames are numbered apart."""
+    return Windows(*(sum((getattr(one, name) for one in several), ()) for name in ("tracks", "frames", "seconds")))
 
 
 def with_other_things(normal: Normal) -> list[tuple[float, Normal]]:

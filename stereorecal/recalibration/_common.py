@@ -18,6 +18,7 @@ from stereorecal.estimation import (
     as_prior,
     estimate_together,
     rig_parameters,
+    windows_of_all,
 )
 from stereorecal.geometry import StereoRig
 from stereorecal.objectives import Parameters, read_by, row_chart
@@ -93,7 +94,7 @@ def common(recordings: Sequence[Recording], free: Parameters, *, one: bool, each
     priors, shown = _priors(recordings, free), []
     for r, prior, some in zip(recordings, priors, beams, strict=True):
         start = _start(r, r.repair.candidate)
-        shown.append(Shown(r.found, r.repair.initial, prior, start, some, view=r.repair.view))
+        shown.append(Shown(r.found, r.repair.initial, prior, start, some, r.windows, r.repair.view))
     first = _solved(recordings, free, shown, beams, one=one, each=each)
     rigs = [first.rig(index) for index in range(len(recordings))]
     again = each(matched, [r.task(rig) for rig, r in zip(rigs, recordings, strict=True)])
@@ -162,4 +163,8 @@ def _merged(several: Sequence[Shown]) -> Shown:
     rays = {name: all_of(name) for name in ("left", "right", "weight")}
     middle = np.median([one.start for one in several if one.start is not None], axis=0)
     every = replace(found[0], **rays, tile=np.concatenate(tiles))
-    return replace(several[0], found=every, start=middle, beams=Beams.of_all([one.beams for one in several]))
+    windows = windows_of_all(
+        [one.windows.numbered(range(len(one.found.weight)), before) for one, before in zip(several, first, strict=False)]
+    )
+    beams = Beams.of_all([one.beams for one in several])
+    return replace(several[0], found=every, start=middle, beams=beams, windows=windows)

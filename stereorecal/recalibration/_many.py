@@ -108,7 +108,7 @@ def recalibrate_many(
         executor: any `concurrent.futures.Executor`; default one recording after the other in this process.
         progress: called with (finished, total) after each recording.
         prior: as `recalibrate` has it, of the calibration that all start from.
-        boards, motion, tolerances: as `recalibrate` has them; what recordings share is told by their rows.
+        boards, motion, tolerances: as `recalibrate` has them.
 
     Raises:
         InputError: if there is no recording, a strategy of the default schedule is not installed, or intrinsics are

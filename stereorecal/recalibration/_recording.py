@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from stereorecal.estimation import NO_WINDOWS, Windows
 from stereorecal.geometry import StereoRig
 from stereorecal.recalibration._acceptance import Reason
 from stereorecal.recalibration._solution import Solution
@@ -38,6 +39,12 @@ class Recording:
     def kept(self) -> tuple[Pair, ...]:
         """The pairs that it rests on."""
         return tuple(self.pairs[index] for index in self.repair.kept)
+
+    @property
+    def windows(self) -> Windows:
+        """Of the kept pairs that follow each other, numbered as these."""
+        seen = self.repair.estimate
+        return NO_WINDOWS if seen is None else seen.windows.numbered(self.repair.kept)
 
     def usable(self, *, lenses: bool) -> bool:
         """Whether it can take part: where lenses are free, frames may disagree by theirs; that is judged at the end."""

@@ -8,12 +8,15 @@ import numpy as np
 import pytest
 
 import stereorecal as sr
+from stereorecal.estimation import Windows, windows_of_all
 from stereorecal.geometry import changed_camera, view
 from stereorecal.objectives import Parameters
 from stereorecal.recalibration import IntrinsicsOutcome, chosen_frames, sharing
 from stereorecal.recalibration._effects import rows_apart
 from stereorecal.recalibration._frames import MOST_FRAMES
 from stereorecal.recalibration._prior_use import fingerprint
+from stereorecal.scoring import Tracks
+from stereorecal.synthetic import photographs, plan_drive
 
 SIZE = (320, 240)
 TRUE = sr.synthetic.default_rig().resized(SIZE)
@@ -226,3 +229,26 @@ def test_nothing_but_the_rotation_moves(scenes):
 def test_intrinsics_without_extrinsics(scenes):
     with pytest.raises(sr.InputError, match="free them as well"):
         sr.recalibrate(TRUE, scenes[0].pairs, free="intrinsics")
+
+
+@pytest.mark.slow
+def test_motion_counts_in_what_is_shared(tmp_path):
+    """Of each recording's own windows, whether extrinsics are one or not."""
+    drive = plan_drive("street", 0, 10, weather=False, moving=False)
+    pairs = list(photographs(drive, folder=tmp_path))[::3]
+    scenes = [sr.Scene("first", drive.rig, pairs[:2]), sr.Scene("second", drive.rig, pairs[2:])]
+    found = sr.recalibrate_many(scenes, free=BOTH, extrinsics="one", motion=True)
+    seen = found[0].solution.estimate
+    assert seen.windows.frames == ((0, 1), (2, 3))
+    assert all(one.motion is not None for one in seen.motions)
+    each = sr.recalibrate_many(scenes, free=BOTH, motion=True)
+    assert [repair.solution.estimate.windows.frames for repair in each] == [((0, 1),), ((0, 1),)]
+
+
+def test_windows_of_frames_that_are_left_out_go_with_them():
+    a, b, c = (Tracks(np.zeros((2, n, 2)), np.zeros((2, n, 2))) for n in (1, 2, 3))
+    three = Windows((a, b, c), ((0, 1), (1, 2), (3, 4)), (1.0, 2.0, 3.0))
+    kept = three.numbered((0, 1, 3, 4), first=10)
+    assert [len(one) for one in kept.tracks] == [1, 3]
+    assert kept.frames == ((10, 11), (12, 13))
+    assert windows_of_all([kept, three]).seconds == (1.0, 3.0, 1.0, 2.0, 3.0)
