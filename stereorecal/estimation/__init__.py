@@ -16,19 +16,21 @@ from stereorecal.estimation._calibration_prior import (
     calibration_prior as calibration_prior,
     exact_prior as exact_prior,
 )
-from stereorecal.estimation._consequences import readings as readings
+from stereorecal.estimation._consequences import consequences as consequences, readings as readings
 from stereorecal.estimation._estimate import (
     JUDGED_AT as JUDGED_AT,
     Estimate as Estimate,
     estimate as estimate,
     with_free_together as with_free_together,
 )
+from stereorecal.estimation._evidence import Normal as Normal
 from stereorecal.estimation._knowledge import around as around, as_mixture as as_mixture
 from stereorecal.estimation._motion import (
     NO_WINDOWS as NO_WINDOWS,
     Windows as Windows,
     windows_of_all as windows_of_all,
 )
+from stereorecal.estimation._motion_window import window as window
 from stereorecal.estimation._parameters import rig_parameters as rig_parameters
 from stereorecal.estimation._posterior import Posterior as Posterior
 from stereorecal.estimation._priors import (

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from stereorecal._errors import InputError
+from stereorecal._names import known
+from stereorecal.estimation import DEFAULT, EXACT
 from stereorecal.matching import AbstractMatcher
 
 
@@ -21,6 +23,10 @@ class Config:
         heating: standard deviations of the rates at which they drift one way for a while, degrees a pair. Heat bends
             the bar between the cameras, which is yaw, more than it twists it.
         lasting: pairs for which such a rate lasts.
+        prior: of what the calibration left: "default" (also for None), as a chessboard calibration of this rig: rows may be bent like a keystone
+            by intrinsics that are not what the calibration says, which the rig's motion tells from a yaw. "exact": they
+            are right, and rows alone tell the yaw.
+        motion: whether the rig's own motion is followed: pairs come in the order in which they were taken.
         together: looks that err together, since they show the same things in the same windows: each counts for that
             much less in what is fused.
         knock: chance that a look is taken for a sign of a knock though nothing happened; two that agree are a knock.
@@ -37,6 +43,8 @@ class Config:
     shift: float = 1e-4
     heating: tuple[float, float, float] = (2e-4, 8e-4, 2e-4)
     lasting: float = 250.0
+    prior: str | None = None
+    motion: bool = True
     together: int = 8
     knock: float = 1e-6
     switch: float = 1e-3
@@ -45,6 +53,7 @@ class Config:
     repair: bool = True
 
     def __post_init__(self) -> None:
+        known("default" if self.prior is None else self.prior, [DEFAULT, EXACT], "prior")
         for name in ("every", "together", "keep"):
             if getattr(self, name) < 1:
                 raise InputError(f"{name} is {getattr(self, name)}; give at least 1.")

@@ -1,9 +1,11 @@
 """A recursive estimate of where the true rig stands, and by how much a shutter is late.
 
-A Kalman filter in its information form (Anderson & Moore 1979, chapter 6), over nine numbers: the offset of the true
+A Kalman filter in its information form (Anderson & Moore 1979, chapter 6), over ten numbers: the offset of the true
 rig from the one that was given first (pitch, yaw, roll in degrees, y, z in percent of the baseline), the delay of the
-right shutter in frames, and the rates at which the angles drift, in degrees a frame. What one look measures is the
-offset plus the delay times the rig's own turn between frames.
+right shutter in frames, the rates at which the angles drift, in degrees a frame, and the keystone: the yaw that rows
+show beyond the one that depth shows, since the intrinsics are not what the calibration says. What one look measures is
+the offset plus the delay times the rig's own turn between frames, and the keystone besides; what the rig's motion tells
+is without the keystone. The offset walks; the keystone is constant.
 
 Heat drifts one way for minutes. A rate that is forgotten slowly (a process of Ornstein and Uhlenbeck) follows it; a
 random walk alone would lag behind, and not know it.
@@ -18,13 +20,15 @@ from jaxtyping import Float
 from stereorecal.online._config import Config
 
 SIZE = 5
-POSES = 3  # ways in which a late shutter poses as an offset
+POSES = 4  # ways in which something else poses as an offset
 _DELAY = 0.5  # frames: standard deviation before anything is known
 _LATE = 0.3  # frames: a delay that is thought possible before one is named
 _TRAVEL = 3.0  # percent of the baseline: by what the rig may travel during a delay
 _DELAY_WANDER = 5e-3  # a frame, likewise
 _TURN_ERROR = 0.1  # of the rig's turn: what is near seems to turn when the rig travels
 _RATES = slice(SIZE + 1, SIZE + 4)
+_KEYSTONE = SIZE + 4
+_YAW = np.eye(SIZE)[1]
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,22 +40,27 @@ class Measurement:
         offset: (5,) measured.
         information: (5, 5) inverse covariance; singular where the look says nothing.
         turn: (5,) by which a delay of one frame would move it.
+        keystone: whether it is measured by rows, which what the calibration left bends like a yaw.
+        doubt: standard deviation of a yaw that several such measurements have in common [deg].
     """
 
     frame: int
     offset: Float[np.ndarray, "5"]
     information: Float[np.ndarray, "5 5"]
     turn: Float[np.ndarray, "5"]
+    keystone: bool = True
+    doubt: float = 0.0
 
     @property
-    def design(self) -> Float[np.ndarray, "5 9"]:
+    def design(self) -> Float[np.ndarray, "5 10"]:
         """What is measured of an estimate."""
-        return np.column_stack([np.eye(SIZE), self.turn, np.zeros((SIZE, 3))])
+        return np.column_stack([np.eye(SIZE), self.turn, np.zeros((SIZE, 3)), self.keystone * _YAW])
 
     @property
-    def poses(self) -> Float[np.ndarray, "5 3"]:
-        """What a late shutter would add, a standard deviation each: of the rig's turn, of its travel along y and z."""
-        return np.column_stack([_LATE * self.turn, _TRAVEL * np.eye(SIZE)[:, 3:]])
+    def poses(self) -> Float[np.ndarray, "5 4"]:
+        """What poses as an offset in all looks alike, a standard deviation each: by a late shutter, the rig's turn, and
+        its travel along y and z; and a yaw in common."""
+        return np.column_stack([_LATE * self.turn, _TRAVEL * np.eye(SIZE)[:, 3:], self.doubt * _YAW])
 
     def weighed(self, share: float) -> "Measurement":
         """The same with a share of its information."""
@@ -60,10 +69,10 @@ class Measurement:
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """Mean (9,) and covariance (9, 9): the offset, the delay, and the rates of the angles."""
+    """Mean (10,) and covariance (10, 10): the offset, the delay, the rates of the angles, and the keystone."""
 
-    mean: Float[np.ndarray, "9"]
-    covariance: Float[np.ndarray, "9 9"]
+    mean: Float[np.ndarray, "10"]
+    covariance: Float[np.ndarray, "10 10"]
 
     @property
     def offset(self) -> Float[np.ndarray, "5"]:
@@ -80,13 +89,25 @@ class Estimate:
         """Of the right shutter, in frames."""
         return float(self.mean[SIZE])
 
+    @property
+    def keystone(self) -> float:
+        """The yaw that rows show beyond that of depth, degrees."""
+        return float(self.mean[_KEYSTONE])
+
+    def of_rig(self, measured: Measurement) -> Measurement:
+        """What is measured of the rig alone, the keystone as it is known."""
+        if not measured.keystone:
+            return measured
+        doubt = float(np.sqrt(max(self.covariance[_KEYSTONE, _KEYSTONE], 0.0)))
+        return replace(measured, offset=measured.offset - self.keystone * _YAW, keystone=False, doubt=doubt)
+
     def later(self, config: Config) -> "Estimate":
         """A frame later: the angles go on at their rates, which are slowly forgotten; everything wanders a little."""
         onwards, lasting = np.eye(len(self.mean)), np.exp(-1.0 / config.lasting)
         onwards[:3, _RATES] = np.eye(3)
         onwards[_RATES, _RATES] = lasting * np.eye(3)
         rates = np.sqrt(1.0 - lasting**2) * np.asarray(config.heating)
-        steps = np.array([*config.wander, config.shift, config.shift, _DELAY_WANDER, *rates]) ** 2
+        steps = np.array([*config.wander, config.shift, config.shift, _DELAY_WANDER, *rates, 0.0]) ** 2
         covariance = onwards @ self.covariance @ onwards.T + np.diag(steps)
         # Row and column together: an element that is cut alone leaves what is no covariance.
         kept = np.ones(len(self.mean))
@@ -106,15 +127,18 @@ class Estimate:
         """Of a measurement as far from the estimate as this one, or farther (chi-square of the innovation)."""
         from scipy.special import chdtrc  # a third of a second to import
 
+        number, far = self._innovation(measured)
+        return float(chdtrc(number, far)) if number else 1.0
+
+    def _innovation(self, measured: Measurement) -> tuple[int, float]:
+        """How many numbers are measured, and how far they are from the estimate, squared standard deviations."""
         measured = self.doubted(measured)
         values, axes = np.linalg.eigh(measured.information)
         kept = values > 1e-9 * max(float(values[-1]), 1e-12)
-        if not kept.any():
-            return 1.0
         design = axes[:, kept].T @ measured.design
         innovation = axes[:, kept].T @ measured.offset - design @ self.mean
         spread = design @ self.covariance @ design.T + np.diag(1.0 / values[kept])
-        return float(chdtrc(int(kept.sum()), float(innovation @ np.linalg.solve(spread, innovation))))
+        return int(kept.sum()), float(innovation @ np.linalg.solve(spread, innovation))
 
     def doubted(self, measured: Measurement) -> Measurement:
         """The measurement, less sure by what the delay makes of an error of the turn."""
@@ -132,6 +156,10 @@ class Estimate:
         """After a knock: as far away as the prior says."""
         return self._widened(prior)
 
+    def turned(self, yaw: float) -> "Estimate":
+        """After a yaw of so many degrees that no look has seen happen."""
+        return self._widened([0.0, yaw])
+
     def moved(self, offset: Float[np.ndarray, "5"], covariance: Float[np.ndarray, "5 5"]) -> "Estimate":
         """With an offset from elsewhere; delay and rates stay, and depend on it no more."""
         mean, known = self.mean.copy(), self.covariance.copy()
@@ -147,7 +175,11 @@ class Estimate:
         return replace(self, covariance=self.covariance + np.diag(variances))
 
 
-def at_start(prior: Float[np.ndarray, "5"], config: Config) -> Estimate:
-    """The rig that was given, and how far it may be off (standard deviations)."""
-    spread = np.array([*prior, _DELAY, *config.heating])
+def at_start(prior: Float[np.ndarray, "5"], config: Config, keystone: float = 0.0) -> Estimate:
+    """The rig that was given, and how far it may be off (standard deviations).
+
+    Args:
+        keystone: of the keystone, degrees.
+    """
+    spread = np.array([*prior, _DELAY, *config.heating, keystone])
     return Estimate(np.zeros(len(spread)), np.diag(spread**2))

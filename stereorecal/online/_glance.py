@@ -22,6 +22,7 @@ from stereorecal.scoring import Correspondences, Loss, host, legible, precisions
 
 # From afar to the end; the weights follow the solution. Rows are taken as linear: a rig that is watched is not far off.
 _LOSSES = (Loss.SOFT_L1, Loss.WELSCH, Loss.WELSCH, Loss.WELSCH)
+_NEAR = 1.5  # cells of dense correspondences
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,11 +34,28 @@ class Glance:
         covered: share of the image in which correspondences were found.
         facts: what they say, at the offset `facts.z` to the true rig, in half widths of the chart's box; None if too
             little matches, or what matches does so by chance.
+        found: the correspondences that they rest on.
     """
 
     chart: RigChart
     covered: float
     facts: Evidence | None = None
+    found: Correspondences | None = None
+
+    @property
+    def near(self) -> float:
+        """Pixels: what is farther from all correspondences is of something else."""
+        assert self.found is not None
+        width, height = self.chart.rig.left.size
+        return _NEAR * float(np.sqrt(width * height / self.found.weight.shape[1]))
+
+    @property
+    def matches(self) -> host.Matches:
+        """Pixels that correspond."""
+        assert self.found is not None
+        rig, seen = self.chart.rig, np.asarray(self.found.weight[0]) > 0
+        left, right = (np.asarray(rays[0], float)[seen] for rays in (self.found.left, self.found.right))
+        return host.Matches(np.asarray(rig.left.project(left)), np.asarray(rig.right.project(right)))
 
     def rows(self, rig: StereoRig) -> float:
         """|Row difference| under a rig, pixels at full size: the mean over the tiles of a tile's median."""
@@ -65,7 +83,7 @@ def glance(rig: StereoRig, pair: Pair, view: View, matcher: AbstractMatcher) -> 
         np.mean(facts.medians(facts.residual)) * facts.scale > FALSE and found.covered < LIKELY * legible(pair).texture
     ):
         return Glance(chart, found.covered)
-    return Glance(chart, found.covered, facts)
+    return Glance(chart, found.covered, facts, found)
 
 
 def _solved(found: Correspondences, start: LinearRows, prior: float) -> LinearRows:

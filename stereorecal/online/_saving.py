@@ -23,11 +23,12 @@ from stereorecal.online._job import Job
 from stereorecal.online._state import State
 from stereorecal.online._trial import Trial
 from stereorecal.recordings import Pair
+from stereorecal.scoring.host import Corners
 
-SCHEMA = "stereorecal.state/4"
+SCHEMA = "stereorecal.state/5"
 _KNOWN: dict[str, Any] = {
     kind.__name__: kind
-    for kind in (State, Config, Estimate, Measurement, Job, Trial, StereoRig, Camera, View, Pair, Kind)
+    for kind in (State, Config, Estimate, Measurement, Corners, Job, Trial, StereoRig, Camera, View, Pair, Kind)
 }
 # What zipfile, NumPy and the classes raise for what is damaged; RuntimeError for flags that no archive of ours has.
 _DAMAGED = (ValueError, LookupError, TypeError, AttributeError, RuntimeError, EOFError, OSError, MemoryError)

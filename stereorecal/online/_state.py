@@ -17,6 +17,7 @@ from stereorecal.online._trial import Trial
 from stereorecal.online._turning import Small
 from stereorecal.recalibration import depth_slopes
 from stereorecal.recordings import Pair
+from stereorecal.scoring.host import Corners
 
 _STRANGE = 3  # pairs
 
@@ -42,6 +43,12 @@ class State:
         steepness: (5, 5) mean of the squared derivatives of the rows by it, of the last look, pixels at full size.
         row_error: of the last of them, pixels at full size; NaN before.
         last: the last left image, small; None after a pair that cannot be used.
+        corners: that are followed until the rig has moved; None where there are none.
+        found_at: number of the pair that showed them first.
+        apart: pairs after which they are looked for again: as many as the rig needs to advance by a fraction of a
+            baseline.
+        since: time of the pair in which they were found; None if it is not known.
+        suspect_depth: what the rig's motion told and does not fit, until it tells more.
         suspect: a look that does not fit, until the next one says what it was.
         odd: consecutive looks that fit neither the estimate nor each other.
         strange: the last pairs, one after the other, that hardly match, though they have light and texture, or do not
@@ -67,6 +74,11 @@ class State:
     steepness: Float[np.ndarray, "5 5"] | None = None
     row_error: float = float("nan")
     last: Small | None = None
+    corners: Corners | None = None
+    found_at: int = 0
+    apart: int = 2
+    since: float | None = None
+    suspect_depth: Measurement | None = None
     suspect: Measurement | None = None
     odd: int = 0
     strange: tuple[Pair, ...] = ()

@@ -12,9 +12,11 @@ from stereorecal.online._config import Config
 from stereorecal.online._estimate import SIZE, at_start
 from stereorecal.online._events import Event, Kind
 from stereorecal.online._glance import Glance, glance
+from stereorecal.online._keystone import left_of_yaw
+from stereorecal.online._moving import anchored, moved
 from stereorecal.online._repairing import begun, continued, too_far
 from stereorecal.online._state import Offset, State, nearing
-from stereorecal.online._switching import judged, matched, nominated, switched
+from stereorecal.online._switching import Outcome, judged, matched, nominated, switched
 from stereorecal.online._turning import small, turn
 from stereorecal.online._watching import followed, measurement
 from stereorecal.recalibration import Schedule
@@ -24,8 +26,6 @@ from stereorecal.scoring.host import ranged
 
 _FIRST = 2  # pairs that hardly match, until a repair is tried
 _PATIENCE = 2  # times as long, after a repair that failed
-
-Outcome = tuple[State, list[Event]]
 
 
 def init(rig: StereoRig, config: Config = Config()) -> State:  # noqa: B008  frozen
@@ -41,7 +41,11 @@ def init(rig: StereoRig, config: Config = Config()) -> State:  # noqa: B008  fro
     matcher = as_matcher(config.matcher)
     blank = State(config, rig, view_of(rig), np.zeros(SIZE), at_start(np.ones(SIZE), config), nearing(rig))
     known = matcher if matcher.num_disparities is not None else None
-    return blank.but(estimate=at_start(blank.prior, config), matcher=known, attempt=_FIRST)
+    prior, bent = blank.prior, 0.0
+    if (left := left_of_yaw(rig, config)) is not None:  # a rig that was calibrated: that it has turned, something shows
+        prior[1], bent = left
+    estimate = at_start(prior, config, bent)
+    return blank.but(estimate=estimate, matcher=known, attempt=_FIRST)
 
 
 def step(state: State, pair: Pair | Images, seconds: float | None = None) -> tuple[State, tuple[Event, ...]]:
@@ -99,6 +103,8 @@ def _seen(state: State, pair: Pair) -> Outcome:
         return continued(state)
     if state.frame % config.every:
         return state, []
+    if (told := moved(state, pair)) is not None:
+        return told
     matcher = state.matcher
     if matcher is None:
         if not legible(pair).enough:
@@ -118,14 +124,17 @@ def _seen(state: State, pair: Pair) -> Outcome:
         darkness=0,
         attempt=_FIRST,
     )
+    state = anchored(state, pair, look)
     state, events = followed(state, measured)
     knocked = any(event.kind is Kind.KNOCK for event in events)
     state = state.with_strange(pair) if knocked or state.suspect is not None else state.but(strange=())
+    if knocked or state.suspect is not None:
+        state = state.but(corners=None, suspect_depth=None)
     if knocked and too_far(state):
         state, more = begun(state, state.strange)
         return state, [*events, *more]
     # How far a shutter could explain a look is not known where the rig's turn is not.
-    state, more = (state, []) if turned is None else judged(state, measured, look)
+    state, more = (state, []) if turned is None else judged(state, state.estimate.of_rig(measured), look)
     state, put_up = nominated(state)
     return state, [*events, *more, *put_up]
 

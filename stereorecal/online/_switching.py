@@ -12,11 +12,13 @@ from stereorecal.online._reading import reading
 from stereorecal.online._state import Offset, State
 from stereorecal.online._trial import Trial
 
+Outcome = tuple[State, list[Event]]
+
 _WORTH = 1e-2  # chance of an offset, below which the estimate becomes a candidate
 AFTER_REPAIR = 0.1  # degrees and percent: how well a repair of few frames is trusted, beyond its own covariance
 
 
-def judged(state: State, measured: Measurement, look: Glance) -> tuple[State, list[Event]]:
+def judged(state: State, measured: Measurement, look: Glance) -> Outcome:
     """The trial after a look through the calibration in use; one that does not fit what is known takes no part."""
     trial = state.trial
     if trial is None or measured.frame <= trial.since or state.suspect is not None:
@@ -28,7 +30,15 @@ def judged(state: State, measured: Measurement, look: Glance) -> tuple[State, li
     return decided(state.but(trial=trial.measured(state.using, measured, state.row_error, after)))
 
 
-def matched(state: State, before: float, look: Callable[[], Glance]) -> tuple[State, list[Event]]:
+def weighed(state: State, measured: Measurement) -> State:
+    """The trial after what the rig's motion told, which alone decides nothing: it shows no rows."""
+    trial = state.trial
+    if trial is None or measured.frame <= trial.since or state.suspect is not None:
+        return state
+    return state.but(trial=trial.moved(state.using, measured))
+
+
+def matched(state: State, before: float, look: Callable[[], Glance]) -> Outcome:
     """The trial after a look through the calibration in use that showed hardly anything: `before` of the image."""
     trial = state.trial
     if trial is None or state.frame <= trial.since:
@@ -37,7 +47,7 @@ def matched(state: State, before: float, look: Callable[[], Glance]) -> tuple[St
     return decided(state.but(trial=trial.matched(before, seen.covered if seen.facts is not None else 0.0)))
 
 
-def decided(state: State) -> tuple[State, list[Event]]:
+def decided(state: State) -> Outcome:
     """The switch, if the candidate has won; it is dropped, if it has lost."""
     trial = state.trial
     assert trial is not None
@@ -66,7 +76,7 @@ def switched(state: State, offset: Offset) -> State:
     )
 
 
-def nominated(state: State) -> tuple[State, list[Event]]:
+def nominated(state: State) -> Outcome:
     """The rotation of the estimate as a candidate, where it says that the one in use is not the true one.
 
     y and z stay: a shutter that is late on a rig that travels straight on poses as a shift, and no look tells them

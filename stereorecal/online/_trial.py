@@ -35,8 +35,8 @@ class Trial:
         matches: the logarithm of the likelihood ratio from looks in which the one in use is blind.
         misses: (2,) of the calibration in use and of the candidate: how far off the other looks measure them, squared,
             in standard deviations, summed.
-        pulls: (2, 3) towards a delay and a travel along y and z that would explain these.
-        known: (3, 3) the information that these looks hold on the three.
+        pulls: (2, 4) towards a delay, a travel along y and z, and a yaw in common that would explain these.
+        known: (4, 4) the information that these looks hold on the four.
     """
 
     offset: Float[np.ndarray, "5"]
@@ -48,22 +48,26 @@ class Trial:
     compared: int = 0
     matches: float = 0.0
     misses: Float[np.ndarray, "2"] = field(default_factory=lambda: np.zeros(2))
-    pulls: Float[np.ndarray, "2 3"] = field(default_factory=lambda: np.zeros((2, POSES)))
-    known: Float[np.ndarray, "3 3"] = field(default_factory=lambda: np.zeros((POSES, POSES)))
+    pulls: Float[np.ndarray, "2 4"] = field(default_factory=lambda: np.zeros((2, POSES)))
+    known: Float[np.ndarray, "4 4"] = field(default_factory=lambda: np.zeros((POSES, POSES)))
 
     def measured(self, using: Float[np.ndarray, "5"], seen: Measurement, before: float, after: float) -> "Trial":
         """With a look that both share, and their row errors in it."""
-        added = self._with(using, seen)
-        while abs(added.evidence - self.evidence) > _MOST_OF_ONE:
-            seen = seen.weighed(0.5)
-            added = self._with(using, seen)
         return replace(
-            added,
+            self.moved(using, seen),
             looks=self.looks + 1,
             rows_before=self.rows_before + before,
             rows_after=self.rows_after + after,
             compared=self.compared + 1,
         )
+
+    def moved(self, using: Float[np.ndarray, "5"], seen: Measurement) -> "Trial":
+        """With what the rig's motion tells, which shows no rows."""
+        added = self._with(using, seen)
+        while abs(added.evidence - self.evidence) > _MOST_OF_ONE:
+            seen = seen.weighed(0.5)
+            added = self._with(using, seen)
+        return added
 
     def _with(self, using: Float[np.ndarray, "5"], seen: Measurement) -> "Trial":
         off = seen.offset - np.stack([using, self.offset])

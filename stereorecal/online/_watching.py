@@ -43,7 +43,7 @@ def followed(state: State, measured: Measurement) -> tuple[State, list[Event]]:
     config = state.config
     if state.estimate.chance_of(measured) >= config.knock:
         state = state.but(estimate=_with(state.estimate, state, measured), suspect=None, odd=0)
-        return _standing(state)
+        return standing(state)
     if state.suspect is None:
         return state.but(suspect=measured), []
     changed = _explained(state, state.suspect, measured)
@@ -55,11 +55,11 @@ def followed(state: State, measured: Measurement) -> tuple[State, list[Event]]:
     before, state = state.estimate, state.but(estimate=estimate, suspect=None, odd=0)
     moved = estimate.offset - before.offset
     if not knocked:
-        return _standing(state)
+        return standing(state)
     state = state.but(trial=None, ready=0)  # it was fitted to another rig
     found = reading(state.using_now(before.offset))
     if not found.matters or found.shifted:
-        return _standing(state)
+        return standing(state)
     facts = {"change": dict(zip(state.chart.names, moved.tolist(), strict=True))}
     return state.but(said=Kind.KNOCK), [Event(state.frame, Kind.KNOCK, _named(facts["change"]), facts)]
 
@@ -79,7 +79,7 @@ def _with(estimate: Estimate, state: State, measured: Measurement) -> Estimate:
     return estimate.seen(estimate.doubted(measured).weighed(1.0 / state.config.together))
 
 
-def _standing(state: State) -> tuple[State, list[Event]]:
+def standing(state: State) -> tuple[State, list[Event]]:
     """How the rig stands: said when it changes."""
     found = reading(state)
     kind = _kind(found)

@@ -164,7 +164,10 @@ def _merged(several: Sequence[Shown]) -> Shown:
     middle = np.median([one.start for one in several if one.start is not None], axis=0)
     every = replace(found[0], **rays, tile=np.concatenate(tiles))
     windows = windows_of_all(
-        [one.windows.numbered(range(len(one.found.weight)), before) for one, before in zip(several, first, strict=False)]
+        [
+            one.windows.numbered(range(len(one.found.weight)), before)
+            for one, before in zip(several, first, strict=False)
+        ]
     )
     beams = Beams.of_all([one.beams for one in several])
     return replace(several[0], found=every, start=middle, beams=beams, windows=windows)

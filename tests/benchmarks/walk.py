@@ -22,7 +22,7 @@ from stereorecal.synthetic import Drive, photographs, plan_drive
 
 SIZE, VIEW, BASELINE, STEP = (1024, 512), 70.0, 1.0, 0.01  # degrees, metres, degrees a pair
 TOURS = ("street", "harbour")
-WALKS = Config(wander=(STEP / np.sqrt(3.0),) * 3, heating=(0.0, 0.0, 0.0))
+WALKS = Config(prior="exact", wander=(STEP / np.sqrt(3.0),) * 3, heating=(0.0, 0.0, 0.0))
 
 
 def walked(tour: str, seed: int, frames: int) -> Drive:

@@ -26,4 +26,10 @@ from stereorecal.scoring.host._survey import (
     survey as survey,
     with_disparity_range as with_disparity_range,
 )
-from stereorecal.scoring.host._tracking import Matches as Matches, tracked as tracked
+from stereorecal.scoring.host._tracking import (
+    Corners as Corners,
+    Matches as Matches,
+    corners as corners,
+    shown_again as shown_again,
+    tracked as tracked,
+)

@@ -1,9 +1,10 @@
 """The tracker: corners of the left image, followed to its partner and into the next pair."""
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, UInt8
 
 from stereorecal._opencv import cv2
 from stereorecal.recordings import Pair
@@ -13,6 +14,7 @@ _MOST = 2000  # corners
 _QUALITY, _APART = 0.005, 6  # of the best corner's response; pixels between corners
 _WINDOW = 15  # pixels
 _LEVELS = 4  # of the pyramid in time; disparities are known to a pixel or so
+_LEVELS_AGAIN = 2  # of disparities that were known a moment before
 _CLOSED = 0.3  # pixels that a corner may be off, followed to and fro
 _FROM_GUESS = 3.0  # pixels that a partner may lie from where dense correspondences say
 _UNTIL = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_COUNT, 40, 1e-4)
@@ -35,6 +37,46 @@ class Matches(NamedTuple):
 
         away, nearest = KDTree(self.left).query(pixels)
         return pixels + (self.right - self.left)[nearest], away
+
+
+@dataclass(frozen=True, eq=False)
+class Corners:
+    """Corners of one pair, until a later one shows them again.
+
+    Attributes:
+        image: the left image, 8 bit.
+        left, right: (m, 2) pixels (column, row) at full size.
+    """
+
+    image: UInt8[np.ndarray, "h w"]
+    left: Float[np.ndarray, "m 2"]
+    right: Float[np.ndarray, "m 2"]
+
+
+def corners(pair: Pair, matches: Matches, near: float, most: int) -> Corners:
+    """At most so many corners that both images of a pair show; `near` as `tracked` has it."""
+    left, right = _eight_bit(pair.left), _eight_bit(pair.right)
+    found = cv2.goodFeaturesToTrack(left, most, _QUALITY, _APART) if len(matches.left) else None
+    if found is None:
+        return Corners(left, np.zeros((0, 2)), np.zeros((0, 2)))
+    start = found.reshape(-1, 2)
+    guess, away = matches.partners(start)
+    partner, good = _followed(left, right, start, guess.astype(np.float32), 1)
+    good &= (away < near) & (np.linalg.norm(partner - guess, axis=1) < _FROM_GUESS)
+    return Corners(left, start[good].astype(float), partner[good].astype(float))
+
+
+def shown_again(before: Corners, pair: Pair) -> Tracks:
+    """Corners that both images of a later pair show again, whose disparities are about as they were."""
+    if not len(before.left) or before.image.shape != pair.left.shape:
+        return Tracks(np.zeros((2, 0, 2)), np.zeros((2, 0, 2)))
+    left, right = _eight_bit(pair.left), _eight_bit(pair.right)
+    start = before.left.astype(np.float32)
+    later, good = _followed(before.image, left, start, start, _LEVELS)
+    guess = later + (before.right - before.left).astype(np.float32)
+    partner, found = _followed(left, right, later, guess, _LEVELS_AGAIN)
+    tracks = Tracks(np.stack([start, later]).astype(float), np.stack([before.right, partner]).astype(float))
+    return tracks.of(good & found)
 
 
 def tracked(first: Pair, second: Pair, matches: tuple[Matches, Matches], near: float) -> Tracks:
