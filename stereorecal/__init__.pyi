@@ -78,6 +78,7 @@ from .recordings import (
     Board as Board,
     Log as Log,
     Mission as Mission,
+    Odometer as Odometer,
     Pair as Pair,
     Range as Range,
     Scene as Scene,

@@ -25,7 +25,7 @@ from stereorecal.cli._recordings import recordings, without
 from stereorecal.cli._streams import say
 from stereorecal.cli.arguments._motion import motion_of
 from stereorecal.estimation import DEFAULT, SAVED, check_prior
-from stereorecal.io import calibration_json, files_read, load_ranges, next_copy, save_maps
+from stereorecal.io import calibration_json, files_read, load_odometer, load_ranges, next_copy, save_maps
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import Parameters, Reach
 from stereorecal.recalibration import (
@@ -55,7 +55,8 @@ def run(options: argparse.Namespace) -> int:
     reach = Reach(*_values.degrees_and_fraction(options.reach, "--reach"))
     budget, seed = as_budget(options.budget), _values.seed(options.seed)
     ranges = load_ranges(options.ranges) if options.ranges is not None else ()
-    free = with_ranges(_values.free(options.free), ranges)
+    odometer = load_odometer(options.odometer) if options.odometer is not None else None
+    free = with_ranges(_values.free(options.free), ranges, odometer)
     limits = _values.tolerances(options)
     check_prior(options.prior)
     check_boards_asked(options)
@@ -68,7 +69,7 @@ def run(options: argparse.Namespace) -> int:
             # Ranges name pairs of the whole recording: it is cut down once they are found.
             found = recordings(options, few=bool(free.shared) and not ranges)
             boards = boards_of(options)
-        read |= set(named_inputs(options.ranges))
+        read |= set(named_inputs(options.ranges, options.odometer))
         priors = [None if scene.rig is None or options.prior else saved_with(scene.rig)[0] for scene in found.scenes]
         output = _output.output_of(options, found.scenes, free.names, read)
         scenes, ranges = sharing(found.scenes, free, ranges, options.extrinsics, schedule)
@@ -86,6 +87,7 @@ def run(options: argparse.Namespace) -> int:
             "boards": boards,
             "motion": motion_of(options),
             "tolerances": limits,
+            "odometer": odometer,
         }
         with progress_bar(options.quiet) as progress:
             how = {"extrinsics": options.extrinsics, "ranges": ranges, "executor": pool}
@@ -181,6 +183,7 @@ def _settings(
         "extrinsics": options.extrinsics,
         "ranges": options.ranges,
         "boards": options.boards,
+        "odometer": options.odometer,
         "seed": options.seed,
     }
 

@@ -130,7 +130,7 @@ def decide_together(
         return _Candidate([_decided(*one, keeps_depth, limits) for one in each], [one.depth for one in after])
 
     others = [candidate(free)]
-    if BASELINE in free and any(seen.beams for seen in several):
+    if BASELINE in free and any(seen.beams or seen.windows.measured for seen in several):
         others.append(candidate((BASELINE,)))  # where rows are good, they stay
     keeps, changes = candidate(free, keeps_depth=True), min(others, key=lambda one: (one.refused, one.harms, one.loss))
     if keeps.refused == changes.refused:

@@ -14,7 +14,7 @@ from stereorecal.estimation._calibration_prior import CalibrationPrior
 from stereorecal.estimation._evidence import Normal
 from stereorecal.estimation._explanations import Explanation, LinearRows, best_of, explanations
 from stereorecal.estimation._misfit import DEVIATIONS
-from stereorecal.estimation._motion import Windows, root_and_mean, together, with_other_things
+from stereorecal.estimation._motion import Windows, root_and_mean, together
 from stereorecal.estimation._motion_residuals import Motion
 from stereorecal.estimation._motion_window import Window, window
 from stereorecal.geometry import StereoRig, rotation_from_vector, vector_from_rotation
@@ -81,7 +81,10 @@ def beside_delay(
     ways, late, found = np.zeros((len(windows.tracks), chart.dim)), rows, list(alone)
     for round_ in range(_ROUNDS):
         rig = chart.rig_at(theta)
-        near = [window(one, chart, theta + delay * way) for one, way in zip(windows.tracks, ways, strict=True)]
+        near = [
+            window(one, chart, theta + delay * way, travelled)
+            for one, way, travelled in zip(windows.tracks, ways, windows.all_ways, strict=True)
+        ]
         if sum(one.motion is not None for one in near) < _FEWEST:
             return None
         ways = np.stack(
@@ -132,11 +135,15 @@ def _told(
     size: float,
 ) -> list[tuple[float, Normal]]:
     """What windows and ranges tell of θ and the delay."""
-    several = [_beside(one.normal, way) for one, way in zip(near, ways, strict=True)]
     root, mean = root_and_mean(prior)
     wider = np.zeros((len(mean) + 1,) * 2)
     wider[:-1, :-1], wider[-1, -1] = root, size
-    of_windows = with_other_things(together(several, wider, np.append(mean, 0.0)))
+
+    def joined(several: Sequence[Normal]) -> Normal:
+        beside = [_beside(one, way) for one, way in zip(several, ways, strict=True)]
+        return together(beside, wider, np.append(mean, 0.0))
+
+    of_windows = rows.measured.windows.explained(near, joined)
     return [
         (log + other, of_beams.with_nuisance(1) + normal)
         for log, of_beams in rows.measured.beams.told(chart, theta)

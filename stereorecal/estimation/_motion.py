@@ -5,7 +5,7 @@ tracks have in common make it worse than it believes, how much so all windows sa
 other, or ask for a rig that no calibration leaves.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import reduce
 from operator import add
@@ -24,6 +24,8 @@ from stereorecal.scoring import Tracks
 # Standard deviations of what windows say, in those that their tracks alone would leave: neighbours err together.
 _WORSE = (1.0, 1.5, 2.0, 3.0, 4.5, 7.0, 10.0, 15.0)
 _OF_OTHER_THINGS = 0.05  # probability that most of what moves is not the rig
+_OTHER_WAYS = 0.05  # probability that the ways are of another vehicle, in other units, by another clock
+_ANY_LENGTH = 4.6  # logarithm of the range in which those lie
 _OWN_YAW = 1.0  # degrees: how far depth seems to be off, then
 
 
@@ -35,11 +37,14 @@ class Windows:
         tracks: of each.
         frames: numbers of the two pairs of each, as correspondences have them; empty where they are not known.
         seconds: from one pair to the other; those of all windows are 1 where times are not known.
+        ways: how far the rig travelled in each by something else, and the standard deviation of that, metres; None
+            where that is not known, empty where nothing is.
     """
 
     tracks: tuple[Tracks, ...] = ()
     frames: tuple[tuple[int, int], ...] = ()
     seconds: tuple[float, ...] = ()
+    ways: tuple[tuple[float, float] | None, ...] = ()
 
     def numbered(self, kept: Sequence[int], first: int = 0) -> "Windows":
         """Those of the frames that are kept, which are numbered anew.
@@ -54,11 +59,22 @@ class Windows:
             tuple(self.tracks[number] for number in some),
             tuple((new[self.frames[number][0]], new[self.frames[number][1]]) for number in some),
             tuple(self.seconds[number] for number in some),
+            tuple(self.ways[number] for number in some if self.ways),
         )
 
     def near(self, chart: RigChart, theta: Float[np.ndarray, "n"]) -> tuple[Window, ...]:
         """What each says, linear near θ."""
-        return tuple(window(one, chart, theta) for one in self.tracks)
+        return tuple(window(one, chart, theta, way) for one, way in zip(self.tracks, self.all_ways, strict=True))
+
+    @property
+    def all_ways(self) -> tuple[tuple[float, float] | None, ...]:
+        """One for each window."""
+        return self.ways or (None,) * len(self.tracks)
+
+    @property
+    def measured(self) -> bool:
+        """Whether something else has told how far the rig travelled."""
+        return any(way is not None for way in self.ways)
 
     def __bool__(self) -> bool:
         return any(len(one) for one in self.tracks)
@@ -69,7 +85,26 @@ class Windows:
         """What they may tell of θ, near a θ: as `Beams.told`; that, or all but depth."""
         if not self:
             return [(0.0, Normal(np.zeros((chart.dim,) * 2), np.zeros(chart.dim), 0.0))]
-        return with_other_things(together([one.normal for one in self.near(chart, theta)], *root_and_mean(prior)))
+        within = root_and_mean(prior)
+        near = self.near(chart, theta)
+        return self.explained(near, lambda some: together(some, *within))
+
+    def explained(
+        self, near: Sequence[Window], joined: Callable[[Sequence[Normal]], Normal]
+    ) -> list[tuple[float, Normal]]:
+        """What they may tell together, each with the logarithm of its probability: with the ways, if those are of this
+        rig; without; and nothing of depth."""
+        alone = joined([one.normal for one in near])
+        told = [(float(np.log1p(-_OF_OTHER_THINGS)), alone), (float(np.log(_OF_OTHER_THINGS)), without_depth(alone))]
+        if not self.measured:
+            return told
+        # Ways of anything else have any length: against that, their density counts, once, as all err alike.
+        ways = [way for way in self.ways if way is not None]
+        sigma = float(np.median([way[1] / way[0] for way in ways])) / np.sqrt(len(ways))
+        narrower = float(np.log(_ANY_LENGTH / (sigma * np.sqrt(2.0 * np.pi))))
+        own = float(np.log1p(-_OF_OTHER_THINGS) + np.log1p(-_OTHER_WAYS)) + narrower
+        both = joined([one.with_way for one in near])
+        return [(own, both), *((float(log + np.log(_OTHER_WAYS)), normal) for log, normal in told)]
 
 
 NO_WINDOWS = Windows()
@@ -77,15 +112,8 @@ NO_WINDOWS = Windows()
 
 def windows_of_all(several: Sequence[Windows]) -> Windows:
     """Those of several recordings, whose frames are numbered apart."""
-    return Windows(*(sum((getattr(one, name) for one in several), ()) for name in ("tracks", "frames", "seconds")))
-
-
-def with_other_things(normal: Normal) -> list[tuple[float, Normal]]:
-    """What windows tell, or all but depth, each with the logarithm of its probability."""
-    return [
-        (float(np.log1p(-_OF_OTHER_THINGS)), normal),
-        (float(np.log(_OF_OTHER_THINGS)), without_depth(normal)),
-    ]
+    parts = [sum((getattr(one, name) for one in several), ()) for name in ("tracks", "frames", "seconds", "all_ways")]
+    return Windows(*parts)
 
 
 def root_and_mean(prior: CalibrationPrior) -> tuple[Float[np.ndarray, "n n"], Float[np.ndarray, "n"]]:

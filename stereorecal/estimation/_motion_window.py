@@ -49,6 +49,7 @@ class Window:
 
     Attributes:
         normal: the likelihood of θ; flat where the motion tells nothing.
+        with_way: the same with how far something else says that the rig travelled.
         tracks: points that were followed.
         inliers: those that fit one motion of the rig, and one depth each.
         motion: of the left camera, as the rig at θ has it; None if there are too few tracks.
@@ -57,6 +58,7 @@ class Window:
     """
 
     normal: Normal
+    with_way: Normal
     tracks: int
     inliers: int
     motion: Motion | None
@@ -75,21 +77,29 @@ class _Solved:
     weight: Float[np.ndarray, "m"]
 
 
-def window(tracks: Tracks, chart: RigChart, theta: Float[np.ndarray, "n"]) -> Window:
+def window(
+    tracks: Tracks, chart: RigChart, theta: Float[np.ndarray, "n"], way: tuple[float, float] | None = None
+) -> Window:
     """The window of tracks, in pixels of the cameras of the chart's rig, linear near θ and the depth that it says
-    itself."""
+    itself.
+
+    Args:
+        way: how far the rig travelled by something else, and the standard deviation of that, metres.
+    """
     nothing = Normal(np.zeros((chart.dim,) * 2), np.zeros(chart.dim), 0.0)
     if len(tracks) < _FEWEST:
-        return Window(nothing, len(tracks), 0, None, (0.0, np.inf), 1.0)
+        return Window(nothing, nothing, len(tracks), 0, None, (0.0, np.inf), 1.0)
     seen = seen_by(tracks, chart.rig_at(theta))
     found = _motion(seen, chart, theta, _roughly(tracks, chart, theta))
     near = theta + found.yaw * _yaw_axis(chart)
-    normal, covariance = _normal(seen, chart, near, found)
+    total = _products(seen, chart, near, found)
+    normal, covariance = _normal(total, chart)
+    with_way = normal if way is None else _normal(total + _of_way(found.motion, way, chart.dim), chart)[0]
     metres = float(np.linalg.norm(found.motion.translation))
     ahead = found.motion.translation / max(metres, 1e-30)
     sigma = float(np.sqrt(max(ahead @ covariance @ ahead, 0.0)))
     inliers = int((found.weight > 0.25).sum())
-    return Window(normal, len(tracks), inliers, found.motion, (metres, sigma), found.scale)
+    return Window(normal, with_way, len(tracks), inliers, found.motion, (metres, sigma), found.scale)
 
 
 def _yaw_axis(chart: RigChart) -> Float[np.ndarray, "n"]:
@@ -178,10 +188,8 @@ def _without_depth(
     return columns - by[..., None] * along[:, None], along / size, by
 
 
-def _normal(
-    seen: Seen, chart: RigChart, near: Float[np.ndarray, "n"], found: _Solved
-) -> tuple[Normal, Float[np.ndarray, "3 3"]]:
-    """The likelihood of θ, linear there; and the covariance of the translation were θ known."""
+def _products(seen: Seen, chart: RigChart, near: Float[np.ndarray, "n"], found: _Solved) -> Float[np.ndarray, "c c"]:
+    """Of the residuals at θ = 0 and their derivatives by θ and by the motion, linear there."""
     n, rig = chart.dim, chart.rig_at(near)
     here = residuals(seen, rig, found.motion, found.nearness)
     by = by_theta(seen, chart, near, found.motion, found.nearness)
@@ -189,14 +197,26 @@ def _normal(
     white = _roots(here.along, _approach(found.motion, found.nearness))
     left, _, taken = _without_depth(white, here.by_nearness, columns)
     left[..., 0] -= left[..., 1 : 1 + n] @ near
-    total = _together_with_neighbours(
-        left / found.scale, taken, found.weight, places_of(seen.tracks.left[0], seen.size)
-    )
+    place = places_of(seen.tracks.left[0], seen.size)
+    return _together_with_neighbours(left / found.scale, taken, found.weight, place)
+
+
+def _normal(total: Float[np.ndarray, "c c"], chart: RigChart) -> tuple[Normal, Float[np.ndarray, "3 3"]]:
+    """The likelihood of θ, the motion integrated; and the covariance of the translation were θ known."""
+    n = chart.dim
     pull, a = total[0, 1:], total[1:, 1:]
     # Of the m numbers of all tracks, those count that θ or the motion change.
     covariance = np.linalg.inv(a[n:, n:] + np.diag(_wide(chart)))[3:, 3:]
     alone = without(Normal(a, -pull, _explained(total)), np.diag(_wide(chart) ** -0.5))
     return Normal(alone.a, alone.b, alone.c - _log_volume(a[n:, n:], chart)), covariance
+
+
+def _of_way(motion: Motion, way: tuple[float, float], n: int) -> Float[np.ndarray, "c c"]:
+    """Products of the columns of one more row: the length of the translation less the way, in its deviations."""
+    metres, sigma = way
+    length = float(np.linalg.norm(motion.translation))
+    row = np.concatenate([[length - metres], np.zeros(n + 3), motion.translation / max(length, 1e-30)]) / sigma
+    return np.outer(row, row)
 
 
 def _together_with_neighbours(

@@ -23,6 +23,7 @@ from stereorecal.io._json import (
     write_json as write_json,
 )
 from stereorecal.io._maps import save_maps as save_maps
+from stereorecal.io._odometers import load_odometer as load_odometer
 from stereorecal.io._ranges import load_ranges as load_ranges
 from stereorecal.io._scenes import calibrated_scene as calibrated_scene, gather_scene as gather_scene
 from stereorecal.io.formats._prior import prior_file as prior_file, stored_prior as stored_prior

@@ -127,18 +127,25 @@ class Estimate:
         """Of a measurement as far from the estimate as this one, or farther (chi-square of the innovation)."""
         from scipy.special import chdtrc  # a third of a second to import
 
-        number, far = self._innovation(measured)
+        number, far, _ = self._innovation(measured)
         return float(chdtrc(number, far)) if number else 1.0
 
-    def _innovation(self, measured: Measurement) -> tuple[int, float]:
-        """How many numbers are measured, and how far they are from the estimate, squared standard deviations."""
+    def log_likelihood(self, measured: Measurement, most: float) -> float:
+        """Of a measurement, one that is farther away than so many squared standard deviations being as far."""
+        _, far, log_volume = self._innovation(measured)
+        return -0.5 * (min(far, most) + log_volume)
+
+    def _innovation(self, measured: Measurement) -> tuple[int, float, float]:
+        """How many numbers are measured, how far they are from the estimate, squared standard deviations, and the
+        logarithm of the determinant of the covariance of that."""
         measured = self.doubted(measured)
         values, axes = np.linalg.eigh(measured.information)
         kept = values > 1e-9 * max(float(values[-1]), 1e-12)
         design = axes[:, kept].T @ measured.design
         innovation = axes[:, kept].T @ measured.offset - design @ self.mean
         spread = design @ self.covariance @ design.T + np.diag(1.0 / values[kept])
-        return int(kept.sum()), float(innovation @ np.linalg.solve(spread, innovation))
+        far = float(innovation @ np.linalg.solve(spread, innovation))
+        return int(kept.sum()), far, float(np.linalg.slogdet(spread)[1])
 
     def doubted(self, measured: Measurement) -> Measurement:
         """The measurement, less sure by what the delay makes of an error of the turn."""

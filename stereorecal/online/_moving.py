@@ -7,7 +7,6 @@ from jaxtyping import Float
 from stereorecal.estimation import Normal, is_exact, rig_parameters, window
 from stereorecal.geometry import vector_from_rotation
 from stereorecal.online._estimate import SIZE, Measurement
-from stereorecal.online._events import Event
 from stereorecal.online._glance import Glance
 from stereorecal.online._state import State
 from stereorecal.online._switching import Outcome, weighed
@@ -22,7 +21,7 @@ _LEFT = 0.4  # of the corners that were found: if fewer are seen again, sooner
 _LONGEST, _SECONDS = 16, 2.0  # pairs, and seconds, after which nothing is the same
 # Windows of one place show the same things, and err together: standard deviations in those that each believes, and a
 # yaw that the lenses of a calibrated rig leave in any of them [deg].
-_WORSE, _OF_LENSES = 2.0, 0.02
+_WORSE, _OF_LENSES = 3.0, 0.02
 _YAW = np.eye(SIZE)[1]
 _FITS = 1e-3  # chance: what fits less may be the motion of other things
 
@@ -35,12 +34,11 @@ def anchored(state: State, pair: Pair, look: Glance) -> State:
     return state.but(corners=found, found_at=state.frame, since=pair.time) if len(found.left) >= _FEWEST else state
 
 
-def moved(state: State, pair: Pair) -> Outcome | None:
-    """The state after a pair that shows corners again from elsewhere, in place of a look; None if there is nothing to
-    learn from that."""
+def moved(state: State, pair: Pair) -> Outcome:
+    """The state after a pair that may show corners again from elsewhere."""
     before, pairs = state.corners, state.frame - state.found_at
     if before is None or pairs < state.apart:
-        return None
+        return state, []
     if not _soon(state.since, pair.time):
         return state.but(corners=None), []
     tracks, chart = shown_again(before, pair), rig_parameters(state.rig)
@@ -78,8 +76,7 @@ def _told(state: State, measured: Measurement) -> Outcome:
     """The state after a window. One that does not fit waits for the next: most that moves may not be the rig."""
     estimate = state.estimate
     if estimate.chance_of(measured) >= _FITS:
-        state = state.but(estimate=estimate.seen(estimate.doubted(measured)), suspect_depth=None)
-        return standing(weighed(state, measured))
+        return standing(weighed(state.measured(measured).but(suspect_depth=None), measured))
     first, state = state.suspect_depth, state.but(suspect_depth=measured)
     if first is None:
         return state, []
@@ -89,4 +86,4 @@ def _told(state: State, measured: Measurement) -> Outcome:
     turned = turned.seen(measured)
     if abs(turned.keystone) > abs(estimate.keystone):  # rows know of no such yaw
         return state, []
-    return standing(state.but(estimate=turned, suspect_depth=None, trial=None))
+    return standing(state.standing_at(turned).but(suspect_depth=None, trial=None))

@@ -39,5 +39,5 @@ def recalibrate(state: State, pairs: Sequence[Pair | Images]) -> tuple[State, tu
     }
     facts = {"old": named(state, state.using), "new": named(state, offset), "proof": proof}
     estimate = state.estimate.moved(offset, solution.covariance + np.eye(SIZE) * AFTER_REPAIR**2)
-    state = switched(state.but(estimate=estimate, suspect=None, odd=0, said=None), offset)
+    state = switched(state.standing_at(estimate).but(suspect=None, odd=0, said=None), offset)
     return state, (Event(state.frame, Kind.RECALIBRATED, "", facts),)

@@ -13,6 +13,7 @@ from stereorecal.online._config import Config
 from stereorecal.online._estimate import Estimate, Measurement
 from stereorecal.online._events import Kind
 from stereorecal.online._job import Job
+from stereorecal.online._pace import Pace
 from stereorecal.online._trial import Trial
 from stereorecal.online._turning import Small
 from stereorecal.recalibration import depth_slopes
@@ -35,6 +36,7 @@ class State:
         view: of all looks, that of the initial calibration.
         using: (5,) offset of the calibration in use.
         estimate: where the true rig stands, and how late a shutter is.
+        pace: how fast it drifts.
         frame: number of the next pair.
         matcher: with its disparity range; None until one is measured.
         seen: informative looks so far.
@@ -67,6 +69,7 @@ class State:
     view: View
     using: Offset
     estimate: Estimate
+    pace: Pace
     nearing: Float[np.ndarray, "4 5"]
     frame: int = 0
     matcher: AbstractMatcher | None = None
@@ -118,6 +121,20 @@ class State:
     def with_strange(self, pair: Pair) -> "State":
         """The state with one more pair that a repair may rest on."""
         return replace(self, strange=(*self.strange, pair)[-_STRANGE:])
+
+    def later(self) -> "State":
+        """A pair later."""
+        estimate = self.estimate.later(self.pace.config(self.config))
+        return replace(self, estimate=estimate, pace=self.pace.later(self.config))
+
+    def measured(self, seen: Measurement, together: int = 1) -> "State":
+        """With a measurement, of which so many err together."""
+        estimate = self.estimate.seen(self.estimate.doubted(seen).weighed(1.0 / together))
+        return replace(self, estimate=estimate, pace=self.pace.seen(seen.weighed(together**-0.5)))
+
+    def standing_at(self, estimate: Estimate) -> "State":
+        """With another estimate."""
+        return replace(self, estimate=estimate, pace=self.pace.again(estimate))
 
     def using_now(self, offset: Offset) -> "State":
         """The state with another calibration in use."""

@@ -14,10 +14,11 @@ from stereorecal.online._events import Event, Kind
 from stereorecal.online._glance import Glance, glance
 from stereorecal.online._keystone import left_of_yaw
 from stereorecal.online._moving import anchored, moved
+from stereorecal.online._pace import Pace
 from stereorecal.online._repairing import begun, continued, too_far
 from stereorecal.online._state import Offset, State, nearing
 from stereorecal.online._switching import Outcome, judged, matched, nominated, switched
-from stereorecal.online._turning import small, turn
+from stereorecal.online._turning import Small, small, turn
 from stereorecal.online._watching import followed, measurement
 from stereorecal.recalibration import Schedule
 from stereorecal.recordings import Images, Pair, check_pairs
@@ -39,13 +40,14 @@ def init(rig: StereoRig, config: Config = Config()) -> State:  # noqa: B008  fro
     """
     Schedule.default()  # raises now, and not after the first knock
     matcher = as_matcher(config.matcher)
-    blank = State(config, rig, view_of(rig), np.zeros(SIZE), at_start(np.ones(SIZE), config), nearing(rig))
+    first = at_start(np.ones(SIZE), config)
+    blank = State(config, rig, view_of(rig), np.zeros(SIZE), first, Pace.at(first), nearing(rig))
     known = matcher if matcher.num_disparities is not None else None
     prior, bent = blank.prior, 0.0
     if (left := left_of_yaw(rig, config)) is not None:  # a rig that was calibrated: that it has turned, something shows
         prior[1], bent = left
     estimate = at_start(prior, config, bent)
-    return blank.but(estimate=estimate, matcher=known, attempt=_FIRST)
+    return blank.but(estimate=estimate, pace=Pace.at(estimate), matcher=known, attempt=_FIRST)
 
 
 def step(state: State, pair: Pair | Images, seconds: float | None = None) -> tuple[State, tuple[Event, ...]]:
@@ -65,8 +67,7 @@ def step(state: State, pair: Pair | Images, seconds: float | None = None) -> tup
         after, events = _seen(state, pair)
     except InputError as error:
         event = Event(state.frame, Kind.BAD_FRAME, str(error))
-        later = state.estimate.later(state.config)
-        return state.but(frame=state.frame + 1, estimate=later, last=None, said=Kind.BAD_FRAME), (event,)
+        return state.later().but(frame=state.frame + 1, last=None, said=Kind.BAD_FRAME), (event,)
     while until is not None and after.job is not None and time.monotonic() < until:
         after, more = continued(after)
         events += more
@@ -98,13 +99,18 @@ def rollback(state: State, to: Offset | None = None) -> State:
 
 def _seen(state: State, pair: Pair) -> Outcome:
     config, before, now = state.config, state.last, small(pair.left)
-    state = state.but(last=now, estimate=state.estimate.later(config))
+    state = state.later().but(last=now)
     if state.job is not None:
         return continued(state)
     if state.frame % config.every:
         return state, []
-    if (told := moved(state, pair)) is not None:
-        return told
+    state, told = moved(state, pair)
+    state, seen = _looked(state, pair, before, now)
+    return state, [*told, *seen]
+
+
+def _looked(state: State, pair: Pair, before: Small | None, now: Small) -> Outcome:
+    config = state.config
     matcher = state.matcher
     if matcher is None:
         if not legible(pair).enough:

@@ -97,7 +97,7 @@ def after_repair(state: State, offset: Offset, covariance: Float[np.ndarray, "5 
     """A candidate of a repair on trial, unless nothing is to be switched."""
     estimate = state.estimate.moved(offset, covariance + np.eye(SIZE) * AFTER_REPAIR**2)
     trial = Trial(offset, "repair", state.frame) if state.config.repair else None
-    return state.but(trial=trial, estimate=estimate, suspect=None)
+    return state.standing_at(estimate).but(trial=trial, suspect=None)
 
 
 def named(state: State, offset: Offset) -> dict[str, list[float]]:

@@ -42,7 +42,7 @@ def followed(state: State, measured: Measurement) -> tuple[State, list[Event]]:
     """The state after an informative look."""
     config = state.config
     if state.estimate.chance_of(measured) >= config.knock:
-        state = state.but(estimate=_with(state.estimate, state, measured), suspect=None, odd=0)
+        state = state.measured(measured, state.config.together).but(suspect=None, odd=0)
         return standing(state)
     if state.suspect is None:
         return state.but(suspect=measured), []
@@ -52,7 +52,7 @@ def followed(state: State, measured: Measurement) -> tuple[State, list[Event]]:
         state = state.but(suspect=measured, odd=odd)
         return state, [Event(state.frame, Kind.FRAMES_DISAGREE)] if odd == _ODD else []
     estimate, knocked = changed
-    before, state = state.estimate, state.but(estimate=estimate, suspect=None, odd=0)
+    before, state = state.estimate, state.standing_at(estimate).but(suspect=None, odd=0)
     moved = estimate.offset - before.offset
     if not knocked:
         return standing(state)

@@ -129,7 +129,7 @@ def _solved(
 def _priors(recordings: Sequence[Recording], free: Parameters) -> list[CalibrationPrior]:
     """Of each recording: what was saved with its calibration, or what is known of the calibration that all have in
     common."""
-    ranges, common, found = any(r.ranges for r in recordings), None, []
+    ranges, common, found = any(r.ranges or r.windows.measured for r in recordings), None, []
     for repair in (recording.repair for recording in recordings):
         prior = None if repair.prior_use is None else repair.prior_use.prior
         known = common

@@ -26,7 +26,7 @@ from stereorecal.recalibration._recording import Recording
 from stereorecal.recalibration._schedule import Schedule, as_schedule, check_schedule
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._together import together
-from stereorecal.recordings import Board, Pair, Range, Scene
+from stereorecal.recordings import Board, Odometer, Pair, Range, Scene
 from stereorecal.strategies import Budget, as_budget
 
 
@@ -87,6 +87,7 @@ def recalibrate_many(
     boards: Sequence[Board] | None = None,
     motion: bool | None = None,
     tolerances: Tolerances | Mapping[str, object] | None = None,
+    odometer: Odometer | None = None,
 ) -> tuple[Repair, ...]:
     """Repair the extrinsics of many recordings, each on its own; the answers come in the order of the recordings.
 
@@ -108,17 +109,17 @@ def recalibrate_many(
         executor: any `concurrent.futures.Executor`; default one recording after the other in this process.
         progress: called with (finished, total) after each recording.
         prior: as `recalibrate` has it, of the calibration that all start from.
-        boards, motion, tolerances: as `recalibrate` has them.
+        boards, motion, tolerances, odometer: as `recalibrate` has them.
 
     Raises:
         InputError: if there is no recording, a strategy of the default schedule is not installed, or intrinsics are
             free and the recordings are of different rigs.
         StrategyError: if one of those is broken.
     """
-    free = with_ranges(as_parameters(free), ranges)
+    free = with_ranges(as_parameters(free), ranges, odometer)
     scenes, ranges = sharing(_as_scenes(scenes), free, ranges, extrinsics, as_schedule(schedule))
     options = {"schedule": schedule, "reach": reach, "budget": budget, "view": view, "seed": seed, "free": free}
-    options |= {"prior": prior, "boards": boards, "motion": motion, "tolerances": tolerances}
+    options |= {"prior": prior, "boards": boards, "motion": motion, "tolerances": tolerances, "odometer": odometer}
     finished: dict[int, Repair] = {}
     for index, repair in repairs_as_finished(scenes, matcher=matcher, executor=executor, **options):
         finished[index] = repair
@@ -237,6 +238,7 @@ def repairs_as_finished(
     boards: Sequence[Board] | None = None,
     motion: bool | None = None,
     tolerances: Tolerances | Mapping[str, object] | None = None,
+    odometer: Odometer | None = None,
 ) -> Iterator[tuple[int, Repair]]:
     """`recalibrate_many` for those who show or save each answer as soon as it is there: the index of a recording and
     its repair, in the order in which they finish. Arguments and errors as there; errors are raised at once. What
@@ -259,6 +261,7 @@ def repairs_as_finished(
         boards=boards,
         motion=motion,
         tolerances=as_tolerances(tolerances),
+        odometer=odometer,
     )
 
     def repairs() -> Iterator[tuple[int, Repair]]:

@@ -12,7 +12,7 @@ from stereorecal.geometry import StereoRig
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import BASELINE, Parameters
 from stereorecal.recalibration._acceptance import Reason
-from stereorecal.recordings import Pair, Range
+from stereorecal.recordings import Odometer, Pair, Range
 from stereorecal.scoring import ScoringData, host
 
 
@@ -113,6 +113,6 @@ def _resolved(one: Range, recordings: Sequence[tuple[str, Sequence[Pair]]]) -> R
     return replace(one, pair=pair)
 
 
-def with_ranges(free: Parameters, ranges: Range | Sequence[Range]) -> Parameters:
-    """What is free where there are ranges: the length of the baseline as well."""
-    return free.also(BASELINE) if as_ranges(ranges) else free
+def with_ranges(free: Parameters, ranges: Range | Sequence[Range], odometer: Odometer | None = None) -> Parameters:
+    """What is free where there are ranges, or distances travelled: the length of the baseline as well."""
+    return free.also(BASELINE) if as_ranges(ranges) or odometer is not None else free

@@ -24,8 +24,8 @@ from stereorecal.recalibration._ranges import resolved_ranges, with_ranges
 from stereorecal.recalibration._schedule import Schedule, ScoreKind, as_schedule, check_schedule
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._stages import FEWEST, Case, StageRun, better_start, remaining, run_stage
-from stereorecal.recalibration._windows import check_motion, following
-from stereorecal.recordings import Board, Pairs, Range
+from stereorecal.recalibration._windows import check_motion, check_odometer, following
+from stereorecal.recordings import Board, Odometer, Pairs, Range
 from stereorecal.scoring import host, legible, pyramid
 from stereorecal.scoring.host import Score, survey
 from stereorecal.strategies import Budget, Status, as_budget
@@ -49,6 +49,7 @@ def recalibrate(
     boards: Sequence[Board] | None = None,
     motion: bool | None = None,
     tolerances: Tolerances | Mapping[str, object] | None = None,
+    odometer: Odometer | None = None,
 ) -> Solution:
     """Repair the extrinsics of a rig from image pairs that it took.
 
@@ -80,6 +81,8 @@ def recalibrate(
             None uses it where pairs know their times, at most half a second apart; False never.
         tolerances: what is asked of a change, and the distances at which it is judged: a `Tolerances`, or some of its
             values by name, such as {"distances": (3, 8), "alpha": 0.001}.
+        odometer: how far the rig travelled by wheels or GPS, at times of the pairs' own clock: with the rig's own motion
+            that tells the length of the baseline, which it frees.
 
     Raises:
         InputError: if images and calibration do not fit, a strategy of the schedule is not installed, the prior makes
@@ -91,7 +94,7 @@ def recalibrate(
     began = time.perf_counter()
     images, reach = pyramid(rig, pairs, view), as_reach(reach)
     schedule, budget, asked = as_schedule(schedule), as_budget(budget), as_matcher(matcher)
-    free = with_ranges(as_parameters(free), ranges)
+    free = with_ranges(as_parameters(free), ranges, odometer)
     free.check(rig)
     limits = as_tolerances(tolerances)
     ranges = resolved_ranges(ranges, [("", images.pairs)])
@@ -104,9 +107,10 @@ def recalibrate(
         numbers = tuple(numbers[number] for number in chosen)
     if len(numbers) < len(images.pairs):
         images = pyramid(rig, [images.pairs[number] for number in numbers], images.view)
-    known = prior_of(use.prior, free, rig, reach, ranges=bool(ranges))
+    known = prior_of(use.prior, free, rig, reach, ranges=bool(ranges) or odometer is not None)
     windows = following(images.pairs, numbers, motion, known)
-    case = Case(images, asked, reach, free.extrinsics, known, ranges, windows, limits)
+    check_odometer(odometer, images.pairs, windows)
+    case = Case(images, asked, reach, free.extrinsics, known, ranges, windows, limits, odometer)
     solution = searched(case, schedule, budget, seed, free)
     wanted = solution.asked and replace(solution.asked, free=free.names)
     chosen = numbers if free.shared or use.dropped else None

@@ -25,7 +25,7 @@ from stereorecal.objectives import (
     row_chart,
 )
 from stereorecal.recalibration._schedule import ScoreKind, Stage
-from stereorecal.recordings import Range
+from stereorecal.recordings import Odometer, Range
 from stereorecal.scoring import Correspondences, Loss, Pyramid, ScoringData, host, precisions
 from stereorecal.strategies import Budget, Objective, Run, Status, run_strategy
 
@@ -50,6 +50,7 @@ class Case:
         ranges: of what the images show.
         windows: numbers of pairs that follow each other.
         tolerances: by which it is decided.
+        odometer: what else knows how far the rig travelled.
     """
 
     images: Pyramid
@@ -60,6 +61,7 @@ class Case:
     ranges: tuple[Range, ...] = ()
     windows: tuple[tuple[int, int], ...] = ()
     tolerances: Tolerances = DEFAULT
+    odometer: Odometer | None = None
 
     @property
     def rig(self) -> StereoRig:

@@ -136,7 +136,8 @@ def _solutions(solved: Common, answers: Sequence[Solution], seen: Intrinsics | N
     """Of each recording: what was found together, or what it has alone, with no more than the length of the baseline
     that the ranges of others tell."""
     told = BASELINE in solved.free.names and any(
-        answer.accepted and some.agree(answer.rig) for answer, some in zip(answers, solved.beams, strict=True)
+        answer.accepted and (some.agree(answer.rig) or recording.windows.measured)
+        for answer, some, recording in zip(answers, solved.beams, solved.recordings, strict=True)
     )
     if solved.one and solved.free.shared and not answers[0].accepted:
         rest = [replace(recording, ranges=()) for recording in solved.recordings]

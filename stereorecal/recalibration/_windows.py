@@ -9,11 +9,12 @@ from stereorecal._errors import InputError
 from stereorecal.estimation import NO_WINDOWS, Estimate, Prior, Windows, is_exact
 from stereorecal.recalibration._frames import a_moment_after, soon_after
 from stereorecal.recalibration._stages import Case
-from stereorecal.recordings import Pair
+from stereorecal.recordings import Odometer, Pair
 from stereorecal.scoring import Correspondences
 from stereorecal.scoring.host import Matches, tracked
 
 MOST_WINDOWS = 8  # each costs a third of a second of the estimate
+_LEAST_WAY = 1e-3  # metres: of any way
 _NEAR = 1.5  # cells of dense correspondences: a corner that is farther from all of them is of something else
 
 Windowed = tuple[tuple[int, int], ...]  # numbers of pairs that follow each other
@@ -83,7 +84,45 @@ def without_frames(case: Case, tracks: dict[tuple[int, int], Any], apart: Sequen
     seconds = [second - first for first, second in times if first is not None and second is not None]
     if len(seconds) < len(kept) or min(seconds, default=1.0) <= 0.0:
         seconds = [1.0] * len(kept)
-    return Windows(tuple(tracks[window] for window in kept), tuple(kept), tuple(seconds)) if kept else NO_WINDOWS
+    if not kept:
+        return NO_WINDOWS
+    return Windows(tuple(tracks[window] for window in kept), tuple(kept), tuple(seconds), _ways(case, kept))
+
+
+def _ways(case: Case, kept: Sequence[tuple[int, int]]) -> tuple[tuple[float, float] | None, ...]:
+    """How far the rig travelled in windows. An odometer errs alike in all of them: together they say no more than it
+    knows."""
+    metres = _travelled(case.odometer, case.images.pairs, kept) if case.odometer else []
+    known = sum(some is not None for some in metres)
+    if case.odometer is None or not known:
+        return ()
+    sigma = case.odometer.sigma * float(np.sqrt(known))
+    return tuple(None if some is None else (some, sigma * some + _LEAST_WAY) for some in metres)
+
+
+def _travelled(odometer: Odometer, pairs: Sequence[Pair], windows: Sequence[tuple[int, int]]) -> list[float | None]:
+    times = [(pairs[first].time, pairs[second].time) for first, second in windows]
+    return [None if a is None or b is None else odometer.between(a, b) for a, b in times]
+
+
+def check_odometer(odometer: Odometer | None, pairs: Sequence[Pair], windows: Windowed) -> None:
+    """Raises:
+    InputError: if an odometer knows nothing of the pairs that follow each other.
+    """
+    if odometer is None:
+        return
+    if not windows:
+        raise InputError(
+            "an odometer says how far the rig travelled between pairs that follow each other, and there are none; give "
+            "consecutive pairs that know their times (and neither --motion off nor an exact prior)."
+        )
+    if all(way is None for way in _travelled(odometer, pairs, windows)):
+        times = [pair.time for pair in pairs if pair.time is not None]
+        said = f"{min(times):g} to {max(times):g}" if times else "not known"
+        raise InputError(
+            f"the odometer's times are {odometer.times[0]:g} to {odometer.times[-1]:g} s, those of the pairs {said} s; "
+            "give both in seconds of one clock."
+        )
 
 
 def as_dict(seen: Estimate) -> dict[str, Any]:

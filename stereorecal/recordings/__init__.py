@@ -11,6 +11,7 @@ from stereorecal.recordings._lazy import (
     times_of as times_of,
 )
 from stereorecal.recordings._log import Log as Log, Mission as Mission
+from stereorecal.recordings._odometer import Odometer as Odometer
 from stereorecal.recordings._pair import Pair as Pair, make_pair as make_pair
 from stereorecal.recordings._pairs import Images as Images, Pairs as Pairs, as_pairs as as_pairs
 from stereorecal.recordings._range import Range as Range

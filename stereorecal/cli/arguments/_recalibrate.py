@@ -60,6 +60,12 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
     )
     add("--board-corners", metavar="NxM", help="inner corners of the chessboard (default: 9x6)")
     add("--square", type=float, metavar="METRES", help="side of its squares, as the calibration had it")
+    add(
+        "--odometer",
+        metavar="FILE",
+        help="a CSV of how far the rig travelled, of the clock of the pairs: time_s,metres or time_s,speed_mps or "
+        "time_s,x,y,z",
+    )
     add("--ranges", metavar="FILE", help="a CSV of measured distances: pair,column,row,metres,sigma")
     add(
         "--budget",
