@@ -6,6 +6,8 @@ tell τ as they tell θ. Where all pairs move alike, only the sum is told, and t
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import reduce
+from operator import add
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -139,11 +141,10 @@ def _told(
     wider = np.zeros((len(mean) + 1,) * 2)
     wider[:-1, :-1], wider[-1, -1] = root, size
 
-    def joined(several: Sequence[Normal]) -> Normal:
-        beside = [_beside(one, way) for one, way in zip(several, ways, strict=True)]
-        return together(beside, wider, np.append(mean, 0.0))
-
-    of_windows = rows.measured.windows.explained(near, joined)
+    several = [_beside(one.normal, way) for one, way in zip(near, ways, strict=True)]
+    by_ways = [_beside(one.with_way - one.normal, way) for one, way in zip(near, ways, strict=True)]
+    alone = together(several, wider, np.append(mean, 0.0))
+    of_windows = rows.measured.windows.explained(alone, reduce(add, by_ways))
     return [
         (log + other, of_beams.with_nuisance(1) + normal)
         for log, of_beams in rows.measured.beams.told(chart, theta)

@@ -40,6 +40,9 @@ class Normal:
         """Beside so many nuisance parameters of which it says nothing."""
         return Normal(np.pad(self.a, (0, number)), np.pad(self.b, (0, number)), self.c)
 
+    def __sub__(self, other: "Normal") -> "Normal":
+        return Normal(self.a - other.a, self.b - other.b, self.c - other.c)
+
     def __add__(self, other: "Normal") -> "Normal":
         return Normal(self.a + other.a, self.b + other.b, self.c + other.c)
 

@@ -5,7 +5,7 @@ tracks have in common make it worse than it believes, how much so all windows sa
 other, or ask for a rig that no calibration leaves.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import reduce
 from operator import add
@@ -87,14 +87,16 @@ class Windows:
             return [(0.0, Normal(np.zeros((chart.dim,) * 2), np.zeros(chart.dim), 0.0))]
         within = root_and_mean(prior)
         near = self.near(chart, theta)
-        return self.explained(near, lambda some: together(some, *within))
+        return self.explained(together([one.normal for one in near], *within), of_ways(near))
 
-    def explained(
-        self, near: Sequence[Window], joined: Callable[[Sequence[Normal]], Normal]
-    ) -> list[tuple[float, Normal]]:
+    def explained(self, alone: Normal, by_ways: Normal) -> list[tuple[float, Normal]]:
         """What they may tell together, each with the logarithm of its probability: with the ways, if those are of this
-        rig; without; and nothing of depth."""
-        alone = joined([one.normal for one in near])
+        rig; without; and nothing of depth.
+
+        Args:
+            alone: without ways.
+            by_ways: what these add.
+        """
         told = [(float(np.log1p(-_OF_OTHER_THINGS)), alone), (float(np.log(_OF_OTHER_THINGS)), without_depth(alone))]
         if not self.measured:
             return told
@@ -103,8 +105,12 @@ class Windows:
         sigma = float(np.median([way[1] / way[0] for way in ways])) / np.sqrt(len(ways))
         narrower = float(np.log(_ANY_LENGTH / (sigma * np.sqrt(2.0 * np.pi))))
         own = float(np.log1p(-_OF_OTHER_THINGS) + np.log1p(-_OTHER_WAYS)) + narrower
-        both = joined([one.with_way for one in near])
-        return [(own, both), *((float(log + np.log(_OTHER_WAYS)), normal) for log, normal in told)]
+        return [(own, alone + by_ways), *((float(log + np.log(_OTHER_WAYS)), normal) for log, normal in told)]
+
+
+def of_ways(near: Sequence[Window]) -> Normal:
+    """What ways add to windows: they err by themselves, however wrong the tracks are."""
+    return reduce(add, (one.with_way - one.normal for one in near))
 
 
 NO_WINDOWS = Windows()

@@ -21,11 +21,12 @@ class Config:
         wander: standard deviations of what pitch, yaw and roll jump by from one pair to the next, degrees: vibration.
         shift: the same of y and z, percent of the baseline.
         heating: standard deviations of the rates at which they drift one way for a while, degrees a pair. Heat bends
-            the bar between the cameras, which is yaw, more than it twists it.
+            the bar between the cameras, which is yaw, more than it twists it. How much more or less than this and
+            `wander` it is, is learnt from how far looks lie from what was predicted.
         lasting: pairs for which such a rate lasts.
-        prior: of what the calibration left: "default" (also for None), as a chessboard calibration of this rig: rows may be bent like a keystone
-            by intrinsics that are not what the calibration says, which the rig's motion tells from a yaw. "exact": they
-            are right, and rows alone tell the yaw.
+        prior: of what the calibration left: "default" (also for None), as a chessboard calibration of this rig: rows
+            may be bent like a keystone by intrinsics that are not what it says, which the rig's motion tells from a
+            yaw; or "exact": they are right, and rows alone tell the yaw.
         motion: whether the rig's own motion is followed: pairs come in the order in which they were taken.
         together: looks that err together, since they show the same things in the same windows: each counts for that
             much less in what is fused.

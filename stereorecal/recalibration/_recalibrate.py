@@ -81,8 +81,8 @@ def recalibrate(
             None uses it where pairs know their times, at most half a second apart; False never.
         tolerances: what is asked of a change, and the distances at which it is judged: a `Tolerances`, or some of its
             values by name, such as {"distances": (3, 8), "alpha": 0.001}.
-        odometer: how far the rig travelled by wheels or GPS, at times of the pairs' own clock: with the rig's own motion
-            that tells the length of the baseline, which it frees.
+        odometer: how far the rig travelled by wheels or GPS, by the pairs' own clock: with the rig's own motion that
+            tells the length of the baseline, which it frees.
 
     Raises:
         InputError: if images and calibration do not fit, a strategy of the schedule is not installed, the prior makes
