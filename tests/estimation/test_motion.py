@@ -6,7 +6,7 @@ from hypothesis import given, settings, strategies as st
 from simulated_tracks import AHEAD, REST, SIDEWAYS, tracks_of
 
 import stereorecal as sr
-from stereorecal.estimation import Windows, estimate, rig_parameters
+from stereorecal.estimation import Windows, as_prior, estimate, rig_parameters, windows_of_all
 from stereorecal.estimation._consequences import points_of_view, readings
 from stereorecal.estimation._motion_residuals import Motion, by_theta, residuals, seen_by
 from stereorecal.estimation._motion_window import window
@@ -154,3 +154,44 @@ def test_few_tracks_tell_nothing(rig, chart):
     told = window(tracks_of(rig, number=10), chart, np.zeros(chart.dim))
     assert not told.normal.a.any()
     assert told.motion is None
+
+
+def ways(true, share=1.0, sigma=0.01, number=8) -> tuple[tuple[float, float], ...]:
+    metres = share * float(true.baseline) * float(np.linalg.norm(AHEAD))
+    return ((metres, sigma * number**0.5 * metres),) * number
+
+
+@pytest.mark.parametrize(("share", "heard"), [(1.0, True), (3.6, False)])
+def test_a_known_way_tells_the_length_of_the_baseline(chart, share, heard):
+    """As ranges do; in kilometres an hour for metres a second it is of something else."""
+    true = chart.rig_at(np.zeros(chart.dim))
+    longer = true.extrinsics.copy()
+    longer[3:] *= 1.05
+    given = rig_parameters(true.with_extrinsics(longer))
+    tracks = windows(true, 8).tracks
+    prior = as_prior(None, given, told_length=True)
+    told = Windows(tracks, ((0, 1),) * 8, (1.0,) * 8, ways(true, share)).told(given, np.zeros(given.dim), prior)
+    alone = Windows(tracks, ((0, 1),) * 8, (1.0,) * 8).told(given, np.zeros(given.dim), prior)
+    (log, best), (other, without) = told[0], told[1]
+    at = given.names.index("baseline")
+    drift = np.diag(np.r_[np.ones(5), np.zeros(given.dim - 5)])
+    widest = prior.roots[np.linalg.norm(prior.roots[:, at], axis=1).argmax()]
+    before = np.linalg.inv(widest @ widest.T + drift + 1e-12 * np.eye(given.dim))
+
+    def evidence(normal, log):
+        inner = normal.a + before
+        mean = np.linalg.solve(inner, normal.b)
+        return log - 0.5 * (normal.c - normal.b @ mean + np.linalg.slogdet(inner)[1]), mean[at]
+
+    (with_ways, length), (ignored, _) = evidence(best, log), evidence(without, other)
+    assert (with_ways > ignored) is heard
+    if heard:
+        assert length == pytest.approx(-100.0 * (1.0 - 1.0 / 1.05), abs=1.0)
+    np.testing.assert_array_equal(without.a, alone[0][1].a)
+
+
+def test_windows_keep_their_ways_where_frames_are_left_out(chart):
+    true = chart.rig_at(np.zeros(chart.dim))
+    three = Windows(windows(true, 3).tracks, ((0, 1), (1, 2), (3, 4)), (1.0,) * 3, ((1.0, 0.1), None, (2.0, 0.1)))
+    assert three.numbered((0, 1, 3, 4)).ways == ((1.0, 0.1), (2.0, 0.1))
+    assert windows_of_all([three.numbered((3, 4)), windows_of_all([])]).ways == ((2.0, 0.1),)

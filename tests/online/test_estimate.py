@@ -8,6 +8,7 @@ from hypothesis import given, settings, strategies as st
 
 from stereorecal.online import Config
 from stereorecal.online._estimate import Estimate, Measurement, at_start
+from stereorecal.online._pace import Pace
 from stereorecal.online._trial import Trial
 
 SIGMA = np.array([0.01, 0.1, 0.02, 0.5, 1.0])
@@ -89,7 +90,7 @@ def test_a_turn_that_is_badly_known_says_less_while_a_shutter_is_late():
 def test_a_covariance_stays_one(seed, events):
     """Whatever comes after whatever, with darkness of a thousand pairs in between."""
     draw, config = np.random.default_rng(seed), Config()
-    estimate = at_start(PRIOR, config)
+    estimate = at_start(PRIOR, config, keystone=0.3)
     for frame, event in enumerate(events):
         for _ in range(1000 if event == "dark" else 1):
             estimate = estimate.later(config)
@@ -162,3 +163,60 @@ def test_one_look_counts_for_so_much_and_no_more():
             after = trial.measured(np.zeros(5), sharp, 0.2, 0.2)
             assert abs(after.evidence - trial.evidence) <= 4.0 + 1e-9
             trial = after
+
+
+def by_motion(frame: int, yaw: float, draw: np.random.Generator, sigma: float = 0.03) -> Measurement:
+    """What a window tells: the yaw, and nothing else."""
+    offset, information = np.zeros(5), np.zeros((5, 5))
+    offset[1], information[1, 1] = yaw + sigma * draw.standard_normal(), sigma**-2.0
+    return Measurement(frame, offset, information, np.zeros(5), keystone=False)
+
+
+def test_a_keystone_of_the_lenses_is_no_yaw():
+    """Rows show half a degree, depth none: rows alone leave it open, motion tells which."""
+    draw = np.random.default_rng(4)
+    bent = np.array([0.0, 0.5, 0.0, 0.0, 0.0])
+    rows = at_start(np.array([1.0, 0.05, 1.0, 1.0, 1.0]), STILL, keystone=0.3)
+    for frame in range(40):
+        rows = rows.later(STILL).seen(measured(frame, bent, draw))
+    assert abs(rows.offset[1]) < 0.1 < 0.4 < rows.keystone
+    told = rows
+    for frame in range(40, 80):
+        told = told.later(STILL).seen(by_motion(frame, 0.0, draw)).seen(measured(frame, bent, draw))
+    assert abs(told.offset[1]) < 0.02
+    assert told.keystone == pytest.approx(0.5, abs=0.05)
+    assert told.of_offset[1, 1] < rows.of_offset[1, 1]
+
+
+def test_looks_follow_a_yaw_once_the_keystone_is_known():
+    """It is constant: what changes is the rig."""
+    draw, walking = np.random.default_rng(5), Config(wander=(0.01, 0.02, 0.01), heating=(0.0, 0.0, 0.0))
+    estimate = at_start(np.array([1.0, 0.05, 1.0, 1.0, 1.0]), STILL, keystone=0.3)
+    for frame in range(60):
+        estimate = estimate.later(STILL).seen(by_motion(frame, 0.0, draw))
+        estimate = estimate.seen(measured(frame, np.array([0.0, 0.4, 0.0, 0.0, 0.0]), draw))
+    for frame in range(60, 160):
+        estimate = estimate.later(walking).seen(measured(frame, np.array([0.0, 0.4 + 0.3, 0.0, 0.0, 0.0]), draw))
+    assert estimate.offset[1] == pytest.approx(0.3, abs=0.08)
+    assert estimate.keystone == pytest.approx(0.4, abs=0.08)
+
+
+def test_exact_intrinsics_have_no_keystone():
+    draw, estimate = np.random.default_rng(6), at_start(PRIOR, STILL)
+    for frame in range(20):
+        estimate = estimate.later(STILL).seen(measured(frame, np.zeros(5), draw))
+    assert estimate.keystone == 0.0
+    assert estimate.of_rig(measured(0, np.zeros(5), draw)).doubt == 0.0
+
+
+@pytest.mark.parametrize(("step", "faster"), [(0.0, False), (0.006, True)])
+def test_how_fast_a_rig_drifts_is_learnt(step, faster):
+    draw, config, truth = np.random.default_rng(7), Config(), np.zeros(5)
+    pace = Pace.at(at_start(PRIOR, config))
+    for frame in range(80):
+        truth[:3] += step * draw.standard_normal(3)
+        pace = pace.later(config).seen(measured(frame, truth, draw))
+    learnt = pace.config(config)
+    assert (learnt.wander[0] > 5.0 * config.wander[0]) is faster
+    again = pace.again(at_start(PRIOR, config))
+    assert again.config(config) == learnt  # a knock says nothing of it

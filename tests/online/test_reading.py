@@ -10,7 +10,7 @@ from stereorecal.online._estimate import Measurement
 from stereorecal.online._glance import Glance
 from stereorecal.online._switching import judged, nominated
 from stereorecal.online._trial import Trial
-from stereorecal.online._watching import _standing, followed
+from stereorecal.online._watching import followed, standing
 from stereorecal.recalibration import Condition
 
 SIGMA = np.array([0.005, 0.02, 0.005, 0.2, 0.5])
@@ -51,7 +51,7 @@ def test_a_shift_may_be_the_rigs_own_motion(healthy, turn):
     assert found.shifted
     assert found.condition is Condition.REPAIR
     assert nominated(state)[0].trial is None
-    assert _standing(state)[1][0].kind is Kind.SHIFTED
+    assert standing(state)[1][0].kind is Kind.SHIFTED
 
 
 @pytest.mark.parametrize("by", ["looks", "repair"])
@@ -99,4 +99,4 @@ def test_a_repair_keeps_what_is_known_of_the_shutter(healthy):
     after = before.moved(np.ones(5), np.eye(5))
     np.testing.assert_array_equal(after.mean, [*np.ones(5), *before.mean[5:]])
     np.testing.assert_array_equal(after.covariance[5:, 5:], before.covariance[5:, 5:])
-    np.testing.assert_array_equal(after.covariance[:5], np.eye(5, 9))
+    np.testing.assert_array_equal(after.covariance[:5], np.eye(5, 10))

@@ -9,7 +9,7 @@ from scipy.ndimage import fourier_shift
 
 import stereorecal as sr
 from stereorecal.recalibration import chosen_frames
-from stereorecal.recalibration._windows import MOST_WINDOWS, following
+from stereorecal.recalibration._windows import MOST_WINDOWS, check_odometer, following
 from stereorecal.scoring.host import Matches, tracked
 
 RNG = np.random.default_rng(0)
@@ -100,3 +100,30 @@ def test_what_cannot_move_is_refused():
             sr.recalibrate(rig, pairs[:1], **options)
     with pytest.raises(sr.InputError, match="exact"):
         sr.recalibrate(rig, [pairs[0], pairs[0]], motion=True, prior="exact")
+
+
+def test_an_odometer_that_knows_nothing_of_the_pairs_is_refused():
+    pairs = taken(0.0, 0.1, 0.2)
+    check_odometer(sr.Odometer(np.array([0.0, 0.15]), np.array([0.0, 1.0])), pairs, ((0, 1), (1, 2)))
+    in_ms = sr.Odometer(np.array([1000.0, 2000.0]), np.array([0.0, 1.0]))
+    with pytest.raises(sr.InputError, match=r"1000 to 2000 s, those of the pairs 0 to 0\.2 s"):
+        check_odometer(in_ms, pairs, ((0, 1), (1, 2)))
+    with pytest.raises(sr.InputError, match="there are none"):
+        check_odometer(in_ms, pairs, ())
+
+
+@pytest.mark.parametrize("times", [(0.0, 0.0, 0.0, 0.0), (3.0, 2.9, 2.8, 2.7), (0.0, 100.0, 200.0, 300.0)])
+def test_times_that_stand_go_back_or_are_in_milliseconds_make_no_windows(times):
+    assert following(taken(*times), range(4), None, None) == ()
+
+
+def test_of_a_video_of_sixty_pairs_a_second_every_window_has_moved():
+    pairs = taken(*(np.arange(30) / 60.0).tolist())
+    windows = following(pairs, range(30), None, None)
+    assert len(windows) == MOST_WINDOWS
+    assert {later - first for first, later in windows} == {6}
+
+
+def test_times_that_jump_make_no_window_across_the_jump():
+    pairs = taken(0.0, 0.1, 50.0, 50.1, 0.2, 0.3)
+    assert following(pairs, range(6), None, None) == ((0, 1), (2, 3), (4, 5))

@@ -1,0 +1,73 @@
+"""Distances travelled: from speeds and positions, between two times, and what makes no sense."""
+
+import numpy as np
+import pytest
+from hypothesis import given, strategies as st
+
+import stereorecal as sr
+
+
+@given(st.lists(st.floats(0.0, 30.0), min_size=3, max_size=20), st.floats(0.0, 1.0), st.floats(0.0, 1.0))
+def test_ways_add_up(speeds, first, second):
+    odometer = sr.Odometer.from_speeds(np.arange(len(speeds)), speeds)
+    last = len(speeds) - 1.0
+    a, b = sorted([first * last, second * last])
+    whole = odometer.between(0.0, last)
+    assert whole == pytest.approx(np.trapezoid(speeds))
+    assert odometer.between(0.0, a) + odometer.between(a, b) + odometer.between(b, last) == pytest.approx(whole)
+
+
+def test_positions_are_as_far_apart_as_the_way_between_them():
+    odometer = sr.Odometer.from_positions([0.0, 1.0, 3.0], np.array([[0.0, 0.0], [3.0, 4.0], [3.0, 4.0]]))
+    assert odometer.between(0.5, 2.0) == pytest.approx(2.5)
+
+
+@pytest.mark.parametrize("times", [(-0.1, 1.0), (0.0, 3.1), (2.0, 1.0)])
+def test_outside_of_its_times_it_knows_nothing(times):
+    assert sr.Odometer(np.array([0.0, 3.0]), np.array([0.0, 1.0])).between(*times) is None
+
+
+@pytest.mark.parametrize(
+    ("times", "metres", "said"),
+    [
+        ([0.0, 1.0], [0.0, 1.0, 2.0], "as many"),
+        ([0.0], [0.0], "two at least"),
+        ([0.0, np.nan], [0.0, 1.0], "not finite"),
+        ([0.0, 1.0, 1.0], [0.0, 1.0, 2.0], "do not rise, at number 2"),
+        ([0.0, 1.0, 2.0], [0.0, 2.0, 1.0], "goes back at number 2"),
+    ],
+)
+def test_what_makes_no_sense_is_named(times, metres, said):
+    with pytest.raises(sr.InputError, match=said):
+        sr.Odometer(np.array(times), np.array(metres))
+
+
+@pytest.mark.parametrize(
+    ("content", "way"),
+    [
+        ("time_s,metres\n0,0\n1,2\n", 2.0),
+        ("time_s,speed_mps\n0,1\n1,3\n", 2.0),
+        ("time_s, x, y\n0,0,0\n\n1,0,-2\n", 2.0),
+        ("time_s,x,y,z\n0,0,0,0\n1,0,0,2\n", 2.0),
+    ],
+)
+def test_tables(content, way, tmp_path):
+    (tmp_path / "way.csv").write_text(content)
+    assert sr.io.load_odometer(tmp_path / "way.csv").between(0.0, 1.0) == pytest.approx(way)
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        ("", "first line"),
+        ("time,metres\n0,0\n", "first line"),
+        ("time_s,metres\n0,0\n1\n", "no 2 numbers"),
+        ("time_s,metres\n0,x\n1,2\n", "no 2 numbers"),
+        ("time_s,metres\n1,0\n0,1\n", "do not rise"),
+        ("time_s,metres\n", "two at least"),
+    ],
+)
+def test_tables_that_make_no_sense(content, said, tmp_path):
+    (tmp_path / "way.csv").write_text(content)
+    with pytest.raises(sr.InputError, match=said):
+        sr.io.load_odometer(tmp_path / "way.csv")
