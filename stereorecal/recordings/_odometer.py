@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Real
 
 from stereorecal._errors import InputError
 
@@ -19,8 +19,8 @@ class Odometer:
         sigma: standard deviation of all distances alike, as a share: of the size of a wheel, say.
     """
 
-    times: Float[np.ndarray, "n"]
-    metres: Float[np.ndarray, "n"]
+    times: Real[np.ndarray, "n"]
+    metres: Real[np.ndarray, "m"]  # as many, or an InputError says otherwise
     sigma: float = 0.01
 
     def __post_init__(self) -> None:
@@ -48,8 +48,8 @@ class Odometer:
 
     @staticmethod
     def from_speeds(
-        times: Sequence[float] | Float[np.ndarray, "n"],
-        metres_per_second: Sequence[float] | Float[np.ndarray, "n"],
+        times: Sequence[float] | Real[np.ndarray, "n"],
+        metres_per_second: Sequence[float] | Real[np.ndarray, "m"],
         sigma: float = 0.01,
     ) -> "Odometer":
         """Of speeds at some times, as wheels and GPS receivers log them; between them they change evenly.
@@ -65,7 +65,7 @@ class Odometer:
 
     @staticmethod
     def from_positions(
-        times: Sequence[float] | Float[np.ndarray, "n"], positions: Float[np.ndarray, "n d"], sigma: float = 0.01
+        times: Sequence[float] | Real[np.ndarray, "n"], positions: Real[np.ndarray, "m d"], sigma: float = 0.01
     ) -> "Odometer":
         """Of positions in metres at some times, two or three numbers each.
 

@@ -184,7 +184,7 @@ def test_a_known_way_tells_the_length_of_the_baseline(chart, share, heard):
         return log - 0.5 * (normal.c - normal.b @ mean + np.linalg.slogdet(inner)[1]), mean[at]
 
     (with_ways, length), (ignored, _) = evidence(best, log), evidence(without, other)
-    assert (with_ways > ignored) is heard
+    assert bool(with_ways > ignored) is heard
     if heard:
         assert length == pytest.approx(-100.0 * (1.0 - 1.0 / 1.05), abs=1.0)
     np.testing.assert_array_equal(without.a, alone[0][1].a)

@@ -196,7 +196,9 @@ def test_looks_follow_a_yaw_once_the_keystone_is_known():
         estimate = estimate.later(STILL).seen(by_motion(frame, 0.0, draw))
         estimate = estimate.seen(measured(frame, np.array([0.0, 0.4, 0.0, 0.0, 0.0]), draw))
     for frame in range(60, 160):
-        estimate = estimate.later(walking).seen(measured(frame, np.array([0.0, 0.4 + 0.3, 0.0, 0.0, 0.0]), draw))
+        estimate = estimate.later(walking).seen(
+            measured(frame, np.array([0.0, 0.4 + 0.003 * (frame - 59), 0.0, 0.0, 0.0]), draw)
+        )
     assert estimate.offset[1] == pytest.approx(0.3, abs=0.08)
     assert estimate.keystone == pytest.approx(0.4, abs=0.08)
 

@@ -59,7 +59,7 @@ def test_tables(content, way, tmp_path):
 @pytest.mark.parametrize(
     ("content", "said"),
     [
-        ("", "first line"),
+        ("", "empty"),
         ("time,metres\n0,0\n", "first line"),
         ("time_s,metres\n0,0\n1\n", "no 2 numbers"),
         ("time_s,metres\n0,x\n1,2\n", "no 2 numbers"),

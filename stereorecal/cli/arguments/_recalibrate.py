@@ -66,7 +66,11 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
         help="a CSV of how far the rig travelled, of the clock of the pairs: time_s,metres or time_s,speed_mps or "
         "time_s,x,y,z",
     )
-    add("--ranges", metavar="FILE", help="a CSV of measured distances: pair,column,row,metres,sigma")
+    add(
+        "--ranges",
+        metavar="FILE",
+        help="a CSV of distances: pair,column,row,metres,sigma (along the ray; depth for metres: the axis)",
+    )
     add(
         "--budget",
         type=float,
