@@ -20,7 +20,7 @@ def left_of_yaw(rig: StereoRig, config: Config) -> tuple[float, float] | None:
         return None
     chart = rig_parameters(rig)
     near = consequences(chart, np.zeros(chart.dim), (_ROWS_AT, _DEPTH_AT))
-    rows, depth, own = near.rows[0], near.nearness[1], len(EXTRINSICS)
+    rows, depth, own = near.rows[0], near.nearness[1, 0], len(EXTRINSICS)  # over the view
     by_rows = np.linalg.lstsq(rows[:, :own], rows, rcond=None)[0]  # (5, n)
     by_depth = (depth - depth[_SHIFTS] @ by_rows[_SHIFTS]) / depth[_YAW]
     prior = as_prior(config.prior, chart)
