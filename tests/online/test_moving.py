@@ -1,0 +1,65 @@
+"""The rig's own motion on the vehicle: what is followed, for how long, and what has no say."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from stereorecal.online._estimate import Measurement
+from stereorecal.online._moving import _told, moved
+from stereorecal.scoring.host import Corners
+
+
+def with_corners(state, pairs=5, since=None):
+    grid = np.stack(np.meshgrid(np.arange(20.0, 300.0, 20.0), np.arange(20.0, 220.0, 40.0)), axis=-1).reshape(-1, 2)
+    image = np.random.default_rng(0).integers(0, 255, (240, 320), dtype=np.uint8)
+    corners = Corners(image, grid, grid - np.array([8.0, 0.0]))
+    return state.but(corners=corners, found_at=state.frame - pairs, since=since)
+
+
+@pytest.mark.parametrize("time", [10.0, 9.0, 12.5, 10_000.0])
+def test_times_that_stand_go_back_or_jump_end_it(ride, ridden, time):
+    state = with_corners(ridden[-1].state, since=10.0)
+    after, events = moved(state, replace(ride.pairs[-1], time=time))
+    assert after.corners is None
+    assert not events
+    assert after.estimate is state.estimate
+
+
+def test_until_the_rig_may_have_moved_nothing_is_asked(ride, ridden):
+    state = with_corners(ridden[-1].state, pairs=1).but(apart=2)
+    assert moved(state, ride.pairs[-1]) == (state, [])
+
+
+def test_corners_that_are_not_seen_again_are_looked_for_sooner(ride, ridden):
+    state = with_corners(ridden[-1].state).but(apart=4)
+    after, events = moved(state, ride.pairs[-1])
+    assert (after.apart, after.corners, events) == (2, None, [])
+    assert after.estimate is state.estimate
+
+
+def told_yaw(state, degrees, sigma=0.02):
+    offset, information = np.zeros(5), np.zeros((5, 5))
+    offset[1], information[1, 1] = state.estimate.offset[1] + degrees, sigma**-2.0
+    return Measurement(state.frame, offset, information, np.zeros(5), keystone=False)
+
+
+def test_a_boat_that_crosses_the_view_has_no_say(ridden):
+    """Window after window, it tells a yaw of which rows know nothing."""
+    state = ridden[-1].state
+    for _ in range(6):
+        state, events = _told(state, told_yaw(ridden[-1].state, 0.7))
+        assert not events
+    assert state.estimate.offset[1] == pytest.approx(ridden[-1].state.estimate.offset[1])
+
+
+def test_a_yaw_that_rows_took_for_the_keystone_is_believed_to_two_windows(ridden):
+    state = ridden[-1].state
+    mean = state.estimate.mean.copy()
+    mean[9] = mean[1] + 0.5
+    state = state.standing_at(replace(state.estimate, mean=mean))
+    told = told_yaw(state, 0.5)
+    once, _ = _told(state, told)
+    assert once.estimate is state.estimate
+    twice, _ = _told(once, told)
+    assert twice.estimate.offset[1] == pytest.approx(told.offset[1], abs=0.05)
