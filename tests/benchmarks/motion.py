@@ -1,7 +1,7 @@
 """Depth from the rig's own motion: real consecutive frames, and simulated tracks whose truth is known.
 
     python tests/benchmarks/motion.py [--data FOLDER] [--starts N] [--rigs N] [--first SEED] [--windows N]
-                                      [--cases NAME,…] [--only real|simulated|rendered]
+                                      [--cases NAME,…] [--only real|simulated|rendered|vehicle]
 
 Real: `kitti_odometry/suburb_drive`, whose depth is right by lidar. The stored rig and N starts up to 2.5° and 2.25 % of
 the baseline are repaired with `motion=True` from nine frames: the offset of disparity of what is written,
@@ -33,6 +33,7 @@ import stereorecal as sr
 from stereorecal.estimation import readings, rig_parameters
 from stereorecal.estimation._consequences import points_of_view
 from stereorecal.estimation._motion_window import window
+from stereorecal.online import Config, run
 
 FRAMES = 9
 
@@ -96,6 +97,39 @@ def halves(scene: sr.Scene, console: Console) -> None:
     )
 
 
+def on_the_vehicle(folder: Path, console: Console) -> None:
+    """The filter over the drive, from the stored rig, whose depth is right: what it puts in use, and what it knows."""
+    scene = sr.io.load_scene(folder / "kitti_odometry" / "suburb_drive")
+    heads = (
+        "intrinsics",
+        "motion",
+        "in use, px",
+        "estimate, px",
+        "yaw, deg",
+        "keystone, deg",
+        "ms a step",
+        "condition",
+    )
+    table = Table(*heads, title="suburb_drive on the vehicle: disparity at 30 B against the stored rig", box=None)
+    for config in (Config(prior="exact", motion=False), Config(motion=False), Config()):
+        seconds, began = [], time.process_time()
+        for stepped in run(scene.rig, scene.pairs, config):
+            seconds.append(time.process_time() - began)
+            began, state = time.process_time(), stepped.state
+        known = state.estimate
+        table.add_row(
+            config.prior or "default",
+            "on" if config.motion else "off",
+            f"{offset_px(state.rig, scene.rig):+.2f}",
+            f"{offset_px(state.rig_at(known.offset), scene.rig):+.2f}",
+            f"{known.offset[1]:+.3f} ± {1.96 * known.covariance[1, 1] ** 0.5:.3f}",
+            f"{known.keystone:+.3f}",
+            f"{1000 * np.median(seconds):.0f}",
+            sr.online.reading(state).condition.name,
+        )
+    console.print(table)
+
+
 def main() -> None:
     """All, or some."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -106,11 +140,13 @@ def main() -> None:
     parser.add_argument("--cases", default=",".join((ROWS, *CASES)), help="of simulated rigs")
     parser.add_argument("--seeds", type=int, default=1, help="drives of each kind that are rendered")
     parser.add_argument("--windows", type=int, default=8, help="of each simulated rig")
-    parser.add_argument("--only", choices=("real", "simulated", "rendered"))
+    parser.add_argument("--only", choices=("real", "simulated", "rendered", "vehicle"))
     options = parser.parse_args()
     console = Console(width=170)
     if options.only in (None, "real"):
         real(options.data, options.starts, console)
+    if options.only in (None, "vehicle"):
+        on_the_vehicle(options.data, console)
     if options.only in (None, "simulated"):
         simulated(options.rigs, options.first, options.windows, options.cases.split(","), console)
     if options.only in (None, "rendered"):
