@@ -2,7 +2,7 @@
 
 import argparse
 
-from stereorecal._versions import versions
+from stereorecal._environment import versions
 from stereorecal.cli._json import write_json
 from stereorecal.cli._places import check_places, deliver, places_of, spare
 from stereorecal.cli._rigs import rig_at

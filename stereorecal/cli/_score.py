@@ -5,9 +5,9 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
+from stereorecal._environment import versions
 from stereorecal._errors import InputError
 from stereorecal._signals import hold
-from stereorecal._versions import versions
 from stereorecal.cli import _values
 from stereorecal.cli._console import print_lines, table_console
 from stereorecal.cli._exit_codes import BAD_INPUT, CANNOT_TELL, INTERRUPTED, REPAIR

@@ -8,10 +8,10 @@ from typing import Any
 import jax
 import numpy as np
 
+from stereorecal._environment import versions
 from stereorecal._errors import InputError, StrategyError
 from stereorecal._run_all import Progress, run_all
 from stereorecal._signals import hold
-from stereorecal._versions import versions
 from stereorecal.comparison._comparison import Comparison
 from stereorecal.comparison._entrants import entrants_of
 from stereorecal.comparison._pictures import Shown

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from stereorecal._errors import InputError
-from stereorecal._plain import plain
+from stereorecal._json_data import json_data
 from stereorecal.io._about import about
 from stereorecal.io._atomic import write_text
 from stereorecal.io._paths import AnyPath
@@ -27,12 +27,12 @@ def json_text(content: Any, *, sort_keys: bool = False) -> str:
 
     A number that is not finite becomes null.
     """
-    return strict_json_text(plain(content), sort_keys=sort_keys)
+    return strict_json_text(json_data(content), sort_keys=sort_keys)
 
 
 def json_line(content: Any) -> str:
     """As `json_text`, on one line: an entry of a .jsonl file."""
-    return json.dumps(plain(content), allow_nan=False) + "\n"
+    return json.dumps(json_data(content), allow_nan=False) + "\n"
 
 
 def write_json(path: AnyPath, content: Any) -> None:

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from stereorecal._choices import checked_choice
 from stereorecal._errors import InputError
-from stereorecal._names import known
 from stereorecal.geometry import StereoRig
 from stereorecal.objectives._names import BASELINE, EXTRINSICS, ROTATION, SIDES
 from stereorecal.objectives._reach import Reach
@@ -72,9 +72,9 @@ class Parameters:
         choices = [*GROUPS, *NAMES]
         free = (self.free,) if isinstance(self.free, str) else tuple(self.free)
         for name in free:
-            known(name, choices, "parameter")
+            checked_choice(name, choices, "parameter")
         for name, sigma in self.priors.items():
-            known(name, list(NAMES), "parameter")
+            checked_choice(name, list(NAMES), "parameter")
             if not (np.isfinite(sigma) and sigma > 0.0):
                 raise InputError(f"the prior of {name} is {sigma}; give a positive standard deviation.")
         if not free:

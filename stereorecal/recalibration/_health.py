@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from stereorecal._arrays import refuse_tracers
-from stereorecal._plain import plain
+from stereorecal._json_data import json_data
 from stereorecal.decision import LIMITS, Tolerances, Verdict, as_tolerances
 from stereorecal.estimation import Prior, check_prior, rig_parameters
 from stereorecal.geometry import StereoRig, with_unit_baseline
@@ -119,7 +119,7 @@ class Health:
     def as_dict(self) -> dict[str, Any]:
         """Plain data for JSON and tables; what is missing or infinite is None."""
         mended = self.mending
-        return plain(
+        return json_data(
             {
                 **score_as_dict(self.score),
                 "row_error_px": self.row_error,

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
+from stereorecal._environment import versions
 from stereorecal._errors import InputError
-from stereorecal._plain import plain
-from stereorecal._versions import versions
+from stereorecal._json_data import json_data
 from stereorecal.geometry import AXES, StereoRig
 from stereorecal.objectives import BASELINE
 from stereorecal.recalibration._acceptance import Reason
@@ -178,7 +178,7 @@ def _settings(solution: Any) -> dict[str, Any]:
     """Of a solution that was asked for, and what the run made of it."""
     asked, view = solution.asked, solution.view
     stages = [f"{name_of(run.stage.strategy)} at scale {run.scale:.3g}" for run in solution.stages]
-    return plain(
+    return json_data(
         {
             **(asked.as_text() if asked is not None else {}),
             "reach": f"{solution.reach.degrees:g}°, {solution.reach.baseline_fraction:g} of the baseline",
@@ -203,4 +203,4 @@ def _calibration(rig: StereoRig) -> dict[str, Any]:
         **cameras,
         "distortion_model": "opencv" if rig.left.model == "radtan" else rig.left.model,
     }
-    return plain({**about, "R": np.asarray(rig.rotation), "T": np.asarray(rig.translation)})
+    return json_data({**about, "R": np.asarray(rig.rotation), "T": np.asarray(rig.translation)})

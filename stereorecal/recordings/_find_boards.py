@@ -5,8 +5,8 @@ from collections.abc import Iterator
 import numpy as np
 from jaxtyping import Float
 
+from stereorecal._cv2 import cv2
 from stereorecal._errors import InputError
-from stereorecal._opencv import cv2
 from stereorecal.recordings._board import Board
 from stereorecal.recordings._pairs import Pairs, as_pairs
 

@@ -11,11 +11,11 @@ from typing import Any
 import jax
 import numpy as np
 
+from stereorecal._environment import versions
 from stereorecal._errors import InputError
-from stereorecal._plain import plain
+from stereorecal._json_data import json_data
 from stereorecal._run_all import Progress, run_all
 from stereorecal._signals import hold
-from stereorecal._versions import versions
 from stereorecal.geometry import StereoRig
 from stereorecal.matching import SAD, AbstractMatcher, as_matcher, name_of, origin_of as origin_of_matcher
 from stereorecal.objectives import Reach
@@ -67,7 +67,7 @@ class Reproduction:
 
     def as_dict(self) -> dict[str, Any]:
         """The content of the JSON file; a missing or non-finite number is None."""
-        return plain(
+        return json_data(
             {
                 "schema": SCHEMA,
                 "versions": self.versions,
@@ -180,7 +180,7 @@ def _run(
         for index, found in run_all(run_task, [planned[key] for key in left], executor):
             key = left[index]
             if isinstance(found, dict):
-                rows[key] = store.add(key, found) if store else plain(found)
+                rows[key] = store.add(key, found) if store else json_data(found)
             elif isinstance(found, str):
                 errors[key] = found
             else:

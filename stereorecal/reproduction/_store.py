@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from stereorecal._errors import InputError
-from stereorecal._plain import plain
+from stereorecal._json_data import json_data
 from stereorecal.io import json_line, json_text, make_folder, parse_json, write_text
 
 _SETTINGS, _ROWS, _LOCK = "settings.json", "rows.jsonl", ".lock"
@@ -39,7 +39,7 @@ class Store:
 
     def add(self, key: str, row: Mapping[str, Any]) -> dict[str, Any]:
         """Keep a row under a key that is new; returns it as it will be read again."""
-        kept = plain(dict(row))
+        kept = json_data(dict(row))
         line = json_line({"key": key, "row": kept})
         try:
             with open(self._path, "ab") as file:

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
+from stereorecal._choices import checked_choice
 from stereorecal._errors import InputError
-from stereorecal._names import known
 from stereorecal.io.formats import (
     _basalt,
     _boofcv,
@@ -43,7 +43,7 @@ def named(name: str) -> Format:
     Raises:
         InputError: if there is none.
     """
-    return FORMATS[NAMES.index(known(name, NAMES, "calibration format"))]
+    return FORMATS[NAMES.index(checked_choice(name, NAMES, "calibration format"))]
 
 
 def recognised(documents: Documents) -> Format | None:

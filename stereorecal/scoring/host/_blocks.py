@@ -7,7 +7,7 @@ import jax
 import numpy as np
 
 from stereorecal._arrays import AnyArray
-from stereorecal._kept import kept
+from stereorecal._compile_cache import cached_program
 from stereorecal.matching import AbstractMatcher, Disparity
 from stereorecal.scoring._rectify import Rectified
 from stereorecal.scoring._validity import match_frame
@@ -58,7 +58,7 @@ def _match(matcher: AbstractMatcher, frame: Rectified) -> Disparity:
     return Disparity(*_compiled_match(frame, matcher=matcher)) if matcher.traceable else match_frame(matcher, frame)
 
 
-@partial(kept, static=("matcher",))
+@partial(cached_program, static=("matcher",))
 def _compiled_match(frame: Rectified, *, matcher: AbstractMatcher) -> tuple[AnyArray, ...]:
     found = match_frame(matcher, frame)
     return found.values, found.valid

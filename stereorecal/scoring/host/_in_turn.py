@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Float, Shaped
 
 from stereorecal._arrays import AnyArray, Extrinsics
-from stereorecal._kept import kept
+from stereorecal._compile_cache import cached_program
 from stereorecal.matching import AbstractMatcher
 from stereorecal.scoring._prepare import ScoringData
 from stereorecal.scoring.host._cores import cores, on_all_cores
@@ -51,7 +51,7 @@ def in_turn(
     return np.stack([np.concatenate(answers[i : i + len(parts)]) for i in range(0, len(answers), len(parts))])
 
 
-@partial(kept, static=("look", "matcher"))
+@partial(cached_program, static=("look", "matcher"))
 def _seen(frame: ScoringData, candidates: Float[jax.Array, "m 6"], number, *, look: Look, matcher: AbstractMatcher):
     answer = jax.eval_shape(lambda extrinsics: look(frame, extrinsics, matcher), candidates[0])
     nothing = jnp.zeros((len(candidates), *answer.shape), answer.dtype)

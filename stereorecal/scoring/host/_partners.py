@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from stereorecal._arrays import Extrinsics
-from stereorecal._kept import kept
+from stereorecal._compile_cache import cached_program
 from stereorecal.geometry import StereoRig, cubic_warp, rectifying_rotations, with_unit_baseline
 from stereorecal.matching import AbstractMatcher, Disparity
 from stereorecal.scoring._prepare import ScoringData
@@ -57,7 +57,7 @@ def partners(
     return found
 
 
-@kept
+@cached_program
 def _offsets(data: ScoringData, extrinsics: Extrinsics, found: Disparity) -> tuple[jax.Array, jax.Array, jax.Array]:
     """Disparity, row offset and whether they are good, of each pixel of one frame."""
 

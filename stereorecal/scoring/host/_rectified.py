@@ -4,7 +4,7 @@ import jax
 from jaxtyping import Float
 
 from stereorecal._arrays import AnyArray, Extrinsics
-from stereorecal._kept import kept
+from stereorecal._compile_cache import cached_program
 from stereorecal.scoring._prepare import ScoringData
 from stereorecal.scoring._rectify import Rectified, rectify_frames
 
@@ -14,7 +14,7 @@ def rectified_frame(data: ScoringData, extrinsics: Float[AnyArray, "6"]) -> Rect
     return Rectified(*rectified(data, extrinsics))
 
 
-@kept
+@cached_program
 def rectified(data: ScoringData, extrinsics: Extrinsics) -> tuple[jax.Array, ...]:
     """The images and the areas of it, as they lie in a `Rectified`."""
     frames = rectify_frames(data, extrinsics, lambda frame: frame)

@@ -1,4 +1,4 @@
-"""Work that is begun before it is asked for, one piece after the other, in a thread beside the program."""
+"""Work that runs in a background thread, one piece after the other."""
 
 import os
 import threading
@@ -8,24 +8,25 @@ from concurrent.futures import Future
 from contextlib import suppress
 
 
-class _Beside:
+class _Queue:
     def __init__(self) -> None:
         self._waiting: deque[tuple[Callable[[], object], Future[None]]] = deque()
         self._lock = threading.Lock()
         self._process: int | None = None  # whose thread works: a fork has none of its parent's
 
-    def begin(self, work: Callable[[], object]) -> Future[None]:
-        """Begin it, after what was begun before. What it returns or raises is dropped; the future says when it is over.
+    def submit(self, work: Callable[[], object]) -> Future[None]:
+        """Run `work` in the background, after what was submitted before it.
 
-        At the end of the program what waits is dropped, and what is under way is waited for.
+        What it returns or raises is dropped; the future is done when it has ended. When the program ends, work that
+        has not begun is dropped, and work under way is waited for.
         """
-        over: Future[None] = Future()
+        done: Future[None] = Future()
         with self._lock:
-            self._waiting.append((work, over))
+            self._waiting.append((work, done))
             if self._process != os.getpid():
                 self._process = os.getpid()
-                threading.Thread(target=self._work, name="ahead").start()
-        return over
+                threading.Thread(target=self._work, name="background").start()
+        return done
 
     def _work(self) -> None:
         while True:
@@ -33,13 +34,13 @@ class _Beside:
                 if not self._waiting:
                     self._process = None
                     return
-                work, over = self._waiting.popleft()
+                work, done = self._waiting.popleft()
             try:
                 if threading.main_thread().is_alive():
                     with suppress(Exception):
                         work()
             finally:
-                over.set_result(None)
+                done.set_result(None)
 
 
-begin = _Beside().begin
+in_background = _Queue().submit

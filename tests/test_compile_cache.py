@@ -1,4 +1,4 @@
-"""Programs that are kept: read back in the next process, made anew in doubt, and never a reason to fail."""
+"""The cache of programs: read in the next process, traced anew in doubt, and never a reason to fail."""
 
 import subprocess
 import sys
@@ -10,9 +10,9 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from stereorecal import _kept
-from stereorecal._ahead import begin
-from stereorecal._kept import kept
+from stereorecal import _compile_cache
+from stereorecal._background import in_background
+from stereorecal._compile_cache import cached_program
 from stereorecal.matching import SAD
 
 try:
@@ -31,30 +31,30 @@ def program(a, b, *, matcher=None, times: int = 1):
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     TRACES.clear()
-    monkeypatch.setattr(_kept, "_folder", lambda: tmp_path / "kept")
-    return tmp_path / "kept"
+    monkeypatch.setattr(_compile_cache, "_folder", lambda: tmp_path / "cache")
+    return tmp_path / "cache"
 
 
-def asked(fresh=None, value: float = 1.0, **static):
-    call = fresh or kept(program, static=("matcher", "times"))
+def result(fresh=None, value: float = 1.0, **static):
+    call = fresh or cached_program(program, static=("matcher", "times"))
     return [np.asarray(leaf) for leaf in call({"x": jnp.full(3, value)}, np.float32(2.0), **static)]
 
 
 def test_traced_once_for_all_processes(folder):
-    first = asked(times=3)
+    first = result(times=3)
     np.testing.assert_array_equal(first[0], [9, 9, 9])
     np.testing.assert_array_equal(first[1], [2, 2, 2])
     assert len(TRACES) == 1
-    np.testing.assert_array_equal(asked(times=3, value=5.0)[0], [21, 21, 21])  # as another process would
+    np.testing.assert_array_equal(result(times=3, value=5.0)[0], [21, 21, 21])  # as another process would
     assert len(TRACES) == 1
     assert len(list(folder.iterdir())) == 1
 
 
 def test_everything_that_makes_another_program_does(folder):
-    call = kept(program, static=("matcher", "times"))
+    call = cached_program(program, static=("matcher", "times"))
     for static in ({}, {"times": 2}, {"matcher": SAD(num_disparities=16)}, {"matcher": SAD(num_disparities=32)}):
-        asked(call, **static)
-        asked(call, **static)
+        result(call, **static)
+        result(call, **static)
     call({"x": jnp.zeros(4)}, np.float32(1))
     call({"x": jnp.zeros(4)}, np.int32(1))
     assert len(TRACES) == len(list(folder.iterdir())) == 6
@@ -62,7 +62,7 @@ def test_everything_that_makes_another_program_does(folder):
 
 @pytest.mark.parametrize("change", ["cut short", "empty", "nonsense", "a folder"])
 def test_what_cannot_be_read_is_made_anew(folder, change):
-    asked()
+    result()
     (path,) = folder.iterdir()
     content = path.read_bytes()
     path.unlink()
@@ -70,29 +70,29 @@ def test_what_cannot_be_read_is_made_anew(folder, change):
         path.mkdir()
     else:
         path.write_bytes({"cut short": content[: len(content) // 2], "empty": b"", "nonsense": b"x" * 999}[change])
-    np.testing.assert_array_equal(asked()[0], [3, 3, 3])
+    np.testing.assert_array_equal(result()[0], [3, 3, 3])
     assert len(TRACES) == 2
 
 
 def test_other_versions_and_other_files_are_other_programs(folder, monkeypatch):
-    asked()
-    monkeypatch.setattr(_kept, "_made_with", lambda: ("another",))
-    asked()
+    result()
+    monkeypatch.setattr(_compile_cache, "_traced_by", lambda: ("another",))
+    result()
     assert len(TRACES) == len(list(folder.iterdir())) == 2
 
 
 def test_a_place_that_takes_nothing_is_no_reason_to_fail(tmp_path, monkeypatch):
     (tmp_path / "file").write_text("no folder")
-    monkeypatch.setattr(_kept, "_folder", lambda: tmp_path / "file" / "kept")
-    np.testing.assert_array_equal(asked()[0], [3, 3, 3])
+    monkeypatch.setattr(_compile_cache, "_folder", lambda: tmp_path / "file" / "cache")
+    np.testing.assert_array_equal(result()[0], [3, 3, 3])
 
 
 class Foreign(SAD):
     """A matcher of somebody else's, whose code may change."""
 
 
-def test_what_rests_on_other_code_is_not_kept(folder):
-    asked(matcher=Foreign(num_disparities=16))
+def test_a_program_with_code_of_others_is_not_cached(folder):
+    result(matcher=Foreign(num_disparities=16))
     assert not folder.exists()
 
 
@@ -100,22 +100,22 @@ def test_off_where_jax_keeps_nothing(monkeypatch, tmp_path):
     for name, value in (("jax_compilation_cache_dir", None), ("jax_enable_compilation_cache", False)):
         settings = dict(jax.config.values) | {"jax_compilation_cache_dir": str(tmp_path), name: value}
         monkeypatch.setattr(type(jax.config), "values", settings)
-        assert _kept._folder() is None
+        assert _compile_cache._folder() is None
         monkeypatch.undo()
 
 
-def test_compiled_ahead_is_compiled_once(folder):
-    call = kept(program, static=("matcher", "times"))
+def test_compiled_in_the_background_is_compiled_once(folder):
+    call = cached_program(program, static=("matcher", "times"))
     arguments = ({"x": jnp.full(3, 1.0)}, np.float32(2.0))
     for _ in range(3):
-        call.ahead(*arguments, times=3)
+        call.compile_in_background(*arguments, times=3)
     np.testing.assert_array_equal(call(*arguments, times=3)[0], [9, 9, 9])
-    call.ahead(*arguments, times=3)
-    called = kept(program, static=("matcher", "times"))
+    call.compile_in_background(*arguments, times=3)
+    called = cached_program(program, static=("matcher", "times"))
     called(*arguments, times=2)
-    called.ahead(*arguments, times=2)  # which it is already
+    called.compile_in_background(*arguments, times=2)  # which it is already
     assert len(TRACES) == 2
-    assert not called._begun
+    assert not called._compiling
 
 
 def test_a_call_waits_for_what_is_begun(folder):
@@ -128,8 +128,8 @@ def test_a_call_waits_for_what_is_begun(folder):
             assert go_on.wait(30)
         return (2 * x,)
 
-    call = kept(slow)
-    call.ahead(np.ones(2))
+    call = cached_program(slow)
+    call.compile_in_background(np.ones(2))
     assert begun.wait(30)
     with ThreadPoolExecutor(1) as other:
         waiting = other.submit(call, np.ones(2))
@@ -140,33 +140,33 @@ def test_a_call_waits_for_what_is_begun(folder):
     assert len(TRACES) == 1
 
 
-def test_what_fails_ahead_fails_when_it_is_called(folder):
+def test_what_fails_in_the_background_fails_when_it_is_called(folder):
     def broken(x):
         raise ValueError("no such program")
 
-    call, after = kept(broken), kept(program, static=("times",))
-    call.ahead(np.ones(3))
-    after.ahead({"x": jnp.zeros(3)}, np.float32(0))
+    call, after = cached_program(broken), cached_program(program, static=("times",))
+    call.compile_in_background(np.ones(3))
+    after.compile_in_background({"x": jnp.zeros(3)}, np.float32(0))
     with pytest.raises(ValueError, match="no such program"):
         call(np.ones(3))
     after({"x": jnp.zeros(3)}, np.float32(0))
     assert TRACES == ["traced"]  # by the thread, which has survived
 
 
-def test_compiled_ahead_where_nothing_is_kept(monkeypatch):
+def test_compiled_in_the_background_without_a_cache(monkeypatch):
     TRACES.clear()
-    monkeypatch.setattr(_kept, "_folder", lambda: None)
-    call = kept(program, static=("times",))
-    call.ahead({"x": jnp.full(3, 1.0)}, np.float32(2.0), times=3)
+    monkeypatch.setattr(_compile_cache, "_folder", lambda: None)
+    call = cached_program(program, static=("times",))
+    call.compile_in_background({"x": jnp.full(3, 1.0)}, np.float32(2.0), times=3)
     np.testing.assert_array_equal(call({"x": jnp.full(3, 1.0)}, np.float32(2.0), times=3)[0], [9, 9, 9])
     assert len(TRACES) == 1
 
 
-def test_what_a_thread_alone_was_told_makes_another_program(folder):
-    """Contexts of JAX are those of a thread: what was begun beside it is none of theirs."""
-    call = kept(program, static=("times",))
+def test_settings_of_one_thread_make_another_program(folder):
+    """Contexts of JAX are those of a thread: the background thread has its own."""
+    call = cached_program(program, static=("times",))
     with enable_x64(True):
-        call.ahead({"x": np.ones(3)}, np.ones(3))
+        call.compile_in_background({"x": np.ones(3)}, np.ones(3))
         found = call({"x": np.ones(3)}, np.ones(3))
     assert found[0].dtype == np.float64
     assert call({"x": np.ones(3)}, np.ones(3))[0].dtype == np.float32
@@ -176,10 +176,10 @@ def test_what_a_thread_alone_was_told_makes_another_program(folder):
 def test_a_program_that_ends_waits_for_nothing_that_has_not_begun():
     code = """
 import threading, time
-from stereorecal._ahead import begin
+from stereorecal._background import in_background
 began = threading.Event()
-begin(lambda: (began.set(), time.sleep(0.5), print("first", flush=True)))
-begin(lambda: print("second", flush=True))
+in_background(lambda: (began.set(), time.sleep(0.5), print("first", flush=True)))
+in_background(lambda: print("second", flush=True))
 began.wait()
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
@@ -188,6 +188,6 @@ began.wait()
 
 def test_one_after_the_other():
     seen: list[int] = []
-    for over in [begin(lambda n=n: seen.append(n)) for n in range(5)]:
+    for over in [in_background(lambda n=n: seen.append(n)) for n in range(5)]:
         over.result(timeout=30)
     assert seen == [0, 1, 2, 3, 4]

@@ -1,4 +1,4 @@
-"""Names that people give, checked against those that there are."""
+"""Names that users give, checked against the known ones."""
 
 import difflib
 from collections.abc import Iterable
@@ -6,11 +6,14 @@ from collections.abc import Iterable
 from stereorecal._errors import InputError
 
 
-def known(name: str, names: Iterable[str], what: str) -> str:
-    """`name` if it is one of `names`.
+def checked_choice(name: str, names: Iterable[str], what: str) -> str:
+    """`name`, if it is one of `names`.
+
+    Args:
+        what: what the name is of, for the message.
 
     Raises:
-        InputError: otherwise; names the nearest.
+        InputError: otherwise; the message suggests the nearest name.
     """
     names = list(names)
     if name in names:

@@ -5,7 +5,7 @@ import platform
 import jax
 import numpy as np
 
-from stereorecal._opencv import cv2
+from stereorecal._cv2 import cv2
 from stereorecal._version import __version__
 
 

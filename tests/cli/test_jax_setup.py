@@ -1,4 +1,4 @@
-"""Compiled programs are kept where the user keeps such things, or nowhere."""
+"""The compilation cache lies in the user's cache folder, or nowhere."""
 
 import os
 import subprocess
@@ -7,12 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from stereorecal.cli import _compiled
-
 WHERE = """
 import jax
-from stereorecal.cli._compiled import keep_compiled_programs
-keep_compiled_programs()
+from stereorecal.cli._jax_setup import use_compile_cache
+use_compile_cache()
 print(jax.config.jax_compilation_cache_dir)
 """
 
@@ -59,11 +57,11 @@ def test_a_user_without_a_home(monkeypatch: pytest.MonkeyPatch):
         raise RuntimeError("Could not determine home directory.")
 
     told: list[tuple[str, object]] = []
-    monkeypatch.setattr(_compiled, "user_cache_path", lost)
-    monkeypatch.setattr(_compiled.jax.config, "update", lambda *what: told.append(what))
+    monkeypatch.setattr(_jax_setup, "user_cache_path", lost)
+    monkeypatch.setattr(_jax_setup.jax.config, "update", lambda *what: told.append(what))
     settings = {"jax_enable_compilation_cache": True, "jax_compilation_cache_dir": None}
-    monkeypatch.setattr(type(_compiled.jax.config), "values", dict(_compiled.jax.config.values) | settings)
-    trouble = _compiled.keep_compiled_programs()
+    monkeypatch.setattr(type(_jax_setup.jax.config), "values", dict(_jax_setup.jax.config.values) | settings)
+    trouble = _jax_setup.use_compile_cache()
     assert trouble is not None
     assert "Could not determine home directory" in trouble
     assert told == [("jax_enable_compilation_cache", False)]
@@ -88,7 +86,7 @@ def test_those_who_would_compile_at_every_start_are_told(tmp_path: Path, command
     assert answer.returncode == 2
     lines = answer.stderr.splitlines()
     assert len(lines) == 1 + told
-    assert lines[0].startswith("stereorecal: compiled programs cannot be kept") == told
+    assert lines[0].startswith("stereorecal: compiled programs cannot be cached") == told
 
 
 def test_what_compiles_quickly_is_kept_in_a_folder_of_the_users_too(tmp_path: Path):
@@ -118,5 +116,5 @@ def test_a_folder_of_the_users_that_cannot_be_made(tmp_path: Path):
     answer = subprocess.run(command, env=os.environ | given, capture_output=True, text=True, check=False)
     assert answer.returncode == 2
     first, second = answer.stderr.splitlines()
-    assert first.startswith("stereorecal: compiled programs cannot be kept")
+    assert first.startswith("stereorecal: compiled programs cannot be cached")
     assert "no such folder" in second
