@@ -28,8 +28,8 @@ from stereorecal.recalibration._unmatched import LIKELY
 from stereorecal.recalibration._windows import check_motion, following
 from stereorecal.recordings import Pairs
 from stereorecal.report.cells import change
-from stereorecal.scoring import Legible, Pyramid, host, legible, pyramid
-from stereorecal.scoring.host import Score, ranged, refuse_mixed_up
+from stereorecal.scoring import ImageQuality, Pyramid, host, image_quality, pyramid
+from stereorecal.scoring.host import Score, refuse_swapped_images, with_measured_range
 
 FALSE = 0.4  # pixels left by the mending: false matches lie evenly within a row of where they were sought, median 0.5
 HEALTH_LIMITS = {"covered": LEAST_COVERED, "covered_of_texture": LIKELY, "false_rows_px": FALSE, **LIMITS}
@@ -64,7 +64,7 @@ class Health:
     score: Score
     row_error: float
     covered: float
-    shown: Legible
+    shown: ImageQuality
     mending: Mending | None
     disagreeing: tuple[str, ...] = ()
     doubts: tuple[str, ...] = ()
@@ -197,14 +197,20 @@ def health(
     windows = following(images.pairs, range(len(images.pairs)), motion, prior)
     limits, doubtful = as_tolerances(tolerances), doubts(rig)
     case = Case(
-        images, ranged(matcher, images), Reach(), as_parameters(None), prior, windows=windows, tolerances=limits
+        images,
+        with_measured_range(matcher, images),
+        Reach(),
+        as_parameters(None),
+        prior,
+        windows=windows,
+        tolerances=limits,
     )
     look = looked(case, as_schedule(None).stages[-1])
     score = _score(images, case.matcher)
-    shown = max((legible(pair) for pair in images.pairs), key=lambda one: one.texture)
+    shown = max((image_quality(pair) for pair in images.pairs), key=lambda one: one.texture)
     answer = look.answer if look is not None else None
     if answer is None:
-        refuse_mixed_up(images)
+        refuse_swapped_images(images)
         return Health(score, float("nan"), 0.0 if look is None else look.covered, shown, None, (), doubtful)
     covered = answer.found.covered
     if answer.refused:
@@ -212,7 +218,7 @@ def health(
         return Health(score, float("nan"), covered, shown, None, names, doubtful)
     rows = rows_of(case, answer)
     if not answer.enough or (covered < LIKELY * shown.texture and rows.after > FALSE):
-        refuse_mixed_up(images)
+        refuse_swapped_images(images)
         return Health(score, float("nan"), covered, shown, None, (), doubtful)
     seen = answer.estimate
     depth = depth_by(seen, np.zeros(len(seen.names)))

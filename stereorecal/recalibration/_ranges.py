@@ -52,7 +52,7 @@ def beams(
     """The resolved ranges of these pairs, matched under `rig`; those without a sure match are left out."""
     by_frame = [[one for one in ranges if one.pair is pair] for pair in pairs]
     pixels = [np.array([one.left_pixel for one in some], float).reshape(-1, 2) for some in by_frame]
-    partners = host.partners(data, rig, matcher, pixels)
+    partners = host.match_pixels(data, rig, matcher, pixels)
     right = np.concatenate([NO_BEAMS.right, *(some.pixels for some in partners)])
     metres = np.array([one.metres for some in by_frame for one in some], float)
     sigma = np.array([0.01 * r.metres if r.sigma is None else r.sigma for some in by_frame for r in some], float)

@@ -7,8 +7,8 @@ from jaxtyping import Float
 
 from stereorecal._cv2 import cv2
 from stereorecal._errors import InputError
+from stereorecal.recordings._as_pairs import Pairs, as_pairs
 from stereorecal.recordings._board import Board
-from stereorecal.recordings._pairs import Pairs, as_pairs
 
 _FEWEST = 3  # corners in a row, as OpenCV wants them
 _OF_SQUARE, _WINDOWS = 0.25, (2, 10)  # half of the window in which a corner is refined: of a square; pixels

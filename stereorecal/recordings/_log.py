@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 
 from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig
-from stereorecal.recordings._checks import check_pairs
-from stereorecal.recordings._lazy import LazyPairs, PairSequence, names_of
+from stereorecal.recordings._check_pairs import check_pairs
+from stereorecal.recordings._lazy_pairs import LazyPairs, PairSequence, names_of
 from stereorecal.recordings._scene import Scene
 
 

@@ -10,7 +10,7 @@ from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import Reach
 from stereorecal.recalibration import Waypoint
 from stereorecal.recordings import Log, Mission, Pair, PairSequence, names_of, picked
-from stereorecal.scoring import host, informative, prepare
+from stereorecal.scoring import host, prepare, select_frames
 from stereorecal.scoring.host import with_disparity_range
 
 _SURVEYED = 4  # pairs: as many as a survey looks at
@@ -70,7 +70,7 @@ def judge_of(log: Log, mission: Mission, reach: Reach, matcher: AbstractMatcher)
     the first pairs without a star, in the view of the ideal rig, which favours no calibration."""
     rig = log.calibration_of(mission)
     neutral = view(ideal(rig, float(rig.baseline)))
-    pairs = informative(unstarred(mission), _SURVEYED)
+    pairs = select_frames(unstarred(mission), _SURVEYED)
     ranged = with_disparity_range(matcher, rig, pairs, neutral, np.radians(reach.degrees))
     return Judge(rig, ranged, neutral, mission.truth)
 

@@ -12,7 +12,14 @@ import pytest
 
 import stereorecal as sr
 from stereorecal import _plugins
-from stereorecal.matching import AbstractMatcher, Disparity, MatcherInfo, _by_name, as_matcher, name_of, overview
+from stereorecal.matching import (
+    AbstractMatcher,
+    Disparity,
+    MatcherInfo,
+    as_matcher,
+    name_of,
+    overview,
+)
 from stereorecal.strategies import strategies
 
 GROUP = "stereorecal.matchers"

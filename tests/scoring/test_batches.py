@@ -11,7 +11,7 @@ from hypothesis import given, settings, strategies as st
 from stereorecal.geometry import view, with_unit_baseline
 from stereorecal.matching import BM, SAD
 from stereorecal.scoring import prepare
-from stereorecal.scoring.host import _blocks, _counts, counts, counts_by_tile, disparities
+from stereorecal.scoring.host import _counts, counts, counts_by_tile, disparities
 from stereorecal.scoring.host._counts import counts_at_once
 
 SAD_24, SAD_32 = SAD(num_disparities=24), SAD(num_disparities=32)

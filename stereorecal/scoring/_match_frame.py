@@ -1,5 +1,5 @@
-"""Which pixels of a rectified frame have a valid disparity: those that pass `AbstractMatcher.match` (the matcher's own
-rules, then texture and range, the same for all) and that both images really show."""
+"""Matching one rectified frame: valid are the pixels that pass `AbstractMatcher.match` (the matcher's own rules, then
+texture and range, the same for all) and that lie inside the mapped area of both images."""
 
 from stereorecal._arrays import namespace
 from stereorecal._errors import InputError, MatcherError
@@ -11,7 +11,7 @@ def match_frame(matcher: AbstractMatcher, frame: Rectified) -> Disparity:
     """Match one rectified frame and keep what lies inside the mapped area of both images.
 
     Valid: found by the matcher's own rules (unique, textured, left-right consistent), `d >= min_disparity`, and the
-    pixel and its partner both show something real. Traceable if the matcher is.
+    pixel and its match both lie inside the mapped area. Traceable if the matcher is.
 
     Raises:
         MatcherError: if the matcher crashes; the message names it.

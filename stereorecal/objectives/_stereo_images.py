@@ -1,4 +1,4 @@
-"""What a strategy gets that works from the images instead of a score."""
+"""The images behind an objective, for strategies that work on images instead of a score (Need.IMAGES)."""
 
 from dataclasses import dataclass
 
@@ -8,11 +8,11 @@ from stereorecal.recordings import Pair
 
 
 @dataclass(frozen=True, eq=False)
-class Images:
+class StereoImages:
     """The pairs and the calibration at the start.
 
     Attributes:
-        rig: the calibration that the run starts from; its intrinsics are known, its extrinsics are in doubt.
+        rig: the calibration that the run starts from; its intrinsics count as known, its extrinsics have drifted.
         pairs: the frames, full size, not rectified.
         chart: unit box to extrinsics (radians, metres) and back; the rig's own extrinsics lie at z = 0.
     """

@@ -90,7 +90,7 @@ class _Differentiable:
         return self.rule(self.counted, z)
 
 
-def _plain(counted: _Counted, z: Any) -> Any:
+def _evaluated(counted: _Counted, z: Any) -> Any:
     return counted(z)
 
 
@@ -99,8 +99,8 @@ def _with_gradient(counted: _Counted, z: Any) -> Any:
 
 
 # As the real soft count: any derivative takes n forward derivatives. Of residuals, any derivative counts as a Jacobian.
-_soft_count = forward_gradient(_plain, _with_gradient)
-_residuals = jax.custom_jvp(_plain)
+_soft_count = forward_gradient(_evaluated, _with_gradient)
+_residuals = jax.custom_jvp(_evaluated)
 
 
 @_residuals.defjvp
@@ -124,8 +124,8 @@ def _problem(
         return np.asarray(values(points), float)
 
     def counted(score: Score) -> _Counted:
-        alike = next(scores for scores in (_SOFT, _ALIKE, (curved,)) if score in scores)
-        return _Counted(jnp.asarray(meter.key, jnp.int32), jnp.asarray(alike.index(score), jnp.int32), alike, 1)
+        group = next(scores for scores in (_SOFT, _SQUARE, (curved,)) if score in scores)
+        return _Counted(jnp.asarray(meter.key, jnp.int32), jnp.asarray(group.index(score), jnp.int32), group, 1)
 
     traced = Traced(
         soft_count=_Differentiable(counted(soft), _soft_count) if soft else None,
@@ -237,4 +237,4 @@ def broken(z: AnyArray) -> AnyArray:
 
 
 _SOFT = (_bowl, _ridge, _cliff, _pocket, _flat)
-_ALIKE = (linear, constant, broken)  # as many residuals as parameters
+_SQUARE = (linear, constant, broken)  # as many residuals as parameters

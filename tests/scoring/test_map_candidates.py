@@ -8,8 +8,8 @@ from hypothesis import given, settings, strategies as st
 from stereorecal.geometry import view, with_unit_baseline
 from stereorecal.matching import SAD
 from stereorecal.scoring import prepare
-from stereorecal.scoring.host import _cores, _in_turn, counts, counts_one_by_one, disparities
-from stereorecal.scoring.host._in_turn import in_turn
+from stereorecal.scoring.host import _cores, _map_candidates, counts, counts_one_by_one, disparities
+from stereorecal.scoring.host._map_candidates import map_candidates
 
 SAD_24 = SAD(num_disparities=24)
 
@@ -25,7 +25,7 @@ def first_two(frame, extrinsics, matcher):
 
 @pytest.fixture(params=[1, 2, 5])
 def some_cores(request, monkeypatch):
-    for module in (_cores, _in_turn):
+    for module in (_cores, _map_candidates):
         monkeypatch.setattr(module, "cores", lambda: request.param)
     return request.param
 
@@ -36,7 +36,7 @@ def test_each_frame_and_candidate_gets_its_own_answer(scene, some_cores, frames,
     data = prepared(scene(frames=frames))
     candidates = np.zeros((number, 6), np.float32)
     candidates[:, 0], candidates[:, 1] = np.arange(number), -np.arange(number)
-    answers = in_turn(first_two, data.frames, candidates, SAD_24)
+    answers = map_candidates(first_two, data.frames, candidates, SAD_24)
     assert answers.shape == (frames, number, 3)
     for frame, of_frame in zip(data.frames, answers, strict=True):
         np.testing.assert_array_equal(of_frame[:, :2], 1000 * candidates[:, :2])
@@ -46,8 +46,8 @@ def test_each_frame_and_candidate_gets_its_own_answer(scene, some_cores, frames,
 @pytest.mark.parametrize(("frames", "number"), [(1, 10), (3, 10), (3, 1), (1, 100)])
 def test_all_cores_have_work(scene, some_cores, monkeypatch, frames, number):
     calls = []
-    monkeypatch.setattr(_in_turn, "on_all_cores", lambda f, items: calls.extend(items) or list(map(f, items)))
-    in_turn(first_two, prepared(scene(frames=frames)).frames, np.zeros((number, 6)), SAD_24)
+    monkeypatch.setattr(_map_candidates, "on_all_cores", lambda f, items: calls.extend(items) or list(map(f, items)))
+    map_candidates(first_two, prepared(scene(frames=frames)).frames, np.zeros((number, 6)), SAD_24)
     assert len(calls) >= min(some_cores, frames * number)
     sizes = [len(part) for _, part in calls]
     assert max(sizes) - min(sizes) <= 1
@@ -56,11 +56,11 @@ def test_all_cores_have_work(scene, some_cores, monkeypatch, frames, number):
 
 def test_one_program_serves_any_number(scene):
     frames = prepared(scene()).frames
-    in_turn(first_two, frames, np.zeros((1, 6)), SAD_24)
-    before = _in_turn._seen.compiled._cache_size()
+    map_candidates(first_two, frames, np.zeros((1, 6)), SAD_24)
+    before = _map_candidates._evaluated.compiled._cache_size()
     for number in (0, 2, 7, 50):
-        in_turn(first_two, frames, np.zeros((number, 6)), SAD_24)
-    assert _in_turn._seen.compiled._cache_size() == before
+        map_candidates(first_two, frames, np.zeros((number, 6)), SAD_24)
+    assert _map_candidates._evaluated.compiled._cache_size() == before
 
 
 @pytest.mark.slow

@@ -12,10 +12,10 @@ from stereorecal._pytree import register_pytree
 from stereorecal.geometry import StereoRig, View, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives._chart import Chart
-from stereorecal.objectives._images import Images
-from stereorecal.objectives._names import EXTRINSICS
+from stereorecal.objectives._parameter_names import EXTRINSICS
 from stereorecal.objectives._reach import Reach, as_reach, count_chart
 from stereorecal.objectives._rig_chart import RigChart
+from stereorecal.objectives._stereo_images import StereoImages
 from stereorecal.recordings import Pairs
 from stereorecal.scoring import (
     TEMPERATURE,
@@ -29,7 +29,7 @@ from stereorecal.scoring import (
     pyramid,
     soft_count_scaled,
 )
-from stereorecal.scoring.host import ranged
+from stereorecal.scoring.host import with_measured_range
 from stereorecal.strategies import Budget, Objective, Problem, Traced, as_budget
 
 
@@ -114,7 +114,7 @@ def objective(
     """
     refuse_tracers("sr.objective", "its traced face, objective.traced.count, or sr.count", rig, pairs, view)
     images, reach = pyramid(rig, pairs, view), as_reach(reach)
-    matcher = ranged(matcher, images, float(np.radians(reach.degrees)))
+    matcher = with_measured_range(matcher, images, float(np.radians(reach.degrees)))
     options = {"scale": scale, "rows": rows, "temperature": temperature, "budget": as_budget(budget)}
     return count_objective(images, matcher, reach, **options)
 
@@ -149,7 +149,9 @@ def count_objective(
         count=StereoCount(data, traced_chart, scaled) if matcher.traceable else None,
         soft_count=StereoSoftCount(data, traced_chart, soft, scaled) if matcher.smooth else None,
     )
-    return Objective(Problem(chart.dim, values, cost, traced, Images(images.rig, images.pairs, metric_chart)), budget)
+    return Objective(
+        Problem(chart.dim, values, cost, traced, StereoImages(images.rig, images.pairs, metric_chart)), budget
+    )
 
 
 def rig_count_objective(

@@ -4,8 +4,8 @@ import numpy as np
 
 from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig
+from stereorecal.recordings._as_pairs import Pairs, as_pairs
 from stereorecal.recordings._pair import Pair
-from stereorecal.recordings._pairs import Pairs, as_pairs
 
 
 def check_pairs(rig: StereoRig, pairs: Pairs) -> tuple[Pair, ...]:

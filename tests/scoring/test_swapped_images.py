@@ -11,8 +11,8 @@ from stereorecal.geometry import StereoRig, view
 from stereorecal.io import load_scene
 from stereorecal.matching import SAD
 from stereorecal.recordings import Pair
-from stereorecal.scoring import legible, pyramid
-from stereorecal.scoring.host import refuse_mixed_up, score, with_disparity_range
+from stereorecal.scoring import image_quality, pyramid
+from stereorecal.scoring.host import refuse_swapped_images, score, with_disparity_range
 from stereorecal.synthetic import KINDS, render
 
 MISTAKES = {
@@ -43,7 +43,7 @@ def test_each_mistake_is_named(scene, kind, name):
 def test_each_mistake_is_named_on_real_images(data_dir: Path, name):
     given, (mistake, said) = load_scene(data_dir / "boofcv_bumblebee2/garden01"), MISTAKES[name]
     with pytest.raises(InputError, match=said):
-        refuse_mixed_up(pyramid(given.rig, mixed(given.pairs[0], mistake)))
+        refuse_swapped_images(pyramid(given.rig, mixed(given.pairs[0], mistake)))
 
 
 def test_images_of_different_things(scene):
@@ -60,15 +60,15 @@ def test_no_false_alarm_however_far_off(scene, kind, size):
     draw = np.random.default_rng(3)
     for _ in range(6):
         drift = np.array([*np.radians(draw.uniform(-5, 5, 3)), 0, *draw.uniform(-0.05, 0.05, 2) * given.rig.baseline])
-        refuse_mixed_up(pyramid(given.rig.with_extrinsics(given.rig.extrinsics + drift), given.pairs))
+        refuse_swapped_images(pyramid(given.rig.with_extrinsics(given.rig.extrinsics + drift), given.pairs))
 
 
 def test_nothing_is_said_of_what_shows_nothing(scene):
     """Noise has features too, and none has a partner."""
     noise = np.random.default_rng(0)
     left, right = (np.clip(noise.normal(8, 4, (240, 320)), 0, 255).round().astype(np.float32) for _ in "lr")
-    assert not legible(Pair(left, right)).enough
-    refuse_mixed_up(pyramid(scene("street", 0, (320, 240)).rig, [Pair(left, right)]))
+    assert not image_quality(Pair(left, right)).enough
+    refuse_swapped_images(pyramid(scene("street", 0, (320, 240)).rig, [Pair(left, right)]))
 
 
 def test_the_sun_on_waves_is_no_mistake(scene):
@@ -81,7 +81,7 @@ def test_the_sun_on_waves_is_no_mistake(scene):
         for x, y in zip(draw.integers(0, width, 400), draw.integers(height // 2, height, 400), strict=True):
             cv2.ellipse(spoiled, (int(x), int(y)), draw.integers(1, 8, 2).tolist(), 0.0, 0.0, 360.0, 255.0, -1)
         images.append(spoiled)
-    refuse_mixed_up(pyramid(given.rig, [Pair(*images)]))
+    refuse_swapped_images(pyramid(given.rig, [Pair(*images)]))
 
 
 @pytest.mark.slow(after=2)
@@ -111,10 +111,10 @@ def test_an_inverted_rotation_is_named(scene):
     given = scene("street", 0, (320, 240))
     turned = given.rig.with_extrinsics(given.rig.extrinsics + np.array([0, np.radians(6.0), 0, 0, 0, 0]))
     seen = render("street", 0, rig=turned)
-    refuse_mixed_up(pyramid(turned, seen.pairs))
+    refuse_swapped_images(pyramid(turned, seen.pairs))
     inverted = StereoRig.from_rotation(turned.left, turned.right, np.asarray(turned.rotation).T, turned.translation)
     with pytest.raises(InputError, match=r"inverted \(transposed\)"):
-        refuse_mixed_up(pyramid(inverted, seen.pairs))
+        refuse_swapped_images(pyramid(inverted, seen.pairs))
 
 
 def test_a_band_that_moved_is_not_taken_for_images_that_are_exchanged(scene):
@@ -125,4 +125,4 @@ def test_a_band_that_moved_is_not_taken_for_images_that_are_exchanged(scene):
     seen = [Pair(np.asarray(given.pairs[0].left), right)]
     for degrees in (0.0, 2.0):
         turned = given.rig.with_extrinsics(given.rig.extrinsics + np.radians([0.7, -degrees, 0.5, 0, 0, 0]))
-        refuse_mixed_up(pyramid(turned, seen))
+        refuse_swapped_images(pyramid(turned, seen))

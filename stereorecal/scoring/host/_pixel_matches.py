@@ -1,4 +1,4 @@
-"""Where single pixels of the left image appear in the right one: for what is known of them alone, such as a range."""
+"""The pixels of the right image that match given pixels of the left one, such as those of a range measurement."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -14,18 +14,18 @@ from stereorecal.geometry import StereoRig, cubic_warp, rectifying_rotations, wi
 from stereorecal.matching import AbstractMatcher, Disparity
 from stereorecal.scoring._prepare import ScoringData
 from stereorecal.scoring._rectify import rectify_frames
-from stereorecal.scoring._robust import SMALLEST_SPREAD
+from stereorecal.scoring._robust_weights import SMALLEST_SPREAD
 from stereorecal.scoring._subpixel import refine
 from stereorecal.scoring.host._disparities import disparities
 
-_WINDOW = 5  # pixels to each side: what a matcher's window saw
+_WINDOW = 5  # pixels to each side: the size of a matcher's window
 _COVERED = 0.1  # of the window
-_OUTSIDE = -1e6  # pixels: of what no view shows
-_FLAT = 0.3  # pixels of disparity off a plane: at an edge, nobody knows which side was meant
+_OUTSIDE = -1e6  # pixels: outside of every view
+_FLAT = 0.3  # pixels of disparity off a plane: at an edge, either side may be meant
 
 
-class Partners(NamedTuple):
-    """What single pixels of the left image meet in the right one, at full size; NaN where no match is sure.
+class PixelMatches(NamedTuple):
+    """The matches of single pixels of the left image in the right one, at full size; NaN where none is reliable.
 
     Attributes:
         pixels: (n, 2) column, row.
@@ -36,10 +36,10 @@ class Partners(NamedTuple):
     deviation: Float[np.ndarray, "n"]
 
 
-def partners(
+def match_pixels(
     data: ScoringData, rig: StereoRig, matcher: AbstractMatcher, frames: Sequence[Float[np.ndarray, "n 2"]]
-) -> list[Partners]:
-    """The pixels of the right image that show what pixels of the left one show, for each frame.
+) -> list[PixelMatches]:
+    """The matches of pixels of the left image, for each frame.
 
     Args:
         data: at any scale, with the cameras of `rig`.
@@ -49,7 +49,7 @@ def partners(
     found = []
     for frame, pixels in zip(data.frames, frames, strict=True):
         if not len(pixels):
-            found.append(Partners(np.zeros((0, 2)), np.zeros(0)))
+            found.append(PixelMatches(np.zeros((0, 2)), np.zeros(0)))
             continue
         matched = disparities(frame, single, matcher)[0]
         offsets = _offsets(frame, single, jax.tree.map(lambda leaf: leaf[None], matched))
@@ -70,7 +70,7 @@ def _offsets(data: ScoringData, extrinsics: Extrinsics, found: Disparity) -> tup
 
 def _right_pixels(
     data: ScoringData, rig: StereoRig, offsets: Sequence[np.ndarray], pixels: Float[np.ndarray, "n 2"]
-) -> Partners:
+) -> PixelMatches:
     view, (disparity, row, good) = jax.tree.map(float, data.view), offsets  # float64
     to_left, to_right = rectifying_rotations(rig.rotation, rig.translation)
     column, line = np.nan_to_num(view.pixels(np.asarray(rig.left.rays(pixels)) @ to_left.T, 0), nan=_OUTSIDE)
@@ -79,17 +79,17 @@ def _right_pixels(
     turned = np.asarray(view.directions(column - d, line + v, 1))
     seen = np.asarray(rig.right.project(np.where(sure[:, None], turned, [0.0, 0.0, 1.0]) @ to_right))
     # Of the view at its scale, as an angle, in pixels of the right camera.
-    return Partners(np.where(sure[:, None], seen, np.nan), deviation / view.focal * float(rig.right.focal[0]))
+    return PixelMatches(np.where(sure[:, None], seen, np.nan), deviation / view.focal * float(rig.right.focal[0]))
 
 
 def _planes_at(
     fields: Float[np.ndarray, "2 h w"], good: Bool[np.ndarray, "h w"], x: Float[np.ndarray, "n"], y: np.ndarray
 ) -> tuple[Float[np.ndarray, "2 n"], Float[np.ndarray, "n"]]:
-    """The fields at points, by planes through what is good around them; and the standard deviation of the first one,
-    NaN where it is no plane.
+    """The fields at points, by planes through the good pixels around them; and the standard deviation of the first
+    field, NaN where it is no plane.
 
-    A window's matches err together, so their number does not matter: a point in their midst is as uncertain as they
-    scatter, one beside them more (the leverage of a regression).
+    The errors of matches within a window are correlated, so their number does not matter: a point among them is as
+    uncertain as their scatter, a point outside of them more so (the leverage of a regression).
     """
     step = np.stack(np.meshgrid(*[np.arange(-_WINDOW, _WINDOW + 1)] * 2), -1).reshape(-1, 2)
     columns, rows = (np.round(p).astype(int)[:, None] + s for p, s in zip((x, y), step.T, strict=True))

@@ -1,4 +1,4 @@
-"""How much each correspondence counts: the noise of its window, and robust losses of its row difference."""
+"""Weights of correspondences: the noise of their windows, and robust losses of their row differences."""
 
 import enum
 
@@ -8,15 +8,15 @@ from jaxtyping import Float
 from stereorecal.scoring._correspondences import Correspondences
 
 SMALLEST_SPREAD = 0.05  # pixels; matching is never better than that
-_WELSCH = 0.25  # pixels: beyond about twice that a correspondence has no vote
+_WELSCH = 0.25  # pixels: beyond about twice that the weight is 0
 _WIDEST_WELSCH = 2.5  # robust standard deviations
 
 
 class Loss(enum.Enum):
-    """How the vote of a correspondence falls with its residual r, in units of a scale s."""
+    """The weight of a correspondence as a function of its residual r and a scale s."""
 
-    SOFT_L1 = "1 / sqrt(1 + (r / s)²): from afar, where all residuals are large"
-    WELSCH = "exp(-(r / s)² / 2): at the end; what is wrong has no vote at all"
+    SOFT_L1 = "1 / sqrt(1 + (r / s)²): far from the solution, where all residuals are large"
+    WELSCH = "exp(-(r / s)² / 2): at the end; outliers have no weight"
 
 
 def robust_spread(found: Correspondences, differences: Float[np.ndarray, "k m"]) -> float:
@@ -27,18 +27,18 @@ def robust_spread(found: Correspondences, differences: Float[np.ndarray, "k m"])
 
 
 def precisions(found: Correspondences, differences: Float[np.ndarray, "k m"], loss: Loss) -> Float[np.ndarray, "k m"]:
-    """Weight of each squared row difference, 1 / pixels²: noise of its window, robust vote, spread of all, overlap."""
+    """Weight of each squared row difference, 1 / pixels²: noise of its window, robust weight, spread, overlap."""
     spread = robust_spread(found, differences)
     if loss is Loss.SOFT_L1:
-        vote = 1.0 / np.sqrt(1.0 + (differences / spread) ** 2)
+        robust = 1.0 / np.sqrt(1.0 + (differences / spread) ** 2)
     else:
-        vote = np.exp(-0.5 * (differences / _welsch_scale(spread)) ** 2)
-    return np.asarray(found.weight) * vote * float(found.independent) / spread**2
+        robust = np.exp(-0.5 * (differences / _welsch_scale(spread)) ** 2)
+    return np.asarray(found.weight) * robust * float(found.independent) / spread**2
 
 
 def curvatures(found: Correspondences, differences: Float[np.ndarray, "k m"]) -> Float[np.ndarray, "k m"]:
     """Second derivative of each one's Welsch loss, 1 / pixels²: less than its precision, since a correspondence that
-    moves away loses its vote; 0 beyond the scale, where it would be negative."""
+    moves away loses weight; 0 beyond the scale, where it would be negative."""
     moved = differences / _welsch_scale(robust_spread(found, differences))
     return precisions(found, differences, Loss.WELSCH) * np.maximum(1.0 - moved**2, 0.0)
 

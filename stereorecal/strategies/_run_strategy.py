@@ -7,10 +7,10 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal._errors import BudgetExhausted, NeedNotMet, PluginError, StrategyError
-from stereorecal.strategies._contract import AbstractStrategy, Outcome, Status, follows_an_older_contract
+from stereorecal.strategies._contract import AbstractStrategy, Outcome, Status
+from stereorecal.strategies._evaluation_trace import Trace
 from stereorecal.strategies._objective import Objective
-from stereorecal.strategies._registry import name_of, origin_of
-from stereorecal.strategies._trace import Trace
+from stereorecal.strategies._strategy_registry import name_of, origin_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,10 +44,11 @@ def run_strategy(strategy: AbstractStrategy, objective: Objective, start: Float[
 
     Raises:
         NeedNotMet: if the objective does not offer what the strategy needs.
-        StrategyError: if the strategy crashes, nominates no point of the box, or was written for an older contract; the
-            message names its distribution and version.
+        StrategyError: if the strategy crashes or nominates no point of the box; the message names its distribution and
+            version.
     """
-    _check(strategy, objective)
+    if reason := _unmet_need(strategy, objective):
+        raise NeedNotMet(f"strategy {name_of(strategy)} {reason}.")
     metered = objective.with_budget(objective.budget)
     start = np.array(start, float)
     try:
@@ -63,17 +64,7 @@ def run_strategy(strategy: AbstractStrategy, objective: Objective, start: Float[
     return _judge(objective, metered.trace, start, outcome)
 
 
-def _check(strategy: AbstractStrategy, objective: Objective) -> None:
-    if follows_an_older_contract(strategy):
-        raise StrategyError(
-            f"{_called(strategy)} was written for an older contract; its method is now run(objective, start, seed), "
-            "and the budget is objective.budget."
-        )
-    if reason := _shortage(strategy, objective):
-        raise NeedNotMet(f"strategy {name_of(strategy)} {reason}.")
-
-
-def _shortage(strategy: AbstractStrategy, objective: Objective) -> str | None:
+def _unmet_need(strategy: AbstractStrategy, objective: Objective) -> str | None:
     if missing := objective.missing(strategy.needs):
         return f"cannot serve here: {missing}"
     if objective.dim < strategy.min_dim:

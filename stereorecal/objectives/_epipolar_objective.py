@@ -1,4 +1,4 @@
-"""Least squares on epipolar residuals: one run, linear, with its correspondences and weights frozen."""
+"""The objective of epipolar residuals: linear least squares with fixed correspondences and weights."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ from jaxtyping import Float
 
 from stereorecal._arrays import AnyArray
 from stereorecal._pytree import register_pytree
-from stereorecal.objectives._linearised import LinearRows
+from stereorecal.objectives._linear_rows import LinearRows
 from stereorecal.strategies import Budget, Objective, Problem, Traced
 
 _COST_OF_A_ROW = 1e-7  # units: some sixty operations, where a matcher run on a full-size frame takes some 10^9
@@ -16,9 +16,10 @@ _COST_OF_A_ROW = 1e-7  # units: some sixty operations, where a matcher run on a 
 @register_pytree
 @dataclass(frozen=True, eq=False)
 class LinearResiduals:
-    """Residuals as a function of a point of the unit box, NumPy or traced: (2 n + 1,), n + 1 rows that stand for all
-    row differences over their standard deviations, then the way from the centre of the box (the initial calibration)
-    over that of the drift.
+    """Residuals as a function of a point of the unit box, NumPy or traced: (2 n + 1,).
+
+    First n + 1 residuals with the same normal equations as all row differences over their standard deviations, then
+    the distance from the centre of the box (the initial calibration) over the standard deviation of the drift.
 
     Attributes:
         jacobian: (2 n + 1, n).
@@ -45,7 +46,7 @@ def epipolar_objective(
         budget: default unlimited.
     """
     dim = rows.z.size
-    few = _few_rows(np.vstack([rows.jacobian.reshape(dim, -1), rows.differences.reshape(-1)]), precision.reshape(-1))
+    few = _reduced(np.vstack([rows.jacobian.reshape(dim, -1), rows.differences.reshape(-1)]), precision.reshape(-1))
     jacobian = np.vstack([few[:, :-1], np.eye(dim) / prior])
     at_centre = np.concatenate([few[:, -1] - few[:, :-1] @ rows.z, np.zeros(dim)])
     residuals = LinearResiduals(jacobian, at_centre)
@@ -56,8 +57,8 @@ def epipolar_objective(
     return Objective(Problem(dim, values, len(at_centre) * _COST_OF_A_ROW, Traced(residuals=residuals)), budget)
 
 
-def _few_rows(columns: Float[np.ndarray, "c m"], precision: Float[np.ndarray, "m"]) -> Float[np.ndarray, "c c"]:
-    """As many rows as columns that have the same weighted scalar products as all m: every sum of squares over them is
-    the same. From the normal matrix, which in float64 loses nothing here that a solver sees."""
+def _reduced(columns: Float[np.ndarray, "c m"], precision: Float[np.ndarray, "m"]) -> Float[np.ndarray, "c c"]:
+    """A square matrix with the same normal equations as all m weighted rows, so every sum of squares is the same.
+    Made from the normal matrix, which is accurate enough here in float64."""
     spread, axes = np.linalg.eigh((columns * precision) @ columns.T)
     return np.sqrt(np.maximum(spread, 0.0))[:, None] * axes.T

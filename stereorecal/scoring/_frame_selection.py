@@ -1,43 +1,42 @@
-"""Which frames of several tell the most."""
+"""Frame selection: the frames with the most texture, spread over a recording."""
 
 from collections import deque
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 
-import cv2
 import numpy as np
 
 from stereorecal.recordings import Pair
+from stereorecal.scoring._image_quality import x_slopes
 
-_WIDTH = 128  # pixels: at which texture is looked at; what is finer is noise as often
-_RECENT = 16  # pairs that are held at once: a tenth of a second, up to 160 of them a second
-_STEEP = 31.0  # grey levels of the x-Sobel response: matchers cut it there
+_RECENT = 16  # pairs that are held at once: a tenth of a second, at up to 160 pairs a second
+_STEEP = 31.0  # grey levels of the x-Sobel response: matchers clip it there
 
 
-def informative(
+def select_frames(
     pairs: Sequence[Pair], most: int, follows: Callable[[Pair, Pair], bool] | None = None
 ) -> tuple[Pair, ...]:
-    """At most `most` of the pairs, in order: the one with the most texture of each of as many equal stretches, so that
-    they show different moments.
+    """At most `most` of the pairs, in order: of as many equal stretches, the pair with the most texture of each, so
+    that they show different moments.
 
     Args:
-        follows: whether a pair follows another; of half as many stretches, each pair then comes with the next one that
-            does, or else with the last before that it follows.
+        follows: whether a pair follows another; each of half as many stretches then gives a pair and a neighbour: the
+            next pair that follows it, else the last one before that it follows.
     """
     if len(pairs) <= most:
         return tuple(pairs)
     bounds = np.linspace(0, len(pairs), (most if follows is None else most // 2) + 1).round().astype(int)
     stretches = [pairs[first:end] for first, end in pairwise(bounds)]
-    # One after the other: they may lie in a video.
+    # One stretch after the other: the pairs may lie in a video.
     if follows is None:
         return tuple(max(stretch, key=_texture) for stretch in stretches)
-    return tuple(pair for stretch in stretches for pair in _window(stretch, follows))
+    return tuple(pair for stretch in stretches for pair in _with_neighbour(stretch, follows))
 
 
-def _window(stretch: Sequence[Pair], follows: Callable[[Pair, Pair], bool]) -> tuple[Pair, ...]:
+def _with_neighbour(stretch: Sequence[Pair], follows: Callable[[Pair, Pair], bool]) -> tuple[Pair, ...]:
     """The pair with the most texture, and a neighbour; each pair is read once."""
     best, texture, before, after = None, -1.0, None, None
-    recent: deque[Pair] = deque(maxlen=_RECENT)  # the last one that a pair follows, and those after it
+    recent: deque[Pair] = deque(maxlen=_RECENT)  # the last pair that a pair follows, and those after it
     for pair in stretch:
         while len(recent) > 1 and follows(recent[1], pair):
             recent.popleft()
@@ -54,7 +53,5 @@ def _window(stretch: Sequence[Pair], follows: Callable[[Pair, Pair], bool]) -> t
 
 
 def _texture(pair: Pair) -> float:
-    """The mean response of an x-Sobel filter to the left image, steep edges counted once."""
-    width, height = pair.size
-    small = cv2.resize(pair.left, (_WIDTH, max(1, height * _WIDTH // width)), interpolation=cv2.INTER_AREA)
-    return float(np.minimum(np.abs(cv2.Sobel(small, cv2.CV_32F, 1, 0)), _STEEP).mean())
+    """The mean response of an x-Sobel filter to the left image, clipped."""
+    return float(np.minimum(np.abs(x_slopes(pair.left)), _STEEP).mean())

@@ -1,7 +1,7 @@
-"""Images that cannot be a left and a right image of the rig: exchanged, mirrored, upside down, or of different places.
+"""Images that cannot be a left and right pair of the rig: swapped, mirrored, upside down, or of different scenes.
 
-Asked only where hardly anything matches. Sparse features, which know nothing of the rig's extrinsics, then say how the
-cameras stand to each other: the same answer whatever the drift. In doubt nothing is said.
+The check runs only where hardly anything matches. Sparse features, which do not depend on the rig's extrinsics, give
+the rotation between the cameras, so the answer is the same for any drift. In doubt nothing is refused.
 """
 
 import cv2
@@ -11,8 +11,8 @@ from jaxtyping import Bool, Float, Int
 from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig, rotation_from_euler
 from stereorecal.recordings import Pair
-from stereorecal.scoring._informative import informative
-from stereorecal.scoring._legible import legible
+from stereorecal.scoring._frame_selection import select_frames
+from stereorecal.scoring._image_quality import image_quality
 from stereorecal.scoring._prepare import Pyramid
 
 _FRAMES = 2
@@ -20,11 +20,11 @@ _WIDTH = 640  # pixels, at which features are sought
 _FEATURES = 1200  # in an image, at most
 _GLARE = 250  # grey level
 _AROUND = 8  # pixels around glare
-_RATIO = 0.8  # of the distances to the best and to the second best partner
-_ENOUGH = 300  # features in each image: some of them must have partners if both show the same
+_RATIO = 0.8  # of the distances to the best and to the second best match
+_ENOUGH = 300  # features in each image: some of them must match if both show the same
 _CHANCE = 14  # pairs that agree on some rigid motion by chance: it has five degrees of freedom
-_SURE = 30  # pairs that agree
-_MANY_TIMES = 3  # as many pairs agree once an image is flipped; of images that are as they should be a ninth
+_ENOUGH_AGREE = 30  # pairs that agree
+_MANY_TIMES = 3  # as many pairs agree once an image is flipped; of correct images a ninth
 _AGREE = 1.5  # pixels from the epipolar line
 _MOST = 0.8  # share of the pairs that agree, and of those that say the same
 _TRAIL = 2.0  # times as far from the median as the other end; of images that are exchanged 0.7 to 1.4
@@ -32,41 +32,41 @@ _MOVED = 2.0  # of parallax, in units of _AGREE; less may be noise
 _DISTINCT = 150.0  # between descriptors of 512: one thing seen twice is nearer, two different things are farther
 _ROUNDS = 6  # of least squares, which converge in two or three
 _TRANSPOSED = np.radians(5.0)  # the least rotation between cameras that cannot be a drift of its inverse
-_NEAR = np.radians(15.0)  # from the given rotation, thrice the drift that must never be called a mistake
+_NEAR = np.radians(15.0)  # from the given rotation, three times the drift that must never be called a mistake
 
 
-def refuse_mixed_up(images: Pyramid) -> None:
-    """Refuse images that are surely no left and right image of this rig.
+def refuse_swapped_images(images: Pyramid) -> None:
+    """Refuse images that are certainly no left and right image of this rig.
 
     Raises:
         InputError: one sentence that names what is wrong.
     """
-    said = {_named(images.rig, pair) for pair in informative(images.pairs, _FRAMES)}
-    if len(said) == 1 and (sentence := said.pop()) is not None:
+    mistakes = {_mistake_in(images.rig, pair) for pair in select_frames(images.pairs, _FRAMES)}
+    if len(mistakes) == 1 and (sentence := mistakes.pop()) is not None:
         raise InputError(sentence)
 
 
-def _named(rig: StereoRig, pair: Pair) -> str | None:
-    if not legible(pair).enough:
+def _mistake_in(rig: StereoRig, pair: Pair) -> str | None:
+    if not image_quality(pair).enough:
         return None
     (left, first, clear), (right, second, clear_too) = (_features(np.asarray(i)) for i in (pair.left, pair.right))
     enough = _ENOUGH // (4 if pair.size[0] < _WIDTH // 2 else 1)
     if min(len(left), len(right)) < enough:
         return None
     tolerance = _AGREE * max(1.0, pair.size[0] / _WIDTH) / float(rig.left.focal[0])
-    rays = _rays_of_partners(rig, (left, first), (right, second))
+    rays = _rays_of_matches(rig, (left, first), (right, second))
     turned, agree = _rotation(*rays, tolerance)
     flipped, other, _ = _features(np.fliplr(np.asarray(pair.right)))
-    _, mirrored = _rotation(*_rays_of_partners(rig, (left, first), (flipped, other)), tolerance)
-    if mirrored.sum() >= max(_SURE, _MANY_TIMES * agree.sum()) and mirrored.mean() >= _MOST:
+    _, mirrored = _rotation(*_rays_of_matches(rig, (left, first), (flipped, other)), tolerance)
+    if mirrored.sum() >= max(_ENOUGH_AGREE, _MANY_TIMES * agree.sum()) and mirrored.mean() >= _MOST:
         return "one of the two images is mirrored; flip it from left to right."
     if agree.sum() <= _CHANCE:
         if not (_distinct(first) and _distinct(second)):
-            return None  # a texture that repeats has no unambiguous partners in the right image either
+            return None  # a texture that repeats has no unambiguous matches in a correct pair either
         if min(clear.sum(), clear_too.sum()) < enough:
             return None  # the sun on waves is elsewhere in each image
         return "the left and right images show different things; give images that both cameras took at the same time."
-    if agree.sum() < _SURE or agree.mean() < _MOST:
+    if agree.sum() < _ENOUGH_AGREE or agree.mean() < _MOST:
         return None
     given = np.asarray(rotation_from_euler(np.asarray(rig.extrinsics[:3], float)))
     if _angle(turned @ np.diag([-1.0, -1.0, 1.0]), given) < _NEAR:
@@ -91,13 +91,13 @@ def _named(rig: StereoRig, pair: Pair) -> str | None:
     return None
 
 
-def _rays_of_partners(
+def _rays_of_matches(
     rig: StereoRig,
     left: tuple[Float[np.ndarray, "n 2"], Float[np.ndarray, "n c"]],
     right: tuple[Float[np.ndarray, "m 2"], Float[np.ndarray, "m c"]],
 ) -> tuple[Float[np.ndarray, "p 3"], Float[np.ndarray, "p 3"]]:
-    """Of features, in pixels and with descriptors, that choose each other: rays at depth 1 of the cameras."""
-    here, there = _partners(left[1], right[1])
+    """Rays at depth 1 of the features (pixels, descriptors) of both images that are mutual nearest neighbours."""
+    here, there = _mutual_matches(left[1], right[1])
     first, second = np.asarray(rig.left.rays(left[0][here])), np.asarray(rig.right.rays(right[0][there]))
     return _at_depth_1(first), _at_depth_1(second)
 
@@ -123,10 +123,10 @@ def _features(image: np.ndarray) -> tuple[Float[np.ndarray, "n 2"], np.ndarray, 
     return (where + 0.5) / scale - 0.5, descriptors, glare[row, column] == 0
 
 
-def _partners(
+def _mutual_matches(
     first: Float[np.ndarray, "n c"], second: Float[np.ndarray, "m c"]
 ) -> tuple[Int[np.ndarray, "p"], Int[np.ndarray, "p"]]:
-    """Indices of pairs that choose each other, each clearly above its second choice."""
+    """Indices of mutual nearest neighbours that pass the ratio test."""
     apart = (first**2).sum(1)[:, None] + (second**2).sum(1) - 2.0 * first @ second.T
     of_first, of_second = apart.argmin(axis=1), apart.argmin(axis=0)
     here = np.arange(len(first))

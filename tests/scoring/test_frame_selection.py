@@ -7,7 +7,7 @@ from hypothesis import given, strategies as st
 
 from stereorecal.recordings import Pair
 from stereorecal.scoring import pyramid
-from stereorecal.scoring._informative import informative
+from stereorecal.scoring._frame_selection import select_frames
 
 
 def pair(contrast: float, name: str) -> Pair:
@@ -19,7 +19,7 @@ def pair(contrast: float, name: str) -> Pair:
 @given(contrasts=st.lists(st.floats(0.01, 20), min_size=1, max_size=12, unique=True), most=st.integers(1, 12))
 def test_the_best_of_each_stretch(contrasts, most):
     pairs = [pair(c, str(i)) for i, c in enumerate(contrasts)]
-    chosen = [int(p.name) for p in informative(pairs, most)]
+    chosen = [int(p.name) for p in select_frames(pairs, most)]
     assert chosen == sorted(chosen)
     assert len(chosen) == min(most, len(pairs))
     assert int(np.argmax(contrasts)) in chosen
@@ -35,13 +35,13 @@ def test_the_best_of_each_stretch(contrasts, most):
 def test_the_best_of_each_stretch_with_a_neighbour(contrasts, most, apart):
     """Some pairs do not follow the one before."""
     pairs = [pair(c, str(i)) for i, c in enumerate(contrasts)]
-    chosen = [int(p.name) for p in informative(pairs, most, lambda first, second: int(second.name) not in apart)]
+    chosen = [int(p.name) for p in select_frames(pairs, most, lambda first, second: int(second.name) not in apart)]
     assert chosen == sorted(set(chosen))
     assert len(chosen) <= most
     if len(pairs) <= most:
         assert len(chosen) == len(pairs)
         return
-    best = [int(p.name) for p in informative(pairs, most // 2)]
+    best = [int(p.name) for p in select_frames(pairs, most // 2)]
     assert set(best) <= set(chosen)
     for number in set(chosen) - set(best):
         assert any(abs(number - other) == 1 and max(number, other) not in apart for other in best)

@@ -1,4 +1,4 @@
-"""Row differences and their derivatives by the coordinates of the box: what a solver and the evidence rest on."""
+"""Row differences, linearised: their values and their Jacobian with respect to the coordinates of the box."""
 
 from dataclasses import dataclass, replace
 
@@ -17,7 +17,7 @@ from stereorecal.geometry import (
     same_camera,
     with_unit_baseline,
 )
-from stereorecal.objectives._names import SIDES
+from stereorecal.objectives._parameter_names import SIDES
 from stereorecal.objectives._rig_chart import RigChart
 from stereorecal.scoring import Correspondences, row_differences
 
@@ -42,7 +42,7 @@ class LinearRows:
 
 
 def read_by(found: Correspondences, taken: StereoRig, rig: StereoRig) -> Correspondences:
-    """The correspondences of pixels that the cameras of `taken` gave, with the rays that those of `rig` give them."""
+    """Correspondences found with the cameras of `taken`, with the rays that those of `rig` give to the same pixels."""
 
     def rays(side: str) -> Float[np.ndarray, "k m 3"]:
         true, read = getattr(taken, side), getattr(rig, side)

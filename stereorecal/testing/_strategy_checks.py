@@ -1,6 +1,5 @@
 """The conformance checks of strategies: each raises AssertionError with a sentence if the strategy fails it."""
 
-import inspect
 import pickle
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -17,11 +16,10 @@ from stereorecal.strategies import (
     Problem,
     Status,
     StrategyError,
-    follows_an_older_contract,
     run_strategy,
 )
-from stereorecal.testing import _problems
-from stereorecal.testing._stereo import stereo_objective
+from stereorecal.testing import _analytic_problems as problems
+from stereorecal.testing._stereo_problem import stereo_objective
 
 Check = Callable[[AbstractStrategy], None]
 _PLENTY = Budget(evaluations=2000)  # our choice: ample for these problems, and every run ends
@@ -47,23 +45,12 @@ def _check_for(*needs: Need):
 
 
 def checks_for(strategy: AbstractStrategy) -> tuple[Check, ...]:
-    """The checks that apply to a strategy with its need; only the first one if it was written for an older contract."""
-    if follows_an_older_contract(strategy):
-        return (follows_the_contract,)
+    """The checks that apply to a strategy with its need."""
     return tuple(entry.check for entry in CHECKS if strategy.needs in entry.needs)
 
 
 _SCORES = (Need.HOST, Need.SMOOTH)
 _ANALYTIC = (*_SCORES, Need.RESIDUALS)
-
-
-@_check_for(*Need)
-def follows_the_contract(strategy: AbstractStrategy) -> None:
-    """Its method is run(objective, start, seed); the budget is the objective's."""
-    assert not follows_an_older_contract(strategy), (
-        f"it has run{inspect.signature(strategy.run)} of an older contract, not run(objective, start, seed); "
-        "the budget is objective.budget"
-    )
 
 
 @_check_for(*_ANALYTIC)
@@ -77,31 +64,31 @@ def climbs_a_smooth_bowl(strategy: AbstractStrategy) -> None:
 def climbs_a_staircase(strategy: AbstractStrategy) -> None:
     """It climbs a piecewise constant bowl, as a count is; a strategy that needs a smooth score gets the smooth bowl."""
     for dim in _dimensions(strategy):
-        _assert_climbs(strategy, _problems.staircase(dim), 0.7)
+        _assert_climbs(strategy, problems.staircase(dim), 0.7)
 
 
 @_check_for(*_SCORES)
 def climbs_a_tilted_ridge(strategy: AbstractStrategy) -> None:
     """It climbs most of a ridge along the diagonal, oblique to every axis."""
-    _assert_climbs(strategy, _problems.tilted_ridge(_at_least(strategy, 3)), 0.7)
+    _assert_climbs(strategy, problems.tilted_ridge(_at_least(strategy, 3)), 0.7)
 
 
 @_check_for(*_SCORES)
 def keeps_off_a_cliff(strategy: AbstractStrategy) -> None:
     """It climbs a bowl that drops to a plateau on one side."""
-    _assert_climbs(strategy, _problems.cliff(_at_least(strategy, 2)), 0.7)
+    _assert_climbs(strategy, problems.cliff(_at_least(strategy, 2)), 0.7)
 
 
 @_check_for(*_SCORES)
 def climbs_a_noisy_bowl(strategy: AbstractStrategy) -> None:
     """It climbs a bowl with ripples, none higher than a twentieth of the climb."""
-    _assert_climbs(strategy, _problems.noisy_bowl(_at_least(strategy, 3)), 0.5)
+    _assert_climbs(strategy, problems.noisy_bowl(_at_least(strategy, 3)), 0.5)
 
 
 @_check_for(Need.RESIDUALS)
 def solves_a_curved_valley(strategy: AbstractStrategy) -> None:
     """It solves Rosenbrock's valley as a least-squares problem."""
-    _assert_climbs(strategy, _problems.least_squares(_problems.curved, _at_least(strategy, 2)), 0.99)
+    _assert_climbs(strategy, problems.least_squares(problems.curved, _at_least(strategy, 2)), 0.99)
 
 
 @_check_for(*_ANALYTIC)
@@ -109,7 +96,7 @@ def survives_nan(strategy: AbstractStrategy) -> None:
     """It treats NaN as worse than any value and never nominates such a point."""
     dim = _at_least(strategy, 2)
     least_squares = strategy.needs is Need.RESIDUALS
-    problem = _problems.least_squares(_problems.broken, dim) if least_squares else _problems.nan_pocket(dim)
+    problem = problems.least_squares(problems.broken, dim) if least_squares else problems.nan_pocket(dim)
     outcome = _outcome(strategy, Objective(problem, _PLENTY))
     assert np.isfinite(problem.values(outcome.best[None])).all(), "it nominates a point whose value is NaN"
 
@@ -119,9 +106,9 @@ def ends_on_a_flat_score(strategy: AbstractStrategy) -> None:
     """It ends on a constant score; where the core sees the values, the run is reported as NO_SIGNAL."""
     dim = _at_least(strategy, 2)
     if strategy.needs is Need.RESIDUALS:
-        run_strategy(strategy, Objective(_problems.least_squares(_problems.constant, dim), _PLENTY), np.zeros(dim))
+        run_strategy(strategy, Objective(problems.least_squares(problems.constant, dim), _PLENTY), np.zeros(dim))
         return
-    run = run_strategy(strategy, Objective(_problems.flat(dim), _PLENTY), np.zeros(dim))
+    run = run_strategy(strategy, Objective(problems.flat(dim), _PLENTY), np.zeros(dim))
     if strategy.needs is Need.HOST:
         assert run.status is Status.NO_SIGNAL, f"the run ended as {run.status.name}, not NO_SIGNAL"
 
@@ -129,7 +116,7 @@ def ends_on_a_flat_score(strategy: AbstractStrategy) -> None:
 @_check_for(*_ANALYTIC)
 def stays_in_the_box(strategy: AbstractStrategy) -> None:
     """Started in a corner, it never evaluates a point outside the box."""
-    dim, meter = _at_least(strategy, 2), _problems.Meter()
+    dim, meter = _at_least(strategy, 2), problems.Meter()
     try:
         outcome = _outcome(strategy, Objective(_bowl(strategy, dim, meter), _PLENTY), np.full(dim, 1.0))
     except ValueError as error:
@@ -143,7 +130,7 @@ def keeps_any_budget(strategy: AbstractStrategy) -> None:
     """Within any budget it spends no more than that, lets BudgetExhausted propagate, and the best point is kept."""
     dim = _at_least(strategy, 3)
     for limit in (1, 2, 3, 7, 20, 50):
-        meter = _problems.Meter()
+        meter = problems.Meter()
         watched = _Watched(_bowl(strategy, dim, meter), Budget(evaluations=limit))
         try:
             strategy.run(watched, np.zeros(dim), 0)
@@ -178,7 +165,7 @@ def is_deterministic(strategy: AbstractStrategy) -> None:
     dim = _at_least(strategy, 3)
     traces = []
     for _ in range(2):
-        problem = _bowl(strategy, dim) if strategy.needs is Need.RESIDUALS else _problems.staircase(dim)
+        problem = _bowl(strategy, dim) if strategy.needs is Need.RESIDUALS else problems.staircase(dim)
         objective = Objective(problem, Budget(evaluations=300))
         _outcome(strategy, objective)
         traces.append(objective.trace.points)
@@ -273,10 +260,10 @@ def _at_least(strategy: AbstractStrategy, dim: int) -> int:
     return max(strategy.min_dim, dim if strategy.max_dim is None else min(dim, strategy.max_dim))
 
 
-def _bowl(strategy: AbstractStrategy, dim: int, meter: _problems.Meter | None = None) -> Problem:
+def _bowl(strategy: AbstractStrategy, dim: int, meter: problems.Meter | None = None) -> Problem:
     if strategy.needs is Need.RESIDUALS:
-        return _problems.least_squares(_problems.linear, dim, meter)
-    return _problems.bowl(dim, meter)
+        return problems.least_squares(problems.linear, dim, meter)
+    return problems.bowl(dim, meter)
 
 
 def _assert_climbs(strategy: AbstractStrategy, problem: Problem, share: float) -> None:
