@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from stereorecal.cli import _jax_setup
+
 WHERE = """
 import jax
 from stereorecal.cli._jax_setup import use_compile_cache

@@ -11,7 +11,7 @@ from hypothesis import given, strategies as st
 
 from stereorecal._errors import InputError, PairingWarning
 from stereorecal.io import load_pair, load_pairs
-from stereorecal.io.images._match import find_partners, match_files
+from stereorecal.io.images._match_by_name import find_partners, match_files
 
 SIZE = (24, 16)
 

@@ -1,4 +1,4 @@
-"""What calibration files hold beside the calibration, made from it as OpenCV does."""
+"""Matrices that calibration files hold beside the calibration (R1, R2, P1, P2, Q, E, F), computed as OpenCV does."""
 
 from dataclasses import dataclass, replace
 
@@ -11,12 +11,12 @@ from stereorecal.geometry import StereoRig, rectifying_rotations, view as pinhol
 Array = Float[np.ndarray, "..."]
 
 
-_SAME_VIEW = 2e-3  # of the focal length: versions of OpenCV differ by less, the views below by more
+_SAME = 2e-3  # of the focal length: versions of OpenCV differ by less, the options below by more
 
 
 @dataclass(frozen=True)
-class View:
-    """What `cv2.stereoRectify` was asked for.
+class RectifyOptions:
+    """The options of `cv2.stereoRectify`.
 
     Attributes:
         alpha: 0 shows only pixels that are seen, 1 all of them; -1 is OpenCV's choice.
@@ -29,33 +29,33 @@ class View:
     matrices: tuple[Array, Array] | None = None
 
 
-def view_of(rig: StereoRig, P1: Array, P2: Array, usual: View) -> View:
-    """The view in which a file's projection matrices were made from its rig; the usual one where none fits, as for
-    images that were cut."""
+def options_of(rig: StereoRig, P1: Array, P2: Array, usual: RectifyOptions) -> RectifyOptions:
+    """The options with which a file's projection matrices were made from its rig; the usual ones where none fit, as for
+    cropped images."""
     if P1.shape != (3, 4) or P2.shape != (3, 4) or not np.all(np.isfinite(P1)) or P1[0, 0] <= 0.0:
         return usual
     if _is_wide(rig):
         return replace(usual, matrices=(P1[:, :3], P2[:, :3]))
     for flags in (cv2.CALIB_ZERO_DISPARITY, 0):
-        seen, everything = (rectification_of(rig, View(alpha, flags))["P1"][0, 0] for alpha in (0.0, 1.0))
+        seen, everything = (rectification_of(rig, RectifyOptions(alpha, flags))["P1"][0, 0] for alpha in (0.0, 1.0))
         between = (P1[0, 0] - seen) / (everything - seen) if everything != seen else 0.0
         alphas = dict.fromkeys((usual.alpha, 0.0, 1.0, -1.0, float(np.clip(between, 0.0, 1.0))))
         for alpha in alphas:
-            made = rectification_of(rig, View(alpha, flags))
+            made = rectification_of(rig, RectifyOptions(alpha, flags))
             off = max(np.abs(made[name] - stated)[:, :3].max() for name, stated in (("P1", P1), ("P2", P2)))
-            if off <= _SAME_VIEW * P1[0, 0]:
-                return View(alpha, flags)
+            if off <= _SAME * P1[0, 0]:
+                return RectifyOptions(alpha, flags)
     return usual
 
 
-def rectification_of(rig: StereoRig, view: View) -> dict[str, Array]:
+def rectification_of(rig: StereoRig, options: RectifyOptions) -> dict[str, Array]:
     """R1, R2, P1, P2 and Q as `cv2.stereoRectify` computes them; and the regions roi1, roi2 (x, y, width, height) in
     which all pixels are seen."""
     left, right = rig.left, rig.right
     # OpenCV's own rotations forget turns below 1e-7; some formats have no other place for the extrinsics.
     R1, R2 = rectifying_rotations(rig.rotation, rig.translation)
     if _is_wide(rig):
-        return {"R1": np.asarray(R1), "R2": np.asarray(R2), **_projections(rig, view)}
+        return {"R1": np.asarray(R1), "R2": np.asarray(R2), **_projections(rig, options)}
     _, _, P1, P2, Q, roi1, roi2 = cv2.stereoRectify(
         np.asarray(left.matrix, float),
         np.asarray(left.distortion, float),
@@ -64,8 +64,8 @@ def rectification_of(rig: StereoRig, view: View) -> dict[str, Array]:
         left.size,
         np.asarray(rig.rotation, float),
         np.asarray(rig.translation, float).reshape(3, 1),
-        flags=view.flags,
-        alpha=view.alpha,
+        flags=options.flags,
+        alpha=options.alpha,
     )
     regions = (np.array(region, float) for region in (roi1, roi2))
     names = ("R1", "R2", "P1", "P2", "Q", "roi1", "roi2")
@@ -76,10 +76,10 @@ def _is_wide(rig: StereoRig) -> bool:
     return rig.left.lens.WIDE or rig.right.lens.WIDE
 
 
-def _projections(rig: StereoRig, view: View) -> dict[str, Array]:
+def _projections(rig: StereoRig, options: RectifyOptions) -> dict[str, Array]:
     """P1, P2, Q and the whole images as regions."""
     ours, (width, height) = pinhole_view(rig), rig.left.size
-    left, right = view.matrices or (np.asarray(ours.matrix_left), np.asarray(ours.matrix_right))
+    left, right = options.matrices or (np.asarray(ours.matrix_left), np.asarray(ours.matrix_right))
     baseline = float(rig.baseline)
     P1, P2 = (np.column_stack([matrix, np.zeros(3)]) for matrix in (left, right))
     P2[0, 3] = -right[0, 0] * baseline

@@ -8,17 +8,17 @@ import numpy as np
 from stereorecal._errors import InputError
 from stereorecal._units import METRES, checked_unit
 from stereorecal.geometry import StereoRig, same_camera, same_rig
-from stereorecal.io._about import about
+from stereorecal.io._read_files import about
+from stereorecal.io.formats._file_units import scaled
 from stereorecal.io.formats._format import Format, Hints, Target
-from stereorecal.io.formats._reading import rig_in
-from stereorecal.io.formats._registry import named, usual
-from stereorecal.io.formats._source import Source
-from stereorecal.io.formats._units import scaled
+from stereorecal.io.formats._format_list import named, usual
+from stereorecal.io.formats._read_rig import rig_in
+from stereorecal.io.formats._rig_file import RigFile
 from stereorecal.io.formats.text._document import Syntax, document
 
 
 def texts_of(
-    rig: StereoRig, paths: Sequence[Path], source: Source | None, format: str | None, unit: str | None = None
+    rig: StereoRig, paths: Sequence[Path], source: RigFile | None, format: str | None, unit: str | None = None
 ) -> tuple[str, ...]:
     """What is to be written for a rig; reading it gives the rig back.
 
@@ -45,7 +45,7 @@ def texts_of(
         return _anew(rig, chosen, syntax, stated or unit or (own.unit if own is not None else "m"))
 
 
-def check_names(paths: Sequence[Path], source: Source | None, format: str | None) -> None:
+def check_names(paths: Sequence[Path], source: RigFile | None, format: str | None) -> None:
     """What `texts_of` checks of names and numbers of files, before there is a rig.
 
     Raises:
@@ -54,13 +54,13 @@ def check_names(paths: Sequence[Path], source: Source | None, format: str | None
     syntax_for(paths, chosen_format(paths, source, format), source)
 
 
-def chosen_format(paths: Sequence[Path], source: Source | None, format: str | None) -> Format:
+def chosen_format(paths: Sequence[Path], source: RigFile | None, format: str | None) -> Format:
     """The format that was asked for, or that of the source, or the usual one for such a name."""
     name = format or (source.format if source is not None else None)
     return named(name) if name is not None else usual(paths[0])
 
 
-def syntax_for(paths: Sequence[Path], format: Format, source: Source | None) -> Syntax:
+def syntax_for(paths: Sequence[Path], format: Format, source: RigFile | None) -> Syntax:
     """The syntax of what is written under a name.
 
     Raises:
@@ -85,7 +85,7 @@ def syntax_for(paths: Sequence[Path], format: Format, source: Source | None) -> 
     return syntax
 
 
-def _into(rig: StereoRig, format: Format, source: Source) -> tuple[str, ...]:
+def _into(rig: StereoRig, format: Format, source: RigFile) -> tuple[str, ...]:
     """The texts of the source with what has changed."""
     before = rig_in(source.documents, format, source.unit, source.hints)
     for old, new in ((before.left, rig.left), (before.right, rig.right)):

@@ -1,4 +1,4 @@
-"""The list of formats: by name, and by what is in a file."""
+"""The list of formats: found by name, or by the content of a file."""
 
 from pathlib import Path
 

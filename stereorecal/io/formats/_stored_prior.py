@@ -1,6 +1,6 @@
-"""What is known of a calibration: in a calib.json one of its keys, of any other format a file beside it.
+"""The saved prior of a calibration: a key of a calib.json, or a file beside a calibration of any other format.
 
-The content is that of `SavedPrior.as_dict`; in here it is plain data, and only its rig is looked at.
+The content is that of `SavedPrior.as_dict`; here it is JSON data, of which only the rig is read.
 """
 
 import json
@@ -11,11 +11,10 @@ from typing import Any, Protocol, runtime_checkable
 
 from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig, rig_from_data, same_rig
-from stereorecal.io._about import about
-from stereorecal.io._json import parse_json
-from stereorecal.io._text import read_text
+from stereorecal.io._read_files import about, read_text
+from stereorecal.io._strict_json import parse_json
 from stereorecal.io.formats import _stereorecal
-from stereorecal.io.formats._source import source_of
+from stereorecal.io.formats._rig_file import file_of
 from stereorecal.io.formats.text._document import Syntax, document
 
 KEY = "prior"
@@ -23,8 +22,8 @@ ENDING = ".prior.json"
 
 
 @runtime_checkable
-class Known(Protocol):
-    """As `SavedPrior`."""
+class PriorData(Protocol):
+    """The interface of `SavedPrior`."""
 
     @property
     def rig(self) -> StereoRig: ...
@@ -35,13 +34,13 @@ class Known(Protocol):
 
 
 @dataclass(frozen=True)
-class Stored:
-    """What a file says, whether or not it makes sense.
+class StoredPrior:
+    """A prior as read from a file, not yet checked.
 
     Attributes:
-        place: what messages call it.
+        place: its name in messages.
         content: None if it cannot be read.
-        problem: why.
+        problem: why it cannot be read.
     """
 
     place: str
@@ -66,7 +65,7 @@ def prior_file(path: Path) -> Path:
     return path.with_name(path.name + ENDING)
 
 
-def read_beside(path: Path) -> Stored | None:
+def read_beside(path: Path) -> StoredPrior | None:
     """The file beside a calibration, if there is one."""
     place = prior_file(path)
     try:
@@ -76,22 +75,22 @@ def read_beside(path: Path) -> Stored | None:
         return None
     try:
         with about(place):
-            return Stored(str(place), parse_json(read_text(place)))
+            return StoredPrior(str(place), parse_json(read_text(place)))
     except InputError as error:
-        return Stored(str(place), None, str(error))
+        return StoredPrior(str(place), None, str(error))
 
 
-def stored_prior(rig: StereoRig) -> Stored | None:
-    """What is known of the calibration in the file that a rig came from; None if nothing is said."""
-    source = source_of(rig)
+def stored_prior(rig: StereoRig) -> StoredPrior | None:
+    """The prior in the file that a rig came from; None if there is none."""
+    source = file_of(rig)
     if source is None or source.format != _stereorecal.NAME:
         return None if source is None else source.beside
     content = source.documents[0].content.get(KEY)
-    return None if content is None else Stored(f"{source.documents[0].name}, {KEY!r}", content)
+    return None if content is None else StoredPrior(f"{source.documents[0].name}, {KEY!r}", content)
 
 
 def own_prior(rig: StereoRig) -> dict[str, Any] | None:
-    """That of a rig which is still the one in its file; None if nothing is said of it.
+    """The stored prior of a rig that is unchanged since it was read; None if there is none.
 
     Raises:
         InputError: if it cannot be read.
@@ -101,7 +100,7 @@ def own_prior(rig: StereoRig) -> dict[str, Any] | None:
 
 
 def prior_place(paths: Sequence[Path], format: str) -> Path | None:
-    """The file beside a calibration that is written; None if the format has a key for it, or it goes to a device."""
+    """The file beside a calibration to be written; None if the format has a key for it, or it goes to a device."""
     if format == _stereorecal.NAME or (paths[0].exists() and not paths[0].is_file()):
         return None
     return prior_file(paths[0])
@@ -114,7 +113,7 @@ def prior_text(content: dict[str, Any]) -> str:
 
 
 def with_prior(text: str, content: dict[str, Any] | None) -> str:
-    """The text of a calib.json with it, on one line; with none, any other is taken away."""
+    """The text of a calib.json with this prior on one line; None removes a prior that is there."""
     old = document("calib.json", text, Syntax.JSON)
     if old.content.get(KEY) == content:
         return text

@@ -1,5 +1,4 @@
-"""Cameras that are watched while they run, read by OpenCV: devices, streams, GStreamer pipelines; or files in place of
-them."""
+"""Live cameras, read by OpenCV: devices, streams, GStreamer pipelines; or files in place of them."""
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -8,11 +7,11 @@ import cv2
 import numpy as np
 
 from stereorecal._errors import InputError
-from stereorecal.io.images._files import quiet_opencv
-from stereorecal.io.images._source import Image
+from stereorecal.io.images._frame_source import Image
+from stereorecal.io.images._image_files import quiet_opencv
 from stereorecal.recordings import Images, Pair, make_pair
 
-_APART = 100  # pairs in a row, taken too far apart
+_MOST_APART = 100  # pairs in a row whose frames are too far apart in time
 
 
 def camera_pairs(names: Sequence[str], tolerance: float | None = None) -> Iterator[Pair | Images]:
@@ -38,7 +37,7 @@ def camera_pairs(names: Sequence[str], tolerance: float | None = None) -> Iterat
             off = abs(times[0] - times[-1])
             if tolerance is not None and off > tolerance:
                 apart += 1
-                if apart == _APART:
+                if apart == _MOST_APART:
                     raise InputError(
                         f"cameras {' and '.join(names)}: their frames are {off:.3f} s apart, the tolerance is "
                         f"{tolerance:g} s; synchronise them, or give a larger --tolerance."
@@ -60,7 +59,7 @@ def _pair(images: Sequence[Image], name: str, time: float | None) -> Pair | Imag
     try:
         return make_pair(left, right, channels="bgr", name=name, time=time)
     except InputError:
-        return left, right  # what is wrong is said by who looks at it, and the next may be good
+        return left, right  # the consumer reports what is wrong; the next pair may be good
 
 
 class _Camera:

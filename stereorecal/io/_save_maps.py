@@ -6,7 +6,7 @@ import numpy as np
 
 from stereorecal.geometry import StereoRig, rectification
 from stereorecal.io._atomic import write_bytes
-from stereorecal.io._paths import AnyPath
+from stereorecal.io._read_files import AnyPath
 
 
 def save_maps(rig: StereoRig, path: AnyPath, overwrite: bool = False) -> None:

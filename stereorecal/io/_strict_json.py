@@ -1,4 +1,4 @@
-"""JSON, written in one way and read strictly."""
+"""JSON, written uniformly and read strictly."""
 
 import json
 import math
@@ -9,10 +9,8 @@ from typing import Any
 
 from stereorecal._errors import InputError
 from stereorecal._json_data import json_data
-from stereorecal.io._about import about
 from stereorecal.io._atomic import write_text
-from stereorecal.io._paths import AnyPath
-from stereorecal.io._text import read_text
+from stereorecal.io._read_files import AnyPath, about, read_text
 
 # Far more than any file of this library has, and far below the depth at which Python's own recursion ends.
 _DEEPEST = 100

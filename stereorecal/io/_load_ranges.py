@@ -5,7 +5,7 @@ import math
 from pathlib import Path
 
 from stereorecal._errors import InputError
-from stereorecal.io._text import read_text
+from stereorecal.io._read_files import read_text
 from stereorecal.recordings import Range
 
 _SIGNS = ";\t|"  # that divide the columns of other tables

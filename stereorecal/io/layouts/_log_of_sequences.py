@@ -1,4 +1,4 @@
-"""A log of sequences that each have a calibration file: equal calibrations become one."""
+"""A log made of sequences with a calibration file each: equal calibrations become one."""
 
 from collections.abc import Hashable, Iterable
 from pathlib import Path
@@ -8,11 +8,15 @@ import numpy as np
 
 from stereorecal.geometry import StereoRig
 from stereorecal.io._scenes import fitting
-from stereorecal.io.formats._calibration import Calibration
-from stereorecal.io.layouts._names import name_of
+from stereorecal.io.formats._scene_calibration import Calibration
 from stereorecal.recordings import LazyPairs, Log, Mission
 
 Sequence = tuple[Path, StereoRig, LazyPairs]  # its folder, the rig, the pairs
+
+
+def folder_name(folder: Path) -> str:
+    """The last two parts of a folder's path, "<parent>/<folder>": the name of a scene or a log."""
+    return "/".join(folder.resolve().parts[-2:]).lstrip("/")
 
 
 def log_of(folder: Path, sequences: Iterable[Sequence]) -> Log:
@@ -27,15 +31,17 @@ def log_of(folder: Path, sequences: Iterable[Sequence]) -> Log:
     found: list[tuple[str, Hashable, LazyPairs]] = []
     rigs: dict[Hashable, tuple[str, StereoRig]] = {}
     for place, rig, pairs in sequences:
-        name = name_of(folder) if place == folder else place.name
-        rigs.setdefault(_key(rig), (name, rig))
-        found.append((name, _key(rig), fitting(place, Calibration(rig.left.size, rig), pairs)))
+        name = folder_name(folder) if place == folder else place.name
+        rigs.setdefault(_rig_key(rig), (name, rig))
+        found.append((name, _rig_key(rig), fitting(place, Calibration(rig.left.size, rig), pairs)))
     names = {value: name if len(rigs) > 1 else "stored" for value, (name, _) in rigs.items()}
     calibrations = {names[value]: rig for value, (_, rig) in rigs.items()}
-    return Log(name_of(folder), calibrations, tuple(Mission(name, names[value], pairs) for name, value, pairs in found))
+    return Log(
+        folder_name(folder), calibrations, tuple(Mission(name, names[value], pairs) for name, value, pairs in found)
+    )
 
 
-def _key(rig: StereoRig) -> Hashable:
+def _rig_key(rig: StereoRig) -> Hashable:
     """A key that is equal for equal rigs."""
     leaves, structure = jax.tree.flatten(rig)
     return structure, tuple(np.asarray(leaf).tobytes() for leaf in leaves)

@@ -1,4 +1,4 @@
-"""The file that a rig came from."""
+"""The calibration file that a rig was read from."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -8,16 +8,16 @@ from stereorecal.io.formats._format import Documents, Hints
 
 
 @dataclass(frozen=True)
-class Source:
-    """What is needed to write a rig into a copy of its file.
+class RigFile:
+    """A calibration file, as needed to write a rig into a copy of it.
 
     Attributes:
         format: its name.
         documents: the texts, with what they said.
         hints: with which they were read.
         unit: of lengths in the file.
-        inferred: whether nobody said the unit.
-        beside: what the file beside it says of how well it is known, as `stored_prior` gives it.
+        inferred: whether the unit was inferred from the baseline.
+        beside: the prior in the file beside it, as `stored_prior` gives it.
     """
 
     format: str
@@ -25,9 +25,9 @@ class Source:
     hints: Hints
     unit: str
     inferred: bool = False
-    beside: Any = None  # a Stored, whose module imports this one
+    beside: Any = None  # a StoredPrior, whose module imports this one
 
 
-def source_of(rig: StereoRig) -> Source | None:
+def file_of(rig: StereoRig) -> RigFile | None:
     """The file that a rig came from, if it came from one."""
-    return rig.source if isinstance(rig.source, Source) else None
+    return rig.source if isinstance(rig.source, RigFile) else None

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from stereorecal._errors import InputError
-from stereorecal.io._text import read_text
-from stereorecal.io.images._files import read_image
-from stereorecal.io.images._headers import announced_size, bytes_per_pixel, ends_properly
+from stereorecal.io._read_files import read_text
+from stereorecal.io.images._image_files import read_image
+from stereorecal.io.images._image_headers import announced_size, bytes_per_pixel, ends_properly
 
 ENDINGS = [".png", ".jpg", ".tif", ".bmp", ".pgm", ".ppm", ".webp", ".jp2"]
 IMAGE = np.random.default_rng(0).integers(0, 255, (70, 81, 3), np.uint8)

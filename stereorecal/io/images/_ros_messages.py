@@ -6,8 +6,8 @@ import cv2
 import numpy as np
 
 from stereorecal._errors import InputError
-from stereorecal.io.images._files import decode_image
-from stereorecal.io.images._source import Image
+from stereorecal.io.images._frame_source import Image
+from stereorecal.io.images._image_files import decode_image
 
 _TO_BGR = {"rgb8": cv2.COLOR_RGB2BGR, "rgba8": cv2.COLOR_RGBA2BGR}
 _TO_BGR |= {"rgb16": cv2.COLOR_RGB2BGR, "rgba16": cv2.COLOR_RGBA2BGR}

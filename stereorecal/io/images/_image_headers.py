@@ -1,4 +1,4 @@
-"""What the first bytes of an image file announce, before a decoder reserves memory for it; and whether it is whole."""
+"""Headers of image files: the size, before a decoder reserves memory for it, and whether the file is complete."""
 
 import re
 import struct

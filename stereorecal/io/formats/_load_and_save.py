@@ -1,4 +1,4 @@
-"""A rig without images: the file that holds its calibration."""
+"""Loading and saving the calibration file of a rig."""
 
 import os
 import re
@@ -11,16 +11,16 @@ from typing import Any
 from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig
 from stereorecal.io._atomic import FileTaken, take_after, write_bytes, write_files
-from stereorecal.io._json import parse_json
-from stereorecal.io._paths import AnyPath
+from stereorecal.io._read_files import AnyPath
+from stereorecal.io._strict_json import parse_json
+from stereorecal.io.formats._file_units import warn_of_units
 from stereorecal.io.formats._format import Hints
-from stereorecal.io.formats._prior import KEY, Known, own_prior, prior_place, prior_text, with_prior
-from stereorecal.io.formats._reading import read_files
-from stereorecal.io.formats._registry import named
-from stereorecal.io.formats._source import source_of
+from stereorecal.io.formats._format_list import named
+from stereorecal.io.formats._read_rig import read_files
+from stereorecal.io.formats._rig_file import file_of
 from stereorecal.io.formats._stereorecal import calibration_of, calibration_text
-from stereorecal.io.formats._units import warn_of_units
-from stereorecal.io.formats._writing import chosen_format, texts_of
+from stereorecal.io.formats._stored_prior import KEY, PriorData, own_prior, prior_place, prior_text, with_prior
+from stereorecal.io.formats._write_rig import chosen_format, texts_of
 
 
 def load_rig(
@@ -67,7 +67,7 @@ def save_rig(
     format: str | None = None,
     template: AnyPath | Sequence[AnyPath] | None = None,
     unit: str | None = None,
-    prior: Known | None = None,
+    prior: PriorData | None = None,
 ) -> None:
     """Write a rig into a copy of the file that it came from, whole or not at all: what was not estimated stays as it
     was there, what is derived is computed anew. A rig from nowhere, or in another format, becomes a new file.
@@ -84,9 +84,9 @@ def save_rig(
         unit: "m", "cm", "mm" or "in", where the format says none: of a template, by default that of the file that the
             rig came from, if its format is the same, else told by the template's baseline; or of a new file, by default
             metres.
-        prior: what is known of the rig, such as `solution.prior`; default what the file that it came from says, if the
-            rig is still the same. A calib.json has a key for it; any other format gets the file NAME.prior.json beside
-            the (left camera's) file, for the same price: both are written, or none.
+        prior: the prior of the next repair, such as `solution.prior`; default the one in the file that the rig came
+            from, if the rig is unchanged. A calib.json has a key for it; any other format gets the file
+            NAME.prior.json beside the (left camera's) file: both are written, or none.
 
     Raises:
         InputError: if a file exists already, the place cannot be written to, the name contradicts the format, the
@@ -99,10 +99,10 @@ def save_rig(
     if len({place.resolve() for place in paths}) < len(paths):
         raise InputError(f"{paths[0]}: both cameras' files are the same one; give two names.")
     if template is None:
-        source = source_of(rig)
+        source = file_of(rig)
     else:
         like = _read_template(template, unit, rig)
-        source = source_of(like)
+        source = file_of(like)
         warn_of_units(str(template), like)
     texts = list(texts_of(rig, paths, source, format, unit))
     if prior is not None:
@@ -129,18 +129,18 @@ def check_savable(
     Raises:
         InputError: as `save_rig`.
     """
-    texts_of(rig, _paths(path), source_of(rig), format, unit)
+    texts_of(rig, _paths(path), file_of(rig), format, unit)
 
 
 def says_its_unit(rig: StereoRig) -> bool:
     """Whether the format of the file that a rig came from has a unit of lengths; False for a rig from nowhere."""
-    source = source_of(rig)
+    source = file_of(rig)
     return source is not None and named(source.format).UNIT is not None
 
 
 def unsaid_unit(rig: StereoRig, path: AnyPath | Sequence[AnyPath], *, format: str | None = None) -> str | None:
     """The unit of lengths in what `save_rig` writes, where the format says none; None where it says one."""
-    source = source_of(rig)
+    source = file_of(rig)
     chosen = chosen_format(_paths(path), source, format)
     own = source.unit if source is not None and source.format == chosen.NAME else "m"
     return own if chosen.UNIT is None else None
@@ -149,10 +149,10 @@ def unsaid_unit(rig: StereoRig, path: AnyPath | Sequence[AnyPath], *, format: st
 def prior_beside(rig: StereoRig, path: AnyPath | Sequence[AnyPath], *, format: str | None = None) -> Path | None:
     """The file that `save_rig` writes beside a calibration for what is known of it; None where it writes none."""
     paths = _paths(path)
-    return prior_place(paths, chosen_format(paths, source_of(rig), format).NAME)
+    return prior_place(paths, chosen_format(paths, file_of(rig), format).NAME)
 
 
-def calibration_json(rig: StereoRig, prior: Known | None = None) -> str:
+def calibration_json(rig: StereoRig, prior: PriorData | None = None) -> str:
     """A rig as a calib.json, with what is known of it."""
     text = calibration_text(calibration_of(rig, rig.left.size))
     return text if prior is None else with_prior(text, prior.as_dict())
@@ -160,7 +160,7 @@ def calibration_json(rig: StereoRig, prior: Known | None = None) -> str:
 
 def calibration_files(rig: StereoRig | None) -> list[Path]:
     """The files that a rig came from; none if it came from nowhere."""
-    source = None if rig is None else source_of(rig)
+    source = None if rig is None else file_of(rig)
     return [] if source is None else [Path(document.name) for document in source.documents]
 
 
@@ -202,9 +202,9 @@ def _paths(path: AnyPath | Sequence[AnyPath]) -> list[Path]:
 
 def _read_template(template: AnyPath | Sequence[AnyPath], unit: str | None, rig: StereoRig) -> StereoRig:
     """The rig in a template; lengths in one that says no unit are as in the rig's own file of that format."""
-    paths, hints, own = _paths(template), Hints(size=rig.left.size), source_of(rig)
+    paths, hints, own = _paths(template), Hints(size=rig.left.size), file_of(rig)
     like = read_files(paths, unit=unit, hints=hints)
-    found = source_of(like)
+    found = file_of(like)
     if own is not None and found is not None and found.inferred and found.format == own.format:
         return read_files(paths, unit=own.unit, hints=hints)
     return like

@@ -1,4 +1,4 @@
-"""The frames of one camera, wherever they come from, read one by one when they are asked for."""
+"""The frames of one camera (files, a video, a topic of a bag), read one by one."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -14,7 +14,7 @@ Image = Any  # an array as OpenCV has it: (h, w), or (h, w, 3 or 4) in BGR order
 
 
 @dataclass(frozen=True, eq=False)
-class Source:
+class FrameSource:
     """Frames by number.
 
     Attributes:
@@ -30,7 +30,7 @@ class Source:
     read: Callable[[int], Image]
 
 
-def halves(source: Source) -> tuple[Source, Source]:
+def halves(source: FrameSource) -> tuple[FrameSource, FrameSource]:
     """The left and the right half of frames that show both images side by side. A frame is read once for both: to read
     one again, a video would be searched from its beginning."""
     kept = replace(source, read=lru_cache(maxsize=1)(source.read))
@@ -39,7 +39,7 @@ def halves(source: Source) -> tuple[Source, Source]:
     )
 
 
-def _half(source: Source, index: int, side: int) -> Image:
+def _half(source: FrameSource, index: int, side: int) -> Image:
     image = source.read(index)
     width = image.shape[1]
     if width % 2:

@@ -4,8 +4,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 from stereorecal._errors import InputError
-from stereorecal.io._paths import AnyPath
-from stereorecal.io.formats._units import warn_of_units
+from stereorecal.io._read_files import AnyPath
+from stereorecal.io.formats._file_units import warn_of_units
 from stereorecal.io.layouts import (
     _euroc,
     _kitti_odometry,
@@ -17,7 +17,7 @@ from stereorecal.io.layouts import (
     _plain_log,
 )
 from stereorecal.io.layouts._layout import Layout
-from stereorecal.io.layouts._names import name_of
+from stereorecal.io.layouts._log_of_sequences import folder_name
 from stereorecal.io.layouts._scene_folder import is_scene_folder, open_scene_folder
 from stereorecal.recordings import LazyPairs, Log, Mission, Pair, Scene
 
@@ -108,7 +108,7 @@ def _read_log(folder: Path, limit: int | None) -> Log:
 def _read_scene(folder: Path, limit: int | None, choose: Callable[[LazyPairs], tuple[Pair, ...]]) -> Scene:
     if is_scene_folder(folder) or not any(layout.recognises(folder) for layout in _LAYOUTS):
         found, pairs = open_scene_folder(folder, limit)
-        return Scene(name_of(folder), found.rig, choose(pairs), found.reference, found.info)
+        return Scene(folder_name(folder), found.rig, choose(pairs), found.reference, found.info)
     log = _read_log(folder, limit)
     mission, *others = log.missions
     if others:
@@ -129,7 +129,7 @@ def _existing(folder: AnyPath) -> Path:
 def _log_of(folder: Path, limit: int | None) -> Log:
     """A scene folder as a log."""
     found, pairs = open_scene_folder(folder, limit)
-    name = name_of(folder)
+    name = folder_name(folder)
     if found.rig is None:
         raise InputError(f"{name}: the scene has no calibration; a log needs one.")
     truth = found.rig if found.reference == "truth" else None

@@ -1,17 +1,17 @@
-"""Frames of two cameras that were taken at the same time."""
+"""Frames of two cameras matched by their times."""
 
 import numpy as np
 from jaxtyping import Float
 
 from stereorecal._errors import InputError
-from stereorecal.io.images._source import Source
+from stereorecal.io.images._frame_source import FrameSource
 
-_OF_INTERVAL = 0.25  # of the time from one left frame to the next: as far apart a pair may be
+_OF_INTERVAL = 0.25  # of the time from one left frame to the next: the largest difference within a pair
 
-_EXACT = 1e-6  # seconds: what float64 leaves of the nanoseconds since 1970
+_EXACT = 1e-6  # seconds: the resolution of float64 for nanoseconds since 1970
 
 
-def pairs_by_time(left: Source, right: Source, tolerance: float | None) -> list[tuple[int, int]]:
+def pairs_by_time(left: FrameSource, right: FrameSource, tolerance: float | None) -> list[tuple[int, int]]:
     """Numbers of left and right frames that belong together: each the other's nearest, and near enough.
 
     Args:
@@ -40,7 +40,7 @@ def pairs_by_time(left: Source, right: Source, tolerance: float | None) -> list[
     return found
 
 
-def _times(source: Source) -> Float[np.ndarray, "n"]:
+def _times(source: FrameSource) -> Float[np.ndarray, "n"]:
     if source.times is None:
         raise InputError(f"{source.where}: these frames have no times; give the tolerance for frames that have.")
     return source.times

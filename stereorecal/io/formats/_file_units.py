@@ -1,4 +1,4 @@
-"""The unit of a file: what its numbers are, and what to say of it."""
+"""The unit of lengths in a calibration file, and warnings about it."""
 
 import warnings
 
@@ -7,7 +7,7 @@ import numpy as np
 from stereorecal._errors import CalibrationWarning
 from stereorecal._units import doubt_of_length
 from stereorecal.geometry import StereoRig
-from stereorecal.io._paths import AnyPath
+from stereorecal.io._read_files import AnyPath
 
 
 def scaled(rig: StereoRig, factor: float) -> StereoRig:

@@ -1,4 +1,4 @@
-"""Values, and the keys under which a text has them."""
+"""Paths of keys in a text, and the values under them."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any

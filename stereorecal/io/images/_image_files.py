@@ -11,8 +11,8 @@ from jaxtyping import Float, Num
 
 from stereorecal._errors import InputError
 from stereorecal.io._atomic import make_folder, write_bytes
-from stereorecal.io._inputs import note_input
-from stereorecal.io.images._headers import announced_size, bytes_per_pixel, ends_properly
+from stereorecal.io._read_files import note_input
+from stereorecal.io.images._image_headers import announced_size, bytes_per_pixel, ends_properly
 
 _SUFFIXES = (".png", ".jpg", ".jpeg", ".jp2", ".tif", ".tiff", ".bmp", ".pgm", ".ppm", ".pnm", ".webp")
 MOST_PIXELS = 1 << 26  # of an image: 67 million, which take 0.2 GB to decode in colour
@@ -100,7 +100,7 @@ def write_png(path: Path, image: Float[np.ndarray, "h w"]) -> None:
 
 @contextmanager
 def quiet_opencv() -> Iterator[None]:
-    """Around calls of OpenCV that would complain on stderr themselves."""
+    """Silence OpenCV's own messages on stderr inside."""
     logging = cv2.utils.logging
     level = logging.getLogLevel()
     logging.setLogLevel(logging.LOG_LEVEL_SILENT)

@@ -1,4 +1,4 @@
-"""Image pairs from where people have them, read when they are asked for: files, halves of images, videos, bags."""
+"""Image pairs of a recording (files, side-by-side images, videos, bags), read one by one."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -8,27 +8,27 @@ from pathlib import Path
 import numpy as np
 
 from stereorecal._errors import InputError
-from stereorecal.io._paths import AnyPath
+from stereorecal.io._read_files import AnyPath
 from stereorecal.io.images._bags import bag_folder, bag_sources, is_bag
-from stereorecal.io.images._by_time import pairs_by_time
-from stereorecal.io.images._files import read_image
-from stereorecal.io.images._match import find_partners
-from stereorecal.io.images._pairs import NANOSECONDS, find_images, load_matched
-from stereorecal.io.images._source import Source, halves
+from stereorecal.io.images._frame_source import FrameSource, halves
+from stereorecal.io.images._image_files import read_image
+from stereorecal.io.images._load_pairs import NANOSECONDS, find_images, load_matched
+from stereorecal.io.images._match_by_name import find_partners
+from stereorecal.io.images._match_by_time import pairs_by_time
 from stereorecal.io.images._videos import is_video, video_source
 from stereorecal.recordings import LazyPairs, Pair, check_two_images, make_pair
 
 
 @dataclass(frozen=True, eq=False)
 class Recorded:
-    """What `open_pairs` found.
+    """The result of `open_pairs`.
 
     Attributes:
         pairs: all of them, read when asked for: take a slice, or hand them to a function that looks at one after the
             other; `tuple(recorded.pairs)` reads all.
         unpaired: names of frames that have no partner.
         stream: whether they are frames of a video or a bag, which are many and show the same again and again.
-        by_order: whether neither names nor times, but only their order, told which images belong together.
+        by_order: whether images were matched by their order, since neither names nor times corresponded.
     """
 
     pairs: LazyPairs
@@ -39,7 +39,7 @@ class Recorded:
 
 @dataclass(frozen=True)
 class _Places:
-    """The arguments of `open_pairs`: with them a worker finds a pair again."""
+    """The arguments of `open_pairs`, with which a worker opens the recording again."""
 
     left: str
     right: str | None
@@ -71,7 +71,7 @@ def open_pairs(
             partner, or there is nothing for a tolerance to hold for.
 
     Warns:
-        PairingWarning: if the order was all there was to go by.
+        PairingWarning: if files were matched by their order.
     """
     topics = None
     if left_topic is not None or right_topic is not None:
@@ -101,12 +101,14 @@ def _opened(places: _Places) -> Recorded:
         sources, stream = (_source(left, timed=True), _source(Path(right), timed=True)), is_video(left)
     else:
         found = find_partners(find_images(left), find_images(right))
-        alone = tuple("/".join(path.parts[-2:]) for path in found.alone)  # with the folder, which tells whose it is
+        alone = tuple("/".join(path.parts[-2:]) for path in found.unmatched)  # with the folder, which tells whose it is
         return Recorded(load_matched(found.matched), alone, False, found.by_order)
     return _recorded(places, *sources, pairs_by_time(*sources, tolerance), stream)
 
 
-def _recorded(places: _Places, left: Source, right: Source, found: list[tuple[int, int]], stream: bool) -> Recorded:
+def _recorded(
+    places: _Places, left: FrameSource, right: FrameSource, found: list[tuple[int, int]], stream: bool
+) -> Recorded:
     with_partner = [{pair[side] for pair in found} for side in (0, 1)]
     alone = [
         name
@@ -126,7 +128,7 @@ def _recorded(places: _Places, left: Source, right: Source, found: list[tuple[in
             right.read(second),
             channels="bgr",
             name=about,
-            origin=(_again, (places, number)),
+            origin=(_read_in_worker, (places, number)),
             time=times[number],
         )
         check_two_images(pair)
@@ -136,7 +138,7 @@ def _recorded(places: _Places, left: Source, right: Source, found: list[tuple[in
     return Recorded(LazyPairs(frames, [left.names[first] for first, _ in found], times), tuple(alone), stream)
 
 
-def _again(places: _Places, number: int) -> Pair:
+def _read_in_worker(places: _Places, number: int) -> Pair:
     """A pair in another process."""
     return _opened_once(places).pairs[number]
 
@@ -156,10 +158,10 @@ class _Frame:
         return self._read(self._number)
 
     def __reduce__(self):
-        return partial, (_again, self._places, self._number)
+        return partial, (_read_in_worker, self._places, self._number)
 
 
-def _source(path: Path, timed: bool = False) -> Source:
+def _source(path: Path, timed: bool = False) -> FrameSource:
     if is_video(path):
         return video_source(path)
     files = find_images(path)
@@ -168,7 +170,9 @@ def _source(path: Path, timed: bool = False) -> Source:
         times = np.array([_time(file) for file in files])
         order = np.argsort(times, kind="stable")
         files, times = [files[index] for index in order], times[order]
-    return Source(str(path), tuple(file.name for file in files), times, lambda index: read_image(str(files[index])))
+    return FrameSource(
+        str(path), tuple(file.name for file in files), times, lambda index: read_image(str(files[index]))
+    )
 
 
 def _time(file: Path) -> float:

@@ -8,10 +8,9 @@ from functools import partial
 from pathlib import Path
 
 from stereorecal._errors import InputError
-from stereorecal.io._inputs import note_input
-from stereorecal.io._paths import AnyPath
-from stereorecal.io.images._files import images_in, natural_order, read_image
-from stereorecal.io.images._match import Matched, match_files
+from stereorecal.io._read_files import AnyPath, note_input
+from stereorecal.io.images._image_files import images_in, natural_order, read_image
+from stereorecal.io.images._match_by_name import Matched, match_files
 from stereorecal.recordings import LazyPairs, Pair, check_two_images, make_pair
 
 NANOSECONDS = 16  # digits and more of a name that is a time
@@ -57,7 +56,7 @@ def load_pairs(left: AnyPath, right: AnyPath, limit: int | None = None) -> tuple
         InputError: if nothing matches, an image has no partner, or a file is bad (see `load_pair`).
 
     Warns:
-        PairingWarning: if the order was all there was to go by.
+        PairingWarning: if files were matched by their order.
     """
     return tuple(load_matched(match_files(find_images(left), find_images(right)), limit))
 

@@ -1,4 +1,4 @@
-"""A calibration beside images: the rig, and what else its file says of the scene."""
+"""The calibration of a scene: the rig, and other facts about the scene in the same file."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -7,14 +7,14 @@ from typing import Any
 
 from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig
-from stereorecal.io._about import about
-from stereorecal.io._json import read_json
+from stereorecal.io._read_files import about
+from stereorecal.io._strict_json import read_json
 from stereorecal.io.formats import _stereorecal
 from stereorecal.io.formats._format import Hints
 from stereorecal.io.formats._numbers import image_size
-from stereorecal.io.formats._prior import KEY
-from stereorecal.io.formats._reading import read_files
-from stereorecal.io.formats._source import source_of
+from stereorecal.io.formats._read_rig import read_files
+from stereorecal.io.formats._rig_file import file_of
+from stereorecal.io.formats._stored_prior import KEY
 
 _IF_MISSING = "check the path, or write a calib.json there."
 
@@ -50,7 +50,7 @@ def load_calibration(
             with about(paths[0]):
                 return _of(image_size(content, "image_size"), None, content)
     rig = read_files(paths, format, unit, hints, _IF_MISSING)
-    source = source_of(rig)
+    source = file_of(rig)
     own = source is not None and source.format == _stereorecal.NAME
     return _of(rig.left.size, rig, source.documents[0].content if source is not None and own else {})
 

@@ -1,4 +1,4 @@
-"""Lenses and the numbers that formats have for them."""
+"""The numbers of a lens (camera matrix, distortion) as formats hold them."""
 
 from collections.abc import Sequence
 
@@ -116,7 +116,7 @@ def is_turned(rig: StereoRig) -> bool:
 
 
 def check_straight(rig_has: object, what: str) -> None:
-    """Refuse what a format of rectified images has no place for.
+    """Refuse a rotation or a lens in a format of rectified images.
 
     Raises:
         InputError: if there is something.

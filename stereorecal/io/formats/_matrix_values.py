@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.io.formats.text._values import Keys, at
+from stereorecal.io.formats.text._keys import Keys, at
 
 Array = Float[np.ndarray, "..."]
 

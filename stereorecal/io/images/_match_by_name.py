@@ -1,4 +1,4 @@
-"""Which image files belong together: left and right partners, by their names."""
+"""Left and right image files matched by their names."""
 
 import warnings
 from collections.abc import Mapping, Sequence
@@ -7,7 +7,7 @@ from itertools import product
 from pathlib import Path
 
 from stereorecal._errors import InputError, PairingWarning
-from stereorecal.io.images._files import images_in
+from stereorecal.io.images._image_files import images_in
 
 Matched = Sequence[tuple[Path, Path]]  # the left and the right file of each pair
 
@@ -16,40 +16,40 @@ _MARKERS = (("", ""), ("left", "right"), ("Left", "Right"), ("L", "R"), ("l", "r
 
 
 @dataclass(frozen=True)
-class Partners:
-    """What became of the files of both sides.
+class MatchedFiles:
+    """The files of both sides, matched.
 
     Attributes:
-        matched: those that belong together, in the order of the left ones.
-        alone: those without partner, left ones first.
-        by_order: whether no name told which belong together.
+        matched: the files of each pair, in the order of the left ones.
+        unmatched: those without partner, left ones first.
+        by_order: whether the files were matched by their order, since no names corresponded.
     """
 
     matched: Matched
-    alone: tuple[Path, ...] = ()
+    unmatched: tuple[Path, ...] = ()
     by_order: bool = False
 
 
-def find_partners(left: Sequence[Path], right: Sequence[Path]) -> Partners:
-    """The files that belong together by their names; those that a camera has lost are left over. If no name has a
-    partner, files go together in the order given.
+def find_partners(left: Sequence[Path], right: Sequence[Path]) -> MatchedFiles:
+    """The files that belong together by their names; those that one camera lost are unmatched. If no name has a
+    partner, files are matched in the order given.
 
     Raises:
         InputError: naming a file without a partner, if most have none.
 
     Warns:
-        PairingWarning: if the order was all there was to go by.
+        PairingWarning: if files were matched by their order.
     """
     lefts, rights = _by_name(left, right)
     matched = [(path, rights[key]) for key, path in lefts.items() if key in rights]
     if not matched:
-        return Partners(_in_order(left, right), by_order=len(left) > 1)
+        return MatchedFiles(_in_order(left, right), by_order=len(left) > 1)
     if 2 * len(matched) < min(len(left), len(right)):  # equal by chance, it seems
         match_keys(lefts, rights)
-    alone = [
+    unmatched = [
         path for files, others in ((lefts, rights), (rights, lefts)) for key, path in files.items() if key not in others
     ]
-    return Partners(matched, tuple(alone))
+    return MatchedFiles(matched, tuple(unmatched))
 
 
 def match_files(left: Sequence[Path], right: Sequence[Path], *, by_order: bool = True) -> Matched:
@@ -68,7 +68,7 @@ def match_files(left: Sequence[Path], right: Sequence[Path], *, by_order: bool =
     if lefts:
         return match_keys(lefts, rights)
     if not by_order:
-        raise _alone(left[0], "right")
+        raise _no_partner(left[0], "right")
     return _in_order(left, right)
 
 
@@ -105,7 +105,7 @@ def match_keys(left: Mapping[str, Path], right: Mapping[str, Path]) -> Matched:
     for files, others, side in ((left, right, "right"), (right, left, "left")):
         for key, path in files.items():
             if key not in others:
-                raise _alone(path, side)
+                raise _no_partner(path, side)
     return [(path, right[key]) for key, path in left.items()]
 
 
@@ -131,10 +131,10 @@ def _by_name(left: Sequence[Path], right: Sequence[Path]) -> tuple[dict[str, Pat
 
 
 def _in_order(left: Sequence[Path], right: Sequence[Path]) -> Matched:
-    """The files as they come; a single one on each side is what was asked for, and needs no warning."""
+    """The files in order; a single file on each side is unambiguous, and needs no warning."""
     if len(left) != len(right):
         shorter = min(len(left), len(right))
-        raise _alone(*((left[shorter], "right") if len(left) > shorter else (right[shorter], "left")))
+        raise _no_partner(*((left[shorter], "right") if len(left) > shorter else (right[shorter], "left")))
     if len(left) > 1:
         warnings.warn(
             f"{left[0]}: no name on the left has a partner on the right, so {len(left)} pairs are made in the order of "
@@ -156,6 +156,6 @@ def _by_key(files: Sequence[Path], marker: str, last: bool) -> dict[str, Path]:
     return by_key if len(by_key) == len(files) else {}
 
 
-def _alone(path: Path, side: str) -> InputError:
+def _no_partner(path: Path, side: str) -> InputError:
     """The error about an image whose partner on a side is missing."""
     return InputError(f"{path}: this image has no partner on the {side} side; add the partner or leave it out.")

@@ -11,13 +11,13 @@ import numpy as np
 from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal._units import METRES, checked_unit, inferred_unit
 from stereorecal.geometry import StereoRig
-from stereorecal.io._about import about
+from stereorecal.io._read_files import about
+from stereorecal.io.formats._file_units import scaled
 from stereorecal.io.formats._format import Documents, Format, Hints
-from stereorecal.io.formats._lenses import trimmed
-from stereorecal.io.formats._prior import ENDING, read_beside
-from stereorecal.io.formats._registry import half_of, named, recognised, unknown
-from stereorecal.io.formats._source import Source
-from stereorecal.io.formats._units import scaled
+from stereorecal.io.formats._format_list import half_of, named, recognised, unknown
+from stereorecal.io.formats._lens_numbers import trimmed
+from stereorecal.io.formats._rig_file import RigFile
+from stereorecal.io.formats._stored_prior import ENDING, read_beside
 from stereorecal.io.formats.text._document import Document, Syntax, read_document
 
 _ENDINGS = (".yaml", ".yml", ".xml", ".json", ".txt")
@@ -77,7 +77,7 @@ def rig_in(documents: Documents, format: Format, unit: str | None, hints: Hints)
         replace(camera, distortion=trimmed(np.asarray(camera.distortion))) for camera in (rig.left, rig.right)
     )
     rig = replace(rig, left=left, right=right)
-    source = Source(format.NAME, documents, hints, used, inferred=stated is None)
+    source = RigFile(format.NAME, documents, hints, used, inferred=stated is None)
     return replace(scaled(rig, METRES[used]), source=source)
 
 
