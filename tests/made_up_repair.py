@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from stereorecal.report.repair import Axis, Climb, Depth, Lens, RepairReport, Rows, Sight, Verdict
+from stereorecal.report.repair_report import Axis, Climb, Depth, Lens, RepairReport, Rows, Sight, Verdict
 
 EVIL = "<script>alert('x')</script>"
 

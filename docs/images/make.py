@@ -15,7 +15,7 @@ import stereorecal as sr
 from stereorecal.estimation import readings
 from stereorecal.estimation._consequences import points_of_view
 from stereorecal.geometry import changed_camera
-from stereorecal.report.figures import Panel, repair_figure, save
+from stereorecal.report.pair_figure import Panel, repair_figure, save
 from stereorecal.reproduction import write_files
 from stereorecal.synthetic import Knock
 

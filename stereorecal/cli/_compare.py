@@ -21,7 +21,7 @@ from stereorecal.matching import as_matcher
 from stereorecal.objectives import Reach
 from stereorecal.recalibration import SCHEDULES
 from stereorecal.recordings import Scene
-from stereorecal.report.tables import comparison_tables
+from stereorecal.report.comparison_tables import comparison_tables
 from stereorecal.strategies import as_budget
 from stereorecal.synthetic import KINDS, render
 
@@ -77,7 +77,7 @@ def _check_places(options: argparse.Namespace) -> list[Place]:
     """The files to be written; what could not be is refused before the work is done."""
     places = places_of(options, "json", "html")
     check_places(places, force=options.force)
-    check_page(options.html, "page")
+    check_page(options.html, "comparison_page")
     return places
 
 

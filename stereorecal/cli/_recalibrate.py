@@ -42,7 +42,7 @@ from stereorecal.recalibration import (
     with_ranges,
 )
 from stereorecal.recordings import Scene
-from stereorecal.report.repairs import repairs_table
+from stereorecal.report.repair_tables import repairs_table
 from stereorecal.strategies import Budget, as_budget, name_of, origin_of, strategy
 
 SCHEMA = "stereorecal.solution/2"

@@ -21,7 +21,7 @@ from stereorecal.io import about, files_read
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.recalibration import HEALTH_LIMITS, Condition, Health, health
 from stereorecal.recordings import Scene
-from stereorecal.report.repairs import scores_table
+from stereorecal.report.repair_tables import scores_table
 
 SCHEMA = "stereorecal.health/2"
 _CODES = {Condition.REPAIR: REPAIR, Condition.CANNOT_TELL: CANNOT_TELL, Condition.HEALTHY: 0}  # the first that occurs

@@ -76,7 +76,7 @@ class Comparison:
                 written to.
         """
         with extra("figures", "an HTML page"):
-            from stereorecal.report.page import comparison_page
+            from stereorecal.report.comparison_page import comparison_page
         profile = [json_data(asdict(curve)) for curve in self.data_profile()]
         pictures = pictures_of(self.trials, self.shown, self.thresholds)
         write_text(path, comparison_page(self.as_dict(), profile, pictures), replace=overwrite)

@@ -7,6 +7,7 @@
 A module of a layout finds the files; formats and images read them.
 """
 
+from stereorecal._json_data import json_data as json_data
 from stereorecal.io._atomic import (
     make_folder as make_folder,
     write_bytes as write_bytes,

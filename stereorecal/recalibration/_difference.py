@@ -12,7 +12,7 @@ from stereorecal._errors import InputError
 from stereorecal._json_data import json_data
 from stereorecal.geometry import AXES, StereoRig, View, angle_between, axis_changes, same_camera, view as default_view
 from stereorecal.recalibration._effects import depth_errors, rows_apart
-from stereorecal.report.cells import change, depths
+from stereorecal.report.number_text import change, depths
 
 _GRID = (32, 24)  # columns and rows: as many as show what a lens or a roll does
 

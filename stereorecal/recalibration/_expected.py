@@ -12,7 +12,7 @@ from stereorecal.geometry import StereoRig, View
 from stereorecal.objectives import RigChart
 from stereorecal.recalibration._consequences import Interval
 from stereorecal.recalibration._effects import rows_apart
-from stereorecal.report.cells import change
+from stereorecal.report.number_text import change
 
 _GRID = (17, 13)  # points of the view
 _STEP = 1e-3  # of the box, for derivatives

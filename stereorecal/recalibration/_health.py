@@ -27,7 +27,7 @@ from stereorecal.recalibration._stages import Case
 from stereorecal.recalibration._unmatched import LIKELY
 from stereorecal.recalibration._windows import check_motion, following
 from stereorecal.recordings import Pairs
-from stereorecal.report.cells import change
+from stereorecal.report.number_text import change
 from stereorecal.scoring import ImageQuality, Pyramid, host, image_quality, pyramid
 from stereorecal.scoring.host import Score, refuse_swapped_images, with_measured_range
 

@@ -18,8 +18,8 @@ from stereorecal.recalibration._seen_rows import climbs_of, seen_rows, way_of
 from stereorecal.recalibration._uncertainty import NORMAL_95
 from stereorecal.recalibration._windows import described
 from stereorecal.recordings import Pair
-from stereorecal.report.cells import count, number, percent
-from stereorecal.report.repair import Axis, Depth, RepairReport, Sight, Verdict
+from stereorecal.report.number_text import count, number, percent
+from stereorecal.report.repair_report import Axis, Depth, RepairReport, Sight, Verdict
 from stereorecal.scoring.host import disparity, rectify
 from stereorecal.strategies import name_of
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stereorecal.report._pictures import data_uri, disparity_picture
+from stereorecal.report._embedded_images import data_uri, disparity_picture
 
 _SIZE = 256, 12  # pixels
 

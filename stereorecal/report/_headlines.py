@@ -1,7 +1,7 @@
 """What to do after a repair, and where depth cannot be trusted, in sentences."""
 
 from stereorecal.report._regions import in_short, unseen, where_not
-from stereorecal.report.repair import RepairReport, Verdict
+from stereorecal.report.repair_report import RepairReport, Verdict
 
 _NOT_MEASURED = (
     "Rows were not measured, only matches counted: that tells neither where in the image depth can be trusted, nor how "

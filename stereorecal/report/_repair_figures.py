@@ -16,8 +16,8 @@ from matplotlib.scale import SymmetricalLogTransform
 
 from stereorecal.report._regions import GRID, LIMIT
 from stereorecal.report._svg import COLOURS, style, svg
-from stereorecal.report.cells import percent
-from stereorecal.report.repair import Climb, Rows
+from stereorecal.report.number_text import percent
+from stereorecal.report.repair_report import Climb, Rows
 
 _WIDTH = 3.8  # inches
 _LEAST_SCALE = 0.5  # pixels: smaller rows look pale, as they are

@@ -6,7 +6,7 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup as Markup  # which jinja2 brings: the one that people install is missed first
 
-from stereorecal.report.cells import change, count, number, percent
+from stereorecal.report.number_text import change, count, number, percent
 
 
 def rendered(template: str, **values: Any) -> str:

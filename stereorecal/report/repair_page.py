@@ -8,16 +8,16 @@ import hashlib
 import json
 from pathlib import Path
 
-from stereorecal.report._beside import larger_than_expected, unmeasured
 from stereorecal.report._colour_bar import colour_bar
+from stereorecal.report._embedded_images import data_uri, disparity_picture, rows_picture
+from stereorecal.report._expected_regions import larger_than_expected, unmeasured
 from stereorecal.report._headlines import headline, where
-from stereorecal.report._pictures import data_uri, disparity_picture, rows_picture
 from stereorecal.report._regions import spoiled
 from stereorecal.report._repair_figures import expected_figure, field_figures, histogram_figure, progress_figures
 from stereorecal.report._settings import flat
 from stereorecal.report._templates import Markup, rendered
-from stereorecal.report.disparity import colour_range
-from stereorecal.report.repair import RepairReport
+from stereorecal.report.disparity_map import colour_range
+from stereorecal.report.repair_report import RepairReport
 
 _WIDE, _NARROW = 720, 560  # pixels: of one image of a rectified pair, of a disparity map
 _SCRIPT = Path(__file__).with_name("slider.js")

@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import NullFormatter
 
-from stereorecal.report.disparity import draw_disparity, largest_disparity
+from stereorecal.report.disparity_map import draw_disparity, largest_disparity
 
 Row = Mapping[str, Any]
 Image = Float[np.ndarray, "h w"]

@@ -1,4 +1,4 @@
-"""`reproduce`: run the experiments; what is finished is kept."""
+"""`reproduce`: run the experiments; finished tasks are saved."""
 
 import hashlib
 import os
@@ -11,20 +11,20 @@ from typing import Any
 import jax
 import numpy as np
 
+from stereorecal import InputError
 from stereorecal._environment import versions
-from stereorecal._errors import InputError
-from stereorecal._json_data import json_data
 from stereorecal._run_all import Progress, run_all
 from stereorecal._signals import hold
 from stereorecal.geometry import StereoRig
+from stereorecal.io import json_data
 from stereorecal.matching import SAD, AbstractMatcher, as_matcher, name_of, origin_of as origin_of_matcher
 from stereorecal.objectives import Reach
 from stereorecal.recordings import Log, names_of
 from stereorecal.reproduction import _summaries as summaries
+from stereorecal.reproduction._experiment_tasks import Row, Task
 from stereorecal.reproduction._experiments import EXPERIMENTS, Extent, Setting, methods
 from stereorecal.reproduction._published import TABLE_1, TABLE_2
-from stereorecal.reproduction._store import Store
-from stereorecal.reproduction._tasks import Row, Task
+from stereorecal.reproduction._row_store import Store
 from stereorecal.strategies import origin_of
 
 SCHEMA = "stereorecal.reproduce/1"
@@ -35,10 +35,10 @@ class Reproduction:
     """The results of the experiments.
 
     Attributes:
-        settings: what was asked.
+        settings: the arguments of the run.
         versions: of Python, stereorecal, its dependencies and each strategy's distribution.
-        rows: by the name of what planned them: validity, sweeps, repair, generalise, ex_nihilo, sequential.
-        errors: of tasks that failed, by their keys.
+        rows: by the name of the experiment or part of one: validity, sweeps, repair, generalise, ex_nihilo, sequential.
+        errors: of tasks that failed, by key.
         unfinished: number of tasks left by an interruption, or by the loss of a worker.
         lost: messages of the executor about workers that were lost.
         matcher: what pixels were counted with.
@@ -98,7 +98,7 @@ def reproduce(
     """Run the paper's experiments (section 4) on a log of missions.
 
     Each pair is counted in one view and with one disparity range, measured with its mission's manual calibration.
-    Ctrl-C ends the run; what is finished is returned, and kept in `output`, where the next run with the same arguments
+    Ctrl-C ends the run; finished tasks are returned, and saved in `output`, where the next run with the same arguments
     continues.
 
     Args:
@@ -131,10 +131,10 @@ def reproduce(
     }
     made_with[f"matcher {name_of(matcher)}"] = origin_of_matcher(matcher)
     settings = {
-        "log": _described(log),
+        "log": _log_settings(log),
         "strategy": strategy,
-        "matcher": _named(matcher),
-        "extent": {**asdict(extent), "matchers": [_named(matcher) for matcher in extent.matchers]},
+        "matcher": _matcher_settings(matcher),
+        "extent": {**asdict(extent), "matchers": [_matcher_settings(matcher) for matcher in extent.matchers]},
         "reach": asdict(reach),
         "seed": seed,
     }
@@ -171,7 +171,7 @@ def _planned(setting: Setting, experiments: Sequence[str]) -> dict[str, Task]:
 def _run(
     planned: Mapping[str, Task], store: Store | None, executor: Executor | None, progress: Progress | None
 ) -> tuple[dict[str, Row], dict[str, str], tuple[str, ...]]:
-    """The rows and the errors of tasks, by key, and what was said of workers that were lost: their tasks are left."""
+    """The rows and the errors of tasks, by key, and the messages about lost workers, whose tasks are unfinished."""
     rows = {key: row for key, row in (store.rows if store else {}).items() if key in planned}
     errors: dict[str, str] = {}
     lost: dict[str, None] = {}
@@ -193,7 +193,7 @@ def _run(
     return rows, errors, tuple(lost)
 
 
-def _described(log: Log) -> dict[str, Any]:
+def _log_settings(log: Log) -> dict[str, Any]:
     return {
         "name": log.name,
         "calibrations": {name: _digest(_leaves(rig)) for name, rig in log.calibrations.items()},
@@ -211,7 +211,7 @@ def _described(log: Log) -> dict[str, Any]:
     }
 
 
-def _named(matcher: AbstractMatcher) -> dict[str, Any]:
+def _matcher_settings(matcher: AbstractMatcher) -> dict[str, Any]:
     return {"name": name_of(matcher), **asdict(matcher)}
 
 
@@ -221,7 +221,7 @@ def _leaves(rig: StereoRig) -> Iterator[np.ndarray]:
 
 
 def _digest(arrays: Iterable[np.ndarray]) -> str:
-    """Changes with any number."""
+    """A digest of all numbers."""
     found = hashlib.sha256()
     for array in arrays:
         found.update(array.tobytes())

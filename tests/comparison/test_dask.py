@@ -16,7 +16,7 @@ from stereorecal.matching import SAD
 from stereorecal.recalibration import Schedule
 from stereorecal.recordings import Log, Mission
 from stereorecal.reproduction import Extent, _reproduce
-from stereorecal.reproduction._tasks import Method
+from stereorecal.reproduction._experiment_tasks import Method
 from stereorecal.strategies import Budget, strategy
 
 SMALL = {"schedule": "count", "matcher": SAD(num_disparities=24), "scale": 0.5, "budget": Budget(evaluations=10)}

@@ -12,7 +12,7 @@ from stereorecal.comparison import Comparison, compare_scenes
 from stereorecal.comparison._pictures import pictures_of
 from stereorecal.comparison._profiles import solved_at
 from stereorecal.matching import SAD
-from stereorecal.report.page import comparison_page
+from stereorecal.report.comparison_page import comparison_page
 from stereorecal.strategies import AbstractStrategy, Budget, strategy
 
 EVIL = "<script>alert('x')</script>"

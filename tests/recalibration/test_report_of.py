@@ -12,7 +12,7 @@ from stereorecal.recalibration import Reason
 from stereorecal.recalibration._lenses import lenses_of
 from stereorecal.recalibration._report import report_of, verdict_of
 from stereorecal.recalibration._seen_rows import seen_rows
-from stereorecal.report.repair import RepairReport, Verdict
+from stereorecal.report.repair_report import RepairReport, Verdict
 
 RIG = sr.synthetic.default_rig().resized((320, 240))
 SAD_64 = sr.SAD(num_disparities=64)

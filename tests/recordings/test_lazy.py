@@ -16,7 +16,7 @@ from stereorecal.io.images import _load_pairs
 from stereorecal.recalibration import chosen_frames
 from stereorecal.recordings import Pair, names_of
 from stereorecal.reproduction import Extent, reproduce
-from stereorecal.reproduction._judge import Judge
+from stereorecal.reproduction._pixel_counter import PixelCounter
 from stereorecal.synthetic import default_rig, render
 
 FRAMES = 200
@@ -88,7 +88,9 @@ def test_a_command_looks_at_some_of_a_long_recording(folder: Path, meter: Meter)
 
 
 def test_experiments_read_a_pair_for_each_task(folder: Path, meter: Meter, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(Judge, "counts", lambda judge, pair, extrinsics: [int(pair.left.sum())] * len(extrinsics))
+    monkeypatch.setattr(
+        PixelCounter, "counts", lambda counter, pair, extrinsics: [int(pair.left.sum())] * len(extrinsics)
+    )
     found = reproduce(load_log(folder), ["validity"], schedules=("count",), extent=Extent())
     assert found.errors == {}
     assert len(found.rows["validity"]) == FRAMES

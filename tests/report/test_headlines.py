@@ -5,7 +5,7 @@ from made_up_repair import made_up, misfit
 
 from stereorecal.report._headlines import headline, where
 from stereorecal.report._regions import where_not
-from stereorecal.report.repair import Verdict
+from stereorecal.report.repair_report import Verdict
 
 CENTRE, LOWER_RIGHT = 27, 47
 HEADLINES = {

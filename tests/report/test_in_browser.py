@@ -11,8 +11,8 @@ from made_up_repair import made_up
 
 from stereorecal.comparison import compare_scenes
 from stereorecal.matching import SAD
-from stereorecal.report.repair import Axis, Verdict
 from stereorecal.report.repair_page import repair_page
+from stereorecal.report.repair_report import Axis, Verdict
 from stereorecal.strategies import Budget, strategy
 
 pytestmark = pytest.mark.skipif(browser_path() is None, reason="there is no Chromium on this machine")

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from made_up_repair import made_up, misfit
 
-from stereorecal.report._beside import larger_than_expected, unmeasured
+from stereorecal.report._expected_regions import larger_than_expected, unmeasured
 from stereorecal.report._repair_figures import _bins, density, expected_figure, field_figures, histogram_figure, outline
-from stereorecal.report.repair import Rows, Verdict
+from stereorecal.report.repair_report import Rows, Verdict
 
 IMAGE = np.full((60, 80), 128.0)
 NAMES = ("before", "after")

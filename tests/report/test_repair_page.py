@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from made_up_repair import EVIL, made_up, sight
 
-from stereorecal.report.repair import Verdict
 from stereorecal.report.repair_page import repair_page
+from stereorecal.report.repair_report import Verdict
 
 VOID = {"meta", "img", "input", "br"}
 

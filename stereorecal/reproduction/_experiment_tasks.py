@@ -1,4 +1,4 @@
-"""The tasks of the experiments, of four kinds; each runs in a worker and returns its row."""
+"""The tasks of the experiments, of four kinds; each runs in a worker and returns a row of results."""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -11,7 +11,7 @@ from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import Reach
 from stereorecal.recalibration import Schedule, Solution, recalibrate, recalibrate_sequence
 from stereorecal.recordings import Pair, PairSequence, names_of
-from stereorecal.reproduction._judge import Judge
+from stereorecal.reproduction._pixel_counter import PixelCounter
 from stereorecal.strategies import Budget
 
 Row = dict[str, Any]
@@ -19,18 +19,18 @@ Row = dict[str, Any]
 
 
 @dataclass(frozen=True, eq=False)
-class Shot:
-    """One pair of a mission, and the judge that counts it.
+class LoggedPair:
+    """One pair of a mission, and the counter of its pixels.
 
     Attributes:
-        frame: the pair, alone: there may be more shots than fit into the memory, and so each reads its own.
+        frame: the pair, alone, read when it is needed: all together may not fit into the memory.
         starred: whether it shows little to match, such as open sea.
     """
 
     sequence: str
     frame: PairSequence
     starred: bool
-    judge: Judge
+    counter: PixelCounter
 
     @property
     def pair(self) -> Pair:
@@ -44,7 +44,7 @@ class Shot:
 
     @property
     def key(self) -> str:
-        """A name that no other shot of a log has."""
+        """A name that no other pair of a log has."""
         return f"{self.sequence}/{self.image}"
 
     @property
@@ -54,8 +54,8 @@ class Shot:
 
     def counted(self, *rigs: StereoRig) -> Row:
         """N_i, N_o and N_GT: the counts under the rig before, the rig after, and the manual calibration."""
-        extrinsics = [np.asarray(rig.extrinsics) for rig in (*rigs, self.judge.rig)]
-        return dict(zip(_WHEN, self.judge.counts(self.pair, extrinsics), strict=True))
+        extrinsics = [np.asarray(rig.extrinsics) for rig in (*rigs, self.counter.rig)]
+        return dict(zip(_WHEN, self.counter.counts(self.pair, extrinsics), strict=True))
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ class Method:
     Attributes:
         name: in tables.
         schedule: what is run.
-        ranged: whether it takes the judge's disparity range, like the paper's fixed stereo settings, instead of
+        ranged: whether it takes the counter's disparity range, like the paper's fixed stereo settings, instead of
             measuring its own.
     """
 
@@ -83,20 +83,20 @@ class Search:
     budget: Budget
     seed: int
 
-    def arguments(self, judge: Judge) -> dict[str, Any]:
-        """Those of `recalibrate`; everything is scored in the judge's view."""
+    def arguments(self, counter: PixelCounter) -> dict[str, Any]:
+        """Those of `recalibrate`; everything is scored in the counter's view."""
         return {
-            "matcher": judge.matcher if self.method.ranged else replace(judge.matcher, num_disparities=None),
+            "matcher": counter.matcher if self.method.ranged else replace(counter.matcher, num_disparities=None),
             "schedule": self.method.schedule,
             "reach": self.reach,
             "budget": self.budget,
-            "view": judge.view,
+            "view": counter.view,
             "seed": self.seed,
         }
 
 
 @dataclass(frozen=True, eq=False)
-class Counting:
+class PairCounts:
     """The counts of one pair under many calibrations.
 
     Attributes:
@@ -104,24 +104,24 @@ class Counting:
         extrinsics: (6,) each, by the name of the calibration.
     """
 
-    shot: Shot
+    logged_pair: LoggedPair
     own: str
     extrinsics: dict[str, np.ndarray]
 
     @property
     def key(self) -> str:
         """A name that no other task of an experiment has."""
-        return self.shot.key
+        return self.logged_pair.key
 
     def run(self) -> Row:
         """Count."""
-        found = self.shot.judge.counts(self.shot.pair, list(self.extrinsics.values()))
+        found = self.logged_pair.counter.counts(self.logged_pair.pair, list(self.extrinsics.values()))
         counts = dict(zip(self.extrinsics, found, strict=True))
-        return {**self.shot.about, "own": self.own, "counts": counts}
+        return {**self.logged_pair.about, "own": self.own, "counts": counts}
 
 
 @dataclass(frozen=True, eq=False)
-class Sweep:
+class AxisSweep:
     """The count of one pair along one axis, through the reference.
 
     Attributes:
@@ -130,7 +130,7 @@ class Sweep:
         offsets: degrees, or percent of the baseline.
     """
 
-    shot: Shot
+    logged_pair: LoggedPair
     axis: int
     matcher_name: str
     matcher: AbstractMatcher
@@ -139,7 +139,7 @@ class Sweep:
     @property
     def key(self) -> str:
         """A name that no other task of an experiment has."""
-        return f"{self.shot.key}/{self._names['axis']}/{self._names['matcher']}"
+        return f"{self.logged_pair.key}/{self._names['axis']}/{self._names['matcher']}"
 
     @property
     def _names(self) -> dict[str, str]:
@@ -147,16 +147,16 @@ class Sweep:
 
     def run(self) -> Row:
         """Count."""
-        reference = self.shot.judge.reference
+        reference = self.logged_pair.counter.reference
         unit = np.radians(1.0) if self.axis < 3 else 0.01 * float(reference.baseline)
         steps = unit * np.eye(6)[self.axis] * np.array(self.offsets)[:, None]
-        judge = self.shot.judge.with_matcher(self.matcher)
-        counts = judge.counts(self.shot.pair, list(reference.extrinsics + steps))
-        return {**self.shot.about, **self._names, "offsets": list(self.offsets), "counts": counts}
+        counter = self.logged_pair.counter.with_matcher(self.matcher)
+        counts = counter.counts(self.logged_pair.pair, list(reference.extrinsics + steps))
+        return {**self.logged_pair.about, **self._names, "offsets": list(self.offsets), "counts": counts}
 
 
 @dataclass(frozen=True, eq=False)
-class Repairing:
+class PairRepair:
     """One pair repaired from one start: N_i, N_o, N_GT, and what was reached at which cost.
 
     Attributes:
@@ -164,27 +164,29 @@ class Repairing:
         others: other pairs of the sequence, counted before and after.
     """
 
-    shot: Shot
+    logged_pair: LoggedPair
     start_name: str
     start: StereoRig
     search: Search
-    others: tuple[Shot, ...] = ()
+    others: tuple[LoggedPair, ...] = ()
 
     @property
     def key(self) -> str:
         """A name that no other task of an experiment has."""
-        return f"{self.shot.key}/{self.start_name}/{self.search.method.name}"
+        return f"{self.logged_pair.key}/{self.start_name}/{self.search.method.name}"
 
     def run(self) -> Row:
         """Repair and count."""
-        shot = self.shot
-        solution = recalibrate(self.start, [shot.pair], prior=EXACT, **self.search.arguments(shot.judge))
+        logged_pair = self.logged_pair
+        solution = recalibrate(
+            self.start, [logged_pair.pair], prior=EXACT, **self.search.arguments(logged_pair.counter)
+        )
         return {
-            **shot.about,
+            **logged_pair.about,
             "calibration": self.start_name,
             "schedule": self.search.method.name,
-            **_found(shot, solution),
-            "start_error": _errors(shot.judge, self.start),
+            **_found(logged_pair, solution),
+            "start_error": _errors(logged_pair.counter, self.start),
             "others": {
                 other.image: {"starred": other.starred, **other.counted(self.start, solution.rig)}
                 for other in self.others
@@ -193,50 +195,50 @@ class Repairing:
 
 
 @dataclass(frozen=True, eq=False)
-class InTurn:
+class SequentialRepairs:
     """Pairs of a sequence repaired one after the other, each from the calibration that the one before left.
 
     Attributes:
         order: what the order of the pairs is called.
-        shots: in that order; one that comes twice is looked at twice.
+        logged_pairs: in that order; one that comes twice is repaired twice.
     """
 
     order: str
     start: StereoRig
     search: Search
-    shots: tuple[Shot, ...]
+    logged_pairs: tuple[LoggedPair, ...]
 
     @property
     def key(self) -> str:
         """A name that no other task of an experiment has."""
-        return f"{self.shots[0].sequence}/{self.order}/{self.search.method.name}"
+        return f"{self.logged_pairs[0].sequence}/{self.order}/{self.search.method.name}"
 
     def run(self) -> Row:
         """Repair and count."""
-        judge, pairs = self.shots[0].judge, [shot.pair for shot in self.shots]
-        solutions = recalibrate_sequence(self.start, pairs, **self.search.arguments(judge))
+        counter, pairs = self.logged_pairs[0].counter, [logged_pair.pair for logged_pair in self.logged_pairs]
+        solutions = recalibrate_sequence(self.start, pairs, **self.search.arguments(counter))
         return {
-            "sequence": self.shots[0].sequence,
+            "sequence": self.logged_pairs[0].sequence,
             "order": self.order,
             "schedule": self.search.method.name,
             "steps": [
-                {"image": shot.image, "starred": shot.starred, **_found(shot, solution)}
-                for shot, solution in zip(self.shots, solutions, strict=True)
+                {"image": logged_pair.image, "starred": logged_pair.starred, **_found(logged_pair, solution)}
+                for logged_pair, solution in zip(self.logged_pairs, solutions, strict=True)
             ],
-            **_errors(judge, solutions[-1].rig),
+            **_errors(counter, solutions[-1].rig),
             "seconds": sum(solution.seconds for solution in solutions),
         }
 
 
-Task = Counting | Sweep | Repairing | InTurn
+Task = PairCounts | AxisSweep | PairRepair | SequentialRepairs
 _WHEN = ("score_initial", "score_final", "score_reference")
 
 
-def _found(shot: Shot, solution: Solution) -> Row:
-    """What a repair made of its pair. The way ends at the rig that is used: that of a rejected repair is its start."""
+def _found(logged_pair: LoggedPair, solution: Solution) -> Row:
+    """The results of a repair. The path ends at the rig that is used: the initial one if the candidate was rejected."""
     path = solution.path if solution.accepted else solution.path[:1]
     return {
-        **shot.counted(solution.initial, solution.rig),
+        **logged_pair.counted(solution.initial, solution.rig),
         "accepted": solution.accepted,
         "reason": solution.reason.name.lower(),
         "evaluations": solution.evaluations,
@@ -244,12 +246,12 @@ def _found(shot: Shot, solution: Solution) -> Row:
         "cost_budgeted": solution.cost.budgeted,
         "cost_total": solution.cost.total,
         "seconds": solution.seconds,
-        **_errors(shot.judge, solution.rig),
+        **_errors(logged_pair.counter, solution.rig),
         "extrinsics": {"start": solution.initial.extrinsics, "found": solution.rig.extrinsics},
-        "way": shot.judge.way(shot.pair, path),
+        "way": logged_pair.counter.way(logged_pair.pair, path),
     }
 
 
-def _errors(judge: Judge, rig: StereoRig) -> Row:
-    rotation, translation = judge.errors(np.asarray(rig.extrinsics))
+def _errors(counter: PixelCounter, rig: StereoRig) -> Row:
+    rotation, translation = counter.errors(np.asarray(rig.extrinsics))
     return {"rotation_error_deg": rotation, "translation_error_percent": translation}

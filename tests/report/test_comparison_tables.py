@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from rich.console import Console
 
-from stereorecal.report.tables import comparison_tables
+from stereorecal.report.comparison_tables import comparison_tables
 
 LEVENBERG = "optimistix-levenberg-marquardt"
 BOTH = [("default", "compass", ["compass", LEVENBERG]), ("count", "compass", ["compass"])]

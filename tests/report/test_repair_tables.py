@@ -7,7 +7,7 @@ import pytest
 from rich.console import Console, RenderableType
 
 from stereorecal.recalibration import Reason
-from stereorecal.report.repairs import repairs_table, scores_table
+from stereorecal.report.repair_tables import repairs_table, scores_table
 
 NAME = "recordings/2026-06-02-harbour"
 

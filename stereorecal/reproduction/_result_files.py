@@ -12,7 +12,7 @@ from stereorecal.io import json_text, make_folder, write_bytes, write_text
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import Reach
 from stereorecal.recordings import Log, names_of
-from stereorecal.reproduction._judge import judge_of
+from stereorecal.reproduction._pixel_counter import counter_of
 from stereorecal.reproduction._reproduce import Reproduction
 from stereorecal.scoring.host import disparity, rectify
 
@@ -60,16 +60,16 @@ def _disparities(data: Mapping[str, Any], log: Log, matcher: AbstractMatcher) ->
     same = [row for row in rows if (row["sequence"], row["image"]) == (first["sequence"], first["image"])]
     mission = next(mission for mission in log.missions if mission.name == first["sequence"])
     pair = mission.pairs[names_of(mission.pairs).index(first["image"])]
-    judge = judge_of(log, mission, Reach(**data["settings"]["reach"]), matcher)
+    counter = counter_of(log, mission, Reach(**data["settings"]["reach"]), matcher)
     shown = {"from nothing": first["extrinsics"]["start"]}
     shown |= {f"after, {row['schedule']}": row["extrinsics"]["found"] for row in same}
-    shown |= {"manual": judge.rig.extrinsics}
+    shown |= {"manual": counter.rig.extrinsics}
     panels = {}
     for name, extrinsics in shown.items():
-        rig = judge.rig.with_extrinsics(np.array(extrinsics))
-        found = disparity(rig, pair, matcher=judge.matcher, view=judge.view)
+        rig = counter.rig.with_extrinsics(np.array(extrinsics))
+        found = disparity(rig, pair, matcher=counter.matcher, view=counter.view)
         panels[name] = np.asarray(found.values), np.asarray(found.valid)
-    left, _ = rectify(judge.rig, pair, view=judge.view)
+    left, _ = rectify(counter.rig, pair, view=counter.view)
     return {"ex_nihilo_disparity": disparity_figure(left, panels)}
 
 

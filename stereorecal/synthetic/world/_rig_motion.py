@@ -15,7 +15,7 @@ VAN_EYE = 2.0
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class RigMotion:
     """How the rig moves through a world.
 
     Attributes:

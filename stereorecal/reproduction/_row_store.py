@@ -1,4 +1,4 @@
-"""Rows that are finished, on the disk: an interrupted run continues where it stopped."""
+"""The store of finished rows on the disk: an interrupted run continues where it stopped."""
 
 import os
 import weakref
@@ -6,15 +6,14 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from stereorecal._errors import InputError
-from stereorecal._json_data import json_data
-from stereorecal.io import json_line, json_text, make_folder, parse_json, write_text
+from stereorecal import InputError
+from stereorecal.io import json_data, json_line, json_text, make_folder, parse_json, write_text
 
 _SETTINGS, _ROWS, _LOCK = "settings.json", "rows.jsonl", ".lock"
 
 
 def store_files(folder: Path) -> list[Path]:
-    """The files by which a run in this folder goes on."""
+    """The files from which a run in this folder continues."""
     return [folder / _SETTINGS, folder / _ROWS]
 
 
@@ -30,7 +29,7 @@ class Store:
     def __init__(self, folder: Path, settings: Mapping[str, Any]):
         self._path = folder / _ROWS
         make_folder(folder)
-        _refuse_strangers(folder)
+        _refuse_other_files(folder)
         lock = _locked(folder)
         if lock is not None:
             weakref.finalize(self, os.close, lock)
@@ -38,9 +37,9 @@ class Store:
         self.rows = _read(self._path)
 
     def add(self, key: str, row: Mapping[str, Any]) -> dict[str, Any]:
-        """Keep a row under a key that is new; returns it as it will be read again."""
-        kept = json_data(dict(row))
-        line = json_line({"key": key, "row": kept})
+        """Add a row under a new key; returns it as it will be read again."""
+        stored = json_data(dict(row))
+        line = json_line({"key": key, "row": stored})
         try:
             with open(self._path, "ab") as file:
                 file.write(line.encode())
@@ -48,10 +47,10 @@ class Store:
                 os.fsync(file.fileno())
         except OSError as error:  # what was begun of the line is dropped when the folder is opened again
             raise InputError(
-                f"{self._path}: cannot be written ({error.strerror}); make room, and run it again: it goes on."
+                f"{self._path}: cannot be written ({error.strerror}); make room, and run it again: it continues."
             ) from error
-        self.rows[key] = kept
-        return kept
+        self.rows[key] = stored
+        return stored
 
 
 def _locked(folder: Path) -> int | None:
@@ -85,7 +84,7 @@ def _agree(folder: Path, settings: str) -> None:
         )
 
 
-def _refuse_strangers(folder: Path) -> None:
+def _refuse_other_files(folder: Path) -> None:
     if not (folder / _SETTINGS).exists() and any(not _left_behind(file) for file in folder.iterdir()):
         raise InputError(f"{folder}: holds other files; choose a new folder for the results with --output.")
 

@@ -1,4 +1,4 @@
-"""The course of a vehicle through a place: its pose at any time, so that a shutter may be late."""
+"""The course of a vehicle through a place: its pose at any time, so that one shutter can be late."""
 
 from dataclasses import dataclass
 
@@ -32,7 +32,7 @@ class Course:
     phases: tuple[float, float, float]
 
     def pose(self, time: float) -> tuple[Point, Float[np.ndarray, "3 3"]]:
-        """As `Motion.pose`, at a time in frames since the place was reached."""
+        """As `RigMotion.pose`, at a time in frames since the place was reached."""
         yaw, pitch, roll = (
             size * np.sin(rate * time + phase)
             for size, rate, phase in zip((_TURN, self.sway, self.sway), self.rates, self.phases, strict=True)

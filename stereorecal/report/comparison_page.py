@@ -7,15 +7,15 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from stereorecal.report._colour_bar import colour_bar
-from stereorecal.report._curves import curve_figures, lines_of
-from stereorecal.report._entrants import strategies_of, title_of
-from stereorecal.report._pictures import data_uri, disparity_picture
+from stereorecal.report._cost_curves import curve_figures, lines_of
+from stereorecal.report._embedded_images import data_uri, disparity_picture
+from stereorecal.report._row_titles import strategies_of, title_of
 from stereorecal.report._settings import flat
-from stereorecal.report._strips import Series, strips
+from stereorecal.report._strip_plot import Series, strips
 from stereorecal.report._templates import Markup, rendered
-from stereorecal.report.comparison import TrialPicture
-from stereorecal.report.disparity import colour_range
-from stereorecal.report.tables import REFERENCES, schedules_legend
+from stereorecal.report.comparison_tables import REFERENCES, schedules_legend
+from stereorecal.report.disparity_map import colour_range
+from stereorecal.report.trial_picture import TrialPicture
 
 _WIDE = 420  # pixels, of a disparity map
 _LEAST_ERROR = 1e-4  # degrees; smaller errors are drawn here, since a logarithmic axis has no zero

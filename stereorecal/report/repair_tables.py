@@ -11,8 +11,8 @@ from rich.console import Group
 from rich.table import Table
 from rich.text import Text
 
-from stereorecal.report._fitting import first_that_fits, width_of
-from stereorecal.report.cells import change, number, percent
+from stereorecal.report._table_width import first_that_fits, width_of
+from stereorecal.report.number_text import change, number, percent
 
 _AXES = {"rotation_deg": ("pitch", "yaw", "roll"), "translation_percent": ("y", "z")}
 # Characters of a line of a name and of other words, from the widest layout to the narrowest.

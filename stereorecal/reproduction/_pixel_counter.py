@@ -17,8 +17,8 @@ _SURVEYED = 4  # pairs: as many as a survey looks at
 
 
 @dataclass(frozen=True, eq=False)
-class Judge:
-    """Counts pixels with a valid disparity, as one stereo system with fixed settings would.
+class PixelCounter:
+    """Counts the pixels with a valid disparity with fixed settings: one view, one disparity range.
 
     Attributes:
         rig: the manual calibration of the rig that took the images.
@@ -37,15 +37,15 @@ class Judge:
         candidates = np.stack([with_unit_baseline(one) for one in extrinsics])
         return host.counts(prepare(self.rig, [pair], self.view), candidates, self.matcher).tolist()
 
-    def with_matcher(self, matcher: AbstractMatcher) -> "Judge":
-        """The same judge with another kind of matcher that has the same disparity range."""
+    def with_matcher(self, matcher: AbstractMatcher) -> "PixelCounter":
+        """The same counter with another matcher, which gets the same disparity range."""
         mine = self.matcher
         ranged = replace(matcher, min_disparity=mine.min_disparity, num_disparities=mine.num_disparities)
         return replace(self, matcher=ranged)
 
     @property
     def reference(self) -> StereoRig:
-        """What errors are measured from: the truth where it is known, else the manual calibration."""
+        """The rig that errors refer to: the true one where it is known, else the manual calibration."""
         return self.truth or self.rig
 
     def errors(self, extrinsics: np.ndarray) -> tuple[dict[str, float], dict[str, float]]:
@@ -54,8 +54,8 @@ class Judge:
         return found.rotation_deg, found.translation_percent
 
     def way(self, pair: Pair, path: Sequence[Waypoint]) -> list[dict[str, float]]:
-        """What a repair had reached at which cost: the count, and the squared errors of rotation [degrees²] and
-        of the direction of the translation [percent²]."""
+        """The progress of a repair over its cost: the count, and the squared errors of rotation [degrees²] and of the
+        direction of the translation [percent²]."""
         found = self.counts(pair, [point.extrinsics for point in path])
         rows = []
         for point, count in zip(path, found, strict=True):
@@ -65,14 +65,17 @@ class Judge:
         return rows
 
 
-def judge_of(log: Log, mission: Mission, reach: Reach, matcher: AbstractMatcher) -> Judge:
-    """The judge of a mission. The matcher's disparity range, if it has none, is measured with the manual calibration on
-    the first pairs without a star, in the view of the ideal rig, which favours no calibration."""
+def counter_of(log: Log, mission: Mission, reach: Reach, matcher: AbstractMatcher) -> PixelCounter:
+    """The pixel counter of a mission.
+
+    The matcher's disparity range, if it has none, is measured with the manual calibration on the first pairs without a
+    star, in the view of the ideal rig, which favours no calibration.
+    """
     rig = log.calibration_of(mission)
     neutral = view(ideal(rig, float(rig.baseline)))
     pairs = select_frames(unstarred(mission), _SURVEYED)
     ranged = with_disparity_range(matcher, rig, pairs, neutral, np.radians(reach.degrees))
-    return Judge(rig, ranged, neutral, mission.truth)
+    return PixelCounter(rig, ranged, neutral, mission.truth)
 
 
 def ideal(rig: StereoRig, baseline: float) -> StereoRig:

@@ -1,10 +1,10 @@
-"""Ranges of a rendered scene, as a beam or a LIDAR would measure them."""
+"""Range measurements of a rendered scene, as of a LIDAR."""
 
 import numpy as np
 from jaxtyping import Float
 
 from stereorecal.geometry import StereoRig
-from stereorecal.synthetic._rig import default_rig
+from stereorecal.synthetic._default_rig import default_rig
 from stereorecal.synthetic.rendering._camera_rays import world_rays
 from stereorecal.synthetic.scenes import make_world
 from stereorecal.synthetic.world._raycast import depth

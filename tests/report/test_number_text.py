@@ -5,7 +5,7 @@ import re
 import pytest
 from hypothesis import given, strategies as st
 
-from stereorecal.report.cells import change, depths
+from stereorecal.report.number_text import change, depths
 
 
 @pytest.mark.parametrize(

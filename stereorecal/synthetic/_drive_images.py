@@ -1,4 +1,4 @@
-"""The images of a drive, rendered place by place and kept in the user's cache."""
+"""The images of a drive, rendered place by place and cached in the user's folder."""
 
 import hashlib
 import os
@@ -14,8 +14,8 @@ from jaxtyping import UInt8
 from platformdirs import user_cache_path
 
 from stereorecal.recordings import Pair
-from stereorecal.synthetic._course import make_course
 from stereorecal.synthetic._drive import Drive
+from stereorecal.synthetic._vehicle_course import make_course
 from stereorecal.synthetic._weather import lit, noise_of
 from stereorecal.synthetic.objects._boat import boat
 from stereorecal.synthetic.objects._car import car
@@ -35,32 +35,32 @@ _BLUR, _VIGNETTING, _EXPOSURE = 0.7, 0.3, 0.15
 
 
 def photographs(drive: Drive, first: int = 0, *, folder: Path | None = None) -> Iterator[Pair]:
-    """The pairs of a drive, from frame `first` on. Rendered when they are first asked for, 50 at a time, a quarter of a
-    second each, and kept.
+    """The pairs of a drive, from frame `first` on. They are rendered when first needed, 50 at a time, a quarter of a
+    second each, and cached.
 
     Args:
-        folder: where they are kept, 15 MB for 100 frames; default the user's cache.
+        folder: of the cache, 15 MB for 100 frames; default in the user's cache.
     """
     folder = user_cache_path("stereorecal") / "drives" if folder is None else folder
     place, images = -1, None
     for frame in range(first, len(drive)):
         if images is None or drive.place(frame) != place:
             place = drive.place(frame)
-            images = _kept(drive, place, folder)
+            images = _cached(drive, place, folder)
         left, right = images[frame - drive.frames_at(place)[0]].astype(np.float32)
         yield Pair(left, right, f"{drive.tour}-{drive.seed}-{frame:05d}")
 
 
-def _kept(drive: Drive, place: int, folder: Path) -> Images:
+def _cached(drive: Drive, place: int, folder: Path) -> Images:
     frames = drive.frames_at(place)
-    told = [drive.tour, drive.seed, place, drive.moving, drive.weather[frames[0]], _sources()]
+    key = [drive.tour, drive.seed, place, drive.moving, drive.weather[frames[0]], _sources()]
     numbers = drive.extrinsics[frames[0] : frames[-1] + 1].tobytes() + drive.late[frames[0] : frames[-1] + 1].tobytes()
-    name = hashlib.sha256(repr(told).encode() + numbers).hexdigest()[:24]
+    name = hashlib.sha256(repr(key).encode() + numbers).hexdigest()[:24]
     path = folder / f"{drive.tour}-{name}.npy"
-    with suppress(OSError, ValueError):  # missing, or cut short
+    with suppress(OSError, ValueError):  # missing, or truncated
         return np.load(path)
     images = _rendered(drive, place)
-    with suppress(OSError):  # a full disk: then not
+    with suppress(OSError):  # a full disk: not cached
         path.parent.mkdir(parents=True, exist_ok=True)
         part = path.with_name(f".{path.stem}.{uuid.uuid4().hex[:8]}.npy")
         np.save(part, images)
@@ -70,7 +70,7 @@ def _kept(drive: Drive, place: int, folder: Path) -> Images:
 
 @cache
 def _sources() -> str:
-    """What the images are made by."""
+    """A digest of the code that makes the images."""
     files = sorted(Path(__file__).parent.rglob("*.py"))
     return hashlib.sha256(b"".join(path.read_bytes() for path in files)).hexdigest()
 

@@ -3,7 +3,7 @@
 import jax
 import numpy as np
 
-from stereorecal._errors import InputError
+from stereorecal import InputError
 from stereorecal.geometry import StereoRig
 
 

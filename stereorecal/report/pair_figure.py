@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 from matplotlib.figure import Figure
 
-from stereorecal.report.disparity import draw_disparity, largest_disparity
+from stereorecal.report.disparity_map import draw_disparity, largest_disparity
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,9 +11,9 @@ from rich.console import Group
 from rich.table import Column, Table
 from rich.text import Text
 
-from stereorecal.report._entrants import several_schedules, strategies_of, title_of
-from stereorecal.report._fitting import first_that_fits
-from stereorecal.report.cells import count, number, percent
+from stereorecal.report._row_titles import several_schedules, strategies_of, title_of
+from stereorecal.report._table_width import first_that_fits
+from stereorecal.report.number_text import count, number, percent
 
 WIDE = 120  # columns of a table that is not printed to a terminal
 _FOLDS = (40, 21, 12)  # characters a line of "compass + optimistix-levenberg-marquardt": in one line, in two, in four

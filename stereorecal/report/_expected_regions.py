@@ -4,7 +4,7 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal.report._regions import GRID, PLACES, sure
-from stereorecal.report.repair import RepairReport
+from stereorecal.report.repair_report import RepairReport
 
 
 def larger_than_expected(report: RepairReport) -> list[int]:
