@@ -19,7 +19,7 @@ from stereorecal.recalibration._uncertainty import NORMAL_95
 from stereorecal.recalibration._windows import described
 from stereorecal.recordings import Pair
 from stereorecal.report.number_text import count, number, percent
-from stereorecal.report.repair_report import Axis, Depth, RepairReport, Sight, Verdict
+from stereorecal.report.repair_report import Axis, Conclusion, Depth, RepairReport, Sight
 from stereorecal.scoring.host import disparity, rectify
 from stereorecal.strategies import name_of
 
@@ -59,7 +59,7 @@ def report_of(
     after = "after" if solution.accepted else "candidate, which was not taken"
     return RepairReport(
         name=name,
-        verdict=verdict_of(solution.reason),
+        conclusion=conclusion_of(solution.reason),
         reason=solution.reason.value,
         search=f"{solution.message} ({count(solution.evaluations)} evaluations, {solution.seconds:.1f} s)",
         baseline=float(solution.rig.baseline),
@@ -84,13 +84,13 @@ def report_of(
     )
 
 
-def verdict_of(reason: Reason) -> Verdict:
+def conclusion_of(reason: Reason) -> Conclusion:
     """What became of the calibration, for those who read a page."""
     if reason in _UNKNOWN:
-        return Verdict.UNKNOWN
+        return Conclusion.UNKNOWN
     if not reason.healthy:
-        return Verdict.REFUSED
-    return Verdict.REPAIRED if reason.accepted else Verdict.GOOD
+        return Conclusion.REFUSED
+    return Conclusion.REPAIRED if reason.accepted else Conclusion.GOOD
 
 
 def _sight(solution: Any, rig: StereoRig, pair: Pair) -> Sight:

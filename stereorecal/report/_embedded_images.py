@@ -1,6 +1,7 @@
-"""Pictures that lie inside a page: JPEG of bounded size, as data URIs."""
+"""Images embedded in a page: JPEG of bounded size, as data URIs; and the colour scale of disparities."""
 
 import base64
+from dataclasses import dataclass
 
 import cv2
 import matplotlib
@@ -12,6 +13,7 @@ _OF_SQUARE = 0.75
 _LINES = 14  # over the height of a picture
 _LINE_COLOURS = ((255, 176, 0), (0, 220, 255))  # in turn, so that the eye does not slip from one line to the next
 _INVALID = (32, 32, 32)
+_BAR_SIZE = 256, 12  # pixels
 
 Grey = Float[np.ndarray, "h w"]
 Picture = UInt8[np.ndarray, "tall wide 3"]
@@ -40,6 +42,24 @@ def data_uri(picture: Picture) -> str:
     """The RGB picture as the text of a JPEG."""
     data = cv2.imencode(".jpg", picture[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, _QUALITY])[1].tobytes()
     return f"data:image/jpeg;base64,{base64.b64encode(data).decode('ascii')}"
+
+
+@dataclass(frozen=True)
+class ColourBar:
+    """From the colour of `least` on the left to that of `largest` on the right, in pixels of disparity."""
+
+    picture: str
+    least: float
+    largest: float
+
+
+def colour_bar(least: float, largest: float) -> ColourBar:
+    """The scale of pictures that `disparity_picture` makes with the same ends."""
+    width, height = _BAR_SIZE
+    values = np.tile(np.linspace(least, largest, width), (height, 1))
+    return ColourBar(
+        data_uri(disparity_picture(values, np.ones(values.shape, bool), least, largest, width)), least, largest
+    )
 
 
 def _shrunk(image: np.ndarray, width: int) -> np.ndarray:

@@ -1,19 +1,19 @@
-"""Rows that were measured beside those that are to be expected: the latter know nothing of what moved or was bent."""
+"""Measured epipolar errors compared with the expected ones, which do not include moving objects and misfit."""
 
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.report._regions import GRID, PLACES, sure
+from stereorecal.report._regions import GRID, PLACES, significant_errors
 from stereorecal.report.repair_report import RepairReport
 
 
 def larger_than_expected(report: RepairReport) -> list[int]:
-    """Places of the view where rows lie surely farther apart, under the calibration to use, than the map of what is to
-    be expected says."""
+    """Places of the view where the measured epipolar error of the calibration to use is significantly larger than the
+    expected one."""
     if report.misfit is None or report.expected is None:
         return []
-    apart = sure(report.misfit, report.when)
-    return sorted(place for place, pixels in apart.items() if pixels > _largest(report.expected, place))
+    errors = significant_errors(report.misfit, report.when)
+    return sorted(place for place, pixels in errors.items() if pixels > _largest(report.expected, place))
 
 
 def unmeasured(report: RepairReport) -> list[int]:
@@ -22,7 +22,7 @@ def unmeasured(report: RepairReport) -> list[int]:
 
 
 def _largest(expected: Float[np.ndarray, "h w"], place: int) -> float:
-    """What is to be expected at a place, at most; infinite where nothing is."""
+    """The largest expected error at a place; infinite where there is none."""
     row, column = divmod(place, GRID[0])
     height, width = expected.shape
     rows = slice(row * height // GRID[1], -(-(row + 1) * height // GRID[1]))

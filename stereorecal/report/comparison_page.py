@@ -6,13 +6,11 @@ Needs jinja2 and matplotlib: pip install 'stereorecal[figures]'.
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from stereorecal.report._colour_bar import colour_bar
 from stereorecal.report._cost_curves import curve_figures, lines_of
-from stereorecal.report._embedded_images import data_uri, disparity_picture
+from stereorecal.report._embedded_images import colour_bar, data_uri, disparity_picture
 from stereorecal.report._row_titles import strategies_of, title_of
-from stereorecal.report._settings import flat
 from stereorecal.report._strip_plot import Series, strips
-from stereorecal.report._templates import Markup, rendered
+from stereorecal.report._templates import Markup, flat_settings, rendered
 from stereorecal.report.comparison_tables import REFERENCES, schedules_legend
 from stereorecal.report.disparity_map import colour_range
 from stereorecal.report.trial_picture import TrialPicture
@@ -151,4 +149,4 @@ def _settings(data: Mapping[str, Any]) -> list[tuple[str, str]]:
     entrants = {
         f"schedule {one['schedule']}, {one['strategy']}": strategies_of(one) for one in settings.pop("entrants")
     }
-    return list(flat({**settings, **entrants, **data["versions"]}))
+    return list(flat_settings({**settings, **entrants, **data["versions"]}))

@@ -1,4 +1,4 @@
-"""What a page about a repair shows, as plain data: numbers, text and arrays, made by whoever repaired."""
+"""The content of the page of a repair, as plain data: numbers, text and arrays."""
 
 import enum
 from collections.abc import Mapping, Sequence
@@ -9,13 +9,13 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 
-class Verdict(enum.Enum):
-    """What became of the calibration that a repair started from."""
+class Conclusion(enum.Enum):
+    """What to do with the calibration that a repair started from."""
 
     REPAIRED = "it is replaced"
     GOOD = "it stays, since it is good"
-    REFUSED = "it stays, since nothing better is sure; it is not known to be good"
-    UNKNOWN = "it stays, since the images do not tell"
+    REFUSED = "it stays, since no significant improvement was found; it is not known to be good"
+    UNKNOWN = "it stays, since the images do not determine it"
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +66,7 @@ class Climb:
 
 @dataclass(frozen=True)
 class Axis:
-    """What became of a parameter.
+    """The change of a parameter.
 
     Attributes:
         name, unit: as people write them.
@@ -85,7 +85,7 @@ class Axis:
 
 @dataclass(frozen=True)
 class Lens:
-    """What became of one number of a camera that was refined.
+    """The change of one intrinsic parameter of a camera.
 
     Attributes:
         camera, name, unit: as people write them.
@@ -123,11 +123,11 @@ class Depth:
 
 @dataclass(frozen=True, eq=False)
 class RepairReport:
-    """All that the page shows.
+    """The content of the page.
 
     Attributes:
         name: of the recording.
-        verdict: what became of the calibration.
+        conclusion: what to do with the calibration.
         reason: why, in words.
         search: how the search ended, in words.
         baseline: distance between the cameras, in metres.
@@ -143,15 +143,15 @@ class RepairReport:
             calibration that is not known to be good.
         climbs: of the stages that maximise a count.
         way: median row error after so many units, along the whole repair; None if it is not known.
-        frames: each pair's name, what became of it, and why.
-        remarks: sentences, such as which directions the images do not determine.
+        frames: each pair's name, whether it was used, and why not.
+        remarks: sentences, such as which directions are unobservable.
         command: as it can be pasted into a shell; None if the repair was no command.
         settings: what is needed to run it again, by name.
         calibrations: before and after, by title, as a calib.json has them.
     """
 
     name: str
-    verdict: Verdict
+    conclusion: Conclusion
     reason: str
     search: str
     baseline: float
@@ -177,7 +177,7 @@ class RepairReport:
     @property
     def accepted(self) -> bool:
         """Whether the candidate is used."""
-        return self.verdict is Verdict.REPAIRED
+        return self.conclusion is Conclusion.REPAIRED
 
     @property
     def when(self) -> str:

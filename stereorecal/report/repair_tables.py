@@ -44,7 +44,7 @@ def _repairs_table(repairs: Rows, parts: Sequence["_Part"], folds: tuple[int, in
     words = [head for part in parts for head in part.words]
     table = _table(("scene", *words), [head for part in parts for head in part.numbers])
     for repair in repairs:
-        cells = [_named(repair["scene"], folds[0])]
+        cells = [_wrapped_name(repair["scene"], folds[0])]
         for part in parts:
             cells += part.cells(repair, folds[1])
         table.add_row(*map(Text, cells))
@@ -52,17 +52,17 @@ def _repairs_table(repairs: Rows, parts: Sequence["_Part"], folds: tuple[int, in
 
 
 def scores_table(scenes: Rows, width: int) -> Table:
-    """One row for each recording: matched pixels, row error, yaw to mend, error of depth, verdict; words are folded
+    """One row for each recording: matched pixels, row error, yaw correction, error of depth, verdict; words are folded
     until `width` columns hold them."""
     [table] = first_that_fits([partial(_scores_table, scenes, folds) for folds in _FOLDS], width)
     return table
 
 
 def _scores_table(scenes: Rows, folds: tuple[int, int]) -> list[Table]:
-    heads = [_folded(head, folds[1]) for head in ("matched", "row error px", "yaw to mend °", "depth at 30 B")]
+    heads = [_folded(head, folds[1]) for head in ("matched", "row error px", "yaw correction °", "depth at 30 B")]
     table = _table(("scene",), heads, ("verdict",))
     for scene in scenes:
-        name = _named(scene["scene"], folds[0])
+        name = _wrapped_name(scene["scene"], folds[0])
         found = ("-", "-", "-", "-", "cannot be used") if scene["error"] is not None else _score(scene)
         table.add_row(*map(Text, (name, *(_folded(cell, folds[1]) for cell in found))))
     return [table]
@@ -83,7 +83,7 @@ def _folded(text: str, letters: int) -> str:
     return "\n".join(textwrap.wrap(whole, letters, break_long_words=False)).replace("\u00a0", " ")
 
 
-def _named(name: str, letters: int) -> str:
+def _wrapped_name(name: str, letters: int) -> str:
     """The name in lines of so many letters."""
     return "\n".join(textwrap.wrap(name, letters))
 

@@ -190,7 +190,7 @@ def test_frames_that_a_camera_lost_are_left_over():
     left, right = ([Path(f"{side}/{i}.png") for i in kept] for side, kept in (("l", (1, 2, 4)), ("r", (2, 3, 4))))
     found = find_partners(left, right)
     assert found.matched == [(left[1], right[0]), (left[2], right[2])]
-    assert found.alone == (left[0], right[1])
+    assert found.unmatched == (left[0], right[1])
 
 
 def test_a_few_equal_names_are_chance():

@@ -77,9 +77,9 @@ def test_blocks_cover_every_row_once_with_their_halo(height, cores, block_size):
     matcher = SAD(block_size=block_size)
     with mock.patch.object(_disparities, "cores", return_value=cores):
         blocks = _disparities.blocks(height, matcher)
-    rows = [np.arange(height)[block.seen] for block in blocks]
+    rows = [np.arange(height)[block.given] for block in blocks]
     assert len({len(seen) for seen in rows}) == 1  # one program for all
-    kept = [seen[block.kept] for seen, block in zip(rows, blocks, strict=True)]
+    kept = [seen[block.used] for seen, block in zip(rows, blocks, strict=True)]
     np.testing.assert_array_equal(np.concatenate(kept), np.arange(height))
     for seen, own in zip(rows, kept, strict=True):
         assert seen[0] <= max(0, own[0] - matcher.halo)
@@ -96,8 +96,8 @@ class RowByRow(SAD):
 def test_the_texture_check_needs_its_window_whatever_the_matcher_needs():
     with mock.patch.object(_disparities, "cores", return_value=2):
         first, second = _disparities.blocks(480, RowByRow(block_size=11))
-    assert first.seen == slice(0, 252)
-    assert second.kept == slice(12, 252)
+    assert first.given == slice(0, 252)
+    assert second.used == slice(12, 252)
 
 
 def test_a_matcher_that_looks_everywhere_sees_the_frame_whole():
