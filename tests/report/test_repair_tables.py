@@ -68,7 +68,9 @@ def test_repairs_are_whole(width: int):
 def test_scores_are_whole(width: int):
     rows = [score(f"{NAME}-1"), score("KITTI/drive_0001", mending=None), score("b", error="bad")]
     words = " ".join(printed(scores_table(rows, width), width)).split()
-    assert {"cannot", "tell", "(too", "little", "texture)", "matched", "correction", "times", "+3.00", "±"} <= set(words)
+    assert {"cannot", "tell", "(too", "little", "texture)", "matched", "correction", "times", "+3.00", "±"} <= set(
+        words
+    )
     assert f"{NAME}-1" in words or width < 200  # names are folded first
 
 

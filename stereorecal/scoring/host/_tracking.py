@@ -1,4 +1,4 @@
-"""The tracker: corners of the left image, tracked into the right image and into the next pair."""
+"""The tracker: corners of the left image, followed to its partner and into the next pair."""
 
 from typing import NamedTuple
 
@@ -13,13 +13,13 @@ _MOST = 2000  # corners
 _QUALITY, _APART = 0.005, 6  # of the best corner's response; pixels between corners
 _WINDOW = 15  # pixels
 _LEVELS = 4  # of the pyramid in time; disparities are known to a pixel or so
-_CLOSED = 0.3  # pixels between a corner and itself tracked forwards and back
-_FROM_GUESS = 3.0  # pixels between a tracked corner and its prediction by dense correspondences
+_CLOSED = 0.3  # pixels that a corner may be off, followed to and fro
+_FROM_GUESS = 3.0  # pixels that a partner may lie from where dense correspondences say
 _UNTIL = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_COUNT, 40, 1e-4)
 
 
 class Matches(NamedTuple):
-    """Matches of one pair: they predict where a corner lies in the right image.
+    """Pixels of one pair that show the same: where partners of corners are looked for.
 
     Attributes:
         left, right: (k, 2) pixels (column, row) at full size.
@@ -28,9 +28,9 @@ class Matches(NamedTuple):
     left: Float[np.ndarray, "k 2"]
     right: Float[np.ndarray, "k 2"]
 
-    def predicted(self, pixels: Float[np.ndarray, "n 2"]) -> tuple[Float[np.ndarray, "n 2"], Float[np.ndarray, "n"]]:
-        """Where pixels of the left image are expected in the right one, by the nearest match; and the distance to that
-        match."""
+    def partners(self, pixels: Float[np.ndarray, "n 2"]) -> tuple[Float[np.ndarray, "n 2"], Float[np.ndarray, "n"]]:
+        """Where pixels of the left image are expected in the right one, by the match that is nearest; and how far away
+        that is."""
         from scipy.spatial import KDTree
 
         away, nearest = KDTree(self.left).query(pixels)
@@ -55,7 +55,7 @@ def tracked(first: Pair, second: Pair, matches: tuple[Matches, Matches], near: f
     later, good = _followed(left[0], left[1], start, start, _LEVELS)
     partners = []
     for frame, corner in enumerate((start, later)):
-        guess, away = matches[frame].predicted(corner)
+        guess, away = matches[frame].partners(corner)
         partner, found = _followed(left[frame], right[frame], corner, guess.astype(np.float32), 1)
         good &= found & (away < near) & (np.linalg.norm(partner - guess, axis=1) < _FROM_GUESS)
         partners.append(partner)
@@ -65,7 +65,7 @@ def tracked(first: Pair, second: Pair, matches: tuple[Matches, Matches], near: f
 def _followed(
     one: np.ndarray, other: np.ndarray, pixels: np.ndarray, guess: np.ndarray, levels: int
 ) -> tuple[np.ndarray, Bool[np.ndarray, "n"]]:
-    """Pixels of one image tracked into another one, and whether tracking back returns to the start."""
+    """Pixels of one image in another one, and whether the way back ends where it began."""
 
     def follow(here, there, start, expected):
         found, status, _ = cv2.calcOpticalFlowPyrLK(
