@@ -11,8 +11,8 @@ def add_motion_to(parser: argparse.ArgumentParser) -> None:
         "--motion",
         default="auto",
         choices=tuple(_MOTION),
-        help="whether the rig's own motion between pairs is used for depth: auto, where times are known and at most half "
-        "a second apart; on, the pairs are consecutive, whatever their times; off (default: %(default)s)",
+        help="use of the rig's own motion between pairs for depth: auto, where times are known and at most half a "
+        "second apart; on, the pairs are consecutive, whatever their times; off (default: %(default)s)",
     )
 
 

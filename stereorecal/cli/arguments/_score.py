@@ -14,8 +14,8 @@ epipolar (row) error, the correction of the rotation, and the depth error withou
 repair it (another calibration has a row error smaller by 0.05 px with 99 % probability, and a larger row or depth error
 with less than 1 %; or hardly anything matches although there is texture); healthy (no significant improvement, and a
 row error within 0.3 px with 95 %); cannot tell (too dark, too little texture, or no improvement is significant).
-`recalibrate` decides in the same way. Exit code: 0 all healthy; 1 repair it (one of them at least); 2 bad input, also images that are swapped, upside down or of different scenes; 3 internal failure;
-4 cannot tell; 130 interrupted."""
+`recalibrate` decides in the same way. Exit code: 0 all healthy; 1 repair it (one of them at least); 2 bad input, also
+images that are swapped, upside down or of different scenes; 3 internal failure; 4 cannot tell; 130 interrupted."""
 
 
 def add_to(verbs, common: argparse.ArgumentParser) -> None:
