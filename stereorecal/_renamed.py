@@ -8,7 +8,7 @@ def renamed(package: str, names: Mapping[str, str]) -> Callable[[str], NoReturn]
     """The `__getattr__` of a package.
 
     Args:
-        names: old name to new name, or to what to do instead, in a sentence.
+        names: old name to new name.
 
     Raises:
         ImportError: for an old name, with the new one: `from package import old` would drop the message of an
@@ -20,8 +20,6 @@ def renamed(package: str, names: Mapping[str, str]) -> Callable[[str], NoReturn]
         new = names.get(name)
         if new is None:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
-        if " " in new:
-            raise ImportError(f"{package}.{name} is gone: {new}", name=package)
         raise ImportError(f"{package}.{name} is now {package}.{new}; use that name.", name=package)
 
     return answer
