@@ -15,6 +15,7 @@ from stereorecal.report._row_titles import several_schedules, strategies_of, tit
 from stereorecal.report._table_width import first_that_fits
 from stereorecal.report.number_text import count, number, percent
 
+_MOST_TRIALS = 24  # of which every one has a row
 WIDE = 120  # columns of a table that is not printed to a terminal
 _FOLDS = (40, 21, 12)  # characters a line of "compass + optimistix-levenberg-marquardt": in one line, in two, in four
 _LEAST = {"strategy": 12, "schedule": 8}  # characters of a column, however narrow the terminal
@@ -40,10 +41,10 @@ Row = Mapping[str, Any]
 _Make = Callable[[Mapping[str, Any], Sequence[str], int], Table]
 
 
-def comparison_tables(data: Mapping[str, Any], width: int, most_trials: int = 24) -> Group:
-    """All trials if `most_trials` or fewer, then their medians; scores and errors side by side if `width` allows."""
+def comparison_tables(data: Mapping[str, Any], width: int) -> Group:
+    """All trials if 24 or fewer, then their medians; scores and errors side by side if `width` allows."""
     kinds: list[tuple[str, _Make]] = [("the medians", _summary_table)]
-    if 1 < len(data["trials"]) <= most_trials:
+    if 1 < len(data["trials"]) <= _MOST_TRIALS:
         kinds.insert(0, ("the trials", _trials_table))
     tables, missed = [], []
     for name, make in kinds:

@@ -45,15 +45,6 @@ def texts_of(
         return _anew(rig, chosen, syntax, stated or unit or (own.unit if own is not None else "m"))
 
 
-def check_names(paths: Sequence[Path], source: RigFile | None, format: str | None) -> None:
-    """What `texts_of` checks of names and numbers of files, before there is a rig.
-
-    Raises:
-        InputError: as `texts_of`.
-    """
-    syntax_for(paths, chosen_format(paths, source, format), source)
-
-
 def chosen_format(paths: Sequence[Path], source: RigFile | None, format: str | None) -> Format:
     """The format that was asked for, or that of the source, or the usual one for such a name."""
     name = format or (source.format if source is not None else None)

@@ -77,8 +77,8 @@ def _rock(canvas: Canvas) -> Texture:
     return image * (1.0 - 0.65 * clefts)
 
 
-def crown(albedo: float, density: float = 0.0) -> Paint:
-    """A clump of leaves with ragged edges and holes; a higher `density` closes them."""
+def crown(albedo: float) -> Paint:
+    """A clump of leaves with ragged edges and holes."""
 
     def paint(canvas: Canvas) -> tuple[Texture, Texture]:
         across = canvas.x / canvas.width * 2.0 - 1.0
@@ -86,7 +86,7 @@ def crown(albedo: float, density: float = 0.0) -> Paint:
         radius = np.sqrt(across**2 + up**2)
         leaves = canvas.noise(0.5, 0.45, 6, 0.95)
         clumps = canvas.noise(0.35 * canvas.width, octaves=4)
-        mask = 0.5 + 2.0 * (0.78 + density - radius) + 0.55 * leaves + 0.45 * clumps
+        mask = 0.5 + 2.0 * (0.78 - radius) + 0.55 * leaves + 0.45 * clumps
         mask = mask - 12.0 * np.clip(np.maximum(np.abs(across), np.abs(up)) - 0.84, 0.0, 1.0) * (1.0 + 0.5 * leaves)
         lit = 0.75 + 0.35 * up - 0.1 * across
         image = albedo * lit * np.exp(0.4 * leaves + 0.35 * clumps)
