@@ -1,4 +1,4 @@
-"""Matchers by name, from the entry-point group `stereorecal.matchers`; each is imported when it is asked for."""
+"""Matchers by name, from the entry-point group `stereorecal.matchers`; each is imported when it is used."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -50,7 +50,7 @@ def matcher(name: str, /, **options: Any) -> AbstractMatcher:
 
 
 def overview() -> dict[str, MatcherInfo | Exception]:
-    """What each installed matcher is, or the error with which it cannot be loaded; looked up once for all."""
+    """What each installed matcher is, or the error with which it cannot be loaded; the metadata is read once."""
     return {name: _info(found) if isinstance(found, Plugin) else found for name, found in _REGISTRY.overview().items()}
 
 

@@ -1,4 +1,4 @@
-"""Data as users have them: pairs, scenes, missions, logs, and what a pair must fulfil."""
+"""Data as users have them: pairs, scenes, missions, logs, boards, ranges; and the checks of pairs."""
 
 from stereorecal.recordings._as_pairs import Images as Images, Pairs as Pairs, as_pairs as as_pairs
 from stereorecal.recordings._board import Board as Board

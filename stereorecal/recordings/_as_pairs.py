@@ -1,4 +1,4 @@
-"""What people hand over as image pairs, as a tuple of pairs."""
+"""Image pairs in the forms that users give, as a tuple of pairs."""
 
 from collections.abc import Sequence
 from typing import Any

@@ -1,4 +1,4 @@
-"""What pairs must fulfil to be scored under a calibration."""
+"""Checks of pairs before they are scored under a calibration."""
 
 import numpy as np
 

@@ -38,7 +38,7 @@ def find_boards(pairs: Pairs, corners: tuple[int, int] = (9, 6), square: float =
         left = _corners(pair.left, columns, rows)
         right = None if left is None else _corners(pair.right, columns, rows)
         if left is not None and right is not None:
-            # Seen from beside, a board looks as from here but for a shift, and some tilt.
+            # The right camera sees the board shifted, and slightly tilted.
             same = min(_turned(right), key=lambda one: float(np.std(one - left, axis=(0, 1)).sum()))
             found.append(Board(left.reshape(-1, 2), same.reshape(-1, 2), points))
     if not found:

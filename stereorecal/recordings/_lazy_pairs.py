@@ -1,4 +1,4 @@
-"""Pairs that are read when they are asked for: a recording may be longer than the memory."""
+"""Pairs that are read when they are used: a recording may be larger than the memory."""
 
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, overload
@@ -8,11 +8,11 @@ from stereorecal.recordings._pair import Pair
 if TYPE_CHECKING:
     PairSequence = Sequence[Pair]
 else:
-    PairSequence = Sequence  # a checker of types would read a pair to look at it
+    PairSequence = Sequence  # a run-time type checker would read a pair to check it
 
 
 class LazyPairs(PairSequence):
-    """Pairs that are read each time they are asked for; a slice is as lazy.
+    """Pairs that are read each time they are used; a slice is as lazy.
 
     Attributes:
         names, times: of the pairs, known without reading them; None for a time that is not known.

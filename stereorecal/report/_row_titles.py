@@ -18,5 +18,5 @@ def strategies_of(row: Row) -> str:
 
 def title_of(row: Row, data: Mapping[str, Any]) -> str:
     """A short name, different for each entrant: its schedule where schedules stand side by side, each with strategies
-    of its own, else the strategy that was asked for."""
+    of its own, else the requested strategy."""
     return row["schedule"] if several_schedules(data) else row["strategy"]

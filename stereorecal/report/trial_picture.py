@@ -1,4 +1,4 @@
-"""What a page about a comparison shows beside its numbers, as plain data."""
+"""Disparity maps of a trial, as plain data for the page of a comparison."""
 
 from dataclasses import dataclass
 

@@ -34,7 +34,7 @@ class LoggedPair:
 
     @property
     def pair(self) -> Pair:
-        """Read, if it is read when it is asked for."""
+        """The pair; lazy pairs are read here."""
         return self.frame[0]
 
     @property

@@ -40,7 +40,7 @@ _APART = (
 
 @dataclass(frozen=True)
 class Extent:
-    """How much of a log the experiments look at.
+    """The part of a log that the experiments use.
 
     Attributes:
         missions: sequences, the first ones; None: all.
@@ -73,13 +73,13 @@ def methods(names: tuple[str, ...], strategy_name: str | None = None) -> tuple[M
     Raises:
         InputError: if a strategy is not installed.
     """
-    asked = None if strategy_name is None else strategy(strategy_name)
+    chosen = None if strategy_name is None else strategy(strategy_name)
     made = {}
     if "count" in names:
-        climb = strategy("compass", step=_FIRST_STEP) if asked is None or asked.needs is Need.RESIDUALS else asked
+        climb = strategy("compass", step=_FIRST_STEP) if chosen is None or chosen.needs is Need.RESIDUALS else chosen
         made["count"] = Method("count", Schedule.count(climb), ranged=True)
     if "default" in names:
-        schedule = Schedule.default() if asked is None else Schedule.default().using(asked)
+        schedule = Schedule.default() if chosen is None else Schedule.default().using(chosen)
         made["default"] = Method("default", schedule, ranged=False)
     return tuple(made[name] for name in names)
 
@@ -159,9 +159,9 @@ def validity(setting: Setting) -> Iterator[Task]:
 
 def sweeps(setting: Setting) -> Iterator[Task]:
     """One pair of some sequences along every axis, with every matcher (section 4.1); closer steps near the middle."""
-    extent, asked = setting.extent, setting.matcher
-    there = any(type(matcher) is type(asked) for matcher in extent.matchers)
-    named = [(name_of(matcher), matcher) for matcher in (*extent.matchers, *([] if there else [asked]))]
+    extent, chosen = setting.extent, setting.matcher
+    there = any(type(matcher) is type(chosen) for matcher in extent.matchers)
+    named = [(name_of(matcher), matcher) for matcher in (*extent.matchers, *([] if there else [chosen]))]
     even = np.linspace(-1.0, 1.0, extent.points)
     offsets = tuple((_FAR * np.sign(even) * even**2).tolist())
     for mission in setting.missions[: extent.sweeps]:

@@ -54,7 +54,7 @@ class Reproduction:
 
     @property
     def summary(self) -> dict[str, Any]:
-        """Medians and shares over the rows, with those of the paper's own tables beside them."""
+        """Medians and shares over the rows, with those of the paper's own tables."""
         made = {
             "validity": summaries.of_validity,
             "sweeps": summaries.of_sweeps,
@@ -106,7 +106,7 @@ def reproduce(
         schedules: "count" (the paper's way) and "default" (coarse to fine), both or one of them.
         strategy: takes the place of compass, or of Levenberg-Marquardt if it needs residuals.
         matcher: counts pixels and repairs; a matcher, or the name of an installed one (default "sad").
-        extent: how much of the log is looked at; default as much as the paper does.
+        extent: the part of the log that is used; default as much as in the paper.
         reach: default 3 degrees and 3 % of the baseline.
         seed: chooses wrong calibrations, images and orders.
         output: folder for the rows; default none.
@@ -150,7 +150,7 @@ def reproduce(
 
 
 def run_task(task: Task) -> Row | str:
-    """Do a task, in a worker. Whatever goes wrong comes back as text, which always pickles."""
+    """Do a task, in a worker. An error comes back as text, which always pickles."""
     try:
         return task.run()
     except Exception as error:

@@ -1,4 +1,4 @@
-"""The recorder: what an objective was asked, and what that cost."""
+"""The recorder: the evaluations of an objective, and their cost."""
 
 import time
 from dataclasses import dataclass, field

@@ -1,4 +1,4 @@
-"""Strategies by name, from the entry-point group `stereorecal.strategies`; each is imported when it is asked for."""
+"""Strategies by name, from the entry-point group `stereorecal.strategies`; each is imported when it is used."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -64,7 +64,7 @@ def describe(name: str) -> StrategyInfo:
 
 
 def overview() -> dict[str, StrategyInfo | Exception]:
-    """What `describe` returns or raises for each installed strategy; what is installed is looked up once for all."""
+    """What `describe` returns or raises for each installed strategy; the installed metadata is read once."""
     return {name: _info(found) if isinstance(found, Plugin) else found for name, found in _REGISTRY.overview().items()}
 
 

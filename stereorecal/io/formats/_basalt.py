@@ -33,7 +33,7 @@ _MODELS = {
     "eucm": ("alpha", "beta"),
 }
 _LENSES = {"kb4": "equidistant", "ds": "ds", "eucm": "eucm"}  # the others are OpenCV's
-# What Basalt's reader insists on; the numbers of an IMU that nobody has measured are those of its EuRoC example.
+# Keys that Basalt's reader requires; the numbers of an unknown IMU are those of its EuRoC example.
 _IMU = {
     "calib_accel_bias": [0.0] * 9,
     "calib_gyro_bias": [0.0] * 12,

@@ -98,7 +98,7 @@ def _cameras(documents: Documents, hints: Hints) -> tuple[str, str]:
 
 
 def _is_rectified(content: Mapping[str, Any], cameras: tuple[str, str], hints: Hints) -> bool:
-    """Whether the images are KITTI's rectified ones: told by their size, if nobody says it."""
+    """Whether the images are KITTI's rectified ones: by the hints, else by their size."""
     if hints.rectified is not None:
         return hints.rectified
     keys = f"S_rect_{cameras[0]}", f"S_{cameras[0]}"

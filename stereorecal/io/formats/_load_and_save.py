@@ -38,7 +38,7 @@ def load_rig(
             with the right one's, as `save_rig` takes them.
         right: the right camera's file (or the extrinsics, where OpenCV's sample wrote them apart).
         format: name of the format, such as "kalibr"; by default it is recognised.
-        unit: "m", "cm", "mm" or "in", for files that say none (OpenCV, BoofCV); by default told by the baseline.
+        unit: "m", "cm", "mm" or "in", for files that say none (OpenCV, BoofCV); by default inferred from the baseline.
         size: (width, height) of the images, for files that say none.
 
     Raises:
@@ -47,8 +47,8 @@ def load_rig(
         UnsupportedModelError: if the model of a lens is not known.
 
     Warns:
-        CalibrationWarning: if the unit was told by the baseline, or the baseline is longer than 5 m or shorter than
-            5 mm, as of a rig in other units.
+        CalibrationWarning: if the unit was inferred from the baseline, or the baseline is longer than 5 m or shorter
+            than 5 mm, as of a rig in other units.
     """
     paths = [*_paths(path), *([] if right is None else [Path(right)])]
     if not 1 <= len(paths) <= 2:
@@ -82,8 +82,8 @@ def save_rig(
             where the name ends in .yaml, .yml or .xml.
         template: a calibration file (or two) to write into, in place of the one that the rig came from.
         unit: "m", "cm", "mm" or "in", where the format says none: of a template, by default that of the file that the
-            rig came from, if its format is the same, else told by the template's baseline; or of a new file, by default
-            metres.
+            rig came from, if its format is the same, else inferred from the template's baseline; or of a new file, by
+            default metres.
         prior: the prior of the next repair, such as `solution.prior`; default the one in the file that the rig came
             from, if the rig is unchanged. A calib.json has a key for it; any other format gets the file
             NAME.prior.json beside the (left camera's) file: both are written, or none.
@@ -93,7 +93,7 @@ def save_rig(
             format has another unit, or cannot hold the rig: the message names one that can. Nothing is written then.
 
     Warns:
-        CalibrationWarning: if the unit of the template was told by its baseline.
+        CalibrationWarning: if the unit of the template was inferred from its baseline.
     """
     paths = _paths(path)
     if len({place.resolve() for place in paths}) < len(paths):
@@ -147,7 +147,7 @@ def unsaid_unit(rig: StereoRig, path: AnyPath | Sequence[AnyPath], *, format: st
 
 
 def prior_beside(rig: StereoRig, path: AnyPath | Sequence[AnyPath], *, format: str | None = None) -> Path | None:
-    """The file that `save_rig` writes beside a calibration for what is known of it; None where it writes none."""
+    """The file that `save_rig` writes beside a calibration for its prior; None where it writes none."""
     paths = _paths(path)
     return prior_place(paths, chosen_format(paths, file_of(rig), format).NAME)
 
@@ -177,7 +177,7 @@ def back_up(path: AnyPath) -> Path:
         raise InputError(f"{path}: cannot be read ({error.strerror}); check the file.") from error
     while True:
         copy = next_copy(path)
-        with suppress(FileTaken):  # by another run, since it was looked for
+        with suppress(FileTaken):  # by another run in the meantime
             write_bytes(copy, data, replace=False)
             take_after(copy, path)
             return copy

@@ -22,7 +22,7 @@ from stereorecal.io.formats.text._document import Document, Syntax, read_documen
 
 _ENDINGS = (".yaml", ".yml", ".xml", ".json", ".txt")
 _OF_CAMERAS = ("cam0/sensor.yaml", "cam1/sensor.yaml")  # EuRoC's, which lie in folders of their own
-_MOST = 12  # files of a folder that are looked at in pairs
+_MOST = 12  # files of a folder that are tried in pairs
 _SCENE = "calib.json"
 
 
@@ -37,7 +37,7 @@ def read_files(
 
     Args:
         format: name of the format; default: recognised.
-        unit: of lengths in a file whose format says none; default: told by the length of the baseline.
+        unit: of lengths in a file whose format says none; default: inferred from the length of the baseline.
         if_missing: the end of the message if a file does not exist.
 
     Raises:

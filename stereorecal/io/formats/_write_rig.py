@@ -46,7 +46,7 @@ def texts_of(
 
 
 def chosen_format(paths: Sequence[Path], source: RigFile | None, format: str | None) -> Format:
-    """The format that was asked for, or that of the source, or the usual one for such a name."""
+    """The given format, or that of the source, or the usual one for such a name."""
     name = format or (source.format if source is not None else None)
     return named(name) if name is not None else usual(paths[0])
 
@@ -91,11 +91,11 @@ def _into(rig: StereoRig, format: Format, source: RigFile) -> tuple[str, ...]:
                 f"the file has a lens of the model {old.model!r}, and the rig one of {new.model!r}; write a new file: "
                 "`dataclasses.replace(rig, source=None)`, no template."
             )
-    kept = tuple(same_camera(*cameras) for cameras in ((before.left, rig.left), (before.right, rig.right)))
+    unchanged = tuple(same_camera(*cameras) for cameras in ((before.left, rig.left), (before.right, rig.right)))
     texts = tuple(document.text for document in source.documents)
-    if all(kept) and np.array_equal(before.extrinsics, rig.extrinsics):
+    if all(unchanged) and np.array_equal(before.extrinsics, rig.extrinsics):
         return texts
-    target = Target(source.documents, not kept[0], not kept[1], source.hints)
+    target = Target(source.documents, not unchanged[0], not unchanged[1], source.hints)
     return _checked(rig, format, target, source.unit)
 
 

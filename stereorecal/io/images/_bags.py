@@ -54,9 +54,9 @@ class _Bag:
             ros, types = import_module("rosbags.highlevel"), import_module("rosbags.typesys")
         self.path = path
         # For bags of ROS 2 that do not say what their messages look like; images have not changed since.
-        kept = types.get_typestore(types.Stores.ROS2_HUMBLE)
+        types_of_ros2 = types.get_typestore(types.Stores.ROS2_HUMBLE)
         with _sound(path):
-            self._reader = ros.AnyReader([path], default_typestore=kept)
+            self._reader = ros.AnyReader([path], default_typestore=types_of_ros2)
             self._reader.open()
             weakref.finalize(self, self._reader.close)
 

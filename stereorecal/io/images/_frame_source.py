@@ -33,9 +33,9 @@ class FrameSource:
 def halves(source: FrameSource) -> tuple[FrameSource, FrameSource]:
     """The left and the right half of frames that show both images side by side. A frame is read once for both: to read
     one again, a video would be searched from its beginning."""
-    kept = replace(source, read=lru_cache(maxsize=1)(source.read))
-    return replace(source, read=lambda index: _half(kept, index, 0)), replace(
-        source, read=lambda index: _half(kept, index, 1)
+    cached = replace(source, read=lru_cache(maxsize=1)(source.read))
+    return replace(source, read=lambda index: _half(cached, index, 0)), replace(
+        source, read=lambda index: _half(cached, index, 1)
     )
 
 

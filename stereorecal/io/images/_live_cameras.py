@@ -17,7 +17,7 @@ _MOST_APART = 100  # pairs in a row whose frames are too far apart in time
 def camera_pairs(names: Sequence[str], tolerance: float | None = None) -> Iterator[Pair | Images]:
     """The pairs of two cameras, or of one that shows both images side by side, as they come; it ends when a file does.
 
-    Both cameras are asked for a frame before either is decoded. A pair that cannot be used, such as a black one, comes
+    A frame of each camera is grabbed before either is decoded. A pair that cannot be used, such as a black one, comes
     as two arrays.
 
     Args:

@@ -62,8 +62,8 @@ def load_pairs(left: AnyPath, right: AnyPath, limit: int | None = None) -> tuple
 
 
 def load_matched(matched: Matched, limit: int | None = None, times: Sequence[float] | None = None) -> LazyPairs:
-    """The pairs of files that belong together, the first `limit` or all; each is read by `load_pair` when it is asked
-    for. All of them are inputs already now.
+    """The pairs of matched files, the first `limit` or all; each is read by `load_pair` when it is used. All of the
+    files count as inputs at once.
 
     Args:
         times: of the pairs, in seconds; default their names, if all are nanoseconds of 16 digits or more.

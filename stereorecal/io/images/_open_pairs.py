@@ -24,8 +24,8 @@ class Recorded:
     """The result of `open_pairs`.
 
     Attributes:
-        pairs: all of them, read when asked for: take a slice, or hand them to a function that looks at one after the
-            other; `tuple(recorded.pairs)` reads all.
+        pairs: all of them, read when used: take a slice, or pass them to a function that reads one after the other;
+            `tuple(recorded.pairs)` reads all.
         unpaired: names of frames that have no partner.
         stream: whether they are frames of a video or a bag, which are many and show the same again and again.
         by_order: whether images were matched by their order, since neither names nor times corresponded.

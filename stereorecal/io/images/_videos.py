@@ -35,7 +35,7 @@ def video_source(path: Path) -> FrameSource:
 
 
 class _Video:
-    """An open video. Frames that are asked for in order are decoded once: seeking is not exact in every format."""
+    """An open video. Frames that are read in order are decoded once: seeking is not exact in every format."""
 
     def __init__(self, path: Path):
         self.path = path

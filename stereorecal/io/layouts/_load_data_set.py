@@ -40,8 +40,8 @@ def load_log(folder: AnyPath, limit: int | None = None) -> Log:
 
     A scene folder is a log of one mission. `docs/data.md` describes the other layouts.
 
-    Pairs are read each time they are asked for (`LazyPairs`), so that a log may be longer than the memory: of each
-    mission the first is looked at now, and what is wrong with another is said when it is read.
+    Pairs are read each time they are used (`LazyPairs`), so that a log may be larger than the memory: the first pair of
+    each mission is checked now, any other when it is read.
 
     Args:
         limit: only the first `limit` pairs of each mission.

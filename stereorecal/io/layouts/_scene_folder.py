@@ -40,7 +40,7 @@ def open_scene_folder(folder: Path, limit: int | None) -> tuple[Calibration, Laz
 
 
 def _check_calibrated(folder: Path) -> None:
-    """Refuse images beside a calibration in another format, with the words that read them."""
+    """Refuse images with a calibration in another format; the message has the options that read them."""
     sides = [_images_of(folder, side) for side in ("left", "right")]
     if is_scene_folder(folder) or not looks_calibrated(folder) or not all(map(any, sides)):
         return

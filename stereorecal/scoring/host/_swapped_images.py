@@ -150,13 +150,13 @@ def _rotation(
     left: Float[np.ndarray, "n 3"], right: Float[np.ndarray, "n 3"], tolerance: float
 ) -> tuple[Float[np.ndarray, "3 3"], Bool[np.ndarray, "n"]]:
     """The rotation, left to right, of the motion on which most pairs agree, and which do."""
-    nobody = np.eye(3), np.zeros(len(left), bool)
+    none = np.eye(3), np.zeros(len(left), bool)
     if len(left) < _CHANCE:
-        return nobody
+        return none
     here, there = (np.ascontiguousarray(rays[:, :2]) for rays in (left, right))
     essential, agree = cv2.findEssentialMat(here, there, np.eye(3), cv2.RANSAC, 0.999, tolerance)
     if essential is None or essential.shape != (3, 3):
-        return nobody
+        return none
     return cv2.recoverPose(essential, here, there, np.eye(3), mask=agree.copy())[1], agree.reshape(-1) > 0
 
 
