@@ -4,6 +4,8 @@ The check runs only where hardly anything matches. Sparse features, which do not
 the rotation between the cameras, so the answer is the same for any drift. In doubt nothing is refused.
 """
 
+from collections.abc import Sequence
+
 import cv2
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -35,15 +37,20 @@ _TRANSPOSED = np.radians(5.0)  # the least rotation between cameras that cannot 
 _NEAR = np.radians(15.0)  # from the given rotation, three times the drift that must never be called a mistake
 
 
-def refuse_swapped_images(images: Pyramid) -> None:
+def refuse_swapped_images(images: Pyramid, frames: Sequence[int] | None = None) -> None:
     """Refuse images that are certainly no left and right image of this rig.
 
+    Args:
+        frames: indices of the pairs to check, which differ from the others; default all.
+
     Raises:
-        InputError: one sentence that names what is wrong.
+        InputError: one sentence that names what is wrong, and the frames, where some were given.
     """
-    mistakes = {_mistake_in(images.rig, pair) for pair in select_frames(images.pairs, _FRAMES)}
+    pairs = images.pairs if frames is None else [images.pairs[frame] for frame in frames]
+    mistakes = {_mistake_in(images.rig, pair) for pair in select_frames(pairs, _FRAMES)}
     if len(mistakes) == 1 and (sentence := mistakes.pop()) is not None:
-        raise InputError(sentence)
+        which = "" if frames is None else f"{', '.join(pair.name for pair in pairs)} (unlike the other pairs): "
+        raise InputError(which + sentence)
 
 
 def _mistake_in(rig: StereoRig, pair: Pair) -> str | None:
