@@ -11,7 +11,6 @@ from stereorecal.synthetic.world._raycast import depth
 
 _TRIES = 20  # pixels for each that is wanted
 _BORDER = 0.05  # of the image that is left out
-_NOISE = 0.01  # standard deviation, as a share of the distance
 _NEAREST, _FARTHEST = 5.0, 40.0  # baselines
 
 
@@ -21,6 +20,7 @@ def ranges(
     *,
     rig: StereoRig | None = None,
     number: int = 10,
+    noise: float = 0.01,
     draw: int = 0,
 ) -> tuple[Float[np.ndarray, "n 2"], Float[np.ndarray, "n"]]:
     """Pixels (column, row) of the left image, and the distance [m] of what they show from the left camera.
@@ -28,6 +28,7 @@ def ranges(
     Args:
         kind, seed, rig: as `ground_truth` has them, of the first frame.
         number: how many; fewer where the scene shows too few things so far away.
+        noise: standard deviation, as a share of the distance.
         draw: other pixels and noise.
     """
     rig, world = rig or default_rig(), make_world(kind, seed)
@@ -39,4 +40,4 @@ def ranges(
     metres = np.linalg.norm(directions[0], axis=-1) * seen
     baseline = float(rig.baseline)
     within = np.flatnonzero((metres > _NEAREST * baseline) & (metres < _FARTHEST * baseline))[:number]
-    return pixels[within], metres[within] * (1.0 + _NOISE * random.normal(size=within.size))
+    return pixels[within], metres[within] * (1.0 + noise * random.normal(size=within.size))
