@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal._plain import plain
+from stereorecal._json_data import json_data
 from stereorecal.decision._tolerances import DEFAULT, Tolerances
 from stereorecal.estimation import Estimate, with_free_together
 from stereorecal.objectives import BASELINE
@@ -69,7 +69,7 @@ class Decision:
     def as_dict(self) -> dict[str, Any]:
         """Plain data for JSON."""
         before, after = ({"value": m, "low": low, "high": high} for m, low, high in self.rows_px.tolist())
-        return plain(
+        return json_data(
             {
                 "verdict": self.verdict.name.lower(),
                 "keeps_depth": self.keeps_depth,
