@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stereorecal._choices import checked_choice
 from stereorecal._errors import InputError
-from stereorecal._names import known
 from stereorecal.estimation import DEFAULT, EXACT
 from stereorecal.matching import AbstractMatcher
 
@@ -54,7 +54,7 @@ class Config:
     repair: bool = True
 
     def __post_init__(self) -> None:
-        known("default" if self.prior is None else self.prior, [DEFAULT, EXACT], "prior")
+        checked_choice("default" if self.prior is None else self.prior, [DEFAULT, EXACT], "prior")
         for name in ("every", "together", "keep"):
             if getattr(self, name) < 1:
                 raise InputError(f"{name} is {getattr(self, name)}; give at least 1.")
