@@ -221,7 +221,7 @@ def _worker(
         except (EOFError, OSError):  # the program has been killed
             sent = None
         began, spent, events, ends = time.monotonic(), time.process_time(), (), sent is None
-        if not ends:
+        if sent is not None:
             state, events = step(state, sent, seconds) if isinstance(sent, tuple) else _changed(state, sent)
         events = (*events, *file.keep(state, now=ends or bool(events)))
         rest = (time.process_time() - spent) / share - (time.monotonic() - began)

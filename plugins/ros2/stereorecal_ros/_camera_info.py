@@ -120,6 +120,11 @@ def corrected(rig: StereoRig, shown: View | None = None) -> tuple[CameraInfo, Ca
     return infos[0], infos[1]
 
 
+def is_like(one: StereoRig, other: StereoRig) -> bool:
+    """Whether two calibrations are one, which may have been written with some digits less."""
+    return all(a.is_like(b) for a, b in zip(corrected(one), corrected(other), strict=True))
+
+
 def _camera(info: CameraInfo, side: str) -> Camera:
     if info.distortion_model not in (*_PINHOLE, *_FISHEYE):
         raise UnsupportedModelError(

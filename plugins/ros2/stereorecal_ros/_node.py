@@ -22,10 +22,11 @@ from std_srvs.srv import Trigger
 
 from stereorecal import InputError
 from stereorecal.io import json_line
+from stereorecal_ros._kept import Kept
+from stereorecal_ros._log import Level
 from stereorecal_ros._messages import camera_info_message, diagnostics_message, transform_message
 from stereorecal_ros._pairing import LEFT, RIGHT
 from stereorecal_ros._settings import Settings, about, changes
-from stereorecal_ros._status import Level
 from stereorecal_ros._watch import SIDES, Answer, Watch
 
 _POLL = 0.05  # seconds
@@ -52,7 +53,8 @@ class CalibrationNode(Node):
             place.parent.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise InputError(f"{error.filename}: {error.strerror}; give the parameter state_file.") from error
-        self._watch = Watch(settings, place, self._tell)
+        self._topics: dict[str, tuple[str, str]] = {}  # of each input: its topic, and the type of messages
+        self._watch = Watch(settings, Kept(place, named=bool(settings.state_file)), self._tell, about=self._about)
         self._frames = ["", ""]
         self._publish(settings)
         self._serve()
@@ -81,13 +83,16 @@ class CalibrationNode(Node):
         overrides = QoSOverridingOptions.with_default_policies()
         for side in (LEFT, RIGHT):
             # What is remapped is the topic of the raw images, as everywhere with image_transport.
-            topic = self.resolve_topic_name(f"{SIDES[side]}/image_raw") + ending
-            come = partial(self._on_image, side)
-            self.create_subscription(kind, topic, come, _as_sensors(), qos_overriding_options=overrides)
+            inputs = {f"{SIDES[side]}/image_raw": (kind, ending, self._on_image)}
             if not settings.files:
-                topic = f"{SIDES[side]}/camera_info"
-                come = partial(self._on_info, side)
-                self.create_subscription(CameraInfo, topic, come, _as_sensors(), qos_overriding_options=overrides)
+                inputs[f"{SIDES[side]}/camera_info"] = CameraInfo, "", self._on_info
+            for name, (message, behind, come) in inputs.items():
+                topic = self.resolve_topic_name(name) + behind
+                self._topics[name] = topic, f"sensor_msgs/msg/{message.__name__}"
+                asked = topic if behind else name  # what is resolved already would be remapped once more
+                self.create_subscription(
+                    message, asked, partial(come, side), _as_sensors(), qos_overriding_options=overrides
+                )
 
     def _publish(self, settings: Settings) -> None:
         last = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -135,6 +140,14 @@ class CalibrationNode(Node):
         status = self._watch.status()
         self._diagnostics.publish(diagnostics_message(f"{self._full_name}: stereo calibration", status, stamp))
 
+    def _about(self, name: str) -> str:
+        """Of an input that is silent."""
+        topic, wanted = self._topics[name]
+        types = {one.topic_type for one in self.get_publishers_info_by_topic(topic)}
+        if not types:
+            return f" (nobody publishes {topic})"
+        return f" ({topic})" if wanted in types else f" ({topic} is {' and '.join(sorted(types))}, not {wanted})"
+
     def _answer(self, request: Callable[[], Answer], asked: Trigger.Request, answer: Trigger.Response):
         answer.success, answer.message = request()
         return answer
@@ -156,6 +169,7 @@ class CalibrationNode(Node):
             info = camera_info_message(corrected[side], Header(frame_id=self._frames[side]))
             asked = self._drivers[side].call_async(SetCameraInfo.Request(camera_info=info))
             asked.add_done_callback(partial(self._saved, side))
+        self._watch.asked_to_save()
         self._tell(Level.WARN, f"the drivers of both cameras are asked to take: {self._watch.change}")
         return True, "asked the drivers of both cameras; what they answer is logged."
 
