@@ -92,7 +92,8 @@ class Watch:
 
     @property
     def corrected(self) -> tuple[CameraInfo, CameraInfo] | None:
-        """The CameraInfo to publish, of the left and the right camera; None before there is a calibration."""
+        """The CameraInfo to publish, of the left and the right camera; None before there is a calibration, and until
+        it is known what had been applied to it."""
         return self._corrected
 
     @property
@@ -294,7 +295,7 @@ class Watch:
             self._tell(
                 Level.WARN, f"another calibration is given: {self.change or numbers(self._rig)} -> {numbers(rig)}"
             )
-        self._rig, self._view, self._corrected = rig, view, corrected(rig, view)
+        self._rig, self._view, self._corrected = rig, view, None
         self._state = self._applied = self._saved = None
         self._recent.clear()
         self._worker.end(None)
@@ -308,6 +309,9 @@ class Watch:
     def _start(self, rig: StereoRig, begun: Begun) -> None:
         """Watch, with what was applied when the rig was watched before."""
         state, applied = begun.state, begun.applied
+        if state is None:
+            self._corrected = corrected(rig, self._view)
+            return
         if applied is None or rig_as_data(applied.initial) != rig_as_data(state.initial):
             known = (np.zeros(5), state.using, *state.previous)
             apart = [np.abs(state.rig_at(offset).extrinsics - rig.extrinsics).max() for offset in known]
@@ -319,6 +323,8 @@ class Watch:
         if not is_like(rig, applied.given):  # it was saved
             self._give(rig)
         self._corrected = corrected(state.rig_at(applied.offset), self._view)
+        if begun.failed is not None:
+            return
         self._tell(Level.OK, f"watching from {numbers(state.rig_at(applied.offset))}, after {state.frame} pairs.")
         repairs = state.config.repair
         if applied.returning:  # the process that was asked to did not come to it
@@ -401,12 +407,14 @@ class Watch:
         missing = self._heard.missing([f"{side}/{topic}" for topic in topics for side in SIDES], now)
         if missing:
             return [f"{name}{self._about(name)}" for name in missing]
-        if self._rig is None:
-            return [f"a calibration ({self._complaint})"]
         still = [side for side in SIDES if self._heard.missing([f"{side}/stamps"], now)]
         if still:
             images = " and ".join(f"{side}/image_raw" for side in still)
             return [f"stamps of {images} (they stay the same; the driver must stamp each image with its time)"]
+        if self._rig is None:
+            return [f"a calibration ({self._complaint})"]
+        if self._corrected is None:
+            return ["the worker process, which is being started"]
         if self._heard.missing(["pairs"], now):
             apart = "not known" if pairing.apart is None else f"{pairing.apart / 1e6:.1f} ms"
             return [f"pairs (stamps are {apart} apart, the tolerance is {pairing.tolerance / 1e6:.1f} ms)"]

@@ -21,19 +21,21 @@ Change = Callable[[State], tuple[State, tuple[Event, ...]]]
 
 @dataclass(frozen=True, eq=False)
 class Begun:
-    """A process that has been started.
+    """A process that has been started, or why it has not.
 
     Attributes:
-        beside: the process.
-        state: that it goes on from.
+        beside: the process; None if there is none.
+        state: that it goes on from; without a process one of what is applied, or None.
         applied: what had been applied; None if nothing has been.
         said: lines for the log.
+        failed: why there is no process.
     """
 
-    beside: Beside
-    state: State
+    beside: Beside | None
+    state: State | None
     applied: Applied | None
     said: list[Line]
+    failed: str | None = None
 
 
 class Worker:
@@ -74,8 +76,9 @@ class Worker:
         return self._beside is not None and self._beside.ready
 
     def start(self, rig: StereoRig, applied: Applied | None) -> Begun | None:
-        """Have one begun, if that is due and none is on its way; returns it once it has begun. It goes on from the
-        state in the file, if that is of this rig; a file of another rig is set aside.
+        """Have one begun, if that is due and none is on its way; returns what came of it once that is known.
+
+        It goes on from the state in the file, if that is of this rig; a file of another rig is set aside.
 
         Args:
             applied: what has been applied; None if only the file says it.
@@ -87,14 +90,12 @@ class Worker:
         if not self._beginning.done():
             return None
         beginning, self._beginning = self._beginning, None
-        try:
-            begun = beginning.result()
-        except (InputError, OSError, RuntimeError) as error:
-            self.end(str(error))
-            return None
+        begun = beginning.result()
         for line in begun.said:
             self._tell(*line)
         self._beside, self.dead = begun.beside, None
+        if begun.failed is not None:
+            self.end(begun.failed)
         return begun
 
     def latest(self) -> tuple[State, tuple[Event, ...]] | None:
@@ -141,20 +142,28 @@ class Worker:
         return () if beside is None else beside.latest()[1]
 
     def _begin(self, rig: StereoRig, applied: Applied | None) -> Begun:
+        said: list[Line] = []
+        try:
+            if applied is None:
+                applied, said = self._kept.read(rig)
+            beside = self._made(rig, said)
+            state, _ = beside.latest()
+            reading(state)  # imports what it needs, which takes a third of a second
+            return Begun(beside, state, applied, said)
+        except (InputError, OSError, RuntimeError) as error:
+            return Begun(None, None if applied is None else applied.published, applied, said, str(error))
+
+    def _made(self, rig: StereoRig, said: list[Line]) -> Beside:
         settings, place = self._settings, self._kept.state
-        applied, said = self._kept.read(rig) if applied is None else (applied, [])
         config = Config(matcher=settings.matcher, repair=settings.repair)
         begin = partial(self._work, rig, config, share=settings.share, keep=place, keep_every=settings.keep_every)
         try:
-            beside = begin()
+            return begin()
         except InputError as error:
             if not place.exists():
                 raise
             said.append(set_aside(place, str(error)))
-            beside = begin()
-        state, _ = beside.latest()
-        reading(state)  # imports what it needs, which takes a third of a second
-        return Begun(beside, state, applied, said)
+            return begin()
 
     def _try(self, act: Callable[[Beside], object]) -> bool:
         if self._beside is None:
@@ -168,5 +177,6 @@ class Worker:
 
 
 def _close_begun(beginning: "Future[Begun]") -> None:
-    if beginning.exception() is None:
-        beginning.result().beside.close()
+    beside = beginning.result().beside
+    if beside is not None:
+        beside.close()

@@ -89,7 +89,9 @@ class Work:
 class Robot:
     """A watch, its clock, its log and its workers."""
 
-    def __init__(self, folder: Path, rig: StereoRig | None = None, **settings: Any) -> None:
+    def __init__(
+        self, folder: Path, rig: StereoRig | None = None, background: Executor | None = None, **settings: Any
+    ) -> None:
         self.rig = default_rig().resized(SIZE) if rig is None else rig
         self.now, self.stamp = 100.0, 0
         self.log: list[tuple[Level, str]] = []
@@ -98,11 +100,11 @@ class Robot:
         tell = lambda level, text: self.log.append((level, text))  # noqa: E731
         self.watch = Watch(
             Settings(**settings),
-            Kept(folder / "node.state"),
+            Kept(Path(settings.get("state_file", folder / "node.state")), named="state_file" in settings),
             tell,
             work=self._made,
             clock=lambda: self.now,
-            background=AtOnce(),
+            background=background or AtOnce(),
         )
 
     def _made(self, *given: Any, **options: Any) -> Any:

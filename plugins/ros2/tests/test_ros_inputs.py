@@ -98,6 +98,23 @@ def test_a_topic_that_is_silent_is_named(robot):
     assert one.watch.status().values["missing"] == "nothing"
 
 
+@pytest.mark.parametrize("sides", [(LEFT,), (LEFT, RIGHT)])
+def test_stamps_that_stay_the_same_are_named(robot, sides):
+    """As of a driver that does not stamp its images: all are of time 0."""
+    one = robot()
+    one.calibrate()
+    for number in range(40):
+        one.now += 0.1
+        one._inform()
+        for side in (LEFT, RIGHT):
+            one.watch.image(side, 0 if side in sides else number * 10**8, image())
+    one.stamp = 10**11
+    names = " and ".join(f"{name}/image_raw" for name in ("left", "right")[: len(sides)])
+    assert f"missing: stamps of {names} (they stay the same" in one.watch.status().message
+    one.see()
+    assert one.watch.status().values["missing"] == "nothing"
+
+
 def test_time_that_jumps_back_is_told(robot):
     one = robot()
     one.calibrate()

@@ -1,10 +1,11 @@
 """What the node publishes, and what it never does; without ROS, around a worker that is a stand-in."""
 
+from concurrent.futures import Future
 from pathlib import Path
 
 import numpy as np
 import pytest
-from robots import BEST, BETTER
+from robots import BEST, BETTER, AtOnce
 from stereorecal_ros import Level, corrected
 from stereorecal_ros._pairing import LEFT, RIGHT
 from stereorecal_ros._worker import _RETRY
@@ -76,6 +77,30 @@ def test_what_is_taken_back_does_not_come_back_while_the_worker_is_busy(robot):
     assert one.turned() == pytest.approx(0.0, abs=1e-9)
 
 
+def test_two_quick_roll_backs(robot):
+    """The first answer of the worker is not the last."""
+    one = robot(auto_apply=True)
+    one.calibrate()
+    one.see()
+    one.accept(BETTER)
+    one.accept(BEST)
+    one.work.slow = True
+    assert one.watch.roll_back()[0]
+    assert one.watch.roll_back()[0]
+    one.watch.set(repair=True)
+    one.work.state, events = one.work.waiting.pop(0)(one.work.state)  # back at the better one
+    one.work.events += events
+    one.see()
+    assert one.turned() == pytest.approx(0.0, abs=1e-9)
+    assert not one.watch.apply()[0]
+    one.work.slow = False
+    one.see(2)
+    assert one.turned() == pytest.approx(0.0, abs=1e-9)
+    np.testing.assert_array_equal(one.work.state.using, np.zeros(5))
+    one.accept(BETTER)  # what comes later is applied again
+    assert one.turned() == pytest.approx(0.1, abs=0.01)
+
+
 def test_auto_apply_switched_on_later(robot):
     one = robot()
     one.calibrate()
@@ -129,6 +154,68 @@ def test_another_calibration_begins_anew_once_it_has_settled(robot, tmp_path: Pa
     assert one.said("another calibration than the one that is given", "node.state.bak")
     np.testing.assert_allclose(one.watch.rig.extrinsics, other.extrinsics, atol=1e-9)
     assert (tmp_path / "node.state.bak").exists()
+
+
+def test_a_driver_that_is_given_the_old_calibration_back(robot):
+    """What was applied and saved was not wanted: the one that is given last wins."""
+    one = robot()
+    one.calibrate()
+    one.see()
+    one.accept(BETTER)
+    one.watch.apply()
+    one.watch.asked_to_save()
+    one.accept(BEST)
+    one.watch.apply()  # before the drivers have told what they took
+    one.calibrate(one.works[0].state.rig_at(BETTER))
+    one.see(40)
+    assert one.turned() == pytest.approx(0.2, abs=0.01)
+    assert len(one.works) == 1
+    one.calibrate(one.rig)
+    one.see(40)
+    assert len(one.works) == 2
+    assert one.turned() == pytest.approx(0.0, abs=1e-9)
+    assert one.said("another calibration is given", "->")
+    assert not one.watch.roll_back()[0]
+
+
+def test_what_was_applied_is_published_though_no_process_starts(robot, monkeypatch: pytest.MonkeyPatch):
+    one = robot()
+    one.calibrate()
+    one.see()
+    one.accept(BETTER)
+    one.watch.apply()
+    one.watch.close()
+    two = robot()
+    with monkeypatch.context() as patch:
+        patch.setattr(two.watch._worker, "_work", lambda *_, **__: (_ for _ in ()).throw(OSError("no memory")))
+        two.calibrate()
+        two.see()
+    assert two.turned() == pytest.approx(0.1, abs=0.01)
+    assert two.watch.corrected == one.watch.corrected
+    assert two.watch.status().level is Level.ERROR
+    assert "no memory" in two.watch.status().message
+    two.now += _RETRY
+    two.see()
+    assert two.works
+    assert two.watch.corrected == one.watch.corrected
+
+
+class Never(AtOnce):
+    """An executor that does not come to it."""
+
+    def submit(self, act, /, *given, **named) -> Future:
+        return Future()
+
+
+def test_nothing_waits_for_a_process_that_is_begun(robot):
+    one = robot(background=Never())
+    one.calibrate()
+    one.see(5)
+    assert one.watch.corrected is None  # something else may have been applied
+    assert one.works == []
+    assert one.watch.status().message == "missing: the worker process, which is being started"
+    assert one.watch.status().values["pairs dropped, which could not be followed"] == "5"
+    assert one.watch.recalibrate() == (False, "there is no calibration yet; nothing to start from.")
 
 
 def test_a_worker_that_exits_is_told_and_replaced(robot):
