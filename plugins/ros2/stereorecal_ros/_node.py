@@ -3,6 +3,7 @@
 
 from collections.abc import Callable
 from dataclasses import fields
+from difflib import get_close_matches
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -31,6 +32,7 @@ from stereorecal_ros._watch import SIDES, Answer, Watch
 
 _POLL = 0.05  # seconds
 _DIAGNOSTICS = 1.0  # likewise
+_OF_ALL_NODES = ("use_sim_time", "start_type_description_service")
 _EVENTS_KEPT = 100  # for a subscriber that is slow
 
 
@@ -45,7 +47,9 @@ class CalibrationNode(Node):
     """
 
     def __init__(self, home: Path, **options: Any) -> None:
-        super().__init__("stereorecal", **options)
+        # Declared all, to hear of names that are not known, of which ROS says nothing.
+        super().__init__("stereorecal", automatically_declare_parameters_from_overrides=True, **options)
+        self._name_unknown()
         settings = self._declared()
         self._full_name = self.get_fully_qualified_name().strip("/")
         place = Path(settings.state_file or home / f"{self._full_name.replace('/', '.')}.state")
@@ -68,6 +72,16 @@ class CalibrationNode(Node):
         """End the worker process, too; the state is saved."""
         self._watch.close()
         super().destroy_node()
+
+    def _name_unknown(self) -> None:
+        """Say which parameters are not known; those that are, are declared later."""
+        known = [one.name for one in fields(Settings)]
+        for name in self.get_parameters_by_prefix(""):
+            if name in known or name.startswith("qos_overrides."):
+                self.undeclare_parameter(name)
+            elif name not in _OF_ALL_NODES:
+                near = "".join(f"; is it {one}?" for one in get_close_matches(name, known, 1))
+                self._tell(Level.WARN, f"the parameter {name} is not known, and not used{near}")
 
     def _declared(self) -> Settings:
         values = {}
