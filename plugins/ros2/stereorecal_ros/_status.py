@@ -65,8 +65,10 @@ def _said(found: Reading | None, missing: Sequence[str], dead: str | None) -> tu
         return Level.ERROR, dead
     if found is not None and found.condition is Condition.REPAIR:
         return Level.ERROR, found.condition.value
-    if missing or found is None:
-        return Level.STALE, f"missing: {', '.join(missing) or 'pairs'}"
+    if missing:
+        return Level.STALE, f"missing: {', '.join(missing)}"
+    if found is None:
+        return Level.STALE, "no pair has told anything yet"
     return (Level.OK if found.condition is Condition.HEALTHY else Level.WARN), found.condition.value
 
 

@@ -83,7 +83,8 @@ class Watch:
         self._asked = False
         self._told_at = clock()
         self._used = self._dropped = self._refused = 0
-        self._complaint: str | None = None
+        self._complaint: str | None = None  # of what comes in
+        self._bad: str | None = None  # why the last pairs cannot be used, as the worker says
         self._unsaved: str | None = None  # why the state cannot be kept
         self._unkept: tuple[str, float] | None = None  # why what is applied cannot be, and when it was tried
         if settings.files:
@@ -146,7 +147,7 @@ class Watch:
             return ()
         state, events = latest
         if self._state is None or state.seen != self._state.seen:
-            self._told_at = self._clock()
+            self._told_at, self._bad = self._clock(), None
         self._state = state
         for event in events:
             self._follow(event)
@@ -298,6 +299,7 @@ class Watch:
         self._rig, self._view, self._corrected = rig, view, None
         self._state = self._applied = self._saved = None
         self._recent.clear()
+        self._bad = None
         self._worker.end(None)
 
     def _give(self, rig: StereoRig) -> None:
@@ -361,7 +363,9 @@ class Watch:
         if event.kind in (Kind.NOT_SAVED, Kind.SAVED):
             self._unsaved = event.why or None
         if event.kind is Kind.BAD_FRAME:
-            self._complain(f"{event.kind.value}: {event.why}")
+            before, self._bad = self._bad, f"{event.kind.value}: {event.why}"
+            if self._bad != before:  # once, though many pairs are alike
+                self._tell(Level.ERROR, self._bad)
         else:
             self._tell(Level.OK if event.kind is Kind.HEALTHY else Level.WARN, str(event).strip())
 
@@ -418,7 +422,8 @@ class Watch:
         if self._heard.missing(["pairs"], now):
             apart = "not known" if pairing.apart is None else f"{pairing.apart / 1e6:.1f} ms"
             return [f"pairs (stamps are {apart} apart, the tolerance is {pairing.tolerance / 1e6:.1f} ms)"]
-        return [] if self._complaint is None else [f"images that can be used ({self._complaint})"]
+        wrong = self._complaint or self._bad
+        return [] if wrong is None else [f"images that can be used ({wrong})"]
 
 
 def _images(left: Any, right: Any, rig: StereoRig) -> tuple[np.ndarray, np.ndarray]:

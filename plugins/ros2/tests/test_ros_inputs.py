@@ -82,6 +82,24 @@ def test_images_that_cannot_be_used_are_told_once(robot, changes, said):
     assert said not in one.watch.status().message
 
 
+def test_pairs_that_the_worker_cannot_use_are_told_once(robot):
+    """Such as those of topics that are swapped: every pair is refused with the same words."""
+    one = robot()
+    one.calibrate()
+    one.see()
+    assert one.watch.status().message == "no pair has told anything yet"
+    for number in range(30):
+        one.work.events.append(Event(number, Kind.BAD_FRAME, "left and right look swapped"))
+        one.see()
+    assert sum("look swapped" in text for _, text in one.log) == 1
+    assert (
+        "images that can be used (the pair cannot be used: left and right look swapped)" in one.watch.status().message
+    )
+    one.work.state = one.work.state.but(seen=1)
+    one.see()
+    assert one.watch.status().values["missing"] == "nothing"
+
+
 def test_a_topic_that_is_silent_is_named(robot):
     one = robot()
     assert one.watch.status().level is Level.STALE
