@@ -6,6 +6,7 @@
 - `_camera_info`: a rig from two `CameraInfo`, and back; `_camera_info_files`: what files of ROS hold;
 - `_applied`: which calibration is published, and what was before it;
 - `_kept`: what is kept over restarts;
+- `_images`: grey images from messages;
 - `_given`, `_heard`: which calibration the drivers say, and which input is silent;
 - `_worker`: the life of the worker process, and `_requests`, what it is asked;
 - `_status`: how the rig stands, for `/diagnostics`; `_log`: lines for the log;

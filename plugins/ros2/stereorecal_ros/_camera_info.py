@@ -8,8 +8,8 @@ import numpy as np
 
 from stereorecal import Camera, InputError, StereoRig, UnsupportedModelError, View, view
 from stereorecal.geometry import rectifying_rotations
+from stereorecal_ros._pairing import SIDES
 
-_SIDES = ("left", "right")
 _PINHOLE = ("plumb_bob", "rational_polynomial", "none", "")
 _FISHEYE = ("equidistant", "fisheye")
 _SAME_FOCAL = 1e-6  # of the focal length
@@ -69,7 +69,7 @@ def rig_of(left: CameraInfo, right: CameraInfo) -> StereoRig:
         UnsupportedModelError: if the model of a lens is not known.
     """
     cameras, rotations, shifts = [], [], []
-    for side, info in zip(_SIDES, (left, right), strict=True):
+    for side, info in zip(SIDES, (left, right), strict=True):
         if not any(info.k):
             raise InputError(f"{side}/camera_info: the camera is not calibrated (K is 0); calibrate it first.")
         if not info.p[0] > 0.0:

@@ -26,9 +26,9 @@ from stereorecal.io import json_line
 from stereorecal_ros._kept import Kept
 from stereorecal_ros._log import Level
 from stereorecal_ros._messages import camera_info_message, diagnostics_message, transform_message
-from stereorecal_ros._pairing import LEFT, RIGHT
+from stereorecal_ros._pairing import LEFT, RIGHT, SIDES
 from stereorecal_ros._settings import Settings, about, changes
-from stereorecal_ros._watch import SIDES, Answer, Watch
+from stereorecal_ros._watch import Answer, Watch
 
 _POLL = 0.05  # seconds
 _DIAGNOSTICS = 1.0  # likewise

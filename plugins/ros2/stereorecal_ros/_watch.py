@@ -8,27 +8,26 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
-import cv2
 import numpy as np
 
 from stereorecal import InputError, StereoRig, View
 from stereorecal.geometry import rig_as_data
-from stereorecal.io import back_up, calibration_files, image_of_message, load_rig, save_rig
+from stereorecal.io import back_up, calibration_files, load_rig, save_rig
 from stereorecal.online import Beside, Event, Kind, State, reading, recalibrate
 from stereorecal_ros._applied import Applied
 from stereorecal_ros._camera_info import CameraInfo, corrected, is_like, rig_of, view_of
 from stereorecal_ros._camera_info_files import infos_in
 from stereorecal_ros._given import Given
 from stereorecal_ros._heard import Heard
+from stereorecal_ros._images import grey_images
 from stereorecal_ros._kept import Kept
 from stereorecal_ros._log import Level, Tell, numbers
-from stereorecal_ros._pairing import Pairing
+from stereorecal_ros._pairing import SIDES, Pairing
 from stereorecal_ros._requests import frozen, returned
 from stereorecal_ros._settings import Settings
 from stereorecal_ros._status import Status, status_of
 from stereorecal_ros._worker import Begun, Worker
 
-SIDES = ("left", "right")
 _RECENT = 4  # pairs, which a recalibration on request rests on
 _SPACING = 1_000_000_000  # nanoseconds between them, at least: other views of the scene
 _SAVE_AGAIN = 10.0  # seconds, after which what could not be kept is tried again
@@ -341,7 +340,7 @@ class Watch:
             self._dropped += 1
             return
         try:
-            images = _images(left, right, self._rig)
+            images = grey_images(left, right, self._rig)
         except InputError as error:
             self._refused += 1
             self._complain(str(error))
@@ -424,24 +423,3 @@ class Watch:
             return [f"pairs (stamps are {apart} apart, the tolerance is {pairing.tolerance / 1e6:.1f} ms)"]
         wrong = self._complaint or self._bad
         return [] if wrong is None else [f"images that can be used ({wrong})"]
-
-
-def _images(left: Any, right: Any, rig: StereoRig) -> tuple[np.ndarray, np.ndarray]:
-    """The two images of a pair, grey, (h, w) of 8 or 16 bit.
-
-    Raises:
-        InputError: if one is damaged, encoded in a way that is not known, or of another size than the calibration.
-    """
-    images = []
-    for side, message, camera in zip(SIDES, (left, right), (rig.left, rig.right), strict=True):
-        image = image_of_message(message, f"{side}/image_raw")
-        if image.ndim == 3:
-            image = cv2.cvtColor(image, cv2.COLOR_BGRA2GRAY if image.shape[2] == 4 else cv2.COLOR_BGR2GRAY)
-        height, width = image.shape
-        if (width, height) != camera.size:
-            raise InputError(
-                f"{side}/image_raw: the image is {width}x{height}, and the calibration of {camera.size[0]}x"
-                f"{camera.size[1]}; publish images of that size."
-            )
-        images.append(image)
-    return images[0], images[1]

@@ -146,7 +146,7 @@ class Worker:
         try:
             if applied is None:
                 applied, said = self._kept.read(rig)
-            beside = self._made(rig, said)
+            beside = self._made(rig if applied is None else applied.initial, said)
             state, _ = beside.latest()
             reading(state)  # imports what it needs, which takes a third of a second
             return Begun(beside, state, applied, said)

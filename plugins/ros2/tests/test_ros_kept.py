@@ -156,6 +156,26 @@ def test_a_calibration_file_that_is_restored_by_hand_wins(robot, tmp_path: Path)
     assert not three.said("another calibration")
 
 
+def test_what_was_applied_after_a_save_outlives_the_state(robot, tmp_path: Path):
+    """Offsets are of the calibration that was given at first, which the file does not hold any more."""
+    file = str(tmp_path / "stereo.json")
+    save_rig(default_rig().resized(SIZE), file)
+    one = robot(calibration=(file,))
+    one.see()
+    one.accept(BETTER)
+    one.watch.apply()
+    one.watch.save()
+    one.accept(BEST)
+    one.watch.apply()
+    one.watch.close()
+    (tmp_path / "node.state").write_bytes(b"")
+    two = robot(calibration=(file,))
+    two.see()
+    assert two.turned() == pytest.approx(0.2, abs=0.01)
+    assert two.watch.roll_back()[0]
+    assert two.turned() == pytest.approx(0.1, abs=0.01)
+
+
 def test_the_projection_of_ros_files_is_that_of_their_camera_info(robot, tmp_path: Path):
     """As their driver publishes it: nothing changes until something is applied, and then R and the baseline alone."""
     files = (tmp_path / "left.yaml", tmp_path / "right.yaml")
