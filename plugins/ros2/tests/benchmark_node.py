@@ -1,6 +1,7 @@
 """Does the node notice and correct knocks in time, what does it cost, does its memory stay? Prints a table of each.
 
-    python plugins/ros2/tests/benchmark_node.py [--only knocks,cost,memory] [--messages 10000] [--width 320] [--axes yaw]
+    python plugins/ros2/tests/benchmark_node.py [--only knocks,cost,memory] [--messages 10000] [--width 640]
+                                                [--axes yaw]
 
 *knocks*: rendered drives with a knock of 0.3 degrees, pair by pair through all of the node but ROS, `auto_apply` set.
 *cost*: the node at its default share, ten pairs of 640x480 a second, while another process keeps a core busy.
