@@ -26,7 +26,7 @@ from stereorecal_ros._pairing import SIDES, Pairing
 from stereorecal_ros._requests import frozen, returned
 from stereorecal_ros._settings import Settings
 from stereorecal_ros._status import Status, status_of
-from stereorecal_ros._worker import Begun, Worker
+from stereorecal_ros._worker import Begun, Process, Worker
 
 _RECENT = 4  # pairs, which a recalibration on request rests on
 _SPACING = 1_000_000_000  # nanoseconds between them, at least: other views of the scene
@@ -61,7 +61,7 @@ class Watch:
         tell: Tell,
         *,
         about: Callable[[str], str] = lambda name: "",
-        work: Callable[..., Beside] = Beside,
+        work: Callable[..., Process] = Beside,
         clock: Callable[[], float] = time.monotonic,
         background: Executor | None = None,
     ) -> None:

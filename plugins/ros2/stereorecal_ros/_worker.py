@@ -4,11 +4,12 @@ from collections.abc import Callable
 from concurrent.futures import Executor, Future
 from dataclasses import dataclass
 from functools import partial
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
 from stereorecal import InputError, StereoRig
-from stereorecal.online import Beside, Config, Event, State, reading
+from stereorecal.online import Config, Event, State, reading
 from stereorecal_ros._applied import Applied
 from stereorecal_ros._kept import Kept, set_aside
 from stereorecal_ros._log import Level, Line, Tell
@@ -17,6 +18,22 @@ from stereorecal_ros._settings import Settings
 _RETRY, _LONGEST_RETRY = 5.0, 60.0  # seconds until a process that exited is replaced; doubled each time
 
 Change = Callable[[State], tuple[State, tuple[Event, ...]]]
+
+
+@runtime_checkable
+class Process(Protocol):
+    """What is used of `stereorecal.online.Beside`, which says what each does."""
+
+    @property
+    def ready(self) -> bool: ...
+
+    def put(self, pair: tuple[np.ndarray, np.ndarray], /) -> bool: ...
+
+    def change(self, change: Change, /) -> None: ...
+
+    def latest(self) -> tuple[State, tuple[Event, ...]]: ...
+
+    def close(self) -> None: ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +48,7 @@ class Begun:
         failed: why there is no process.
     """
 
-    beside: Beside | None
+    beside: Process | None
     state: State | None
     applied: Applied | None
     said: list[Line]
@@ -54,13 +71,13 @@ class Worker:
         settings: Settings,
         kept: Kept,
         tell: Tell,
-        work: Callable[..., Beside],
+        work: Callable[..., Process],
         clock: Callable[[], float],
         background: Executor,
     ) -> None:
         self._settings, self._kept, self._tell, self._work, self._clock = settings, kept, tell, work, clock
         self._background = background
-        self._beside: Beside | None = None
+        self._beside: Process | None = None
         self._beginning: Future[Begun] | None = None
         self._retry, self._due = _RETRY, clock()
         self.dead: str | None = None  # why there is none, if it exited
@@ -153,7 +170,7 @@ class Worker:
         except (InputError, OSError, RuntimeError) as error:
             return Begun(None, None if applied is None else applied.published, applied, said, str(error))
 
-    def _made(self, rig: StereoRig, said: list[Line]) -> Beside:
+    def _made(self, rig: StereoRig, said: list[Line]) -> Process:
         settings, place = self._settings, self._kept.state
         config = Config(matcher=settings.matcher, repair=settings.repair)
         begin = partial(self._work, rig, config, share=settings.share, keep=place, keep_every=settings.keep_every)
@@ -165,7 +182,7 @@ class Worker:
             said.append(set_aside(place, str(error)))
             return begin()
 
-    def _try(self, act: Callable[[Beside], object]) -> bool:
+    def _try(self, act: Callable[[Process], object]) -> bool:
         if self._beside is None:
             return False
         try:
