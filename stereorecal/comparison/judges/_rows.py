@@ -3,11 +3,12 @@
 from dataclasses import dataclass
 from functools import lru_cache
 
-import cv2
 import numpy as np
-from truth_optics import optics, sgbm
 
-import stereorecal as sr
+from stereorecal._opencv import cv2
+from stereorecal.comparison.judges._optics import Pixels, optics, sgbm
+from stereorecal.geometry import StereoRig
+from stereorecal.recordings import Pair, Scene
 
 _NEAREST = 0.25  # of the width: disparities that are looked for
 _WINDOW = {"winSize": (15, 15), "criteria": (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 50, 1e-4)}
@@ -24,21 +25,21 @@ class Rows:
     corners: int
 
 
-def rows(judged: sr.StereoRig, stored: sr.StereoRig, scene: sr.Scene) -> Rows:
+def rows(judged: StereoRig, stored: StereoRig, scene: Scene) -> Rows:
     """Of the corners of a scene. They are followed once, in images that the stored rig rectifies, and taken back to raw
     pixels: every rig is judged by the same ones."""
     apart = np.concatenate([row_differences(judged, stored, *followed(stored, pair)) for pair in scene.pairs])
     return Rows(float(np.median(np.abs(apart))), float(np.median(apart)), len(apart))
 
 
-def row_differences(judged: sr.StereoRig, stored: sr.StereoRig, left: np.ndarray, right: np.ndarray) -> np.ndarray:
+def row_differences(judged: StereoRig, stored: StereoRig, left: Pixels, right: Pixels) -> np.ndarray:
     """Row of left less row of right raw pixels (n, 2), rectified by a rig, at the focal length of the stored one."""
     made = optics(judged)
     return (made.left(left)[:, 1] - made.right(right)[:, 1]) * float(stored.left.matrix[0, 0]) / made.focal
 
 
 @lru_cache(maxsize=64)
-def followed(rig: sr.StereoRig, pair: sr.Pair) -> tuple[np.ndarray, np.ndarray]:
+def followed(rig: StereoRig, pair: Pair) -> tuple[Pixels, Pixels]:
     """Corners of a pair and where they are found in the right image, raw pixels (n, 2) each.
 
     Begun at SGBM's disparity, followed down a pyramid by Lucas-Kanade to parts of a pixel, and back.
