@@ -1,7 +1,10 @@
 """Judges of calibrations: what no method looks at says how good a rig is."""
 
 from stereorecal.comparison.judges._boards import ByBoards as ByBoards, by_boards as by_boards
+from stereorecal.comparison.judges._case import AbstractRecipe as AbstractRecipe, Case as Case, case_of as case_of
+from stereorecal.comparison.judges._drives import walked as walked
 from stereorecal.comparison.judges._judgement import DISTANCES as DISTANCES, Judgement as Judgement
+from stereorecal.comparison.judges._judges import JUDGES as JUDGES, Draws as Draws, recipes_of as recipes_of
 from stereorecal.comparison.judges._lidar import (
     BINS as BINS,
     DepthByTruth as DepthByTruth,
