@@ -50,7 +50,9 @@ def planned(
     }
     about = tuple({"name": one.name, "changes": one.changes, "origin": one.origin} for one in methods)
     tasks = tuple(
-        FieldTask(recipe, method, matcher, reach, draws.seed + (recipe.draw or 0)) for recipe in recipes for method in methods
+        FieldTask(recipe, method, matcher, reach, draws.seed + (recipe.draw or 0))
+        for recipe in recipes
+        for method in methods
     )
     return Field(settings, versions(), about, (), len(tasks)), tasks
 

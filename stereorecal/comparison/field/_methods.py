@@ -105,7 +105,9 @@ class Strategy(AbstractMethod):
         chart = count_chart(case.start, reach)
         images = Images(case.start, case.pairs, chart)
         try:
-            outcome = self.strategy.run(Objective(Problem(chart.dim, _no_score, images=images)), np.zeros(chart.dim), seed)
+            outcome = self.strategy.run(
+                Objective(Problem(chart.dim, _no_score, images=images)), np.zeros(chart.dim), seed
+            )
         except BudgetExhausted:
             return Answer(case.start, REFUSED, Status.BUDGET.value)
         point = np.asarray(outcome.best, float)
@@ -126,7 +128,10 @@ def methods_of(names: Sequence[str] | None) -> tuple[AbstractMethod, ...]:
     """
     installed = strategies()
     if names is None:
-        return (*map(Library, METHODS), *(made for made in map(_strategy, installed) if made.strategy.needs is Need.IMAGES))
+        return (
+            *map(Library, METHODS),
+            *(made for made in map(_strategy, installed) if made.strategy.needs is Need.IMAGES),
+        )
     if len(set(names)) < len(names):
         raise InputError("a method is named twice; name each once.")
     for name in names:

@@ -135,7 +135,9 @@ class Driven(AbstractRecipe):
         scene = _scene(self.folder, None)
         stored = _rig(scene)
         seen = _travelled(self.folder)
-        return Case(self.drifted(stored), scene.pairs[: self.frames], prior_of(exact=False), _ByPoses(stored, scene, seen))
+        return Case(
+            self.drifted(stored), scene.pairs[: self.frames], prior_of(exact=False), _ByPoses(stored, scene, seen)
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,7 +203,9 @@ def check_drive(folder: Path) -> None:
 def check_one_rig(folders: list[Path]) -> None:
     """Raises: InputError: if there are too few scenes, or of several rigs."""
     if len(folders) < FEWEST_SCENES:
-        raise InputError(f"{folders[0].parent}: {len(folders)} scenes; a product needs {FEWEST_SCENES} of one rig or more.")
+        raise InputError(
+            f"{folders[0].parent}: {len(folders)} scenes; a product needs {FEWEST_SCENES} of one rig or more."
+        )
     first, *others = (_rig(load_scene(folder, limit=1)) for folder in folders)
     for folder, rig in zip(folders[1:], others, strict=True):
         if not same_rig(first, rig):

@@ -33,12 +33,13 @@ class Draws:
     """How cases are drawn.
 
     Attributes:
-        number: of each scene; rigs of folders are judged as they are stored as well.
+        number: of each scene, and moments of a walk; rigs of folders are judged as they are stored as well.
         seed: the same seed, the same cases.
         degrees, baseline_fraction: the largest drift of each angle, and of y and z.
         frames: pairs of a rendered scene.
-        moving: pairs of a drive.
-        walk: pairs of a walk, of which `number` are seen.
+        rides: rendered drives.
+        moving: pairs that are given of a drive.
+        walk: pairs of a walk.
         kinds: of rendered scenes.
         corners, square: of the boards of folders: corners inside, and the side of a square [m].
     """
@@ -48,6 +49,7 @@ class Draws:
     degrees: float = 0.5
     baseline_fraction: float = 0.01
     frames: int = 1
+    rides: int = 2
     moving: int = 6
     walk: int = 100
     kinds: tuple[str, ...] = ("harbour", "street")
@@ -82,7 +84,7 @@ def recipes_of(asked: str, draws: Draws) -> tuple[AbstractRecipe, ...]:
             numbers = range(draws.number)
             return tuple(Simulated(kind, draw, *_drift(draws), kind, draws.frames) for draw in numbers)
         case "motion" if not where:
-            tours = [_TOURS[draw % len(_TOURS)] for draw in range(draws.number)]
+            tours = [_TOURS[draw % len(_TOURS)] for draw in range(draws.rides)]
             return tuple(Ride(tour, draw, *_drift(draws), tour, draws.moving) for draw, tour in enumerate(tours))
         case "walk":
             if where:
@@ -107,7 +109,9 @@ def _of_folder(name: str, folder: Path, draws: Draws) -> tuple[AbstractRecipe, .
             boards = boards_beside(folder)
             check_boards(boards, draws.corners, draws.square)
             how = str(boards), draws.corners, draws.square
-            return tuple(Boards(_name(one, folder), draw, *_drift(draws), str(one), *how) for one in folders for draw in every)
+            return tuple(
+                Boards(_name(one, folder), draw, *_drift(draws), str(one), *how) for one in folders for draw in every
+            )
         case "product":
             check_one_rig(folders)
             found = []
@@ -117,7 +121,9 @@ def _of_folder(name: str, folder: Path, draws: Draws) -> tuple[AbstractRecipe, .
             return tuple(found)
     for one in folders:
         check_drive(one)
-    return tuple(Driven(_name(one, folder), draw, *_drift(draws), str(one), draws.moving) for one in folders for draw in every)
+    return tuple(
+        Driven(_name(one, folder), draw, *_drift(draws), str(one), draws.moving) for one in folders for draw in every
+    )
 
 
 def _drift(draws: Draws) -> tuple[int, float, float]:

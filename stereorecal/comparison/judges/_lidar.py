@@ -130,7 +130,9 @@ def scene_with_truth(folder: Path) -> Scene:
     if not name:
         raise InputError(f"{folder}: calib.json names no disparity_gt; give the file with true disparities.")
     if scene.rig is None or not _is_rectified(scene.rig):
-        raise InputError(f"{folder}: true disparities need images that are stored rectified: R = I, y = z = 0, no lens.")
+        raise InputError(
+            f"{folder}: true disparities need images that are stored rectified: R = I, y = z = 0, no lens."
+        )
     truth = true_disparity(folder / str(name), str(scene.info.get("gt_encoding")))
     if truth.shape != scene.pairs[0].left.shape:
         raise InputError(f"{folder / str(name)}: its size is not that of the images; give one disparity a pixel.")

@@ -53,7 +53,9 @@ def travelled(rig: StereoRig, pairs: Sequence[Pair], centres: Float[np.ndarray, 
             found.append(_triangulated(rig, pairs[first], pairs[last], step))
             first = last
     left, right, depth = (
-        (np.concatenate(part) for part in zip(*found, strict=True)) if found else (np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0))
+        (np.concatenate(part) for part in zip(*found, strict=True))
+        if found
+        else (np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0))
     )
     if len(depth) < _FEWEST:
         raise InputError(
@@ -76,7 +78,9 @@ def depth_at(offset: float, stored: StereoRig, baselines: float) -> float:
     return depth_error(1.0 + offset * baselines / float(stored.left.matrix[0, 0]))
 
 
-def _triangulated(rig: StereoRig, pair: Pair, later: Pair, step: float) -> tuple[Pixels, Pixels, Float[np.ndarray, "n"]]:
+def _triangulated(
+    rig: StereoRig, pair: Pair, later: Pair, step: float
+) -> tuple[Pixels, Pixels, Float[np.ndarray, "n"]]:
     """Corners with a partner in the right image, and their depths by where a later left image has them."""
     left, right = followed(rig, pair)
     moved, good = _tracked(pair.left, later.left, left)

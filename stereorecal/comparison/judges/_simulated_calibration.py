@@ -32,7 +32,10 @@ def calibrated(rig: StereoRig, seed: int) -> StereoRig:
     board = _SQUARE * np.column_stack([flat, np.zeros(len(flat))])
     views = [view for view, _ in zip(_views(rig, board, draw), range(_VIEWS), strict=False)]
     objects = [board.astype(np.float32)] * len(views)
-    left, right = ([(view[side] + draw.normal(0.0, _NOISE, view[side].shape)).astype(np.float32) for view in views] for side in (0, 1))
+    left, right = (
+        [(view[side] + draw.normal(0.0, _NOISE, view[side].shape)).astype(np.float32) for view in views]
+        for side in (0, 1)
+    )
     cameras = []
     for corners in (left, right):
         _, matrix, lens, *_ = cv2.calibrateCamera(
@@ -55,7 +58,9 @@ def _camera(camera: Camera, draw: np.random.Generator) -> Camera:
     return Camera(camera.size, matrix, lens)
 
 
-def _views(rig: StereoRig, board: Float[np.ndarray, "n 3"], draw: np.random.Generator) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+def _views(
+    rig: StereoRig, board: Float[np.ndarray, "n 3"], draw: np.random.Generator
+) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """Corners of boards that both cameras see whole, left and right (n, 2)."""
     width, height = rig.left.size
     focal, across = float(rig.left.matrix[0, 0]), float(np.ptp(board[:, 0]))
@@ -64,7 +69,7 @@ def _views(rig: StereoRig, board: Float[np.ndarray, "n 3"], draw: np.random.Gene
         axis = draw.normal(size=3) * [1.0, 1.0, 0.3]
         turn = cv2.Rodrigues(draw.uniform(0.0, _TILT) * axis / np.linalg.norm(axis))[0]
         middle = draw.uniform(-0.35, 0.35, 2) * [width, height] / focal * depth
-        points = board @ turn.T + [*middle + [0.5 * float(rig.baseline), 0.0], depth]
+        points = board @ turn.T + np.array([middle[0] + 0.5 * float(rig.baseline), middle[1], depth])
         sides = points, points @ rig.rotation.T + rig.translation
         seen = [camera.project(side / side[:, 2:]) for camera, side in zip((rig.left, rig.right), sides, strict=True)]
         inside = [((pixels >= 0) & (pixels <= np.array(rig.left.size) - 1.0)).all() for pixels in seen]
