@@ -13,11 +13,11 @@ from stereorecal.report.cells import number
 Row = Mapping[str, Any]
 JUDGES = {
     "rendered": "a drift of a rendered scene's rig, intrinsics exact; by the true rig",
-    "simulated": "a rig that OpenCV calibrated on simulated chessboards, then drifted, in a rendered scene; by the true "
-    "rig",
-    "motion": "consecutive pairs; by the true rig where they are rendered, else by how far the poses of a drive are apart",
-    "walk": "one pair of a drive on which every angle walks by up to 0.01° a pair (TESO's protocol), from the calibration "
-    "of the first pair; by the true rig",
+    "simulated": "a rig that OpenCV calibrated on simulated chessboards, and that drifted, in a rendered scene; by the "
+    "true rig",
+    "motion": "consecutive pairs; by the true rig where they are rendered, else by how far a drive's poses are apart",
+    "walk": "one pair of a drive on which every angle walks by up to 0.01° a pair (TESO's protocol), from the first "
+    "pair's calibration; by the true rig",
     "lidar": "by depths that are known: lidar, or dense truth",
     "boards": "by chessboards that the rig saw: rows of their corners (root mean square), and the length of squares",
     "product": "by rows of scenes of the same rig that nobody looked at; depth is not judged",

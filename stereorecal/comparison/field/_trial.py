@@ -103,22 +103,25 @@ def _judged(task: FieldTask, case: Case, answer: Answer, seconds: float, memory:
         low, high = answer.stated
         covered = bool(low <= after.depth_error_percent[30] <= high)
     return FieldTrial(
-        *_key(task),
-        answer.status,
-        answer.message,
+        **_key(task),
+        status=answer.status,
+        message=answer.message,
         prior=case.prior,
         frames=len(case.pairs),
         row_error_px={when: float(one.row_error_px) for when, one in both.items()},
         depth_error_percent=_depths(both),
-        rotation_error_deg={when: one.rotation_error_deg for when, one in both.items()}
-        if before.rotation_error_deg is not None
-        else None,
+        rotation_error_deg=_angles(both),
         stated_percent=None if answer.stated is None else list(answer.stated),
         covered=covered,
         harmful=answer.status == ACCEPTED and after.worse_than(before),
         seconds=seconds,
         memory_mib=memory,
     )
+
+
+def _angles(both: dict[str, Judgement]) -> dict[str, dict[str, float]] | None:
+    known = {when: one.rotation_error_deg for when, one in both.items() if one.rotation_error_deg is not None}
+    return known if len(known) == len(both) else None
 
 
 def _depths(both: dict[str, Judgement]) -> dict[str, dict[str, float]] | None:
@@ -128,13 +131,13 @@ def _depths(both: dict[str, Judgement]) -> dict[str, dict[str, float]] | None:
     return {when: {str(at): float(error) for at, error in errors.items()} for when, errors in known.items()}
 
 
-def _key(task: FieldTask) -> tuple[Any, ...]:
-    recipe = task.recipe
-    return task.key, recipe.judge, recipe.scene, recipe.draw, task.method.name
+def _key(task: FieldTask) -> dict[str, Any]:
+    recipe, method = task.recipe, task.method.name
+    return {"key": task.key, "judge": recipe.judge, "scene": recipe.scene, "draw": recipe.draw, "method": method}
 
 
 def _without(task: FieldTask, status: str, message: str) -> FieldTrial:
-    return FieldTrial(*_key(task), status, message)
+    return FieldTrial(**_key(task), status=status, message=message)
 
 
 def as_trial(row: dict[str, Any]) -> FieldTrial:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
+from stereorecal._arrays import AnyArray
 from stereorecal._opencv import cv2
 from stereorecal.geometry import Camera, Rectification, StereoRig, rectification
 from stereorecal.recordings import Pair
@@ -70,14 +71,16 @@ def optics(rig: StereoRig) -> Optics:
     return Optics(rig, rectification(rig))
 
 
-def _undistorted(pixels: Pixels, camera: Camera, turn: np.ndarray, projection: np.ndarray) -> Pixels:
+def _undistorted(pixels: Pixels, camera: Camera, turn: AnyArray, projection: AnyArray) -> Pixels:
+    turn, projection = np.asarray(turn, float), np.asarray(projection, float)
     given = np.ascontiguousarray(pixels, np.float64).reshape(-1, 1, 2)
     lens = np.asarray(camera.distortion, float) if np.size(camera.distortion) else np.zeros(4)
     found = cv2.undistortPoints(given, np.asarray(camera.matrix), lens, None, turn, projection[:, :3], _ENOUGH)
     return found.reshape(-1, 2)
 
 
-def _distorted(pixels: Pixels, camera: Camera, turn: np.ndarray, projection: np.ndarray) -> Pixels:
+def _distorted(pixels: Pixels, camera: Camera, turn: AnyArray, projection: AnyArray) -> Pixels:
+    turn, projection = np.asarray(turn, float), np.asarray(projection, float)
     rays = np.column_stack([pixels, np.ones(len(pixels))]) @ np.linalg.inv(projection[:, :3]).T @ turn
     lens = np.asarray(camera.distortion, float) if np.size(camera.distortion) else np.zeros(4)
     return cv2.projectPoints(rays, np.zeros(3), np.zeros(3), np.asarray(camera.matrix), lens)[0].reshape(-1, 2)

@@ -111,12 +111,19 @@ def _tracked(image: np.ndarray, later: np.ndarray, pixels: Pixels) -> tuple[Pixe
     begun = pixels.astype(np.float32).reshape(-1, 1, 2)
     if not len(begun):
         return pixels, np.zeros(0, bool)
-    how = {"winSize": _WINDOW, "maxLevel": _LEVELS, "criteria": _UNTIL}
-    found, there, _ = cv2.calcOpticalFlowPyrLK(first, second, begun, None, **how)
-    back, here, _ = cv2.calcOpticalFlowPyrLK(second, first, found, None, **how)
+    found, there = _flow(first, second, begun)
+    back, here = _flow(second, first, found)
     good = (there.ravel() > 0) & (here.ravel() > 0)
     good &= np.linalg.norm(back - begun, axis=-1).ravel() < _RETURN
     return found.reshape(-1, 2).astype(float), good
+
+
+def _flow(image, other, points):
+    """Where windows around points (n, 1, 2) of an image lie in another one, and whether they do."""
+    found, there, _ = cv2.calcOpticalFlowPyrLK(
+        image, other, points, points.copy(), winSize=_WINDOW, maxLevel=_LEVELS, criteria=_UNTIL
+    )
+    return found, there
 
 
 def _rays(camera: Camera, pixels: Pixels) -> Pixels:

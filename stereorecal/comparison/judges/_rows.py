@@ -11,7 +11,8 @@ from stereorecal.geometry import StereoRig
 from stereorecal.recordings import Pair, Scene
 
 _NEAREST = 0.25  # of the width: disparities that are looked for
-_WINDOW = {"winSize": (15, 15), "criteria": (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 50, 1e-4)}
+_WINDOW = (15, 15)  # pixels
+_UNTIL = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 50, 1e-4)  # steps, pixels
 _RETURN = 0.2  # pixels between a corner and where it comes back to
 _MOST_ROWS, _MOST_ALONG = 8.0, 2.0  # pixels from the stored rig's row, and from SGBM's disparity
 
@@ -51,10 +52,16 @@ def followed(rig: StereoRig, pair: Pair) -> tuple[Pixels, Pixels]:
     begun = disparity[tuple(np.rint(corners[:, ::-1]).astype(int).T)]
     corners, begun = corners[np.isfinite(begun)], begun[np.isfinite(begun)]
     guess = (corners - np.column_stack([begun, 0 * begun])).astype(np.float32)
-    flags = cv2.OPTFLOW_USE_INITIAL_FLOW
-    found, there, _ = cv2.calcOpticalFlowPyrLK(*images, corners, guess.copy(), maxLevel=1, flags=flags, **_WINDOW)
-    back, here, _ = cv2.calcOpticalFlowPyrLK(*images[::-1], found, corners.copy(), maxLevel=1, flags=flags, **_WINDOW)
+    found, there = _flow(images[0], images[1], corners, guess)
+    back, here = _flow(images[1], images[0], found, corners)
     good = (there.ravel() > 0) & (here.ravel() > 0) & (np.linalg.norm(back - corners, axis=1) < _RETURN)
     good &= np.abs(corners[:, 0] - found[:, 0] - begun) < _MOST_ALONG
     good &= np.abs(corners[:, 1] - found[:, 1]) < _MOST_ROWS
     return made.raw(corners[good].astype(float), found[good].astype(float))
+
+
+def _flow(image, other, points, guess):
+    """Where windows around points (n, 1, 2) of an image lie in another one, begun at a guess, and whether they do."""
+    how = {"winSize": _WINDOW, "criteria": _UNTIL, "flags": cv2.OPTFLOW_USE_INITIAL_FLOW}
+    found, there, _ = cv2.calcOpticalFlowPyrLK(image, other, points, guess.copy(), maxLevel=1, **how)
+    return found, there

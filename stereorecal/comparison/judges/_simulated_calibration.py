@@ -22,7 +22,7 @@ _TANGENTIAL = 3e-4
 def true_rig(seed: int) -> StereoRig:
     """A rig like the default one, with cameras of its own."""
     draw, rig = np.random.default_rng([seed, 41]), default_rig()
-    return StereoRig(*(_camera(camera, draw) for camera in (rig.left, rig.right)), rig.extrinsics)
+    return StereoRig(_camera(rig.left, draw), _camera(rig.right, draw), rig.extrinsics)
 
 
 def calibrated(rig: StereoRig, seed: int) -> StereoRig:
@@ -74,5 +74,5 @@ def _views(
         seen = [camera.project(side / side[:, 2:]) for camera, side in zip((rig.left, rig.right), sides, strict=True)]
         inside = [((pixels >= 0) & (pixels <= np.array(rig.left.size) - 1.0)).all() for pixels in seen]
         if all(inside):
-            yield seen[0], seen[1]
+            yield np.asarray(seen[0]), np.asarray(seen[1])
     raise InputError("no view of a chessboard fits into both images of this rig.")
