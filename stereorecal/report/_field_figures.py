@@ -7,13 +7,16 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 from scipy.stats import beta
 
 from stereorecal.report._svg import COLOURS, INK, style, svg
+from stereorecal.report.field import panel_of
 
 Row = Mapping[str, Any]
 _ACROSS = 3  # panels beside each other
 _LEAST_PX, _LEAST_PERCENT = 0.01, 0.05  # of logarithmic axes, which have no zero
+_DECADE = 4.0  # half of what an axis spans at least
 _MOST = 100.0  # percent: what is infinite is drawn here
 _KINDS = {
     "harmful": COLOURS[1],
@@ -32,7 +35,7 @@ def letters_of(data: Mapping[str, Any]) -> dict[str, str]:
 def error_against_seconds(data: Mapping[str, Any]) -> str:
     """A panel for each judge: |depth error| at 30 baselines, or rows where the judge tells no depth, over seconds."""
     letters = letters_of(data)
-    judges = list(dict.fromkeys(row["judge"] for row in data["summary"]))
+    judges = list(dict.fromkeys(map(panel_of, data["summary"])))
     down = -(-len(judges) // _ACROSS)
     with style(("seconds", judges)):
         figure = Figure(figsize=(10.5, 3.1 * down), layout="constrained")
@@ -40,7 +43,7 @@ def error_against_seconds(data: Mapping[str, Any]) -> str:
         for axes in panels[len(judges) :]:
             axes.set_visible(False)
         for axes, judge in zip(panels, judges, strict=False):
-            _scatter(axes, judge, [row for row in data["summary"] if row["judge"] == judge], letters)
+            _scatter(axes, judge, [row for row in data["summary"] if panel_of(row) == judge], letters)
         return svg(figure, f"error against seconds, a panel for each judge: {', '.join(judges)}")
 
 
@@ -65,6 +68,11 @@ def _scatter(axes: Axes, judge: str, rows: Sequence[Row], letters: Mapping[str, 
         before = starts[0]["depth_error_percent"]["start"]["30"] if depth else starts[0]["row_error_px"]["start"]
         axes.axhline(_MOST if before is None else before, color=INK, linestyle=":", linewidth=1)
     axes.margins(0.15)
+    for axis, (low, high) in ((axes.xaxis, axes.get_xlim()), (axes.yaxis, axes.get_ylim())):
+        middle = np.sqrt(low * high)  # a decade at least, so that there are ticks
+        axis.axes.set(**{f"{axis.axis_name}lim": (min(low, middle / _DECADE), max(high, middle * _DECADE))})
+        axis.set_major_formatter("{x:g}")
+        axis.set_minor_formatter(NullFormatter())
     axes.spines[["top", "right"]].set_visible(False)
 
 

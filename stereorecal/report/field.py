@@ -27,18 +27,24 @@ JUDGES = {
 def field_tables(data: Mapping[str, Any]) -> Group:
     """A table for each judge, and what was skipped or failed."""
     parts: list[Any] = []
-    for judge in dict.fromkeys(row["judge"] for row in data["summary"]):
-        table = Table(title=f"{judge}: {JUDGES[judge]}", title_justify="left", box=box.SIMPLE_HEAD)
+    for panel in dict.fromkeys(map(panel_of, data["summary"])):
+        rows = [row for row in data["summary"] if panel_of(row) == panel]
+        table = Table(title=f"{panel}: {JUDGES[rows[0]['judge']]}", title_justify="left", box=box.SIMPLE_HEAD)
         table.add_column("method", no_wrap=True)
         for head in ("rows px", "10 B %", "30 B %", "covered", "harmful", "kept", "refused", "s", "MiB"):
             table.add_column(head, justify="right", no_wrap=True)
-        for row in (row for row in data["summary"] if row["judge"] == judge):
+        for row in rows:
             table.add_row(row["method"], *cells(row))
         parts.append(table)
     parts += [
         Text(f"{method}, {status} {times}x: {message}") for (method, status, message), times in troubles(data).items()
     ]
     return Group(*parts)
+
+
+def panel_of(row: Row) -> str:
+    """What a row is compared under: its judge, and whether it began with calibrations as they are stored."""
+    return f"{row['judge']}, as stored" if row["start"] == "stored" else row["judge"]
 
 
 def cells(row: Row) -> list[str]:

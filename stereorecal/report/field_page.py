@@ -12,7 +12,7 @@ from typing import Any
 from stereorecal.report._field_figures import coverage, error_against_seconds, harm, letters_of
 from stereorecal.report._settings import flat
 from stereorecal.report._templates import Markup, rendered
-from stereorecal.report.field import JUDGES, before_and_after, depth_at, troubles
+from stereorecal.report.field import JUDGES, before_and_after, depth_at, panel_of, troubles
 
 _SCRIPT = Path(__file__).with_name("sorting.js")
 
@@ -38,6 +38,7 @@ def field_page(data: Mapping[str, Any]) -> str:
         settings=list(flat({**data["settings"], **data["versions"]})),
         before_and_after=before_and_after,
         depth_at=depth_at,
+        panel_of=panel_of,
         script=Markup(script),
         script_hash=base64.b64encode(hashlib.sha256(script.encode()).digest()).decode("ascii"),
     )

@@ -15,6 +15,7 @@ class FieldSummary:
     """Counts, and medians over the trials that were judged.
 
     Attributes:
+        start: "drifted", or "stored" where trials begin with the calibration as a folder has it.
         trials: that were planned and ran, failed ones too.
         accepted, good, refused, failed, skipped, harmful: how many.
         row_error_px: median at the "start" and at the "final".
@@ -25,6 +26,7 @@ class FieldSummary:
     """
 
     judge: str
+    start: str
     method: str
     trials: int
     accepted: int
@@ -43,14 +45,15 @@ class FieldSummary:
 
 
 def summarised(trials: Sequence[FieldTrial]) -> tuple[FieldSummary, ...]:
-    """A row for each judge and method, in order of first appearance."""
-    groups: dict[tuple[str, str], list[FieldTrial]] = {}
+    """A row for each judge, start and method, in order of first appearance."""
+    groups: dict[tuple[str, str, str], list[FieldTrial]] = {}
     for trial in trials:
-        groups.setdefault((trial.judge, trial.method), []).append(trial)
-    return tuple(_summary(judge, method, group) for (judge, method), group in groups.items())
+        start = "stored" if trial.draw is None else "drifted"
+        groups.setdefault((trial.judge, start, trial.method), []).append(trial)
+    return tuple(_summary(*key, group) for key, group in groups.items())
 
 
-def _summary(judge: str, method: str, trials: list[FieldTrial]) -> FieldSummary:
+def _summary(judge: str, start: str, method: str, trials: list[FieldTrial]) -> FieldSummary:
     judged = [trial for trial in trials if trial.row_error_px is not None]
     rows = [trial.row_error_px for trial in judged if trial.row_error_px]
     depths = [trial.depth_error_percent for trial in judged if trial.depth_error_percent]
@@ -62,6 +65,7 @@ def _summary(judge: str, method: str, trials: list[FieldTrial]) -> FieldSummary:
 
     return FieldSummary(
         judge,
+        start,
         method,
         trials=len(trials) - number(SKIPPED),
         accepted=number(ACCEPTED),
