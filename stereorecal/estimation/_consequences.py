@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Inexact
+from jaxtyping import Float, Inexact, Int
 
 from stereorecal.estimation._slopes import lens_parameters, moved_by_extrinsics
 from stereorecal.geometry import (
@@ -29,6 +29,8 @@ _GRID = (9, 7)  # points of the left image
 _AHEAD = 0.1  # cosine of the angle off the axis
 _MARGIN = 0.05  # of the image, at each side
 _TINY = 1e-30
+_MIDDLE = 0.5  # of the image, each way
+_REGIONS = 3  # each way
 
 
 def points_of_view(rig: StereoRig, distance: float, shown: View | None = None) -> Float[np.ndarray, "p 3"]:
@@ -59,6 +61,26 @@ def _grid(size: tuple[int, int]) -> Float[np.ndarray, "p 2"]:
     """Pixels over an image."""
     share = [np.linspace(_MARGIN, 1.0 - _MARGIN, n) for n in _GRID]
     return np.stack(np.meshgrid(*share), axis=-1).reshape(-1, 2) * [size[0] - 1, size[1] - 1]
+
+
+def areas(rig: StereoRig, points: Float[np.ndarray, "p 3"]) -> Float[np.ndarray, "2 p"]:
+    """Weights of points in a mean over the view, and over what lies ahead: the middle of the left image; over the view
+    again where nothing does."""
+    share = _share(rig, points)
+    ahead = (np.abs(share - 0.5) <= 0.5 * _MIDDLE).all(axis=1)
+    every = np.ones(len(points))
+    return np.stack([every / len(points), ahead / ahead.sum() if ahead.any() else every / len(points)])
+
+
+def regions(rig: StereoRig, points: Float[np.ndarray, "p 3"]) -> Int[np.ndarray, "p"]:
+    """The ninth of the left image in which each point lies, numbered by rows."""
+    column, row = np.clip((_share(rig, points) * _REGIONS).astype(int), 0, _REGIONS - 1).T
+    return row * _REGIONS + column
+
+
+def _share(rig: StereoRig, points: Float[np.ndarray, "p 3"]) -> Float[np.ndarray, "p 2"]:
+    """Where points lie in the left image, of its width and height."""
+    return np.asarray(rig.left.project(points / points[:, 2:])) / np.array(rig.left.size)
 
 
 def _rays_of_view(rig: StereoRig, shown: View) -> Float[np.ndarray, "_ 3"]:
@@ -109,12 +131,12 @@ def _read(
 
 def readings_at(
     used: StereoRig, true: StereoRig, sets: Sequence[Float[np.ndarray, "_ 3"]], shown: View | None = None
-) -> tuple[list[Float[np.ndarray, "_"]], Float[np.ndarray, "d"]]:
-    """`readings` of several sets of points: the row differences of each, and the mean relative error of its
-    disparities."""
+) -> tuple[list[Float[np.ndarray, "_"]], Float[np.ndarray, "d 2"]]:
+    """`readings` of several sets of points: the row differences of each, and the mean relative errors of its
+    disparities over the view, and ahead."""
     ends = np.cumsum([len(points) for points in sets])[:-1]
     rows, nearness = (np.split(found, ends) for found in readings(used, true, np.concatenate(sets), shown))
-    return rows, np.array([some.mean() for some in nearness])
+    return rows, np.array([areas(true, points) @ some for points, some in zip(sets, nearness, strict=True)])
 
 
 def _focal(used: StereoRig) -> float:
@@ -129,13 +151,13 @@ class Consequences:
     Attributes:
         distances: in baselines.
         rows: for each of the distances, (p, n) pixels a unit of θ(used) - θ(true).
-        nearness: (d, n) mean relative error of disparity over the view at each of them, likewise.
-        variation: for each of the distances, (p, n) by what that of each point differs from the mean.
+        nearness: (d, 2, n) mean relative error of disparity at each of them, over the view and ahead, likewise.
+        variation: for each of the distances, (p, n) by what that of each point differs from the mean over the view.
     """
 
     distances: tuple[float, ...]
     rows: tuple[Float[np.ndarray, "_ n"], ...]
-    nearness: Float[np.ndarray, "d n"]
+    nearness: Float[np.ndarray, "d 2 n"]
     variation: tuple[Float[np.ndarray, "_ n"], ...]
 
 
@@ -168,6 +190,6 @@ def consequences(
     rows, nearness = _focal(used) * np.imag(rows) / _TINY, np.imag(near) / np.real(near) / _TINY
     ends = np.cumsum([len(points) for points in sets])[:-1]
     by_distance = [part.T for part in np.split(nearness, ends, axis=1)]
-    means = np.stack([part.mean(axis=0) for part in by_distance])
-    variation = tuple(part - mean for part, mean in zip(by_distance, means, strict=True))
+    means = np.stack([areas(used, points) @ part for points, part in zip(sets, by_distance, strict=True)])
+    variation = tuple(part - mean for part, (mean, _) in zip(by_distance, means, strict=True))
     return Consequences(distances, tuple(np.split(rows.T, ends)), means, variation)

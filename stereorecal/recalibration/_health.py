@@ -208,6 +208,7 @@ def health(
         return Health(score, float("nan"), 0.0 if look is None else look.covered, shown, None, (), doubtful)
     covered = answer.found.covered
     if answer.refused:
+        refuse_mixed_up(images, answer.apart)
         names = tuple(images.pairs[f].name for f in answer.apart)
         return Health(score, float("nan"), covered, shown, None, names, doubtful)
     rows = rows_of(case, answer)

@@ -60,6 +60,24 @@ def test_disparities_err_as_their_deviations_say(harbour):
     assert np.mean(apart > 4.0) < 0.08
 
 
+def test_depth_along_the_axis_is_that_of_the_same_points_along_the_ray(harbour):
+    pixels, metres = measured("harbour", 2, number=60, noise=0.0)
+    images = pyramid(RIG, harbour.pairs)
+    slant = np.linalg.norm(np.asarray(RIG.left.rays(pixels)), axis=1)
+
+    def matched(metres, along):
+        given = zip(pixels.tolist(), metres.tolist(), strict=True)
+        ranges = [sr.Range(images.pairs[0], tuple(p), far, along=along) for p, far in given]
+        return beams(images.at(1.0), RIG, ranged(None, images), images.pairs, ranges)
+
+    by_ray, by_axis = matched(metres, "ray"), matched(metres / slant, "axis")
+    assert slant.max() > 1.1
+    np.testing.assert_allclose(by_axis.metres, by_ray.metres)
+    np.testing.assert_allclose(by_axis.sigma, by_ray.sigma)
+    with pytest.raises(sr.InputError, match='along the "ray" or along the optical "axis"'):
+        sr.Range(0, (1, 2), 3.0, along="z")
+
+
 def test_ranges_of_other_things_have_no_say(harbour):
     """A fifth of them belongs elsewhere."""
     ranges = some()

@@ -1,5 +1,6 @@
 """Images that are mixed up are refused by name; drifted rigs are not."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -10,6 +11,7 @@ from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig, view
 from stereorecal.io import load_scene
 from stereorecal.matching import SAD
+from stereorecal.recalibration import recalibrate
 from stereorecal.recordings import Pair
 from stereorecal.scoring import legible, pyramid
 from stereorecal.scoring.host import refuse_mixed_up, score, with_disparity_range
@@ -44,6 +46,15 @@ def test_each_mistake_is_named_on_real_images(data_dir: Path, name):
     given, (mistake, said) = load_scene(data_dir / "boofcv_bumblebee2/garden01"), MISTAKES[name]
     with pytest.raises(InputError, match=said):
         refuse_mixed_up(pyramid(given.rig, mixed(given.pairs[0], mistake)))
+
+
+def test_some_of_several_are_named(scene):
+    given = [scene(kind, 0, (320, 240)) for kind in ("harbour", "street", "coast")]
+    right, wrong = [one.pairs[0] for one in given], given[1].pairs[0]
+    exchanged = [replace(wrong, name=name, left=wrong.right, right=wrong.left) for name in ("b", "d")]
+    pairs = [right[0], exchanged[0], right[2], exchanged[1]]
+    with pytest.raises(InputError, match=r"b, d \(unlike the other pairs\): near things lie on the wrong side"):
+        recalibrate(given[0].rig, pairs)
 
 
 def test_images_of_different_things(scene):

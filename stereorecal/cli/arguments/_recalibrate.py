@@ -60,7 +60,11 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
     )
     add("--board-corners", metavar="NxM", help="inner corners of the chessboard (default: 9x6)")
     add("--square", type=float, metavar="METRES", help="side of its squares, as the calibration had it")
-    add("--ranges", metavar="FILE", help="a CSV of measured distances: pair,column,row,metres,sigma")
+    add(
+        "--ranges",
+        metavar="FILE",
+        help="a CSV of distances: pair,column,row,metres,sigma (along the ray; depth for metres: the axis)",
+    )
     add(
         "--budget",
         type=float,

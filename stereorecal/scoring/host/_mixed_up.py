@@ -4,6 +4,8 @@ Asked only where hardly anything matches. Sparse features, which know nothing of
 cameras stand to each other: the same answer whatever the drift. In doubt nothing is said.
 """
 
+from collections.abc import Sequence
+
 import cv2
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -35,15 +37,20 @@ _TRANSPOSED = np.radians(5.0)  # the least rotation between cameras that cannot 
 _NEAR = np.radians(15.0)  # from the given rotation, thrice the drift that must never be called a mistake
 
 
-def refuse_mixed_up(images: Pyramid) -> None:
+def refuse_mixed_up(images: Pyramid, frames: Sequence[int] | None = None) -> None:
     """Refuse images that are surely no left and right image of this rig.
 
+    Args:
+        frames: which do not fit the others; default all are asked.
+
     Raises:
-        InputError: one sentence that names what is wrong.
+        InputError: one sentence that names what is wrong, and the frames, where some were given.
     """
-    said = {_named(images.rig, pair) for pair in informative(images.pairs, _FRAMES)}
+    pairs = images.pairs if frames is None else [images.pairs[frame] for frame in frames]
+    said = {_named(images.rig, pair) for pair in informative(pairs, _FRAMES)}
     if len(said) == 1 and (sentence := said.pop()) is not None:
-        raise InputError(sentence)
+        which = "" if frames is None else f"{', '.join(pair.name for pair in pairs)} (unlike the other pairs): "
+        raise InputError(which + sentence)
 
 
 def _named(rig: StereoRig, pair: Pair) -> str | None:
