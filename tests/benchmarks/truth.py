@@ -30,8 +30,17 @@ from truth_methods import METHODS
 from truth_runs import Options, Tally, finish, rig_of, stated, table_of
 
 import stereorecal as sr
-from stereorecal.comparison.judges import BINS, ByBoards, DepthByTruth, by_boards, by_product, depth_by_truth, rows
-from stereorecal.comparison.judges import product_is_worse, scene_with_truth
+from stereorecal.comparison.judges import (
+    BINS,
+    ByBoards,
+    DepthByTruth,
+    by_boards,
+    by_product,
+    depth_by_truth,
+    product_is_worse,
+    rows,
+    scene_with_truth,
+)
 
 CHECKOUT = Path(__file__).resolve().parents[2]
 DATA = Path(os.environ.get("STEREORECAL_DATA", CHECKOUT / "../shared/data"))
