@@ -4,8 +4,8 @@ import argparse
 from importlib import import_module
 from pathlib import Path
 
+from stereorecal._choices import checked_choice
 from stereorecal._errors import InputError
-from stereorecal._names import known
 from stereorecal.cli import _values
 from stereorecal.cli._console import table_console
 from stereorecal.cli._executors import executor
@@ -22,7 +22,7 @@ from stereorecal.matching import as_matcher
 from stereorecal.objectives import Reach
 from stereorecal.recalibration import SCHEDULES
 from stereorecal.recordings import Scene
-from stereorecal.report.tables import comparison_tables
+from stereorecal.report.comparison_tables import comparison_tables
 from stereorecal.strategies import as_budget
 from stereorecal.synthetic import KINDS, render
 
@@ -35,7 +35,7 @@ def run(options: argparse.Namespace) -> int:
         return import_module("stereorecal.cli._compare_field").run(options)
     _check_without_judges(options)
     if options.schedule is not None:
-        known(options.schedule, list(SCHEDULES), "schedule")
+        checked_choice(options.schedule, list(SCHEDULES), "schedule")
     if options.schedule == "default" and options.scale is not None:
         raise InputError("--scale belongs to --schedule count; leave it out.")
     matcher = as_matcher(options.matcher)
@@ -89,7 +89,7 @@ def _check_places(options: argparse.Namespace) -> list[Place]:
     """The files to be written; what could not be is refused before the work is done."""
     places = places_of(options, "json", "html")
     check_places(places, force=options.force)
-    check_page(options.html, "page")
+    check_page(options.html, "comparison_page")
     return places
 
 
@@ -97,7 +97,7 @@ def _scenes(options: argparse.Namespace) -> list[Scene]:
     limit = _values.frame_limit(options.frames)
     scenes = [load_scene(Path(path), limit=limit) for path in options.scene]
     if options.synthetic or not scenes:
-        kind = known(options.synthetic or "harbour", list(KINDS), "kind of scene")
+        kind = checked_choice(options.synthetic or "harbour", list(KINDS), "kind of scene")
         if limit is None:
             raise InputError("--frames all has no meaning for a rendered scene; give a number.")
         scenes.append(render(kind, options.seed, frames=limit))

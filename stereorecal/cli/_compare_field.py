@@ -6,8 +6,8 @@ import sys
 from contextlib import nullcontext
 from dataclasses import replace
 
+from stereorecal._choices import checked_choice
 from stereorecal._errors import InputError
-from stereorecal._names import known
 from stereorecal.cli import _values
 from stereorecal.cli._console import table_console
 from stereorecal.cli._executors import executor
@@ -70,7 +70,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _check_options(options: argparse.Namespace) -> None:
     if options.preset is not None:
-        known(options.preset, PRESETS, "preset")
+        checked_choice(options.preset, PRESETS, "preset")
     if options.full and options.preset is None:
         raise InputError("--full belongs to --preset field; leave it out, or add that.")
     for name in _OTHERS:

@@ -2,8 +2,8 @@
 
 import argparse
 
+from stereorecal._choices import checked_choice
 from stereorecal._errors import InputError
-from stereorecal._names import known
 from stereorecal.decision import LIMITS, Tolerances, as_tolerances
 from stereorecal.objectives import Parameters, as_parameters
 from stereorecal.strategies import strategies
@@ -41,7 +41,7 @@ def tolerances(options: argparse.Namespace) -> Tolerances:
     found: dict[str, object] = {}
     for part in [] if options.tolerances is None else options.tolerances.split(","):
         name, _, value = (piece.strip() for piece in part.partition("="))
-        known(name, list(LIMITS), "tolerance")
+        checked_choice(name, list(LIMITS), "tolerance")
         found[name] = _number(value, f"--tolerances has {shortened(part)}; give NAME=NUMBER, such as alpha=0.001.")
     if options.distances is not None:
         refusal = f"--distances is {shortened(options.distances)}; give baselines, such as 5,10,30."

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal._plain import plain
+from stereorecal._json_data import json_data
 from stereorecal.decision._tolerances import DEFAULT, Tolerances
 from stereorecal.estimation import Estimate, with_free_together
 from stereorecal.objectives import BASELINE
@@ -69,7 +69,7 @@ class Decision:
     def as_dict(self) -> dict[str, Any]:
         """Plain data for JSON."""
         before, after = ({"value": m, "low": low, "high": high} for m, low, high in self.rows_px.tolist())
-        return plain(
+        return json_data(
             {
                 "verdict": self.verdict.name.lower(),
                 "keeps_depth": self.keeps_depth,
@@ -161,13 +161,11 @@ class _Losses:
         rows: pixels, at each distance.
         depth: percent, at the farthest.
         shown: |row difference| of what each frame shows, on average, pixels.
-        regions: rows in each region of the view at each distance, pixels.
     """
 
     rows: Float[np.ndarray, "d s"]
     depth: Float[np.ndarray, "s"]
     shown: Float[np.ndarray, "f"]
-    regions: Float[np.ndarray, "s r"]
 
     @property
     def mean_rows(self) -> Float[np.ndarray, "s"]:
@@ -222,7 +220,7 @@ class _Candidate:
 
 
 def _losses(seen: Estimate, theta: Float[np.ndarray, "n"]) -> _Losses:
-    return _Losses(*seen.losses(theta), seen.rows_of_frames(theta), seen.rows_of_regions(theta))
+    return _Losses(*seen.losses(theta), seen.rows_of_frames(theta))
 
 
 def _decided(
@@ -240,10 +238,7 @@ def _decided(
     blind = float(np.mean(before > limits.blind_rows_px)) > 1.0 - limits.alpha
     harmless = worse < limits.alpha or (blind and float(np.mean(lost)) < limits.alpha)
     better = float(np.mean(rows < before - limits.gain_px))
-    # Other lenses can follow what one part of the view shows, and leave the rest.
-    lost_regions = np.any(after.regions > given.regions + limits.gain_px, axis=1)
-    if _changes_lenses(seen, theta) and not blind:
-        harmless &= float(np.mean(lost_regions)) < 1.0 - limits.good_surely
+    harmless = harmless and (blind or not _costs_a_region(seen, theta, limits))
     good = float(np.mean(before <= limits.good_rows_px)) >= limits.good_surely
     told = bool(seen.beams.fit_better(seen.chart.rig, seen.chart.rig_at(theta)))
     nearer = float(np.mean(after.depth < given.depth - limits.worse_depth_points)) > 1.0 - limits.alpha
@@ -260,6 +255,10 @@ def _decided(
     return replace(stays, verdict=Verdict.REPAIR, by_rows=by_rows) if harmless and (asked or by_rows) else stays
 
 
-def _changes_lenses(seen: Estimate, theta: Float[np.ndarray, "n"]) -> bool:
-    """Whether a candidate has other intrinsics than the calibration."""
-    return any(value and "." in name for name, value in zip(seen.names, theta.tolist(), strict=True))
+def _costs_a_region(seen: Estimate, theta: Float[np.ndarray, "n"], limits: Tolerances) -> bool:
+    """Whether other intrinsics, which can follow what one part of the view shows, may cost another part rows that a
+    matcher notices."""
+    if not any(value and "." in name for name, value in zip(seen.names, theta.tolist(), strict=True)):
+        return False
+    before, after = seen.rows_of_regions(np.zeros_like(theta)), seen.rows_of_regions(theta)
+    return float(np.mean(np.any(after > before + limits.gain_px, axis=1))) > 1.0 - limits.good_surely

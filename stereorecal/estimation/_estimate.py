@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal._names import known
+from stereorecal._choices import checked_choice
 from stereorecal.estimation._beams import NO_BEAMS, Beams
 from stereorecal.estimation._calibration_prior import CalibrationPrior
 from stereorecal.estimation._candidates import Known, depth_kept, least_loss, least_loss_of_depth_kept
@@ -308,7 +308,7 @@ def with_free_together(
     """
     parameters = estimates[0].names
     for name in names:
-        known(name, list(parameters), "parameter")
+        checked_choice(name, list(parameters), "parameter")
     free, shared = np.isin(parameters, names), ~np.isin(parameters, DRIFTING)
     find = least_loss_of_depth_kept if keep_depth else least_loss
     thetas = find([one.known for one in estimates], free, shared)

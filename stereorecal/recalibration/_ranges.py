@@ -57,7 +57,7 @@ def beams(
     """The resolved ranges of these pairs, matched under `rig`; those without a sure match are left out."""
     by_frame = [[one for one in ranges if one.pair is pair] for pair in pairs]
     pixels = [np.array([one.left_pixel for one in some], float).reshape(-1, 2) for some in by_frame]
-    partners = host.partners(data, rig, matcher, pixels)
+    partners = host.match_pixels(data, rig, matcher, pixels)
     right = np.concatenate([NO_BEAMS.right, *(some.pixels for some in partners)])
     every = [one for some in by_frame for one in some]
     slant = np.array([_slant(rig, one) for one in every])

@@ -1,4 +1,4 @@
-"""A distance that something else than the rig measured: a beam, a LIDAR, a target, the horizon."""
+"""A distance measured by another sensor: a LIDAR, a beam, a target at a known place, the horizon."""
 
 from dataclasses import dataclass
 

@@ -8,7 +8,7 @@ from rich.console import Group
 from rich.table import Table
 from rich.text import Text
 
-from stereorecal.report.cells import number
+from stereorecal.report.number_text import number
 
 Row = Mapping[str, Any]
 JUDGES = {

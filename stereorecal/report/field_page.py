@@ -10,8 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from stereorecal.report._field_figures import coverage, error_against_seconds, harm, letters_of
-from stereorecal.report._settings import flat
-from stereorecal.report._templates import Markup, rendered
+from stereorecal.report._templates import Markup, flat_settings, rendered
 from stereorecal.report.field import JUDGES, before_and_after, depth_at, panel_of, troubles
 
 _SCRIPT = Path(__file__).with_name("sorting.js")
@@ -35,7 +34,7 @@ def field_page(data: Mapping[str, Any]) -> str:
         coverage=Markup(covered) if covered else None,
         harm=Markup(harm(data)) if any(row["trials"] for row in summary) else None,
         troubles=troubles(data),
-        settings=list(flat({**data["settings"], **data["versions"]})),
+        settings=list(flat_settings({**data["settings"], **data["versions"]})),
         before_and_after=before_and_after,
         depth_at=depth_at,
         panel_of=panel_of,

@@ -9,7 +9,7 @@ from stereorecal.estimation import Beams
 from stereorecal.recalibration._ranges import beams
 from stereorecal.recalibration._rescale import _YAW as YAW, _solved as lengthened
 from stereorecal.scoring import pyramid
-from stereorecal.scoring.host import ranged
+from stereorecal.scoring.host import with_measured_range
 from stereorecal.synthetic import ranges as measured
 
 RIG = sr.synthetic.default_rig()
@@ -51,7 +51,7 @@ def test_disparities_err_as_their_deviations_say(harbour):
     pixels, metres = measured("harbour", 2, number=200, noise=0.0)
     images = pyramid(RIG, harbour.pairs)
     ranges = [sr.Range(images.pairs[0], tuple(p), far, 1e-9) for p, far in zip(pixels.tolist(), metres, strict=True)]
-    seen = beams(images.at(1.0), RIG, ranged(None, images), images.pairs, ranges)
+    seen = beams(images.at(1.0), RIG, with_measured_range(None, images), images.pairs, ranges)
     assert len(seen.metres) > 0.5 * len(ranges)
     apart = np.abs(seen.residuals(RIG))  # in deviations of the disparity, nothing else being uncertain
     surer = seen.matching < np.median(seen.matching)
@@ -68,7 +68,7 @@ def test_depth_along_the_axis_is_that_of_the_same_points_along_the_ray(harbour):
     def matched(metres, along):
         given = zip(pixels.tolist(), metres.tolist(), strict=True)
         ranges = [sr.Range(images.pairs[0], tuple(p), far, along=along) for p, far in given]
-        return beams(images.at(1.0), RIG, ranged(None, images), images.pairs, ranges)
+        return beams(images.at(1.0), RIG, with_measured_range(None, images), images.pairs, ranges)
 
     by_ray, by_axis = matched(metres, "ray"), matched(metres / slant, "axis")
     assert slant.max() > 1.1

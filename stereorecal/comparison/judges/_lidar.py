@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
+from stereorecal._cv2 import cv2
 from stereorecal._errors import InputError
-from stereorecal._opencv import cv2
 from stereorecal.comparison.judges._optics import optics, sgbm
 from stereorecal.comparison.judges._rows import followed, rows
 from stereorecal.geometry import StereoRig

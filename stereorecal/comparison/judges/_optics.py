@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal._arrays import AnyArray
-from stereorecal._opencv import cv2
+from stereorecal._cv2 import cv2
 from stereorecal.geometry import Camera, Rectification, StereoRig, rectification
 from stereorecal.recordings import Pair
 

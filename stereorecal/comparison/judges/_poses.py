@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float
 
+from stereorecal._cv2 import cv2
 from stereorecal._errors import InputError
-from stereorecal._opencv import cv2
 from stereorecal.comparison.judges._optics import Pixels, optics
 from stereorecal.comparison.judges._rows import followed
 from stereorecal.geometry import Camera, StereoRig

@@ -5,7 +5,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from stereorecal._opencv import cv2
+from stereorecal._cv2 import cv2
 from stereorecal.comparison.judges._optics import Pixels, optics, sgbm
 from stereorecal.geometry import StereoRig
 from stereorecal.recordings import Pair, Scene

@@ -5,8 +5,8 @@ from collections.abc import Iterator
 import numpy as np
 from jaxtyping import Float
 
+from stereorecal._cv2 import cv2
 from stereorecal._errors import InputError
-from stereorecal._opencv import cv2
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.synthetic import default_rig
 
