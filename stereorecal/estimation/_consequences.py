@@ -37,9 +37,9 @@ def points_of_view(rig: StereoRig, distance: float, shown: View | None = None) -
     the view shows of it; where that is no pinhole, at a distance from the left camera.
 
     Args:
-        shown: the view; default the rig's own.
+        shown: the view; default the rig's own pinhole.
     """
-    (width, height), shown = rig.left.size, view(rig) if shown is None else shown
+    (width, height), shown = rig.left.size, view(rig, projection=PINHOLE) if shown is None else shown
     if rig.left.lens.WIDE or shown.projection != PINHOLE:
         rays = _rays_of_view(rig, shown)
     else:

@@ -9,7 +9,7 @@ import numpy as np
 from stereorecal._arrays import refuse_tracers
 from stereorecal.decision import Tolerances, Verdict, as_tolerances
 from stereorecal.estimation import NO_BEAMS, Prior, rig_parameters, with_boards
-from stereorecal.geometry import StereoRig, View
+from stereorecal.geometry import AnyView, StereoRig
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import Parameters, Reach, as_parameters, as_reach
 from stereorecal.recalibration._acceptance import Reason, verdict_on_count
@@ -41,7 +41,7 @@ def recalibrate(
     schedule: Schedule | str | None = None,
     reach: Reach | tuple[float, float] | None = None,
     budget: Budget | float | None = None,
-    view: View | None = None,
+    view: AnyView = None,
     seed: int = 0,
     free: Parameters | str | Sequence[str] | None = None,
     ranges: Sequence[Range] = (),
@@ -62,7 +62,7 @@ def recalibrate(
         reach: how far the rig may have drifted, a `Reach` or (degrees, fraction of the baseline); default 3 degrees and
             3 % of the baseline.
         budget: units, or a `Budget`, for the whole schedule; default none.
-        view: default the view of `rig`.
+        view: default `sr.view(rig)`; also the arguments of `sr.view` by name, such as {"field": 140}.
         seed: for strategies that draw random numbers.
         free: what may move, `Parameters` or names and groups, such as ("rotation",) or ("extrinsics", "intrinsics");
             default the extrinsics. Intrinsics need several frames of different places; they are solved for at the end,
