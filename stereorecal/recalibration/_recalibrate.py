@@ -117,7 +117,9 @@ def searched(case: Case, schedule: Schedule, budget: Budget, seed: int, free: Pa
     """The end of a schedule whose strategies search all that is free in the case, intrinsics too, judged like a repair.
 
     `recalibrate` gives them the extrinsics alone, and solves for the rest with its own least squares. It looks before
-    it searches, as `health` does: what one look finds good stays, and what it is sure to mend is mended.
+    it searches, as `health` does: what one look finds good stays, and what it is sure to mend is mended, though the
+    search may end in doubt; but not by a rig under which rows still lie apart: where they are so far off that they are
+    not searched there, a look sees what fits by chance.
 
     Args:
         case: its matcher may lack `num_disparities`, which is then measured.
@@ -140,7 +142,7 @@ def searched(case: Case, schedule: Schedule, budget: Budget, seed: int, free: Pa
     found = solution_of(judged, asked, stages, cost, began)
     if found.accepted or found.reason is Reason.OUT_OF_BUDGET or look is None or look.answer is None:
         return found
-    if look.verdict is not Verdict.REPAIR:
+    if look.verdict is not Verdict.REPAIR or not look.answer.decision.explains:
         return found
     return solution_of(judged, asked, (*stages, look.paid), cost, began, ended_by(judged, look.answer, case.rig))
 
