@@ -61,7 +61,7 @@ def rays(camera: sr.Camera, pixels: np.ndarray) -> np.ndarray:
     known = np.where(inside(pixels, camera.size)[:, None], pixels, np.nan)
     found = np.asarray(camera.rays(known), float)
     radius = np.hypot(found[:, 0], found[:, 1])
-    with np.errstate(invalid="ignore", over="ignore"):
+    with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
         back = np.abs(camera.project(np.nan_to_num(found, nan=0.0, posinf=0.0, neginf=0.0)) - known).max(axis=1)
         return np.where(((radius < camera.lens_radius) & (back < 1e-6))[:, None], found, np.nan)
 
