@@ -18,7 +18,9 @@ from stereorecal.geometry.projections import Projection, projection as projectio
 
 PINHOLE, EQUIRECTANGULAR = "pinhole", "equirectangular"
 _ARGUMENTS = ("projection", "field", "zero_disparity")
-_LEAST_ZOOM = 0.7  # of the focal lengths of the cameras: a pinhole view of a wider field shrinks the middle away
+# Of the focal lengths of the cameras: a pinhole view of a wider field shrinks the middle away, and one that magnifies
+# more shows nothing but pixels.
+_LEAST_ZOOM, _MOST_ZOOM = 0.7, 4.0
 
 
 @register_pytree
@@ -176,6 +178,10 @@ def view(
         raise InputError(
             f"a field of {field:g} degrees makes no {projection} view; give more than 0 and at most "
             f"{formulas.WIDEST:g}."
+        )
+    if focal > _MOST_ZOOM * _mean_focal(rig):
+        raise InputError(
+            f"a field of {field:g} degrees magnifies the images {focal / _mean_focal(rig):.3g} times; give more."
         )
     rotations = rectifying_rotations(rig.rotation, rig.translation)
     columns, rows = [], []

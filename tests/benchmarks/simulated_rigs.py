@@ -181,6 +181,10 @@ class Simulated:
                 points = points @ late[frame][0].T + late[frame][1]
             right = self.right.pixels(points @ self.rotation.T + self.translation)
             error, variance = _errors(columns, rows, rng)
+            if view.projection != PINHOLE:  # what a matcher believes is in its own rows
+                beside = [right + np.array([0.0, off]) for off in (-0.5, 0.5)]
+                shown = [view.pixels(rays(self.calibrated.right, ends) @ self._rotations[1].T, 1)[1] for ends in beside]
+                variance = np.nan_to_num(variance * (shown[1] - shown[0]) ** 2, nan=np.inf)
             seen = rays(self.calibrated.right, spoiled.bent(right) + shift + error)
             good = np.isfinite(seen).all(axis=1) & ~_missing(columns, rows, rng)
             if view.projection != PINHOLE:
