@@ -76,7 +76,8 @@ def readings(
     used: StereoRig, true: StereoRig, points: Float[np.ndarray, "p 3"], shown: View | None = None
 ) -> tuple[Float[np.ndarray, "p"], Float[np.ndarray, "p"]]:
     """Row differences of points, and their relative errors of disparity (true depth over that read, less 1), as `used`
-    reads the pixels in which `true` sees them; rows in pixels of the mean focal length of `used`.
+    reads the pixels in which `true` sees them; rows in pixels of the mean focal length of `used`, as wide as they are
+    in the middle: where a view stretches rows, images are blurred by as much.
 
     Args:
         shown: the view in which rows and disparities are read; default a pinhole.
@@ -91,7 +92,9 @@ def readings(
     left = read(points, true.left, used.left, to_left)
     right = read(points @ true.rotation.T + true.translation, true.right, used.right, to_right)
     rows, nearness = _read(_formulas(shown), left, right)
-    return np.asarray(_focal(used) * rows), points[:, 2] / float(used.baseline) * nearness - 1.0
+    return np.asarray(_focal(used) * rows / _stretch(used, points, shown)), points[:, 2] / float(
+        used.baseline
+    ) * nearness - 1.0
 
 
 def _formulas(shown: View | None) -> Projection:
@@ -107,14 +110,26 @@ def _read(
     return row - other, formulas.nearness(u, v) * formulas.length(*np.moveaxis(left, -1, 0))
 
 
+def _stretch(used: StereoRig, points: Float[np.ndarray, "p 3"], shown: View | None) -> Float[np.ndarray, "p"]:
+    """By how much the view stretches the rows of points, of which disparities tell less by as much."""
+    x, y, z = (points @ rectifying_rotations(used.rotation, used.translation)[0].T).T
+    return np.ones(len(points)) * _formulas(shown).stretch(y, z, np.sqrt(x * x + y * y + z * z))
+
+
+def _shares(stretch: Float[np.ndarray, "p"]) -> Float[np.ndarray, "p"]:
+    """What points count for, on average 1: by the squares of their disparities."""
+    return np.asarray(stretch**-2 / np.mean(stretch**-2))
+
+
 def readings_at(
     used: StereoRig, true: StereoRig, sets: Sequence[Float[np.ndarray, "_ 3"]], shown: View | None = None
 ) -> tuple[list[Float[np.ndarray, "_"]], Float[np.ndarray, "d"]]:
     """`readings` of several sets of points: the row differences of each, and the mean relative error of its
     disparities."""
-    ends = np.cumsum([len(points) for points in sets])[:-1]
-    rows, nearness = (np.split(found, ends) for found in readings(used, true, np.concatenate(sets), shown))
-    return rows, np.array([some.mean() for some in nearness])
+    ends, every = np.cumsum([len(points) for points in sets])[:-1], np.concatenate(sets)
+    rows, nearness = (np.split(found, ends) for found in readings(used, true, every, shown))
+    shares = [_shares(part) for part in np.split(_stretch(used, every, shown), ends)]
+    return rows, np.array([(share * some).mean() for share, some in zip(shares, nearness, strict=True)])
 
 
 def _focal(used: StereoRig) -> float:
@@ -129,8 +144,10 @@ class Consequences:
     Attributes:
         distances: in baselines.
         rows: for each of the distances, (p, n) pixels a unit of θ(used) - θ(true).
-        nearness: (d, n) mean relative error of disparity over the view at each of them, likewise.
-        variation: for each of the distances, (p, n) by what that of each point differs from the mean.
+        nearness: (d, n) mean relative error of disparity over the view at each of them, likewise; points count by the
+            squares of their disparities.
+        variation: for each of the distances, (p, n) by what that of each point differs from the mean, times the root of
+            what it counts for.
     """
 
     distances: tuple[float, ...]
@@ -165,9 +182,13 @@ def consequences(
         for seen, moved, rotation in ((points, left_rays, to_left), (right, right_rays, to_right))
     )
     rows, near = _read(_formulas(shown), *turned)
-    rows, nearness = _focal(used) * np.imag(rows) / _TINY, np.imag(near) / np.real(near) / _TINY
+    stretch = _stretch(used, points, shown)
+    rows, nearness = _focal(used) * np.imag(rows) / stretch / _TINY, np.imag(near) / np.real(near) / _TINY
     ends = np.cumsum([len(points) for points in sets])[:-1]
     by_distance = [part.T for part in np.split(nearness, ends, axis=1)]
-    means = np.stack([part.mean(axis=0) for part in by_distance])
-    variation = tuple(part - mean for part, mean in zip(by_distance, means, strict=True))
+    shares = [_shares(part)[:, None] for part in np.split(stretch, ends)]
+    means = np.stack([(share * part).mean(axis=0) for share, part in zip(shares, by_distance, strict=True)])
+    variation = tuple(
+        np.sqrt(share) * (part - mean) for share, part, mean in zip(shares, by_distance, means, strict=True)
+    )
     return Consequences(distances, tuple(np.split(rows.T, ends)), means, variation)

@@ -20,7 +20,6 @@ _FEWEST = 4  # correspondences in a group
 _FAR_OFF = 3.0  # robust deviations: beyond, a correspondence has no part in the mean of its group
 _LEAST_SPREAD = 0.02  # pixels
 _LEAST_WEIGHT = 0.05  # of a mean correspondence
-_TURN = 1e-4  # radians, for derivatives
 FLOOR = 0.03  # pixels at full size: what the rows of a group have in common, whatever their number
 
 
@@ -36,7 +35,7 @@ class Groups:
         disparity: (g,) pixels at full size, under the rig at which they were grouped.
         count: (g,) correspondences.
         focal: of the rectified rows, in pixels at full size.
-        resolution: (g,) pixels of the left image that a row of the view is wide there: 1 of pinholes, less where a view
+        resolution: (g,) pixels of the middle that a row of the view is wide there: 1 of pinholes, less where a view
             stretches what a wide lens shows.
         projection: by which rays become rows.
     """
@@ -112,7 +111,7 @@ def grouped(found: Correspondences, chart: RigChart, theta: Float[np.ndarray, "n
         name: np.stack([mean(rays[order][:, axis]) for axis in range(3)], axis=-1)
         for name, rays in (("left", left), ("right", right))
     }
-    resolution = _resolution(chart.rig_at(theta), means["left"], found.projection, focal / scale)
+    resolution = _resolution(chart.rig_at(theta), means["left"], found.projection)
     by_noise = resolution * spread / np.sqrt(np.maximum(n * float(found.independent), 1.0)) / scale
     # What windows on weak texture have in common is larger, as is their noise; both in pixels of the images.
     in_images, typical = total / np.maximum(n, 1) / resolution**2, float(np.median(weight / resolution[number] ** 2))
@@ -150,17 +149,11 @@ def _rectified(found: Correspondences, chart: RigChart, theta: Float[np.ndarray,
     return float(found.focal) * (y - v), float(found.focal) * (x - u)
 
 
-def _resolution(rig: StereoRig, left: Float[np.ndarray, "g 3"], shown: str, focal: float) -> Float[np.ndarray, "g"]:
-    """Pixels of the left image that a row of the view is wide, at rays."""
-    if shown == PINHOLE and not rig.left.lens.WIDE:
-        return np.ones(len(left))
+def _resolution(rig: StereoRig, left: Float[np.ndarray, "g 3"], shown: str) -> Float[np.ndarray, "g"]:
+    """Pixels of the middle that a row of the view is wide, at rays."""
     to_left, _ = rectifying_rotations(rig.rotation, rig.translation)
     x, y, z = (left @ to_left.T).T
-    moved = np.stack([x, y - _TURN * z, z + _TURN * y], axis=-1)  # about the baseline, across its planes
-    of_view = projection(shown)
-    rows = focal * np.abs(of_view.row(*moved.T[1:]) - of_view.row(y, z))
-    pixels = np.linalg.norm(np.asarray(rig.left.project(moved @ to_left) - rig.left.project(left)), axis=1)
-    return pixels / rows
+    return np.ones(len(left)) / projection(shown).stretch(y, z, np.sqrt(x * x + y * y + z * z))
 
 
 def places_of(pixels: Float[np.ndarray, "m 2"], size: tuple[int, int]) -> Int[np.ndarray, "m"]:
