@@ -40,6 +40,7 @@ def images(folder: Path) -> tuple[object, ...]:
     return "--left", folder / "left.png", "--right", folder / "right.png"
 
 
+@pytest.mark.slow
 def test_a_camchain_of_fisheyes_comes_back_with_other_numbers(command, drifted: Path, tmp_path: Path):
     given, repaired, told, maps = (
         drifted / "camchain.yaml",
@@ -59,12 +60,8 @@ def test_a_camchain_of_fisheyes_comes_back_with_other_numbers(command, drifted: 
     rig = sr.io.load_rig(repaired)
     assert max(axis_errors(rig, RIG).rotation_deg.values()) < 0.08
     view = json.loads(told.read_text())["repairs"][0]["view"]
-    assert view == {
-        "projection": "equirectangular",
-        "size": [320, 240],
-        "degrees": view["degrees"],
-        "focal_px": 114.592,
-    } | {"focal_px": pytest.approx(114.592, abs=1e-3)}
+    assert (view["projection"], view["size"]) == ("equirectangular", [320, 240])
+    assert view["degrees"] == pytest.approx(160.0)
     made = np.load(maps)
     assert made["projection"] == "equirectangular"
     assert float(made["focal"]) == pytest.approx(view["focal_px"])
