@@ -1,6 +1,6 @@
 """stereorecal: repair the extrinsic calibration of a stereo rig from ordinary images.
 
-The public names stand in `__init__.pyi`; each is imported when it is first asked for.
+The public names stand in `__init__.pyi`; each is imported when it is first used.
 """
 
 from importlib import import_module

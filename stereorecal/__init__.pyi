@@ -1,4 +1,4 @@
-"""All public names; `__init__.py` imports each when it is first asked for."""
+"""All public names; `__init__.py` imports each when it is first used."""
 
 from . import (
     comparison as comparison,

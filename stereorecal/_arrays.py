@@ -26,7 +26,7 @@ def namespace(*arrays: Any) -> ModuleType:
 
 
 def is_host(*arrays: Any) -> bool:
-    """True if no argument is a JAX array or tracer, so values may be looked at."""
+    """True if no argument is a JAX array or tracer, so values may be read."""
     return not any(isinstance(a, jax.Array) for a in arrays)
 
 

@@ -2,7 +2,7 @@
 
 
 class InputError(ValueError):
-    """The caller's data or options cannot be used; the message is one sentence that says what to do.
+    """Data or options of the caller cannot be used; the message is one sentence that says what to do.
 
     The command line turns it into exit code 2.
     """
@@ -17,7 +17,7 @@ class NeedNotMet(InputError):
 
 
 class PluginError(RuntimeError):
-    """Somebody's plug-in cannot be loaded, or crashed; the message names its distribution and version."""
+    """A plug-in cannot be loaded, or crashed; the message names its distribution and version."""
 
 
 class StrategyError(PluginError):
@@ -40,7 +40,7 @@ class CalibrationWarning(UserWarning):
 
 
 class PairingWarning(UserWarning):
-    """Images are paired that may not belong together; the message is one sentence.
+    """Images are paired that may not correspond; the message is one sentence.
 
     The command line prints it as a line and goes on.
     """

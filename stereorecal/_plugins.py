@@ -1,6 +1,6 @@
-"""Plug-ins by name: classes that distributions register in an entry-point group, each imported when it is asked for.
+"""Plug-ins by name: classes that distributions register in an entry-point group, each imported when it is used.
 
-Strategies and matchers come through the same door; this one knows nothing of either.
+Strategies and matchers are registered in the same way; this module knows neither.
 """
 
 import dataclasses
@@ -26,7 +26,7 @@ from stereorecal._version import __version__
 T = TypeVar("T")
 # importlib.metadata's; on Python 3.11 its backport's, once anything (Dask does) has imported that.
 _EntryPoint = Any
-_NOBODY = ("unknown distribution", "")
+_UNKNOWN_OWNER = ("unknown distribution", "")
 
 
 @dataclass(frozen=True)
@@ -109,7 +109,7 @@ class Registry(Generic[T]):
         return self._load(self._only(points))
 
     def overview(self) -> dict[str, Plugin[T] | Exception]:
-        """What `find` returns or raises for each name; what is installed is looked up once for all."""
+        """What `find` returns or raises for each name; the installed metadata is read once."""
         points = self._points()
         return {name: self._found_or_error(points.select(name=name)) for name in sorted(points.names)}
 
@@ -124,7 +124,7 @@ class Registry(Generic[T]):
         # An editable install does not list its packages, but its entry points name them.
         for point in self._points():
             owner = self._owner(point)
-            if owner != _NOBODY and _place(point)[0].partition(".")[0] == package:
+            if owner != _UNKNOWN_OWNER and _place(point)[0].partition(".")[0] == package:
                 return " ".join(owner)
         for distribution in packages_distributions().get(package, []):
             try:
@@ -143,7 +143,7 @@ class Registry(Generic[T]):
         """Name and version of the distribution of an entry point."""
         if point.dist:
             return point.dist.name, point.dist.version
-        return ("stereorecal", __version__) if self.own.get(point.name) == point.value else _NOBODY
+        return ("stereorecal", __version__) if self.own.get(point.name) == point.value else _UNKNOWN_OWNER
 
     def _only(self, points: EntryPoints) -> _EntryPoint:
         point, *_ = points

@@ -20,8 +20,8 @@ def run_all(
     """The index of each task with what `function` makes of it, as they finish; an exception where the executor lost it.
 
     Without an executor, `function` runs here, and what it raises passes. A KeyboardInterrupt in a worker passes too,
-    once what is finished by then has been handed out: Ctrl-C reaches workers as well, and is nobody's result. Closing
-    the iterator, or an exception of its consumer, cancels the tasks that wait.
+    once what is finished by then has been handed out: Ctrl-C reaches workers as well, and is no result of a task.
+    Closing the iterator, or an exception of its consumer, cancels the tasks that wait.
 
     Raises:
         InputError: if the executor forks its workers.

@@ -1,4 +1,4 @@
-"""Ctrl-C, SIGTERM (a cron job's end) and SIGHUP (a closed terminal): what is finished is kept, and the run ends.
+"""Ctrl-C, SIGTERM (a cron job's end) and SIGHUP (a closed terminal): finished results are saved, and the run ends.
 
 As long as nothing is begun, a signal ends the process at once: an exception raised while libraries are imported would
 come out as anything, or be swallowed. Later it is a KeyboardInterrupt, and once all is finished it waits until that is
@@ -20,7 +20,7 @@ from typing import Any
 
 INTERRUPTED = 130  # exit code
 _TOGETHER_S = 1.0  # within which signals are one
-_SAVING_S = 20.0  # that saving may take after a signal: a pipe that nobody reads would take for ever
+_SAVING_S = 20.0  # that saving may take after a signal: a pipe without a reader would take for ever
 _NUMBERS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
 
 
@@ -61,7 +61,7 @@ def ignore() -> None:
 
 @contextmanager
 def interruptible() -> Iterator[None]:
-    """Inside, each signal raises KeyboardInterrupt, again if somebody has swallowed it; but see `hold`."""
+    """Inside, each signal raises KeyboardInterrupt, again if a library has swallowed it; but see `hold`."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return

@@ -1,4 +1,4 @@
-"""Stdin, stdout and stderr as a process may find them: closed, or nobody there any more."""
+"""Stdin, stdout and stderr, made safe where they are closed or without a reader."""
 
 import io
 import os

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from stereorecal.report.repair import Axis, Climb, Depth, Lens, RepairReport, Rows, Sight, Verdict
+from stereorecal.report.repair_report import Axis, Climb, Conclusion, Depth, Lens, RepairReport, Rows, Sight
 
 EVIL = "<script>alert('x')</script>"
 
@@ -33,16 +33,20 @@ def misfit(
 
 
 def made_up(
-    size: tuple[int, int] = (320, 240), verdict: Verdict = Verdict.REPAIRED, *, measured: bool = True, **changes
+    size: tuple[int, int] = (320, 240),
+    conclusion: Conclusion = Conclusion.REPAIRED,
+    *,
+    measured: bool = True,
+    **changes,
 ) -> RepairReport:
     """A report; without rows, misfit and expectations unless `measured`."""
     rng = np.random.default_rng(0)
     field = rng.normal(0.0, 0.1, (18, 24))
     field[3, 4] = np.nan
-    accepted, healthy = verdict is Verdict.REPAIRED, verdict in (Verdict.REPAIRED, Verdict.GOOD)
+    accepted, healthy = conclusion is Conclusion.REPAIRED, conclusion in (Conclusion.REPAIRED, Conclusion.GOOD)
     parts = {
         "name": f"harbour {EVIL}",
-        "verdict": verdict,
+        "conclusion": conclusion,
         "reason": "the candidate is better" if accepted else "the candidate leaves rows of whole regions apart",
         "search": "the strategy met its own stopping rule",
         "baseline": 0.356,

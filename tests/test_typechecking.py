@@ -7,7 +7,7 @@ import pytest
 from jaxtyping import TypeCheckError
 
 from stereorecal.geometry import rotation_from_vector
-from stereorecal.scoring.host._blocks import match_in_blocks
+from stereorecal.scoring.host._disparities import match_in_blocks
 
 
 def test_a_wrong_shape_is_found():

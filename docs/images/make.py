@@ -15,7 +15,7 @@ import stereorecal as sr
 from stereorecal.estimation import readings
 from stereorecal.estimation._consequences import points_of_view
 from stereorecal.geometry import changed_camera
-from stereorecal.report.figures import Panel, repair_figure, save
+from stereorecal.report.pair_figure import Panel, repair_figure, save
 from stereorecal.reproduction import write_files
 from stereorecal.synthetic import Knock
 
@@ -53,7 +53,7 @@ def report() -> None:
     first, second = (
         shown[:1840],
         shown[1840:],
-    )  # side by side: a README is wide, not long; cut above "Rows that lie apart"
+    )  # side by side: a README is wide, not long; cut above "Epipolar error over the view"
     first = np.pad(first, ((0, len(second) - len(first)), (0, 0), (0, 0)), constant_values=255)
     halves = np.concatenate([first, second], axis=1)
     cv2.imwrite(str(HERE / "report.jpg"), cv2.resize(halves, None, fx=0.6, fy=0.6, interpolation=cv2.INTER_AREA))

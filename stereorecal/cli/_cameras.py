@@ -5,7 +5,8 @@ from collections.abc import Iterable
 from itertools import chain, islice
 
 from stereorecal._errors import InputError
-from stereorecal.cli import _calibrations, _values
+from stereorecal.cli import _values
+from stereorecal.cli._calibration_files import calibration_path
 from stereorecal.io import calibrated_scene, camera_pairs
 from stereorecal.recordings import Images, Pair, Scene
 
@@ -38,7 +39,7 @@ def watched_cameras(options: argparse.Namespace) -> tuple[Scene, Iterable[Pair |
                 return (pair,)
         raise InputError(f"camera {' and '.join(names)}: of {len(before)} pairs none can be used; check the cameras.")
 
-    calibration = _calibrations.place(options.calibration, "--calibration")
+    calibration = calibration_path(options.calibration, "--calibration")
     scene = calibrated_scene(
         f"camera {' and '.join(names)}", first, calibration, format=options.format, unit=options.unit
     )

@@ -3,8 +3,8 @@
 import argparse
 from pathlib import Path
 
+from stereorecal._choices import checked_choice
 from stereorecal._errors import InputError
-from stereorecal._names import known
 from stereorecal.cli import _values
 from stereorecal.cli._console import table_console
 from stereorecal.cli._executors import executor
@@ -21,7 +21,7 @@ from stereorecal.matching import as_matcher
 from stereorecal.objectives import Reach
 from stereorecal.recalibration import SCHEDULES
 from stereorecal.recordings import Scene
-from stereorecal.report.tables import comparison_tables
+from stereorecal.report.comparison_tables import comparison_tables
 from stereorecal.strategies import as_budget
 from stereorecal.synthetic import KINDS, render
 
@@ -29,7 +29,7 @@ from stereorecal.synthetic import KINDS, render
 def run(options: argparse.Namespace) -> int:
     """Compare, print, save; returns the exit code."""
     if options.schedule is not None:
-        known(options.schedule, list(SCHEDULES), "schedule")
+        checked_choice(options.schedule, list(SCHEDULES), "schedule")
     if options.schedule == "default" and options.scale is not None:
         raise InputError("--scale belongs to --schedule count; leave it out.")
     matcher = as_matcher(options.matcher)
@@ -77,7 +77,7 @@ def _check_places(options: argparse.Namespace) -> list[Place]:
     """The files to be written; what could not be is refused before the work is done."""
     places = places_of(options, "json", "html")
     check_places(places, force=options.force)
-    check_page(options.html, "page")
+    check_page(options.html, "comparison_page")
     return places
 
 
@@ -85,7 +85,7 @@ def _scenes(options: argparse.Namespace) -> list[Scene]:
     limit = _values.frame_limit(options.frames)
     scenes = [load_scene(Path(path), limit=limit) for path in options.scene]
     if options.synthetic or not scenes:
-        kind = known(options.synthetic or "harbour", list(KINDS), "kind of scene")
+        kind = checked_choice(options.synthetic or "harbour", list(KINDS), "kind of scene")
         if limit is None:
             raise InputError("--frames all has no meaning for a rendered scene; give a number.")
         scenes.append(render(kind, options.seed, frames=limit))

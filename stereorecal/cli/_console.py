@@ -6,7 +6,7 @@ import textwrap
 
 from rich.console import Console
 
-from stereorecal.report.tables import WIDE
+from stereorecal.report.comparison_tables import WIDE
 
 
 def table_console(wide: int = WIDE) -> Console:

@@ -4,9 +4,8 @@ import argparse
 from dataclasses import replace
 
 from stereorecal._errors import InputError
-from stereorecal.cli import _calibrations
+from stereorecal.cli._calibration_files import calibration_path, paths, rig_at, unit_written
 from stereorecal.cli._places import Place, check_places, deliver, spare, written_or_printed
-from stereorecal.cli._rigs import rig_at, unit_written
 from stereorecal.io import calibration_json, check_savable, files_read, save_rig
 
 
@@ -14,8 +13,8 @@ def run(options: argparse.Namespace) -> int:
     """Read, write, say so; returns the exit code."""
     if options.target == "-":
         raise InputError("B is -: a calibration is written to a file; give the name of one.")
-    target = _calibrations.place(options.target, "B")
-    places = [Place("B", path) for path in _calibrations.paths(target)]
+    target = calibration_path(options.target, "B")
+    places = [Place("B", path) for path in paths(target)]
     with files_read() as read:
         rig = rig_at(options.source, options)
     spare(places, read, "this is what is converted: give another name")

@@ -2,10 +2,10 @@
 
 import argparse
 
-from stereorecal._versions import versions
+from stereorecal._environment import versions
+from stereorecal.cli._calibration_files import rig_at
 from stereorecal.cli._json import write_json
 from stereorecal.cli._places import check_places, deliver, places_of, spare
-from stereorecal.cli._rigs import rig_at
 from stereorecal.io import files_read
 from stereorecal.recalibration import Difference, difference
 

@@ -8,9 +8,9 @@ from contextlib import AbstractContextManager, contextmanager, nullcontext
 from multiprocessing import active_children, get_context
 from typing import Any
 
-from stereorecal._names import known
+from stereorecal._choices import checked_choice
 from stereorecal.cli._cluster import cluster
-from stereorecal.cli._compiled import keep_compiled_programs
+from stereorecal.cli._jax_setup import use_compile_cache
 from stereorecal.cli._values import positive, shortened
 
 _NO_COMPLAINTS = "ignore:resource_tracker:UserWarning"
@@ -23,7 +23,7 @@ def executor(text: str) -> AbstractContextManager[Executor | None]:
         InputError: if `text` is none of them, or no cluster answers there.
     """
     kind, _, rest = text.partition(":")
-    known(kind, ["serial", "threads", "processes", "dask"], "executor")
+    checked_choice(kind, ["serial", "threads", "processes", "dask"], "executor")
     if kind == "serial":
         return nullcontext()
     if kind == "dask":
@@ -68,4 +68,4 @@ def _pool(pool: ThreadPoolExecutor | ProcessPoolExecutor) -> Iterator[Executor]:
 def _begin_work() -> None:
     """In a worker process: Ctrl-C is left to the parent."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    keep_compiled_programs()
+    use_compile_cache()

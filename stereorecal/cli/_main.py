@@ -34,10 +34,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _run(options: argparse.Namespace) -> int:
     try:
         # Not before: what is only asked for help, or mistyped, does not wait for JAX.
-        compiled = import_module("stereorecal.cli._compiled")
-        trouble = compiled.keep_compiled_programs()
+        jax_setup = import_module("stereorecal.cli._jax_setup")
+        trouble = jax_setup.use_compile_cache()
         if (options.verb, getattr(options, "action", None)) not in _WITHOUT_PROGRAMS:
-            compiled.check_platform()
+            jax_setup.check_platform()
             if trouble:
                 say(trouble)
         command = import_module(f"stereorecal.cli._{options.verb}")

@@ -9,9 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from stereorecal._errors import InputError
-from stereorecal.cli import _calibrations
+from stereorecal.cli._calibration_files import CalibrationPath, calibration_path, paths, unit_written
 from stereorecal.cli._places import Place, check_places, check_writable, image_inputs, places_of, spare
-from stereorecal.cli._rigs import unit_written
 from stereorecal.cli.arguments._calibrations import TWO_FILES
 from stereorecal.geometry import StereoRig, changed_camera
 from stereorecal.io import back_up, calibration_files, check_savable, is_copy, next_copy, prior_beside, save_rig
@@ -32,7 +31,7 @@ class Output:
         beside: the file for what is known of it, where its format has no place for that.
     """
 
-    place: _calibrations.Place | None
+    place: CalibrationPath | None
     replaced: bool
     maps: Path | None
     unit: str | None = None
@@ -42,7 +41,7 @@ class Output:
     @property
     def files(self) -> list[Path]:
         """Of the calibration."""
-        return [] if self.place is None else _calibrations.paths(self.place)
+        return [] if self.place is None else paths(self.place)
 
     @property
     def maps_files(self) -> list[Path]:
@@ -110,9 +109,9 @@ def output_of(
                     raise InputError(f"{other}: --in-place keeps the old calibration there; choose another place.")
             if not os.access(path, os.W_OK):
                 raise InputError(f"--in-place {path}: the file is write-protected; allow writing, or give --output.")
-        place: _calibrations.Place = (files[0], files[1]) if len(files) == 2 else files[0]
+        place: CalibrationPath = (files[0], files[1]) if len(files) == 2 else files[0]
     else:
-        place = _calibrations.place(options.output, "--output")
+        place = calibration_path(options.output, "--output")
     unit, said = unit_written(rig, rig, place, options.output_format, options.unit)
     check_savable(_moved(rig, free), place, format=options.output_format, unit=unit)
     beside = prior_beside(rig, place, format=options.output_format)
@@ -137,7 +136,7 @@ def save(output: Output, solution: Solution, scene: Scene, options: argparse.Nam
 
 def _places(options: argparse.Namespace) -> list[Place]:
     """All files that were asked for, by option."""
-    files = [] if options.output is None else _calibrations.paths(_calibrations.place(options.output, "--output"))
+    files = [] if options.output is None else paths(calibration_path(options.output, "--output"))
     return [Place("--output", path) for path in files] + places_of(options, "json", "maps", "html")
 
 

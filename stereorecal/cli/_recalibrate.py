@@ -7,11 +7,11 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from stereorecal._choices import checked_choice
+from stereorecal._environment import versions
 from stereorecal._errors import InputError
-from stereorecal._names import known
 from stereorecal._run_all import Progress
 from stereorecal._signals import hold
-from stereorecal._versions import versions
 from stereorecal.cli import _output, _values
 from stereorecal.cli._boards import boards_of, check_boards_asked
 from stereorecal.cli._console import print_lines, table_console
@@ -42,7 +42,7 @@ from stereorecal.recalibration import (
     with_ranges,
 )
 from stereorecal.recordings import Scene
-from stereorecal.report.repairs import repairs_table
+from stereorecal.report.repair_tables import repairs_table
 from stereorecal.strategies import Budget, as_budget, name_of, origin_of, strategy
 
 SCHEMA = "stereorecal.solution/2"
@@ -142,7 +142,7 @@ def _finished(
 
 
 def _schedule(options: argparse.Namespace) -> Schedule:
-    known(options.schedule, list(SCHEDULES), "schedule")
+    checked_choice(options.schedule, list(SCHEDULES), "schedule")
     chosen = None if options.strategy is None else strategy(options.strategy)
     if options.schedule == "count":
         return Schedule.count(chosen or strategy("compass"), 1.0 if options.scale is None else options.scale)

@@ -7,7 +7,8 @@ from functools import partial
 from pathlib import Path
 
 from stereorecal._errors import InputError
-from stereorecal.cli import _calibrations, _values
+from stereorecal.cli import _values
+from stereorecal.cli._calibration_files import calibration_path
 from stereorecal.cli._streams import say
 from stereorecal.cli.arguments._calibrations import TWO_FILES
 from stereorecal.io import calibrated_scene, load_scene, open_pairs
@@ -135,13 +136,13 @@ def _recorded(options: argparse.Namespace, select: _Select) -> Recordings:
 
     def pairs() -> tuple[Pair, ...]:
         recorded = open_pairs(place, options.right, tolerance=options.tolerance, **topics)
-        absent.extend(_told(recorded.unpaired))
+        absent.extend(_unpaired_frames(recorded.unpaired))
         pairing.extend([_BY_ORDER] * recorded.by_order)
         chosen, left_out = select(recorded.pairs, options, stream=recorded.stream, about=place)
         absent.extend(left_out)
         return chosen
 
-    calibration = _calibrations.place(options.calibration, "--calibration")
+    calibration = calibration_path(options.calibration, "--calibration")
     scene = calibrated_scene(str(place), pairs, calibration, format=options.format, unit=options.unit)
     return Recordings([scene], tuple(absent), *pairing)
 
@@ -167,7 +168,7 @@ def _wanted(pairs: LazyPairs, options: argparse.Namespace, about: str) -> LazyPa
     return wanted
 
 
-def _told(unpaired: Sequence[str]) -> list[tuple[str, str]]:
+def _unpaired_frames(unpaired: Sequence[str]) -> list[tuple[str, str]]:
     """What to say of frames without partner; also on stderr."""
     if not unpaired:
         return []

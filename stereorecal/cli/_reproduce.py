@@ -4,9 +4,9 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+from stereorecal._choices import checked_choice
 from stereorecal._errors import InputError
 from stereorecal._extras import extra
-from stereorecal._names import known
 from stereorecal.cli import _values
 from stereorecal.cli._console import table_console
 from stereorecal.cli._executors import executor
@@ -39,9 +39,9 @@ _WIDE = 150  # columns of the widest table
 
 def run(options: argparse.Namespace) -> int:
     """Run, save, print; returns the exit code."""
-    chosen = [known(name, [*EXPERIMENTS, _ALL], "experiment") for name in options.experiments]
+    chosen = [checked_choice(name, [*EXPERIMENTS, _ALL], "experiment") for name in options.experiments]
     experiments = list(EXPERIMENTS) if _ALL in chosen else list(dict.fromkeys(chosen))
-    schedule = known(options.schedule, [_BOTH, *SCHEDULES], "schedule")
+    schedule = checked_choice(options.schedule, [_BOTH, *SCHEDULES], "schedule")
     reach = Reach(*_values.degrees_and_fraction(options.reach, "--reach"))
     seed, limit = _values.seed(options.seed), _values.frame_limit("10" if options.frames is None else options.frames)
     if options.output == "-":

@@ -5,9 +5,9 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
+from stereorecal._environment import versions
 from stereorecal._errors import InputError
 from stereorecal._signals import hold
-from stereorecal._versions import versions
 from stereorecal.cli import _values
 from stereorecal.cli._console import print_lines, table_console
 from stereorecal.cli._exit_codes import BAD_INPUT, CANNOT_TELL, INTERRUPTED, REPAIR
@@ -21,7 +21,7 @@ from stereorecal.io import about, files_read
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.recalibration import HEALTH_LIMITS, Condition, Health, health
 from stereorecal.recordings import Scene
-from stereorecal.report.repairs import scores_table
+from stereorecal.report.repair_tables import scores_table
 
 SCHEMA = "stereorecal.health/2"
 _CODES = {Condition.REPAIR: REPAIR, Condition.CANNOT_TELL: CANNOT_TELL, Condition.HEALTHY: 0}  # the first that occurs

@@ -3,8 +3,8 @@
 import argparse
 from typing import Any
 
+from stereorecal._choices import checked_choice
 from stereorecal._errors import InputError
-from stereorecal._names import known
 from stereorecal.decision import LIMITS, Tolerances, as_tolerances
 from stereorecal.geometry import checked_view_arguments
 from stereorecal.objectives import Parameters, as_parameters
@@ -43,7 +43,7 @@ def tolerances(options: argparse.Namespace) -> Tolerances:
     found: dict[str, object] = {}
     for part in [] if options.tolerances is None else options.tolerances.split(","):
         name, _, value = (piece.strip() for piece in part.partition("="))
-        known(name, list(LIMITS), "tolerance")
+        checked_choice(name, list(LIMITS), "tolerance")
         found[name] = _number(value, f"--tolerances has {shortened(part)}; give NAME=NUMBER, such as alpha=0.001.")
     if options.distances is not None:
         refusal = f"--distances is {shortened(options.distances)}; give baselines, such as 5,10,30."
@@ -60,7 +60,7 @@ def view(options: argparse.Namespace) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for part in [] if options.view is None else options.view.split(","):
         name, _, value = (piece.strip() for piece in part.partition("="))
-        known(name, ["projection", "field"], "argument of --view")
+        checked_choice(name, ["projection", "field"], "argument of --view")
         refusal = f"--view has {shortened(part)}; give degrees, such as field=140."
         found[name] = _number(value, refusal) if name == "field" else value
     return checked_view_arguments(found)

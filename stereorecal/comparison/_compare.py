@@ -8,10 +8,10 @@ from typing import Any
 import jax
 import numpy as np
 
+from stereorecal._environment import versions
 from stereorecal._errors import InputError, StrategyError
 from stereorecal._run_all import Progress, run_all
 from stereorecal._signals import hold
-from stereorecal._versions import versions
 from stereorecal.comparison._comparison import Comparison
 from stereorecal.comparison._entrants import entrants_of
 from stereorecal.comparison._pictures import Shown
@@ -23,7 +23,7 @@ from stereorecal.objectives import Parameters, Reach, as_parameters
 from stereorecal.recalibration import recalibrate
 from stereorecal.recordings import Pairs, Scene, check_pairs
 from stereorecal.scoring import pyramid
-from stereorecal.scoring.host import ranged
+from stereorecal.scoring.host import with_measured_range
 from stereorecal.strategies import AbstractStrategy, Budget, as_budget, origin_of
 from stereorecal.synthetic import decalibrate
 
@@ -215,7 +215,7 @@ def _plan(scene: Scene, matcher: AbstractMatcher, reach: Reach, scale: float) ->
     """The scene, its matcher and its reference; what does not fit is refused now rather than trial by trial."""
     rig = _rig_of(scene)
     images = pyramid(rig, scene.pairs)
-    matcher = ranged(matcher, images, float(np.radians(reach.degrees)))
+    matcher = with_measured_range(matcher, images, float(np.radians(reach.degrees)))
     matcher.scaled(scale).disparity_range(images.at(scale, 1).view.size[0])
     return scene, matcher, _reference(scene, rig, matcher)
 

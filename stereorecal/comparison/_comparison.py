@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from stereorecal._extras import extra
-from stereorecal._plain import plain
+from stereorecal._json_data import json_data
 from stereorecal.comparison._pictures import Shown, pictures_of
 from stereorecal.comparison._profiles import Curve, curves
 from stereorecal.comparison._summary import Summary, Thresholds, summarise
@@ -49,7 +49,7 @@ class Comparison:
 
     def as_dict(self) -> dict[str, Any]:
         """The content of the JSON file; a missing or non-finite number is None."""
-        return plain(
+        return json_data(
             {
                 "schema": SCHEMA,
                 "versions": self.versions,
@@ -76,7 +76,7 @@ class Comparison:
                 written to.
         """
         with extra("figures", "an HTML page"):
-            from stereorecal.report.page import comparison_page
-        profile = [plain(asdict(curve)) for curve in self.data_profile()]
+            from stereorecal.report.comparison_page import comparison_page
+        profile = [json_data(asdict(curve)) for curve in self.data_profile()]
         pictures = pictures_of(self.trials, self.shown, self.thresholds)
         write_text(path, comparison_page(self.as_dict(), profile, pictures), replace=overwrite)

@@ -10,7 +10,7 @@ from stereorecal.comparison._trial import Trial
 from stereorecal.geometry import StereoRig
 from stereorecal.matching import AbstractMatcher
 from stereorecal.recordings import Pair
-from stereorecal.report.comparison import TrialPicture
+from stereorecal.report.trial_picture import TrialPicture
 from stereorecal.scoring.host import disparity
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal._plain import plain
+from stereorecal._json_data import json_data
 from stereorecal.decision._tolerances import DEFAULT, Tolerances
 from stereorecal.estimation import Estimate, with_free_together
 from stereorecal.objectives import BASELINE
@@ -69,7 +69,7 @@ class Decision:
     def as_dict(self) -> dict[str, Any]:
         """Plain data for JSON."""
         before, after = ({"value": m, "low": low, "high": high} for m, low, high in self.rows_px.tolist())
-        return plain(
+        return json_data(
             {
                 "verdict": self.verdict.name.lower(),
                 "keeps_depth": self.keeps_depth,
@@ -81,22 +81,26 @@ class Decision:
 
     @property
     def explains(self) -> bool:
-        """Whether the rig explains the rows: the candidate's are those of a good calibration, as likely as not."""
-        return bool(self.rows_px[1, 0] <= self.tolerances.good_rows_px)
+        """Whether the candidate explains the rows: its own are those of a good calibration, as likely as not, or it
+        corrects more than it leaves."""
+        before, after = self.rows_px[:, 0]
+        return bool(after <= max(self.tolerances.good_rows_px, before - after))
 
 
 def decide(seen: Estimate, free: Sequence[str], tolerances: Tolerances | None = None) -> Decision:
     """Choose between a calibration, and changes of its free parameters.
 
-    Two candidates stand: the one that loses least in rows and depth, and the one of those that read depth as the
-    calibration does that loses least in rows; with ranges, also the one that changes no more than the length of the
-    baseline. One replaces the calibration if its rows are better for sure, also on average those that most frames show,
-    or ranges agree with it and not with the calibration, or the rig's own motion tells that its depth is, and the
-    probability is below 1 % that rows, of near or far things, or depth are worse. Of several, the one that keeps depth,
-    unless that costs rows that a matcher notices, ranges ask for another, or another's depth is surely the better one:
-    of the rigs for which it matters, in 95 %. Where none is so harmless, and the rows of the calibration blind the
-    matcher, which leaves it no depth to lose, that its rows are hardly ever worse is enough. Else the calibration is
-    good if its rows are, with 95 %. Absolute depth is not judged: no rig's rows know it.
+    There are two candidates: the one with the least expected loss in rows and depth, and the one with the least loss in
+    rows of those that read depth as the calibration does; with ranges, also the one that changes only the length of the
+    baseline. A candidate replaces the calibration if its rows are better for sure, also on average those that most
+    frames show, and if it explains them (`Decision.explains`); or if ranges agree with it and not with the calibration;
+    or if the rig's own motion tells that its depth is better; and the probability is below 1 % that rows, of near or
+    far things, or depth, over the view or ahead, are worse. One that changes intrinsics must, with 95 %, cost no region
+    of the view rows that a matcher notices. Of several, the one that keeps depth is taken, unless that costs rows that
+    a matcher notices, ranges ask for another, or another's depth is surely the better one: of the rigs for which it
+    matters, in 95 %. Where none is so harmless, and the rows of the calibration blind the matcher, which leaves it no
+    depth to lose, it is enough that its rows are hardly ever worse. Otherwise the calibration is good if its rows are,
+    with 95 %. Absolute depth is not judged: no rig's rows know it.
 
     Args:
         seen: what is known; its θ = 0 is the calibration.
@@ -234,18 +238,27 @@ def _decided(
     blind = float(np.mean(before > limits.blind_rows_px)) > 1.0 - limits.alpha
     harmless = worse < limits.alpha or (blind and float(np.mean(lost)) < limits.alpha)
     better = float(np.mean(rows < before - limits.gain_px))
+    harmless = harmless and (blind or not _costs_a_region(seen, theta, limits))
     good = float(np.mean(before <= limits.good_rows_px)) >= limits.good_surely
-    verdict = Verdict.GOOD if good else Verdict.CANNOT_TELL
     told = bool(seen.beams.fit_better(seen.chart.rig, seen.chart.rig_at(theta)))
     nearer = float(np.mean(after.depth < given.depth - limits.worse_depth_points)) > 1.0 - limits.alpha
     # What most frames show bears it out: no posterior knows all ways in which lenses err, and where they do, one frame
     # gains what others lose.
     shown = float(np.median(after.shown - given.shown))
     asked = (told or (bool(seen.windows) and nearer)) and not shown > limits.worse_rows_px
-    by_rows = better > 1.0 - limits.alpha and shown < 0.0
-    if harmless and (asked or by_rows):
-        verdict = Verdict.REPAIR
     # Candidates are compared alike, whatever is asked of them.
     loss = float(np.mean(rows / DEFAULT.gain_px + after.depth / DEFAULT.worse_depth_points))
     said = np.percentile([before, rows], [50.0, 2.5, 97.5], axis=1).T
-    return Decision(verdict, theta, keeps_depth, worse, better, loss, said, told, limits, by_rows)
+    verdict = Verdict.GOOD if good else Verdict.CANNOT_TELL
+    stays = Decision(verdict, theta, keeps_depth, worse, better, loss, said, told, limits, by_rows=False)
+    by_rows = better > 1.0 - limits.alpha and shown < 0.0 and stays.explains
+    return replace(stays, verdict=Verdict.REPAIR, by_rows=by_rows) if harmless and (asked or by_rows) else stays
+
+
+def _costs_a_region(seen: Estimate, theta: Float[np.ndarray, "n"], limits: Tolerances) -> bool:
+    """Whether other intrinsics, which can follow what one part of the view shows, may cost another part rows that a
+    matcher notices."""
+    if not any(value and "." in name for name, value in zip(seen.names, theta.tolist(), strict=True)):
+        return False
+    before, after = seen.rows_of_regions(np.zeros_like(theta)), seen.rows_of_regions(theta)
+    return float(np.mean(np.any(after > before + limits.gain_px, axis=1))) > 1.0 - limits.good_surely

@@ -6,8 +6,8 @@ from numbers import Real
 
 import numpy as np
 
+from stereorecal._choices import checked_choice
 from stereorecal._errors import InputError
-from stereorecal._names import known
 from stereorecal.estimation import JUDGED_AT
 
 _PROBABILITIES = ("alpha", "good_surely")
@@ -84,5 +84,5 @@ def as_tolerances(given: Tolerances | Mapping[str, object] | None) -> Tolerances
     if not isinstance(given, Mapping):
         raise InputError(f"tolerances are {given!r}; give sr.Tolerances(...), or values by name.")
     for name in given:
-        known(name, [*LIMITS, "distances"], "tolerance")
+        checked_choice(name, [*LIMITS, "distances"], "tolerance")
     return Tolerances(**given)  # pyright: ignore[reportArgumentType]: checked there

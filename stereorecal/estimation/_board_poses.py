@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from stereorecal._opencv import cv2
+from stereorecal._cv2 import cv2
 from stereorecal.estimation._slopes import pixels_of, slopes_of
 from stereorecal.geometry import StereoRig, rotation_from_vector
 from stereorecal.objectives import RigChart

@@ -24,12 +24,12 @@ def depth_kept(
     """The most probable θ whose disparities are those of the rig at θ = 0, on average over the view; Newton steps along
     the covariance."""
     sets = [points_of_view(chart.rig, distance, shown) for distance in _KEPT_AT]
-    slopes = consequences(chart, mean, shown=shown).nearness[[DISTANCES.index(distance) for distance in _KEPT_AT]]
+    slopes = consequences(chart, mean, shown=shown).nearness[[DISTANCES.index(distance) for distance in _KEPT_AT], 0]
     pull = covariance @ slopes.T
     theta = mean
     for _ in range(_STEPS):
         _, here = readings_at(chart.rig_at(theta), chart.rig, sets, shown)
-        wanted = slopes @ (mean - theta) + here
+        wanted = slopes @ (mean - theta) + here[:, 0]
         theta = mean - pull @ np.linalg.lstsq(slopes @ pull, wanted, rcond=None)[0]
     return theta
 
@@ -43,8 +43,8 @@ class Known:
         near: the linear maps at the mean.
         mean: of θ.
         deviations: of θ: what neither rows nor depth tell stays near the mean.
-        nearness: relative disparity that a rig should read, less that of the rig at the mean, at each distance of
-            the maps, on average over the view.
+        nearness: (d, 2) relative disparity that a rig should read, less that of the rig at the mean, at each distance
+            of the maps, on average over the view, and ahead.
         judged_at: those of the distances at which it counts, baselines.
         shown: the view; None: the rig's own.
     """
@@ -53,7 +53,7 @@ class Known:
     near: Consequences
     mean: Float[np.ndarray, "n"]
     deviations: Float[np.ndarray, "n"]
-    nearness: Float[np.ndarray, "d"]
+    nearness: Float[np.ndarray, "d 2"]
     judged_at: tuple[float, ...]
     shown: View | None = None
 
@@ -104,12 +104,13 @@ def _loss(
         if distance in one.judged_at:
             points = np.sqrt(len(one.near.rows[index]))
             rows = one.near.rows[index] / (_ROWS_MATTER * points * np.sqrt(len(one.judged_at)))
-            nearness = one.near.nearness[index : index + 1] / depth_matters
+            counts = depth_matters * np.sqrt(len(one.near.nearness[index]))
+            nearness = one.near.nearness[index] / counts
             variation = one.near.variation[index] / (_DEPTH_MATTERS * points)
             maps += [rows, nearness, variation]
             goal += [
                 rows @ one.mean,
-                nearness @ one.mean + one.nearness[index] / depth_matters,
+                nearness @ one.mean + one.nearness[index] / counts,
                 variation @ one.mean,
             ]
     near_mean = _NEAR_MEAN * np.diag(1.0 / np.maximum(one.deviations, 1e-12))[free]
@@ -119,8 +120,8 @@ def _loss(
 def least_loss_of_depth_kept(
     several: Sequence[Known], free: Bool[np.ndarray, "n"], shared: Bool[np.ndarray, "n"]
 ) -> list[Float[np.ndarray, "n"]]:
-    """The same of those that read depth as the rigs at θ = 0 do, on average over the view; Newton steps, since depth is
-    not linear as far as a drift may reach."""
+    """The same of those that read depth as the rigs at θ = 0 do, on average over the view and ahead; Newton steps,
+    since depth is not linear as far as a drift may reach."""
     means = [one.chart.rig_at(one.mean) for one in several]
     sets = [
         [points_of_view(mean, distance, one.shown) for distance in one.near.distances]

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Inexact
+from jaxtyping import Float, Inexact, Int
 
 from stereorecal.estimation._slopes import lens_parameters, moved_by_extrinsics
 from stereorecal.geometry import (
@@ -29,6 +29,8 @@ _GRID = (9, 7)  # points of the left image
 _AHEAD = 0.1  # cosine of the angle off the axis
 _MARGIN = 0.05  # of the image, at each side
 _TINY = 1e-30
+_MIDDLE = 0.5  # of the image, each way
+_REGIONS = 3  # each way
 
 
 def points_of_view(rig: StereoRig, distance: float, shown: View | None = None) -> Float[np.ndarray, "p 3"]:
@@ -59,6 +61,30 @@ def _grid(size: tuple[int, int]) -> Float[np.ndarray, "p 2"]:
     """Pixels over an image."""
     share = [np.linspace(_MARGIN, 1.0 - _MARGIN, n) for n in _GRID]
     return np.stack(np.meshgrid(*share), axis=-1).reshape(-1, 2) * [size[0] - 1, size[1] - 1]
+
+
+def areas(rig: StereoRig, points: Float[np.ndarray, "p 3"], shown: View | None = None) -> Float[np.ndarray, "2 p"]:
+    """Weights of points in a mean over the view, and over what lies ahead: the middle of the left image; over the view
+    again where nothing does. In views that are no pinhole, points count by the squares of their disparities."""
+    share = _share(rig, points)
+    ahead = (np.abs(share - 0.5) <= 0.5 * _MIDDLE).all(axis=1)
+    every = np.ones(len(points))
+    weights = np.stack([every / len(points), ahead / ahead.sum() if ahead.any() else every / len(points)])
+    if shown is None or shown.projection == PINHOLE:
+        return weights
+    told = _stretch(rig, points, shown) ** -2
+    return weights * told / (weights @ told)[:, None]
+
+
+def regions(rig: StereoRig, points: Float[np.ndarray, "p 3"]) -> Int[np.ndarray, "p"]:
+    """The ninth of the left image in which each point lies, numbered by rows."""
+    column, row = np.clip((_share(rig, points) * _REGIONS).astype(int), 0, _REGIONS - 1).T
+    return row * _REGIONS + column
+
+
+def _share(rig: StereoRig, points: Float[np.ndarray, "p 3"]) -> Float[np.ndarray, "p 2"]:
+    """Where points lie in the left image, of its width and height."""
+    return np.asarray(rig.left.project(points / points[:, 2:])) / np.array(rig.left.size)
 
 
 def _rays_of_view(rig: StereoRig, shown: View) -> Float[np.ndarray, "_ 3"]:
@@ -116,20 +142,14 @@ def _stretch(used: StereoRig, points: Float[np.ndarray, "p 3"], shown: View | No
     return np.ones(len(points)) * _formulas(shown).stretch(y, z, np.sqrt(x * x + y * y + z * z))
 
 
-def _shares(stretch: Float[np.ndarray, "p"]) -> Float[np.ndarray, "p"]:
-    """What points count for, on average 1: by the squares of their disparities."""
-    return np.asarray(stretch**-2 / np.mean(stretch**-2))
-
-
 def readings_at(
     used: StereoRig, true: StereoRig, sets: Sequence[Float[np.ndarray, "_ 3"]], shown: View | None = None
-) -> tuple[list[Float[np.ndarray, "_"]], Float[np.ndarray, "d"]]:
-    """`readings` of several sets of points: the row differences of each, and the mean relative error of its
-    disparities."""
-    ends, every = np.cumsum([len(points) for points in sets])[:-1], np.concatenate(sets)
-    rows, nearness = (np.split(found, ends) for found in readings(used, true, every, shown))
-    shares = [_shares(part) for part in np.split(_stretch(used, every, shown), ends)]
-    return rows, np.array([(share * some).mean() for share, some in zip(shares, nearness, strict=True)])
+) -> tuple[list[Float[np.ndarray, "_"]], Float[np.ndarray, "d 2"]]:
+    """`readings` of several sets of points: the row differences of each, and the mean relative errors of its
+    disparities over the view, and ahead."""
+    ends = np.cumsum([len(points) for points in sets])[:-1]
+    rows, nearness = (np.split(found, ends) for found in readings(used, true, np.concatenate(sets), shown))
+    return rows, np.array([areas(true, points, shown) @ some for points, some in zip(sets, nearness, strict=True)])
 
 
 def _focal(used: StereoRig) -> float:
@@ -144,15 +164,14 @@ class Consequences:
     Attributes:
         distances: in baselines.
         rows: for each of the distances, (p, n) pixels a unit of θ(used) - θ(true).
-        nearness: (d, n) mean relative error of disparity over the view at each of them, likewise; points count by the
-            squares of their disparities.
-        variation: for each of the distances, (p, n) by what that of each point differs from the mean, times the root of
-            what it counts for.
+        nearness: (d, 2, n) mean relative error of disparity at each of them, over the view and ahead, likewise.
+        variation: for each of the distances, (p, n) by what that of each point differs from the mean over the view; of
+            views that are no pinhole times the root of what the point counts for.
     """
 
     distances: tuple[float, ...]
     rows: tuple[Float[np.ndarray, "_ n"], ...]
-    nearness: Float[np.ndarray, "d n"]
+    nearness: Float[np.ndarray, "d 2 n"]
     variation: tuple[Float[np.ndarray, "_ n"], ...]
 
 
@@ -186,9 +205,7 @@ def consequences(
     rows, nearness = _focal(used) * np.imag(rows) / stretch / _TINY, np.imag(near) / np.real(near) / _TINY
     ends = np.cumsum([len(points) for points in sets])[:-1]
     by_distance = [part.T for part in np.split(nearness, ends, axis=1)]
-    shares = [_shares(part)[:, None] for part in np.split(stretch, ends)]
-    means = np.stack([(share * part).mean(axis=0) for share, part in zip(shares, by_distance, strict=True)])
-    variation = tuple(
-        np.sqrt(share) * (part - mean) for share, part, mean in zip(shares, by_distance, means, strict=True)
-    )
+    means = np.stack([areas(used, points, shown) @ part for points, part in zip(sets, by_distance, strict=True)])
+    roots = [np.sqrt(wide**-2 / np.mean(wide**-2))[:, None] for wide in np.split(stretch, ends)]
+    variation = tuple(root * (part - mean) for root, part, (mean, _) in zip(roots, by_distance, means, strict=True))
     return Consequences(distances, tuple(np.split(rows.T, ends)), means, variation)

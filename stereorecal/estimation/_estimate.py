@@ -8,11 +8,18 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal._names import known
+from stereorecal._choices import checked_choice
 from stereorecal.estimation._beams import NO_BEAMS, Beams
 from stereorecal.estimation._calibration_prior import CalibrationPrior
 from stereorecal.estimation._candidates import Known, depth_kept, least_loss, least_loss_of_depth_kept
-from stereorecal.estimation._consequences import DISTANCES, Consequences, consequences, points_of_view, readings_at
+from stereorecal.estimation._consequences import (
+    DISTANCES,
+    Consequences,
+    consequences,
+    points_of_view,
+    readings_at,
+    regions,
+)
 from stereorecal.estimation._delay import Delay
 from stereorecal.estimation._explanations import Explanation
 from stereorecal.estimation._frames import OtherRig, other_rigs
@@ -133,12 +140,26 @@ class Estimate:
 
     @one_blas_thread()
     def losses(self, used: Float[np.ndarray, "n"]) -> tuple[Float[np.ndarray, "d s"], Float[np.ndarray, "s"]]:
-        """Rows [pixels] at each of the distances that it is judged at, and |error of depth| at the farthest of them [%]
-        of the rig at θ = used, for each of some rigs drawn from the posterior; always the same."""
+        """Rows [pixels] at each of the distances that it is judged at, and |error of depth| at the farthest of them
+        [%], over the view or ahead, whichever is larger, of the rig at θ = used, for each of some rigs drawn from the
+        posterior; always the same."""
         rows, nearness = self._read(used)
         near = 1.0 + nearness[:, self._distances.index(max(self.judged_at))]
         judged = rows[[self._distances.index(distance) for distance in self.judged_at]]
-        return judged, 100.0 * np.abs(1.0 / np.maximum(near, _LEAST_NEARNESS) - 1.0)
+        return judged, np.max(100.0 * np.abs(1.0 / np.maximum(near, _LEAST_NEARNESS) - 1.0), axis=1)
+
+    @one_blas_thread()
+    def rows_of_regions(self, used: Float[np.ndarray, "n"]) -> Float[np.ndarray, "s r"]:
+        """Rows [pixels], root mean square in each region of the view at each of the distances that it is judged at, of
+        the same rigs."""
+        sets = [self._distances.index(distance) for distance in self.judged_at]
+        points = [self._points[index] for index in sets]
+        at_mean, _ = readings_at(self.chart.rig_at(used), self.mean_rig, points, self.view)
+        found = []
+        for index, rows, some in zip(sets, at_mean, points, strict=True):
+            inside = np.equal.outer(region := regions(self.mean_rig, some), np.unique(region)).astype(float)
+            found.append((rows - self._rows_of_samples[index][0]) ** 2 @ (inside / inside.sum(axis=0)))
+        return np.sqrt(np.concatenate(found, axis=1))
 
     @one_blas_thread()
     def rows_of_frames(self, used: Float[np.ndarray, "n"]) -> Float[np.ndarray, "f"]:
@@ -150,10 +171,10 @@ class Estimate:
         return np.bincount(numbers, count * np.abs(rows)) / np.bincount(numbers, count)
 
     @one_blas_thread()
-    def _read(self, used: Float[np.ndarray, "n"]) -> tuple[Float[np.ndarray, "d s"], Float[np.ndarray, "s d"]]:
+    def _read(self, used: Float[np.ndarray, "n"]) -> tuple[Float[np.ndarray, "d s"], Float[np.ndarray, "s d 2"]]:
         """What the rig at θ = used reads at all distances if a sample is the truth: root mean squares of row errors
-        [pixels] over the view, and relative errors of disparity, on average over it; exact at the mean, linear around
-        it."""
+        [pixels] over the view, and relative errors of disparity, on average over it, and ahead; exact at the mean,
+        linear around it."""
         at_mean, nearness = readings_at(self.chart.rig_at(used), self.mean_rig, self._points, self.view)
         square = [
             np.mean(rows**2) - moved @ rows * (2.0 / len(rows)) + of_moved
@@ -186,9 +207,9 @@ class Estimate:
 
     @cached_property
     @one_blas_thread()
-    def _nearness_of_samples(self) -> Float[np.ndarray, "s d"]:
-        """The same of relative disparity, at all distances."""
-        return (self._samples - self.theta) @ self._consequences.nearness.T
+    def _nearness_of_samples(self) -> Float[np.ndarray, "s d 2"]:
+        """The same of relative disparity, at all distances, over the view and ahead."""
+        return np.einsum("sn,dan->sda", self._samples - self.theta, self._consequences.nearness)
 
     @property
     def _distances(self) -> tuple[float, ...]:
@@ -196,14 +217,14 @@ class Estimate:
         return (*DISTANCES, *(distance for distance in self.judged_at if distance not in DISTANCES))
 
     @cached_property
-    def _target_nearness(self) -> Float[np.ndarray, "d"]:
+    def _target_nearness(self) -> Float[np.ndarray, "d 2"]:
         """What a rig should read, relative to the one at the mean: the median, since what is lost is |error|."""
         return np.median(self._nearness_of_samples, axis=0)
 
     def depth_error_percent(self, used: Float[np.ndarray, "n"]) -> dict[int, tuple[float, float, float]]:
         """The error of depth of the rig at θ = used, at distances in baselines: median, and 95 % interval; positive: it
         reports too far; infinite where a point seems to lie at infinity or beyond. Over the view, on average."""
-        near = self._read(used)[1]
+        near = self._read(used)[1][..., 0]
         found = {}
         for distance, of_samples in zip(DISTANCES, near.T, strict=False):
             middle, low, high = (
@@ -287,7 +308,7 @@ def with_free_together(
     """
     parameters = estimates[0].names
     for name in names:
-        known(name, list(parameters), "parameter")
+        checked_choice(name, list(parameters), "parameter")
     free, shared = np.isin(parameters, names), ~np.isin(parameters, DRIFTING)
     find = least_loss_of_depth_kept if keep_depth else least_loss
     thetas = find([one.known for one in estimates], free, shared)

@@ -8,8 +8,8 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal._arrays import AnyArray
+from stereorecal._choices import checked_choice
 from stereorecal._errors import InputError
-from stereorecal._names import known
 from stereorecal.estimation._boards import prior_of_boards
 from stereorecal.estimation._calibration_prior import (
     CalibrationPrior,
@@ -163,7 +163,7 @@ def check_prior(prior: Prior, chart: RigChart | None = None) -> None:
     if prior is None or isinstance(prior, CalibrationPrior | SavedPrior | Earlier):
         return
     if isinstance(prior, str):
-        known(prior, [SAVED, DEFAULT, EXACT], "prior")
+        checked_choice(prior, [SAVED, DEFAULT, EXACT], "prior")
         return
     if not isinstance(prior, Mapping | CalibrationCovariance):
         raise InputError(
@@ -172,7 +172,7 @@ def check_prior(prior: Prior, chart: RigChart | None = None) -> None:
         )
     names = list(prior) if isinstance(prior, Mapping) else list(prior.names)
     for name in names if chart is not None else ():
-        known(name, list(chart.names) if chart is not None else [], "parameter")
+        checked_choice(name, list(chart.names) if chart is not None else [], "parameter")
     for name, sigma in prior.items() if isinstance(prior, Mapping) else ():
         number = isinstance(sigma, Real) and not isinstance(sigma, bool)
         if not (number and np.isfinite(sigma) and sigma > 0.0):

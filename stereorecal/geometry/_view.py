@@ -8,8 +8,8 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from stereorecal._arrays import AnyArray, Mat3, namespace
+from stereorecal._choices import checked_choice
 from stereorecal._errors import InputError
-from stereorecal._names import known
 from stereorecal._pytree import register_pytree
 from stereorecal.geometry._camera import Camera
 from stereorecal.geometry._rectification import rectifying_rotations
@@ -221,7 +221,7 @@ def checked_view_arguments(given: Mapping[str, Any]) -> dict[str, Any]:
         InputError: if one is unknown, or makes no sense for any rig.
     """
     for name in given:
-        known(name, _ARGUMENTS, "argument of a view")
+        checked_choice(name, _ARGUMENTS, "argument of a view")
     projection, field, same_column = given.get("projection"), given.get("field"), given.get("zero_disparity", True)
     widest = projection_of(str(projection or EQUIRECTANGULAR)).WIDEST
     number = isinstance(field, int | float) and not isinstance(field, bool)

@@ -7,26 +7,25 @@
 A module of a layout finds the files; formats and images read them.
 """
 
-from stereorecal.io._about import about as about
+from stereorecal._json_data import json_data as json_data
 from stereorecal.io._atomic import (
     make_folder as make_folder,
     write_bytes as write_bytes,
     write_files as write_files,
     write_text as write_text,
 )
-from stereorecal.io._inputs import files_read as files_read
-from stereorecal.io._json import (
+from stereorecal.io._load_ranges import load_ranges as load_ranges
+from stereorecal.io._read_files import about as about, files_read as files_read
+from stereorecal.io._save_maps import save_maps as save_maps
+from stereorecal.io._scenes import calibrated_scene as calibrated_scene, gather_scene as gather_scene
+from stereorecal.io._strict_json import (
     json_line as json_line,
     json_text as json_text,
     parse_json as parse_json,
     read_json as read_json,
     write_json as write_json,
 )
-from stereorecal.io._maps import save_maps as save_maps
-from stereorecal.io._ranges import load_ranges as load_ranges
-from stereorecal.io._scenes import calibrated_scene as calibrated_scene, gather_scene as gather_scene
-from stereorecal.io.formats._prior import prior_file as prior_file, stored_prior as stored_prior
-from stereorecal.io.formats._rigs import (
+from stereorecal.io.formats._load_and_save import (
     back_up as back_up,
     calibration_files as calibration_files,
     calibration_json as calibration_json,
@@ -39,18 +38,19 @@ from stereorecal.io.formats._rigs import (
     says_its_unit as says_its_unit,
     unsaid_unit as unsaid_unit,
 )
-from stereorecal.io.images._cameras import camera_pairs as camera_pairs
-from stereorecal.io.images._messages import image_of_message as image_of_message
-from stereorecal.io.images._pairs import load_pair as load_pair, load_pairs as load_pairs
-from stereorecal.io.images._recorded import Recorded as Recorded, open_pairs as open_pairs
+from stereorecal.io.formats._stored_prior import prior_file as prior_file, stored_prior as stored_prior
+from stereorecal.io.images._live_cameras import camera_pairs as camera_pairs
+from stereorecal.io.images._load_pairs import load_pair as load_pair, load_pairs as load_pairs
+from stereorecal.io.images._open_pairs import Recorded as Recorded, open_pairs as open_pairs
+from stereorecal.io.images._ros_messages import image_of_message as image_of_message
+from stereorecal.io.layouts._load_data_set import (
+    is_data_set as is_data_set,
+    load_log as load_log,
+    load_scene as load_scene,
+)
 from stereorecal.io.layouts._plain_log import (
     has_mission as has_mission,
     save_calibrations as save_calibrations,
     save_mission as save_mission,
-)
-from stereorecal.io.layouts._recognise import (
-    is_data_set as is_data_set,
-    load_log as load_log,
-    load_scene as load_scene,
 )
 from stereorecal.io.layouts._scene_folder import save_scene as save_scene

@@ -42,13 +42,13 @@ def write_files(contents: Mapping[Path, bytes], *, replace: bool = True) -> None
     waiting: dict[Path, tuple[Path, Path]] = {}  # by place: the complete new file, and where it goes
     try:
         for path, data in contents.items():
-            with _said(path):
+            with _as_input_error(path):
                 if path.exists() and not path.is_file():
                     path.write_bytes(data)
                 else:
-                    waiting[path] = _beside(_followed(path), data)
+                    waiting[path] = _complete_copy(_link_target(path), data)
         for path, (temporary, final) in waiting.items():
-            with _said(path):
+            with _as_input_error(path):
                 old = final.read_bytes() if replace and final.exists() else None
                 (os.replace if replace else _put_where_none_is)(temporary, final)
                 written.append((final, old))
@@ -85,11 +85,11 @@ def _put_where_none_is(temporary: Path, final: Path) -> None:
 
 
 def _put_back(path: Path, old: bytes | None) -> None:
-    """What was there before a file was replaced."""
+    """Restore a file that was replaced."""
     if old is None:
         path.unlink()
     else:
-        os.replace(*_beside(path, old))
+        os.replace(*_complete_copy(path, old))
 
 
 def make_folder(path: Path) -> None:
@@ -110,7 +110,7 @@ def write_text(path: str | os.PathLike[str], text: str, *, replace: bool = True)
 
 
 @contextmanager
-def _said(path: Path) -> Iterator[None]:
+def _as_input_error(path: Path) -> Iterator[None]:
     """Around the writing of a file: an OSError becomes a sentence."""
     try:
         yield
@@ -124,15 +124,15 @@ def _taken(path: Path) -> FileTaken:
     return FileTaken(f"{path}: the file exists already; choose another name, or say overwrite=True (--force).")
 
 
-def _followed(path: Path) -> Path:
+def _link_target(path: Path) -> Path:
     """Where a link leads, so that it stays a link; OSError where it leads to itself."""
     with suppress(FileNotFoundError):
         os.stat(path)
     return path.resolve()
 
 
-def _beside(path: Path, data: bytes) -> tuple[Path, Path]:
-    """A complete file beside `path`, which can take its place, and `path`."""
+def _complete_copy(path: Path, data: bytes) -> tuple[Path, Path]:
+    """A complete temporary file in the folder of `path`, ready to replace it, and `path`."""
     temporary = path.with_name(f".{uuid.uuid4().hex[:16]}.tmp")  # short: `path` may be as long as names can be
     try:
         with open(temporary, "xb") as file:

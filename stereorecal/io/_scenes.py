@@ -5,12 +5,11 @@ from functools import partial
 from pathlib import Path
 
 from stereorecal._errors import InputError
-from stereorecal.io._about import about
-from stereorecal.io._paths import AnyPath
-from stereorecal.io.formats._calibration import Calibration, load_calibration
+from stereorecal.io._read_files import AnyPath, about
+from stereorecal.io.formats._file_units import warn_of_units
 from stereorecal.io.formats._format import Hints
-from stereorecal.io.formats._units import warn_of_units
-from stereorecal.io.images._pairs import load_pairs
+from stereorecal.io.formats._scene_calibration import Calibration, load_calibration
+from stereorecal.io.images._load_pairs import load_pairs
 from stereorecal.recordings import LazyPairs, Pair, Scene, check_pairs
 
 

@@ -1,23 +1,24 @@
-"""What strategies climb: scores of a stereo rig over the unit box.
+"""The objectives of strategies: scores of a stereo rig over the unit box.
 
-`_parameters` says what is free and how far it may be off, `_chart` and `_rig_chart` map the box to extrinsics and to
-whole rigs, and each score has a module: `_count` the paper's count, `_rows` epipolar residuals.
+`_parameters` holds the free parameters and their priors, `_chart` and `_rig_chart` map the box to extrinsics and to
+whole rigs, and each score has a module: `_count_objective` and `_epipolar_objective`.
 """
 
+from stereorecal._renamed import renamed
 from stereorecal.objectives._chart import Chart as Chart
-from stereorecal.objectives._count import (
+from stereorecal.objectives._count_objective import (
     count_objective as count_objective,
     objective as objective,
     rig_count_objective as rig_count_objective,
 )
-from stereorecal.objectives._images import Images as Images
-from stereorecal.objectives._linearised import (
+from stereorecal.objectives._epipolar_objective import epipolar_objective as epipolar_objective
+from stereorecal.objectives._linear_rows import (
     LinearRows as LinearRows,
     differences_at as differences_at,
     linearised as linearised,
     read_by as read_by,
 )
-from stereorecal.objectives._names import (
+from stereorecal.objectives._parameter_names import (
     BASELINE as BASELINE,
     EXTRINSICS as EXTRINSICS,
     ROTATION as ROTATION,
@@ -38,4 +39,11 @@ from stereorecal.objectives._rig_chart import (
     reach_chart as reach_chart,
     row_chart as row_chart,
 )
-from stereorecal.objectives._rows import epipolar_objective as epipolar_objective
+from stereorecal.objectives._stereo_images import StereoImages as StereoImages
+
+__getattr__ = renamed(
+    __name__,
+    {
+        "Images": "StereoImages",
+    },
+)

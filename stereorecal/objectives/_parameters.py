@@ -1,4 +1,4 @@
-"""What is free when a rig is repaired, and how far each of it may be off: one value, with names and units of people."""
+"""The free parameters of a repair, by name, with their prior standard deviations in degrees, percent and pixels."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -6,18 +6,13 @@ from typing import Any
 
 import numpy as np
 
+from stereorecal._choices import checked_choice
 from stereorecal._errors import InputError
-from stereorecal._names import known
 from stereorecal.geometry import StereoRig
-from stereorecal.objectives._names import BASELINE, EXTRINSICS, ROTATION, SIDES
+from stereorecal.objectives._parameter_names import BASELINE, EXTRINSICS, GROUPS, NAMES, ROTATION
 from stereorecal.objectives._reach import Reach
 
-_LENS = ("f", "cx", "cy", "k1", "k2")
-_LENS_ON_REQUEST = ("aspect", "p1", "p2", "k3", "s1", "s2", "s3", "s4", "k4", "xi", "alpha", "beta")
 _OF_MATRIX = ("f", "aspect", "cx", "cy")
-INTRINSICS = tuple(f"{side}.{name}" for side in SIDES for name in _LENS)
-GROUPS = {"rotation": ROTATION, "extrinsics": EXTRINSICS, "intrinsics": INTRINSICS}
-NAMES = (*EXTRINSICS, BASELINE, *(f"{side}.{name}" for side in SIDES for name in (*_LENS, *_LENS_ON_REQUEST)))
 # Standard deviations. A chessboard's focal length is good to some tenths of a percent, its centre to a pixel or two of
 # a VGA image, k1 to a hundredth (evidence: repeated calibrations of public data sets).
 _SIGMAS = {"f": 0.5, "cx": 2.0, "cy": 2.0, "k1": 0.01, "k2": 0.02, "aspect": 0.1, "p1": 5e-4, "p2": 5e-4, "k3": 0.02}
@@ -47,7 +42,7 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Parameters:
-    """What is free, by names and groups, and how far it may be off.
+    """The free parameters, by names and groups, and their priors.
 
     Attributes:
         free: of "pitch", "yaw", "roll", "y", "z", "baseline", and of each camera "left.f" (focal length), "left.cx",
@@ -58,8 +53,8 @@ class Parameters:
         priors: standard deviations by name where they are not the default: degrees for angles, percent of the baseline
             for y, z and the baseline, percent for focal lengths and aspects, pixels for centres. Default: a third of
             the reach for extrinsics, 1 % for the baseline; 0.5 %, 2 px (of an image 640 wide), k1 0.01, k2 0.02.
-            In repairs, those of extrinsics are of the search and of exact intrinsics, since the estimate finds how far
-            a rig has drifted; all others say how well the calibration was known, where its own prior is not meant.
+            In repairs, those of extrinsics apply to the search and to exact intrinsics, since the estimate finds how
+            far a rig has drifted; all others replace the prior of the calibration.
 
     Raises:
         InputError: if a name is unknown, nothing is free, or a prior is not positive.
@@ -72,9 +67,9 @@ class Parameters:
         choices = [*GROUPS, *NAMES]
         free = (self.free,) if isinstance(self.free, str) else tuple(self.free)
         for name in free:
-            known(name, choices, "parameter")
+            checked_choice(name, choices, "parameter")
         for name, sigma in self.priors.items():
-            known(name, list(NAMES), "parameter")
+            checked_choice(name, list(NAMES), "parameter")
             if not (np.isfinite(sigma) and sigma > 0.0):
                 raise InputError(f"the prior of {name} is {sigma}; give a positive standard deviation.")
         if not free:
@@ -90,7 +85,7 @@ class Parameters:
 
     @property
     def extrinsics(self) -> "Parameters":
-        """Those that images of one rig show by themselves: the extrinsics among them.
+        """The extrinsics among them, with their priors: all that images of one rig can determine by themselves.
 
         Raises:
             InputError: if there are none.

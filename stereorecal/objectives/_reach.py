@@ -1,4 +1,4 @@
-"""The reach: how far the rig may have drifted, and the box in which its count is searched."""
+"""The reach: how far the rig may have drifted, and the box in which the count is searched."""
 
 from dataclasses import dataclass
 from numbers import Real
@@ -9,7 +9,7 @@ import numpy as np
 from stereorecal._errors import InputError
 from stereorecal.geometry import AXES, StereoRig
 from stereorecal.objectives._chart import Chart
-from stereorecal.objectives._names import EXTRINSICS
+from stereorecal.objectives._parameter_names import EXTRINSICS
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""From the box of a solver to rigs whose intrinsics may move as well as their extrinsics."""
+"""From the unit box to rigs, of which intrinsics may be free as well as extrinsics."""
 
 from dataclasses import dataclass, replace
 
@@ -7,12 +7,12 @@ from jaxtyping import Float
 
 from stereorecal._errors import InputError
 from stereorecal.geometry import AXES, StereoRig, camera_changes, changed_camera
-from stereorecal.objectives._names import BASELINE, EXTRINSICS, SIDES
+from stereorecal.objectives._parameter_names import BASELINE, EXTRINSICS, SIDES
 from stereorecal.objectives._parameters import Parameter, Parameters
 from stereorecal.objectives._reach import Reach
 
-# Standard deviations of the prior in half of the box. Rows know a prior, and a drift just beyond the reach (three of
-# them) is better found than cut off: twice the reach.
+# Standard deviations of the prior in half of the box: twice the reach, which is three of them. The prior holds the
+# solver back, and a drift just beyond the reach is better found than cut off.
 _WIDE = 6.0
 _OF_REACH = 3.0  # the same where the box is as wide as the reach
 
@@ -97,7 +97,7 @@ class RigChart:
         )
 
     def stands_at(self, z: Float[np.ndarray, "n"]) -> bool:
-        """Whether there is a rig at a point, which may lie far outside of the box."""
+        """Whether a valid rig lies at a point, which may be far outside of the box."""
         try:
             self.rig_at(z)
         except InputError:

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from stereorecal._plain import plain
+from stereorecal._json_data import json_data
 
 EVENTS_SCHEMA = "stereorecal.events/1"
 
@@ -53,7 +53,7 @@ class Event:
             "event": self.kind.name.lower(),
             "message": self.kind.value,
         }
-        return plain({**named, "why": self.why, **self.facts})
+        return json_data({**named, "why": self.why, **self.facts})
 
     def __str__(self) -> str:
         return f"{self.frame:6d}  {self.kind.value}{f' ({self.why})' if self.why else ''}"

@@ -18,7 +18,7 @@ from stereorecal.recalibration import (
     watching_scale,
 )
 from stereorecal.recordings import Pair
-from stereorecal.scoring import Correspondences, Loss, host, legible, precisions, pyramid
+from stereorecal.scoring import Correspondences, Loss, host, image_quality, precisions, pyramid
 
 # From afar to the end; the weights follow the solution. Rows are taken as linear: a rig that is watched is not far off.
 _LOSSES = (Loss.SOFT_L1, Loss.WELSCH, Loss.WELSCH, Loss.WELSCH)
@@ -62,7 +62,8 @@ def glance(rig: StereoRig, pair: Pair, view: View, matcher: AbstractMatcher) -> 
     start = linearised(found, chart, np.zeros(chart.dim))
     facts = evidence_of(found, _solved(found, start, chart.prior), start.differences, chart.prior)
     if facts.places < FEWEST_PLACES or (
-        np.mean(facts.medians(facts.residual)) * facts.scale > FALSE and found.covered < LIKELY * legible(pair).texture
+        np.mean(facts.medians(facts.residual)) * facts.scale > FALSE
+        and found.covered < LIKELY * image_quality(pair).texture
     ):
         return Glance(chart, found.covered)
     return Glance(chart, found.covered, facts)

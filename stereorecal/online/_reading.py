@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal._plain import plain
+from stereorecal._json_data import json_data
 from stereorecal.online._estimate import SIZE
 from stereorecal.online._state import Offset, State
 from stereorecal.recalibration import (
@@ -79,7 +79,7 @@ class Reading:
 
     def as_dict(self) -> dict:
         """Plain data for JSON."""
-        return plain(
+        return json_data(
             {
                 "condition": self.condition.name.lower(),
                 "shifted": self.shifted,

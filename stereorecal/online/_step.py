@@ -19,8 +19,8 @@ from stereorecal.online._turning import small, turn
 from stereorecal.online._watching import followed, measurement
 from stereorecal.recalibration import Schedule
 from stereorecal.recordings import Images, Pair, check_pairs
-from stereorecal.scoring import legible, pyramid
-from stereorecal.scoring.host import ranged
+from stereorecal.scoring import image_quality, pyramid
+from stereorecal.scoring.host import with_measured_range
 
 _FIRST = 2  # pairs that hardly match, until a repair is tried
 _PATIENCE = 2  # times as long, after a repair that failed
@@ -101,9 +101,9 @@ def _seen(state: State, pair: Pair) -> Outcome:
         return state, []
     matcher = state.matcher
     if matcher is None:
-        if not legible(pair).enough:
+        if not image_quality(pair).enough:
             return _too_little(state)
-        matcher = ranged(config.matcher, pyramid(state.rig, [pair], state.view))
+        matcher = with_measured_range(config.matcher, pyramid(state.rig, [pair], state.view))
         state = state.but(matcher=matcher)
     look = glance(state.rig, pair, state.view, matcher)
     if look.facts is None:
@@ -132,7 +132,7 @@ def _seen(state: State, pair: Pair) -> Outcome:
 
 def _blind(state: State, pair: Pair, look: Glance) -> Outcome:
     """A pair of which hardly anything matches: too little to see, or a rig that is far off."""
-    if not legible(pair).enough:
+    if not image_quality(pair).enough:
         return _too_little(state)
     state = state.with_strange(pair).but(darkness=state.darkness + 1)
     if state.trial is not None and state.trial.by == "looks":

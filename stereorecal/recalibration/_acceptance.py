@@ -32,7 +32,10 @@ class Reason(enum.Enum):
     TOO_LITTLE_TEXTURE = "too little of the images matches: too little light or texture"
     NO_MATCHES = "hardly anything matches, though the images have texture: a drift beyond the reach, or another rig"
     OUT_OF_BUDGET = "the budget ended before the row error of a candidate could be judged; give a larger one"
-    MISFIT = "the candidate leaves rows of whole regions apart, which no rotation or shift of the cameras explains"
+    MISFIT = (
+        "systematic epipolar residuals remain, which no rotation or shift of the cameras explains: the intrinsics "
+        "differ, or something moved between the two exposures; free the intrinsics too, with several scenes"
+    )
     FRAMES_DISAGREE = "the frames show different rigs; take them at rest, or check the synchronisation of the cameras"
     CANNOT_TELL = (
         "the images do not tell for sure what is better; other scenes, frames that move, or ranges would tell more"

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from stereorecal._plain import plain
+from stereorecal._json_data import json_data
 from stereorecal.estimation import Estimate
 from stereorecal.geometry import AXES, StereoRig
 from stereorecal.objectives import BASELINE
@@ -24,7 +24,7 @@ def solution_as_dict(solution: Solution, *, expected: bool = True) -> dict[str, 
         expected: whether to say what to expect, for which a covariance is solved for.
     """
     rows, known, baseline = solution.row_errors, solution.uncertainty, float(solution.initial.baseline)
-    return plain(
+    return json_data(
         {
             "accepted": solution.accepted,
             "healthy": solution.reason.healthy,

@@ -9,10 +9,10 @@ from jaxtyping import Float
 
 from stereorecal._arrays import refuse_tracers
 from stereorecal._errors import InputError
-from stereorecal._plain import plain
+from stereorecal._json_data import json_data
 from stereorecal.geometry import AXES, AnyView, StereoRig, angle_between, as_view, axis_changes, same_camera
 from stereorecal.recalibration._effects import depth_errors, rows_apart
-from stereorecal.report.cells import change, depths
+from stereorecal.report.number_text import change, depths
 
 _GRID = (32, 24)  # columns and rows: as many as show what a lens or a roll does
 
@@ -70,7 +70,7 @@ class Difference:
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data for JSON; None for what is infinite or unknown."""
-        return plain(
+        return json_data(
             {
                 "rotation_deg": dict(self.rotation_deg),
                 "angle_deg": self.angle_deg,

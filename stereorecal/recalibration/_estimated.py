@@ -31,6 +31,7 @@ from stereorecal.recalibration._uncertainty import Uncertainty, uncertainty
 from stereorecal.recalibration._unmatched import MOST_APART, unmatched, without
 from stereorecal.recalibration._windows import windows_of, without_frames
 from stereorecal.scoring import Correspondences
+from stereorecal.scoring.host import refuse_swapped_images
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,6 +174,7 @@ def ended_by(case: Case, answer: Answer, near: StereoRig) -> Ending:
 
 def _reason(case: Case, answer: Answer, tiles: Int[np.ndarray, "2 k tiles"], near: StereoRig) -> Reason:
     if answer.refused:
+        refuse_swapped_images(case.images, answer.apart)
         return Reason.FRAMES_DISAGREE
     if not answer.enough:
         return Reason.TOO_LITTLE_TEXTURE

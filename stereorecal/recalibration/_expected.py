@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal._plain import plain
+from stereorecal._json_data import json_data
 from stereorecal.geometry import StereoRig, View
 from stereorecal.objectives import RigChart
 from stereorecal.recalibration._consequences import Interval
 from stereorecal.recalibration._effects import rows_apart
-from stereorecal.report.cells import change
+from stereorecal.report.number_text import change
 
 _GRID = (17, 13)  # points of the view
 _STEP = 1e-3  # of the box, for derivatives
@@ -49,7 +49,7 @@ class Expected:
             distance: {"value": error.value, "low": error.low, "high": error.high}
             for distance, error in self.depth_percent.items()
         }
-        return plain({"rows_px": self.rows_px, "depth_error_percent": depth})
+        return json_data({"rows_px": self.rows_px, "depth_error_percent": depth})
 
 
 def _from_to(error: Interval) -> str:

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from itertools import pairwise, starmap
 
 from stereorecal.recordings import Pair, Range, times_of
-from stereorecal.scoring import informative
+from stereorecal.scoring import select_frames
 
 MOST_FRAMES = 24  # of a recording: more of one place tell hardly more, and each costs a match
 _LEAST = 0.09  # seconds from one pair to the next: in less, hardly anything moves; 10 Hz, with what clocks err
@@ -16,7 +16,7 @@ def chosen_frames(pairs: Sequence[Pair], most: int = MOST_FRAMES) -> tuple[Pair,
     texture; where pairs were taken soon after each other, of half as many, each with one a moment later: the rig's
     own motion tells depth."""
     windows = most > 1 and any(starmap(_soon, pairwise(times_of(pairs))))
-    return informative(pairs, most, a_moment_after if windows else None)
+    return select_frames(pairs, most, a_moment_after if windows else None)
 
 
 def soon_after(first: Pair, second: Pair) -> bool:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from stereorecal._arrays import refuse_tracers
-from stereorecal._plain import plain
+from stereorecal._json_data import json_data
 from stereorecal.decision import LIMITS, Tolerances, Verdict, as_tolerances
 from stereorecal.estimation import Prior, check_prior, rig_parameters
 from stereorecal.geometry import PINHOLE, AnyView, StereoRig, View, with_unit_baseline
@@ -27,9 +27,9 @@ from stereorecal.recalibration._stages import Case
 from stereorecal.recalibration._unmatched import LIKELY
 from stereorecal.recalibration._windows import check_motion, following
 from stereorecal.recordings import Pairs
-from stereorecal.report.cells import change
-from stereorecal.scoring import Legible, Pyramid, host, legible, pyramid
-from stereorecal.scoring.host import Score, ranged, refuse_mixed_up
+from stereorecal.report.number_text import change
+from stereorecal.scoring import ImageQuality, Pyramid, host, image_quality, pyramid
+from stereorecal.scoring.host import Score, refuse_swapped_images, with_measured_range
 
 FALSE = 0.4  # pixels left by the mending: false matches lie evenly within a row of where they were sought, median 0.5
 HEALTH_LIMITS = {"covered": LEAST_COVERED, "covered_of_texture": LIKELY, "false_rows_px": FALSE, **LIMITS}
@@ -65,7 +65,7 @@ class Health:
     score: Score
     row_error: float
     covered: float
-    shown: Legible
+    shown: ImageQuality
     mending: Mending | None
     disagreeing: tuple[str, ...] = ()
     doubts: tuple[str, ...] = ()
@@ -121,7 +121,7 @@ class Health:
     def as_dict(self) -> dict[str, Any]:
         """Plain data for JSON and tables; what is missing or infinite is None."""
         mended = self.mending
-        return plain(
+        return json_data(
             {
                 **score_as_dict(self.score),
                 "row_error_px": self.row_error,
@@ -203,26 +203,33 @@ def health(
     windows = following(images.pairs, range(len(images.pairs)), motion, prior)
     limits, doubtful = as_tolerances(tolerances), doubts(rig)
     case = Case(
-        images, ranged(matcher, images), Reach(), as_parameters(None), prior, windows=windows, tolerances=limits
+        images,
+        with_measured_range(matcher, images),
+        Reach(),
+        as_parameters(None),
+        prior,
+        windows=windows,
+        tolerances=limits,
     )
     look = looked(case, as_schedule(None).stages[-1])
     score = _score(images, case.matcher)
-    shown = max((legible(pair) for pair in images.pairs), key=lambda one: one.texture)
+    shown = max((image_quality(pair) for pair in images.pairs), key=lambda one: one.texture)
     answer = look.answer if look is not None else None
 
     def unmeasured(covered: float, disagreeing: tuple[str, ...] = ()) -> Health:
         return Health(score, float("nan"), covered, shown, None, disagreeing, doubtful, view=images.view)
 
     if answer is None:
-        refuse_mixed_up(images)
+        refuse_swapped_images(images)
         return unmeasured(0.0 if look is None else look.covered)
     covered = answer.found.covered
     if answer.refused:
+        refuse_swapped_images(images, answer.apart)
         names = tuple(images.pairs[f].name for f in answer.apart)
         return unmeasured(covered, names)
     rows = rows_of(case, answer)
     if not answer.enough or (covered < LIKELY * shown.texture and rows.after > FALSE):
-        refuse_mixed_up(images)
+        refuse_swapped_images(images)
         return unmeasured(covered)
     seen = answer.estimate
     depth = depth_by(seen, np.zeros(len(seen.names)))

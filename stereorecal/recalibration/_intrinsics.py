@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal._plain import plain
+from stereorecal._json_data import json_data
 from stereorecal.estimation import Estimate
 from stereorecal.recalibration._acceptance import Reason
 from stereorecal.recalibration._uncertainty import OBSERVED
@@ -68,7 +68,7 @@ class Intrinsics:
             for name, unit, change, interval in zip(self.names, self.units, self.change, self.interval, strict=True)
         }
         names = ("fixed_px", "freed_px", "shown", "expected_px")
-        return plain(
+        return json_data(
             {
                 "outcome": self.outcome.name.lower(),
                 "verdict": self.outcome.value,

@@ -3,7 +3,7 @@
 from typing import Any
 
 from stereorecal.geometry import intrinsic
-from stereorecal.report.repair import Lens
+from stereorecal.report.repair_report import Lens
 
 _CALLED = {"f": "focal length, f", "cx": "centre, cx", "cy": "centre, cy", "aspect": "aspect, fy / fx"}
 

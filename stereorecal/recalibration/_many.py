@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from stereorecal._choices import checked_choice
 from stereorecal._errors import InputError, PluginError
-from stereorecal._names import known
 from stereorecal._run_all import Progress, run_all
 from stereorecal.decision import Tolerances, as_tolerances
 from stereorecal.estimation import Prior, check_boards, check_prior
@@ -154,7 +154,7 @@ def check_shared(scenes: Sequence[Scene], free: Parameters, extrinsics: str) -> 
     Raises:
         InputError: says which, and what to do.
     """
-    known(extrinsics, ["each", "one"], "kind of extrinsics")
+    checked_choice(extrinsics, ["each", "one"], "kind of extrinsics")
     rigs = [scene.rig for scene in scenes if scene.rig is not None]
     if not free.shared or not rigs:
         return

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float, Int
 
-from stereorecal._plain import plain
+from stereorecal._json_data import json_data
 from stereorecal.recalibration._evidence import TILES_OF_A_FRAME, Evidence
 from stereorecal.scoring import TILES
 
@@ -79,7 +79,7 @@ class Misfit:
     def as_dict(self) -> dict[str, Any]:
         """Plain data for JSON."""
         names = ("frame", "place", "before", "after", "error", "rms", "rms_before", "alike", "high")
-        return plain({**{name: getattr(self, name) for name in names}, "cause": self.cause.name.lower()})
+        return json_data({**{name: getattr(self, name) for name in names}, "cause": self.cause.name.lower()})
 
 
 def _beyond_noise(medians: Float[np.ndarray, "r"], error: Float[np.ndarray, "r"]) -> float:

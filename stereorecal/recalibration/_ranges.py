@@ -38,11 +38,16 @@ class RangesSeen:
         return {"given": self.given, "matched": self.matched, "contradict": self.contradict, "refused": refused}
 
     def __str__(self) -> str:
-        said = f"{self.given} given, {self.matched} matched, {self.contradict} contradict"
         if not self.matched:
-            return f"{said}: give some on surfaces with texture, off edges, in frames that are used"
+            return (
+                f"{self.given} given, 0 matched: give some on surfaces with texture, off edges, in frames that are used"
+            )
+        said = f"{self.matched - self.contradict} of {self.matched} agree ({self.given} given)"
         if 2 * self.contradict >= self.matched:
-            said += ": most do not fit this calibration; check their units, pixels and pairs"
+            said += (
+                ": most do not fit this calibration; check their units, pixels and pairs, and whether they are along "
+                "the ray or the optical axis"
+            )
         return said + (f"; what was found with them is not used: {self.refused.value}" if self.refused else "")
 
 
@@ -52,10 +57,12 @@ def beams(
     """The resolved ranges of these pairs, matched under `rig`; those without a sure match are left out."""
     by_frame = [[one for one in ranges if one.pair is pair] for pair in pairs]
     pixels = [np.array([one.left_pixel for one in some], float).reshape(-1, 2) for some in by_frame]
-    partners = host.partners(data, rig, matcher, pixels)
+    partners = host.match_pixels(data, rig, matcher, pixels)
     right = np.concatenate([NO_BEAMS.right, *(some.pixels for some in partners)])
-    metres = np.array([one.metres for some in by_frame for one in some], float)
-    sigma = np.array([0.01 * r.metres if r.sigma is None else r.sigma for some in by_frame for r in some], float)
+    every = [one for some in by_frame for one in some]
+    slant = np.array([_slant(rig, one) for one in every])
+    metres = slant * np.array([one.metres for one in every], float)
+    sigma = slant * np.array([0.01 * one.metres if one.sigma is None else one.sigma for one in every], float)
     found = np.isfinite(right).all(axis=-1)
     return Beams(
         np.concatenate([NO_BEAMS.left, *pixels])[found],
@@ -64,6 +71,12 @@ def beams(
         sigma[found],
         np.concatenate([NO_BEAMS.matching, *(some.deviation for some in partners)])[found],
     )
+
+
+def _slant(rig: StereoRig, one: Range) -> float:
+    """Metres along the ray for each metre that is given."""
+    ray = np.asarray(rig.left.rays(np.array([one.left_pixel], float)))[0]
+    return float(np.linalg.norm(ray) / ray[2]) if one.along == "axis" else 1.0
 
 
 def resolved_ranges(

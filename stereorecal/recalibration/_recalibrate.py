@@ -26,7 +26,7 @@ from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._stages import FEWEST, Case, StageRun, better_start, remaining, run_stage
 from stereorecal.recalibration._windows import check_motion, following
 from stereorecal.recordings import Board, Pairs, Range
-from stereorecal.scoring import host, legible, pyramid
+from stereorecal.scoring import host, image_quality, pyramid
 from stereorecal.scoring.host import Score, survey
 from stereorecal.strategies import Budget, Status, as_budget
 
@@ -158,7 +158,7 @@ def started(case: Case, schedule: Schedule) -> tuple[Case, StereoRig, Cost]:
     # The images belong together, so most repairs come to these.
     later = [case.scale_of(stage) for stage in schedule.stages if stage.score is ScoreKind.EPIPOLAR]
     for scale in dict.fromkeys(later):
-        host.compile_ahead(case.images.sample(scale))
+        host.compile_in_background(case.images.sample(scale))
     start, of_starts = better_start(case, schedule.stages[0], offset)
     return case, start, Cost(survey=of_survey, starts=of_starts)
 
@@ -211,7 +211,7 @@ def solution_of(
     if ending is None:
         ending = _ended(case, stages, cut=cut, signal=status is not Status.NO_SIGNAL)
     reason = ending.reason
-    if reason is Reason.TOO_LITTLE_TEXTURE and any(legible(pair).enough for pair in case.images.pairs):
+    if reason is Reason.TOO_LITTLE_TEXTURE and any(image_quality(pair).enough for pair in case.images.pairs):
         reason = Reason.NO_MATCHES
     frames = len(case.images.pairs)
     kept = np.isin(np.arange(frames), ending.without, invert=True)

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
+from stereorecal._environment import versions
 from stereorecal._errors import InputError
-from stereorecal._plain import plain
-from stereorecal._versions import versions
+from stereorecal._json_data import json_data
 from stereorecal.geometry import AXES, PINHOLE, StereoRig
 from stereorecal.objectives import BASELINE
 from stereorecal.recalibration._acceptance import Reason
@@ -18,8 +18,8 @@ from stereorecal.recalibration._seen_rows import climbs_of, seen_rows, way_of
 from stereorecal.recalibration._uncertainty import NORMAL_95
 from stereorecal.recalibration._windows import described
 from stereorecal.recordings import Pair
-from stereorecal.report.cells import count, number, percent
-from stereorecal.report.repair import Axis, Depth, RepairReport, Sight, Verdict
+from stereorecal.report.number_text import count, number, percent
+from stereorecal.report.repair_report import Axis, Conclusion, Depth, RepairReport, Sight
 from stereorecal.scoring.host import disparity, rectify
 from stereorecal.strategies import name_of
 
@@ -59,7 +59,7 @@ def report_of(
     after = "after" if solution.accepted else "candidate, which was not taken"
     return RepairReport(
         name=name,
-        verdict=verdict_of(solution.reason),
+        conclusion=conclusion_of(solution.reason),
         reason=solution.reason.value,
         search=f"{solution.message} ({count(solution.evaluations)} evaluations, {solution.seconds:.1f} s)",
         baseline=float(solution.rig.baseline),
@@ -85,13 +85,13 @@ def report_of(
     )
 
 
-def verdict_of(reason: Reason) -> Verdict:
+def conclusion_of(reason: Reason) -> Conclusion:
     """What became of the calibration, for those who read a page."""
     if reason in _UNKNOWN:
-        return Verdict.UNKNOWN
+        return Conclusion.UNKNOWN
     if not reason.healthy:
-        return Verdict.REFUSED
-    return Verdict.REPAIRED if reason.accepted else Verdict.GOOD
+        return Conclusion.REFUSED
+    return Conclusion.REPAIRED if reason.accepted else Conclusion.GOOD
 
 
 def _sight(solution: Any, rig: StereoRig, pair: Pair) -> Sight:
@@ -179,7 +179,7 @@ def _settings(solution: Any) -> dict[str, Any]:
     """Of a solution that was asked for, and what the run made of it."""
     asked, view = solution.asked, solution.view
     stages = [f"{name_of(run.stage.strategy)} at scale {run.scale:.3g}" for run in solution.stages]
-    return plain(
+    return json_data(
         {
             **(asked.as_text() if asked is not None else {}),
             "reach": f"{solution.reach.degrees:g}°, {solution.reach.baseline_fraction:g} of the baseline",
@@ -204,4 +204,4 @@ def _calibration(rig: StereoRig) -> dict[str, Any]:
         **cameras,
         "distortion_model": "opencv" if rig.left.model == "radtan" else rig.left.model,
     }
-    return plain({**about, "R": np.asarray(rig.rotation), "T": np.asarray(rig.translation)})
+    return json_data({**about, "R": np.asarray(rig.rotation), "T": np.asarray(rig.translation)})

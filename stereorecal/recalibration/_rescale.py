@@ -16,7 +16,7 @@ from stereorecal.recalibration._schedule import finest_scale
 from stereorecal.recalibration._uncertainty import NORMAL_95
 from stereorecal.recordings import Pairs, Range
 from stereorecal.scoring import pyramid
-from stereorecal.scoring.host import ranged
+from stereorecal.scoring.host import with_measured_range
 
 _ROUNDS = 8
 # Degrees: what repairs leave of yaw, which ranges see too. Single ones of real rigs scatter by 0.02 to 0.09 degrees
@@ -65,7 +65,7 @@ def rescale_baseline(
     images = pyramid(rig, pairs)
     ranges = resolved_ranges(ranges, [("", images.pairs)])
     data = images.at(finest_scale(rig.left.size))
-    found = beams(data, rig, ranged(matcher, images), images.pairs, ranges)
+    found = beams(data, rig, with_measured_range(matcher, images), images.pairs, ranges)
     if not found:
         raise InputError("no range lies on a pixel with a sure match; give some on surfaces with texture, off edges.")
     change, deviation, used = _solved(found, rig, yaw_sigma)

@@ -10,7 +10,7 @@ from stereorecal.objectives import read_by
 from stereorecal.recalibration._path import Waypoint
 from stereorecal.recalibration._schedule import ScoreKind
 from stereorecal.recalibration._stages import StageRun
-from stereorecal.report.repair import Climb, Rows
+from stereorecal.report.repair_report import Climb, Rows
 from stereorecal.scoring import Correspondences, median_row_error, row_differences
 
 _CELLS = (24, 18)  # columns and rows of the field over the view

@@ -35,7 +35,7 @@ from stereorecal.recalibration._stages import StageRun
 from stereorecal.recalibration._uncertainty import Uncertainty
 from stereorecal.recalibration._windows import described
 from stereorecal.recordings import Pairs, as_pairs
-from stereorecal.report.cells import change, depths
+from stereorecal.report.number_text import change, depths
 from stereorecal.scoring import Correspondences
 from stereorecal.scoring.host import Score
 from stereorecal.strategies import Status, Trace

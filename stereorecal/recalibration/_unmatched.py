@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from stereorecal.recordings import Pair
-from stereorecal.scoring import Correspondences, legible
+from stereorecal.scoring import Correspondences, image_quality
 
 LIKELY = 0.25  # of what has texture; aligned rigs cover a half of it and more, rigs a degree out a fifth at most
 _FEWER = 0.5  # of what the frame that matches most covers
@@ -26,7 +26,7 @@ def unmatched(found: Correspondences, pairs: Sequence[Pair]) -> tuple[int, ...]:
     covered = (np.asarray(found.weight) > 0).mean(axis=1)
     best = int(covered.argmax())
     fewer = [index for index, share in enumerate(covered) if share < _FEWER * covered[best]]
-    if not fewer or covered[best] < LIKELY * legible(pairs[best]).texture:
+    if not fewer or covered[best] < LIKELY * image_quality(pairs[best]).texture:
         return ()
-    shown = {index: legible(pairs[index]) for index in fewer}
+    shown = {index: image_quality(pairs[index]) for index in fewer}
     return tuple(i for i in fewer if shown[i].enough and covered[i] < LIKELY * shown[i].texture)

@@ -1,9 +1,10 @@
-"""Data as users have them: pairs, scenes, missions, logs, and what a pair must fulfil."""
+"""Data as users have them: pairs, scenes, missions, logs, boards, ranges; and the checks of pairs."""
 
+from stereorecal.recordings._as_pairs import Images as Images, Pairs as Pairs, as_pairs as as_pairs
 from stereorecal.recordings._board import Board as Board
-from stereorecal.recordings._checks import check_pairs as check_pairs, check_two_images as check_two_images
+from stereorecal.recordings._check_pairs import check_pairs as check_pairs, check_two_images as check_two_images
 from stereorecal.recordings._find_boards import find_boards as find_boards
-from stereorecal.recordings._lazy import (
+from stereorecal.recordings._lazy_pairs import (
     LazyPairs as LazyPairs,
     PairSequence as PairSequence,
     names_of as names_of,
@@ -12,6 +13,5 @@ from stereorecal.recordings._lazy import (
 )
 from stereorecal.recordings._log import Log as Log, Mission as Mission
 from stereorecal.recordings._pair import Pair as Pair, make_pair as make_pair
-from stereorecal.recordings._pairs import Images as Images, Pairs as Pairs, as_pairs as as_pairs
 from stereorecal.recordings._range import Range as Range
 from stereorecal.recordings._scene import Scene as Scene

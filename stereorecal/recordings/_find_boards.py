@@ -5,10 +5,10 @@ from collections.abc import Iterator
 import numpy as np
 from jaxtyping import Float
 
+from stereorecal._cv2 import cv2
 from stereorecal._errors import InputError
-from stereorecal._opencv import cv2
+from stereorecal.recordings._as_pairs import Pairs, as_pairs
 from stereorecal.recordings._board import Board
-from stereorecal.recordings._pairs import Pairs, as_pairs
 
 _FEWEST = 3  # corners in a row, as OpenCV wants them
 _OF_SQUARE, _WINDOWS = 0.25, (2, 10)  # half of the window in which a corner is refined: of a square; pixels
@@ -38,7 +38,7 @@ def find_boards(pairs: Pairs, corners: tuple[int, int] = (9, 6), square: float =
         left = _corners(pair.left, columns, rows)
         right = None if left is None else _corners(pair.right, columns, rows)
         if left is not None and right is not None:
-            # Seen from beside, a board looks as from here but for a shift, and some tilt.
+            # The right camera sees the board shifted, and slightly tilted.
             same = min(_turned(right), key=lambda one: float(np.std(one - left, axis=(0, 1)).sum()))
             found.append(Board(left.reshape(-1, 2), same.reshape(-1, 2), points))
     if not found:

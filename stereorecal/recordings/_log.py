@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 
 from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig
-from stereorecal.recordings._checks import check_pairs
-from stereorecal.recordings._lazy import LazyPairs, PairSequence, names_of
+from stereorecal.recordings._check_pairs import check_pairs
+from stereorecal.recordings._lazy_pairs import LazyPairs, PairSequence, names_of
 from stereorecal.recordings._scene import Scene
 
 
@@ -18,8 +18,8 @@ class Mission:
         name: of the sequence.
         calibration: name of the manual calibration that holds for it.
         pairs: in the order in which they were taken; their names are unique within the mission. Those that `load_log`
-            finds are read each time they are asked for: go through them, and keep the ones you need.
-        starred: names of pairs of which little is to be expected, such as those that look to the open sea.
+            finds are read each time they are used: iterate over them, and keep the ones you need.
+        starred: names of pairs with little to match, such as those of the open sea.
         truth: the rig as it really was, where that is known.
     """
 
@@ -41,7 +41,7 @@ class Log:
 
     Raises:
         InputError: if there is no mission, two missions or two pairs of one have the same name, a calibration is not
-            there, or images do not fit it. Of pairs that are not read yet, the first of each mission is looked at.
+            there, or images do not fit it. Of pairs that are not read yet, the first of each mission is checked.
     """
 
     name: str

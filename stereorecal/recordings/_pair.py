@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float, Num
 
+from stereorecal._cv2 import cv2
 from stereorecal._errors import InputError
-from stereorecal._opencv import cv2
 
 # Rec. 601 luma, as OpenCV's.
 _LUMA = {"rgb": (0.299, 0.587, 0.114), "bgr": (0.114, 0.587, 0.299)}

@@ -1,35 +1,36 @@
-"""What to do after a repair, and where depth cannot be trusted, in sentences."""
+"""The headline of a repair, and sentences on where depth cannot be trusted."""
 
-from stereorecal.report._regions import in_short, unseen, where_not
-from stereorecal.report.repair import RepairReport, Verdict
+from stereorecal.report._regions import coverage_sentence, misfit_sentence, short_place
+from stereorecal.report.repair_report import Conclusion, RepairReport
 
 _NOT_MEASURED = (
-    "Rows were not measured, only matches counted: that tells neither where in the image depth can be trusted, nor how "
-    "far."
+    "Epipolar errors were not measured, only matches counted: it is not known where in the image depth can be trusted."
 )
 
 
 def headline(report: RepairReport) -> str:
     """What to do, in one sentence."""
-    if report.verdict is Verdict.UNKNOWN:
+    if report.conclusion is Conclusion.UNKNOWN:
         return "Cannot tell whether the calibration is right; it stays as it is"
-    if report.verdict is Verdict.REFUSED:
+    if report.conclusion is Conclusion.REFUSED:
         return "Not repaired: the calibration stays as it is, and its depth cannot be trusted"
-    repaired = report.verdict is Verdict.REPAIRED
+    repaired = report.conclusion is Conclusion.REPAIRED
     best = "Use the new calibration" if repaired else "Keep the calibration that you have"
-    place = None if report.misfit is None else in_short(report.misfit, report.when)
+    place = None if report.misfit is None else short_place(report.misfit, report.when)
     if place is None:
         return best if repaired else f"{best}: it is good"
     return f"{best}, but do not trust depth {place}"
 
 
 def where(report: RepairReport) -> list[str]:
-    """Where rows lie apart under the calibration to use, and, where a candidate was refused, under that."""
+    """Where the epipolar error is too large: of the calibration to use, and of a candidate that was refused."""
     if report.misfit is None:
-        return [_NOT_MEASURED] if report.verdict in (Verdict.REPAIRED, Verdict.GOOD) else []
-    said = [where_not(report.misfit, report.when, "" if report.accepted else "With the calibration that you keep")]
-    if report.verdict is Verdict.REFUSED:
+        return [_NOT_MEASURED] if report.conclusion in (Conclusion.REPAIRED, Conclusion.GOOD) else []
+    said = [
+        misfit_sentence(report.misfit, report.when, "" if report.accepted else "With the calibration that you keep")
+    ]
+    if report.conclusion is Conclusion.REFUSED:
         said.append(
-            where_not(report.misfit, "after", "With the candidate, which was not taken", "it does not fit there")
+            misfit_sentence(report.misfit, "after", "With the candidate, which was rejected", "it does not fit there")
         )
-    return [*said, *filter(None, [unseen(report.misfit)])]
+    return [*said, *filter(None, [coverage_sentence(report.misfit)])]

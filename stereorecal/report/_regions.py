@@ -1,4 +1,4 @@
-"""Where in the image a calibration can be trusted, and where not, in words."""
+"""The regions of the view with systematic epipolar errors, in words: where depth can be trusted, and where not."""
 
 from collections import Counter
 from collections.abc import Iterable, Mapping
@@ -6,9 +6,9 @@ from typing import Any
 
 GRID = (8, 6)  # columns and rows of the regions of a misfit
 PLACES = GRID[0] * GRID[1]
-LIMIT = 0.2  # pixels of rows, beyond two standard errors: more than that and stereo matching suffers
-_SPARSE = 0.25  # of a part of the view: fewer of its regions matched, and the part is not covered
-_NEARLY_ALL = 0.7  # of the regions that matched: to name their parts would say less
+LIMIT = 0.2  # pixels of epipolar error, beyond two standard errors: above it, stereo matching degrades
+_SPARSE = 0.25  # of a part of the view: with fewer matched regions, the part is not covered
+_NEARLY_ALL = 0.7  # of the matched regions: then the parts are not listed
 _FEW = 4  # parts that fit into a headline
 _PARTS = (
     ("upper left", "upper middle", "upper right"),
@@ -17,27 +17,27 @@ _PARTS = (
 )
 
 
-def sure(misfit: Mapping[str, Any], when: str) -> dict[int, float]:
-    """By place, how many pixels its rows lie apart beyond two standard errors, in the frame where that is most.
+def significant_errors(misfit: Mapping[str, Any], when: str) -> dict[int, float]:
+    """By place, the epipolar error beyond two standard errors, in pixels, in the frame where it is largest.
 
     Args:
         when: "before" or "after": under which calibration.
     """
     found: dict[int, float] = {}
-    for place, apart, error in zip(misfit["place"], misfit[when], misfit["error"], strict=True):
-        found[place] = max(found.get(place, 0.0), abs(apart) - 2 * error)
+    for place, offset, error in zip(misfit["place"], misfit[when], misfit["error"], strict=True):
+        found[place] = max(found.get(place, 0.0), abs(offset) - 2 * error)
     return found
 
 
-def spoiled(misfit: Mapping[str, Any], when: str) -> list[int]:
-    """Places whose rows lie too far apart for stereo matching; the worst first."""
-    found = sure(misfit, when)
-    return sorted((place for place, apart in found.items() if apart > LIMIT), key=lambda place: -found[place])
+def misaligned(misfit: Mapping[str, Any], when: str) -> list[int]:
+    """Places whose epipolar error degrades stereo matching; the worst first."""
+    found = significant_errors(misfit, when)
+    return sorted((place for place, error in found.items() if error > LIMIT), key=lambda place: -found[place])
 
 
-def in_short(misfit: Mapping[str, Any], when: str) -> str | None:
-    """Where rows lie too far apart, in a few words; None if nowhere."""
-    places = spoiled(misfit, when)
+def short_place(misfit: Mapping[str, Any], when: str) -> str | None:
+    """Where rows are misaligned, in a few words; None if nowhere."""
+    places = misaligned(misfit, when)
     if not places:
         return None
     parts = _parts(places)
@@ -46,33 +46,35 @@ def in_short(misfit: Mapping[str, Any], when: str) -> str | None:
     return f"at the {_listed(parts)}" if len(parts) <= _FEW else f"in {len(parts)} parts of the image"
 
 
-def where_not(misfit: Mapping[str, Any], when: str, whose: str = "", hence: str = "do not trust depth there") -> str:
-    """One sentence on where rows lie apart.
+def misfit_sentence(
+    misfit: Mapping[str, Any], when: str, whose: str = "", hence: str = "do not trust depth there"
+) -> str:
+    """One sentence on where the epipolar error is too large.
 
     Args:
         when: "before" or "after": under which calibration.
         whose: what it is called, such as "With the candidate"; default nothing.
         hence: what follows from it.
     """
-    places, regions = spoiled(misfit, when), len(set(misfit["place"]))
+    places, regions = misaligned(misfit, when), len(set(misfit["place"]))
     begin = f"{whose}, in" if whose else "In"
     if not places:
-        return f"{begin} none of the {regions} regions of the view that matched do rows lie more than {LIMIT} px apart."
-    worst = max(abs(apart) for place, apart in zip(misfit["place"], misfit[when], strict=True) if place == places[0])
+        return f"{begin} none of the {regions} matched regions of the view does the epipolar error exceed {LIMIT} px."
+    worst = max(abs(error) for place, error in zip(misfit["place"], misfit[when], strict=True) if place == places[0])
     here = "nearly everywhere" if _nearly_everywhere(places, misfit) else f"at the {_listed(_parts(places))}"
     return (
-        f"{begin} {len(places)} of the {regions} regions of the view that matched rows lie more than {LIMIT} px apart "
+        f"{begin} {len(places)} of the {regions} matched regions of the view the epipolar error exceeds {LIMIT} px "
         f"({worst:.2f} px at worst), {here}: {hence}."
     )
 
 
-def unseen(misfit: Mapping[str, Any]) -> str | None:
-    """One sentence on the parts of the view that hardly anything is known of; None if there are none."""
+def coverage_sentence(misfit: Mapping[str, Any]) -> str | None:
+    """One sentence on the parts of the view with hardly any matches; None if there are none."""
     found, all_places = Counter(map(_part, set(misfit["place"]))), Counter(map(_part, range(PLACES)))
     parts = [part for part, number in all_places.items() if found[part] < _SPARSE * number]
     if not parts:
         return None
-    return f"Little or nothing matched at the {_listed(parts)}: what is said of it is extrapolated."
+    return f"Little or nothing matched at the {_listed(parts)}: the errors there are extrapolated."
 
 
 def _part(place: int) -> str:

@@ -16,14 +16,14 @@ from matplotlib.scale import SymmetricalLogTransform
 
 from stereorecal.report._regions import GRID, LIMIT
 from stereorecal.report._svg import COLOURS, style, svg
-from stereorecal.report.cells import percent
-from stereorecal.report.repair import Climb, Rows
+from stereorecal.report.number_text import percent
+from stereorecal.report.repair_report import Climb, Rows
 
 _WIDTH = 3.8  # inches
-_LEAST_SCALE = 0.5  # pixels: smaller rows look pale, as they are
+_LEAST_SCALE = 0.5  # pixels: smaller errors look pale
 _BACKGROUND = 360  # pixels wide
 _TALLEST = 1.5  # height over width
-_MOST = 0.95  # of the view: lenses at the very corners would make all else look alike
+_MOST = 0.95  # of the view: the corners would otherwise fill the scale
 _OVER = 0.8  # how much colours hide of the image below
 _EXTENT = (0.0, 1.0, 1.0, 0.0)  # of every map: the whole view
 _TICKS = (LIMIT, 1.0, 10.0, 100.0)  # pixels, on either side of zero
@@ -35,17 +35,17 @@ Grey = Float[np.ndarray, "height width"]
 
 
 def field_figures(
-    rows: Rows, image: Grey, names: tuple[str, str], spoiled: tuple[Sequence[int], Sequence[int]]
+    rows: Rows, image: Grey, names: tuple[str, str], misaligned: tuple[Sequence[int], Sequence[int]]
 ) -> list[str]:
     """Row differences over the view, over the image, before and after, on one scale that holds both.
 
     Args:
-        spoiled: places whose rows lie too far apart, which are outlined.
+        misaligned: places with misaligned rows, which are outlined.
     """
     largest = _scale(rows.field_before, rows.field_after)
     norm = SymLogNorm(LIMIT, vmin=-largest, vmax=largest)
     found = []
-    for name, field, places in zip(names, (rows.field_before, rows.field_after), spoiled, strict=True):
+    for name, field, places in zip(names, (rows.field_before, rows.field_after), misaligned, strict=True):
         with style(("field", name, largest, image.shape)):
             figure, axis = _map(field, image, "RdBu_r", norm, "row difference [px]", _ticks(largest))
             axis.set_title(name, loc="left")
@@ -55,7 +55,7 @@ def field_figures(
 
 
 def histogram_figure(rows: Rows, names: tuple[str, str]) -> str:
-    """How densely matches lie at how many rows apart, before and after, none left out; logarithmic far from zero."""
+    """The density of row differences of all matches, before and after; logarithmic far from zero."""
     largest = _scale(rows.all_before, rows.all_after)
     bins = _bins(largest)
     with style(("histogram", largest, rows.all_before.size)):
@@ -95,11 +95,11 @@ def expected_figure(expected: Map, image: Grey, larger: Sequence[int], unmeasure
     """Row errors to expect over the view.
 
     Args:
-        larger, unmeasured: places where measured rows lie farther apart than that, and where none were measured.
+        larger, unmeasured: places where the measured row error is larger, and where none was measured.
     """
     largest = max(_LEAST_SCALE, float(np.nanquantile(expected, _MOST))) if np.isfinite(expected).any() else _LEAST_SCALE
     marks = {
-        "rows measured there lie farther apart": (_LARGER, larger),
+        "measured row error is larger there": (_LARGER, larger),
         "nothing matched there: extrapolated": (_UNMEASURED, unmeasured),
     }
     with style(("expected", largest, *larger, -1, *unmeasured)):
@@ -187,7 +187,7 @@ def _aspect(image: Grey) -> float:
 
 
 def _scale(*values: Float[np.ndarray, "..."]) -> float:
-    """Pixels at the ends of a scale that holds all that lies apart before and after."""
+    """Pixels at the ends of a scale that holds all row differences before and after."""
     return max(float(np.nanmax(np.abs(some), initial=_LEAST_SCALE)) for some in values)
 
 

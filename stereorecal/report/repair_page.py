@@ -8,16 +8,14 @@ import hashlib
 import json
 from pathlib import Path
 
-from stereorecal.report._beside import larger_than_expected, unmeasured
-from stereorecal.report._colour_bar import colour_bar
+from stereorecal.report._embedded_images import colour_bar, data_uri, disparity_picture, rows_picture
+from stereorecal.report._expected_regions import larger_than_expected, unmeasured
 from stereorecal.report._headlines import headline, where
-from stereorecal.report._pictures import data_uri, disparity_picture, rows_picture
-from stereorecal.report._regions import spoiled
+from stereorecal.report._regions import misaligned
 from stereorecal.report._repair_figures import expected_figure, field_figures, histogram_figure, progress_figures
-from stereorecal.report._settings import flat
-from stereorecal.report._templates import Markup, rendered
-from stereorecal.report.disparity import colour_range
-from stereorecal.report.repair import RepairReport
+from stereorecal.report._templates import Markup, flat_settings, rendered
+from stereorecal.report.disparity_map import colour_range
+from stereorecal.report.repair_report import RepairReport
 
 _WIDE, _NARROW = 720, 560  # pixels: of one image of a rectified pair, of a disparity map
 _SCRIPT = Path(__file__).with_name("slider.js")
@@ -32,7 +30,7 @@ def repair_page(report: RepairReport) -> str:
     return rendered(
         "repair.html.jinja",
         report=report,
-        verdict=report.verdict.name.lower(),
+        conclusion=report.conclusion.name.lower(),
         headline=headline(report),
         where=where(report),
         names=names,
@@ -45,7 +43,7 @@ def repair_page(report: RepairReport) -> str:
         bar=colour_bar(least, largest),
         figures=_figures(report, names),
         used=sum(state == "used" for _, state, _ in report.frames),
-        settings=list(flat(report.settings)),
+        settings=list(flat_settings(report.settings)),
         calibrations={title: json.dumps(content, indent=1) for title, content in report.calibrations.items()},
         script=Markup(script),
         script_hash=base64.b64encode(hashlib.sha256(script.encode()).digest()).decode("ascii"),
@@ -57,7 +55,7 @@ def _figures(report: RepairReport, names: tuple[str, str]) -> dict[str, list[Mar
     drawn: dict[str, list[str]] = {"progress": progress_figures(report.climbs, report.way)}
     if report.rows is not None:
         left = report.misfit
-        places = ([], []) if left is None else (spoiled(left, "before"), spoiled(left, "after"))
+        places = ([], []) if left is None else (misaligned(left, "before"), misaligned(left, "after"))
         drawn["field"] = field_figures(report.rows, report.after.left, names, places)
         drawn["histogram"] = [histogram_figure(report.rows, names)]
     if report.expected is not None:

@@ -11,8 +11,17 @@ from stereorecal.matching import BM, SAD, SGBM, AbstractMatcher, name_of
 from stereorecal.objectives import EXTRINSICS, Reach
 from stereorecal.recalibration import Schedule
 from stereorecal.recordings import Log, Mission, PairSequence, names_of, picked
-from stereorecal.reproduction._judge import Judge, ideal, judge_of, unstarred
-from stereorecal.reproduction._tasks import Counting, InTurn, Method, Repairing, Search, Shot, Sweep, Task
+from stereorecal.reproduction._experiment_tasks import (
+    AxisSweep,
+    LoggedPair,
+    Method,
+    PairCounts,
+    PairRepair,
+    Search,
+    SequentialRepairs,
+    Task,
+)
+from stereorecal.reproduction._pixel_counter import PixelCounter, counter_of, ideal, unstarred
 from stereorecal.strategies import Budget, Need, strategy
 from stereorecal.synthetic import decalibrate
 
@@ -31,7 +40,7 @@ _APART = (
 
 @dataclass(frozen=True)
 class Extent:
-    """How much of a log the experiments look at.
+    """The part of a log that the experiments use.
 
     Attributes:
         missions: sequences, the first ones; None: all.
@@ -64,13 +73,13 @@ def methods(names: tuple[str, ...], strategy_name: str | None = None) -> tuple[M
     Raises:
         InputError: if a strategy is not installed.
     """
-    asked = None if strategy_name is None else strategy(strategy_name)
+    chosen = None if strategy_name is None else strategy(strategy_name)
     made = {}
     if "count" in names:
-        climb = strategy("compass", step=_FIRST_STEP) if asked is None or asked.needs is Need.RESIDUALS else asked
+        climb = strategy("compass", step=_FIRST_STEP) if chosen is None or chosen.needs is Need.RESIDUALS else chosen
         made["count"] = Method("count", Schedule.count(climb), ranged=True)
     if "default" in names:
-        schedule = Schedule.default() if asked is None else Schedule.default().using(asked)
+        schedule = Schedule.default() if chosen is None else Schedule.default().using(chosen)
         made["default"] = Method("default", schedule, ranged=False)
     return tuple(made[name] for name in names)
 
@@ -90,24 +99,24 @@ class Setting:
     extent: Extent
     reach: Reach
     seed: int
-    _judges: dict[str, Judge] = field(default_factory=dict, repr=False)
+    _counters: dict[str, PixelCounter] = field(default_factory=dict, repr=False)
 
     @property
     def missions(self) -> tuple[Mission, ...]:
         """The first ones, as many as the extent says."""
         return self.log.missions[: self.extent.missions]
 
-    def judge(self, mission: Mission) -> Judge:
-        """The judge of a mission; made once, when it is asked for."""
-        if mission.name not in self._judges:
-            self._judges[mission.name] = judge_of(self.log, mission, self.reach, self.matcher)
-        return self._judges[mission.name]
+    def counter(self, mission: Mission) -> PixelCounter:
+        """The pixel counter of a mission; made once."""
+        if mission.name not in self._counters:
+            self._counters[mission.name] = counter_of(self.log, mission, self.reach, self.matcher)
+        return self._counters[mission.name]
 
-    def shots(self, mission: Mission, pairs: PairSequence) -> list[Shot]:
-        """Pairs of a mission, each with its judge."""
-        judge = self.judge(mission)
+    def logged_pairs(self, mission: Mission, pairs: PairSequence) -> list[LoggedPair]:
+        """Pairs of a mission, each with the counter."""
+        counter = self.counter(mission)
         return [
-            Shot(mission.name, pairs[index : index + 1], name in mission.starred, judge)
+            LoggedPair(mission.name, pairs[index : index + 1], name in mission.starred, counter)
             for index, name in enumerate(names_of(pairs))
         ]
 
@@ -144,22 +153,22 @@ def validity(setting: Setting) -> Iterator[Task]:
         dates = list(setting.log.calibrations)
         ordered = sorted(known, key=lambda name: dates.index(name) if name in dates else len(dates))
         extrinsics = {name: np.asarray(known[name].extrinsics) for name in ordered}
-        for shot in setting.shots(mission, mission.pairs):
-            yield Counting(shot, mission.calibration, extrinsics)
+        for logged_pair in setting.logged_pairs(mission, mission.pairs):
+            yield PairCounts(logged_pair, mission.calibration, extrinsics)
 
 
 def sweeps(setting: Setting) -> Iterator[Task]:
     """One pair of some sequences along every axis, with every matcher (section 4.1); closer steps near the middle."""
-    extent, asked = setting.extent, setting.matcher
-    there = any(type(matcher) is type(asked) for matcher in extent.matchers)
-    named = [(name_of(matcher), matcher) for matcher in (*extent.matchers, *([] if there else [asked]))]
+    extent, chosen = setting.extent, setting.matcher
+    there = any(type(matcher) is type(chosen) for matcher in extent.matchers)
+    named = [(name_of(matcher), matcher) for matcher in (*extent.matchers, *([] if there else [chosen]))]
     even = np.linspace(-1.0, 1.0, extent.points)
     offsets = tuple((_FAR * np.sign(even) * even**2).tolist())
     for mission in setting.missions[: extent.sweeps]:
-        (shot,) = setting.shots(mission, unstarred(mission)[:1])
+        (logged_pair,) = setting.logged_pairs(mission, unstarred(mission)[:1])
         for axis in _AXES.values():
             for name, matcher in named:
-                yield Sweep(shot, axis, name, matcher, offsets)
+                yield AxisSweep(logged_pair, axis, name, matcher, offsets)
 
 
 def repair(setting: Setting) -> Iterator[Task]:
@@ -167,25 +176,25 @@ def repair(setting: Setting) -> Iterator[Task]:
     for index, mission in enumerate(setting.missions):
         draw, wrong = setting.draw(2, index), setting.wrong(mission)
         chosen = draw.permutation(len(mission.pairs))[: setting.extent.images]
-        for shot in setting.shots(mission, picked(mission.pairs, np.sort(chosen).tolist())):
+        for logged_pair in setting.logged_pairs(mission, picked(mission.pairs, np.sort(chosen).tolist())):
             name = str(draw.choice(list(wrong)))
-            yield from _repairs(setting, shot, name, wrong[name])
+            yield from _repairs(setting, logged_pair, name, wrong[name])
 
 
 def generalise(setting: Setting) -> Iterator[Task]:
     """One pair of the last sequence from several calibrations, judged on all others (section 4.3)."""
     mission = max(reversed(setting.missions), key=lambda mission: len(mission.pairs) > 1)
-    (shot,), wrong = setting.shots(mission, unstarred(mission)[:1]), setting.wrong(mission)
-    others = tuple(other for other in setting.shots(mission, mission.pairs) if other.image != shot.image)
+    (logged_pair,), wrong = setting.logged_pairs(mission, unstarred(mission)[:1]), setting.wrong(mission)
+    others = tuple(other for other in setting.logged_pairs(mission, mission.pairs) if other.image != logged_pair.image)
     for name in setting.draw(3).permutation(list(wrong))[: setting.extent.starts]:
-        yield from _repairs(setting, shot, str(name), wrong[str(name)], others)
+        yield from _repairs(setting, logged_pair, str(name), wrong[str(name)], others)
 
 
 def ex_nihilo(setting: Setting) -> Iterator[Task]:
     """The first pairs of each sequence, from no calibration but the baseline (section 4.4)."""
     for mission in setting.missions:
-        for shot in setting.shots(mission, mission.pairs[: setting.extent.images]):
-            yield from _repairs(setting, shot, "none", setting.from_nothing(mission))
+        for logged_pair in setting.logged_pairs(mission, mission.pairs[: setting.extent.images]):
+            yield from _repairs(setting, logged_pair, "none", setting.from_nothing(mission))
 
 
 def sequential(setting: Setting) -> Iterator[Task]:
@@ -193,24 +202,29 @@ def sequential(setting: Setting) -> Iterator[Task]:
     their first score twice over, and all of them twice (section 4.5)."""
     extent = setting.extent
     mission = max(setting.missions, key=lambda mission: len(unstarred(mission)))
-    start, judge = setting.from_nothing(mission), setting.judge(mission)
+    start, counter = setting.from_nothing(mission), setting.counter(mission)
     order = setting.draw(5).permutation(len(mission.pairs))[: extent.steps]
-    shuffled = setting.shots(mission, picked(mission.pairs, order.tolist()))
-    first = {shot.image: judge.counts(shot.pair, [np.asarray(start.extrinsics)])[0] for shot in shuffled}
-    better = sorted(shuffled, key=lambda shot: first[shot.image], reverse=True)[: (len(shuffled) + 1) // 2]
+    shuffled = setting.logged_pairs(mission, picked(mission.pairs, order.tolist()))
+    first = {
+        logged_pair.image: counter.counts(logged_pair.pair, [np.asarray(start.extrinsics)])[0]
+        for logged_pair in shuffled
+    }
+    better = sorted(shuffled, key=lambda logged_pair: first[logged_pair.image], reverse=True)[
+        : (len(shuffled) + 1) // 2
+    ]
     orders = {"random": shuffled, "better half twice": 2 * better, "random twice": 2 * shuffled}
-    for name, shots in orders.items():
+    for name, logged in orders.items():
         for method in setting.methods:
             limit = float(extent.iterations * _UNITS_PER_ITERATION) if method.name == "count" else None
-            yield InTurn(name, start, setting.search(method, limit), tuple(shots))
+            yield SequentialRepairs(name, start, setting.search(method, limit), tuple(logged))
 
 
 def _repairs(
-    setting: Setting, shot: Shot, name: str, start: StereoRig, others: tuple[Shot, ...] = ()
+    setting: Setting, logged_pair: LoggedPair, name: str, start: StereoRig, others: tuple[LoggedPair, ...] = ()
 ) -> Iterator[Task]:
     """A pair from one start, by every method."""
     for method in setting.methods:
-        yield Repairing(shot, name, start, setting.search(method), others)
+        yield PairRepair(logged_pair, name, start, setting.search(method), others)
 
 
 def _apart(one: StereoRig, other: StereoRig) -> float:

@@ -12,7 +12,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import NullFormatter
 
-from stereorecal.report.disparity import draw_disparity, largest_disparity
+from stereorecal.report.disparity_map import draw_disparity, largest_disparity
+from stereorecal.reproduction._summaries import grouped_by
 
 Row = Mapping[str, Any]
 Image = Float[np.ndarray, "h w"]
@@ -54,7 +55,7 @@ def disparity_figure(left: Image, disparities: Mapping[str, tuple[Image, Bool[np
 
 def _validity(rows: Sequence[Row]) -> Figure:
     """The counts of every pair under every calibration; a diamond at the highest (paper, figure 4)."""
-    groups = _by(rows, "sequence")
+    groups = grouped_by(rows, "sequence")
     figure, axes = _grid(len(groups), 3.4, 2.6)
     for axis, (sequence, group) in zip(axes, groups.items(), strict=False):
         names = list(group[0]["counts"])
@@ -96,7 +97,7 @@ def _sweeps(rows: Sequence[Row]) -> Figure:
 
 def _generalise(rows: Sequence[Row]) -> Figure:
     """r of every other pair of the sequence, before (hollow) and after (filled), for each start (paper, figure 5)."""
-    methods = _by(rows, "schedule")
+    methods = grouped_by(rows, "schedule")
     starts = list(dict.fromkeys(row["calibration"] for row in rows))
     figure, axes = _grid(len(methods), 4.6, 3.0, most=len(methods))
     for axis, (method, group) in zip(axes, methods.items(), strict=True):
@@ -119,7 +120,7 @@ def _generalise(rows: Sequence[Row]) -> Figure:
 
 def _ex_nihilo(rows: Sequence[Row]) -> Figure:
     """Score and squared error against cost, for every pair without a star (paper, figures 6 and 8)."""
-    methods = _by([row for row in rows if not row["starred"]] or rows, "schedule")
+    methods = grouped_by([row for row in rows if not row["starred"]] or rows, "schedule")
     figure = Figure(figsize=(4.6 * len(methods), 6.4), layout="constrained")
     axes = figure.subplots(3, len(methods), squeeze=False, sharex="col", sharey="row")
     pairs = dict.fromkeys(_pair(row) for group in methods.values() for row in group)
@@ -244,10 +245,3 @@ def _legend_below(figure: Figure, handles: Sequence[Artist]) -> None:
 
 def _pair(row: Row) -> tuple[str, str]:
     return row["sequence"], row["image"].rpartition(".")[0]
-
-
-def _by(rows: Iterable[Row], key: str) -> dict[str, list[Row]]:
-    groups: dict[str, list[Row]] = {}
-    for row in rows:
-        groups.setdefault(row[key], []).append(row)
-    return groups

@@ -1,4 +1,4 @@
-"""`reproduce`: run the experiments; what is finished is kept."""
+"""`reproduce`: run the experiments; finished tasks are saved."""
 
 import hashlib
 import os
@@ -11,20 +11,20 @@ from typing import Any
 import jax
 import numpy as np
 
-from stereorecal._errors import InputError
-from stereorecal._plain import plain
+from stereorecal import InputError
+from stereorecal._environment import versions
 from stereorecal._run_all import Progress, run_all
 from stereorecal._signals import hold
-from stereorecal._versions import versions
 from stereorecal.geometry import StereoRig
+from stereorecal.io import json_data
 from stereorecal.matching import SAD, AbstractMatcher, as_matcher, name_of, origin_of as origin_of_matcher
 from stereorecal.objectives import Reach
 from stereorecal.recordings import Log, names_of
 from stereorecal.reproduction import _summaries as summaries
+from stereorecal.reproduction._experiment_tasks import Row, Task
 from stereorecal.reproduction._experiments import EXPERIMENTS, Extent, Setting, methods
 from stereorecal.reproduction._published import TABLE_1, TABLE_2
-from stereorecal.reproduction._store import Store
-from stereorecal.reproduction._tasks import Row, Task
+from stereorecal.reproduction._row_store import Store
 from stereorecal.strategies import origin_of
 
 SCHEMA = "stereorecal.reproduce/1"
@@ -35,10 +35,10 @@ class Reproduction:
     """The results of the experiments.
 
     Attributes:
-        settings: what was asked.
+        settings: the arguments of the run.
         versions: of Python, stereorecal, its dependencies and each strategy's distribution.
-        rows: by the name of what planned them: validity, sweeps, repair, generalise, ex_nihilo, sequential.
-        errors: of tasks that failed, by their keys.
+        rows: by the name of the experiment or part of one: validity, sweeps, repair, generalise, ex_nihilo, sequential.
+        errors: of tasks that failed, by key.
         unfinished: number of tasks left by an interruption, or by the loss of a worker.
         lost: messages of the executor about workers that were lost.
         matcher: what pixels were counted with.
@@ -54,7 +54,7 @@ class Reproduction:
 
     @property
     def summary(self) -> dict[str, Any]:
-        """Medians and shares over the rows, with those of the paper's own tables beside them."""
+        """Medians and shares over the rows, with those of the paper's own tables."""
         made = {
             "validity": summaries.of_validity,
             "sweeps": summaries.of_sweeps,
@@ -67,7 +67,7 @@ class Reproduction:
 
     def as_dict(self) -> dict[str, Any]:
         """The content of the JSON file; a missing or non-finite number is None."""
-        return plain(
+        return json_data(
             {
                 "schema": SCHEMA,
                 "versions": self.versions,
@@ -98,7 +98,7 @@ def reproduce(
     """Run the paper's experiments (section 4) on a log of missions.
 
     Each pair is counted in one view and with one disparity range, measured with its mission's manual calibration.
-    Ctrl-C ends the run; what is finished is returned, and kept in `output`, where the next run with the same arguments
+    Ctrl-C ends the run; finished tasks are returned, and saved in `output`, where the next run with the same arguments
     continues.
 
     Args:
@@ -106,7 +106,7 @@ def reproduce(
         schedules: "count" (the paper's way) and "default" (coarse to fine), both or one of them.
         strategy: takes the place of compass, or of Levenberg-Marquardt if it needs residuals.
         matcher: counts pixels and repairs; a matcher, or the name of an installed one (default "sad").
-        extent: how much of the log is looked at; default as much as the paper does.
+        extent: the part of the log that is used; default as much as in the paper.
         reach: default 3 degrees and 3 % of the baseline.
         seed: chooses wrong calibrations, images and orders.
         output: folder for the rows; default none.
@@ -131,10 +131,10 @@ def reproduce(
     }
     made_with[f"matcher {name_of(matcher)}"] = origin_of_matcher(matcher)
     settings = {
-        "log": _described(log),
+        "log": _log_settings(log),
         "strategy": strategy,
-        "matcher": _named(matcher),
-        "extent": {**asdict(extent), "matchers": [_named(matcher) for matcher in extent.matchers]},
+        "matcher": _matcher_settings(matcher),
+        "extent": {**asdict(extent), "matchers": [_matcher_settings(matcher) for matcher in extent.matchers]},
         "reach": asdict(reach),
         "seed": seed,
     }
@@ -150,7 +150,7 @@ def reproduce(
 
 
 def run_task(task: Task) -> Row | str:
-    """Do a task, in a worker. Whatever goes wrong comes back as text, which always pickles."""
+    """Do a task, in a worker. An error comes back as text, which always pickles."""
     try:
         return task.run()
     except Exception as error:
@@ -171,7 +171,7 @@ def _planned(setting: Setting, experiments: Sequence[str]) -> dict[str, Task]:
 def _run(
     planned: Mapping[str, Task], store: Store | None, executor: Executor | None, progress: Progress | None
 ) -> tuple[dict[str, Row], dict[str, str], tuple[str, ...]]:
-    """The rows and the errors of tasks, by key, and what was said of workers that were lost: their tasks are left."""
+    """The rows and the errors of tasks, by key, and the messages about lost workers, whose tasks are unfinished."""
     rows = {key: row for key, row in (store.rows if store else {}).items() if key in planned}
     errors: dict[str, str] = {}
     lost: dict[str, None] = {}
@@ -180,7 +180,7 @@ def _run(
         for index, found in run_all(run_task, [planned[key] for key in left], executor):
             key = left[index]
             if isinstance(found, dict):
-                rows[key] = store.add(key, found) if store else plain(found)
+                rows[key] = store.add(key, found) if store else json_data(found)
             elif isinstance(found, str):
                 errors[key] = found
             else:
@@ -193,7 +193,7 @@ def _run(
     return rows, errors, tuple(lost)
 
 
-def _described(log: Log) -> dict[str, Any]:
+def _log_settings(log: Log) -> dict[str, Any]:
     return {
         "name": log.name,
         "calibrations": {name: _digest(_leaves(rig)) for name, rig in log.calibrations.items()},
@@ -211,7 +211,7 @@ def _described(log: Log) -> dict[str, Any]:
     }
 
 
-def _named(matcher: AbstractMatcher) -> dict[str, Any]:
+def _matcher_settings(matcher: AbstractMatcher) -> dict[str, Any]:
     return {"name": name_of(matcher), **asdict(matcher)}
 
 
@@ -221,7 +221,7 @@ def _leaves(rig: StereoRig) -> Iterator[np.ndarray]:
 
 
 def _digest(arrays: Iterable[np.ndarray]) -> str:
-    """Changes with any number."""
+    """A digest of all numbers."""
     found = hashlib.sha256()
     for array in arrays:
         found.update(array.tobytes())

@@ -30,7 +30,7 @@ def of_published(rows: Sequence[Published]) -> dict[str, Any]:
 def of_repairs(rows: Iterable[Row]) -> list[dict[str, Any]]:
     """One summary for each schedule, of the rows that are not starred, with median errors; how starred ones end."""
     found = []
-    for schedule, group in _by(rows, "schedule").items():
+    for schedule, group in grouped_by(rows, "schedule").items():
         expected = [row for row in group if not row["starred"]]
         starred = [row for row in group if row["starred"]]
         found.append(
@@ -58,7 +58,7 @@ def of_validity(rows: Iterable[Row]) -> list[dict[str, Any]]:
     """For each sequence: on how many pairs without a star the calibration that holds has the highest count, alone, and
     what share of it the best other one reaches."""
     found = []
-    for sequence, group in _by(rows, "sequence").items():
+    for sequence, group in grouped_by(rows, "sequence").items():
         expected = [row for row in group if not row["starred"]]
         own = [row["counts"][row["own"]] for row in expected]
         best = [max(n for name, n in row["counts"].items() if name != row["own"]) for row in expected]
@@ -79,7 +79,7 @@ def of_sweeps(rows: Iterable[Row]) -> list[dict[str, Any]]:
     which 99 %. Medians over the pairs; degrees, or percent of the baseline. `half_cut`: the sweep ends before half of
     the count is lost, the width is that of the sweep there."""
     found = []
-    for (axis, matcher), group in _by(rows, "axis", "matcher").items():
+    for (axis, matcher), group in grouped_by(rows, "axis", "matcher").items():
         shapes = np.array([_shape(row["offsets"], row["counts"]) for row in group])
         offset, half, flat = np.median(shapes, axis=0).tolist()
         cut = any(2 * max(row["counts"][0], row["counts"][-1]) >= max(row["counts"]) for row in group)
@@ -154,7 +154,8 @@ def _width(x: np.ndarray, y: np.ndarray, level: float) -> float:
     return float(ends[0] - ends[1])
 
 
-def _by(rows: Iterable[Row], *keys: str) -> dict[Any, list[Row]]:
+def grouped_by(rows: Iterable[Row], *keys: str) -> dict[Any, list[Row]]:
+    """The rows by the value under a key, or by the tuple of values under several keys; in order of appearance."""
     groups: dict[Any, list[Row]] = {}
     for row in rows:
         found = tuple(row[key] for key in keys)

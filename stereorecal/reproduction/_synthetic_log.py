@@ -1,12 +1,11 @@
-"""The synthetic mission log: rendered on demand, kept in the user's cache folder."""
+"""The synthetic mission log: rendered on demand, cached in the user's folder."""
 
 import hashlib
 from pathlib import Path
 
 from platformdirs import user_cache_path
 
-from stereorecal import geometry, synthetic
-from stereorecal._errors import InputError
+from stereorecal import InputError, geometry, synthetic
 from stereorecal._run_all import Progress
 from stereorecal.io import has_mission, json_line, load_log, make_folder, save_calibrations, save_mission, write_text
 from stereorecal.recordings import Log
@@ -18,12 +17,12 @@ _QUICK_SIZE, _QUICK_PAIRS, _QUICK_MISSIONS = (256, 192), 3, 2
 def synthetic_log(
     seed: int = 0, *, quick: bool = False, folder: Path | None = None, progress: Progress | None = None
 ) -> Log:
-    """The log that `synthetic.plan_missions` plans, as a plain log on the disk; what is there is not rendered again.
+    """The log of `synthetic.plan_missions`, as a plain log on the disk; existing sequences are not rendered again.
 
     Args:
         seed: draws drift and scenes.
         quick: images of 256x192, three pairs of the first two sequences.
-        folder: where it is kept; default a folder of the user's cache, one for each edition of the renderer.
+        folder: of the log; default a folder of the user's cache, one for each edition of the renderer.
         progress: called with (finished, total) after each sequence.
 
     Raises:
@@ -37,7 +36,7 @@ def synthetic_log(
     if folder is None:
         size = "quick" if quick else "full"
         folder = user_cache_path("stereorecal") / "logs" / _edition() / f"missions-{seed}-{size}"
-    _claim(folder, {"seed": seed, "quick": quick, "edition": _edition()})
+    _check_plan(folder, {"seed": seed, "quick": quick, "edition": _edition()})
     save_calibrations(plan.calibrations, folder, overwrite=True)
     for index, planned in enumerate(missions):
         if not has_mission(folder, planned.mission.name):
@@ -47,7 +46,7 @@ def synthetic_log(
     return load_log(folder)
 
 
-def _claim(folder: Path, plan: dict[str, object]) -> None:
+def _check_plan(folder: Path, plan: dict[str, object]) -> None:
     """Say in the folder which plan it holds; a folder that holds another is left alone."""
     path, text = folder / "plan.json", json_line(plan)
     make_folder(folder)

@@ -8,7 +8,7 @@ from rich.console import Group
 from rich.table import Table
 from rich.text import Text
 
-from stereorecal.report.cells import count, number, percent
+from stereorecal.report.number_text import count, number, percent
 
 Row = Mapping[str, Any]
 _ROTATIONS, _TRANSLATIONS = ("pitch", "yaw", "roll"), ("y", "z")

@@ -5,6 +5,7 @@ The pure face, which users jit, batch and differentiate: `prepare` on the host, 
 matcher, on all cores.
 """
 
+from stereorecal._renamed import renamed
 from stereorecal.scoring._bands import bands as bands
 from stereorecal.scoring._correspondences import (
     TILES as TILES,
@@ -12,17 +13,17 @@ from stereorecal.scoring._correspondences import (
     correspondences as correspondences,
 )
 from stereorecal.scoring._count import count as count, count_scaled as count_scaled
-from stereorecal.scoring._gradient import forward_gradient as forward_gradient
-from stereorecal.scoring._informative import informative as informative
-from stereorecal.scoring._legible import Legible as Legible, legible as legible
-from stereorecal.scoring._matchers import pure_matcher as pure_matcher
+from stereorecal.scoring._forward_gradient import forward_gradient as forward_gradient
+from stereorecal.scoring._frame_selection import select_frames as select_frames
+from stereorecal.scoring._image_quality import ImageQuality as ImageQuality, image_quality as image_quality
 from stereorecal.scoring._prepare import (
     Pyramid as Pyramid,
     ScoringData as ScoringData,
     prepare as prepare,
     pyramid as pyramid,
 )
-from stereorecal.scoring._robust import Loss as Loss, curvatures as curvatures, precisions as precisions
+from stereorecal.scoring._pure_arguments import pure_matcher as pure_matcher
+from stereorecal.scoring._robust_weights import Loss as Loss, curvatures as curvatures, precisions as precisions
 from stereorecal.scoring._row_differences import (
     differences_of as differences_of,
     median_row_error as median_row_error,
@@ -35,3 +36,12 @@ from stereorecal.scoring._soft_count import (
     soft_count_scaled as soft_count_scaled,
 )
 from stereorecal.scoring._tracks import Tracks as Tracks
+
+__getattr__ = renamed(
+    __name__,
+    {
+        "Legible": "ImageQuality",
+        "legible": "image_quality",
+        "informative": "select_frames",
+    },
+)

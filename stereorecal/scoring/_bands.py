@@ -1,4 +1,4 @@
-"""Scoring a part of the rows: bands of them, each of which is a view of its own, and all of one shape."""
+"""Scoring a part of the rows: bands of equal height, each with a view of its own."""
 
 from dataclasses import replace
 

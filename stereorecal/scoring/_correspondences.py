@@ -1,7 +1,7 @@
-"""Dense correspondences of the matcher's own making: which rays of the two cameras meet, and how well that is known.
+"""Dense correspondences from the stereo matcher: pairs of rays of both cameras, with the variance of their row offset.
 
-A grid of cells is laid over each frame, and the mean of a cell's pixels speaks for it: the number of correspondences is
-fixed by the shape of the images, and neighbours whose windows overlap do not vote many times.
+A grid of cells is laid over each frame; each cell gives the weighted mean of its pixels. The number of correspondences
+then depends on the image size only, and pixels whose windows overlap do not count many times.
 """
 
 import math
@@ -17,16 +17,15 @@ from stereorecal._arrays import AnyArray, Extrinsics, namespace
 from stereorecal._pytree import register_pytree
 from stereorecal.geometry import PINHOLE, Camera, cubic_warp, rectifying_rotations, rotation_from_euler
 from stereorecal.matching import AbstractMatcher, Disparity
-from stereorecal.scoring._extrinsics import checked_extrinsics
-from stereorecal.scoring._matchers import pure_matcher
+from stereorecal.scoring._match_frame import match_frame
 from stereorecal.scoring._prepare import ScoringData
+from stereorecal.scoring._pure_arguments import checked_extrinsics, pure_matcher
 from stereorecal.scoring._rectify import Rectified, rectify_frames
 from stereorecal.scoring._subpixel import WINDOW, refine
-from stereorecal.scoring._validity import match_frame
 
 _CELLS = 4800  # in a frame: enough to cover it with windows twice over
 TILES = (8, 6)  # columns and rows of tiles in a frame, the units of resampling
-_FLOOR = 0.01  # pixels: no window is better than that, whatever its noise
+_FLOOR = 0.01  # pixels: the smallest standard deviation of a window
 
 
 @register_pytree
@@ -41,7 +40,7 @@ class Correspondences:
         tile: (k, m) int32, which tile of which frame a cell lies in.
         focal: of the view, in pixels of the scale at which they were found.
         scale: pixels there per pixel at full size.
-        independent: how many of them carry independent information, as a share: windows overlap.
+        independent: share of them that is independent, since windows overlap.
         projection: of the view, by which rays become rows.
     """
 
@@ -61,8 +60,7 @@ class Correspondences:
 
     @property
     def covered(self) -> float:
-        """The share of a frame in which they were found, of the frame that shows most: fog in another takes nothing
-        away."""
+        """The share of the frame that is covered, of the frame with the most: fog in another frame does not count."""
         return float((np.asarray(self.weight) > 0).mean(axis=1).max())
 
 
@@ -97,7 +95,7 @@ def _correspondences(data: ScoringData, extrinsics: Extrinsics, matcher: Abstrac
 def gathered(
     data: ScoringData, left: Float[AnyArray, "k m 3"], right: Float[AnyArray, "k m 3"], weight: Float[AnyArray, "k m"]
 ) -> Correspondences:
-    """The correspondences of what `refined` says of all frames, NumPy or traced."""
+    """The correspondences from the rays and weights of `refined` for all frames, NumPy or traced."""
     xp, side = namespace(weight), _side(data)
     width, height = data.view.size
     mean = xp.sum(weight) / xp.maximum(xp.sum(weight > 0), 1)

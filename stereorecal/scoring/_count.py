@@ -8,11 +8,10 @@ from jaxtyping import Float, Int
 
 from stereorecal._arrays import AnyArray, Extrinsics
 from stereorecal.matching import AbstractMatcher
-from stereorecal.scoring._extrinsics import checked_extrinsics
-from stereorecal.scoring._matchers import pure_matcher
+from stereorecal.scoring._match_frame import match_frame
 from stereorecal.scoring._prepare import ScoringData
+from stereorecal.scoring._pure_arguments import checked_extrinsics, pure_matcher
 from stereorecal.scoring._rectify import Rectified, rectify_frames
-from stereorecal.scoring._validity import match_frame
 
 
 def count(data: ScoringData, extrinsics: Float[AnyArray, "6"], matcher: AbstractMatcher | str) -> Int[jax.Array, ""]:

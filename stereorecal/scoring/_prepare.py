@@ -1,4 +1,4 @@
-"""What a score is computed from: images, cameras and view at one image scale, ready for the kernels."""
+"""The data of a score: images, cameras and view at one image scale, ready for the kernels."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -12,7 +12,7 @@ from stereorecal._errors import InputError
 from stereorecal._pytree import register_pytree
 from stereorecal.geometry import AnyView, Camera, StereoRig, View, as_view
 from stereorecal.recordings import Pair, Pairs, check_pairs
-from stereorecal.scoring._informative import informative
+from stereorecal.scoring._frame_selection import select_frames
 
 _SMALLEST = 16  # pixels a side: below that no window of a matcher fits
 
@@ -20,12 +20,12 @@ _SMALLEST = 16  # pixels a side: below that no window of a matcher fits
 @register_pytree
 @dataclass(frozen=True, eq=False)
 class ScoringData:
-    """All that stays the same while extrinsics are tried. A pytree: what `prepare` makes, and pure scores take.
+    """All that is fixed while extrinsics vary. A pytree: `prepare` makes it, and the pure scores take it.
 
     Attributes:
         left, right: (k, h, w) float32, the frames at the image scale.
         left_camera, right_camera: the cameras at that scale.
-        view: the one View in which every candidate is judged, at that scale.
+        view: the one View in which every candidate is scored, at that scale.
         scale: pixels here per pixel at full size; part of the structure, so it is known while tracing.
     """
 
@@ -38,14 +38,14 @@ class ScoringData:
 
     @property
     def frames(self) -> list["ScoringData"]:
-        """Each frame alone: programs then need not know how many there are."""
+        """Each frame alone: one program then serves any number of frames."""
         if len(self.left) == 1:
             return [self]
         left, right = np.asarray(self.left), np.asarray(self.right)  # a slice of NumPy's is no program to compile
         return [replace(self, left=left[i : i + 1], right=right[i : i + 1]) for i in range(len(left))]
 
     def through(self, rig: StereoRig) -> "ScoringData":
-        """The same frames as the cameras of another rig, given at full size, would have taken them."""
+        """The same frames with the cameras of another rig, given at full size."""
         scaled = rig.resized(self.left_camera.size)
         cameras = jax.tree.map(lambda leaf: np.asarray(leaf, np.float32), (scaled.left, scaled.right))
         return replace(self, left_camera=cameras[0], right_camera=cameras[1])
@@ -57,13 +57,13 @@ class ScoringData:
 
     @property
     def cost(self) -> float:
-        """Units of one look at all frames: k s² (one unit: one matcher run on one full-size frame)."""
+        """Units of one evaluation on all frames: k s² (one unit: one matcher run on one full-size frame)."""
         return len(self.left) * self.scale**2
 
 
 @dataclass(frozen=True, eq=False)
 class Pyramid:
-    """The images of a rig at every image scale that is asked for, each prepared once.
+    """The images of a rig at several scales, each prepared once, when it is first used.
 
     Attributes:
         rig: whose cameras took them.
@@ -77,18 +77,18 @@ class Pyramid:
     _levels: dict[tuple[float, int], ScoringData] = field(default_factory=dict, repr=False)
 
     def at(self, scale: float, most: int | None = None) -> ScoringData:
-        """At most `most` pairs (default: all), the informative ones, at `scale`, on JAX's device.
+        """At most `most` pairs (default: all), those with most texture, at `scale`, on JAX's device.
 
         Raises:
             InputError: if the scale is not within (0, 1], or leaves less than 16 pixels a side.
         """
         number = min(len(self.pairs), most or len(self.pairs))
         if (scale, number) not in self._levels:
-            self._levels[scale, number] = _prepared(self.rig, informative(self.pairs, number), self.view, scale)
+            self._levels[scale, number] = _prepared(self.rig, select_frames(self.pairs, number), self.view, scale)
         return self._levels[scale, number]
 
     def sample(self, scale: float) -> ScoringData:
-        """The first pair alone at `scale`: for those who ask for shapes before anything else is needed there."""
+        """The first pair alone at `scale`: enough for the shapes of all data at that scale."""
         return self.at(scale) if len(self.pairs) == 1 else _prepared(self.rig, self.pairs[:1], self.view, scale)
 
 

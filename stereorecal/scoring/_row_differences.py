@@ -1,4 +1,4 @@
-"""Epipolar residuals: how far the two rays of a correspondence lie apart across the rows, under given extrinsics."""
+"""Epipolar residuals: the row difference of the two rays of each correspondence under given extrinsics."""
 
 import jax
 import numpy as np
@@ -7,14 +7,14 @@ from jaxtyping import Float
 from stereorecal._arrays import AnyArray, Extrinsics, is_host, namespace
 from stereorecal.geometry import projection, rectifying_rotations, rotation_from_euler
 from stereorecal.scoring._correspondences import Correspondences
-from stereorecal.scoring._extrinsics import checked_extrinsics
+from stereorecal.scoring._pure_arguments import checked_extrinsics
 
 
 def row_differences(found: Correspondences, extrinsics: Float[AnyArray, "6"]) -> Float[AnyArray, "k m"]:
     """Row in the rectified left image less the row in the rectified right one, in pixels of the scale of `found`.
 
     Pure; composes under `jit`, `vmap` over the extrinsics, `grad` and `jacfwd`. Where nothing was found
-    (`found.weight` is 0) the number means nothing.
+    (`found.weight` is 0) the value is meaningless.
 
     Args:
         found: what `correspondences` returned.

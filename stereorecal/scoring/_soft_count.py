@@ -14,10 +14,9 @@ from stereorecal._errors import InputError
 from stereorecal._pytree import register_pytree
 from stereorecal.geometry import PixelMap
 from stereorecal.matching import AbstractMatcher
-from stereorecal.scoring._extrinsics import checked_extrinsics
-from stereorecal.scoring._gradient import forward_gradient
-from stereorecal.scoring._matchers import pure_matcher
+from stereorecal.scoring._forward_gradient import forward_gradient
 from stereorecal.scoring._prepare import ScoringData
+from stereorecal.scoring._pure_arguments import checked_extrinsics, pure_matcher
 from stereorecal.scoring._rectify import Rectified, rectify_frames
 
 TEMPERATURE = 0.1  # default width of the gates: at a tenth, the gradient is of use some pixels of drift away
@@ -68,7 +67,7 @@ def checked_temperature(temperature: float | Float[AnyArray, ""]) -> float | Flo
 @register_pytree
 @dataclass(frozen=True, eq=False)
 class _Gates:
-    """What a soft count depends on beside the extrinsics."""
+    """The arguments of a soft count other than the extrinsics."""
 
     data: ScoringData
     temperature: float | Float[AnyArray, ""]

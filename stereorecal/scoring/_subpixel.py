@@ -1,10 +1,10 @@
-"""Sub-pixel refinement of a matched frame: where each pixel's partner lies, in the row and across the rows.
+"""Sub-pixel refinement of a matched frame: the disparity and the row offset of each pixel's match.
 
 The fields of disparity and row offset are refined together (Lucas & Kanade 1981): the right image is warped by both
-fields as they are, so that a window follows slanted surfaces, and what still differs within the window of a pixel moves
-that pixel. Pixels without a valid disparity take no part in any window. Where the disparity changes fast, at the edges
-of things and on steep slants, the matcher's windows saw more than one depth and so do these: what is found there is a
-little wrong in ways that do not average out, and counts for less.
+fields as they are, so that a window follows slanted surfaces, and the remaining difference within the window of a pixel
+moves that pixel. Pixels without a valid disparity take no part in any window. Where the disparity changes fast, at the
+edges of objects and on steep slants, a window covers more than one depth: the offsets there have a small bias that does
+not average out, and get less weight.
 """
 
 from functools import partial
@@ -26,23 +26,23 @@ _CONTRAST_FLOOR = 25.0  # grey levels squared: below that, differences are noise
 _SETTLED = 0.05  # pixels that the last iteration may still move
 _AWAY = 1.0  # pixels from the matcher's disparity
 _COVER = 0.5  # share of the window that must be valid
-_FARTHEST_ROW = 2.0  # pixels across the rows; beyond it a window has met something else
+_FARTHEST_ROW = 2.0  # pixels across the rows; beyond it the match is wrong
 _WIDEST = 0.17  # pixels, standard deviation of the row offset by the noise of the window alone
 _UNEVEN = 1.0  # pixels of disparity within so many pixels: an edge, or a slant of a quarter of a pixel a pixel
 _UNEVEN_WITHIN = 5
 _BY_UNEVEN = 0.1  # pixels, standard deviation of the row offset where the grey levels' window sees that
 _ROWS_AT_ONCE = 60
-_QUIETEST = 1e-5  # contrast squared: without it, a flat window that agrees exactly would be sure of its row
+_QUIETEST = 1e-5  # contrast squared: without it, a flat window that agrees exactly would have zero variance
 
 
 class Offsets(NamedTuple):
     """For each pixel of the left image.
 
     Attributes:
-        disparity, row: where the partner lies: (x - disparity, y + row), pixels.
+        disparity, row: position of the match: (x - disparity, y + row), pixels.
         variance: of `row`, in pixels squared, with the disparity unknown as well: the noise of the window over
             [G^-1]_yy of its structure tensor G, and what uneven disparities near by add.
-        good: False where something went wrong.
+        good: False where the refinement failed.
     """
 
     disparity: Float[jax.Array, "h w"]

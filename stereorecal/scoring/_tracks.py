@@ -1,4 +1,4 @@
-"""Points that both cameras saw twice: what tells a rig's own motion."""
+"""Tracks: points seen by both cameras in two consecutive pairs, from which the rig's motion is estimated."""
 
 from dataclasses import dataclass, fields
 from typing import Any
@@ -23,5 +23,5 @@ class Tracks:
         return self.left.shape[1]
 
     def of(self, which: Any) -> "Tracks":
-        """Some of them."""
+        """The tracks of an index or mask."""
         return Tracks(*(getattr(self, part.name)[:, which] for part in fields(self)))

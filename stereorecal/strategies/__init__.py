@@ -9,12 +9,12 @@ from stereorecal.strategies._contract import (
     AbstractStrategy as AbstractStrategy,
     Outcome as Outcome,
     Status as Status,
-    follows_an_older_contract as follows_an_older_contract,
 )
-from stereorecal.strategies._need import Need as Need
-from stereorecal.strategies._objective import Objective as Objective, Problem as Problem, Traced as Traced
+from stereorecal.strategies._evaluation_trace import Trace as Trace
+from stereorecal.strategies._objective import Need as Need, Objective as Objective, Problem as Problem, Traced as Traced
 from stereorecal.strategies._recorder import Recorder as Recorder
-from stereorecal.strategies._registry import (
+from stereorecal.strategies._run_strategy import Run as Run, run_strategy as run_strategy
+from stereorecal.strategies._strategy_registry import (
     StrategyInfo as StrategyInfo,
     describe as describe,
     name_of as name_of,
@@ -23,8 +23,6 @@ from stereorecal.strategies._registry import (
     strategies as strategies,
     strategy as strategy,
 )
-from stereorecal.strategies._run import Run as Run, run_strategy as run_strategy
-from stereorecal.strategies._trace import Trace as Trace
 
 
 class _Callable(ModuleType):

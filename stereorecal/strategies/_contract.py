@@ -2,15 +2,13 @@
 
 import abc
 import enum
-import inspect
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.strategies._need import Need
-from stereorecal.strategies._objective import Objective
+from stereorecal.strategies._objective import Need, Objective
 
 
 class Status(enum.Enum):
@@ -60,10 +58,3 @@ class AbstractStrategy(abc.ABC):
         The budget is the objective's (`objective.budget`, `objective.remaining`). Let `BudgetExhausted` propagate: the
         core keeps the best point seen. Derive all randomness from `seed`.
         """
-
-
-def follows_an_older_contract(strategy: AbstractStrategy) -> bool:
-    """Whether `run` still takes a budget: by that name, or as a fourth argument that is required."""
-    parameters = inspect.signature(strategy.run).parameters.values()
-    given = [p for p in parameters if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD) and p.default is p.empty]
-    return len(given) > 3 or any(p.name == "budget" and p.default is p.empty for p in parameters)

@@ -1,5 +1,7 @@
-"""The objective: the function that a strategy maximises, with its host face, its traced face and its meter."""
+"""The objective: the function that a strategy maximises, on the host and in JAX, with a budget; and what strategies
+need of it."""
 
+import enum
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -9,13 +11,21 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal.strategies._budget import Budget, as_budget
-from stereorecal.strategies._need import Need
+from stereorecal.strategies._evaluation_trace import Trace
 from stereorecal.strategies._recorder import Recorder
-from stereorecal.strategies._trace import Trace
 
-_BETWEEN_LOOKS = 16  # points between two looks at the clock, where a limit in seconds holds
+_CLOCK_INTERVAL = 16  # points between two checks of the clock, where a limit in seconds holds
 
 TracedFunction = Callable[[jax.Array], jax.Array]
+
+
+class Need(enum.Enum):
+    """What a strategy needs of an objective; the value says where it is."""
+
+    HOST = "values on the host: `objective.value` and `objective.batch` (every objective has them)"
+    SMOOTH = "a differentiable score: `objective.traced.soft_count`"
+    RESIDUALS = "least-squares residuals: `objective.traced.residuals`"
+    IMAGES = "the images themselves: `objective.images`"
 
 
 @dataclass(frozen=True)
@@ -126,7 +136,7 @@ class Objective:
         """
         points = self._checked(points)
         values = [np.zeros(0)]
-        size = max(1, len(points) if self.budget.seconds is None else _BETWEEN_LOOKS)
+        size = max(1, len(points) if self.budget.seconds is None else _CLOCK_INTERVAL)
         for part in (points[first : first + size] for first in range(0, max(1, len(points)), size)):
             fits = self._recorder.affordable(len(part), self.cost)
             values.append(self.problem.values(part[:fits]) if fits else np.zeros(0))

@@ -1,4 +1,4 @@
-"""The recorder: what an objective was asked, and what that cost."""
+"""The recorder: the evaluations of an objective, and their cost."""
 
 import time
 from dataclasses import dataclass, field
@@ -8,7 +8,7 @@ from jaxtyping import Float
 
 from stereorecal._errors import BudgetExhausted
 from stereorecal.strategies._budget import Budget
-from stereorecal.strategies._trace import ROUNDING, Trace
+from stereorecal.strategies._evaluation_trace import ROUNDING, Trace
 
 
 @dataclass

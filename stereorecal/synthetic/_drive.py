@@ -1,13 +1,14 @@
-"""A simulated drive: one moving rig that drifts, warms up and is knocked, in all weathers, with the truth per frame."""
+"""A simulated drive: a moving rig that drifts, warms up and is knocked, in changing weather, with the true rig of each
+frame."""
 
 from dataclasses import dataclass, field
 
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal._errors import InputError
+from stereorecal import InputError
 from stereorecal.geometry import StereoRig
-from stereorecal.synthetic._rig import default_rig
+from stereorecal.synthetic._default_rig import default_rig
 
 TOURS = {"harbour": ("harbour", "coast"), "street": ("street",)}
 """Name of each tour and the kinds of scenes that it passes through."""

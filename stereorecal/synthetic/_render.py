@@ -6,10 +6,10 @@ import cv2
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal._errors import InputError
+from stereorecal import InputError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.recordings import Pair, Scene
-from stereorecal.synthetic._rig import default_rig
+from stereorecal.synthetic._default_rig import default_rig
 from stereorecal.synthetic.rendering._camera_rays import supersampled_rays, world_rays
 from stereorecal.synthetic.rendering._noise import Texture
 from stereorecal.synthetic.rendering._sensor import expose

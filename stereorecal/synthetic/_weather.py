@@ -1,4 +1,4 @@
-"""What weather does to the light that reaches a camera; sizes are chosen to look right."""
+"""Weather: its effect on the light that reaches a camera; sizes are chosen to look right."""
 
 import cv2
 import numpy as np

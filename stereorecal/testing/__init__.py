@@ -6,4 +6,4 @@ from stereorecal.testing._kit import (
     check_matcher as check_matcher,
     check_strategy as check_strategy,
 )
-from stereorecal.testing._report import CheckResult as CheckResult
+from stereorecal.testing._run_checks import CheckResult as CheckResult

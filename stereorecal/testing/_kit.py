@@ -4,9 +4,9 @@ from typing import ClassVar
 
 from stereorecal.matching import AbstractMatcher
 from stereorecal.strategies import AbstractStrategy
-from stereorecal.testing._checks import checks_for
 from stereorecal.testing._matcher_checks import matcher_checks_for
-from stereorecal.testing._report import CheckResult, add_tests, run_checks
+from stereorecal.testing._run_checks import CheckResult, add_tests, run_checks
+from stereorecal.testing._strategy_checks import checks_for
 
 
 def check_strategy(strategy: AbstractStrategy) -> tuple[CheckResult, ...]:

@@ -16,8 +16,7 @@ import stereorecal as sr
 from stereorecal.geometry import with_unit_baseline
 from stereorecal.scoring import prepare
 from stereorecal.scoring.host import correspondences, counts
-from stereorecal.scoring.host._blocks import match_in_blocks
-from stereorecal.scoring.host._rectified import rectified_frame
+from stereorecal.scoring.host._disparities import match_in_blocks, rectified_frame
 
 SIZE, MATCHER = (741, 500), sr.SAD(num_disparities=80)
 

@@ -27,7 +27,7 @@ from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig
 from stereorecal.recordings import Pair, Scene
 from stereorecal.scoring import pyramid
-from stereorecal.scoring.host import ranged, refuse_mixed_up
+from stereorecal.scoring.host import refuse_swapped_images, with_measured_range
 
 RENDERED = [(kind, seed) for kind in ("harbour", "coast", "street") for seed in (1, 2, 3)]
 REAL = (
@@ -103,7 +103,7 @@ def off(rig: StereoRig, draw: np.random.Generator, least: float, most: float) ->
 
 def looked(scene: Scene, case: str, rig: StereoRig) -> Row:
     """With the disparity range given, as the target of the cost is stated."""
-    matcher = ranged(None, pyramid(rig, scene.pairs))
+    matcher = with_measured_range(None, pyramid(rig, scene.pairs))
     took = []
     for function in (sr.score, sr.health):
         began = time.perf_counter()
@@ -130,7 +130,7 @@ def verdicts(rows: list[Row]) -> None:
 
 def named(rig: StereoRig, pair: Pair) -> str:
     try:
-        refuse_mixed_up(pyramid(rig, [pair]))
+        refuse_swapped_images(pyramid(rig, [pair]))
     except InputError as error:
         return str(error)
     return ""

@@ -14,7 +14,7 @@ from rich.table import Table
 import stereorecal as sr
 from stereorecal.geometry import with_unit_baseline
 from stereorecal.scoring import host, median_row_error, pyramid
-from stereorecal.scoring.host import ranged
+from stereorecal.scoring.host import with_measured_range
 
 AXES = ("pitch", "yaw", "roll", "y", "z")
 BOTH = ("extrinsics", "intrinsics")
@@ -157,7 +157,9 @@ def seen(rig: sr.StereoRig, pairs: Sequence[sr.Pair]) -> float:
     """Median |row difference| of the correspondences under a rig."""
     images = pyramid(rig, pairs)
     extrinsics = with_unit_baseline(rig.extrinsics)
-    return median_row_error(host.correspondences(images.at(1.0), extrinsics, ranged(None, images)), extrinsics)
+    return median_row_error(
+        host.correspondences(images.at(1.0), extrinsics, with_measured_range(None, images)), extrinsics
+    )
 
 
 PARTS = {"singles": singles, "suburb": suburb, "good": good, "bumblebee2": bumblebee2}

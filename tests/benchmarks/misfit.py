@@ -37,7 +37,7 @@ from stereorecal.estimation._consequences import points_of_view
 from stereorecal.geometry import with_unit_baseline
 from stereorecal.recordings import Scene
 from stereorecal.scoring import host, median_row_error, pyramid
-from stereorecal.scoring.host import ranged
+from stereorecal.scoring.host import with_measured_range
 
 Images = tuple[np.ndarray, np.ndarray]
 Spoil = Callable[[np.ndarray, np.ndarray, np.random.Generator], Images]
@@ -486,7 +486,7 @@ def main() -> None:
                 assert scene.rig is not None
                 images = pyramid(scene.rig, scene.pairs)
                 judge = host.correspondences(
-                    images.at(1.0), with_unit_baseline(scene.rig.extrinsics), ranged(None, images)
+                    images.at(1.0), with_unit_baseline(scene.rig.extrinsics), with_measured_range(None, images)
                 )
             given = spoiled(scene, kinds[case], case) if case != LATE else replace(late, rig=scene.rig)
             for row in judged(scene, given, case, case in EXPLAINED, options.draws, judge):

@@ -33,9 +33,8 @@ from stereorecal.objectives import Reach, count_chart
 from stereorecal.recordings import Scene
 from stereorecal.scoring import prepare
 from stereorecal.scoring.host import counts
-from stereorecal.scoring.host._blocks import match_in_blocks
 from stereorecal.scoring.host._cores import on_all_cores
-from stereorecal.scoring.host._rectified import rectified_frame
+from stereorecal.scoring.host._disparities import match_in_blocks, rectified_frame
 from stereorecal.strategies import Budget, Objective, Problem, run_strategy, strategy
 
 MATCHER = sr.SAD(num_disparities=80)

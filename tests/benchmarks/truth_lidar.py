@@ -51,7 +51,7 @@ class DepthByTruth:
 
 
 def depth_by_truth(judged: sr.StereoRig, stored: sr.StereoRig, scene: sr.Scene) -> DepthByTruth:
-    """Judge a rig by the first pair of a scene that `scene_with_truth` read.
+    """PixelCounter a rig by the first pair of a scene that `scene_with_truth` read.
 
     Truth is a depth for pixels of the left image as stored. The judged rig sees each where its own left camera shows
     that pixel, and as far along its own axis.

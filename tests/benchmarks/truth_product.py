@@ -26,7 +26,7 @@ class ByProduct:
 
 
 def by_product(judged: sr.StereoRig, stored: sr.StereoRig, scenes: Sequence[sr.Scene]) -> ByProduct:
-    """Judge a rig by scenes."""
+    """PixelCounter a rig by scenes."""
     return ByProduct(*(tuple(rows(rig, stored, scene).median_px for scene in scenes) for rig in (judged, stored)))
 
 

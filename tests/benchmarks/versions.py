@@ -47,7 +47,7 @@ CHOICE = (
     "tests/cli/test_score.py",
     "tests/recalibration/test_default_schedule.py",
     "tests/test_imports.py",
-    "tests/test_kept.py",
+    "tests/test_compile_cache.py",
     "plugins/compass",
     "plugins/colmap",
     "plugins/features",

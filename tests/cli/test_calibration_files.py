@@ -11,7 +11,7 @@ import stereorecal as sr
 from stereorecal.cli import _recalibrate
 from stereorecal.cli.arguments._calibrations import FORMATS
 from stereorecal.io import load_rig, load_scene, save_rig
-from stereorecal.io.formats._registry import NAMES
+from stereorecal.io.formats._format_list import NAMES
 
 COUNT = ("--schedule", "count", "--scale", 0.5, "--budget", 40)  # improves the drifted scene
 

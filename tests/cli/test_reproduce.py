@@ -10,7 +10,7 @@ import pytest
 from stereorecal.io import save_calibrations, save_mission
 from stereorecal.recordings import Mission
 from stereorecal.reproduction import _reproduce, _synthetic_log
-from stereorecal.reproduction._tasks import Counting, Repairing
+from stereorecal.reproduction._experiment_tasks import PairCounts, PairRepair
 from stereorecal.synthetic import default_rig, render
 
 
@@ -63,19 +63,19 @@ def test_json_to_a_pipe_is_nothing_but_json(command, words):
 
 
 def test_interrupted(command, words, monkeypatch):
-    real = Counting.run
+    real = PairCounts.run
 
     def stop(task):
-        if task.shot.image == "1.png":
+        if task.logged_pair.image == "1.png":
             raise KeyboardInterrupt
         return real(task)
 
-    monkeypatch.setattr(Counting, "run", stop)
+    monkeypatch.setattr(PairCounts, "run", stop)
     found = command("reproduce", "validity", *words)
     assert found.code == 130
     assert "run it again" in found.err
     assert "own is highest" in found.out
-    monkeypatch.setattr(Counting, "run", real)
+    monkeypatch.setattr(PairCounts, "run", real)
     assert command("reproduce", "validity", *words).code == 0
 
 
@@ -84,7 +84,7 @@ def test_failures_are_named(command, words, monkeypatch):
     def broken(task):
         raise RuntimeError("the disk is on fire")
 
-    monkeypatch.setattr(Repairing, "run", broken)
+    monkeypatch.setattr(PairRepair, "run", broken)
     found = command("reproduce", "ex-nihilo", *words)
     assert found.code == 3
     assert "ex_nihilo:2020-01-02-quay/0.png/none/count: the disk is on fire" in found.err

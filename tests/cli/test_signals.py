@@ -15,7 +15,7 @@ from slow import terminal
 from stereorecal import _signals
 from stereorecal._errors import InputError
 from stereorecal._run_all import run_all
-from stereorecal.reproduction._store import Store
+from stereorecal.reproduction._row_store import Store
 
 NUMBERS = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP]
 

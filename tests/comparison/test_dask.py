@@ -11,12 +11,12 @@ from distributed import LocalCluster
 from stereorecal.cli import _cluster
 from stereorecal.comparison import compare_scenes
 from stereorecal.io import load_scene, save_scene
-from stereorecal.io.images import _pairs
+from stereorecal.io.images import _load_pairs
 from stereorecal.matching import SAD
 from stereorecal.recalibration import Schedule
 from stereorecal.recordings import Log, Mission
 from stereorecal.reproduction import Extent, _reproduce
-from stereorecal.reproduction._tasks import Method
+from stereorecal.reproduction._experiment_tasks import Method
 from stereorecal.strategies import Budget, strategy
 
 SMALL = {"schedule": "count", "matcher": SAD(num_disparities=24), "scale": 0.5, "budget": Budget(evaluations=10)}
@@ -111,7 +111,7 @@ def test_only_workers_read_the_images(workers, scene, serial, tmp_path, monkeypa
     save_scene(scene(), tmp_path / "saved")
     read = []
     saved = replace(load_scene(tmp_path / "saved"), name=scene().name, rig=scene().rig, reference="truth")
-    monkeypatch.setattr(_pairs, "read_image", read.append)  # the scheduler lives in this process
+    monkeypatch.setattr(_load_pairs, "read_image", read.append)  # the scheduler lives in this process
     found = rows(compared(workers, saved, 2, {"search": strategy("compass")}))
     assert read == []
     assert [row.status for row in found] == ["BUDGET", "BUDGET"]

@@ -7,12 +7,12 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from stereorecal._plain import plain
+from stereorecal._json_data import json_data
 from stereorecal.comparison import Comparison, compare_scenes
 from stereorecal.comparison._pictures import pictures_of
 from stereorecal.comparison._profiles import solved_at
 from stereorecal.matching import SAD
-from stereorecal.report.page import comparison_page
+from stereorecal.report.comparison_page import comparison_page
 from stereorecal.strategies import AbstractStrategy, Budget, strategy
 
 EVIL = "<script>alert('x')</script>"
@@ -254,7 +254,7 @@ def test_curves_of_a_strategy_that_spends_nothing(scene):
     assert curve.score is not None
     assert np.all(curve.score == trial.score_at["100"])
     assert trial.score_at["100"] > trial.course["score"][0]
-    page = comparison_page(comparison.as_dict(), [plain(asdict(curve))])
+    page = comparison_page(comparison.as_dict(), [json_data(asdict(curve))])
     assert any("features, no units spent" in entry for entry in Reader(page).texts["li"])
     assert "level where its trials have ended" in " ".join(Reader(page).texts["p"])
 

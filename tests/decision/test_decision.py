@@ -171,6 +171,60 @@ def test_motion_is_a_reason_where_rows_are_none(drifted, shown, after, verdict):
     assert not said.by_ranges
 
 
+@pytest.mark.parametrize(("before", "after", "repaired"), [(0.7, 0.25, True), (0.7, 0.5, False), (1.4, 0.6, True)])
+def test_a_repair_explains_the_rows_or_corrects_more_than_it_leaves(drifted, before, after, repaired):
+    """Where intrinsics are wrong, extrinsics gain over the view what single places lose."""
+    _, seen = drifted[0]
+
+    class Leaving(type(seen)):
+        def losses(self, used):
+            return np.full((3, 1000), after if np.any(used) else before), np.full(1000, 1.0)
+
+    said = decide(Leaving(**seen.__getstate__()), AXES)
+    assert (said.verdict is Verdict.REPAIR) is repaired
+    assert said.explains is repaired
+
+
+@pytest.mark.parametrize(("free", "repaired"), [(AXES, True), ((*AXES, "left.k1"), False)])
+def test_other_lenses_must_not_cost_rows_anywhere(drifted, free, repaired):
+    """In one of ten draws a corner is worse by what a matcher notices; of a drift alone that is no reason."""
+    _, seen = drifted[0]
+
+    class Corner(type(seen)):
+        def rows_of_regions(self, used):
+            rows = np.full((1000, 27), 0.1)
+            rows[:100, 8] += 0.06 * bool(np.any(used))
+            return rows
+
+        def losses(self, used):
+            return np.full((3, 1000), 0.1 if np.any(used) else 1.0), np.full(1000, 1.0)
+
+    assert (decide(Corner(**seen.__getstate__()), free).verdict is Verdict.REPAIR) is repaired
+
+
+def test_rows_of_regions_are_those_of_the_view(drifted):
+    """Together as far apart as the view's, at each distance."""
+    _, seen = drifted[0]
+    theta = decide(seen, AXES).theta
+    regions, (rows, _) = seen.rows_of_regions(theta), seen.losses(theta)
+    assert regions.shape == (rows.shape[1], 27)
+    assert (rows + 1e-9 >= regions.reshape(-1, 3, 9).min(axis=2).T).all()
+    assert (rows - 1e-9 <= regions.reshape(-1, 3, 9).max(axis=2).T).all()
+
+
+def test_depth_ahead_counts_as_depth_over_the_view_does(drifted):
+    """A lens that is right on average, and wrong where the rig goes."""
+    _, seen = drifted[0]
+    larger = []
+    for name in ("left.cx", "right.cx", "left.k1", "right.k1"):
+        theta = seen.theta + np.eye(len(seen.names))[seen.names.index(name)] * (0.5 if name.endswith("x") else 0.01)
+        over, depth = seen._read(theta)[1][:, 2], seen.losses(theta)[1]  # at 30 baselines
+        each = 100.0 * np.abs(1.0 / (1.0 + over) - 1.0)
+        np.testing.assert_allclose(depth, each.max(axis=1))
+        larger.append(each[:, 1] > each[:, 0])
+    assert 0 < np.count_nonzero(larger) < np.size(larger)
+
+
 def test_far_rows_do_not_pay_for_near_ones(drifted):
     """What is worse at one distance is worse."""
     _, seen = drifted[0]

@@ -8,7 +8,15 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from stereorecal.estimation._candidates import Known, depth_kept, least_loss, least_loss_of_depth_kept
-from stereorecal.estimation._consequences import DISTANCES, consequences, points_of_view, readings, readings_at
+from stereorecal.estimation._consequences import (
+    DISTANCES,
+    areas,
+    consequences,
+    points_of_view,
+    readings,
+    readings_at,
+    regions,
+)
 from stereorecal.geometry import Camera, StereoRig, rectifying_rotations, view
 
 SIZES = {"deg": 0.2, "%": 0.3, "px": 2.0, "": 1e-3}
@@ -103,7 +111,24 @@ def test_linear_maps_against_readings_of_other_rigs(chart, theta, near, seed, si
         for pair in ((used, chart.rig_at(theta - change)), (chart.rig_at(theta + change), used)):
             rows, nearness = readings(*pair, points)
             np.testing.assert_allclose(rows, expected, atol=0.02 * np.abs(expected).max() + 1e-3)
-            assert nearness.mean() == pytest.approx(near.nearness[index] @ change, rel=0.03, abs=1e-3)
+            over = areas(pair[1], points) @ nearness
+            np.testing.assert_allclose(over, near.nearness[index] @ change, rtol=0.03, atol=1e-3)
+            assert nearness.mean() == pytest.approx(over[0])
+
+
+def test_areas_and_regions_of_the_view(rig):
+    """All points alike, and those of the middle; nine regions by rows."""
+    points = points_of_view(rig, 30)
+    pixels = np.asarray(rig.left.project(points / points[:, 2:])) / np.array(rig.left.size)
+    whole, ahead = areas(rig, points)
+    np.testing.assert_allclose(whole, 1 / len(points))
+    inside = np.abs(pixels - 0.5).max(axis=1) < 0.25
+    assert 0 < inside.sum() < len(inside)
+    np.testing.assert_allclose(ahead, inside / inside.sum())
+    column, row = (3 * pixels).astype(int).T
+    np.testing.assert_array_equal(regions(rig, points), 3 * row + column)
+    at_edge = points[pixels[:, 0] < 0.2]
+    np.testing.assert_allclose(areas(rig, at_edge)[1], 1 / len(at_edge))  # nothing lies ahead
 
 
 @settings(max_examples=6)
@@ -126,7 +151,7 @@ def test_it_is_the_most_probable_of_those(chart, prior, seed):
     mean = drifted(chart, seed)
     covariance = prior.roots[2] @ prior.roots[2].T + np.diag(np.r_[0.01**2 * np.ones(5), np.zeros(chart.dim - 5)])
     kept, rng = depth_kept(chart, mean, covariance), np.random.default_rng(seed)
-    slopes = consequences(chart, mean).nearness[[DISTANCES.index(10), DISTANCES.index(30)]]
+    slopes = consequences(chart, mean).nearness[[DISTANCES.index(10), DISTANCES.index(30)], 0]
     scales = np.sqrt(np.diag(covariance))
     precision = np.linalg.inv(covariance / scales[:, None] / scales)
 
@@ -147,14 +172,14 @@ def deviations(chart) -> np.ndarray:
 
 
 def loss(chart, near, mean, nearness, theta) -> float:
-    """In squares: a tenth of a pixel of rows counts like one percent of disparity, on average and at single points, at
-    each of three distances, and ten deviations of a free parameter from its mean."""
+    """In squares: a tenth of a pixel of rows counts like one percent of disparity, on average, ahead and at single
+    points, at each of three distances, and ten deviations of a free parameter from its mean."""
     total = np.sum((0.1 * (theta - mean) / deviations(chart))[theta != 0.0] ** 2)
     for distance in (5, 10, 30):
         index = DISTANCES.index(distance)
         rows = near.rows[index] @ (theta - mean)
         total += np.mean((rows / 0.1) ** 2) / 3
-        total += ((near.nearness[index] @ (theta - mean) - nearness[index]) / 0.01) ** 2
+        total += np.mean(((near.nearness[index] @ (theta - mean) - nearness[index]) / 0.01) ** 2)
         total += np.mean((near.variation[index] @ (theta - mean) / 0.01) ** 2)
     return float(total)
 
@@ -165,14 +190,16 @@ def of_one(known: Known, free: np.ndarray) -> np.ndarray:
 
 
 def test_with_all_free_and_nothing_to_correct_it_is_the_mean(chart, theta, near):
-    found = of_one(Known(chart, near, theta, deviations(chart), np.zeros(4), (5, 10, 30)), np.ones(chart.dim, bool))
+    found = of_one(
+        Known(chart, near, theta, deviations(chart), np.zeros((4, 2)), (5, 10, 30)), np.ones(chart.dim, bool)
+    )
     np.testing.assert_array_equal(found, theta)
 
 
 @settings(max_examples=15)
 @given(seed=st.integers(0, 999), share=st.floats(0.0, 0.03))
 def test_held_parameters_stay_and_more_freedom_loses_no_more(chart, theta, near, seed, share):
-    nearness = np.random.default_rng(seed).uniform(-share, share, 4)
+    nearness = np.random.default_rng(seed).uniform(-share, share, (4, 2))
     names, losses = np.array(chart.names), []
     lenses = np.array([name.startswith("right.") for name in names])
     extrinsics = np.arange(chart.dim) < 5
@@ -191,7 +218,7 @@ def test_free_lenses_do_not_vary_depth_over_the_view_for_a_little_of_rows(chart,
     on_average = replace(near, variation=tuple(0.0 * some for some in near.variation))
     varying = []
     for maps in (near, on_average):
-        known = Known(chart, maps, theta, deviations(chart), np.zeros(4), (5, 10, 30))
+        known = Known(chart, maps, theta, deviations(chart), np.zeros((4, 2)), (5, 10, 30))
         (kept,) = least_loss_of_depth_kept([known], free, np.zeros_like(free))
         mean = chart.rig_at(theta)
         moved = readings(chart.rig_at(kept), mean, points_of_view(mean, 30))[1]
@@ -202,7 +229,7 @@ def test_free_lenses_do_not_vary_depth_over_the_view_for_a_little_of_rows(chart,
 @settings(max_examples=15)
 @given(seed=st.integers(0, 999))
 def test_no_step_of_the_extrinsics_loses_less(chart, theta, near, seed):
-    nearness, free = np.array([0.01, 0.01, 0.02, 0.05]), np.arange(chart.dim) < 5
+    nearness, free = np.array([[0.01] * 2, [0.01] * 2, [0.02, 0.01], [0.05] * 2]), np.arange(chart.dim) < 5
     found = of_one(Known(chart, near, theta, deviations(chart), nearness, (5, 10, 30)), free)
     for size in (1e-3, 1e-2, 0.1):
         moved = found + drifted(chart, seed) * size
@@ -214,7 +241,7 @@ def test_what_is_exact_stays_as_it_is(chart, near):
     """No deviation, and a mean of zero: free, but there is no reason to move it."""
     mean, exact = drifted(chart, 1), np.arange(chart.dim) >= 5
     sigma = np.where(exact, 0.0, deviations(chart))
-    found = of_one(Known(chart, near, mean, sigma, np.full(4, 0.01), (5, 10, 30)), np.ones(chart.dim, bool))
+    found = of_one(Known(chart, near, mean, sigma, np.full((4, 2), 0.01), (5, 10, 30)), np.ones(chart.dim, bool))
     assert np.isfinite(found).all()
     assert not found[exact].any()
 
@@ -228,7 +255,7 @@ def test_sides_that_a_wide_view_stretches_count_for_less():
     used = true.with_extrinsics(true.extrinsics + np.array([2e-3, 3e-3, -1e-3, 0.0, 0.0, 0.0]))
     for shown in (view(used), view(used, projection="pinhole")):
         points = points_of_view(used, 10, shown)
-        (rows,), (mean,) = readings_at(used, true, [points], shown)
+        (rows,), ((mean, ahead),) = readings_at(used, true, [points], shown)
         turns = rectifying_rotations(used.rotation, used.translation)
         seen = (points @ turns[0].T, (points @ true.rotation.T + true.translation) @ turns[1].T)
         (column, row), (other, beside) = (shown.pixels(ray, side) for side, ray in enumerate(seen))
@@ -236,4 +263,7 @@ def test_sides_that_a_wide_view_stretches_count_for_less():
         np.testing.assert_allclose(rows * shown.focal / used.left.focal.mean(), (row - beside) / stretch, rtol=1e-6)
         near = shown.nearness(column, column - other) * shown.formulas.length(*seen[0].T) / float(used.baseline)
         assert mean == pytest.approx(np.average(near - 1.0, weights=stretch**-2), rel=1e-6)
+        assert ahead == pytest.approx(
+            np.average(near - 1.0, weights=stretch**-2 * (areas(true, points)[1] > 0)), rel=1e-6
+        )
         assert (np.ptp(stretch) > 1.0) == (shown.projection == "equirectangular")

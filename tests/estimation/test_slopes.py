@@ -7,7 +7,7 @@ from lenses import LENSES, WIDE_LENSES
 
 import stereorecal as sr
 from stereorecal.estimation import _calibration_prior as of_boards, rig_parameters
-from stereorecal.estimation._consequences import DISTANCES, consequences, points_of_view, readings
+from stereorecal.estimation._consequences import DISTANCES, areas, consequences, points_of_view, readings
 from stereorecal.estimation._slopes import moved_by_extrinsics, pixels_of, slopes_by_point, slopes_of
 
 SIZES = {"deg": 0.3, "%": 0.3, "px": 3.0, "": 1e-3}
@@ -81,7 +81,7 @@ def test_consequences_by_theta_whatever_the_lens_and_the_view(rig, coefficients,
 
         both = -differences(chart, steps, theta, read)
         assert_near(found.rows[index].T, both[:, 0])
-        assert_near(found.nearness[index][:, None], both[:, 1].mean(axis=1, keepdims=True))
+        assert_near(found.nearness[index].T, both[:, 1] @ areas(used, points).T)
 
 
 def test_what_boards_tell_of_the_rig_where_their_poses_are_not_known(chart, steps):

@@ -11,7 +11,7 @@ from bags import write_bag
 
 from stereorecal._errors import InputError
 from stereorecal.io import open_pairs
-from stereorecal.io.images import _files
+from stereorecal.io.images import _image_files
 
 pytest.importorskip("rosbags", reason="rosbags is not installed")
 TOPICS = {"left_topic": "/left/image", "right_topic": "/right/image"}
@@ -174,6 +174,6 @@ def test_a_compressed_image_that_claims_to_be_large(tmp_path, monkeypatch):
     """It is refused before it is decoded."""
     path = write_bag(tmp_path / "a.bag", stamped((0,)), ros1=True, compressed=True)
     pairs = open_pairs(path, **TOPICS).pairs
-    monkeypatch.setattr(_files, "MOST_PIXELS", 32 * 24 - 1)
+    monkeypatch.setattr(_image_files, "MOST_PIXELS", 32 * 24 - 1)
     with pytest.raises(InputError, match=r"a\.bag, /left/image.*claims to be 32x24"):
         pairs[0]

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from stereorecal._errors import InputError
-from stereorecal._plain import plain
+from stereorecal._json_data import json_data
 from stereorecal.io import json_line, json_text, parse_json, read_json, write_json
 from stereorecal.io.formats._stereorecal import calibration_text
 
@@ -23,8 +23,8 @@ nested = st.recursive(
 def test_what_is_written_is_read_back(content):
     text = json_text(content)
     assert text.endswith("\n")
-    assert parse_json(text) == plain(content)
-    assert parse_json(json_line(content)) == plain(content)
+    assert parse_json(text) == json_data(content)
+    assert parse_json(json_line(content)) == json_data(content)
     assert json_line(content).count("\n") == 1
 
 

@@ -8,7 +8,7 @@ from trees import TREES, refused, write_image
 
 from stereorecal import InputError
 from stereorecal.io import load_log, load_scene
-from stereorecal.io.layouts._recognise import _LAYOUTS
+from stereorecal.io.layouts._load_data_set import _LAYOUTS
 
 TREE = pytest.mark.parametrize("name", TREES)
 

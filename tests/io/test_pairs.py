@@ -11,7 +11,7 @@ from hypothesis import given, strategies as st
 
 from stereorecal._errors import InputError, PairingWarning
 from stereorecal.io import load_pair, load_pairs
-from stereorecal.io.images._match import find_partners, match_files
+from stereorecal.io.images._match_by_name import find_partners, match_files
 
 SIZE = (24, 16)
 
@@ -190,7 +190,7 @@ def test_frames_that_a_camera_lost_are_left_over():
     left, right = ([Path(f"{side}/{i}.png") for i in kept] for side, kept in (("l", (1, 2, 4)), ("r", (2, 3, 4))))
     found = find_partners(left, right)
     assert found.matched == [(left[1], right[0]), (left[2], right[2])]
-    assert found.alone == (left[0], right[1])
+    assert found.unmatched == (left[0], right[1])
 
 
 def test_a_few_equal_names_are_chance():

@@ -14,11 +14,19 @@ def test_a_table(tmp_path):
     assert (two.pair, two.left_pixel, two.metres, two.sigma) == ("1", (1.0, 2.0), np.inf, None)
 
 
+def test_distances_along_the_optical_axis(tmp_path):
+    path = tmp_path / "ranges.csv"
+    path.write_text("pair,column,row,depth,sigma\n0,10,20,3.5,0.1\n")
+    (one,) = sr.io.load_ranges(path)
+    assert (one.metres, one.sigma, one.along) == (3.5, 0.1, "axis")
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [
         ("", "empty"),
         ("pair,x,y\n", "first line"),
+        ("pair,column,row,distance\n0,1,2,3\n", "call them depth if"),
         ("pair,column,row,metres\n", "no ranges"),
         ("pair,column,row,metres\n0,1,2,far\n", "line 2"),
         ("pair,column,row,metres\n0,1,2\n", "line 2"),

@@ -12,7 +12,15 @@ import pytest
 
 import stereorecal as sr
 from stereorecal import _plugins
-from stereorecal.matching import AbstractMatcher, Disparity, MatcherInfo, _by_name, as_matcher, name_of, overview
+from stereorecal.matching import (
+    AbstractMatcher,
+    Disparity,
+    MatcherInfo,
+    _matcher_registry,
+    as_matcher,
+    name_of,
+    overview,
+)
 from stereorecal.strategies import strategies
 
 GROUP = "stereorecal.matchers"
@@ -65,7 +73,7 @@ def test_ours_come_through_the_door_as_declared():
     """What stands in for metadata that is older than the code is what pyproject.toml declares."""
     declared = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text())
     assert declared["project"]["entry-points"] == {GROUP: OWN}
-    assert dict(_by_name._REGISTRY.own) == OWN
+    assert dict(_matcher_registry._REGISTRY.own) == OWN
 
 
 @pytest.mark.parametrize("metadata", [(), ("sad",), ("sad", "bm", "sgbm")], ids=len)
@@ -76,7 +84,7 @@ def test_ours_are_there_whatever_the_metadata_says(installed, metadata):
     found = overview()
     assert all(isinstance(info, MatcherInfo) and info.distribution == "stereorecal" for info in found.values())
     assert [name_of(one) for one in (sr.SAD(), sr.BM(), sr.SGBM())] == ["sad", "bm", "sgbm"]
-    assert _by_name.origin_of(sr.BM()).startswith("stereorecal ")
+    assert _matcher_registry.origin_of(sr.BM()).startswith("stereorecal ")
 
 
 def test_a_plugin_is_one_of_them(installed):
@@ -85,7 +93,7 @@ def test_a_plugin_is_one_of_them(installed):
     made = sr.matcher("nothing", patience=2.0, num_disparities=16)
     assert made == Nothing(patience=2.0, num_disparities=16)
     assert name_of(made) == "nothing"
-    assert _by_name.origin_of(made) == "plug-in 1.2"
+    assert _matcher_registry.origin_of(made) == "plug-in 1.2"
     assert as_matcher("nothing") == Nothing()
     found = overview()
     assert found["nothing"] == MatcherInfo("nothing", "plug-in", "1.2", "on the host", "Finds nothing.")

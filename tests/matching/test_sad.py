@@ -15,7 +15,7 @@ from stereorecal.matching._texture import quantise, x_sobel
 from stereorecal.matching.sad._planes import winners as winners_by_planes
 from stereorecal.matching.sad._sad import _sum_type, winners_by_rows
 from stereorecal.matching.sad._stream import NEVER
-from stereorecal.matching.sad._winners import dearest_rival
+from stereorecal.matching.sad._winners import highest_rival_cost
 
 SHAPE = (37, 61)
 FORMS = [jax.jit(form, static_argnums=2) for form in (winners_by_rows, winners_by_planes)]
@@ -113,7 +113,7 @@ def test_twice_a_cost_may_not_fit_where_the_cost_does():
 
 @given(st.integers(0, 2**30 - 1), st.integers(0, 100))
 def test_the_limit_of_a_rival_does_not_overflow(cost, uniqueness_ratio):
-    limit = dearest_rival(jnp.int32(cost), uniqueness_ratio)
+    limit = highest_rival_cost(jnp.int32(cost), uniqueness_ratio)
     assert int(limit) == cost + cost * uniqueness_ratio // 100
 
 

@@ -32,13 +32,13 @@ def runs():
 def looks(monkeypatch):
     """Looks of surveys, each at one frame at the survey's own scale."""
     seen = []
-    in_turn = _survey.in_turn
+    map_candidates = _survey.map_candidates
 
-    def counted(look, frames, candidates, *more):
+    def counted(score, frames, candidates, *more):
         seen.append(np.atleast_2d(candidates).shape[0] * sum(frame.cost for frame in frames))
-        return in_turn(look, frames, candidates, *more)
+        return map_candidates(score, frames, candidates, *more)
 
-    monkeypatch.setattr(_survey, "in_turn", counted)
+    monkeypatch.setattr(_survey, "map_candidates", counted)
     return lambda: sum(seen)
 
 

@@ -11,7 +11,7 @@ from stereorecal.geometry import StereoRig
 from stereorecal.matching import SAD
 from stereorecal.recalibration import Reason, Repair, Schedule, Solution, _recalibrate, recalibrate
 from stereorecal.recordings import Pair
-from stereorecal.report.repairs import repairs_table
+from stereorecal.report.repair_tables import repairs_table
 from stereorecal.strategies import Budget, Status
 from stereorecal.synthetic import default_rig, render
 

@@ -14,12 +14,12 @@ from stereorecal.recalibration import Condition, Health, health
 from stereorecal.recalibration._consequences import Interval
 from stereorecal.recalibration._mending import Mending
 from stereorecal.recordings import Pair, make_pair
-from stereorecal.scoring import Legible
+from stereorecal.scoring import ImageQuality
 from stereorecal.scoring.host import Score, score
 
 SAD_48 = SAD(num_disparities=48)
 SIZE = (320, 240)
-DAYLIGHT = Legible(120.0, 0.8)
+DAYLIGHT = ImageQuality(120.0, 0.8)
 
 
 @pytest.fixture
@@ -148,8 +148,8 @@ def test_it_says_what_the_decision_says(verdict, after, condition, said):
     ("shown", "condition"),
     [
         (DAYLIGHT, Condition.REPAIR),
-        (Legible(19.0, 0.8), Condition.CANNOT_TELL),
-        (Legible(120.0, 0.3), Condition.CANNOT_TELL),
+        (ImageQuality(19.0, 0.8), Condition.CANNOT_TELL),
+        (ImageQuality(120.0, 0.3), Condition.CANNOT_TELL),
     ],
 )
 def test_where_hardly_anything_matches(shown, condition):

@@ -9,7 +9,7 @@ from stereorecal.estimation import Beams
 from stereorecal.recalibration._ranges import beams
 from stereorecal.recalibration._rescale import _YAW as YAW, _solved as lengthened
 from stereorecal.scoring import pyramid
-from stereorecal.scoring.host import ranged
+from stereorecal.scoring.host import with_measured_range
 from stereorecal.synthetic import ranges as measured
 
 RIG = sr.synthetic.default_rig()
@@ -51,13 +51,31 @@ def test_disparities_err_as_their_deviations_say(harbour):
     pixels, metres = measured("harbour", 2, number=200, noise=0.0)
     images = pyramid(RIG, harbour.pairs)
     ranges = [sr.Range(images.pairs[0], tuple(p), far, 1e-9) for p, far in zip(pixels.tolist(), metres, strict=True)]
-    seen = beams(images.at(1.0), RIG, ranged(None, images), images.pairs, ranges)
+    seen = beams(images.at(1.0), RIG, with_measured_range(None, images), images.pairs, ranges)
     assert len(seen.metres) > 0.5 * len(ranges)
     apart = np.abs(seen.residuals(RIG))  # in deviations of the disparity, nothing else being uncertain
     surer = seen.matching < np.median(seen.matching)
     for some in (surer, ~surer):  # this scene is one of the worse: 1.2 and 1.5; six others together 0.8 to 1.0
         assert 0.5 < 1.4826 * np.median(apart[some]) < 1.7
     assert np.mean(apart > 4.0) < 0.08
+
+
+def test_depth_along_the_axis_is_that_of_the_same_points_along_the_ray(harbour):
+    pixels, metres = measured("harbour", 2, number=60, noise=0.0)
+    images = pyramid(RIG, harbour.pairs)
+    slant = np.linalg.norm(np.asarray(RIG.left.rays(pixels)), axis=1)
+
+    def matched(metres, along):
+        given = zip(pixels.tolist(), metres.tolist(), strict=True)
+        ranges = [sr.Range(images.pairs[0], tuple(p), far, along=along) for p, far in given]
+        return beams(images.at(1.0), RIG, with_measured_range(None, images), images.pairs, ranges)
+
+    by_ray, by_axis = matched(metres, "ray"), matched(metres / slant, "axis")
+    assert slant.max() > 1.1
+    np.testing.assert_allclose(by_axis.metres, by_ray.metres)
+    np.testing.assert_allclose(by_axis.sigma, by_ray.sigma)
+    with pytest.raises(sr.InputError, match='along the "ray" or along the optical "axis"'):
+        sr.Range(0, (1, 2), 3.0, along="z")
 
 
 def test_ranges_of_other_things_have_no_say(harbour):

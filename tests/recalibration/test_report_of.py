@@ -10,9 +10,9 @@ import stereorecal as sr
 from stereorecal.geometry import changed_camera
 from stereorecal.recalibration import Reason
 from stereorecal.recalibration._lenses import lenses_of
-from stereorecal.recalibration._report import report_of, verdict_of
+from stereorecal.recalibration._report import conclusion_of, report_of
 from stereorecal.recalibration._seen_rows import seen_rows
-from stereorecal.report.repair import RepairReport, Verdict
+from stereorecal.report.repair_report import Conclusion, RepairReport
 
 RIG = sr.synthetic.default_rig().resized((320, 240))
 SAD_64 = sr.SAD(num_disparities=64)
@@ -57,7 +57,7 @@ def test_a_range_that_was_measured_is_no_setting(repaired, harbour):
 def test_what_was_good_speaks_of_itself(harbour):
     solution = sr.recalibrate(RIG, harbour, matcher=SAD_64)
     found = reported(solution, harbour)
-    assert found.verdict is Verdict.GOOD
+    assert found.conclusion is Conclusion.GOOD
     assert not found.accepted
     assert found.when == "before"
     assert solution.expected is not None
@@ -71,7 +71,7 @@ def test_what_nobody_can_tell_has_no_tables(harbour):
     solution = sr.recalibrate(DRIFTED, dark, matcher=SAD_64)
     assert solution.reason is Reason.TOO_LITTLE_TEXTURE
     found = reported(solution, dark)
-    assert found.verdict is Verdict.UNKNOWN
+    assert found.conclusion is Conclusion.UNKNOWN
     assert (list(found.axes), list(found.depths), list(found.remarks)) == ([], [], [])
     assert found.rows is found.misfit is found.expected is None
 
@@ -79,32 +79,32 @@ def test_what_nobody_can_tell_has_no_tables(harbour):
 def test_a_wrong_candidate_tells_no_depth(repaired, harbour):
     """Its difference to the calibration that is kept may be small, of which the depth is no better for it."""
     found = reported(replace(repaired, reason=Reason.MISFIT, accepted=False), harbour)
-    assert found.verdict is Verdict.REFUSED
+    assert found.conclusion is Conclusion.REFUSED
     assert list(found.depths) == []
     assert len(found.axes) == 6
     assert len(reported(repaired, harbour).depths) == 4
 
 
-VERDICTS = dict.fromkeys(Reason, Verdict.REFUSED) | {
-    Reason.IMPROVED: Verdict.REPAIRED,
-    Reason.MORE_MATCHES: Verdict.REPAIRED,
-    Reason.RANGES: Verdict.REPAIRED,
-    Reason.MOTION: Verdict.REPAIRED,
-    Reason.ALREADY_GOOD: Verdict.GOOD,
-    Reason.TOO_LITTLE_TEXTURE: Verdict.UNKNOWN,
-    Reason.OUT_OF_BUDGET: Verdict.UNKNOWN,
+VERDICTS = dict.fromkeys(Reason, Conclusion.REFUSED) | {
+    Reason.IMPROVED: Conclusion.REPAIRED,
+    Reason.MORE_MATCHES: Conclusion.REPAIRED,
+    Reason.RANGES: Conclusion.REPAIRED,
+    Reason.MOTION: Conclusion.REPAIRED,
+    Reason.ALREADY_GOOD: Conclusion.GOOD,
+    Reason.TOO_LITTLE_TEXTURE: Conclusion.UNKNOWN,
+    Reason.OUT_OF_BUDGET: Conclusion.UNKNOWN,
 }
 
 
 @pytest.mark.parametrize(("reason", "verdict"), VERDICTS.items(), ids=[reason.name for reason in VERDICTS])
-def test_verdicts(reason: Reason, verdict: Verdict):
-    assert verdict_of(reason) is verdict
+def test_verdicts(reason: Reason, verdict: Conclusion):
+    assert conclusion_of(reason) is verdict
 
 
 def test_hardly_any_match_gives_no_axes(repaired, harbour):
     """But the calibration, under which nothing matches, is no good one."""
     found = reported(replace(repaired, reason=Reason.NO_MATCHES, accepted=False), harbour)
-    assert found.verdict is Verdict.REFUSED
+    assert found.conclusion is Conclusion.REFUSED
     assert (list(found.axes), list(found.depths), list(found.facts)) == ([], [], ["matched, of 76 800 pixels"])
 
 

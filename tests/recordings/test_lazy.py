@@ -12,11 +12,11 @@ from stereorecal._errors import InputError
 from stereorecal.cli._recordings import recordings
 from stereorecal.cli.arguments import parser
 from stereorecal.io import files_read, load_log, load_scene, open_pairs, save_scene
-from stereorecal.io.images import _pairs
+from stereorecal.io.images import _load_pairs
 from stereorecal.recalibration import chosen_frames
 from stereorecal.recordings import Pair, names_of
 from stereorecal.reproduction import Extent, reproduce
-from stereorecal.reproduction._judge import Judge
+from stereorecal.reproduction._pixel_counter import PixelCounter
 from stereorecal.synthetic import default_rig, render
 
 FRAMES = 200
@@ -43,7 +43,7 @@ class Meter:
         self.read = self.most = 0
         self.alive: weakref.WeakSet[Pair] = weakref.WeakSet()
 
-    def __call__(self, left: str, right: str, time: float | None = None, load=_pairs.load_pair) -> Pair:
+    def __call__(self, left: str, right: str, time: float | None = None, load=_load_pairs.load_pair) -> Pair:
         pair = load(left, right, time)
         self.alive.add(pair)
         self.read += 1
@@ -54,7 +54,7 @@ class Meter:
 @pytest.fixture
 def meter(monkeypatch: pytest.MonkeyPatch) -> Meter:
     found = Meter()
-    monkeypatch.setattr(_pairs, "load_pair", found)
+    monkeypatch.setattr(_load_pairs, "load_pair", found)
     return found
 
 
@@ -88,7 +88,9 @@ def test_a_command_looks_at_some_of_a_long_recording(folder: Path, meter: Meter)
 
 
 def test_experiments_read_a_pair_for_each_task(folder: Path, meter: Meter, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(Judge, "counts", lambda judge, pair, extrinsics: [int(pair.left.sum())] * len(extrinsics))
+    monkeypatch.setattr(
+        PixelCounter, "counts", lambda counter, pair, extrinsics: [int(pair.left.sum())] * len(extrinsics)
+    )
     found = reproduce(load_log(folder), ["validity"], schedules=("count",), extent=Extent())
     assert found.errors == {}
     assert len(found.rows["validity"]) == FRAMES

@@ -9,7 +9,7 @@ import pytest
 import stereorecal as sr
 from stereorecal._errors import InputError
 from stereorecal.recordings import Pair, make_pair
-from stereorecal.recordings._pairs import as_pairs
+from stereorecal.recordings._as_pairs import as_pairs
 
 CALL = "give pairs such as sr.io.load_pairs('left/*.png', 'right/*.png'), or tuples (left, right) of arrays."
 

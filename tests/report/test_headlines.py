@@ -4,82 +4,84 @@ import pytest
 from made_up_repair import made_up, misfit
 
 from stereorecal.report._headlines import headline, where
-from stereorecal.report._regions import where_not
-from stereorecal.report.repair import Verdict
+from stereorecal.report._regions import misfit_sentence
+from stereorecal.report.repair_report import Conclusion
 
 CENTRE, LOWER_RIGHT = 27, 47
 HEADLINES = {
-    "Use the new calibration": (Verdict.REPAIRED, misfit(before={0: 9.0})),
-    "Use the new calibration, but do not trust depth at the upper left": (Verdict.REPAIRED, misfit(after={0: 0.9})),
+    "Use the new calibration": (Conclusion.REPAIRED, misfit(before={0: 9.0})),
+    "Use the new calibration, but do not trust depth at the upper left": (Conclusion.REPAIRED, misfit(after={0: 0.9})),
     "Use the new calibration, but do not trust depth in 5 parts of the image": (
-        Verdict.REPAIRED,
+        Conclusion.REPAIRED,
         misfit(after=dict.fromkeys((0, 7, CENTRE, 40, LOWER_RIGHT), 0.9)),
     ),
     "Use the new calibration, but do not trust depth nearly everywhere": (
-        Verdict.REPAIRED,
+        Conclusion.REPAIRED,
         misfit(after=dict.fromkeys(range(40), 0.9)),
     ),
-    "Keep the calibration that you have: it is good": (Verdict.GOOD, misfit(after={0: 0.9})),
+    "Keep the calibration that you have: it is good": (Conclusion.GOOD, misfit(after={0: 0.9})),
     "Keep the calibration that you have, but do not trust depth at the centre and lower right": (
-        Verdict.GOOD,
+        Conclusion.GOOD,
         misfit(before={CENTRE: 0.9, LOWER_RIGHT: -0.5}),
     ),
     "Not repaired: the calibration stays as it is, and its depth cannot be trusted": (
-        Verdict.REFUSED,
+        Conclusion.REFUSED,
         misfit(before={0: 9.0}, after={CENTRE: 0.9}),
     ),
-    "Cannot tell whether the calibration is right; it stays as it is": (Verdict.UNKNOWN, None),
+    "Cannot tell whether the calibration is right; it stays as it is": (Conclusion.UNKNOWN, None),
 }
 
 
 @pytest.mark.parametrize(("said", "case"), HEADLINES.items(), ids=list(HEADLINES))
 def test_headlines(said: str, case):
-    verdict, left = case
-    assert headline(made_up(verdict=verdict, misfit=left)) == said
+    conclusion, left = case
+    assert headline(made_up(conclusion=conclusion, misfit=left)) == said
 
 
 def test_every_part_is_named():
     """Of five parts, three would leave two that are cleared without a word."""
-    said = where_not(misfit(after={0: 0.9, 1: 0.8, 7: 0.5, CENTRE: -0.4, 40: 0.3, LOWER_RIGHT: 0.3}), "after")
+    said = misfit_sentence(misfit(after={0: 0.9, 1: 0.8, 7: 0.5, CENTRE: -0.4, 40: 0.3, LOWER_RIGHT: 0.3}), "after")
     assert said == (
-        "In 6 of the 48 regions of the view that matched rows lie more than 0.2 px apart (0.90 px at worst), at the "
+        "In 6 of the 48 matched regions of the view the epipolar error exceeds 0.2 px (0.90 px at worst), at the "
         "upper left, upper right, centre, lower left and lower right: do not trust depth there."
     )
 
 
 def test_of_most_regions_none_is_cleared():
-    assert "nearly everywhere: do not" in where_not(misfit(after=dict.fromkeys(range(36), 0.9)), "after")
+    assert "nearly everywhere: do not" in misfit_sentence(misfit(after=dict.fromkeys(range(36), 0.9)), "after")
 
 
 def test_no_doubt_is_named_that_noise_explains():
-    assert where_not(misfit(after={0: 0.35}, error=[0.1] * 48), "after").startswith("In none of the 48 regions")
+    assert misfit_sentence(misfit(after={0: 0.35}, error=[0.1] * 48), "after").startswith(
+        "In none of the 48 matched regions"
+    )
 
 
 def test_regions_are_places_not_frames():
     left = misfit(after={0: 0.9}, frames=3)
-    assert where_not(left, "after").startswith("In 1 of the 48 regions")
+    assert misfit_sentence(left, "after").startswith("In 1 of the 48 matched regions")
 
 
 def test_what_is_kept_is_spoken_of():
-    """The candidate's rows are no reason to trust a calibration that is not the candidate's."""
+    """The candidate's errors say nothing about another calibration."""
     left = misfit(before={0: 9.0}, after={CENTRE: 0.9})
-    kept, candidate = where(made_up(verdict=Verdict.REFUSED, misfit=left))
+    kept, candidate = where(made_up(conclusion=Conclusion.REFUSED, misfit=left))
     assert kept.startswith("With the calibration that you keep, in 1 of the 48")
     assert "9.00 px at worst), at the upper left" in kept
-    assert candidate.startswith("With the candidate, which was not taken, in 1 of the 48")
+    assert candidate.startswith("With the candidate, which was rejected, in 1 of the 48")
     assert candidate.endswith("(0.90 px at worst), at the centre: it does not fit there.")
-    (alone,) = where(made_up(verdict=Verdict.GOOD, misfit=left))
+    (alone,) = where(made_up(conclusion=Conclusion.GOOD, misfit=left))
     assert "9.00 px" in alone
 
 
 def test_what_was_not_seen():
     left = {key: value[24:] for key, value in misfit().items()}
     said = where(made_up(misfit=left))
-    assert said[0].startswith("In none of the 24 regions of the view that matched")
+    assert said[0].startswith("In none of the 24 matched regions of the view")
     assert said[1].startswith("Little or nothing matched at the upper left, upper middle and upper right:")
 
 
 def test_a_count_alone_does_not_say_where():
     (said,) = where(made_up(misfit=None))
-    assert "tells neither where in the image depth can be trusted" in said
-    assert where(made_up(verdict=Verdict.UNKNOWN, misfit=None)) == []
+    assert "not known where in the image depth can be trusted" in said
+    assert where(made_up(conclusion=Conclusion.UNKNOWN, misfit=None)) == []

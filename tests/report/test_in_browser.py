@@ -11,8 +11,8 @@ from made_up_repair import made_up
 
 from stereorecal.comparison import compare_scenes
 from stereorecal.matching import SAD
-from stereorecal.report.repair import Axis, Verdict
 from stereorecal.report.repair_page import repair_page
+from stereorecal.report.repair_report import Axis, Conclusion
 from stereorecal.strategies import Budget, strategy
 
 pytestmark = pytest.mark.skipif(browser_path() is None, reason="there is no Chromium on this machine")
@@ -131,7 +131,7 @@ def test_changes_of_axes_fit_a_telephone(browser: Page, tmp_path: Path):
         Axis("z", "mm", -3.6, 5.277, 20.556, False),
     ]
     path = tmp_path / "out.html"
-    path.write_text(repair_page(made_up(verdict=Verdict.GOOD, axes=axes)), encoding="utf-8")
+    path.write_text(repair_page(made_up(conclusion=Conclusion.GOOD, axes=axes)), encoding="utf-8")
     page = opened(browser, path)
     page.look(400)
     box = "document.querySelector('[aria-label=Axes]')"

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from made_up_repair import made_up, misfit
 
-from stereorecal.report._beside import larger_than_expected, unmeasured
+from stereorecal.report._expected_regions import larger_than_expected, unmeasured
 from stereorecal.report._repair_figures import _bins, density, expected_figure, field_figures, histogram_figure, outline
-from stereorecal.report.repair import Rows, Verdict
+from stereorecal.report.repair_report import Conclusion, Rows
 
 IMAGE = np.full((60, 80), 128.0)
 NAMES = ("before", "after")
@@ -73,7 +73,7 @@ def test_where_measured_rows_are_larger_than_expected():
     left = misfit(before={5: 9.0}, after={0: 0.9, 1: 0.31, 7: 0.9})
     report = made_up(expected=expected, misfit=left)
     assert larger_than_expected(report) == [0]
-    assert larger_than_expected(replace(report, verdict=Verdict.GOOD)) == [5]
+    assert larger_than_expected(replace(report, conclusion=Conclusion.GOOD)) == [5]
     assert larger_than_expected(replace(report, expected=np.full((13, 17), np.nan))) == []
 
 
@@ -87,7 +87,7 @@ def test_marks_are_drawn_and_named():
     assert "fill: url(#" not in plain
     marked = expected_figure(np.ones((13, 17)), IMAGE, [3], [4, 5])
     assert marked.count("fill: url(#") == 3 + 2  # in the map, and in its legend
-    assert {"rows measured there lie farther apart", "nothing matched there: extrapolated"} <= set(words(marked))
+    assert {"measured row error is larger there", "nothing matched there: extrapolated"} <= set(words(marked))
 
 
 def test_corners_do_not_take_all_colours():

@@ -22,9 +22,9 @@ from stereorecal.reproduction import (
     reproduce,
     write_files,
 )
+from stereorecal.reproduction._experiment_tasks import PairRepair
 from stereorecal.reproduction._figures import experiment_figures
-from stereorecal.reproduction._judge import judge_of
-from stereorecal.reproduction._tasks import Repairing
+from stereorecal.reproduction._pixel_counter import counter_of
 
 TINY = Extent(images=1, starts=2, sweeps=1, points=7, matchers=(sr.SAD(), sr.BM()), steps=2, iterations=3)
 COUNT = {"schedules": ("count",), "extent": TINY}
@@ -96,7 +96,7 @@ def test_a_repair_is_one_by_the_library_itself(log, serial):
     judged = sr.reproduce(log, ["ex-nihilo"], **COUNT)  # the same row once more
     assert timeless(judged)["ex_nihilo"] == timeless(serial)["ex_nihilo"]
     found = rig.with_extrinsics(np.array(row["extrinsics"]["found"]))
-    ranged = judge_of(log, mission, sr.Reach(), sr.SAD()).matcher
+    ranged = counter_of(log, mission, sr.Reach(), sr.SAD()).matcher
     for one, key in ((start, "score_initial"), (found, "score_final"), (rig, "score_reference")):
         assert sr.score(one, mission.pairs[:1], matcher=ranged, view=view).count == row[key]
     error = np.degrees(np.abs(found.extrinsics - rig.extrinsics)[:3])
@@ -230,7 +230,7 @@ def test_another_lens_or_truth_is_another_run(log, tmp_path):
 def test_the_loss_of_workers_leaves_tasks(log, tmp_path):
     class Dying(ThreadPoolExecutor):
         def submit(self, function, *arguments):
-            if arguments[0].task.shot.image == "2.png":
+            if arguments[0].task.logged_pair.image == "2.png":
                 lost = Future()
                 lost.set_exception(RuntimeError("the worker was killed"))
                 return lost
@@ -285,18 +285,18 @@ def test_a_rendered_log_does_not_mix_with_another(tmp_path, monkeypatch):
 
 
 def test_a_task_that_fails_is_said_and_tried_again(log, tmp_path, monkeypatch):
-    real = Repairing.run
+    real = PairRepair.run
 
     def broken(task):
-        if task.shot.sequence == "2020-01-02-a":
+        if task.logged_pair.sequence == "2020-01-02-a":
             raise RuntimeError("the disk is on fire")
         return real(task)
 
-    monkeypatch.setattr(Repairing, "run", broken)
+    monkeypatch.setattr(PairRepair, "run", broken)
     found = reproduce(log, ["ex-nihilo"], **COUNT, output=tmp_path / "out")
     assert list(found.errors.values()) == ["the disk is on fire"]
     assert len(found.rows["ex_nihilo"]) == 1
-    monkeypatch.setattr(Repairing, "run", real)
+    monkeypatch.setattr(PairRepair, "run", real)
     again = reproduce(log, ["ex-nihilo"], **COUNT, output=tmp_path / "out")
     assert again.errors == {}
     assert len(again.rows["ex_nihilo"]) == 2

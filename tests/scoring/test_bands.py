@@ -11,7 +11,7 @@ from stereorecal.geometry import view, with_unit_baseline
 from stereorecal.matching import SAD
 from stereorecal.scoring import bands, prepare
 from stereorecal.scoring.host import counts
-from stereorecal.scoring.host._rectified import rectified_frame
+from stereorecal.scoring.host._disparities import rectified_frame
 
 SAD_32 = SAD(num_disparities=32)
 

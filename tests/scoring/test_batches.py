@@ -11,7 +11,7 @@ from hypothesis import given, settings, strategies as st
 from stereorecal.geometry import view, with_unit_baseline
 from stereorecal.matching import BM, SAD
 from stereorecal.scoring import prepare
-from stereorecal.scoring.host import _blocks, _counts, counts, counts_by_tile, disparities
+from stereorecal.scoring.host import _counts, _disparities, counts, counts_by_tile, disparities
 from stereorecal.scoring.host._counts import counts_at_once
 
 SAD_24, SAD_32 = SAD(num_disparities=24), SAD(num_disparities=32)
@@ -75,11 +75,11 @@ def test_all_at_once_as_one_by_one(scene, monkeypatch):
 @given(height=st.integers(16, 2000), cores=st.integers(1, 64), block_size=st.sampled_from([3, 11, 31]))
 def test_blocks_cover_every_row_once_with_their_halo(height, cores, block_size):
     matcher = SAD(block_size=block_size)
-    with mock.patch.object(_blocks, "cores", return_value=cores):
-        blocks = _blocks.blocks(height, matcher)
-    rows = [np.arange(height)[block.seen] for block in blocks]
+    with mock.patch.object(_disparities, "cores", return_value=cores):
+        blocks = _disparities.blocks(height, matcher)
+    rows = [np.arange(height)[block.given] for block in blocks]
     assert len({len(seen) for seen in rows}) == 1  # one program for all
-    kept = [seen[block.kept] for seen, block in zip(rows, blocks, strict=True)]
+    kept = [seen[block.used] for seen, block in zip(rows, blocks, strict=True)]
     np.testing.assert_array_equal(np.concatenate(kept), np.arange(height))
     for seen, own in zip(rows, kept, strict=True):
         assert seen[0] <= max(0, own[0] - matcher.halo)
@@ -94,15 +94,15 @@ class RowByRow(SAD):
 
 
 def test_the_texture_check_needs_its_window_whatever_the_matcher_needs():
-    with mock.patch.object(_blocks, "cores", return_value=2):
-        first, second = _blocks.blocks(480, RowByRow(block_size=11))
-    assert first.seen == slice(0, 252)
-    assert second.kept == slice(12, 252)
+    with mock.patch.object(_disparities, "cores", return_value=2):
+        first, second = _disparities.blocks(480, RowByRow(block_size=11))
+    assert first.given == slice(0, 252)
+    assert second.used == slice(12, 252)
 
 
 def test_a_matcher_that_looks_everywhere_sees_the_frame_whole():
-    with mock.patch.object(_blocks, "cores", return_value=8):
-        assert len(_blocks.blocks(2000, BM())) == 1
+    with mock.patch.object(_disparities, "cores", return_value=8):
+        assert len(_disparities.blocks(2000, BM())) == 1
 
 
 @pytest.mark.slow
@@ -113,8 +113,8 @@ def test_blocks_change_nothing(scene):
     extrinsics = with_unit_baseline(given_scene.rig.extrinsics)
     found = []
     for number in (1, 3):
-        with mock.patch.object(_blocks, "cores", return_value=number):
-            assert len(_blocks.blocks(480, SAD_32)) == number
+        with mock.patch.object(_disparities, "cores", return_value=number):
+            assert len(_disparities.blocks(480, SAD_32)) == number
             found += disparities(prepared, extrinsics, SAD_32)
     for name in ("values", "valid"):
         np.testing.assert_array_equal(getattr(found[0], name), getattr(found[1], name))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import stereorecal as sr
-from stereorecal._kept import Kept
+from stereorecal._compile_cache import CachedProgram
 from stereorecal.geometry import with_unit_baseline
 
 MATCHER = sr.SAD(num_disparities=24)
@@ -172,6 +172,6 @@ def test_a_comparison(compilations, given):
 
 def test_what_later_stages_need_is_begun_before_they_come(given, monkeypatch):
     begun: list[str] = []
-    monkeypatch.setattr(Kept, "ahead", lambda self, frame, *_: begun.append(self.__name__))
+    monkeypatch.setattr(CachedProgram, "compile_in_background", lambda self, frame, *_: begun.append(self.__name__))
     sr.recalibrate(given.rig, given.pairs, matcher=MATCHER)
     assert begun == ["rectified", "refined"]  # images as small as these are never scaled down for them

@@ -19,7 +19,7 @@ from stereorecal.strategies import (
     strategies,
     strategy,
 )
-from stereorecal.strategies._registry import GROUP
+from stereorecal.strategies._strategy_registry import GROUP
 
 
 class Distribution:

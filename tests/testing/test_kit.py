@@ -338,31 +338,3 @@ def test_a_crash_fails_checks_instead_of_the_kit():
     results = {result.name: result for result in check_strategy(Crashing())}
     assert not results["climbs a smooth bowl"].passed
     assert "KeyError" in results["climbs a smooth bowl"].message
-
-
-@dataclass(frozen=True)
-class Outdated(AbstractStrategy):
-    """Written when `run` was given a budget."""
-
-    def run(self, objective, start, budget, seed):
-        raise AssertionError("must not run")
-
-
-def test_an_older_contract_fails_with_one_sentence():
-    (result,) = check_strategy(Outdated())
-    assert result.name == "follows the contract"
-    assert not result.passed
-    assert result.message == (
-        "it has run(objective, start, budget, seed) of an older contract, not run(objective, start, seed); "
-        "the budget is objective.budget"
-    )
-
-
-def test_an_older_contract_fails_as_a_pytest_class():
-    class TestOutdated(StrategyConformance):
-        strategy = Outdated()
-
-    tests = [name for name in dir(TestOutdated) if name.startswith("test_")]
-    assert tests == ["test_follows_the_contract"]
-    with pytest.raises(AssertionError, match=r"the budget is objective\.budget"):
-        TestOutdated().test_follows_the_contract()

@@ -6,7 +6,7 @@ import numpy as np
 import pycolmap
 from jaxtyping import Float
 
-from stereorecal.objectives import Images
+from stereorecal.objectives import StereoImages
 from stereorecal.strategies import Objective, Outcome, Status
 from stereorecal_colmap._cameras import colmap_camera, colmap_pose, extrinsics_of
 from stereorecal_colmap._colmap import Colmap
@@ -18,7 +18,7 @@ pycolmap.logging.minloglevel = pycolmap.logging.ERROR.value  # of the whole proc
 
 def search(how: Colmap, objective: Objective, start: Float[np.ndarray, "n"], seed: int) -> Outcome:
     """The matches of all frames, and the pose that fits them; see `Colmap`."""
-    images: Images = objective.images  # there, since the core checks `needs`
+    images: StereoImages = objective.images  # there, since the core checks `needs`
     left, right = colmap_camera(images.rig.left, 1), colmap_camera(images.rig.right, 2)
     if left is None or right is None:
         return Outcome(start, Status.STALLED, "COLMAP has no camera model for these lenses")
@@ -31,7 +31,12 @@ def search(how: Colmap, objective: Objective, start: Float[np.ndarray, "n"], see
 
 
 def fitted(
-    how: Colmap, images: Images, cameras: Sequence[pycolmap.Camera], matches: Matches, start: np.ndarray, seed: int
+    how: Colmap,
+    images: StereoImages,
+    cameras: Sequence[pycolmap.Camera],
+    matches: Matches,
+    start: np.ndarray,
+    seed: int,
 ) -> Outcome:
     """The pose that COLMAP adjusts to the matches, as an outcome."""
     if len(matches) < how.min_matches:

@@ -12,7 +12,7 @@ from stereorecal_colmap._fit import fitted
 from stereorecal_colmap._matches import Matches, matched_pixels, pooled
 
 from stereorecal.geometry import Camera, StereoRig
-from stereorecal.objectives import Images, Reach, count_chart
+from stereorecal.objectives import Reach, StereoImages, count_chart
 from stereorecal.recordings import Pair, Scene
 from stereorecal.strategies import Budget, Objective, Problem, Status
 from stereorecal.synthetic import decalibrate, default_rig, render
@@ -43,11 +43,11 @@ def coast() -> Scene:
     return render("coast", 1, rig=RIG)
 
 
-def images_around(rig: StereoRig, pairs=(), **options) -> Images:
-    return Images(rig, tuple(pairs), count_chart(rig, Reach(), **options))
+def images_around(rig: StereoRig, pairs=(), **options) -> StereoImages:
+    return StereoImages(rig, tuple(pairs), count_chart(rig, Reach(), **options))
 
 
-def repair(images: Images, strategy=None, *, budget=None, seed=0):
+def repair(images: StereoImages, strategy=None, *, budget=None, seed=0):
     """Its outcome, and how far its rig is from the true one: degrees, and percent of the baseline."""
 
     def values(points):

@@ -6,7 +6,7 @@ from jaxtyping import Bool, Float
 from scipy.optimize import least_squares
 
 from stereorecal.geometry import euler_from_rotation, rotation_from_euler
-from stereorecal.objectives import Chart, Images
+from stereorecal.objectives import Chart, StereoImages
 from stereorecal.strategies import Objective, Outcome, Status
 from stereorecal_features._features import Features
 from stereorecal_features._matches import Seen, matched_pixels, seen_by_both
@@ -16,7 +16,7 @@ _ROUNDS = 10  # our choice: a set of inliers that still changes then is taken to
 
 def search(how: Features, objective: Objective, start: Float[np.ndarray, "n"], seed: int) -> Outcome:
     """The matches of all frames, and the pose that fits them; see `Features`."""
-    images: Images = objective.images  # there, since the core checks `needs`
+    images: StereoImages = objective.images  # there, since the core checks `needs`
     pixels = []
     for pair in images.pairs:
         if objective.remaining <= 0:
@@ -28,7 +28,9 @@ def search(how: Features, objective: Objective, start: Float[np.ndarray, "n"], s
     return fitted(how, images, left, right, start, seed)
 
 
-def fitted(how: Features, images: Images, left: Seen, right: Seen, start: Float[np.ndarray, "n"], seed: int) -> Outcome:
+def fitted(
+    how: Features, images: StereoImages, left: Seen, right: Seen, start: Float[np.ndarray, "n"], seed: int
+) -> Outcome:
     """The pose on which the matches agree, as an outcome."""
     pose, agree = _five_point_pose(images, left, right, how.threshold, seed)
     starts, message = [start, pose], ""
@@ -47,7 +49,7 @@ def fitted(how: Features, images: Images, left: Seen, right: Seen, start: Float[
 
 
 def _five_point_pose(
-    images: Images, left: Seen, right: Seen, threshold: float, seed: int
+    images: StereoImages, left: Seen, right: Seen, threshold: float, seed: int
 ) -> tuple[Float[np.ndarray, "n"], Bool[np.ndarray, "m"]]:
     """The pose of an essential matrix as a point of the box, and which matches are inliers, within `threshold` [px].
 

@@ -11,7 +11,7 @@ from stereorecal_features._fit import _five_point_pose, _sampson
 from stereorecal_features._matches import matched_pixels, seen_by_both
 
 from stereorecal.geometry import Camera, StereoRig
-from stereorecal.objectives import Images, Reach, count_chart
+from stereorecal.objectives import Reach, StereoImages, count_chart
 from stereorecal.recordings import Pair, Scene
 from stereorecal.strategies import Budget, Objective, Problem, Status, run_strategy
 from stereorecal.synthetic import decalibrate, default_rig, render
@@ -29,18 +29,18 @@ def coast() -> Scene:
     return render("coast", 1, rig=RIG, frames=2)
 
 
-def images_around(rig: StereoRig, pairs=(), reach=None, **options) -> Images:
-    return Images(rig, tuple(pairs), count_chart(rig, reach or Reach(), **options))
+def images_around(rig: StereoRig, pairs=(), reach=None, **options) -> StereoImages:
+    return StereoImages(rig, tuple(pairs), count_chart(rig, reach or Reach(), **options))
 
 
-def objective_of(images: Images) -> Objective:
+def objective_of(images: StereoImages) -> Objective:
     def values(points):
         raise AssertionError("it asked the score")
 
     return Objective(Problem(images.chart.dim, values, images=images))
 
 
-def repair(images: Images, strategy=None, *, start=None, budget=None, seed=0):
+def repair(images: StereoImages, strategy=None, *, start=None, budget=None, seed=0):
     """Its outcome, and how far its rig is from the true one: degrees, and percent of the baseline."""
     start = np.zeros(images.chart.dim) if start is None else start
     objective = objective_of(images).with_budget(budget)

@@ -4,7 +4,9 @@ import argparse
 
 FORMATS = "opencv, ros, kalibr, kitti-raw, kitti-odometry, middlebury, euroc, basalt, depthai, boofcv, stereorecal"
 TWO_FILES = "the two files of a calibration are named as LEFT,RIGHT"
-UNIT = "of lengths in a calibration that says none, read or written: m, cm, mm, in (default: told by the baseline)"
+UNIT = (
+    "of lengths in a calibration that states none, read or written: m, cm, mm, in (default: inferred from the baseline)"
+)
 
 
 def add_reading_to(parser: argparse.ArgumentParser, option: str = "--format") -> None:

@@ -6,9 +6,9 @@ from stereorecal.cli.arguments._calibrations import add_reading_to
 
 _DESCRIPTION = """\
 What calibration B changes against calibration A of the same rig: rotation, direction and length of the baseline; and,
-for those who use A if B is right, how far apart the two rows of a point lie over the view, and how wrong depth is at
-5, 10, 30 and 100 baselines. Without --unit the unit of each file that says none is told by its own baseline. Exit code:
-0 done; 2 bad input; 3 internal failure."""
+for those who use A if B is right, the epipolar error over the view and the depth error at 5, 10, 30 and 100 baselines.
+Without --unit, the unit of a file that states none is inferred from its baseline. Exit code: 0 done; 2 bad input; 3
+internal failure."""
 
 
 def add_to(verbs, common: argparse.ArgumentParser) -> None:
@@ -24,7 +24,7 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
     )
     add("after", metavar="B", help="likewise")
     add_reading_to(parser)
-    add("--json", metavar="FILE|-", help="write everything as JSON, with a map of the rows")
+    add("--json", metavar="FILE|-", help="write everything as JSON, with a map of the epipolar error")
     add("--force", action="store_true", help="--json may replace a file that is no input")
     add("--quiet", action="store_true", help="print nothing")
     parser.set_defaults(verb="diff")

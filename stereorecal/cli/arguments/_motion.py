@@ -1,4 +1,4 @@
-"""The argument that says whether the rig's own motion counts."""
+"""The argument for the use of the rig's own motion."""
 
 import argparse
 
@@ -11,8 +11,8 @@ def add_motion_to(parser: argparse.ArgumentParser) -> None:
         "--motion",
         default="auto",
         choices=tuple(_MOTION),
-        help="the rig's own motion from one pair to the next tells depth: auto, where times are known and at most half "
-        "a second apart; on, the pairs are consecutive, whatever their times; off (default: %(default)s)",
+        help="use of the rig's own motion between pairs for depth: auto, where times are known and at most half a "
+        "second apart; on, the pairs are consecutive, whatever their times; off (default: %(default)s)",
     )
 
 

@@ -9,5 +9,5 @@ def add_prior_to(parser: argparse.ArgumentParser) -> None:
         "--prior",
         metavar="saved|default|exact",
         help="how well the initial calibration is known: saved, as an earlier repair left it; default, as after a "
-        "chessboard calibration of this rig; exact: all that rows show is a drift (default: saved, if it was)",
+        "chessboard calibration of this rig; exact: every epipolar error is a drift (default: saved, if it was)",
     )

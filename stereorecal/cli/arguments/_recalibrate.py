@@ -13,9 +13,10 @@ from stereorecal.cli.arguments._view import add_view_to
 
 _DESCRIPTION = """\
 Repair the extrinsic calibration of the rig of each recording from its images. The candidate is accepted only if its
-rows are better with 99 %, and neither rows nor depth worse with 1 % or more. Exit code: 0 repaired, or already good; 1
-not (the initial calibration stays); 2 bad input; 3 internal failure; 4 cannot tell (too dark, too little texture, or
-the images do not say what is better); 130 interrupted. Of several recordings, the worst one decides."""
+row error is smaller with 99 % probability, and a larger row or depth error has a probability below 1 %. Exit code: 0
+repaired, or already good; 1 not (the initial calibration stays); 2 bad input; 3 internal failure; 4 cannot tell (too
+dark, too little texture, or the images do not determine what is better); 130 interrupted. Of several recordings, the
+worst one decides."""
 
 
 def add_to(verbs, common: argparse.ArgumentParser) -> None:
@@ -62,7 +63,11 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
     )
     add("--board-corners", metavar="NxM", help="inner corners of the chessboard (default: 9x6)")
     add("--square", type=float, metavar="METRES", help="side of its squares, as the calibration had it")
-    add("--ranges", metavar="FILE", help="a CSV of measured distances: pair,column,row,metres,sigma")
+    add(
+        "--ranges",
+        metavar="FILE",
+        help="a CSV of distances: pair,column,row,metres,sigma (along the ray; depth for metres: the axis)",
+    )
     add(
         "--budget",
         type=float,

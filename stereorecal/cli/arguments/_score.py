@@ -10,14 +10,13 @@ from stereorecal.cli.arguments._tolerances import add_tolerances_to
 from stereorecal.cli.arguments._view import add_view_to
 
 _DESCRIPTION = """\
-Check the calibration of each recording against its images, without changing anything: how many pixels match, the
-epipolar (row) error, the rotation that would mend it, and how wrong depth is without, with 95 % intervals. Repair it,
-where a rig is known whose rows are better by 0.05 px, with 99 %, and with less than 1 % worse, in rows or in depth, or
-where hardly anything matches though there is texture; healthy, where nothing is known to be better and rows agree
-within 0.3 px with 95 %; cannot tell, where it is too dark, there is too little texture, or what would be better is not
-known for sure. `recalibrate` decides by the same look. Exit code: 0 all healthy; 1 repair it (one of
-them at least); 2 bad input, also images that are exchanged, upside down or of different things; 3 internal failure;
-4 cannot tell; 130 interrupted."""
+Check the calibration of each recording against its images, without changing anything: the share of matched pixels, the
+epipolar (row) error, the correction of the rotation, and the depth error without it, with 95 % intervals. Verdicts:
+repair it (another calibration has a row error smaller by 0.05 px with 99 % probability, and a larger row or depth error
+with less than 1 %; or hardly anything matches although there is texture); healthy (no significant improvement, and a
+row error within 0.3 px with 95 %); cannot tell (too dark, too little texture, or no improvement is significant).
+`recalibrate` decides in the same way. Exit code: 0 all healthy; 1 repair it (one of them at least); 2 bad input, also
+images that are swapped, upside down or of different scenes; 3 internal failure; 4 cannot tell; 130 interrupted."""
 
 
 def add_to(verbs, common: argparse.ArgumentParser) -> None:

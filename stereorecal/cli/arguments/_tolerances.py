@@ -1,4 +1,4 @@
-"""The arguments that say what is asked of a change of calibration."""
+"""The arguments for the limits of the decision."""
 
 import argparse
 
@@ -13,6 +13,6 @@ def add_tolerances_to(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--tolerances",
         metavar="NAME=VALUE,…",
-        help="what is asked of a change, such as alpha=0.001,worse_depth_points=0.5: alpha, gain_px, worse_rows_px, "
+        help="limits of the decision, such as alpha=0.001,worse_depth_points=0.5: alpha, gain_px, worse_rows_px, "
         "worse_depth_points, blind_rows_px, good_rows_px, good_surely",
     )

@@ -7,14 +7,14 @@ import numpy as np
 
 from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, StereoRig
-from stereorecal.io._about import about
-from stereorecal.io._json import strict_json_text
+from stereorecal.io._read_files import about
+from stereorecal.io._strict_json import strict_json_text
 from stereorecal.io.formats._format import Documents, Hints, Target
-from stereorecal.io.formats._lenses import check_model, coefficients, has_lens, pinhole_matrix, pinhole_numbers
+from stereorecal.io.formats._lens_numbers import check_model, coefficients, has_lens, pinhole_matrix, pinhole_numbers
 from stereorecal.io.formats._numbers import image_size, numbers, value
 from stereorecal.io.formats._poses import Pose, inverse, left_to_right, pose, rig_of
 from stereorecal.io.formats.text._document import Syntax
-from stereorecal.io.formats.text._values import Keys
+from stereorecal.io.formats.text._keys import Keys
 
 NAME = "basalt"
 ABOUT = "Basalt's calibration.json (value0: T_imu_cam, intrinsics, resolution)"
@@ -33,7 +33,7 @@ _MODELS = {
     "eucm": ("alpha", "beta"),
 }
 _LENSES = {"kb4": "equidistant", "ds": "ds", "eucm": "eucm"}  # the others are OpenCV's
-# What Basalt's reader insists on; the numbers of an IMU that nobody has measured are those of its EuRoC example.
+# Keys that Basalt's reader requires; the numbers of an unknown IMU are those of its EuRoC example.
 _IMU = {
     "calib_accel_bias": [0.0] * 9,
     "calib_gyro_bias": [0.0] * 12,

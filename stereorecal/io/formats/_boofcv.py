@@ -7,14 +7,14 @@ import numpy as np
 
 from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, StereoRig
-from stereorecal.io._about import about
+from stereorecal.io._read_files import about
 from stereorecal.io.formats._format import Documents, Hints, Target
-from stereorecal.io.formats._lenses import check_model, coefficients, pinhole_matrix, pinhole_numbers
-from stereorecal.io.formats._matrices import matrix_values
+from stereorecal.io.formats._lens_numbers import check_model, coefficients, pinhole_matrix, pinhole_numbers
+from stereorecal.io.formats._matrix_values import matrix_values
 from stereorecal.io.formats._numbers import numbers, pixels, value
 from stereorecal.io.formats._poses import inverse, left_to_right, pose, rig_of
 from stereorecal.io.formats.text._document import Syntax
-from stereorecal.io.formats.text._values import Keys, at, leaves
+from stereorecal.io.formats.text._keys import Keys, at, leaves
 
 NAME = "boofcv"
 ABOUT = "BoofCV's stereo calibration (YAML with left, right, rightToLeft)"

@@ -7,15 +7,15 @@ import numpy as np
 
 from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal.geometry import Camera, StereoRig
-from stereorecal.io._about import about
-from stereorecal.io._json import strict_json_text
-from stereorecal.io.formats._derived import View, rectification_of
+from stereorecal.io._read_files import about
+from stereorecal.io._strict_json import strict_json_text
 from stereorecal.io.formats._format import Documents, Hints, Target
-from stereorecal.io.formats._lenses import coefficients
+from stereorecal.io.formats._lens_numbers import coefficients
 from stereorecal.io.formats._numbers import numbers, pixels, value
 from stereorecal.io.formats._poses import Pose, inverse, left_to_right, pose, rig_of
+from stereorecal.io.formats._rectification_matrices import RectifyOptions, rectification_of
 from stereorecal.io.formats.text._document import Syntax
-from stereorecal.io.formats.text._values import Keys
+from stereorecal.io.formats.text._keys import Keys
 
 NAME = "depthai"
 ABOUT = "DepthAI's EEPROM (JSON with cameraData, stereoRectificationData)"
@@ -23,7 +23,7 @@ SYNTAX = {".json": Syntax.JSON}
 FILES = 1
 UNIT = "cm"
 
-_STEREO, _NOWHERE, _VIEW = "stereoRectificationData", -1, View(alpha=0.0)
+_STEREO, _NOWHERE, _RECTIFY = "stereoRectificationData", -1, RectifyOptions(alpha=0.0)
 _SOCKETS = {"leftCameraSocket": 1, "rightCameraSocket": 2}
 _EYE = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
 _PERSPECTIVE, _FISHEYE = 0, 1  # cameraType; a fisheye is OpenCV's, and uses the first four coefficients
@@ -111,7 +111,7 @@ def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
     values: dict[Keys, Any] = {(*place, "rotationMatrix"): moved[:3, :3].tolist()}
     values |= {(*place, "translation", key): float(number) for key, number in zip("xyz", moved[:3, 3], strict=True)}
     if content.get(_STEREO, {}).get("rectifiedRotationLeft"):
-        made = rectification_of(rig, _VIEW)
+        made = rectification_of(rig, _RECTIFY)
         values[(_STEREO, "rectifiedRotationLeft")] = made["R1"].tolist()
         values[(_STEREO, "rectifiedRotationRight")] = made["R2"].tolist()
     for socket, camera, wanted in ((left, rig.left, target.left), (right, rig.right, target.right)):

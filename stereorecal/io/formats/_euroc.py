@@ -6,14 +6,14 @@ from typing import Any
 import numpy as np
 
 from stereorecal.geometry import Camera, StereoRig
-from stereorecal.io._about import about
+from stereorecal.io._read_files import about
 from stereorecal.io.formats._format import Documents, Hints, Target
-from stereorecal.io.formats._lenses import check_held, check_model, coefficients, pinhole_matrix, pinhole_numbers
-from stereorecal.io.formats._matrices import matrix_values
+from stereorecal.io.formats._lens_numbers import check_held, check_model, coefficients, pinhole_matrix, pinhole_numbers
+from stereorecal.io.formats._matrix_values import matrix_values
 from stereorecal.io.formats._numbers import image_size, numbers, value
 from stereorecal.io.formats._poses import Pose, inverse, left_to_right, rig_of
 from stereorecal.io.formats.text._document import Document, Syntax
-from stereorecal.io.formats.text._values import Keys
+from stereorecal.io.formats.text._keys import Keys
 
 NAME = "euroc"
 ABOUT = "EuRoC or ASL (sensor.yaml of cam0 and of cam1)"

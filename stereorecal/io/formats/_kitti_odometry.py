@@ -6,9 +6,9 @@ from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig
 from stereorecal.io.formats._format import Documents, Hints, Target
 from stereorecal.io.formats._kitti_rectified import camera_and_place, rectified_rig
-from stereorecal.io.formats._lenses import check_straight, has_lens, is_turned
+from stereorecal.io.formats._lens_numbers import check_straight, has_lens, is_turned
 from stereorecal.io.formats.text._document import Syntax
-from stereorecal.io.formats.text._values import Keys
+from stereorecal.io.formats.text._keys import Keys
 
 NAME = "kitti-odometry"
 ABOUT = "KITTI odometry's calib.txt (P0, P1, P2, P3) of rectified images"

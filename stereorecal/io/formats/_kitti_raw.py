@@ -7,15 +7,15 @@ import numpy as np
 
 from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, StereoRig
-from stereorecal.io._about import about
-from stereorecal.io.formats._derived import View, rectification_of
+from stereorecal.io._read_files import about
 from stereorecal.io.formats._format import Documents, Hints, Target
 from stereorecal.io.formats._kitti_rectified import rectified_rig
-from stereorecal.io.formats._lenses import coefficients
+from stereorecal.io.formats._lens_numbers import coefficients
 from stereorecal.io.formats._numbers import image_size, numbers
 from stereorecal.io.formats._poses import Pose, inverse, left_to_right, pose, rig_of
+from stereorecal.io.formats._rectification_matrices import RectifyOptions, rectification_of
 from stereorecal.io.formats.text._document import Syntax
-from stereorecal.io.formats.text._values import Keys
+from stereorecal.io.formats.text._keys import Keys
 
 NAME = "kitti-raw"
 ABOUT = "KITTI raw data's calib_cam_to_cam.txt (S_00, K_00, D_00, R_00, T_00 …)"
@@ -25,7 +25,7 @@ UNIT = "m"
 
 _CHOICES = (("00", "01"), ("02", "03"))  # grey before colour
 _COUNTS = {"S": 2, "K": 9, "D": 5, "R": 9, "T": 3, "S_rect": 2, "R_rect": 9, "P_rect": 12}
-_VIEW = View(alpha=0.0)
+_RECTIFY = RectifyOptions(alpha=0.0)
 
 
 def can_read(documents: Documents) -> bool:
@@ -74,7 +74,7 @@ def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
             values |= _arrays(name, {"S": np.array(camera.size, float), "S_rect": np.array(camera.size, float)})
     to_right = left_to_right(rig) @ to_left
     values |= _arrays(cameras[1], {"R": to_right[:3, :3], "T": to_right[:3, 3]})
-    made = rectification_of(rig, _VIEW)
+    made = rectification_of(rig, _RECTIFY)
     for side, (name, camera) in enumerate(zip(cameras, (rig.left, rig.right), strict=True), start=1):
         if (target.left, target.right)[side - 1]:
             lens = coefficients(camera, (5,), "KITTI's calibration", "opencv, ros or depthai")
@@ -98,7 +98,7 @@ def _cameras(documents: Documents, hints: Hints) -> tuple[str, str]:
 
 
 def _is_rectified(content: Mapping[str, Any], cameras: tuple[str, str], hints: Hints) -> bool:
-    """Whether the images are KITTI's rectified ones: told by their size, if nobody says it."""
+    """Whether the images are KITTI's rectified ones: by the hints, else by their size."""
     if hints.rectified is not None:
         return hints.rectified
     keys = f"S_rect_{cameras[0]}", f"S_{cameras[0]}"

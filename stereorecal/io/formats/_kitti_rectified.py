@@ -7,7 +7,7 @@ import numpy as np
 
 from stereorecal._arrays import Vec3
 from stereorecal.geometry import Camera, StereoRig
-from stereorecal.io._about import about
+from stereorecal.io._read_files import about
 from stereorecal.io.formats._numbers import numbers
 
 

@@ -6,10 +6,10 @@ import numpy as np
 
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io.formats._format import Documents, Hints, Target
-from stereorecal.io.formats._lenses import ROUNDING, check_straight, has_lens, is_turned
+from stereorecal.io.formats._lens_numbers import ROUNDING, check_straight, has_lens, is_turned
 from stereorecal.io.formats._numbers import numbers, pixels
 from stereorecal.io.formats.text._document import Syntax
-from stereorecal.io.formats.text._values import Keys
+from stereorecal.io.formats.text._keys import Keys
 
 NAME = "middlebury"
 ABOUT = "Middlebury's calib.txt (cam0=, cam1=, baseline=) of rectified images"

@@ -8,12 +8,18 @@ import numpy as np
 
 from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, StereoRig
-from stereorecal.io.formats._derived import View, essential, fundamental, rectification_of, view_of
 from stereorecal.io.formats._format import Documents, Hints, Target
-from stereorecal.io.formats._lenses import check_held, coefficients
-from stereorecal.io.formats._matrices import Array, derived_values, matrix_values, size_of
+from stereorecal.io.formats._lens_numbers import check_held, coefficients
+from stereorecal.io.formats._matrix_values import Array, derived_values, matrix_values, size_of
 from stereorecal.io.formats._model_names import model_named
 from stereorecal.io.formats._numbers import image_size, numbers, pixels
+from stereorecal.io.formats._rectification_matrices import (
+    RectifyOptions,
+    essential,
+    fundamental,
+    options_of,
+    rectification_of,
+)
 from stereorecal.io.formats.text._document import Syntax
 
 NAME = "opencv"
@@ -28,7 +34,7 @@ _SIZES = ("imageSize", "image_size", "imgSize", "size", "res1")
 _REGIONS = {"roi1": ("roi1", "validRoi1", "validROI1", "validPixROI1"), "roi2": ("roi2", "validRoi2", "validROI2",
             "validPixROI2")}  # fmt: skip
 _COUNTS = (4, 5, 8, 12, 14)
-_VIEW = View(alpha=1.0)  # of stereo_calib
+_RECTIFY = RectifyOptions(alpha=1.0)  # of stereo_calib
 # Nothing else tells the coefficients of cv2.fisheye from those of a pinhole: OpenCV's own sample writes the first.
 _FISHEYE, _MODEL = "fisheye_model", "distortion_model"
 
@@ -86,13 +92,13 @@ def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:
 
 
 def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
-    """R and T; what the file has of R1, R2, P1, P2, Q (in its own view, or that of stereo_calib), E and F."""
+    """R and T; what the file has of R1, R2, P1, P2, Q (with its own options, or those of stereo_calib), E and F."""
     if rig.left.size != rig.right.size:
         raise InputError("the cameras have images of different sizes; write the rig as kalibr, ros or basalt instead.")
     content = _content(target.documents)
     matrix, distortion = _name(content, _MATRICES), _name(content, _DISTORTIONS)
     values = dict(_cameras(rig, target, content, matrix, distortion))
-    made = rectification_of(rig, _view(target, content)) | {"E": essential(rig), "F": fundamental(rig)}
+    made = rectification_of(rig, _rectify_options(target, content)) | {"E": essential(rig), "F": fundamental(rig)}
     regions = {name: made.pop(key) for key, names in _REGIONS.items() for name in names if key in made}
     arrays: dict[str, Array] = {"R": np.asarray(rig.rotation), "T": np.asarray(rig.translation), **made, **regions}
     values.update(derived_values(content, arrays))
@@ -102,12 +108,12 @@ def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
     )
 
 
-def _view(target: Target, content: Mapping[str, Any]) -> View:
+def _rectify_options(target: Target, content: Mapping[str, Any]) -> RectifyOptions:
     try:
         P1, P2 = (numbers(content, key, (3, 4)) for key in ("P1", "P2"))
-    except InputError:  # missing, or no matrix: nobody has to mend what is made anew
-        return _VIEW
-    return view_of(read(target.documents, target.hints), P1, P2, _VIEW) if np.any(P1) else _VIEW
+    except InputError:  # missing, or no matrix: it is written anew in any case
+        return _RECTIFY
+    return options_of(read(target.documents, target.hints), P1, P2, _RECTIFY) if np.any(P1) else _RECTIFY
 
 
 def _cameras(rig: StereoRig, target: Target, content: Mapping[str, Any], matrix: str, distortion: str) -> Iterator:

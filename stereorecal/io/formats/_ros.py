@@ -4,15 +4,15 @@ import numpy as np
 
 from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, StereoRig
-from stereorecal.io._about import about
-from stereorecal.io.formats._derived import Array, View, rectification_of, view_of
+from stereorecal.io._read_files import about
 from stereorecal.io.formats._format import Documents, Hints, Target
-from stereorecal.io.formats._lenses import check_held, check_model, check_no_lens, coefficients
-from stereorecal.io.formats._matrices import matrix_values, size_of
+from stereorecal.io.formats._lens_numbers import check_held, check_model, check_no_lens, coefficients
+from stereorecal.io.formats._matrix_values import matrix_values, size_of
 from stereorecal.io.formats._numbers import numbers, pixels, value
 from stereorecal.io.formats._poses import pose, rig_of
+from stereorecal.io.formats._rectification_matrices import Array, RectifyOptions, options_of, rectification_of
 from stereorecal.io.formats.text._document import Document, Syntax
-from stereorecal.io.formats.text._values import Keys
+from stereorecal.io.formats.text._keys import Keys
 
 NAME = "ros"
 ABOUT = "ROS camera_info (left and right YAML file)"
@@ -22,7 +22,7 @@ UNIT = "m"
 
 _EQUIDISTANT = ("equidistant", "fisheye")
 _MODELS = ("plumb_bob", "rational_polynomial", "", "none", *_EQUIDISTANT)
-_VIEW = View(alpha=0.0)  # of the camera_calibration package
+_RECTIFY = RectifyOptions(alpha=0.0)  # of the camera_calibration package
 _BLANK = """\
 image_width: {width}
 image_height: {height}
@@ -96,10 +96,10 @@ def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:
 
 
 def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
-    """Rectification and projection matrices, in the view of the files' own; camera matrices where they are wanted."""
+    """Rectification and projection matrices, with the files' own options; camera matrices where they are wanted."""
     P1, P2 = (numbers(document.content, "projection_matrix", (3, 4)) for document in target.documents)
-    view = view_of(read(target.documents, target.hints), P1, P2, _VIEW) if np.any(P1) else _VIEW
-    made = rectification_of(rig, view)
+    options = options_of(read(target.documents, target.hints), P1, P2, _RECTIFY) if np.any(P1) else _RECTIFY
+    made = rectification_of(rig, options)
     sides = ((rig.left, target.left), (rig.right, target.right))
     texts = []
     for side, (document, (camera, wanted)) in enumerate(zip(target.documents, sides, strict=True), start=1):

@@ -8,13 +8,13 @@ from jaxtyping import Float
 
 from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, StereoRig
-from stereorecal.io._about import about
-from stereorecal.io._json import strict_json_text
+from stereorecal.io._read_files import about
+from stereorecal.io._strict_json import strict_json_text
 from stereorecal.io.formats._format import Documents, Hints, Target
 from stereorecal.io.formats._model_names import model_named, model_word
 from stereorecal.io.formats._numbers import image_size, numbers, value
 from stereorecal.io.formats.text._document import Syntax
-from stereorecal.io.formats.text._values import Keys
+from stereorecal.io.formats.text._keys import Keys
 
 NAME = "stereorecal"
 ABOUT = "calib.json of a scene folder (K_left, D_left, K_right, D_right, R, T in metres)"

@@ -10,9 +10,9 @@ import numpy as np
 
 from stereorecal._errors import InputError
 from stereorecal._extras import extra
-from stereorecal.io._inputs import note_input
-from stereorecal.io.images._messages import image_of_message, in_a_line
-from stereorecal.io.images._source import Image, Source
+from stereorecal.io._read_files import note_input
+from stereorecal.io.images._frame_source import FrameSource, Image
+from stereorecal.io.images._ros_messages import image_of_message, in_a_line
 
 _METADATA, _PARTS = "metadata.yaml", (".db3", ".mcap")
 _RAW, _COMPRESSED = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
@@ -29,7 +29,7 @@ def bag_folder(path: Path) -> Path:
     return path.parent if part and is_bag(path.parent) else path
 
 
-def bag_sources(path: Path, topics: tuple[str, str]) -> tuple[Source, Source]:
+def bag_sources(path: Path, topics: tuple[str, str]) -> tuple[FrameSource, FrameSource]:
     """The images of two topics of a bag, named and timed by the stamps of their headers.
 
     Raises:
@@ -54,13 +54,13 @@ class _Bag:
             ros, types = import_module("rosbags.highlevel"), import_module("rosbags.typesys")
         self.path = path
         # For bags of ROS 2 that do not say what their messages look like; images have not changed since.
-        kept = types.get_typestore(types.Stores.ROS2_HUMBLE)
+        types_of_ros2 = types.get_typestore(types.Stores.ROS2_HUMBLE)
         with _sound(path):
-            self._reader = ros.AnyReader([path], default_typestore=kept)
+            self._reader = ros.AnyReader([path], default_typestore=types_of_ros2)
             self._reader.open()
             weakref.finalize(self, self._reader.close)
 
-    def source(self, topic: str) -> Source:
+    def source(self, topic: str) -> FrameSource:
         """The images of a topic, in the order of their stamps."""
         connections = [one for one in self._reader.connections if one.topic == topic]
         known = sorted({one.topic for one in self._reader.connections if one.msgtype in (_RAW, _COMPRESSED)})
@@ -90,7 +90,7 @@ class _Bag:
             raise InputError(f"{self.path}: the message {stamp} on {topic} has gone; was the bag written to?")
 
         names = tuple(f"{topic} {stamp / 1e9:.3f}" for stamp in stamps)
-        return Source(f"{self.path}, {topic}", names, np.array(stamps) / 1e9, read)
+        return FrameSource(f"{self.path}, {topic}", names, np.array(stamps) / 1e9, read)
 
 
 @contextmanager

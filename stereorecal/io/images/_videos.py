@@ -7,8 +7,8 @@ import cv2
 import numpy as np
 
 from stereorecal._errors import InputError
-from stereorecal.io.images._files import MOST_PIXELS, quiet_opencv
-from stereorecal.io.images._source import Image, Source
+from stereorecal.io.images._frame_source import FrameSource, Image
+from stereorecal.io.images._image_files import MOST_PIXELS, quiet_opencv
 
 _SUFFIXES = (".avi", ".m4v", ".mjpeg", ".mjpg", ".mkv", ".mov", ".mp4", ".mpeg", ".mpg", ".ogv", ".ts", ".webm", ".wmv")
 
@@ -18,7 +18,7 @@ def is_video(path: Path) -> bool:
     return path.suffix.lower() in _SUFFIXES
 
 
-def video_source(path: Path) -> Source:
+def video_source(path: Path) -> FrameSource:
     """The frames of a video, named by their number; their times follow from the frame rate.
 
     Raises:
@@ -26,7 +26,7 @@ def video_source(path: Path) -> Source:
     """
     video = _Video(path)
     numbers = range(video.frames)
-    return Source(
+    return FrameSource(
         str(path),
         tuple(f"{path.name} {number:06d}" for number in numbers),
         np.arange(video.frames) / video.rate,
@@ -35,7 +35,7 @@ def video_source(path: Path) -> Source:
 
 
 class _Video:
-    """An open video. Frames that are asked for in order are decoded once: seeking is not exact in every format."""
+    """An open video. Frames that are read in order are decoded once: seeking is not exact in every format."""
 
     def __init__(self, path: Path):
         self.path = path

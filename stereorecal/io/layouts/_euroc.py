@@ -3,10 +3,10 @@
 from pathlib import Path
 
 from stereorecal._errors import InputError
-from stereorecal.io.formats._reading import read_files
-from stereorecal.io.images._match import Matched, by_stem
-from stereorecal.io.images._pairs import load_matched
-from stereorecal.io.layouts._sequences import log_of
+from stereorecal.io.formats._read_rig import read_files
+from stereorecal.io.images._load_pairs import load_matched
+from stereorecal.io.images._match_by_name import Matched, by_stem
+from stereorecal.io.layouts._log_of_sequences import log_of
 from stereorecal.recordings import Log
 
 LAYOUT = "EuRoC or ASL (mav0/cam0 and cam1, each with sensor.yaml and data/TIME.png)"

@@ -4,14 +4,14 @@ from pathlib import Path
 
 import numpy as np
 
-from stereorecal.io._text import read_text
+from stereorecal.io._read_files import read_text
 from stereorecal.io.formats._format import Hints
-from stereorecal.io.formats._reading import read_files
-from stereorecal.io.images._files import natural_order
-from stereorecal.io.images._match import match_equal
-from stereorecal.io.images._pairs import load_matched
+from stereorecal.io.formats._read_rig import read_files
+from stereorecal.io.images._image_files import natural_order
+from stereorecal.io.images._load_pairs import load_matched
+from stereorecal.io.images._match_by_name import match_equal
 from stereorecal.io.layouts._kitti_sides import sides_in
-from stereorecal.io.layouts._sequences import Sequence, log_of
+from stereorecal.io.layouts._log_of_sequences import Sequence, log_of
 from stereorecal.recordings import Log
 
 LAYOUT = "KITTI odometry (sequences/NN), or one sequence of it (calib.txt, image_0 and image_1, or image_2 and image_3)"

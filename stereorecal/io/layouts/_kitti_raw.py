@@ -6,14 +6,14 @@ import numpy as np
 from jaxtyping import Shaped
 
 from stereorecal._errors import InputError
-from stereorecal.io._text import read_text
+from stereorecal.io._read_files import read_text
 from stereorecal.io.formats._format import Hints
-from stereorecal.io.formats._reading import read_files
-from stereorecal.io.images._files import natural_order
-from stereorecal.io.images._match import Matched, by_stem, match_equal
-from stereorecal.io.images._pairs import load_matched
+from stereorecal.io.formats._read_rig import read_files
+from stereorecal.io.images._image_files import natural_order
+from stereorecal.io.images._load_pairs import load_matched
+from stereorecal.io.images._match_by_name import Matched, by_stem, match_equal
 from stereorecal.io.layouts._kitti_sides import sides_in
-from stereorecal.io.layouts._sequences import Sequence, log_of
+from stereorecal.io.layouts._log_of_sequences import Sequence, log_of
 from stereorecal.recordings import Log
 
 LAYOUT = "KITTI raw data (DATE/calib_cam_to_cam.txt, DATE/DATE_drive_NNNN_sync or _extract), or one drive of it"

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from stereorecal.io.formats._format import Hints
-from stereorecal.io.formats._reading import read_files
+from stereorecal.io.formats._read_rig import read_files
 from stereorecal.io.formats.text._document import Syntax, read_document
-from stereorecal.io.images._match import match_equal
-from stereorecal.io.images._pairs import load_matched
+from stereorecal.io.images._load_pairs import load_matched
+from stereorecal.io.images._match_by_name import match_equal
 from stereorecal.io.layouts._kitti_sides import Sides, sides_in
-from stereorecal.io.layouts._sequences import Sequence, log_of
+from stereorecal.io.layouts._log_of_sequences import Sequence, log_of
 from stereorecal.recordings import Log
 
 LAYOUT = "KITTI stereo 2012 or 2015 (the folder training or testing, with NNNNNN_10.png and the calibration files)"

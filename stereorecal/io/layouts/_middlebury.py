@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-from stereorecal.io.formats._reading import read_files
-from stereorecal.io.images._files import natural_order
-from stereorecal.io.images._pairs import load_matched
-from stereorecal.io.layouts._sequences import Sequence, log_of
+from stereorecal.io.formats._read_rig import read_files
+from stereorecal.io.images._image_files import natural_order
+from stereorecal.io.images._load_pairs import load_matched
+from stereorecal.io.layouts._log_of_sequences import Sequence, log_of
 from stereorecal.recordings import Log
 
 LAYOUT = "Middlebury 2014, 2021 or MiddEval3 (im0.png, im1.png, calib.txt), or a folder of such scenes"

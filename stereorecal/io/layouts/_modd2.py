@@ -3,11 +3,11 @@
 from pathlib import Path
 
 from stereorecal.io.formats._format import Hints
-from stereorecal.io.formats._reading import read_files
-from stereorecal.io.images._files import natural_order
-from stereorecal.io.images._match import match_marked
-from stereorecal.io.images._pairs import load_matched
-from stereorecal.io.layouts._sequences import Sequence, log_of
+from stereorecal.io.formats._read_rig import read_files
+from stereorecal.io.images._image_files import natural_order
+from stereorecal.io.images._load_pairs import load_matched
+from stereorecal.io.images._match_by_name import match_marked
+from stereorecal.io.layouts._log_of_sequences import Sequence, log_of
 from stereorecal.recordings import Log
 
 LAYOUT = "MODD2 (video_data/NAME), or one sequence of it (calibration.yaml, frames/NNNNNNNNL.jpg and R.jpg)"

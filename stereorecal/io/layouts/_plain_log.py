@@ -9,15 +9,14 @@ from typing import Any
 
 from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig
-from stereorecal.io._about import about
 from stereorecal.io._atomic import make_folder
-from stereorecal.io._json import write_json
-from stereorecal.io._paths import AnyPath
+from stereorecal.io._read_files import AnyPath, about
 from stereorecal.io._scenes import fitting
-from stereorecal.io.formats._calibration import Calibration, read_json_object
-from stereorecal.io.formats._rigs import load_rig, save_rig
-from stereorecal.io.images._files import natural_order, stem_of, write_png
-from stereorecal.io.layouts._names import name_of
+from stereorecal.io._strict_json import write_json
+from stereorecal.io.formats._load_and_save import load_rig, save_rig
+from stereorecal.io.formats._scene_calibration import Calibration, read_json_object
+from stereorecal.io.images._image_files import natural_order, stem_of, write_png
+from stereorecal.io.layouts._log_of_sequences import folder_name
 from stereorecal.io.layouts._scene_folder import load_sides
 from stereorecal.recordings import Log, Mission, names_of
 
@@ -56,7 +55,7 @@ def read(folder: Path, limit: int | None) -> Log:
     places = (root / _SEQUENCES).iterdir() if not one else [Path(os.path.abspath(folder))]
     sequences = natural_order(path for path in places if path.is_dir())
     with about(folder):
-        return Log(name_of(folder), calibrations, tuple(_mission(path, calibrations, limit) for path in sequences))
+        return Log(folder_name(folder), calibrations, tuple(_mission(path, calibrations, limit) for path in sequences))
 
 
 def _mission(folder: Path, calibrations: Mapping[str, StereoRig], limit: int | None) -> Mission:
@@ -64,7 +63,7 @@ def _mission(folder: Path, calibrations: Mapping[str, StereoRig], limit: int | N
     truth = load_rig(folder / _TRUTH) if (folder / _TRUTH).exists() else None
     pairs = load_sides(folder, limit)
     with about(folder / _FACTS):
-        calibration, starred = _named(facts)
+        calibration, starred = _mission_facts(facts)
         unknown = starred - set(pairs.names)
         if unknown and limit is None:
             raise InputError(f"starred names {min(unknown)}, which is no left image of the sequence; correct it.")
@@ -75,7 +74,7 @@ def _mission(folder: Path, calibrations: Mapping[str, StereoRig], limit: int | N
     return Mission(folder.name, name, pairs, starred, truth)
 
 
-def _named(facts: Mapping[str, Any]) -> tuple[str | None, frozenset[str]]:
+def _mission_facts(facts: Mapping[str, Any]) -> tuple[str | None, frozenset[str]]:
     """The calibration and the starred images that a mission.json names."""
     calibration, starred = facts.get("calibration"), facts.get("starred", [])
     if not isinstance(calibration, str | None):

@@ -12,15 +12,15 @@ from jaxtyping import Float
 
 from stereorecal._errors import InputError
 from stereorecal.io._atomic import write_text
-from stereorecal.io._paths import AnyPath
+from stereorecal.io._read_files import AnyPath
 from stereorecal.io._scenes import fitting
-from stereorecal.io.formats._calibration import Calibration, load_calibration
-from stereorecal.io.formats._prior import own_prior, with_prior
-from stereorecal.io.formats._reading import looks_calibrated
+from stereorecal.io.formats._read_rig import looks_calibrated
+from stereorecal.io.formats._scene_calibration import Calibration, load_calibration
 from stereorecal.io.formats._stereorecal import NAME, calibration_of, calibration_text
-from stereorecal.io.images._files import images_in, natural_order, write_png
-from stereorecal.io.images._match import match_files
-from stereorecal.io.images._pairs import load_matched
+from stereorecal.io.formats._stored_prior import own_prior, with_prior
+from stereorecal.io.images._image_files import images_in, natural_order, write_png
+from stereorecal.io.images._load_pairs import load_matched
+from stereorecal.io.images._match_by_name import match_files
 from stereorecal.recordings import LazyPairs, Pair, Scene, check_pairs
 
 _CALIBRATION_FILE = "calib.json"
@@ -40,7 +40,7 @@ def open_scene_folder(folder: Path, limit: int | None) -> tuple[Calibration, Laz
 
 
 def _check_calibrated(folder: Path) -> None:
-    """Refuse images beside a calibration in another format, with the words that read them."""
+    """Refuse images with a calibration in another format; the message has the options that read them."""
     sides = [_images_of(folder, side) for side in ("left", "right")]
     if is_scene_folder(folder) or not looks_calibrated(folder) or not all(map(any, sides)):
         return

@@ -1,8 +1,8 @@
 """Window costs of whole images, one disparity after another: the form that suits a GPU.
 
 Where `_stream.py` keeps a row's costs in a core's cache, here each disparity is one pass over the image, as wide as the
-machine, and nothing but the best so far is kept. The costs are computed twice: what comes near the best, and what lies
-beside it, is known only when the best is.
+machine, and nothing but the best so far is kept. The costs are computed twice: rivals and neighbours of
+the best are known only once the best is.
 """
 
 from typing import Any
@@ -14,7 +14,7 @@ from jaxtyping import Int, Num
 from stereorecal.matching._matcher import AbstractMatcher
 from stereorecal.matching._texture import box_sum
 from stereorecal.matching.sad._stream import NEVER, with_borders
-from stereorecal.matching.sad._winners import Winners, dearest_rival, index_bits, index_of
+from stereorecal.matching.sad._winners import Winners, highest_rival_cost, index_bits, index_of
 
 
 def winners(left: Num[jax.Array, "h w"], right: Num[jax.Array, "h w"], options: AbstractMatcher) -> Winners:
@@ -48,7 +48,7 @@ def winners(left: Num[jax.Array, "h w"], right: Num[jax.Array, "h w"], options: 
     (best, from_right), _ = jax.lax.scan(better, (nothing, nothing), indices)
 
     winner, lowest_cost = index_of(best, bits), best >> bits
-    limit = dearest_rival(lowest_cost, options.uniqueness_ratio)
+    limit = highest_rival_cost(lowest_cost, options.uniqueness_ratio)
 
     def compare(seen, index):
         rivals, below, above = seen

@@ -21,7 +21,7 @@ from stereorecal.matching.sad._planes import winners as winners_by_planes
 from stereorecal.matching.sad._reduce import minimum, total
 from stereorecal.matching.sad._soft import soft_search
 from stereorecal.matching.sad._stream import NEVER, inside_right, offsets, seen_from_right, stream_costs
-from stereorecal.matching.sad._winners import Winners, dearest_rival, index_bits, index_of
+from stereorecal.matching.sad._winners import Winners, highest_rival_cost, index_bits, index_of
 
 
 @dataclass(frozen=True)
@@ -68,8 +68,8 @@ def _search(left: Float[jax.Array, "h w"], right: Float[jax.Array, "h w"], optio
     best = jax.lax.platform_dependent(*images, cpu=by_rows, default=by_planes)
     disparity = options.min_disparity + best.winner
     valid = best.cost < NEVER
-    # Asked in any case: where nobody reads the rivals, XLA finds the costs anew for each other reader, at six times the
-    # price of the search.
+    # In any case: without this use of the rivals, XLA computes the costs again for each other use, at six times the
+    # cost of the search.
     valid &= best.rivals <= (0 if options.uniqueness_ratio else disparity.size)
     if options.disp12_max_diff >= 0:
         width = left.shape[1]
@@ -110,7 +110,7 @@ def winners_by_rows(left: Int[jax.Array, "h w"], right: Int[jax.Array, "h w"], o
             return jnp.where((i >= 0) & (i < count) & (neighbour < outside), neighbour, NEVER)
 
         below, above = cost_at(winner - 1), cost_at(winner + 1)
-        limit = dearest_rival(lowest_cost, options.uniqueness_ratio)
+        limit = highest_rival_cost(lowest_cost, options.uniqueness_ratio)
         near = sum((c <= limit).astype(jnp.int32) for c in (lowest_cost, below, above))
         limit = jnp.minimum(limit, outside - 1).astype(narrow)
         rivals = total((cost <= limit).astype(counter)).astype(jnp.int32) - near

@@ -39,7 +39,7 @@ def index_of(packed: Int[jax.Array, "*shape"], bits: int) -> Int[jax.Array, "*sh
     return jnp.where(packed < NEVER, packed & ((1 << bits) - 1), 0)
 
 
-def dearest_rival(cost: Int[jax.Array, "*shape"], uniqueness_ratio: int) -> Int[jax.Array, "*shape"]:
+def highest_rival_cost(cost: Int[jax.Array, "*shape"], uniqueness_ratio: int) -> Int[jax.Array, "*shape"]:
     """cost + cost * uniqueness_ratio // 100: what costs no more than that comes too near to the winner. Without the
     product, which int32 does not always hold."""
     return cost + cost // 100 * uniqueness_ratio + cost % 100 * uniqueness_ratio // 100

@@ -1,7 +1,8 @@
-"""Scores on the host: NumPy arrays, on all cores of a CPU, for every matcher. What repairs and comparisons run on."""
+"""Scores on the host: NumPy arrays, on all cores of a CPU, for every matcher. Repairs and comparisons use them."""
 
+from stereorecal._renamed import renamed
 from stereorecal.scoring.host._correspondences import (
-    compile_ahead as compile_ahead,
+    compile_in_background as compile_in_background,
     correspondences as correspondences,
     correspondences_and_count as correspondences_and_count,
 )
@@ -11,8 +12,7 @@ from stereorecal.scoring.host._counts import (
     counts_one_by_one as counts_one_by_one,
 )
 from stereorecal.scoring.host._disparities import disparities as disparities
-from stereorecal.scoring.host._mixed_up import refuse_mixed_up as refuse_mixed_up
-from stereorecal.scoring.host._partners import partners as partners
+from stereorecal.scoring.host._pixel_matches import match_pixels as match_pixels
 from stereorecal.scoring.host._score import (
     Score as Score,
     disparity as disparity,
@@ -22,8 +22,19 @@ from stereorecal.scoring.host._score import (
 from stereorecal.scoring.host._survey import (
     RANGES as RANGES,
     Survey as Survey,
-    ranged as ranged,
     survey as survey,
     with_disparity_range as with_disparity_range,
+    with_measured_range as with_measured_range,
 )
+from stereorecal.scoring.host._swapped_images import refuse_swapped_images as refuse_swapped_images
 from stereorecal.scoring.host._tracking import Matches as Matches, tracked as tracked
+
+__getattr__ = renamed(
+    __name__,
+    {
+        "compile_ahead": "compile_in_background",
+        "partners": "match_pixels",
+        "ranged": "with_measured_range",
+        "refuse_mixed_up": "refuse_swapped_images",
+    },
+)

@@ -27,7 +27,7 @@ def on_all_cores(function: Callable[[Any], Any], items: Sequence[Any]) -> list[A
 
 @cache
 def _workers(process: int) -> ThreadPoolExecutor:
-    """One thread for each core; kept, since a search asks for many small batches. A fork has none of its parent's."""
+    """One thread for each core; cached, since a search runs many small batches. A fork has none of its parent's."""
 
     def mark() -> None:
         _here.busy = True

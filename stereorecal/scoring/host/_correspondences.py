@@ -5,24 +5,23 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal._arrays import AnyArray
-from stereorecal._kept import kept
+from stereorecal._compile_cache import cached_program
 from stereorecal.matching import AbstractMatcher, Disparity
 from stereorecal.scoring._correspondences import Correspondences, gathered, refined
 from stereorecal.scoring._prepare import ScoringData
 from stereorecal.scoring.host._cores import on_all_cores
-from stereorecal.scoring.host._disparities import disparities
-from stereorecal.scoring.host._rectified import rectified
+from stereorecal.scoring.host._disparities import disparities, rectified
 
-_refined = kept(refined)
+_refined = cached_program(refined)
 
 
-def compile_ahead(data: ScoringData) -> None:
-    """Begin to compile, in a thread, what `correspondences` of such data needs apart from the match: where the images
-    are new, that takes longer than all that comes before it."""
+def compile_in_background(data: ScoringData) -> None:
+    """Start compiling, in a thread, the programs of `correspondences` for such data apart from the match: for a new
+    image size, this takes longer than all stages before it."""
     frame, (width, height) = data.frames[0], data.view.size
     nothing = Disparity(np.zeros((height, width), np.float32), np.zeros((height, width), bool))
     for program, more in ((rectified, ()), (_refined, (_of_one(nothing),))):
-        program.ahead(frame, np.asarray([0.0, 0.0, 0.0, -1.0, 0.0, 0.0], np.float32), *more)
+        program.compile_in_background(frame, np.asarray([0.0, 0.0, 0.0, -1.0, 0.0, 0.0], np.float32), *more)
 
 
 def correspondences(data: ScoringData, extrinsics: Float[AnyArray, "6"], matcher: AbstractMatcher) -> Correspondences:

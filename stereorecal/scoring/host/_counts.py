@@ -13,7 +13,7 @@ from stereorecal.scoring._count import count_scaled
 from stereorecal.scoring._prepare import ScoringData
 from stereorecal.scoring.host._cores import on_all_cores
 from stereorecal.scoring.host._disparities import disparities
-from stereorecal.scoring.host._in_turn import in_turn
+from stereorecal.scoring.host._map_candidates import map_candidates
 
 _SMALL = 2**16  # pixels of a frame: its programs are then so short that candidates share a call of one
 _AT_ONCE = 64  # candidates in one call of a GPU, at most
@@ -23,15 +23,15 @@ _PIXELS_AT_ONCE = 2**22  # of them together, which take some hundred bytes each
 def counts(data: ScoringData, candidates: Float[AnyArray, "n 6"], matcher: AbstractMatcher) -> Int[np.ndarray, "n"]:
     """The count of each candidate, (n,) int64, for any matcher with `num_disparities` (in full-size pixels).
 
-    A count never depends on how a batch was split. On a CPU each candidate is looked at alone, on one core if there are
+    A count never depends on how a batch was split. On a CPU each candidate is scored alone, on one core if there are
     several: on small frames many in a call of one program, on large ones by the programs of `disparities`. Elsewhere so
-    many are looked at together, in one program.
+    many are scored together, in one program.
     """
     if matcher.traceable and jax.default_backend() != "cpu":
         return counts_at_once(data, candidates, matcher)
     if not matcher.traceable or data.view.size[0] * data.view.size[1] > _SMALL:
         return counts_one_by_one(data, candidates, matcher)
-    return in_turn(count_scaled, data.frames, candidates, matcher.scaled(data.scale)).sum(axis=0, dtype=np.int64)
+    return map_candidates(count_scaled, data.frames, candidates, matcher.scaled(data.scale)).sum(axis=0, dtype=np.int64)
 
 
 def counts_one_by_one(

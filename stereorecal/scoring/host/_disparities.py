@@ -1,14 +1,28 @@
-"""The disparities of all frames under one set of extrinsics."""
+"""Frames on the host: rectified, then matched in blocks of rows on all cores."""
 
+from functools import partial
+from typing import NamedTuple
+
+import jax
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal._arrays import AnyArray
+from stereorecal._arrays import AnyArray, Extrinsics
+from stereorecal._compile_cache import cached_program
 from stereorecal.matching import AbstractMatcher, Disparity
+from stereorecal.scoring._match_frame import match_frame
 from stereorecal.scoring._prepare import ScoringData
-from stereorecal.scoring.host._blocks import match_in_blocks
-from stereorecal.scoring.host._cores import on_all_cores
-from stereorecal.scoring.host._rectified import rectified_frame
+from stereorecal.scoring._rectify import Rectified, rectify_frames
+from stereorecal.scoring.host._cores import cores, on_all_cores
+
+_LARGEST_HALO = 0.1  # of the rows of a block
+
+
+class Block(NamedTuple):
+    """Some rows of a frame: the rows that a matcher is given, and which of those are used."""
+
+    given: slice
+    used: slice
 
 
 def disparities(data: ScoringData, extrinsics: Float[AnyArray, "6"], matcher: AbstractMatcher) -> list[Disparity]:
@@ -23,3 +37,56 @@ def disparities(data: ScoringData, extrinsics: Float[AnyArray, "6"], matcher: Ab
         return match_in_blocks(scaled, rectified_frame(frame, single))
 
     return on_all_cores(one, data.frames)
+
+
+def rectified_frame(data: ScoringData, extrinsics: Float[AnyArray, "6"]) -> Rectified:
+    """The one frame of `data` rectified by `extrinsics`, float32."""
+    return Rectified(*rectified(data, extrinsics))
+
+
+@cached_program
+def rectified(data: ScoringData, extrinsics: Extrinsics) -> tuple[jax.Array, ...]:
+    """The images and areas of that frame, in the order of `Rectified`."""
+    frames = rectify_frames(data, extrinsics, lambda frame: frame)
+    return frames.left[0], frames.right[0], frames.left_area[0], frames.right_area[0]
+
+
+def match_in_blocks(matcher: AbstractMatcher, frame: Rectified) -> Disparity:
+    """The disparity of a frame, NumPy arrays."""
+    parts = blocks(frame.left.shape[0], matcher)
+    if len(parts) == 1:
+        return jax.tree.map(np.asarray, _match(matcher, frame))
+    rows = jax.tree.map(np.asarray, frame)
+
+    def match(block: Block) -> Disparity:
+        found = _match(matcher, jax.tree.map(lambda leaf: leaf[block.given], rows))
+        return jax.tree.map(lambda leaf: np.asarray(leaf)[block.used], found)
+
+    return jax.tree.map(lambda *found: np.concatenate(found), *on_all_cores(match, parts))
+
+
+def blocks(height: int, matcher: AbstractMatcher) -> list[Block]:
+    """A frame in as many blocks as there are cores, all of one shape, with the matcher's halo on both sides; in fewer
+    where the halos would cost more than a tenth, in one if the matcher has none."""
+    if matcher.halo is None:
+        return [Block(slice(0, height), slice(0, height))]
+    halo = max(matcher.halo, matcher.block_size // 2 + 1)  # the core's texture check needs that many rows
+    number = max(1, min(cores(), int(_LARGEST_HALO * height) // (2 * halo)))
+    rows = -(-height // number)
+    given = min(height, rows + 2 * halo)
+
+    def block(i: int) -> Block:
+        first = min(max(0, i * rows - halo), height - given)
+        return Block(slice(first, first + given), slice(i * rows - first, min(height, (i + 1) * rows) - first))
+
+    return [block(i) for i in range(number)]
+
+
+def _match(matcher: AbstractMatcher, frame: Rectified) -> Disparity:
+    return Disparity(*_compiled_match(frame, matcher=matcher)) if matcher.traceable else match_frame(matcher, frame)
+
+
+@partial(cached_program, static=("matcher",))
+def _compiled_match(frame: Rectified, *, matcher: AbstractMatcher) -> tuple[AnyArray, ...]:
+    found = match_frame(matcher, frame)
+    return found.values, found.valid

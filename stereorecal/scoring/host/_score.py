@@ -1,4 +1,4 @@
-"""What a user asks of one calibration: its score, its rectified images, its disparity."""
+"""The score, the rectified images and the disparity of one calibration."""
 
 from dataclasses import dataclass
 
@@ -13,14 +13,13 @@ from stereorecal.matching import AbstractMatcher, Disparity
 from stereorecal.recordings import Pairs
 from stereorecal.scoring._prepare import Pyramid, pyramid
 from stereorecal.scoring.host._counts import counts_one_by_one
-from stereorecal.scoring.host._disparities import disparities
-from stereorecal.scoring.host._rectified import rectified_frame
-from stereorecal.scoring.host._survey import ranged
+from stereorecal.scoring.host._disparities import disparities, rectified_frame
+from stereorecal.scoring.host._survey import with_measured_range
 
 
 @dataclass(frozen=True)
 class Score:
-    """A count with what it is out of.
+    """The number of matched pixels.
 
     Attributes:
         count: pixels with a valid disparity, over all frames.
@@ -66,7 +65,7 @@ def score(
     refuse_tracers("sr.score", "sr.count(data, extrinsics, matcher) on data = sr.prepare(rig, pairs)", rig, pairs, view)
     images = pyramid(rig, pairs, view)
     data = images.at(scale)
-    found = counts_one_by_one(data, with_unit_baseline(rig.extrinsics)[None], ranged(matcher, images))
+    found = counts_one_by_one(data, with_unit_baseline(rig.extrinsics)[None], with_measured_range(matcher, images))
     return Score(int(found[0]), data.pixels)
 
 
@@ -86,7 +85,7 @@ def disparity(
     """The disparity of one pair, NumPy arrays; `valid` is what `score` counts with the same view and matcher."""
     refuse_tracers("sr.disparity", "matcher.match on rectified images", rig, pair, view)
     images = _only(pyramid(rig, pair, view))
-    return disparities(images.at(1.0), with_unit_baseline(rig.extrinsics), ranged(matcher, images))[0]
+    return disparities(images.at(1.0), with_unit_baseline(rig.extrinsics), with_measured_range(matcher, images))[0]
 
 
 def _only(images: Pyramid) -> Pyramid:

@@ -1,4 +1,4 @@
-"""A survey of the images at a coarse scale: roughly how the rig stands, and how wide the disparity search must be."""
+"""A survey of the images at a coarse scale: a rough rotation of the rig, and the disparity range."""
 
 from dataclasses import dataclass, replace
 
@@ -12,27 +12,27 @@ from stereorecal._arrays import Extrinsics, refuse_tracers
 from stereorecal.geometry import AnyView, StereoRig, View, with_unit_baseline
 from stereorecal.matching import SAD, AbstractMatcher, as_matcher
 from stereorecal.recordings import Pairs
+from stereorecal.scoring._match_frame import match_frame
 from stereorecal.scoring._prepare import Pyramid, ScoringData, pyramid
 from stereorecal.scoring._rectify import Rectified, rectify_frames
-from stereorecal.scoring._validity import match_frame
-from stereorecal.scoring.host._in_turn import in_turn
-from stereorecal.scoring.host._mixed_up import refuse_mixed_up
+from stereorecal.scoring.host._map_candidates import map_candidates
+from stereorecal.scoring.host._swapped_images import refuse_swapped_images
 
-_COARSE_WIDTH = 128  # pixels: a few degrees of drift are a few rows here, which a window forgives
+_COARSE_WIDTH = 128  # pixels: a few degrees of drift are a few rows here, within the window of the matcher
 _COARSE_HEIGHT = 24  # pixels, at least, for panoramic images
 RANGES = (16, 32, 48, 64, 96, 128, 192, 256, 384, 512)  # few, since each is a program of its own to compile
 _MARGIN = 1.25  # the nearest surface may be small, or seen closer in another frame
 _DEFAULT_REACH = np.radians(3.0)
 _INSIDE = 0.7  # of the reach: where the outermost steps of yaw and roll lie
 _FRAMES = 4
-_FEWEST = 50  # pixels of surfaces; fewer say nothing about the range
-_SURELY_RIGHT = 0.5  # share of the pixels that match: of images that are mixed up, no more than that would
+_FEWEST = 50  # pixels of surfaces; fewer do not determine the range
+_SURELY_RIGHT = 0.5  # share of the pixels that match: of images that are swapped, no more than that match
 _SPECKLE = 100  # pixels of the coarse image: about a hundredth of it
 
 
 @dataclass(frozen=True, eq=False)
 class Survey:
-    """What a coarse match of the images shows.
+    """The result of a coarse match of the images.
 
     Attributes:
         offset: (6,) what to add to the extrinsics of the rig so that most pixels match: a step of a grid over pitch and
@@ -69,15 +69,15 @@ class Survey:
 
 def survey(images: Pyramid, extrinsics: Extrinsics, reach: float = _DEFAULT_REACH, *, aligned: bool = False) -> Survey:
     """Match the images at a coarse scale over a grid of pitch and roll, since the rig may be decalibrated; over yaw too
-    where the reach is 4.5 degrees or more: then far things may lie beyond the edge of what is searched.
+    where the reach is 4.5 degrees or more: far points may then lie outside of the disparity range.
 
     Args:
         extrinsics: (6,) of the rig, the middle of the grid.
         reach: largest rotation error expected, radians.
-        aligned: the rows are known to be aligned, only the yaw is not: the rig is taken as it is.
+        aligned: the rows are known to be aligned, so pitch and roll are not searched.
 
     Raises:
-        InputError: if the images are surely mixed up: swapped, upside down, of different things.
+        InputError: if the images are certainly swapped, upside down, or of different scenes.
     """
     size = images.view.size
     scale = min(1.0, max(_COARSE_WIDTH / size[0], _COARSE_HEIGHT / size[1]))
@@ -85,23 +85,25 @@ def survey(images: Pyramid, extrinsics: Extrinsics, reach: float = _DEFAULT_REAC
     coarse = SAD(num_disparities=data.view.size[0] // 2, block_size=7)  # at the scale of the data
     offsets = np.zeros((1, 6)) if aligned else _grid(data.view, reach)
     candidates = np.asarray(with_unit_baseline(extrinsics) + offsets, np.float32)
-    looks, matched = 1, np.array([data.pixels])  # aligned: there is nothing to choose from
+    runs, matched = 1, np.array([data.pixels])  # aligned: there is nothing to choose from
     if not aligned:
-        matched = in_turn(_look, data.frames, candidates, coarse, _matched).sum(axis=0)
-        looks += len(candidates)
+        matched = map_candidates(_disparity_of_frame, data.frames, candidates, coarse, _matched).sum(axis=0)
+        runs += len(candidates)
     winner = int(np.argmax(matched))
-    seen = in_turn(_look, data.frames, candidates[winner], coarse)[:, 0]
+    seen = map_candidates(_disparity_of_frame, data.frames, candidates[winner], coarse)[:, 0]
     if matched[winner] < _SURELY_RIGHT * data.pixels:
-        refuse_mixed_up(images)
-    return Survey(offsets[winner], _surfaces(seen), data.view, scale, looks * data.cost)
+        refuse_swapped_images(images)
+    return Survey(offsets[winner], _surfaces(seen), data.view, scale, runs * data.cost)
 
 
-def ranged(matcher: AbstractMatcher | str | None, images: Pyramid, reach: float = _DEFAULT_REACH) -> AbstractMatcher:
+def with_measured_range(
+    matcher: AbstractMatcher | str | None, images: Pyramid, reach: float = _DEFAULT_REACH
+) -> AbstractMatcher:
     """The matcher with its number of disparities: its own, or measured by a `survey`, with a margin for a yaw error of
     `reach` [rad].
 
     Raises:
-        InputError: if, while measuring, the images turn out to be mixed up.
+        InputError: if, while measuring, the images turn out to be swapped.
     """
     matcher = as_matcher(matcher)
     if matcher.num_disparities is not None:
@@ -124,18 +126,18 @@ def with_disparity_range(
         reach: largest rotation error expected, radians; a yaw error moves far things by up to `focal * tan(reach)`.
 
     Raises:
-        InputError: if images and calibration do not fit, while measuring the images turn out to be mixed up, or it is
+        InputError: if images and calibration do not fit, while measuring the images turn out to be swapped, or it is
             called under `jit`, `vmap` or `grad`.
     """
     refuse_tracers("sr.with_disparity_range", "it before tracing", rig, pairs, view)
-    return ranged(matcher, pyramid(rig, pairs, view), reach)
+    return with_measured_range(matcher, pyramid(rig, pairs, view), reach)
 
 
 def _grid(view: View, reach: float) -> Float[np.ndarray, "n 6"]:
-    """Offsets of the extrinsics, close enough together that one of them lets a coarse matcher see."""
+    """Offsets of the extrinsics, so dense that the coarse matcher finds matches at one of them."""
     pitch_step = 1.5 / float(view.focal)  # a row and a half
     roll_steps = max(1, round(reach / _DEFAULT_REACH))
-    yaw_steps = min(roll_steps - 1, 2)  # within the default reach, a wrong yaw leaves enough to be seen
+    yaw_steps = min(roll_steps - 1, 2)  # within the default reach, enough pixels match despite a wrong yaw
     return np.array(
         [
             (pitch, yaw, roll, 0.0, 0.0, 0.0)
@@ -151,7 +153,7 @@ def _either_way(farthest: float, steps: int) -> Float[np.ndarray, "n"]:
     return np.arange(-steps, steps + 1) * (farthest / max(steps, 1))
 
 
-def _look(data: ScoringData, extrinsics: Extrinsics, matcher: AbstractMatcher) -> Float[jax.Array, "h w"]:
+def _disparity_of_frame(data: ScoringData, extrinsics: Extrinsics, matcher: AbstractMatcher) -> Float[jax.Array, "h w"]:
     """The disparity of the one frame under one set of extrinsics, NaN where none is valid."""
 
     def disparity(frame: Rectified) -> Float[jax.Array, "h w"]:
@@ -167,7 +169,7 @@ def _matched(disparities: Float[np.ndarray, "n h w"]) -> Int[np.ndarray, "n"]:
 
 
 def _surfaces(disparities: Float[np.ndarray, "k h w"]) -> Float[np.ndarray, "n"]:
-    """The disparities that form patches, not the lone pixels of false matches."""
+    """The disparities that form patches, without the isolated pixels of false matches."""
     patches = []
     for values in disparities:
         valid = np.isfinite(values)

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float
 
-from stereorecal._opencv import cv2
+from stereorecal._cv2 import cv2
 from stereorecal.recordings import Pair
 from stereorecal.scoring._tracks import Tracks
 

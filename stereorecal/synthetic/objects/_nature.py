@@ -1,9 +1,12 @@
-"""Paints of natural surfaces: hills, cliffs, crowns of trees."""
+"""Trees, and paints of natural surfaces: hills, cliffs, crowns of trees."""
 
 import numpy as np
 
+from stereorecal.synthetic.objects._things import Things
 from stereorecal.synthetic.rendering._noise import Texture, fractal
 from stereorecal.synthetic.rendering._patch import Canvas, Paint
+from stereorecal.synthetic.rendering._studio import Studio
+from stereorecal.synthetic.surroundings._ground import Stain
 
 
 def _relief(height: Texture, strength: float) -> Texture:
@@ -74,8 +77,8 @@ def _rock(canvas: Canvas) -> Texture:
     return image * (1.0 - 0.65 * clefts)
 
 
-def crown(albedo: float, density: float = 0.0) -> Paint:
-    """A clump of leaves with ragged edges and holes; a higher `density` closes them."""
+def crown(albedo: float) -> Paint:
+    """A clump of leaves with ragged edges and holes."""
 
     def paint(canvas: Canvas) -> tuple[Texture, Texture]:
         across = canvas.x / canvas.width * 2.0 - 1.0
@@ -83,10 +86,25 @@ def crown(albedo: float, density: float = 0.0) -> Paint:
         radius = np.sqrt(across**2 + up**2)
         leaves = canvas.noise(0.5, 0.45, 6, 0.95)
         clumps = canvas.noise(0.35 * canvas.width, octaves=4)
-        mask = 0.5 + 2.0 * (0.78 + density - radius) + 0.55 * leaves + 0.45 * clumps
+        mask = 0.5 + 2.0 * (0.78 - radius) + 0.55 * leaves + 0.45 * clumps
         mask = mask - 12.0 * np.clip(np.maximum(np.abs(across), np.abs(up)) - 0.84, 0.0, 1.0) * (1.0 + 0.5 * leaves)
         lit = 0.75 + 0.35 * up - 0.1 * across
         image = albedo * lit * np.exp(0.4 * leaves + 0.35 * clumps)
         return image.astype(np.float32), np.clip(mask, 0.0, 1.0).astype(np.float32)
 
     return paint
+
+
+def tree(studio: Studio, foot: tuple[float, float], tall: float) -> Things:
+    """A tree `tall` [m] at ground point `foot`: a trunk, clumps of leaves around it, and its shadow."""
+    rng = studio.rng
+    patches = [studio.pole(foot, 0.28, 0.0, 0.55 * tall, 0.1)]
+    for _ in range(7):
+        away, angle = rng.uniform(0.1, 0.26) * tall, rng.uniform(0.0, 2 * np.pi)
+        spot = (foot[0] + away * np.cos(angle), foot[1] + away * np.sin(angle))
+        width, low = float(rng.uniform(0.32, 0.5)) * tall, float(rng.uniform(0.36, 0.68)) * tall
+        patches.append(studio.card(spot, width, low, low + 0.85 * width, crown(float(rng.uniform(0.08, 0.16)))))
+    angles = np.linspace(0, 2 * np.pi, 12, endpoint=False)
+    shift = studio.light.sun[[0, 2]] * (-0.6 * tall / studio.light.sun[1])
+    circle = np.array(foot) + shift + 0.3 * tall * np.stack([np.cos(angles), np.sin(angles)], -1)
+    return patches, [Stain(circle, 0.6)]

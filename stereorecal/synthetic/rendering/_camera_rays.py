@@ -9,7 +9,7 @@ from jaxtyping import Float
 
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.synthetic.rendering._patch import Point
-from stereorecal.synthetic.rendering._trace import Rays
+from stereorecal.synthetic.rendering._ray_patch_hits import Rays
 
 _SUPERSAMPLE = 2  # per axis: 4 samples a pixel antialias the edges of patches
 

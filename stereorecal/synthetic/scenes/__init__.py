@@ -11,7 +11,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from stereorecal._errors import InputError
+from stereorecal import InputError
 from stereorecal.synthetic.scenes._coast import coast
 from stereorecal.synthetic.scenes._harbour import harbour
 from stereorecal.synthetic.scenes._open_sea import open_sea

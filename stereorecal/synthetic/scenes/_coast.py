@@ -12,7 +12,7 @@ from stereorecal.synthetic.surroundings._daylight import daylight
 from stereorecal.synthetic.surroundings._ground import Stain, mirrored, shade_map
 from stereorecal.synthetic.surroundings._sky import make_sky
 from stereorecal.synthetic.surroundings._water import make_water
-from stereorecal.synthetic.world._motion import BOAT_EYE, Motion, attitude
+from stereorecal.synthetic.world._rig_motion import BOAT_EYE, RigMotion, attitude
 from stereorecal.synthetic.world._world import World
 
 
@@ -24,7 +24,7 @@ def coast(rng: np.random.Generator) -> World:
         patches, stains = patches + part[0], stains + part[1]
     water = make_water(rng, float(rng.uniform(0.06, 0.09)), 4.0, 0.06, shade_map(stains, (2.0, 7.0)))
     sky = make_sky(rng, float(rng.uniform(0.75, 0.95)), float(rng.uniform(0.3, 0.5)), 0.25)
-    return World(tuple(patches), water, sky, 600.0, Motion(BOAT_EYE, attitude(rng), 0.02, 0.2))
+    return World(tuple(patches), water, sky, 600.0, RigMotion(BOAT_EYE, attitude(rng), 0.02, 0.2))
 
 
 def _rocks(studio: Studio) -> Things:

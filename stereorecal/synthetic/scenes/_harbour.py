@@ -16,7 +16,7 @@ from stereorecal.synthetic.surroundings._daylight import daylight
 from stereorecal.synthetic.surroundings._ground import Stain, mirrored, shade_map
 from stereorecal.synthetic.surroundings._sky import make_sky
 from stereorecal.synthetic.surroundings._water import make_water
-from stereorecal.synthetic.world._motion import BOAT_EYE, Motion, attitude
+from stereorecal.synthetic.world._rig_motion import BOAT_EYE, RigMotion, attitude
 from stereorecal.synthetic.world._world import World
 
 
@@ -28,7 +28,7 @@ def harbour(rng: np.random.Generator) -> World:
         patches, stains = patches + part[0], stains + part[1]
     water = make_water(rng, float(rng.uniform(0.04, 0.07)), 2.5, 0.07, shade_map(stains, (2.0, 7.0)))
     sky = make_sky(rng, float(rng.uniform(0.75, 0.95)), float(rng.uniform(0.3, 0.5)), 0.22)
-    return World(tuple(patches), water, sky, 500.0, Motion(BOAT_EYE, attitude(rng), 0.012, 0.15))
+    return World(tuple(patches), water, sky, 500.0, RigMotion(BOAT_EYE, attitude(rng), 0.012, 0.15))
 
 
 def _front(studio: Studio) -> Things:

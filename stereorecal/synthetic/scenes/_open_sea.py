@@ -8,7 +8,7 @@ from stereorecal.synthetic.surroundings._daylight import daylight
 from stereorecal.synthetic.surroundings._ground import shade_map
 from stereorecal.synthetic.surroundings._sky import make_sky
 from stereorecal.synthetic.surroundings._water import make_water
-from stereorecal.synthetic.world._motion import BOAT_EYE, Motion, attitude
+from stereorecal.synthetic.world._rig_motion import BOAT_EYE, RigMotion, attitude
 from stereorecal.synthetic.world._world import World
 
 
@@ -22,4 +22,4 @@ def open_sea(rng: np.random.Generator) -> World:
         patches, stains = boat(studio, (x, z), float(rng.uniform(7.0, 12.0)), float(rng.uniform(-1, 1)), True)
     water = make_water(rng, float(rng.uniform(0.008, 0.014)), 6.0, 0.1, shade_map(stains, (2.0, 5.0)))
     sky = make_sky(rng, float(rng.uniform(0.8, 0.95)), float(rng.uniform(0.5, 0.6)), 0.06)
-    return World(tuple(patches), water, sky, 120.0, Motion(BOAT_EYE, attitude(rng), 0.01, 0.3))
+    return World(tuple(patches), water, sky, 120.0, RigMotion(BOAT_EYE, attitude(rng), 0.01, 0.3))

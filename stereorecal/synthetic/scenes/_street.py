@@ -4,9 +4,8 @@ import numpy as np
 
 from stereorecal.synthetic.objects._car import car
 from stereorecal.synthetic.objects._house import house
-from stereorecal.synthetic.objects._nature import hill
+from stereorecal.synthetic.objects._nature import hill, tree
 from stereorecal.synthetic.objects._things import Things
-from stereorecal.synthetic.objects._tree import tree
 from stereorecal.synthetic.objects._walls import facade, masonry, plain
 from stereorecal.synthetic.rendering._patch import Paint, Patch
 from stereorecal.synthetic.rendering._studio import Studio
@@ -14,7 +13,7 @@ from stereorecal.synthetic.surroundings._daylight import daylight
 from stereorecal.synthetic.surroundings._ground import Stain, shade_map
 from stereorecal.synthetic.surroundings._road import make_road
 from stereorecal.synthetic.surroundings._sky import make_sky
-from stereorecal.synthetic.world._motion import VAN_EYE, Motion, attitude
+from stereorecal.synthetic.world._rig_motion import VAN_EYE, RigMotion, attitude
 from stereorecal.synthetic.world._world import World
 
 _PAVEMENT = 2.6  # width [m] of the pavement between kerb and houses
@@ -30,7 +29,7 @@ def street(rng: np.random.Generator) -> World:
             patches, stains = patches + part[0], stains + part[1]
     road = make_road(rng, half, middle, studio.light.on(np.array([0.0, 1.0, 0.0])), shade_map(stains, (2.0, 2.0)))
     sky = make_sky(rng, float(rng.uniform(0.85, 1.0)), float(rng.uniform(0.4, 0.55)), 0.2)
-    return World(tuple(patches), road, sky, 350.0, Motion(VAN_EYE, attitude(rng), 0.004, 0.4))
+    return World(tuple(patches), road, sky, 350.0, RigMotion(VAN_EYE, attitude(rng), 0.004, 0.4))
 
 
 def _front(rng: np.random.Generator) -> Paint:

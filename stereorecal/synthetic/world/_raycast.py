@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal.synthetic.rendering._noise import Texture
-from stereorecal.synthetic.rendering._trace import Rays, trace
+from stereorecal.synthetic.rendering._ray_patch_hits import Rays, trace
 from stereorecal.synthetic.world._world import World
 
 _CHUNK = 1 << 16  # rays at a time: bounds the memory that the octaves of the ground take

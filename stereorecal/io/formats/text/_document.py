@@ -7,11 +7,10 @@ from enum import Enum
 from pathlib import Path
 from typing import Any
 
-from stereorecal.io._about import about
-from stereorecal.io._text import read_text
+from stereorecal.io._read_files import about, read_text
 from stereorecal.io.formats.text import _json, _lines, _xml, _yaml
 from stereorecal.io.formats.text._guard import check_flat
-from stereorecal.io.formats.text._values import Values
+from stereorecal.io.formats.text._keys import Values
 
 
 class Syntax(Enum):

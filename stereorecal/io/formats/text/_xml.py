@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from stereorecal._errors import InputError
 from stereorecal.io.formats._numbers import number_or_word
-from stereorecal.io.formats.text._values import Keys, Values, leaves, number_text
+from stereorecal.io.formats.text._keys import Keys, Values, leaves, number_text
 
 if TYPE_CHECKING:
     from xml.etree import ElementTree

@@ -1,0 +1,162 @@
+"""The cache of traced programs: what JAX would trace for a second in each process is read from a file instead.
+
+JAX's own compilation cache holds what XLA compiled, but needs the traced program to find it. This cache is a folder
+inside JAX's and is used where JAX's is switched on. The key of a program is everything that it was traced from: the
+files of this package, versions, platform, structure, shapes and static arguments. In doubt a program is traced anew.
+A program that is needed soon can be compiled in the background.
+"""
+
+import hashlib
+import logging
+import os
+import threading
+import uuid
+from collections.abc import Callable
+from concurrent.futures import Future
+from contextlib import suppress
+from functools import cache, update_wrapper
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import jax
+import jax.export
+import numpy as np
+
+from stereorecal._arrays import AnyArray
+from stereorecal._background import in_background
+from stereorecal._version import __version__
+
+LOG = logging.getLogger("stereorecal")
+_FOLDER = "stereorecal-traced"
+_SETTINGS = ("jax_enable_x64", "jax_numpy_dtype_promotion", "jax_default_matmul_precision")
+Leaves = tuple[AnyArray, ...]
+
+
+class CachedProgram:
+    """A compiled function, cached across processes where JAX's compilation cache is switched on."""
+
+    def __init__(self, function: Callable[..., Leaves], static: tuple[str, ...]):
+        update_wrapper(self, function)
+        self._function = function
+        self.compiled = jax.jit(function, static_argnames=static)  # where nothing is cached
+        self._programs: dict[Any, Callable[..., Any]] = {}
+        self._tracing = threading.Lock()
+        self._compiling: dict[Any, Future[None]] = {}
+
+    def __call__(self, *arguments: Any, **statics: Any) -> Leaves:
+        folder = _folder_of(statics)
+        if folder is None and not self._compiling:
+            return self.compiled(*arguments, **statics)
+        key = _key(arguments, statics)
+        if compiling := self._compiling.get(key):
+            compiling.result()
+        return self._run(key, folder, arguments, statics)
+
+    def compile_in_background(self, *arguments: Any, **statics: Any) -> None:
+        """Start compiling the program for such arguments in a thread; a call with them waits until it is done."""
+        key = _key(arguments, statics)
+
+        def work() -> None:
+            if _key(arguments, statics) == key:  # else the caller has set up JAX for its own thread only
+                self._run(key, _folder_of(statics), arguments, statics)
+
+        if key not in self._programs and key not in self._compiling:
+            self._compiling[key] = in_background(work)
+
+    def _run(self, key: Any, folder: Path | None, arguments: tuple[Any, ...], statics: dict[str, Any]) -> Leaves:
+        if folder is None:
+            return self.compiled(*arguments, **statics)
+        program = self._programs.get(key)
+        if program is None:
+            with self._tracing:
+                program = self._programs.get(key) or _program(self._function, arguments, statics, folder)
+                self._programs[key] = program
+        return tuple(program(*jax.tree.leaves(arguments)))
+
+
+def cached_program(function: Callable[..., Leaves], *, static: tuple[str, ...] = ()) -> CachedProgram:
+    """`function`, compiled and cached.
+
+    Args:
+        function: pure; pytrees in, a tuple of arrays out.
+        static: names of its keyword arguments that are part of the program: hashable, with a complete `repr`. A
+            program with one from another package is not cached, since that code may change.
+    """
+    return CachedProgram(function, static)
+
+
+def _key(arguments: tuple[Any, ...], statics: dict[str, Any]) -> Any:
+    leaves, structure = jax.tree.flatten(arguments)
+    shapes = tuple((np.shape(x), jax.dtypes.result_type(x)) for x in leaves)
+    return (os.getpid(), _settings(), structure, shapes, *statics.items())
+
+
+def _program(function: Callable, arguments: tuple[Any, ...], statics: dict[str, Any], folder: Path) -> Callable:
+    leaves, structure = jax.tree.flatten(arguments)
+    shapes = [jax.ShapeDtypeStruct(np.shape(x), jax.dtypes.result_type(x)) for x in leaves]
+    known = [function.__module__, function.__qualname__, str(structure), str(shapes), _static_texts(statics)]
+    known += [_settings(), _traced_by()]
+    path = folder / f"{function.__name__.strip('_')}-{hashlib.sha256(repr(known).encode()).hexdigest()[:32]}"
+    with suppress(Exception):  # missing, truncated, of another format: traced anew
+        return jax.jit(jax.export.deserialize(bytearray(path.read_bytes())).call)
+
+    LOG.info("compiling %s into the cache %s", function.__name__.strip("_"), folder)
+
+    def flat(*leaves: jax.Array) -> Leaves:
+        return function(*jax.tree.unflatten(structure, leaves), **statics)
+
+    flat.__name__ = function.__name__
+    exported = jax.export.export(jax.jit(flat))(*shapes)
+    with suppress(OSError):  # a full disk, a folder that has gone: not cached
+        _write(path, bytes(exported.serialize()))
+    return jax.jit(exported.call)
+
+
+def _static_texts(statics: dict[str, Any]) -> list[tuple[str, str]]:
+    return [
+        (name, f"{value.__module__}.{value.__qualname__}" if callable(value) else repr(value))
+        for name, value in statics.items()
+    ]
+
+
+def _is_own(value: Any) -> bool:
+    """Whether a static argument is of a built-in type or of this package."""
+    module = value.__module__ if callable(value) else type(value).__module__
+    return module == "builtins" or module.partition(".")[0] == "stereorecal"
+
+
+def _folder_of(statics: dict[str, Any]) -> Path | None:
+    """The cache folder for a program with these static arguments; None if it is not cached."""
+    return _folder() if all(_is_own(value) for value in statics.values()) else None
+
+
+def _folder() -> Path | None:
+    """The cache folder; None without one."""
+    settings = jax.config.values
+    folder = settings["jax_compilation_cache_dir"]
+    return Path(folder) / _FOLDER if folder and settings["jax_enable_compilation_cache"] else None
+
+
+def _settings() -> tuple[Any, ...]:
+    """The settings of JAX that change a program; some may hold in this thread only."""
+    return tuple(getattr(jax.config, name) for name in _SETTINGS)
+
+
+@cache
+def _traced_by() -> tuple[Any, ...]:
+    """What programs are traced by: versions, the platform, and the files of this package."""
+    root = Path(__file__).parent
+    files = [(str(p.relative_to(root)), p.stat().st_size, p.stat().st_mtime_ns) for p in sorted(root.rglob("*.py"))]
+    names = ("jax", "jaxlib", "numpy")
+    return (__version__, *(version(name) for name in names), jax.default_backend(), files)
+
+
+def _write(path: Path, content: bytes) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    part = path.with_name(f".{path.name}.{uuid.uuid4().hex[:8]}")
+    try:
+        part.write_bytes(content)
+        os.replace(part, path)
+    finally:
+        part.unlink(missing_ok=True)

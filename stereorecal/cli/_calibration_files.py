@@ -1,0 +1,75 @@
+"""Calibration files as people name them on the command line: one file, a folder, a data set, or LEFT,RIGHT."""
+
+import argparse
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+from stereorecal._errors import InputError
+from stereorecal.geometry import StereoRig
+from stereorecal.io import is_data_set, load_rig, load_scene, says_its_unit, unsaid_unit
+
+CalibrationPath = Path | tuple[Path, Path]
+
+
+def calibration_path(words: str | Sequence[str], option: str) -> CalibrationPath:
+    """The path, or the paths of the left and the right camera's file: two words, or one with a comma.
+
+    Raises:
+        InputError: if there are more.
+    """
+    words = [words] if isinstance(words, str) else list(words)
+    if len(words) == 1 and "," in words[0] and not Path(words[0]).exists():
+        words = words[0].split(",")
+    if len(words) > 2:
+        raise InputError(f"{option} takes one file, or two where each camera has its own; {len(words)} were given.")
+    return Path(words[0]) if len(words) == 1 else (Path(words[0]), Path(words[1]))
+
+
+def paths(where: CalibrationPath) -> list[Path]:
+    """One or two paths."""
+    return list(where) if isinstance(where, tuple) else [where]
+
+
+def image_size(text: str | None) -> tuple[int, int] | None:
+    """ "640x480" as (width, height).
+
+    Raises:
+        InputError: if it is none.
+    """
+    if text is None:
+        return None
+    found = re.fullmatch(r"([1-9]\d{0,6})x([1-9]\d{0,6})", text)
+    if found is None:
+        raise InputError(f"--size is {text!r}; give width and height in pixels, such as 640x480.")
+    return int(found[1]), int(found[2])
+
+
+def rig_at(words: str, options: argparse.Namespace) -> StereoRig:
+    """The rig in a calibration file, in LEFT,RIGHT, or in a folder, whose images are not looked at if it has a file of
+    its own.
+
+    Raises:
+        InputError: if there is none.
+    """
+    where = calibration_path(words, words)
+    if isinstance(where, Path) and where.is_dir() and is_data_set(where):
+        rig = load_scene(where, limit=1).rig
+        if rig is None:
+            raise InputError(f"{where}: there is no calibration in it; give one that has.")
+        return rig
+    size = image_size(options.size)
+    return load_rig(*paths(where), format=options.format, unit=options.unit, size=size)
+
+
+def unit_written(
+    read: StereoRig, written: StereoRig, target: CalibrationPath, format: str | None, unit: str | None
+) -> tuple[str | None, str]:
+    """What --unit means for a file that is written, and what to say of it after "written".
+
+    It is about the file that was read, if only that one says no unit.
+    """
+    unsaid = unsaid_unit(written, target, format=format)
+    if unsaid is None:
+        return unit if says_its_unit(read) else None, ""
+    return unit, f" (translation in {unit or unsaid})"

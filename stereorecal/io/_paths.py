@@ -1,5 +1,0 @@
-"""The type of a path that users give."""
-
-import os
-
-AnyPath = str | os.PathLike[str]

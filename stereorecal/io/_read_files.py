@@ -1,0 +1,74 @@
+"""Reading files: text read strictly, errors that name the file, and a record of the files that were read."""
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from pathlib import Path
+from typing import Any
+
+from stereorecal._errors import InputError
+
+AnyPath = str | os.PathLike[str]
+"""A path as users give it."""
+
+_MOST_CHARACTERS = 1 << 26
+_files_read: ContextVar[set[Path] | None] = ContextVar("files that were read", default=None)
+
+
+def read_text(path: Path, if_missing: str = "add it.") -> str:
+    """The text of a UTF-8 file, without byte order mark; ends of lines are those of the file.
+
+    Args:
+        if_missing: the end of the message if the file does not exist: what to do about it.
+
+    Raises:
+        InputError: naming the file, if it is missing, unreadable, empty or not UTF-8.
+    """
+    note_input(path)
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as file:
+            text = file.read(_MOST_CHARACTERS + 1)
+    except FileNotFoundError:
+        raise InputError(f"{path}: there is no such file; {if_missing}") from None
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}); check the file.") from error
+    except UnicodeDecodeError:
+        raise InputError(f"{path}: not a text file in UTF-8; copy or write it again.") from None
+    if len(text) > _MOST_CHARACTERS:
+        raise InputError(
+            f"{path}: the text has more than {_MOST_CHARACTERS >> 20} MB; check that this is the right file."
+        )
+    if not text.strip():
+        raise InputError(f"{path}: the file is empty; copy or write it again.")
+    return text
+
+
+@contextmanager
+def about(subject: Any) -> Iterator[None]:
+    """Prefix the message of any InputError raised inside with `subject`, such as a path; its class is kept."""
+    try:
+        yield
+    except InputError as error:
+        raise type(error)(f"{subject}: {error}") from error
+
+
+@contextmanager
+def files_read() -> Iterator[set[Path]]:
+    """A set of the real paths of all text and image files that are read inside: output must not replace them."""
+    outside = _files_read.get()
+    found: set[Path] = set()
+    token = _files_read.set(found)
+    try:
+        yield found
+    finally:
+        _files_read.reset(token)
+        if outside is not None:
+            outside |= found
+
+
+def note_input(path: str | os.PathLike[str]) -> None:
+    """Add a file to the enclosing `files_read`."""
+    noted = _files_read.get()
+    if noted is not None:
+        noted.add(Path(os.path.realpath(path)))

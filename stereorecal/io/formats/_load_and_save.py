@@ -1,0 +1,216 @@
+"""Loading and saving the calibration file of a rig."""
+
+import os
+import re
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from itertools import count
+from pathlib import Path
+from typing import Any
+
+from stereorecal._errors import InputError
+from stereorecal.geometry import StereoRig
+from stereorecal.io._atomic import FileTaken, take_after, write_bytes, write_files
+from stereorecal.io._read_files import AnyPath
+from stereorecal.io._strict_json import parse_json
+from stereorecal.io.formats._file_units import warn_of_units
+from stereorecal.io.formats._format import Hints
+from stereorecal.io.formats._format_list import named
+from stereorecal.io.formats._read_rig import read_files
+from stereorecal.io.formats._rig_file import file_of
+from stereorecal.io.formats._stereorecal import calibration_of, calibration_text
+from stereorecal.io.formats._stored_prior import KEY, PriorData, own_prior, prior_place, prior_text, with_prior
+from stereorecal.io.formats._write_rig import chosen_format, texts_of
+
+
+def load_rig(
+    path: AnyPath | Sequence[AnyPath],
+    right: AnyPath | None = None,
+    *,
+    format: str | None = None,
+    unit: str | None = None,
+    size: tuple[int, int] | None = None,
+) -> StereoRig:
+    """The rig in a calibration file of any format of `docs/data.md`; it remembers the file, for `save_rig`.
+
+    Args:
+        path: the file; a folder that holds one; or the left camera's file, where each camera has its own, alone or
+            with the right one's, as `save_rig` takes them.
+        right: the right camera's file (or the extrinsics, where OpenCV's sample wrote them apart).
+        format: name of the format, such as "kalibr"; by default it is recognised.
+        unit: "m", "cm", "mm" or "in", for files that say none (OpenCV, BoofCV); by default inferred from the baseline.
+        size: (width, height) of the images, for files that say none.
+
+    Raises:
+        InputError: naming the file, if it cannot be read or does not hold a valid calibration; naming the formats that
+            are known, if it is none of them.
+        UnsupportedModelError: if the model of a lens is not known.
+
+    Warns:
+        CalibrationWarning: if the unit was inferred from the baseline, or the baseline is longer than 5 m or shorter
+            than 5 mm, as of a rig in other units.
+    """
+    paths = [*_paths(path), *([] if right is None else [Path(right)])]
+    if not 1 <= len(paths) <= 2:
+        raise InputError(f"{len(paths)} calibration files were given; give one, or two where each camera has its own.")
+    rig = read_files(paths, format, unit, Hints(size=size))
+    warn_of_units(" and ".join(map(str, paths)), rig)
+    return rig
+
+
+def save_rig(
+    rig: StereoRig,
+    path: AnyPath | Sequence[AnyPath],
+    info: Mapping[str, Any] | None = None,
+    overwrite: bool = False,
+    *,
+    format: str | None = None,
+    template: AnyPath | Sequence[AnyPath] | None = None,
+    unit: str | None = None,
+    prior: PriorData | None = None,
+) -> None:
+    """Write a rig into a copy of the file that it came from, whole or not at all: what was not estimated stays as it
+    was there, what is derived is computed anew. A rig from nowhere, or in another format, becomes a new file.
+
+    `load_rig` returns the same extrinsics to within 1e-12.
+
+    Args:
+        path: a file, or two where each camera has its own; its ending must fit the format.
+        info: other keys of a calib.json, such as `Scene.info`; those that describe the rig are replaced.
+        overwrite: whether existing files may be replaced.
+        format: name of the format; by default that of the template, or for a rig from nowhere a calib.json, or OpenCV's
+            where the name ends in .yaml, .yml or .xml.
+        template: a calibration file (or two) to write into, in place of the one that the rig came from.
+        unit: "m", "cm", "mm" or "in", where the format says none: of a template, by default that of the file that the
+            rig came from, if its format is the same, else inferred from the template's baseline; or of a new file, by
+            default metres.
+        prior: the prior of the next repair, such as `solution.prior`; default the one in the file that the rig came
+            from, if the rig is unchanged. A calib.json has a key for it; any other format gets the file
+            NAME.prior.json beside the (left camera's) file: both are written, or none.
+
+    Raises:
+        InputError: if a file exists already, the place cannot be written to, the name contradicts the format, the
+            format has another unit, or cannot hold the rig: the message names one that can. Nothing is written then.
+
+    Warns:
+        CalibrationWarning: if the unit of the template was inferred from its baseline.
+    """
+    paths = _paths(path)
+    if len({place.resolve() for place in paths}) < len(paths):
+        raise InputError(f"{paths[0]}: both cameras' files are the same one; give two names.")
+    if template is None:
+        source = file_of(rig)
+    else:
+        like = _read_template(template, unit, rig)
+        source = file_of(like)
+        warn_of_units(str(template), like)
+    texts = list(texts_of(rig, paths, source, format, unit))
+    if prior is not None:
+        prior.check(rig)
+    known = own_prior(rig) if prior is None else prior.as_dict()
+    name = chosen_format(paths, source, format).NAME
+    beside = prior_place(paths, name)
+    if name == "stereorecal":
+        texts[0] = with_prior(_with_info(texts[0], info or {}), known)
+    contents = dict(zip(paths, texts, strict=True))
+    if known is not None and beside is not None:
+        contents[beside] = prior_text(known)
+    for place in paths:
+        if not place.parent.is_dir():  # before the first of two is written
+            raise InputError(f"{place}: cannot be written, there is no such folder; choose another place.")
+    write_files({place: text.encode() for place, text in contents.items()}, replace=overwrite)
+
+
+def check_savable(
+    rig: StereoRig, path: AnyPath | Sequence[AnyPath], *, format: str | None = None, unit: str | None = None
+) -> None:
+    """All that `save_rig` refuses but for files that exist; nothing is written.
+
+    Raises:
+        InputError: as `save_rig`.
+    """
+    texts_of(rig, _paths(path), file_of(rig), format, unit)
+
+
+def says_its_unit(rig: StereoRig) -> bool:
+    """Whether the format of the file that a rig came from has a unit of lengths; False for a rig from nowhere."""
+    source = file_of(rig)
+    return source is not None and named(source.format).UNIT is not None
+
+
+def unsaid_unit(rig: StereoRig, path: AnyPath | Sequence[AnyPath], *, format: str | None = None) -> str | None:
+    """The unit of lengths in what `save_rig` writes, where the format says none; None where it says one."""
+    source = file_of(rig)
+    chosen = chosen_format(_paths(path), source, format)
+    own = source.unit if source is not None and source.format == chosen.NAME else "m"
+    return own if chosen.UNIT is None else None
+
+
+def prior_beside(rig: StereoRig, path: AnyPath | Sequence[AnyPath], *, format: str | None = None) -> Path | None:
+    """The file that `save_rig` writes beside a calibration for its prior; None where it writes none."""
+    paths = _paths(path)
+    return prior_place(paths, chosen_format(paths, file_of(rig), format).NAME)
+
+
+def calibration_json(rig: StereoRig, prior: PriorData | None = None) -> str:
+    """A rig as a calib.json, with what is known of it."""
+    text = calibration_text(calibration_of(rig, rig.left.size))
+    return text if prior is None else with_prior(text, prior.as_dict())
+
+
+def calibration_files(rig: StereoRig | None) -> list[Path]:
+    """The files that a rig came from; none if it came from nowhere."""
+    source = None if rig is None else file_of(rig)
+    return [] if source is None else [Path(document.name) for document in source.documents]
+
+
+def back_up(path: AnyPath) -> Path:
+    """Copy a file beside itself, as NAME.bak, or NAME.bak2 and so on: no earlier copy is replaced.
+
+    Raises:
+        InputError: if it cannot be read, or there is no room.
+    """
+    path = Path(path)
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}); check the file.") from error
+    while True:
+        copy = next_copy(path)
+        with suppress(FileTaken):  # by another run in the meantime
+            write_bytes(copy, data, replace=False)
+            take_after(copy, path)
+            return copy
+
+
+def next_copy(path: AnyPath) -> Path:
+    """Where `back_up` will copy a file to."""
+    path = Path(path)
+    names = (path.with_name(f"{path.name}.bak{number if number > 1 else ''}") for number in count(1))
+    return next(name for name in names if not os.path.lexists(name))
+
+
+def is_copy(path: AnyPath, of: AnyPath) -> bool:
+    """Whether a path is where `back_up` has copied, or may copy, a file to."""
+    path, of = Path(path).resolve(), Path(of)
+    return path.parent == of.parent.resolve() and re.fullmatch(rf"{re.escape(of.name)}\.bak\d*", path.name) is not None
+
+
+def _paths(path: AnyPath | Sequence[AnyPath]) -> list[Path]:
+    return [Path(path)] if isinstance(path, str | os.PathLike) else [Path(each) for each in path]
+
+
+def _read_template(template: AnyPath | Sequence[AnyPath], unit: str | None, rig: StereoRig) -> StereoRig:
+    """The rig in a template; lengths in one that says no unit are as in the rig's own file of that format."""
+    paths, hints, own = _paths(template), Hints(size=rig.left.size), file_of(rig)
+    like = read_files(paths, unit=unit, hints=hints)
+    found = file_of(like)
+    if own is not None and found is not None and found.inferred and found.format == own.format:
+        return read_files(paths, unit=own.unit, hints=hints)
+    return like
+
+
+def _with_info(text: str, info: Mapping[str, Any]) -> str:
+    """A calib.json with other keys, which come first; byte for byte, if it has them already."""
+    content, info = parse_json(text), {key: item for key, item in info.items() if key != KEY}
+    return text if info.keys() <= content.keys() else calibration_text({**info, **content})

@@ -1,0 +1,203 @@
+"""From files to a rig."""
+
+from collections.abc import Sequence
+from contextlib import nullcontext
+from dataclasses import replace
+from itertools import permutations
+from pathlib import Path
+
+import numpy as np
+
+from stereorecal._errors import InputError, UnsupportedModelError
+from stereorecal._units import METRES, checked_unit, inferred_unit
+from stereorecal.geometry import StereoRig
+from stereorecal.io._read_files import about
+from stereorecal.io.formats._file_units import scaled
+from stereorecal.io.formats._format import Documents, Format, Hints
+from stereorecal.io.formats._format_list import half_of, named, recognised, unknown
+from stereorecal.io.formats._lens_numbers import trimmed
+from stereorecal.io.formats._rig_file import RigFile
+from stereorecal.io.formats._stored_prior import ENDING, read_beside
+from stereorecal.io.formats.text._document import Document, Syntax, read_document
+
+_ENDINGS = (".yaml", ".yml", ".xml", ".json", ".txt")
+_OF_CAMERAS = ("cam0/sensor.yaml", "cam1/sensor.yaml")  # EuRoC's, which lie in folders of their own
+_MOST = 12  # files of a folder that are tried in pairs
+_SCENE = "calib.json"
+
+
+def read_files(
+    paths: Sequence[Path],
+    format: str | None = None,
+    unit: str | None = None,
+    hints: Hints | None = None,
+    if_missing: str = "check the path.",
+) -> StereoRig:
+    """The rig in one file, in a left and a right file, or in a folder that holds such; it remembers where it came from.
+
+    Args:
+        format: name of the format; default: recognised.
+        unit: of lengths in a file whose format says none; default: inferred from the length of the baseline.
+        if_missing: the end of the message if a file does not exist.
+
+    Raises:
+        InputError: naming the file, if it cannot be read, no format is recognised, or it holds no valid calibration.
+        UnsupportedModelError: if the model of a lens is not known.
+    """
+    checked_unit(unit)
+    chosen = None if format is None else named(format)
+    hints = hints or Hints()
+    if len(paths) == 1 and paths[0].is_dir() and paths[0].suffix.lower() not in _ENDINGS:
+        documents = _in_folder(paths[0], chosen, hints)
+    else:
+        documents = tuple(_read(path, chosen, if_missing) for path in paths)
+    rig = rig_in(documents, chosen or _recognised(documents), unit, hints)
+    return replace(rig, source=replace(rig.source, beside=read_beside(Path(documents[0].name))))
+
+
+def rig_in(documents: Documents, format: Format, unit: str | None, hints: Hints) -> StereoRig:
+    """The rig that texts of a format describe, in metres.
+
+    Raises:
+        InputError, UnsupportedModelError: as `read_files`.
+    """
+    names = " and ".join(document.name for document in documents)
+    if len(documents) < format.FILES:
+        raise InputError(f"{names}: {format.NAME} has a file for each camera; give the left and the right one.")
+    with about(names) if len(documents) == 1 or format.FILES == 1 else nullcontext():
+        try:
+            rig = format.read(documents, hints)
+        except (AttributeError, IndexError, KeyError, TypeError):  # a list where there should be keys, and the like
+            raise InputError(
+                f"{documents[0].name}: not arranged as {format.NAME} is ({format.ABOUT}); check the file or the format."
+            ) from None
+    stated = format.UNIT or unit
+    used = stated or inferred_unit(float(rig.baseline))
+    left, right = (
+        replace(camera, distortion=trimmed(np.asarray(camera.distortion))) for camera in (rig.left, rig.right)
+    )
+    rig = replace(rig, left=left, right=right)
+    source = RigFile(format.NAME, documents, hints, used, inferred=stated is None)
+    return replace(scaled(rig, METRES[used]), source=source)
+
+
+def _read(path: Path, format: Format | None, if_missing: str = "check the path.") -> Document:
+    """A file, parsed as the format that was chosen is."""
+    lines = format is None or bool({Syntax.COLONS, Syntax.EQUALS} & set(format.SYNTAX.values()))
+    return read_document(path, _forced_syntax(format), if_missing, lines=lines)
+
+
+def _forced_syntax(format: Format | None) -> Syntax | None:
+    """The syntax of a format that has only one, lines of text: other parsers would stumble over them."""
+    kinds = set() if format is None else set(format.SYNTAX.values())
+    return kinds.pop() if kinds in ({Syntax.COLONS}, {Syntax.EQUALS}) else None
+
+
+def _recognised(documents: Documents) -> Format:
+    found = recognised(documents)
+    if found is not None:
+        return found
+    names = " and ".join(document.name for document in documents)
+    half = half_of(documents)
+    if half is not None:
+        raise InputError(
+            f"{names}: this is one of two files ({half.NAME}: {half.ABOUT}); give both, left before right."
+        )
+    if len(documents) == 2:
+        return _likely(documents, names)
+    raise InputError(f"{names}: {unknown()}")
+
+
+def _likely(documents: Documents, names: str) -> Format:
+    """The format of two files that none can read together: that of one of them, whose reader says what the other one
+    lacks.
+
+    Raises:
+        InputError: if they are of different kinds, or each is a whole calibration.
+    """
+    looks = [recognised((document,)) or half_of((document,)) for document in documents]
+    found = [format for format in looks if format is not None]
+    if not found:
+        raise InputError(f"{names}: {unknown()}")
+    if len(found) == 2 and found[0] is found[1]:
+        raise InputError(f"{names}: each is a calibration by itself ({found[0].NAME}); give one.")
+    if len(found) == 2 or found[0].FILES == 1:
+        one, other = ("nothing that is known" if format is None else format.NAME for format in looks)
+        raise InputError(
+            f"these two do not belong together: {documents[0].name} looks like {one}, {documents[1].name} like "
+            f"{other}; give two of one kind, or the whole one alone."
+        )
+    return found[0]
+
+
+def _in_folder(folder: Path, format: Format | None, hints: Hints) -> Documents:
+    """The file of a folder that holds a calibration, or the two that do so together; where none does, the likely ones.
+
+    Raises:
+        InputError: if there is none, or there are several.
+    """
+    if format is None and (folder / _SCENE).is_file():
+        return (read_document(folder / _SCENE),)
+    found = _documents_in(folder, format)
+    fitting = [format] if format is not None else None
+    single = [(document,) for document in found if _whole((document,), fitting, hints)]
+    parts = [document for document in found if (document,) not in single][:_MOST]
+    pairs = {
+        frozenset(document.name for document in pair): pair
+        for pair in reversed(list(permutations(parts, 2)))
+        if _whole(pair, fitting, hints)
+    }
+    whole = [*single, *reversed(pairs.values())]
+    if len(whole) == 1:
+        return whole[0]
+    if whole:
+        names = (" with ".join(str(Path(each.name).relative_to(folder)) for each in documents) for documents in whole)
+        raise InputError(f"{folder}: several calibrations are in there ({', '.join(names)}); give one of them.")
+    if not found:
+        raise InputError(
+            f"{folder}: there is no calibration file in it that can be read; give a file, or another folder."
+        )
+    for documents in (*permutations(parts, 2), *((document,) for document in found)):
+        fits = recognised(documents) if format is None else format
+        if fits is not None and fits.can_read(documents):
+            return documents  # whose reader says what is wrong with it
+    if format is None and len(found) <= 2:
+        return found
+    raise InputError(f"{folder}: {unknown()}")
+
+
+def looks_calibrated(folder: Path) -> bool:
+    """Whether there is a file in a folder whose name may be that of a calibration; opens none."""
+    return bool(_files_in(folder))
+
+
+def _files_in(folder: Path) -> list[Path]:
+    found = (path for path in folder.iterdir() if path.suffix.lower() in _ENDINGS and path.is_file())
+    return sorted(path for path in found if not path.name.endswith(ENDING))
+
+
+def _documents_in(folder: Path, format: Format | None) -> Documents:
+    paths = _files_in(folder)
+    cameras = (root / name for root in (folder, folder / "mav0") for name in _OF_CAMERAS)
+    documents = []
+    for path in (*paths, *(path for path in cameras if path.is_file())):
+        try:
+            documents.append(_read(path, format))
+        except InputError:
+            continue  # something else that lies there
+    return tuple(documents)
+
+
+def _whole(documents: Documents, fitting: list[Format] | None, hints: Hints) -> bool:
+    """Whether documents are a whole calibration, and not a part of one."""
+    format = recognised(documents) if fitting is None else fitting[0]
+    if format is None or not format.can_read(documents) or len(documents) < format.FILES:
+        return False
+    try:
+        rig_in(documents, format, None, hints)
+    except UnsupportedModelError:
+        return len(documents) == format.FILES or half_of(documents) is None
+    except InputError:
+        # One that has an error of its own is to be read, so that it is named; half a calibration is not.
+        return len(documents) == 1 and half_of(documents) is None and format.NAME != "opencv"
+    return True

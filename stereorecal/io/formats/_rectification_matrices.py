@@ -1,0 +1,103 @@
+"""Matrices that calibration files hold beside the calibration (R1, R2, P1, P2, Q, E, F), computed as OpenCV does."""
+
+from dataclasses import dataclass, replace
+
+import cv2
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal.geometry import PINHOLE, StereoRig, rectifying_rotations, view as view_shown
+
+Array = Float[np.ndarray, "..."]
+
+
+_SAME = 2e-3  # of the focal length: versions of OpenCV differ by less, the options below by more
+
+
+@dataclass(frozen=True)
+class RectifyOptions:
+    """The options of `cv2.stereoRectify`.
+
+    Attributes:
+        alpha: 0 shows only pixels that are seen, 1 all of them; -1 is OpenCV's choice.
+        flags: CALIB_ZERO_DISPARITY puts points at infinity at disparity 0.
+        matrices: of lenses that `cv2.stereoRectify` does not know: the two rectified cameras; default `sr.view`'s
+            pinhole.
+    """
+
+    alpha: float
+    flags: int = cv2.CALIB_ZERO_DISPARITY
+    matrices: tuple[Array, Array] | None = None
+
+
+def options_of(rig: StereoRig, P1: Array, P2: Array, usual: RectifyOptions) -> RectifyOptions:
+    """The options with which a file's projection matrices were made from its rig; the usual ones where none fit, as for
+    cropped images."""
+    if P1.shape != (3, 4) or P2.shape != (3, 4) or not np.all(np.isfinite(P1)) or P1[0, 0] <= 0.0:
+        return usual
+    if _is_wide(rig):
+        return replace(usual, matrices=(P1[:, :3], P2[:, :3]))
+    for flags in (cv2.CALIB_ZERO_DISPARITY, 0):
+        seen, everything = (rectification_of(rig, RectifyOptions(alpha, flags))["P1"][0, 0] for alpha in (0.0, 1.0))
+        between = (P1[0, 0] - seen) / (everything - seen) if everything != seen else 0.0
+        alphas = dict.fromkeys((usual.alpha, 0.0, 1.0, -1.0, float(np.clip(between, 0.0, 1.0))))
+        for alpha in alphas:
+            made = rectification_of(rig, RectifyOptions(alpha, flags))
+            off = max(np.abs(made[name] - stated)[:, :3].max() for name, stated in (("P1", P1), ("P2", P2)))
+            if off <= _SAME * P1[0, 0]:
+                return RectifyOptions(alpha, flags)
+    return usual
+
+
+def rectification_of(rig: StereoRig, options: RectifyOptions) -> dict[str, Array]:
+    """R1, R2, P1, P2 and Q as `cv2.stereoRectify` computes them; and the regions roi1, roi2 (x, y, width, height) in
+    which all pixels are seen."""
+    left, right = rig.left, rig.right
+    # OpenCV's own rotations forget turns below 1e-7; some formats have no other place for the extrinsics.
+    R1, R2 = rectifying_rotations(rig.rotation, rig.translation)
+    if _is_wide(rig):
+        return {"R1": np.asarray(R1), "R2": np.asarray(R2), **_projections(rig, options)}
+    _, _, P1, P2, Q, roi1, roi2 = cv2.stereoRectify(
+        np.asarray(left.matrix, float),
+        np.asarray(left.distortion, float),
+        np.asarray(right.matrix, float),
+        np.asarray(right.distortion, float),
+        left.size,
+        np.asarray(rig.rotation, float),
+        np.asarray(rig.translation, float).reshape(3, 1),
+        flags=options.flags,
+        alpha=options.alpha,
+    )
+    regions = (np.array(region, float) for region in (roi1, roi2))
+    names = ("R1", "R2", "P1", "P2", "Q", "roi1", "roi2")
+    return dict(zip(names, (*map(np.asarray, (R1, R2, P1, P2, Q)), *regions), strict=True))
+
+
+def _is_wide(rig: StereoRig) -> bool:
+    return rig.left.lens.WIDE or rig.right.lens.WIDE
+
+
+def _projections(rig: StereoRig, options: RectifyOptions) -> dict[str, Array]:
+    """P1, P2, Q and the whole images as regions."""
+    ours, (width, height) = view_shown(rig, projection=PINHOLE), rig.left.size
+    left, right = options.matrices or (np.asarray(ours.matrix_left), np.asarray(ours.matrix_right))
+    baseline = float(rig.baseline)
+    P1, P2 = (np.column_stack([matrix, np.zeros(3)]) for matrix in (left, right))
+    P2[0, 3] = -right[0, 0] * baseline
+    Q = np.array([[1.0, 0, 0, -left[0, 2]], [0, 1.0, 0, -left[1, 2]], [0, 0, 0, left[0, 0]], [0, 0, 0, 0]])
+    Q[3, 2:] = 1.0 / baseline, (right[0, 2] - left[0, 2]) / baseline
+    whole = np.array([0.0, 0.0, width, height])
+    return {"P1": P1, "P2": P2, "Q": Q, "roi1": whole, "roi2": whole}
+
+
+def essential(rig: StereoRig) -> Array:
+    """E = [T]x R."""
+    x, y, z = np.asarray(rig.translation)
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]]) @ rig.rotation
+
+
+def fundamental(rig: StereoRig) -> Array:
+    """F, with p_right^T F p_left = 0 and F[2, 2] = 1 where that can be."""
+    inverse_left, inverse_right = (np.linalg.inv(np.asarray(camera.matrix)) for camera in (rig.left, rig.right))
+    matrix = inverse_right.T @ essential(rig) @ inverse_left
+    return matrix / matrix[2, 2] if abs(matrix[2, 2]) > 1e-12 * np.abs(matrix).max() else matrix

@@ -1,0 +1,117 @@
+"""From a rig to the texts of files."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from stereorecal._errors import InputError
+from stereorecal._units import METRES, checked_unit
+from stereorecal.geometry import StereoRig, same_camera, same_rig
+from stereorecal.io._read_files import about
+from stereorecal.io.formats._file_units import scaled
+from stereorecal.io.formats._format import Format, Hints, Target
+from stereorecal.io.formats._format_list import named, usual
+from stereorecal.io.formats._read_rig import rig_in
+from stereorecal.io.formats._rig_file import RigFile
+from stereorecal.io.formats.text._document import Syntax, document
+
+
+def texts_of(
+    rig: StereoRig, paths: Sequence[Path], source: RigFile | None, format: str | None, unit: str | None = None
+) -> tuple[str, ...]:
+    """What is to be written for a rig; reading it gives the rig back.
+
+    Args:
+        paths: one, or those of the left and the right camera.
+        source: the file to write into, if the format is its own; all that was not estimated stays.
+        format: name; default: that of the source, or the usual one for such a name of a file.
+        unit: of a new file whose format says none; default: that of the source, if the format is its own, else metres.
+
+    Raises:
+        InputError: if the name of a file contradicts the format, the format takes another number of files, it cannot
+            hold the rig, or is in another unit.
+    """
+    chosen = chosen_format(paths, source, format)
+    syntax = syntax_for(paths, chosen, source)
+    own = source if source is not None and source.format == chosen.NAME else None
+    into = own if own is not None and own.documents[0].syntax is syntax else None
+    stated = chosen.UNIT or (into.unit if into is not None else None)
+    with about(" and ".join(map(str, paths))):
+        if stated is not None and checked_unit(unit) not in (None, stated):
+            raise InputError(f"lengths of this {chosen.NAME} file are in {stated}, not in {unit}; leave the unit out.")
+        if into is not None:
+            return _into(rig, chosen, into)
+        return _anew(rig, chosen, syntax, stated or unit or (own.unit if own is not None else "m"))
+
+
+def chosen_format(paths: Sequence[Path], source: RigFile | None, format: str | None) -> Format:
+    """The given format, or that of the source, or the usual one for such a name."""
+    name = format or (source.format if source is not None else None)
+    return named(name) if name is not None else usual(paths[0])
+
+
+def syntax_for(paths: Sequence[Path], format: Format, source: RigFile | None) -> Syntax:
+    """The syntax of what is written under a name.
+
+    Raises:
+        InputError: if the name contradicts the format, or there are too many or too few.
+    """
+    own = source if source is not None and source.format == format.NAME else None
+    files = len(own.documents) if own else format.FILES
+    if len(paths) != files:
+        wanted = "one file" if files == 1 else "two files, left and right"
+        raise InputError(f"{' and '.join(map(str, paths))}: {format.NAME} is written as {wanted}; give so many names.")
+    usual_one = own.documents[0].syntax if own else next(iter(format.SYNTAX.values()))
+    endings = {path.suffix.lower() for path in paths} - {""}
+    found = {format.SYNTAX.get(ending) for ending in endings} or {usual_one}
+    if None in found or len(found) > 1:
+        wanted = " or ".join(format.SYNTAX)
+        raise InputError(
+            f"{paths[0]}: the ending contradicts what is to be written ({format.NAME}: {format.ABOUT}); give a name "
+            f"ending in {wanted}, or another format with format= (--to of convert, --output-format of recalibrate)."
+        )
+    (syntax,) = found
+    assert syntax is not None
+    return syntax
+
+
+def _into(rig: StereoRig, format: Format, source: RigFile) -> tuple[str, ...]:
+    """The texts of the source with what has changed."""
+    before = rig_in(source.documents, format, source.unit, source.hints)
+    for old, new in ((before.left, rig.left), (before.right, rig.right)):
+        if old.size != new.size:
+            wide, high = old.size
+            raise InputError(
+                f"the file is for images of {wide}x{high}, and the rig for {new.size[0]}x{new.size[1]}; write "
+                f"`rig.resized(({wide}, {high}))`, or a new file: `dataclasses.replace(rig, source=None)`, no template."
+            )
+        if old.model != new.model:
+            raise InputError(
+                f"the file has a lens of the model {old.model!r}, and the rig one of {new.model!r}; write a new file: "
+                "`dataclasses.replace(rig, source=None)`, no template."
+            )
+    unchanged = tuple(same_camera(*cameras) for cameras in ((before.left, rig.left), (before.right, rig.right)))
+    texts = tuple(document.text for document in source.documents)
+    if all(unchanged) and np.array_equal(before.extrinsics, rig.extrinsics):
+        return texts
+    target = Target(source.documents, not unchanged[0], not unchanged[1], source.hints)
+    return _checked(rig, format, target, source.unit)
+
+
+def _anew(rig: StereoRig, format: Format, syntax: Syntax, unit: str) -> tuple[str, ...]:
+    """The texts of new files."""
+    blanks = tuple(document("a new file", text, syntax) for text in format.blank(rig, syntax))
+    return _checked(rig, format, Target(blanks, hints=Hints(size=rig.left.size, rectified=False)), unit)
+
+
+def _checked(rig: StereoRig, format: Format, target: Target, unit: str) -> tuple[str, ...]:
+    texts = format.write(scaled(rig, 1.0 / METRES[unit]), target)
+    old = target.documents
+    written = tuple(document(o.name, text, o.syntax) for o, text in zip(old, texts, strict=True))
+    again = rig_in(written, format, unit, target.hints)
+    if not same_rig(rig, again):
+        raise InputError(
+            f"the {format.NAME} file cannot take this rig without a loss; write it in another format, such as opencv."
+        )
+    return texts

@@ -1,0 +1,36 @@
+"""Paths of keys in a text, and the values under them."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+Keys = tuple[str | int, ...]
+Values = Mapping[Keys, Any]  # numbers, words, or nested lists of them
+
+
+def number_text(value: Any) -> str:
+    """A number with all its digits, written so that every reader of YAML 1.1 takes it for a number."""
+    if isinstance(value, str):
+        return value
+    if isinstance(value, int):
+        return str(value)
+    mantissa, exponent, power = repr(float(value) + 0.0).partition("e")  # no -0.0
+    return f"{mantissa}{'' if '.' in mantissa or not exponent else '.0'}{exponent}{power}"
+
+
+def leaves(value: Any) -> Iterator[Any]:
+    """What nested lists contain."""
+    if isinstance(value, list):
+        for item in value:
+            yield from leaves(item)
+    else:
+        yield value
+
+
+def at(content: Any, keys: Keys) -> Any:
+    """The value that `keys` lead to; None if there is none."""
+    for key in keys:
+        try:
+            content = content[key]
+        except (KeyError, IndexError, TypeError):
+            return None
+    return content

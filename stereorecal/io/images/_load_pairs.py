@@ -1,0 +1,110 @@
+"""Image pairs from files."""
+
+import glob
+import os
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+from stereorecal._errors import InputError
+from stereorecal.io._read_files import AnyPath, note_input
+from stereorecal.io.images._image_files import images_in, natural_order, read_image
+from stereorecal.io.images._match_by_name import Matched, match_files
+from stereorecal.recordings import LazyPairs, Pair, check_two_images, make_pair
+
+NANOSECONDS = 16  # digits and more of a name that is a time
+
+
+def load_pair(left_path: AnyPath, right_path: AnyPath, time: float | None = None) -> Pair:
+    """One pair from two image files: grey or colour, 8 or 16 bit, any format OpenCV reads.
+
+    The pair is named after the left file, and is pickled as its two absolute paths.
+
+    Args:
+        time: when it was taken, in seconds, if that is known.
+
+    Raises:
+        InputError: if a file is missing, empty, truncated or not an image, if the two images differ in size or
+            bit depth or do not differ at all, or if one is constant.
+    """
+    left, right = os.path.abspath(left_path), os.path.abspath(right_path)
+    if left == right:
+        raise InputError(f"{left}: this file is both the left and the right image; give two files.")
+    pair = make_pair(
+        read_image(left),
+        read_image(right),
+        channels="bgr",
+        name=f"{left} and {right}",  # what errors are about
+        origin=(load_pair, (left, right, time)),
+        time=time,
+    )
+    check_two_images(pair)
+    return replace(pair, name=Path(left).name)
+
+
+def load_pairs(left: AnyPath, right: AnyPath, limit: int | None = None) -> tuple[Pair, ...]:
+    """Pairs from two sets of image files, each a glob pattern, a folder or one file.
+
+    Files whose names are equal, or equal but for left/right, L/R or 0/1, belong together. If no name has a
+    partner, files are matched in natural order (9 before 10). `open_pairs` does without frames that one camera lost.
+
+    Args:
+        limit: read only the first `limit` pairs.
+
+    Raises:
+        InputError: if nothing matches, an image has no partner, or a file is bad (see `load_pair`).
+
+    Warns:
+        PairingWarning: if files were matched by their order.
+    """
+    return tuple(load_matched(match_files(find_images(left), find_images(right)), limit))
+
+
+def load_matched(matched: Matched, limit: int | None = None, times: Sequence[float] | None = None) -> LazyPairs:
+    """The pairs of matched files, the first `limit` or all; each is read by `load_pair` when it is used. All of the
+    files count as inputs at once.
+
+    Args:
+        times: of the pairs, in seconds; default their names, if all are nanoseconds of 16 digits or more.
+
+    Raises:
+        InputError: if the limit leaves none.
+    """
+    if limit is not None and limit < 1:
+        raise InputError(f"the limit of {limit} pairs leaves none; give 1 or more.")
+    for path in (path for paths in matched for path in paths):
+        note_input(path)
+    # Absolute: they are read where the working directory may be another.
+    files = [tuple(map(os.path.abspath, paths)) for paths in matched[:limit]]
+    names = [Path(left).name for left, _ in files]
+    known = _times_of(names) if times is None else [float(time) for time in times]
+    reads = [partial(load_pair, *paths, time) for paths, time in zip(files, known, strict=False)]
+    return LazyPairs(reads, names, known[: len(reads)])
+
+
+def _times_of(names: Sequence[str]) -> Sequence[float | None]:
+    stems = [Path(name).stem for name in names]
+    if not all(stem.isascii() and stem.isdigit() and len(stem) >= NANOSECONDS for stem in stems):
+        return [None] * len(names)
+    return [int(stem) / 1e9 for stem in stems]
+
+
+def find_images(where: AnyPath) -> list[Path]:
+    """The image files of a glob pattern, a folder or a file, in natural order.
+
+    Raises:
+        InputError: if there is none.
+    """
+    path = Path(where)
+    if path.is_file():
+        return [path]
+    found = images_in(path) or natural_order(Path(name) for name in glob.glob(str(where), recursive=True))
+    found = [path for path in found if path.is_file()]
+    if not found:
+        if not path.exists() and glob.escape(str(where)) == str(where):
+            raise InputError(f"{where}: there is no such file or folder; check the path.")
+        raise InputError(
+            f"{where}: no image matches; give a file, a folder of images or a pattern such as 'left/*.png'."
+        )
+    return found

@@ -1,0 +1,184 @@
+"""Image pairs of a recording (files, side-by-side images, videos, bags), read one by one."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import lru_cache, partial
+from pathlib import Path
+
+import numpy as np
+
+from stereorecal._errors import InputError
+from stereorecal.io._read_files import AnyPath
+from stereorecal.io.images._bags import bag_folder, bag_sources, is_bag
+from stereorecal.io.images._frame_source import FrameSource, halves
+from stereorecal.io.images._image_files import read_image
+from stereorecal.io.images._load_pairs import NANOSECONDS, find_images, load_matched
+from stereorecal.io.images._match_by_name import find_partners
+from stereorecal.io.images._match_by_time import pairs_by_time
+from stereorecal.io.images._videos import is_video, video_source
+from stereorecal.recordings import LazyPairs, Pair, check_two_images, make_pair
+
+
+@dataclass(frozen=True, eq=False)
+class Recorded:
+    """The result of `open_pairs`.
+
+    Attributes:
+        pairs: all of them, read when used: take a slice, or pass them to a function that reads one after the other;
+            `tuple(recorded.pairs)` reads all.
+        unpaired: names of frames that have no partner.
+        stream: whether they are frames of a video or a bag, which are many and show the same again and again.
+        by_order: whether images were matched by their order, since neither names nor times corresponded.
+    """
+
+    pairs: LazyPairs
+    unpaired: tuple[str, ...]
+    stream: bool
+    by_order: bool = False
+
+
+@dataclass(frozen=True)
+class _Places:
+    """The arguments of `open_pairs`, with which a worker opens the recording again."""
+
+    left: str
+    right: str | None
+    topics: tuple[str, str] | None
+    tolerance: float | None
+
+
+def open_pairs(
+    left: AnyPath,
+    right: AnyPath | None = None,
+    *,
+    left_topic: str | None = None,
+    right_topic: str | None = None,
+    tolerance: float | None = None,
+) -> Recorded:
+    """The pairs of a recording, without reading them yet.
+
+    Args:
+        left: left images (a file, a folder or a pattern) or a video; without `right` side-by-side images or a video
+            of them; with topics a ROS bag: a file of ROS 1, or a folder of ROS 2 or its metadata.yaml.
+        right: the right images or the right video.
+        left_topic, right_topic: of the bag: images, raw or compressed.
+        tolerance: seconds that two frames of a pair may lie apart; default a quarter of the time between left frames.
+            Files are matched by their names (as `load_pairs` does, but without those that one camera lost); with a
+            tolerance by the times that are their names, in seconds, or in nanoseconds if they have 16 digits and more.
+
+    Raises:
+        InputError: if nothing is found, a file or video cannot be read, no frame or, by names, hardly one has a
+            partner, or there is nothing for a tolerance to hold for.
+
+    Warns:
+        PairingWarning: if files were matched by their order.
+    """
+    topics = None
+    if left_topic is not None or right_topic is not None:
+        if left_topic is None or right_topic is None or right is not None:
+            raise InputError("a bag takes both a left and a right topic, and no right images.")
+        topics = (left_topic, right_topic)
+    if tolerance is not None and topics is None and right is None:
+        raise InputError(f"{left}: the halves of an image are of one time; leave the tolerance out.")
+    left = bag_folder(Path(left))
+    absolute = [None if place is None else str(Path(place).absolute()) for place in (left, right)]
+    assert absolute[0] is not None
+    return _opened(_Places(absolute[0], absolute[1], topics, tolerance))
+
+
+def _opened(places: _Places) -> Recorded:
+    left, right, topics, tolerance = Path(places.left), places.right, places.topics, places.tolerance
+    if topics is not None:
+        sources, stream = bag_sources(left, topics), True
+    elif is_bag(left):
+        raise InputError(f"{left}: this is a bag; say which topics are the left and the right images.")
+    elif right is None:
+        sources, stream = halves(_source(left)), is_video(left)
+        return _recorded(places, *sources, [(i, i) for i in range(len(sources[0].names))], stream)
+    elif is_video(left) != is_video(Path(right)):
+        raise InputError(f"{left} and {right}: one is a video and the other is not; give two of a kind.")
+    elif is_video(left) or tolerance is not None:
+        sources, stream = (_source(left, timed=True), _source(Path(right), timed=True)), is_video(left)
+    else:
+        found = find_partners(find_images(left), find_images(right))
+        alone = tuple("/".join(path.parts[-2:]) for path in found.unmatched)  # with the folder, which tells whose it is
+        return Recorded(load_matched(found.matched), alone, False, found.by_order)
+    return _recorded(places, *sources, pairs_by_time(*sources, tolerance), stream)
+
+
+def _recorded(
+    places: _Places, left: FrameSource, right: FrameSource, found: list[tuple[int, int]], stream: bool
+) -> Recorded:
+    with_partner = [{pair[side] for pair in found} for side in (0, 1)]
+    alone = [
+        name
+        for source, paired in zip((left, right), with_partner, strict=True)
+        for index, name in enumerate(source.names)
+        if index not in paired
+    ]
+
+    times = [None if left.times is None else float(left.times[first]) for first, _ in found]
+
+    def read(number: int) -> Pair:
+        first, second = found[number]
+        name = left.names[first]
+        about = name if left.names is right.names else f"{name} and {right.names[second]}"
+        pair = make_pair(
+            left.read(first),
+            right.read(second),
+            channels="bgr",
+            name=about,
+            origin=(_read_in_worker, (places, number)),
+            time=times[number],
+        )
+        check_two_images(pair)
+        return replace(pair, name=name)
+
+    frames = [_Frame(places, number, read) for number in range(len(found))]
+    return Recorded(LazyPairs(frames, [left.names[first] for first, _ in found], times), tuple(alone), stream)
+
+
+def _read_in_worker(places: _Places, number: int) -> Pair:
+    """A pair in another process."""
+    return _opened_once(places).pairs[number]
+
+
+@lru_cache(maxsize=2)  # a worker that is handed pair after pair opens their video once
+def _opened_once(places: _Places) -> Recorded:
+    return _opened(places)
+
+
+class _Frame:
+    """A function that reads a pair from what is open here; in another process it opens that again."""
+
+    def __init__(self, places: _Places, number: int, read: Callable[[int], Pair]):
+        self._places, self._number, self._read = places, number, read
+
+    def __call__(self) -> Pair:
+        return self._read(self._number)
+
+    def __reduce__(self):
+        return partial, (_read_in_worker, self._places, self._number)
+
+
+def _source(path: Path, timed: bool = False) -> FrameSource:
+    if is_video(path):
+        return video_source(path)
+    files = find_images(path)
+    times = None
+    if timed:
+        times = np.array([_time(file) for file in files])
+        order = np.argsort(times, kind="stable")
+        files, times = [files[index] for index in order], times[order]
+    return FrameSource(
+        str(path), tuple(file.name for file in files), times, lambda index: read_image(str(files[index]))
+    )
+
+
+def _time(file: Path) -> float:
+    """Seconds, from a name such as 12.345.png or 1403715273262142976.png."""
+    try:
+        value = float(file.stem)
+    except ValueError:
+        raise InputError(f"{file}: the name is not a time; leave out the tolerance to pair by names.") from None
+    return value / 1e9 if len(file.stem.partition(".")[0]) >= NANOSECONDS else value

@@ -1,0 +1,136 @@
+"""The list of layouts: which one a folder has, and reading it as a log or a scene."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+from stereorecal._errors import InputError
+from stereorecal.io._read_files import AnyPath
+from stereorecal.io.formats._file_units import warn_of_units
+from stereorecal.io.layouts import (
+    _euroc,
+    _kitti_odometry,
+    _kitti_raw,
+    _kitti_stereo,
+    _middlebury,
+    _modd2,
+    _mods,
+    _plain_log,
+)
+from stereorecal.io.layouts._layout import Layout
+from stereorecal.io.layouts._log_of_sequences import folder_name
+from stereorecal.io.layouts._scene_folder import is_scene_folder, open_scene_folder
+from stereorecal.recordings import LazyPairs, Log, Mission, Pair, Scene
+
+# The first that recognises a folder reads it. KITTI stereo comes before odometry: both have folders such as image_0,
+# but only the names of its images end in _10.
+_LAYOUTS: tuple[Layout, ...] = (
+    _plain_log,
+    _modd2,
+    _mods,
+    _kitti_raw,
+    _kitti_stereo,
+    _kitti_odometry,
+    _euroc,
+    _middlebury,
+)
+
+
+def load_log(folder: AnyPath, limit: int | None = None) -> Log:
+    """The log of missions in a folder; its layout is recognised by the names of folders and files in it.
+
+    A scene folder is a log of one mission. `docs/data.md` describes the other layouts.
+
+    Pairs are read each time they are used (`LazyPairs`), so that a log may be larger than the memory: the first pair of
+    each mission is checked now, any other when it is read.
+
+    Args:
+        limit: only the first `limit` pairs of each mission.
+
+    Raises:
+        InputError: naming the file, if no layout is recognised, or something is missing or damaged.
+        UnsupportedModelError: if the model of a lens is not known.
+
+    Warns:
+        CalibrationWarning: as `load_rig`.
+    """
+    folder = _existing(folder)
+    log = _read_log(folder, limit)
+    warn_of_units(folder, *log.calibrations.values())
+    return log
+
+
+def load_scene(
+    folder: AnyPath, limit: int | None = None, *, choose: Callable[[LazyPairs], tuple[Pair, ...]] = tuple
+) -> Scene:
+    """The scene in a folder: calib.json and `left.*`, `right.*`, or folders `left`, `right` with equal names.
+
+    calib.json holds `image_size` [w, h], `K_left`, `D_left`, `K_right`, `D_right` (OpenCV's order),
+    `distortion_model`, `R` and `T` [m] with `x_right = R x_left + T`. If both K are null the scene has
+    no rig. Keys that do not describe the rig are in `Scene.info`, unchanged. The name is "<parent>/<folder>".
+    A folder in another layout that `load_log` knows is a scene too, if it holds one sequence.
+
+    Args:
+        limit: read only the first `limit` pairs.
+        choose: is given the pairs, read when it asks for them, and returns the ones of the scene; default all. What it
+            does not keep takes no memory.
+
+    Raises:
+        InputError: naming the file, if something is missing, unreadable, damaged or contradicts itself.
+        UnsupportedModelError: if the model of a lens is not known.
+
+    Warns:
+        CalibrationWarning: as `load_rig`.
+    """
+    folder = _existing(folder)
+    scene = _read_scene(folder, limit, choose)
+    warn_of_units(folder, scene.rig)
+    return scene
+
+
+def is_data_set(folder: AnyPath) -> bool:
+    """Whether a folder has a layout of `load_log` that is not a scene folder's."""
+    folder = Path(folder)
+    return not is_scene_folder(folder) and any(layout.recognises(folder) for layout in _LAYOUTS)
+
+
+def _read_log(folder: Path, limit: int | None) -> Log:
+    if is_scene_folder(folder):
+        return _log_of(folder, limit)
+    for layout in _LAYOUTS:
+        if layout.recognises(folder):
+            return layout.read(folder, limit)
+    known = "; ".join(layout.LAYOUT for layout in _LAYOUTS)
+    raise InputError(
+        f"{folder}: no layout that is known; expected a scene folder (calib.json, left, right), or {known}."
+    )
+
+
+def _read_scene(folder: Path, limit: int | None, choose: Callable[[LazyPairs], tuple[Pair, ...]]) -> Scene:
+    if is_scene_folder(folder) or not any(layout.recognises(folder) for layout in _LAYOUTS):
+        found, pairs = open_scene_folder(folder, limit)
+        return Scene(folder_name(folder), found.rig, choose(pairs), found.reference, found.info)
+    log = _read_log(folder, limit)
+    mission, *others = log.missions
+    if others:
+        raise InputError(
+            f"{folder}: {len(log.missions)} sequences are in there ({mission.name} …); give the folder of one of them."
+        )
+    assert isinstance(mission.pairs, LazyPairs)
+    return Scene(mission.name, log.calibration_of(mission), choose(mission.pairs))
+
+
+def _existing(folder: AnyPath) -> Path:
+    folder = Path(folder)
+    if not folder.is_dir():
+        raise InputError(f"{folder}: there is no such folder; check the path.")
+    return folder
+
+
+def _log_of(folder: Path, limit: int | None) -> Log:
+    """A scene folder as a log."""
+    found, pairs = open_scene_folder(folder, limit)
+    name = folder_name(folder)
+    if found.rig is None:
+        raise InputError(f"{name}: the scene has no calibration; a log needs one.")
+    truth = found.rig if found.reference == "truth" else None
+    return Log(name, {"stored": found.rig}, (Mission(name, "stored", pairs, truth=truth),))

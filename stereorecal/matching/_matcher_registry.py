@@ -1,0 +1,91 @@
+"""Matchers by name, from the entry-point group `stereorecal.matchers`; each is imported when it is used."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from stereorecal._errors import InputError, MatcherError
+from stereorecal._plugins import Plugin, Registry
+from stereorecal.matching._matcher import AbstractMatcher, called
+from stereorecal.matching.sad import SAD
+
+_REGISTRY = Registry[AbstractMatcher](
+    "stereorecal.matchers",
+    kind="matcher",
+    base=AbstractMatcher,
+    error=MatcherError,
+    example="sgbm",
+    own={"sad": "stereorecal.matching:SAD", "bm": "stereorecal.matching:BM", "sgbm": "stereorecal.matching:SGBM"},
+)
+
+
+@dataclass(frozen=True)
+class MatcherInfo:
+    """One line of `python -m stereorecal matchers`.
+
+    Attributes:
+        runs: "on the host", "in JAX", or "in JAX, smooth" if the soft count can use it.
+    """
+
+    name: str
+    distribution: str
+    version: str
+    runs: str
+    summary: str
+
+
+def matchers() -> tuple[str, ...]:
+    """The names of all installed matchers, sorted; imports none of them."""
+    return _REGISTRY.names()
+
+
+def matcher(name: str, /, **options: Any) -> AbstractMatcher:
+    """The matcher registered as `name`, with the given options: `sr.matcher("sgbm", num_disparities=128)`.
+
+    Raises:
+        InputError: if no such matcher is installed, two distributions claim the name, or an option is unknown or
+            refused by the matcher.
+        MatcherError: if it cannot be imported, or crashes when it is made.
+    """
+    return _REGISTRY.make(name, options)
+
+
+def overview() -> dict[str, MatcherInfo | Exception]:
+    """What each installed matcher is, or the error with which it cannot be loaded; the metadata is read once."""
+    return {name: _info(found) if isinstance(found, Plugin) else found for name, found in _REGISTRY.overview().items()}
+
+
+def name_of(instance: AbstractMatcher) -> str:
+    """The name under which the matcher's class is registered, or the class's name if it is not; imports nothing."""
+    return _REGISTRY.name_of(instance)
+
+
+def origin_of(instance: AbstractMatcher) -> str:
+    """The distribution of the matcher's class and its version, or the class's module if it is not installed."""
+    return _REGISTRY.origin_of(instance)
+
+
+def as_matcher(given: Any) -> AbstractMatcher:
+    """The matcher itself, the one of that name with its default options, or `SAD()` for None.
+
+    Raises:
+        InputError, MatcherError: as `matcher` does, and if it is neither a name nor a matcher.
+    """
+    if given is None:
+        return SAD()
+    if isinstance(given, AbstractMatcher):
+        return given
+    if isinstance(given, str):
+        return matcher(given)
+    if isinstance(given, type) and issubclass(given, AbstractMatcher):
+        raise InputError(f"matcher is the class {given.__name__}; make one of it, such as {called(given)}().")
+    raise InputError(
+        f"matcher is a {type(given).__name__}; give a name ({', '.join(matchers())}) or a matcher such as "
+        "sr.SGBM(num_disparities=128)."
+    )
+
+
+def _info(found: Plugin[AbstractMatcher]) -> MatcherInfo:
+    runs = "on the host"
+    if found.cls.traceable:
+        runs = "in JAX, smooth" if found.cls.smooth else "in JAX"
+    return MatcherInfo(found.name, found.distribution, found.version, runs, found.summary)

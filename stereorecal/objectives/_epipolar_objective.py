@@ -1,0 +1,64 @@
+"""The objective of epipolar residuals: linear least squares with fixed correspondences and weights."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal._arrays import AnyArray
+from stereorecal._pytree import register_pytree
+from stereorecal.objectives._linear_rows import LinearRows
+from stereorecal.strategies import Budget, Objective, Problem, Traced
+
+_COST_OF_A_ROW = 1e-7  # units: some sixty operations, where a matcher run on a full-size frame takes some 10^9
+
+
+@register_pytree
+@dataclass(frozen=True, eq=False)
+class LinearResiduals:
+    """Residuals as a function of a point of the unit box, NumPy or traced: (2 n + 1,).
+
+    First n + 1 residuals with the same normal equations as all row differences over their standard deviations, then
+    the distance from the centre of the box (the initial calibration) over the standard deviation of the drift.
+
+    Attributes:
+        jacobian: (2 n + 1, n).
+        at_centre: (2 n + 1,) the residuals at z = 0.
+    """
+
+    jacobian: Float[AnyArray, "m n"]
+    at_centre: Float[AnyArray, "m"]
+
+    def __call__(self, z: Float[AnyArray, "n"]) -> Float[AnyArray, "m"]:
+        return (self.jacobian * z).sum(-1) + self.at_centre  # a GPU would multiply matrices with ten bits
+
+
+def epipolar_objective(
+    rows: LinearRows, precision: Float[np.ndarray, "k m"], prior: float, budget: Budget | None = None
+) -> Objective:
+    """The value is -½ |residuals|². However many correspondences there are, an evaluation looks at 2 n + 1 numbers.
+
+    Args:
+        rows: the row differences, linear around the start of the run.
+        precision: weight of each squared row difference, 1 / pixels².
+        prior: standard deviation of each parameter, in half widths of the box, which the initial calibration is the
+            centre of.
+        budget: default unlimited.
+    """
+    dim = rows.z.size
+    few = _reduced(np.vstack([rows.jacobian.reshape(dim, -1), rows.differences.reshape(-1)]), precision.reshape(-1))
+    jacobian = np.vstack([few[:, :-1], np.eye(dim) / prior])
+    at_centre = np.concatenate([few[:, -1] - few[:, :-1] @ rows.z, np.zeros(dim)])
+    residuals = LinearResiduals(jacobian, at_centre)
+
+    def values(points: Float[np.ndarray, "k n"]) -> Float[np.ndarray, "k"]:
+        return -0.5 * np.sum((points @ jacobian.T + at_centre) ** 2, axis=-1)
+
+    return Objective(Problem(dim, values, len(at_centre) * _COST_OF_A_ROW, Traced(residuals=residuals)), budget)
+
+
+def _reduced(columns: Float[np.ndarray, "c m"], precision: Float[np.ndarray, "m"]) -> Float[np.ndarray, "c c"]:
+    """A square matrix with the same normal equations as all m weighted rows, so every sum of squares is the same.
+    Made from the normal matrix, which is accurate enough here in float64."""
+    spread, axes = np.linalg.eigh((columns * precision) @ columns.T)
+    return np.sqrt(np.maximum(spread, 0.0))[:, None] * axes.T

@@ -1,0 +1,57 @@
+"""Image pairs in the forms that users give, as a tuple of pairs."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from stereorecal._errors import InputError
+from stereorecal.recordings._pair import Pair, make_pair
+
+Images = tuple[np.ndarray, np.ndarray]  # left and right
+Pairs = Pair | Images | Sequence[Pair | Images]
+"""One pair or several; a pair may be a tuple of two arrays, (left, right): grey levels up to 255 (uint8 or float) stay
+as they are, anything else, RGB among it, is converted by `make_pair`."""
+
+_CALL = "give pairs such as sr.io.load_pairs('left/*.png', 'right/*.png'), or tuples (left, right) of arrays"
+
+
+def as_pairs(pairs: Any) -> tuple[Pair, ...]:
+    """The pairs of a single `Pair`, a tuple (left, right) of arrays, or a sequence of such.
+
+    Raises:
+        InputError: if it is something else, or an array cannot be an image (see `make_pair`).
+    """
+    if isinstance(pairs, Pair) or _is_images(pairs):
+        return (_as_pair(pairs, 0),)
+    if isinstance(pairs, str | bytes | np.ndarray) or not isinstance(pairs, Sequence):
+        raise InputError(f"pairs is {_described(pairs)}; {_CALL}.")
+    return tuple(_as_pair(pair, index) for index, pair in enumerate(pairs))
+
+
+def _as_pair(pair: Any, index: int) -> Pair:
+    if isinstance(pair, Pair):
+        return pair
+    if not _is_images(pair):
+        raise InputError(f"pair {index} is {_described(pair)}; {_CALL}.")
+    if all(_grey_levels(image) for image in pair):
+        left, right = (image.astype(np.float32) for image in pair)  # grey levels, as a Pair has them
+        return Pair(left, right, f"pair {index}")
+    return make_pair(*pair, name=f"pair {index}")
+
+
+def _grey_levels(image: np.ndarray) -> bool:
+    """Whether these are grey levels already: floats up to 255, and not just up to 1; never with NaN among them."""
+    if image.ndim != 2 or image.dtype.kind != "f":
+        return False
+    return bool(image.min(initial=0.0) >= 0.0 and 1.0 < image.max(initial=0.0) <= 255.0)
+
+
+def _is_images(value: Any) -> bool:
+    return isinstance(value, tuple | list) and len(value) == 2 and all(isinstance(i, np.ndarray) for i in value)
+
+
+def _described(value: Any) -> str:
+    if isinstance(value, np.ndarray):
+        return f"an array of shape {value.shape}"
+    return f"a {type(value).__name__}"

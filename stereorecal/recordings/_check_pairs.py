@@ -1,0 +1,44 @@
+"""Checks of pairs before they are scored under a calibration."""
+
+import numpy as np
+
+from stereorecal._errors import InputError
+from stereorecal.geometry import StereoRig
+from stereorecal.recordings._as_pairs import Pairs, as_pairs
+from stereorecal.recordings._pair import Pair
+
+
+def check_pairs(rig: StereoRig, pairs: Pairs) -> tuple[Pair, ...]:
+    """The pairs as a tuple, if there is at least one, all have the size that the calibration says, and none is one
+    image twice.
+
+    Raises:
+        InputError: otherwise.
+    """
+    if not isinstance(rig, StereoRig):
+        raise InputError(
+            f"the rig is a {type(rig).__name__}; give an sr.StereoRig, such as scene.rig, sr.io.load_rig(path) or "
+            "sr.StereoRig.from_rotation(left, right, R, T)."
+        )
+    pairs = as_pairs(pairs)
+    if not pairs:
+        raise InputError("no image pair was given; give at least one.")
+    for pair in pairs:
+        if not rig.left.size == rig.right.size == pair.size:
+            raise InputError(
+                f"{pair.name}: the images are {pair.size[0]}x{pair.size[1]}, but the calibration is for "
+                f"{rig.left.size[0]}x{rig.left.size[1]} (left) and {rig.right.size[0]}x{rig.right.size[1]} (right); "
+                "use images and calibration of the same size."
+            )
+        check_two_images(pair)
+    return pairs
+
+
+def check_two_images(pair: Pair) -> None:
+    """Refuse a pair that is one image twice.
+
+    Raises:
+        InputError: about the pair.
+    """
+    if np.array_equal(pair.left, pair.right) and np.ptp(pair.left) > 0:
+        raise InputError(f"{pair.name}: left and right are the same image; give one from each camera.")

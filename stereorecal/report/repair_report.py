@@ -1,0 +1,187 @@
+"""The content of the page of a repair, as plain data: numbers, text and arrays."""
+
+import enum
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+
+class Conclusion(enum.Enum):
+    """What to do with the calibration that a repair started from."""
+
+    REPAIRED = "it is replaced"
+    GOOD = "it stays, since it is good"
+    REFUSED = "it stays, since no significant improvement was found; it is not known to be good"
+    UNKNOWN = "it stays, since the images do not determine it"
+
+
+@dataclass(frozen=True, eq=False)
+class Sight:
+    """A rectified pair under one calibration, and its disparity.
+
+    Attributes:
+        left, right: (h, w) grey images, 0..255.
+        disparity: (h, w) in pixels.
+        valid: (h, w), where there is one.
+    """
+
+    left: Float[np.ndarray, "h w"]
+    right: Float[np.ndarray, "h w"]
+    disparity: Float[np.ndarray, "h w"]
+    valid: Bool[np.ndarray, "h w"]
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """Row differences of matches, in pixels.
+
+    Attributes:
+        field_before, field_after: (h, w) medians over cells of the view, of the frame that is shown; NaN where
+            nothing matched.
+        all_before, all_after: (m,) of all frames.
+    """
+
+    field_before: Float[np.ndarray, "h w"]
+    field_after: Float[np.ndarray, "h w"]
+    all_before: Float[np.ndarray, "m"]
+    all_after: Float[np.ndarray, "m"]
+
+
+@dataclass(frozen=True, eq=False)
+class Climb:
+    """The best score of a stage after so many units.
+
+    Attributes:
+        label: what the score is.
+        cost, best: (m,).
+    """
+
+    label: str
+    cost: Float[np.ndarray, "m"]
+    best: Float[np.ndarray, "m"]
+
+
+@dataclass(frozen=True)
+class Axis:
+    """The change of a parameter.
+
+    Attributes:
+        name, unit: as people write them.
+        before, after: values.
+        half_width: of the 95 % interval of the change; None if it is not known.
+        observed: whether the images determine it.
+    """
+
+    name: str
+    unit: str
+    before: float
+    after: float
+    half_width: float | None
+    observed: bool
+
+
+@dataclass(frozen=True)
+class Lens:
+    """The change of one intrinsic parameter of a camera.
+
+    Attributes:
+        camera, name, unit: as people write them.
+        digits: with which it is written.
+        before, after: values.
+        half_width: of the 95 % interval of the change.
+        observed: whether the images determine it.
+    """
+
+    camera: str
+    name: str
+    unit: str
+    digits: int
+    before: float
+    after: float
+    half_width: float
+    observed: bool
+
+
+@dataclass(frozen=True)
+class Depth:
+    """Errors of depth at one distance, in percent; infinite where points seem to lie beyond infinity.
+
+    Attributes:
+        baselines, metres: the distance.
+        before: of the calibration that the repair started from, if the candidate is right.
+        expected: ends of the 95 % interval of that of the calibration to use; None if it is not known.
+    """
+
+    baselines: int
+    metres: float
+    before: float
+    expected: tuple[float, float] | None
+
+
+@dataclass(frozen=True, eq=False)
+class RepairReport:
+    """The content of the page.
+
+    Attributes:
+        name: of the recording.
+        conclusion: what to do with the calibration.
+        reason: why, in words.
+        search: how the search ended, in words.
+        baseline: distance between the cameras, in metres.
+        facts: of the whole, name and value of both calibrations, such as matched pixels.
+        frame: name of the pair that is shown.
+        before, after: that pair, under the initial calibration and under the candidate.
+        rows: None if none were measured.
+        misfit: None or the plain data of a misfit; its regions are numbered by rows of 8 by 6.
+        expected: (h, w) half width of the 95 % interval around zero of the row errors of the calibration to use, over
+            the view; NaN where not both cameras see the point.
+        expected_said: the expectations in a sentence.
+        axes, lenses, depths: tables; empty where the candidate means nothing, or nothing was refined. No depths of a
+            calibration that is not known to be good.
+        climbs: of the stages that maximise a count.
+        way: median row error after so many units, along the whole repair; None if it is not known.
+        frames: each pair's name, whether it was used, and why not.
+        remarks: sentences, such as which directions are unobservable.
+        command: as it can be pasted into a shell; None if the repair was no command.
+        settings: what is needed to run it again, by name.
+        calibrations: before and after, by title, as a calib.json has them.
+        view: in which the pair is shown, in words; None: a pinhole's, which straight things stay straight in.
+    """
+
+    name: str
+    conclusion: Conclusion
+    reason: str
+    search: str
+    baseline: float
+    facts: Mapping[str, tuple[str, str]]
+    frame: str
+    before: Sight
+    after: Sight
+    rows: Rows | None
+    misfit: Mapping[str, Any] | None
+    expected: Float[np.ndarray, "h_e w_e"] | None
+    expected_said: str | None
+    axes: Sequence[Axis]
+    lenses: Sequence[Lens]
+    depths: Sequence[Depth]
+    climbs: Sequence[Climb]
+    way: Climb | None
+    frames: Sequence[tuple[str, str, str]]
+    remarks: Sequence[str]
+    command: str | None
+    settings: Mapping[str, Any]
+    calibrations: Mapping[str, Mapping[str, Any]]
+    view: str | None = None
+
+    @property
+    def accepted(self) -> bool:
+        """Whether the candidate is used."""
+        return self.conclusion is Conclusion.REPAIRED
+
+    @property
+    def when(self) -> str:
+        """Which calibration is to be used: that "before" the repair, or "after"."""
+        return "after" if self.accepted else "before"

@@ -1,0 +1,257 @@
+"""The tasks of the experiments, of four kinds; each runs in a worker and returns a row of results."""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from stereorecal.estimation import EXACT
+from stereorecal.geometry import AXES, StereoRig
+from stereorecal.matching import AbstractMatcher
+from stereorecal.objectives import Reach
+from stereorecal.recalibration import Schedule, Solution, recalibrate, recalibrate_sequence
+from stereorecal.recordings import Pair, PairSequence, names_of
+from stereorecal.reproduction._pixel_counter import PixelCounter
+from stereorecal.strategies import Budget
+
+Row = dict[str, Any]
+"""Plain data: what JSON holds."""
+
+
+@dataclass(frozen=True, eq=False)
+class LoggedPair:
+    """One pair of a mission, and the counter of its pixels.
+
+    Attributes:
+        frame: the pair, alone, read when it is needed: all together may not fit into the memory.
+        starred: whether it shows little to match, such as open sea.
+    """
+
+    sequence: str
+    frame: PairSequence
+    starred: bool
+    counter: PixelCounter
+
+    @property
+    def pair(self) -> Pair:
+        """The pair; lazy pairs are read here."""
+        return self.frame[0]
+
+    @property
+    def image(self) -> str:
+        """Name of the pair."""
+        return names_of(self.frame)[0]
+
+    @property
+    def key(self) -> str:
+        """A name that no other pair of a log has."""
+        return f"{self.sequence}/{self.image}"
+
+    @property
+    def about(self) -> Row:
+        """What every row says of its pair."""
+        return {"sequence": self.sequence, "image": self.image, "starred": self.starred}
+
+    def counted(self, *rigs: StereoRig) -> Row:
+        """N_i, N_o and N_GT: the counts under the rig before, the rig after, and the manual calibration."""
+        extrinsics = [np.asarray(rig.extrinsics) for rig in (*rigs, self.counter.rig)]
+        return dict(zip(_WHEN, self.counter.counts(self.pair, extrinsics), strict=True))
+
+
+@dataclass(frozen=True)
+class Method:
+    """A way to repair.
+
+    Attributes:
+        name: in tables.
+        schedule: what is run.
+        ranged: whether it takes the counter's disparity range, like the paper's fixed stereo settings, instead of
+            measuring its own.
+    """
+
+    name: str
+    schedule: Schedule
+    ranged: bool
+
+
+@dataclass(frozen=True)
+class Search:
+    """A method with its limits."""
+
+    method: Method
+    reach: Reach
+    budget: Budget
+    seed: int
+
+    def arguments(self, counter: PixelCounter) -> dict[str, Any]:
+        """Those of `recalibrate`; everything is scored in the counter's view."""
+        return {
+            "matcher": counter.matcher if self.method.ranged else replace(counter.matcher, num_disparities=None),
+            "schedule": self.method.schedule,
+            "reach": self.reach,
+            "budget": self.budget,
+            "view": counter.view,
+            "seed": self.seed,
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class PairCounts:
+    """The counts of one pair under many calibrations.
+
+    Attributes:
+        own: name of the calibration that holds for it.
+        extrinsics: (6,) each, by the name of the calibration.
+    """
+
+    logged_pair: LoggedPair
+    own: str
+    extrinsics: dict[str, np.ndarray]
+
+    @property
+    def key(self) -> str:
+        """A name that no other task of an experiment has."""
+        return self.logged_pair.key
+
+    def run(self) -> Row:
+        """Count."""
+        found = self.logged_pair.counter.counts(self.logged_pair.pair, list(self.extrinsics.values()))
+        counts = dict(zip(self.extrinsics, found, strict=True))
+        return {**self.logged_pair.about, "own": self.own, "counts": counts}
+
+
+@dataclass(frozen=True, eq=False)
+class AxisSweep:
+    """The count of one pair along one axis, through the reference.
+
+    Attributes:
+        axis: index of the parameter among pitch, yaw, roll, x, y, z.
+        matcher_name: what the matcher is called in rows.
+        offsets: degrees, or percent of the baseline.
+    """
+
+    logged_pair: LoggedPair
+    axis: int
+    matcher_name: str
+    matcher: AbstractMatcher
+    offsets: tuple[float, ...]
+
+    @property
+    def key(self) -> str:
+        """A name that no other task of an experiment has."""
+        return f"{self.logged_pair.key}/{self._names['axis']}/{self._names['matcher']}"
+
+    @property
+    def _names(self) -> dict[str, str]:
+        return {"axis": AXES[self.axis], "matcher": self.matcher_name}
+
+    def run(self) -> Row:
+        """Count."""
+        reference = self.logged_pair.counter.reference
+        unit = np.radians(1.0) if self.axis < 3 else 0.01 * float(reference.baseline)
+        steps = unit * np.eye(6)[self.axis] * np.array(self.offsets)[:, None]
+        counter = self.logged_pair.counter.with_matcher(self.matcher)
+        counts = counter.counts(self.logged_pair.pair, list(reference.extrinsics + steps))
+        return {**self.logged_pair.about, **self._names, "offsets": list(self.offsets), "counts": counts}
+
+
+@dataclass(frozen=True, eq=False)
+class PairRepair:
+    """One pair repaired from one start: N_i, N_o, N_GT, and what was reached at which cost.
+
+    Attributes:
+        start_name, start: the calibration to begin with.
+        others: other pairs of the sequence, counted before and after.
+    """
+
+    logged_pair: LoggedPair
+    start_name: str
+    start: StereoRig
+    search: Search
+    others: tuple[LoggedPair, ...] = ()
+
+    @property
+    def key(self) -> str:
+        """A name that no other task of an experiment has."""
+        return f"{self.logged_pair.key}/{self.start_name}/{self.search.method.name}"
+
+    def run(self) -> Row:
+        """Repair and count."""
+        logged_pair = self.logged_pair
+        solution = recalibrate(
+            self.start, [logged_pair.pair], prior=EXACT, **self.search.arguments(logged_pair.counter)
+        )
+        return {
+            **logged_pair.about,
+            "calibration": self.start_name,
+            "schedule": self.search.method.name,
+            **_found(logged_pair, solution),
+            "start_error": _errors(logged_pair.counter, self.start),
+            "others": {
+                other.image: {"starred": other.starred, **other.counted(self.start, solution.rig)}
+                for other in self.others
+            },
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class SequentialRepairs:
+    """Pairs of a sequence repaired one after the other, each from the calibration that the one before left.
+
+    Attributes:
+        order: what the order of the pairs is called.
+        logged_pairs: in that order; one that comes twice is repaired twice.
+    """
+
+    order: str
+    start: StereoRig
+    search: Search
+    logged_pairs: tuple[LoggedPair, ...]
+
+    @property
+    def key(self) -> str:
+        """A name that no other task of an experiment has."""
+        return f"{self.logged_pairs[0].sequence}/{self.order}/{self.search.method.name}"
+
+    def run(self) -> Row:
+        """Repair and count."""
+        counter, pairs = self.logged_pairs[0].counter, [logged_pair.pair for logged_pair in self.logged_pairs]
+        solutions = recalibrate_sequence(self.start, pairs, **self.search.arguments(counter))
+        return {
+            "sequence": self.logged_pairs[0].sequence,
+            "order": self.order,
+            "schedule": self.search.method.name,
+            "steps": [
+                {"image": logged_pair.image, "starred": logged_pair.starred, **_found(logged_pair, solution)}
+                for logged_pair, solution in zip(self.logged_pairs, solutions, strict=True)
+            ],
+            **_errors(counter, solutions[-1].rig),
+            "seconds": sum(solution.seconds for solution in solutions),
+        }
+
+
+Task = PairCounts | AxisSweep | PairRepair | SequentialRepairs
+_WHEN = ("score_initial", "score_final", "score_reference")
+
+
+def _found(logged_pair: LoggedPair, solution: Solution) -> Row:
+    """The results of a repair. The path ends at the rig that is used: the initial one if the candidate was rejected."""
+    path = solution.path if solution.accepted else solution.path[:1]
+    return {
+        **logged_pair.counted(solution.initial, solution.rig),
+        "accepted": solution.accepted,
+        "reason": solution.reason.name.lower(),
+        "evaluations": solution.evaluations,
+        "cost": solution.cost.budgeted + solution.cost.survey,
+        "cost_budgeted": solution.cost.budgeted,
+        "cost_total": solution.cost.total,
+        "seconds": solution.seconds,
+        **_errors(logged_pair.counter, solution.rig),
+        "extrinsics": {"start": solution.initial.extrinsics, "found": solution.rig.extrinsics},
+        "way": logged_pair.counter.way(logged_pair.pair, path),
+    }
+
+
+def _errors(counter: PixelCounter, rig: StereoRig) -> Row:
+    rotation, translation = counter.errors(np.asarray(rig.extrinsics))
+    return {"rotation_error_deg": rotation, "translation_error_percent": translation}

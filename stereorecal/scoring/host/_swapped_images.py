@@ -1,0 +1,194 @@
+"""Images that cannot be a left and right pair of the rig: swapped, mirrored, upside down, or of different scenes.
+
+The check runs only where hardly anything matches. Sparse features, which do not depend on the rig's extrinsics, give
+the rotation between the cameras, so the answer is the same for any drift. In doubt nothing is refused.
+"""
+
+from collections.abc import Sequence
+
+import cv2
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from stereorecal._errors import InputError
+from stereorecal.geometry import StereoRig, rotation_from_euler
+from stereorecal.recordings import Pair
+from stereorecal.scoring._frame_selection import select_frames
+from stereorecal.scoring._image_quality import image_quality
+from stereorecal.scoring._prepare import Pyramid
+
+_FRAMES = 2
+_WIDTH = 640  # pixels, at which features are sought
+_FEATURES = 1200  # in an image, at most
+_GLARE = 250  # grey level
+_AROUND = 8  # pixels around glare
+_RATIO = 0.8  # of the distances to the best and to the second best match
+_ENOUGH = 300  # features in each image: some of them must match if both show the same
+_CHANCE = 14  # pairs that agree on some rigid motion by chance: it has five degrees of freedom
+_ENOUGH_AGREE = 30  # pairs that agree
+_MANY_TIMES = 3  # as many pairs agree once an image is flipped; of correct images a ninth
+_AGREE = 1.5  # pixels from the epipolar line
+_MOST = 0.8  # share of the pairs that agree, and of those that say the same
+_TRAIL = 2.0  # times as far from the median as the other end; of images that are exchanged 0.7 to 1.4
+_MOVED = 2.0  # of parallax, in units of _AGREE; less may be noise
+_DISTINCT = 150.0  # between descriptors of 512: one thing seen twice is nearer, two different things are farther
+_ROUNDS = 6  # of least squares, which converge in two or three
+_TRANSPOSED = np.radians(5.0)  # the least rotation between cameras that cannot be a drift of its inverse
+_NEAR = np.radians(15.0)  # from the given rotation, three times the drift that must never be called a mistake
+
+
+def refuse_swapped_images(images: Pyramid, frames: Sequence[int] | None = None) -> None:
+    """Refuse images that are certainly no left and right image of this rig.
+
+    Args:
+        frames: indices of the pairs to check, which differ from the others; default all.
+
+    Raises:
+        InputError: one sentence that names what is wrong, and the frames, where some were given.
+    """
+    pairs = images.pairs if frames is None else [images.pairs[frame] for frame in frames]
+    mistakes = {_mistake_in(images.rig, pair) for pair in select_frames(pairs, _FRAMES)}
+    if len(mistakes) == 1 and (sentence := mistakes.pop()) is not None:
+        which = "" if frames is None else f"{', '.join(pair.name for pair in pairs)} (unlike the other pairs): "
+        raise InputError(which + sentence)
+
+
+def _mistake_in(rig: StereoRig, pair: Pair) -> str | None:
+    if not image_quality(pair).enough:
+        return None
+    (left, first, clear), (right, second, clear_too) = (_features(np.asarray(i)) for i in (pair.left, pair.right))
+    enough = _ENOUGH // (4 if pair.size[0] < _WIDTH // 2 else 1)
+    if min(len(left), len(right)) < enough:
+        return None
+    tolerance = _AGREE * max(1.0, pair.size[0] / _WIDTH) / float(rig.left.focal[0])
+    rays = _rays_of_matches(rig, (left, first), (right, second))
+    turned, agree = _rotation(*rays, tolerance)
+    flipped, other, _ = _features(np.fliplr(np.asarray(pair.right)))
+    _, mirrored = _rotation(*_rays_of_matches(rig, (left, first), (flipped, other)), tolerance)
+    if mirrored.sum() >= max(_ENOUGH_AGREE, _MANY_TIMES * agree.sum()) and mirrored.mean() >= _MOST:
+        return "one of the two images is mirrored; flip it from left to right."
+    if agree.sum() <= _CHANCE:
+        if not (_distinct(first) and _distinct(second)):
+            return None  # a texture that repeats has no unambiguous matches in a correct pair either
+        if min(clear.sum(), clear_too.sum()) < enough:
+            return None  # the sun on waves is elsewhere in each image
+        return "the left and right images show different things; give images that both cameras took at the same time."
+    if agree.sum() < _ENOUGH_AGREE or agree.mean() < _MOST:
+        return None
+    given = np.asarray(rotation_from_euler(np.asarray(rig.extrinsics[:3], float)))
+    if _angle(turned @ np.diag([-1.0, -1.0, 1.0]), given) < _NEAR:
+        return "one of the two images is upside down; turn it by 180 degrees."
+    if _angle(given, np.eye(3)) > _TRANSPOSED and _angle(turned, given.T) < 0.5 * _angle(given, np.eye(3)):
+        return (
+            "the rotation between the cameras looks inverted (transposed): it must turn points of the left camera into "
+            "the right one; transpose it."
+        )
+    if _angle(turned, given) > _NEAR:
+        return None
+    towards = np.asarray(rig.translation, float) / float(rig.baseline)
+    first, second = (found[agree] for found in rays)
+    turned = _aligned(first, second, turned, towards, tolerance)
+    parallax = (second - _at_depth_1(first @ turned.T)) @ towards / tolerance
+    if np.mean(parallax < -_MOVED) > _MOST and not _trails_ahead(parallax):
+        return (
+            "near things lie on the wrong side: the left and right images look swapped (or both are mirrored or upside "
+            "down, or the calibration says how the left camera stands in the right one the other way round); exchange "
+            "left and right, or invert the transform."
+        )
+    return None
+
+
+def _rays_of_matches(
+    rig: StereoRig,
+    left: tuple[Float[np.ndarray, "n 2"], Float[np.ndarray, "n c"]],
+    right: tuple[Float[np.ndarray, "m 2"], Float[np.ndarray, "m c"]],
+) -> tuple[Float[np.ndarray, "p 3"], Float[np.ndarray, "p 3"]]:
+    """Rays at depth 1 of the features (pixels, descriptors) of both images that are mutual nearest neighbours."""
+    here, there = _mutual_matches(left[1], right[1])
+    first, second = np.asarray(rig.left.rays(left[0][here])), np.asarray(rig.right.rays(right[0][there]))
+    return _at_depth_1(first), _at_depth_1(second)
+
+
+def _trails_ahead(parallax: Float[np.ndarray, "n"]) -> bool:
+    """Whether things that are nearer than most lie on the right side of those: then it is the rotation that was not
+    found, as where a part of an image has moved."""
+    low, middle, high = np.percentile(parallax, [5.0, 50.0, 95.0])
+    return bool(high - middle > _TRAIL * (middle - low))
+
+
+def _features(image: np.ndarray) -> tuple[Float[np.ndarray, "n 2"], np.ndarray, Bool[np.ndarray, "n"]]:
+    """Where features are, in pixels of the image, their descriptors, and which are clear of glare."""
+    scale = _WIDTH / image.shape[1]
+    how = cv2.INTER_AREA if scale < 1.0 else cv2.INTER_CUBIC
+    grey = np.clip(np.round(cv2.resize(image, None, fx=scale, fy=scale, interpolation=how)), 0, 255).astype(np.uint8)
+    points, descriptors = cv2.SIFT.create(_FEATURES).detectAndCompute(grey, None)
+    if descriptors is None:
+        return np.zeros((0, 2)), np.zeros((0, 128), np.float32), np.zeros(0, bool)
+    where = np.array([point.pt for point in points])
+    glare = cv2.dilate((grey >= _GLARE).astype(np.uint8), np.ones((2 * _AROUND + 1,) * 2, np.uint8))
+    column, row = np.clip(np.round(where), 0, np.array(grey.shape)[::-1] - 1).astype(int).T
+    return (where + 0.5) / scale - 0.5, descriptors, glare[row, column] == 0
+
+
+def _mutual_matches(
+    first: Float[np.ndarray, "n c"], second: Float[np.ndarray, "m c"]
+) -> tuple[Int[np.ndarray, "p"], Int[np.ndarray, "p"]]:
+    """Indices of mutual nearest neighbours that pass the ratio test."""
+    apart = (first**2).sum(1)[:, None] + (second**2).sum(1) - 2.0 * first @ second.T
+    of_first, of_second = apart.argmin(axis=1), apart.argmin(axis=0)
+    here = np.arange(len(first))
+    best = apart[here, of_first]
+    clear = best < _RATIO**2 * np.minimum(_second_best(apart, 1)[here], _second_best(apart, 0)[of_first])
+    chosen = here[clear & (of_second[of_first] == here)]
+    return chosen, of_first[chosen]
+
+
+def _distinct(descriptors: Float[np.ndarray, "n c"]) -> bool:
+    """Whether most features of an image differ from all others of it."""
+    apart = (descriptors**2).sum(1)[:, None] + (descriptors**2).sum(1) - 2.0 * descriptors @ descriptors.T
+    return float(np.median(_second_best(apart, 1))) > _DISTINCT**2
+
+
+def _second_best(apart: Float[np.ndarray, "n m"], axis: int) -> Float[np.ndarray, "k"]:
+    return np.partition(apart, 1, axis=axis).take(1, axis=axis)
+
+
+def _rotation(
+    left: Float[np.ndarray, "n 3"], right: Float[np.ndarray, "n 3"], tolerance: float
+) -> tuple[Float[np.ndarray, "3 3"], Bool[np.ndarray, "n"]]:
+    """The rotation, left to right, of the motion on which most pairs agree, and which do."""
+    none = np.eye(3), np.zeros(len(left), bool)
+    if len(left) < _CHANCE:
+        return none
+    here, there = (np.ascontiguousarray(rays[:, :2]) for rays in (left, right))
+    essential, agree = cv2.findEssentialMat(here, there, np.eye(3), cv2.RANSAC, 0.999, tolerance)
+    if essential is None or essential.shape != (3, 3):
+        return none
+    return cv2.recoverPose(essential, here, there, np.eye(3), mask=agree.copy())[1], agree.reshape(-1) > 0
+
+
+def _aligned(
+    left: Float[np.ndarray, "n 3"],
+    right: Float[np.ndarray, "n 3"],
+    turned: Float[np.ndarray, "3 3"],
+    towards: Float[np.ndarray, "3"],
+    tolerance: float,
+) -> Float[np.ndarray, "3 3"]:
+    """The rotation near `turned` that aligns the rows across a baseline, whichever way along it the right camera is."""
+    for _ in range(_ROUNDS):
+        ray = left @ turned.T
+        across = np.einsum("ni,ni->n", right, np.cross(towards, ray))
+        slopes = np.cross(ray, np.cross(right, towards))
+        vote = 1.0 / (1.0 + (across / tolerance) ** 2)
+        step = -np.linalg.lstsq(slopes * np.sqrt(vote)[:, None], across * np.sqrt(vote), rcond=1e-6)[0]
+        turned = cv2.Rodrigues(step)[0] @ turned
+    return turned
+
+
+def _at_depth_1(rays: np.ndarray) -> Float[np.ndarray, "n 3"]:
+    rays = np.asarray(rays, float)
+    return rays / rays[:, 2:]
+
+
+def _angle(one: Float[np.ndarray, "3 3"], other: Float[np.ndarray, "3 3"]) -> float:
+    return float(np.arccos(np.clip((np.trace(one.T @ other) - 1.0) / 2.0, -1.0, 1.0)))

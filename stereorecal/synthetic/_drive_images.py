@@ -1,0 +1,114 @@
+"""The images of a drive, rendered place by place and cached in the user's folder."""
+
+import hashlib
+import os
+import uuid
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import UInt8
+from platformdirs import user_cache_path
+
+from stereorecal.recordings import Pair
+from stereorecal.synthetic._drive import Drive
+from stereorecal.synthetic._vehicle_course import make_course
+from stereorecal.synthetic._weather import lit, noise_of
+from stereorecal.synthetic.objects._boat import boat
+from stereorecal.synthetic.objects._car import car
+from stereorecal.synthetic.rendering._camera_rays import pixel_rays, world_rays
+from stereorecal.synthetic.rendering._patch import Patch
+from stereorecal.synthetic.rendering._sensor import expose
+from stereorecal.synthetic.rendering._studio import Studio
+from stereorecal.synthetic.scenes import make_world
+from stereorecal.synthetic.surroundings._daylight import daylight
+from stereorecal.synthetic.world._raycast import radiance
+
+Images = UInt8[np.ndarray, "n 2 h w"]
+
+_SECONDS_PER_FRAME = 0.1
+_MOVING = (0.05, 0.2)  # metres a frame
+_BLUR, _VIGNETTING, _EXPOSURE = 0.7, 0.3, 0.15
+
+
+def photographs(drive: Drive, first: int = 0, *, folder: Path | None = None) -> Iterator[Pair]:
+    """The pairs of a drive, from frame `first` on. They are rendered when first needed, 50 at a time, a quarter of a
+    second each, and cached.
+
+    Args:
+        folder: of the cache, 15 MB for 100 frames; default in the user's cache.
+    """
+    folder = user_cache_path("stereorecal") / "drives" if folder is None else folder
+    place, images = -1, None
+    for frame in range(first, len(drive)):
+        if images is None or drive.place(frame) != place:
+            place = drive.place(frame)
+            images = _cached(drive, place, folder)
+        left, right = images[frame - drive.frames_at(place)[0]].astype(np.float32)
+        yield Pair(left, right, f"{drive.tour}-{drive.seed}-{frame:05d}")
+
+
+def _cached(drive: Drive, place: int, folder: Path) -> Images:
+    frames = drive.frames_at(place)
+    key = [drive.tour, drive.seed, place, drive.moving, drive.weather[frames[0]], _sources()]
+    numbers = drive.extrinsics[frames[0] : frames[-1] + 1].tobytes() + drive.late[frames[0] : frames[-1] + 1].tobytes()
+    name = hashlib.sha256(repr(key).encode() + numbers).hexdigest()[:24]
+    path = folder / f"{drive.tour}-{name}.npy"
+    with suppress(OSError, ValueError):  # missing, or truncated
+        return np.load(path)
+    images = _rendered(drive, place)
+    with suppress(OSError):  # a full disk: not cached
+        path.parent.mkdir(parents=True, exist_ok=True)
+        part = path.with_name(f".{path.stem}.{uuid.uuid4().hex[:8]}.npy")
+        np.save(part, images)
+        os.replace(part, path)
+    return images
+
+
+@cache
+def _sources() -> str:
+    """A digest of the code that makes the images."""
+    files = sorted(Path(__file__).parent.rglob("*.py"))
+    return hashlib.sha256(b"".join(path.read_bytes() for path in files)).hexdigest()
+
+
+def _rendered(drive: Drive, place: int) -> Images:
+    kind, frames, weather = drive.kind(place), drive.frames_at(place), drive.weather[place * len(drive.frames_at(0))]
+    world = make_world(kind, 1000 * drive.seed + place)
+    draw = np.random.default_rng([drive.seed, place, 29])
+    course = make_course(kind, world.motion.eye, draw)
+    moving = _moving(kind, draw, world.motion.eye) if drive.moving else ()
+    cameras = drive.rig.left, drive.rig.right
+    directions = [pixel_rays(camera) for camera in cameras]
+    gains = 1.0, 1.0 + float(np.random.default_rng([drive.seed, 7]).uniform(-_EXPOSURE, _EXPOSURE))
+    images = np.empty((len(frames), 2, *directions[0].shape[:2]), np.uint8)
+    for number, frame in enumerate(frames):
+        rig = drive.truth(frame)
+        for side in (0, 1):
+            time = number + (drive.late[frame] if side else 0.0)
+            shown = replace(world, patches=(*world.patches, *(patch.moved(time * way) for patch, way in moving)))
+            focal = float(cameras[side].focal[0])
+            rays = world_rays(course.pose(time), rig, side, directions[side], focal, samples=1)
+            falling = np.random.default_rng([drive.seed, frame, side, 1])
+            light = radiance(shown, rays, time * _SECONDS_PER_FRAME)
+            light = lit(light, weather, falling, np.random.default_rng([drive.seed, side, 2]))
+            middle = 0.5 * (np.array(cameras[side].size, float) - 1.0)
+            how = {"gain": gains[side], "centre": middle, "noise": noise_of(weather)}
+            images[number, side] = expose(light, falling, blur=_BLUR, vignetting=_VIGNETTING, **how)
+    return images
+
+
+def _moving(kind: str, draw: np.random.Generator, eye: float) -> tuple[tuple[Patch, np.ndarray], ...]:
+    """Patches of a boat or a car, and how far each moves in a frame."""
+    studio, sign = Studio(draw, daylight(draw), eye), float(draw.choice([-1.0, 1.0]))
+    speed, far = sign * float(draw.uniform(*_MOVING)), float(draw.uniform(8.0, 14.0))
+    if kind == "street":
+        patches, _ = car(studio, (sign * -0.8, far), (0.0, sign))
+        way = np.array([0.0, 0.0, speed])
+    else:
+        patches, _ = boat(studio, (-sign * 0.4 * far, far), float(draw.uniform(4.0, 6.0)), 0.0, True)
+        way = np.array([speed, 0.0, 0.0])
+    return tuple((patch, way) for patch in patches)

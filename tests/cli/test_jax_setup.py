@@ -1,0 +1,122 @@
+"""The compilation cache lies in the user's cache folder, or nowhere."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from stereorecal.cli import _jax_setup
+
+WHERE = """
+import jax
+from stereorecal.cli._jax_setup import use_compile_cache
+use_compile_cache()
+print(jax.config.jax_compilation_cache_dir)
+"""
+
+
+def where(**environment: object) -> str:
+    plain = {k: v for k, v in os.environ.items() if not k.startswith("JAX_")}
+    given = {name: str(value) for name, value in environment.items()}
+    answer = subprocess.run(
+        [sys.executable, "-c", WHERE], env=plain | given, capture_output=True, text=True, check=True
+    )
+    assert answer.stderr == ""
+    return answer.stdout.strip()
+
+
+linux_only = pytest.mark.skipif(
+    sys.platform != "linux", reason="the name of the user's cache folder is another one here"
+)
+
+
+@linux_only
+def test_in_the_users_cache(tmp_path: Path):
+    assert where(XDG_CACHE_HOME=tmp_path) == str(tmp_path / "stereorecal" / "programs")
+    assert (tmp_path / "stereorecal" / "programs").is_dir()
+
+
+def test_the_users_own_choice_stands(tmp_path: Path):
+    own = tmp_path / "own"
+    assert where(XDG_CACHE_HOME=tmp_path, JAX_COMPILATION_CACHE_DIR=own) == str(own)
+    assert where(XDG_CACHE_HOME=tmp_path, JAX_ENABLE_COMPILATION_CACHE="false") == "None"
+    assert where(XDG_CACHE_HOME=tmp_path, JAX_COMPILATION_CACHE_DIR="gs://bucket/own") == "gs://bucket/own"
+    assert list(tmp_path.iterdir()) == [own]
+
+
+@linux_only
+def test_every_command_does_so(tmp_path: Path):
+    command = [sys.executable, "-m", "stereorecal", "strategies"]
+    plain = {k: v for k, v in os.environ.items() if not k.startswith("JAX_")}
+    subprocess.run(command, env=plain | {"XDG_CACHE_HOME": str(tmp_path)}, capture_output=True, check=True)
+    assert [folder.name for folder in tmp_path.iterdir()] == ["stereorecal"]
+
+
+def test_a_user_without_a_home(monkeypatch: pytest.MonkeyPatch):
+    def lost(*_):
+        raise RuntimeError("Could not determine home directory.")
+
+    told: list[tuple[str, object]] = []
+    monkeypatch.setattr(_jax_setup, "user_cache_path", lost)
+    monkeypatch.setattr(_jax_setup.jax.config, "update", lambda *what: told.append(what))
+    settings = {"jax_enable_compilation_cache": True, "jax_compilation_cache_dir": None}
+    monkeypatch.setattr(type(_jax_setup.jax.config), "values", dict(_jax_setup.jax.config.values) | settings)
+    trouble = _jax_setup.use_compile_cache()
+    assert trouble is not None
+    assert "Could not determine home directory" in trouble
+    assert told == [("jax_enable_compilation_cache", False)]
+
+
+def test_nowhere_to_write_to(tmp_path: Path):
+    (tmp_path / "file").write_text("in the way")
+    assert where(XDG_CACHE_HOME=tmp_path / "file", HOME=tmp_path / "file") == "None"
+
+
+@linux_only
+@pytest.mark.parametrize(
+    ("command", "told"), [("score nowhere", True), ("strategies check no", True), ("diff no no", False)]
+)
+def test_those_who_would_compile_at_every_start_are_told(tmp_path: Path, command: str, told: bool):
+    (tmp_path / "file").write_text("in the way")
+    words = [sys.executable, "-m", "stereorecal", *command.split()]
+    plain = {k: v for k, v in os.environ.items() if not k.startswith("JAX_")}
+    answer = subprocess.run(
+        words, env=plain | {"XDG_CACHE_HOME": str(tmp_path / "file")}, capture_output=True, text=True, check=False
+    )
+    assert answer.returncode == 2
+    lines = answer.stderr.splitlines()
+    assert len(lines) == 1 + told
+    assert lines[0].startswith("stereorecal: compiled programs cannot be cached") == told
+
+
+def test_what_compiles_quickly_is_kept_in_a_folder_of_the_users_too(tmp_path: Path):
+    seconds = "print(jax.config.jax_persistent_cache_min_compile_time_secs)"
+    plain = {k: v for k, v in os.environ.items() if not k.startswith("JAX_")}
+    given = {"JAX_COMPILATION_CACHE_DIR": str(tmp_path)}
+    command = [sys.executable, "-c", WHERE + seconds]
+    answer = subprocess.run(command, env=plain | given, capture_output=True, text=True, check=True)
+    assert answer.stdout.split() == [str(tmp_path), "0.1"]
+
+
+@pytest.mark.parametrize("platform", ["cuda", "cda"])
+def test_a_platform_that_is_not_there(tmp_path: Path, platform: str):
+    command = [sys.executable, "-m", "stereorecal", "score", "nowhere"]
+    given = {"JAX_PLATFORMS": platform, "XDG_CACHE_HOME": str(tmp_path)}
+    answer = subprocess.run(command, env=os.environ | given, capture_output=True, text=True, check=False)
+    if "there is no such folder" in answer.stderr:
+        pytest.skip(f"JAX computes on {platform} here")
+    assert answer.returncode == 2
+    assert f"stereorecal: JAX_PLATFORMS is '{platform}', which JAX cannot use here" in answer.stderr
+
+
+def test_a_folder_of_the_users_that_cannot_be_made(tmp_path: Path):
+    (tmp_path / "file").write_text("in the way")
+    command = [sys.executable, "-m", "stereorecal", "score", "nowhere"]
+    given = {"JAX_COMPILATION_CACHE_DIR": str(tmp_path / "file" / "own")}
+    answer = subprocess.run(command, env=os.environ | given, capture_output=True, text=True, check=False)
+    assert answer.returncode == 2
+    first, second = answer.stderr.splitlines()
+    assert first.startswith("stereorecal: compiled programs cannot be cached")
+    assert "no such folder" in second

@@ -1,0 +1,88 @@
+"""What image files announce; and that a decoder is not asked for what nobody has."""
+
+import struct
+import zlib
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from stereorecal._errors import InputError
+from stereorecal.io._read_files import read_text
+from stereorecal.io.images._image_files import read_image
+from stereorecal.io.images._image_headers import announced_size, bytes_per_pixel, ends_properly
+
+ENDINGS = [".png", ".jpg", ".tif", ".bmp", ".pgm", ".ppm", ".webp", ".jp2"]
+IMAGE = np.random.default_rng(0).integers(0, 255, (70, 81, 3), np.uint8)
+
+
+def encoded(ending: str, *options: int) -> bytes:
+    image = IMAGE[..., 0] if ending == ".pgm" else IMAGE
+    return cv2.imencode(ending, image, options)[1].tobytes()
+
+
+@pytest.mark.parametrize("ending", ENDINGS)
+def test_announced_size(ending: str):
+    assert announced_size(encoded(ending)) == (81, 70)
+
+
+@pytest.mark.parametrize("ending", [".png", ".tif"])
+@pytest.mark.parametrize("channels", [1, 3, 4])
+@pytest.mark.parametrize("kind", [np.uint8, np.uint16])
+def test_bytes_per_pixel(ending: str, channels: int, kind: type):
+    image = np.zeros((7, 9, channels), kind)
+    assert bytes_per_pixel(cv2.imencode(ending, image)[1].tobytes()) == channels * np.dtype(kind).itemsize
+
+
+def test_an_image_that_would_take_too_much(tmp_path: Path):
+    """16 bit and four channels: half a gigabyte each. It is refused before it is decoded."""
+    path, size = tmp_path / "image.png", 8191
+    about = b"IHDR" + struct.pack(">IIBBBBB", size, size, 16, 6, 0, 0, 0)
+    path.write_bytes(b"\x89PNG\r\n\x1a\n" + struct.pack(">I", 13) + about + struct.pack(">I", zlib.crc32(about)))
+    with pytest.raises(InputError, match="takes more than 256 MB"):
+        read_image(str(path))
+
+
+@pytest.mark.skipif(not Path("/dev/zero").exists(), reason="has no endless file")
+@pytest.mark.parametrize("read", [lambda path: read_text(Path(path)), read_image])
+def test_files_without_end(read):
+    with pytest.raises(InputError, match="more than"):
+        read("/dev/zero")
+
+
+@pytest.mark.parametrize("ending", ENDINGS)
+def test_a_damaged_header_is_no_crash(ending: str):
+    data = encoded(ending)
+    for length in range(64):
+        announced_size(data[:length])
+        bytes_per_pixel(data[:length])
+        assert not (length > 8 and ending in (".png", ".jpg") and ends_properly(data[:length]))
+    for place in range(64):
+        announced_size(data[:place] + b"\xff" + data[place + 1 :])
+
+
+@pytest.mark.parametrize("progressive", [0, 1])
+def test_a_jpeg_with_a_trailer_is_read(tmp_path: Path, progressive: int):
+    """Phones append a film or a depth map, in which markers may stand."""
+    data = encoded(".jpg", cv2.IMWRITE_JPEG_PROGRESSIVE, progressive)
+    for trailer in (b"\0" * 100, b"\xff\xda" + b"x" * 50, data[: len(data) // 2]):
+        path = tmp_path / "image.jpg"
+        path.write_bytes(data + trailer)
+        assert read_image(str(path)).shape == IMAGE.shape
+    for length in (len(data) - 1, len(data) // 2, 20):
+        path.write_bytes(data[:length])
+        with pytest.raises(InputError, match="truncated"):
+            read_image(str(path))
+
+
+def test_an_enormous_image_is_not_decoded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    def chunk(name: bytes, data: bytes) -> bytes:
+        return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+
+    path = tmp_path / "image.png"
+    header = struct.pack(">IIBBBBB", 20_000, 20_000, 8, 2, 0, 0, 0)
+    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", b"") + chunk(b"IEND", b""))
+    monkeypatch.setattr(cv2, "imdecode", lambda *_: pytest.fail("was decoded"))
+    with pytest.raises(InputError, match="claims to be 20000x20000"):
+        read_image(str(path))

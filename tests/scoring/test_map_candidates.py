@@ -1,0 +1,80 @@
+"""Candidates that share a call of one program are scored as if they had it to themselves."""
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from hypothesis import given, settings, strategies as st
+
+from stereorecal.geometry import view, with_unit_baseline
+from stereorecal.matching import SAD
+from stereorecal.scoring import prepare
+from stereorecal.scoring.host import _cores, _map_candidates, counts, counts_one_by_one, disparities
+from stereorecal.scoring.host._map_candidates import map_candidates
+
+SAD_24 = SAD(num_disparities=24)
+
+
+def prepared(given_scene):
+    return prepare(given_scene.rig, given_scene.pairs, view(given_scene.rig))
+
+
+def first_two(frame, extrinsics, matcher):
+    """Tells candidates apart, and frames."""
+    return jnp.round(1000.0 * jnp.stack([extrinsics[0], extrinsics[1], frame.left[0, 0, 0]])).astype(jnp.int32)
+
+
+@pytest.fixture(params=[1, 2, 5])
+def some_cores(request, monkeypatch):
+    for module in (_cores, _map_candidates):
+        monkeypatch.setattr(module, "cores", lambda: request.param)
+    return request.param
+
+
+@pytest.mark.parametrize("number", [0, 1, 2, 31, 64, 65, 200])
+@pytest.mark.parametrize("frames", [1, 3])
+def test_each_frame_and_candidate_gets_its_own_answer(scene, some_cores, frames, number):
+    data = prepared(scene(frames=frames))
+    candidates = np.zeros((number, 6), np.float32)
+    candidates[:, 0], candidates[:, 1] = np.arange(number), -np.arange(number)
+    answers = map_candidates(first_two, data.frames, candidates, SAD_24)
+    assert answers.shape == (frames, number, 3)
+    for frame, of_frame in zip(data.frames, answers, strict=True):
+        np.testing.assert_array_equal(of_frame[:, :2], 1000 * candidates[:, :2])
+        assert (of_frame[:, 2] == np.round(1000 * np.asarray(frame.left)[0, 0, 0])).all()
+
+
+@pytest.mark.parametrize(("frames", "number"), [(1, 10), (3, 10), (3, 1), (1, 100)])
+def test_all_cores_have_work(scene, some_cores, monkeypatch, frames, number):
+    calls = []
+    monkeypatch.setattr(_map_candidates, "on_all_cores", lambda f, items: calls.extend(items) or list(map(f, items)))
+    map_candidates(first_two, prepared(scene(frames=frames)).frames, np.zeros((number, 6)), SAD_24)
+    assert len(calls) >= min(some_cores, frames * number)
+    sizes = [len(part) for _, part in calls]
+    assert max(sizes) - min(sizes) <= 1
+    assert sum(sizes) == frames * number
+
+
+def test_one_program_serves_any_number(scene):
+    frames = prepared(scene()).frames
+    map_candidates(first_two, frames, np.zeros((1, 6)), SAD_24)
+    before = _map_candidates._evaluated.compiled._cache_size()
+    for number in (0, 2, 7, 50):
+        map_candidates(first_two, frames, np.zeros((number, 6)), SAD_24)
+    assert _map_candidates._evaluated.compiled._cache_size() == before
+
+
+@pytest.mark.slow
+@settings(max_examples=8, deadline=None)
+@given(
+    kind=st.sampled_from(["harbour", "street", "coast"]),
+    offsets=st.lists(st.tuples(*[st.floats(-0.03, 0.03)] * 3), min_size=1, max_size=12),
+)
+def test_counts_what_disparities_show(scene, kind, offsets):
+    """Pixel for pixel: `score` and a search must mean the same by a count."""
+    given_scene = scene(kind, 0, (160, 120))
+    data = prepared(given_scene)
+    candidates = np.repeat(with_unit_baseline(given_scene.rig.extrinsics)[None], len(offsets), axis=0)
+    candidates[:, :3] += offsets
+    shown = [sum(d.valid.sum() for d in disparities(data, one.astype(np.float32), SAD_24)) for one in candidates]
+    np.testing.assert_array_equal(counts(data, candidates, SAD_24), shown)
+    np.testing.assert_array_equal(counts_one_by_one(data, candidates, SAD_24), shown)

@@ -1,0 +1,193 @@
+"""The cache of programs: read in the next process, traced anew in doubt, and never a reason to fail."""
+
+import subprocess
+import sys
+import threading
+from concurrent.futures import ThreadPoolExecutor
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from stereorecal import _compile_cache
+from stereorecal._background import in_background
+from stereorecal._compile_cache import cached_program
+from stereorecal.matching import SAD
+
+try:
+    from jax import enable_x64
+except ImportError:  # before JAX 0.8
+    from jax.experimental import enable_x64
+
+TRACES: list[str] = []
+
+
+def program(a, b, *, matcher=None, times: int = 1):
+    TRACES.append("traced")
+    return times * (a["x"] + b), a["x"] * 2
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    TRACES.clear()
+    monkeypatch.setattr(_compile_cache, "_folder", lambda: tmp_path / "cache")
+    return tmp_path / "cache"
+
+
+def result(fresh=None, value: float = 1.0, **static):
+    call = fresh or cached_program(program, static=("matcher", "times"))
+    return [np.asarray(leaf) for leaf in call({"x": jnp.full(3, value)}, np.float32(2.0), **static)]
+
+
+def test_traced_once_for_all_processes(folder):
+    first = result(times=3)
+    np.testing.assert_array_equal(first[0], [9, 9, 9])
+    np.testing.assert_array_equal(first[1], [2, 2, 2])
+    assert len(TRACES) == 1
+    np.testing.assert_array_equal(result(times=3, value=5.0)[0], [21, 21, 21])  # as another process would
+    assert len(TRACES) == 1
+    assert len(list(folder.iterdir())) == 1
+
+
+def test_everything_that_makes_another_program_does(folder):
+    call = cached_program(program, static=("matcher", "times"))
+    for static in ({}, {"times": 2}, {"matcher": SAD(num_disparities=16)}, {"matcher": SAD(num_disparities=32)}):
+        result(call, **static)
+        result(call, **static)
+    call({"x": jnp.zeros(4)}, np.float32(1))
+    call({"x": jnp.zeros(4)}, np.int32(1))
+    assert len(TRACES) == len(list(folder.iterdir())) == 6
+
+
+@pytest.mark.parametrize("change", ["cut short", "empty", "nonsense", "a folder"])
+def test_what_cannot_be_read_is_made_anew(folder, change):
+    result()
+    (path,) = folder.iterdir()
+    content = path.read_bytes()
+    path.unlink()
+    if change == "a folder":
+        path.mkdir()
+    else:
+        path.write_bytes({"cut short": content[: len(content) // 2], "empty": b"", "nonsense": b"x" * 999}[change])
+    np.testing.assert_array_equal(result()[0], [3, 3, 3])
+    assert len(TRACES) == 2
+
+
+def test_other_versions_and_other_files_are_other_programs(folder, monkeypatch):
+    result()
+    monkeypatch.setattr(_compile_cache, "_traced_by", lambda: ("another",))
+    result()
+    assert len(TRACES) == len(list(folder.iterdir())) == 2
+
+
+def test_a_place_that_takes_nothing_is_no_reason_to_fail(tmp_path, monkeypatch):
+    (tmp_path / "file").write_text("no folder")
+    monkeypatch.setattr(_compile_cache, "_folder", lambda: tmp_path / "file" / "cache")
+    np.testing.assert_array_equal(result()[0], [3, 3, 3])
+
+
+class Foreign(SAD):
+    """A matcher of somebody else's, whose code may change."""
+
+
+def test_a_program_with_code_of_others_is_not_cached(folder):
+    result(matcher=Foreign(num_disparities=16))
+    assert not folder.exists()
+
+
+def test_off_where_jax_keeps_nothing(monkeypatch, tmp_path):
+    for name, value in (("jax_compilation_cache_dir", None), ("jax_enable_compilation_cache", False)):
+        settings = dict(jax.config.values) | {"jax_compilation_cache_dir": str(tmp_path), name: value}
+        monkeypatch.setattr(type(jax.config), "values", settings)
+        assert _compile_cache._folder() is None
+        monkeypatch.undo()
+
+
+def test_compiled_in_the_background_is_compiled_once(folder):
+    call = cached_program(program, static=("matcher", "times"))
+    arguments = ({"x": jnp.full(3, 1.0)}, np.float32(2.0))
+    for _ in range(3):
+        call.compile_in_background(*arguments, times=3)
+    np.testing.assert_array_equal(call(*arguments, times=3)[0], [9, 9, 9])
+    call.compile_in_background(*arguments, times=3)
+    called = cached_program(program, static=("matcher", "times"))
+    called(*arguments, times=2)
+    called.compile_in_background(*arguments, times=2)  # which it is already
+    assert len(TRACES) == 2
+    assert not called._compiling
+
+
+def test_a_call_waits_for_what_is_begun(folder):
+    begun, go_on = threading.Event(), threading.Event()
+
+    def slow(x):
+        TRACES.append("traced")
+        if x.shape == (2,):
+            begun.set()
+            assert go_on.wait(30)
+        return (2 * x,)
+
+    call = cached_program(slow)
+    call.compile_in_background(np.ones(2))
+    assert begun.wait(30)
+    with ThreadPoolExecutor(1) as other:
+        waiting = other.submit(call, np.ones(2))
+        with pytest.raises(TimeoutError):
+            waiting.result(timeout=0.2)
+        go_on.set()
+        np.testing.assert_array_equal(waiting.result(timeout=30)[0], [2, 2])
+    assert len(TRACES) == 1
+
+
+def test_what_fails_in_the_background_fails_when_it_is_called(folder):
+    def broken(x):
+        raise ValueError("no such program")
+
+    call, after = cached_program(broken), cached_program(program, static=("times",))
+    call.compile_in_background(np.ones(3))
+    after.compile_in_background({"x": jnp.zeros(3)}, np.float32(0))
+    with pytest.raises(ValueError, match="no such program"):
+        call(np.ones(3))
+    after({"x": jnp.zeros(3)}, np.float32(0))
+    assert TRACES == ["traced"]  # by the thread, which has survived
+
+
+def test_compiled_in_the_background_without_a_cache(monkeypatch):
+    TRACES.clear()
+    monkeypatch.setattr(_compile_cache, "_folder", lambda: None)
+    call = cached_program(program, static=("times",))
+    call.compile_in_background({"x": jnp.full(3, 1.0)}, np.float32(2.0), times=3)
+    np.testing.assert_array_equal(call({"x": jnp.full(3, 1.0)}, np.float32(2.0), times=3)[0], [9, 9, 9])
+    assert len(TRACES) == 1
+
+
+def test_settings_of_one_thread_make_another_program(folder):
+    """Contexts of JAX are those of a thread: the background thread has its own."""
+    call = cached_program(program, static=("times",))
+    with enable_x64(True):
+        call.compile_in_background({"x": np.ones(3)}, np.ones(3))
+        found = call({"x": np.ones(3)}, np.ones(3))
+    assert found[0].dtype == np.float64
+    assert call({"x": np.ones(3)}, np.ones(3))[0].dtype == np.float32
+    assert len(TRACES) == 2
+
+
+def test_a_program_that_ends_waits_for_nothing_that_has_not_begun():
+    code = """
+import threading, time
+from stereorecal._background import in_background
+began = threading.Event()
+in_background(lambda: (began.set(), time.sleep(0.5), print("first", flush=True)))
+in_background(lambda: print("second", flush=True))
+began.wait()
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert (done.stdout.split(), done.stderr) == (["first"], "")
+
+
+def test_one_after_the_other():
+    seen: list[int] = []
+    for over in [in_background(lambda n=n: seen.append(n)) for n in range(5)]:
+        over.result(timeout=30)
+    assert seen == [0, 1, 2, 3, 4]
