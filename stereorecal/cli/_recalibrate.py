@@ -56,7 +56,7 @@ def run(options: argparse.Namespace) -> int:
     budget, seed = as_budget(options.budget), _values.seed(options.seed)
     ranges = load_ranges(options.ranges) if options.ranges is not None else ()
     free = with_ranges(_values.free(options.free), ranges)
-    limits = _values.tolerances(options)
+    limits, shown = _values.tolerances(options), _values.view(options)
     check_prior(options.prior)
     check_boards_asked(options)
     _output.checked(options)
@@ -80,6 +80,7 @@ def run(options: argparse.Namespace) -> int:
             "schedule": schedule,
             "reach": reach,
             "budget": budget,
+            "view": shown,
             "seed": seed,
             "free": free,
             "prior": options.prior,
@@ -172,6 +173,7 @@ def _settings(
         "frames": options.frames,
         "motion": options.motion,
         "matcher": {"name": options.matcher, **asdict(matcher)},
+        "view": options.view,
         "schedule": schedule.name,
         "stages": stages,
         "reach": asdict(reach),
@@ -217,7 +219,7 @@ def _saving(
 
     def maps(solution: Solution) -> list[Path]:
         for path in output.maps_files:
-            save_maps(solution.rig, path, overwrite=options.force)
+            save_maps(solution.rig, path, options.force, _values.view(options))
         return []
 
     if options.dry_run and told and not (output.files or output.maps_files):

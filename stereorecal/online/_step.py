@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from stereorecal._errors import InputError
-from stereorecal.geometry import StereoRig, view as view_of
+from stereorecal.geometry import StereoRig, as_view
 from stereorecal.matching import as_matcher
 from stereorecal.online._config import Config
 from stereorecal.online._estimate import SIZE, at_start
@@ -39,7 +39,7 @@ def init(rig: StereoRig, config: Config = Config()) -> State:  # noqa: B008  fro
     """
     Schedule.default()  # raises now, and not after the first knock
     matcher = as_matcher(config.matcher)
-    blank = State(config, rig, view_of(rig), np.zeros(SIZE), at_start(np.ones(SIZE), config), nearing(rig))
+    blank = State(config, rig, as_view(config.view, rig), np.zeros(SIZE), at_start(np.ones(SIZE), config), nearing(rig))
     known = matcher if matcher.num_disparities is not None else None
     return blank.but(estimate=at_start(blank.prior, config), matcher=known, attempt=_FIRST)
 

@@ -101,15 +101,17 @@ def corrected(rig: StereoRig, shown: View | None = None) -> tuple[CameraInfo, Ca
     is a depth of -P_right[3] / (d - (cx - cx')) metres.
 
     Args:
-        shown: the rectified cameras; default `sr.view(rig)`.
+        shown: the rectified cameras; default `sr.view(rig, projection="pinhole")`.
 
     Raises:
         UnsupportedModelError: if ROS has no such model of a lens.
         InputError: if the view is no pinhole, which P holds.
     """
-    shown = view(rig) if shown is None else shown
+    shown = view(rig, projection="pinhole") if shown is None else shown
     if shown.projection != "pinhole":
-        raise InputError(f"a CameraInfo holds pinhole views, not {shown.projection} ones; give sr.view(rig).")
+        raise InputError(
+            f"a CameraInfo holds pinhole views, not {shown.projection} ones; give sr.view(rig, projection='pinhole')."
+        )
     rotations = rectifying_rotations(rig.rotation, rig.translation)
     matrices, shifts = (shown.matrix_left, shown.matrix_right), (0.0, -float(shown.focal) * float(rig.baseline))
     infos = []
