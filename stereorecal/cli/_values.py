@@ -129,3 +129,19 @@ def free(text: str) -> Parameters:
     if not all(names):
         raise InputError(f"--free is {text!r}; name parameters or groups, such as extrinsics,intrinsics.")
     return as_parameters(names)
+
+
+def board_corners(text: str | None) -> tuple[int, int]:
+    """The corners inside of a chessboard, columns and rows, of --board-corners; by default 9x6.
+
+    Raises:
+        InputError: if it is no such text.
+    """
+    if text is None:
+        return 9, 6
+    refusal = f"--board-corners is {shortened(text)}; give the corners inside of the board, such as 9x6."
+    parts = text.split("x")
+    if len(parts) != 2:
+        raise InputError(refusal)
+    columns, rows = (positive(part, refusal) for part in parts)
+    return columns, rows
