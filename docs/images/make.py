@@ -1,7 +1,9 @@
 """Makes the pictures of README and docs from synthetic scenes: python docs/images/make.py"""
 
+import json
 import shutil
 import subprocess
+import sys
 import tempfile
 from dataclasses import replace
 from pathlib import Path
@@ -15,6 +17,7 @@ import stereorecal as sr
 from stereorecal.estimation import readings
 from stereorecal.estimation._consequences import points_of_view
 from stereorecal.geometry import changed_camera
+from stereorecal.report._field_figures import coverage, error_against_seconds, harm
 from stereorecal.report.pair_figure import Panel, repair_figure, save
 from stereorecal.reproduction import write_files
 from stereorecal.synthetic import Knock
@@ -217,6 +220,21 @@ def experiments() -> None:
             shutil.copy(path, HERE / f"experiments-{path.name}")
 
 
+def field() -> None:
+    """The figures of the field's page, of what is rendered; half an hour on two cores."""
+    with tempfile.TemporaryDirectory() as folder:
+        target = Path(folder) / "field.json"
+        words = ["compare", "--preset", "field", "--draws", "2", "--json", str(target), "--quiet"]
+        subprocess.run([sys.executable, "-m", "stereorecal", *words], check=True)
+        field_figures(json.loads(target.read_text()))
+
+
+def field_figures(data: dict) -> None:
+    """Of the JSON of a field's table."""
+    for name, figure in (("seconds", error_against_seconds), ("coverage", coverage), ("harm", harm)):
+        (HERE / f"field-{name}.svg").write_text((figure(data) or "").replace("currentColor", "#666"))
+
+
 if __name__ == "__main__":
     repair()
     report()
@@ -226,3 +244,4 @@ if __name__ == "__main__":
     drive()
     motion()
     experiments()
+    field()

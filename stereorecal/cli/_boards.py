@@ -9,8 +9,6 @@ from stereorecal.estimation import is_exact
 from stereorecal.io import load_pairs
 from stereorecal.recordings import Board, find_boards
 
-_CORNERS = "9x6"
-
 
 def check_boards_asked(options: argparse.Namespace) -> None:
     """Refuse what makes no sense together, before anything is read.
@@ -43,10 +41,4 @@ def boards_of(options: argparse.Namespace) -> tuple[Board, ...] | None:
 
 
 def _corners(options: argparse.Namespace) -> tuple[int, int]:
-    text = options.board_corners or _CORNERS
-    refusal = f"--board-corners is {_values.shortened(text)}; give the corners inside of the board, such as {_CORNERS}."
-    parts = text.split("x")
-    if len(parts) != 2:
-        raise InputError(refusal)
-    columns, rows = (_values.positive(part, refusal) for part in parts)
-    return columns, rows
+    return _values.board_corners(options.board_corners)

@@ -1,6 +1,7 @@
 """`python -m stereorecal compare`."""
 
 import argparse
+from importlib import import_module
 from pathlib import Path
 
 from stereorecal._choices import checked_choice
@@ -25,9 +26,14 @@ from stereorecal.report.comparison_tables import comparison_tables
 from stereorecal.strategies import as_budget
 from stereorecal.synthetic import KINDS, render
 
+_DRAWS = 2
+
 
 def run(options: argparse.Namespace) -> int:
     """Compare, print, save; returns the exit code."""
+    if options.judge or options.preset is not None:
+        return import_module("stereorecal.cli._compare_field").run(options)
+    _check_without_judges(options)
     if options.schedule is not None:
         checked_choice(options.schedule, list(SCHEDULES), "schedule")
     if options.schedule == "default" and options.scale is not None:
@@ -53,7 +59,7 @@ def run(options: argparse.Namespace) -> int:
                 reach=reach,
                 schedule=options.schedule,
                 scale=1.0 if options.scale is None else options.scale,
-                draws=options.draws,
+                draws=_DRAWS if options.draws is None else options.draws,
                 budget=budget,
                 seed=seed,
                 free=free,
@@ -71,6 +77,12 @@ def run(options: argparse.Namespace) -> int:
         say(f"interrupted; {len(comparison.trials)} trials were finished.")
         return INTERRUPTED
     return FAILURE if all(trial.status == FAILED for trial in comparison.trials) else 0
+
+
+def _check_without_judges(options: argparse.Namespace) -> None:
+    for name in ("full", "square", "board_corners"):
+        if getattr(options, name):
+            raise InputError(f"--{name.replace('_', '-')} belongs to judges; add --judge or --preset field.")
 
 
 def _check_places(options: argparse.Namespace) -> list[Place]:

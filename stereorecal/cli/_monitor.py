@@ -12,6 +12,7 @@ from typing import IO
 
 from stereorecal._errors import InputError
 from stereorecal._signals import hold
+from stereorecal.cli import _values
 from stereorecal.cli._cameras import watched_cameras
 from stereorecal.cli._exit_codes import CANNOT_TELL, INTERRUPTED, REPAIR
 from stereorecal.cli._live import lines, live
@@ -126,12 +127,14 @@ def _raise(error: Exception) -> None:
 
 
 def _start(options: argparse.Namespace, scene: Scene) -> State:
-    config = Config(matcher=as_matcher(options.matcher), repair=not options.once)
+    config, shown = Config(matcher=as_matcher(options.matcher), repair=not options.once), _values.view(options)
     if options.state is not None and Path(options.state).exists():
         kept = load(options.state, scene.rig)
-        return kept.but(config=replace(config, matcher=kept.config.matcher))
+        if kept.config.view != kept.config.view | shown:
+            raise InputError(f"--view: the state in {options.state} has looked through another view; leave --view out.")
+        return kept.but(config=replace(config, matcher=kept.config.matcher, **kept.config.view))
     assert scene.rig is not None
-    return init(scene.rig, config)
+    return init(scene.rig, replace(config, **shown))
 
 
 def _about(options: argparse.Namespace, state: State) -> str:

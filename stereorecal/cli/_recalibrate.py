@@ -57,7 +57,7 @@ def run(options: argparse.Namespace) -> int:
     ranges = load_ranges(options.ranges) if options.ranges is not None else ()
     odometer = load_odometer(options.odometer) if options.odometer is not None else None
     free = with_ranges(_values.free(options.free), ranges, odometer)
-    limits = _values.tolerances(options)
+    limits, shown = _values.tolerances(options), _values.view(options)
     check_prior(options.prior)
     check_boards_asked(options)
     _output.checked(options)
@@ -81,6 +81,7 @@ def run(options: argparse.Namespace) -> int:
             "schedule": schedule,
             "reach": reach,
             "budget": budget,
+            "view": shown,
             "seed": seed,
             "free": free,
             "prior": options.prior,
@@ -174,6 +175,7 @@ def _settings(
         "frames": options.frames,
         "motion": options.motion,
         "matcher": {"name": options.matcher, **asdict(matcher)},
+        "view": options.view,
         "schedule": schedule.name,
         "stages": stages,
         "reach": asdict(reach),
@@ -220,7 +222,7 @@ def _saving(
 
     def maps(solution: Solution) -> list[Path]:
         for path in output.maps_files:
-            save_maps(solution.rig, path, overwrite=options.force)
+            save_maps(solution.rig, path, options.force, _values.view(options))
         return []
 
     if options.dry_run and told and not (output.files or output.maps_files):

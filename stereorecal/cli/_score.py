@@ -30,7 +30,7 @@ _CODES = {Condition.REPAIR: REPAIR, Condition.CANNOT_TELL: CANNOT_TELL, Conditio
 def run(options: argparse.Namespace) -> int:
     """Check, save, print; returns the exit code."""
     matcher = as_matcher(options.matcher)
-    limits = _values.tolerances(options)
+    limits, shown = _values.tolerances(options), _values.view(options)
     places = places_of(options, "json")
     check_places(places, force=options.force)
     with files_read() as read:
@@ -40,7 +40,8 @@ def run(options: argparse.Namespace) -> int:
     interrupted = False
     try:
         for scene in scenes:
-            looked.append(_look(scene, matcher, options.prior, motion_of(options), limits))
+            how = {"prior": options.prior, "motion": motion_of(options), "tolerances": limits, "view": shown}
+            looked.append(_look(scene, matcher, **how))
         hold()
     except KeyboardInterrupt:
         interrupted = True
@@ -75,14 +76,12 @@ def _show(looked: Sequence[Health | InputError], rows: Sequence[dict[str, Any]],
         print_lines(looked[0])
 
 
-def _look(
-    scene: Scene, matcher: AbstractMatcher, prior: str | None, motion: bool | None, limits: Tolerances
-) -> Health | InputError:
+def _look(scene: Scene, matcher: AbstractMatcher, **how: Any) -> Health | InputError:
     """What there is to say of a recording: one that cannot be used does not take the others with it."""
     assert scene.rig is not None
     try:
         with about(scene.name):
-            return health(scene.rig, scene.pairs, matcher=matcher, prior=prior, motion=motion, tolerances=limits)
+            return health(scene.rig, scene.pairs, matcher=matcher, **how)
     except InputError as error:
         return error
 
@@ -99,6 +98,7 @@ def _about_all(options: argparse.Namespace, matcher: AbstractMatcher, limits: To
         "frames": options.frames,
         "motion": options.motion,
         "matcher": {"name": options.matcher, **asdict(matcher)},
+        "view": options.view,
         "thresholds": {**HEALTH_LIMITS, **limits.limits},
         "distances": limits.distances,
     }

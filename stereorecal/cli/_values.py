@@ -1,10 +1,12 @@
 """Values of options, parsed with sentences that say what is wrong."""
 
 import argparse
+from typing import Any
 
 from stereorecal._choices import checked_choice
 from stereorecal._errors import InputError
 from stereorecal.decision import LIMITS, Tolerances, as_tolerances
+from stereorecal.geometry import checked_view_arguments
 from stereorecal.objectives import Parameters, as_parameters
 from stereorecal.strategies import strategies
 
@@ -47,6 +49,21 @@ def tolerances(options: argparse.Namespace) -> Tolerances:
         refusal = f"--distances is {shortened(options.distances)}; give baselines, such as 5,10,30."
         found["distances"] = tuple(_number(part, refusal) for part in options.distances.split(","))
     return as_tolerances(found)
+
+
+def view(options: argparse.Namespace) -> dict[str, Any]:
+    """The arguments of `sr.view` that --view names.
+
+    Raises:
+        InputError: if a name is unknown, or a value makes no sense.
+    """
+    found: dict[str, Any] = {}
+    for part in [] if options.view is None else options.view.split(","):
+        name, _, value = (piece.strip() for piece in part.partition("="))
+        checked_choice(name, ["projection", "field"], "argument of --view")
+        refusal = f"--view has {shortened(part)}; give degrees, such as field=140."
+        found[name] = _number(value, refusal) if name == "field" else value
+    return checked_view_arguments(found)
 
 
 def _number(text: str, refusal: str) -> float:
@@ -112,3 +129,19 @@ def free(text: str) -> Parameters:
     if not all(names):
         raise InputError(f"--free is {text!r}; name parameters or groups, such as extrinsics,intrinsics.")
     return as_parameters(names)
+
+
+def board_corners(text: str | None) -> tuple[int, int]:
+    """The corners inside of a chessboard, columns and rows, of --board-corners; by default 9x6.
+
+    Raises:
+        InputError: if it is no such text.
+    """
+    if text is None:
+        return 9, 6
+    refusal = f"--board-corners is {shortened(text)}; give the corners inside of the board, such as 9x6."
+    parts = text.split("x")
+    if len(parts) != 2:
+        raise InputError(refusal)
+    columns, rows = (positive(part, refusal) for part in parts)
+    return columns, rows

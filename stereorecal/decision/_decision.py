@@ -209,14 +209,14 @@ class _Candidate:
         """Whether the other one costs rows that a matcher notices, and this one is hardly ever for the worse; or, of a
         rig that is blind, so that either may be, loses less."""
         harmless = not self.harms or (self.harms <= other.harms and self.loss < other.loss)
-        return harmless and self.rows < other.rows - limits.gain_px
+        return bool(harmless and self.rows < other.rows - limits.gain_px)
 
     def reads_depth_better(self, other: "_Candidate", limits: Tolerances) -> bool:
         """Whether it is worth it to change what depth reads: it loses less, and of the rigs for which the two differ by
         what counts, depth is the better one in 95 %."""
         gains = np.concatenate(other.depth) - np.concatenate(self.depth)
         better, worse = (np.count_nonzero(sign * gains > limits.worse_depth_points) for sign in (1.0, -1.0))
-        return self.loss < other.loss and 0 < better >= limits.good_surely * (better + worse)
+        return bool(self.loss < other.loss and 0 < better >= limits.good_surely * (better + worse))
 
 
 def _losses(seen: Estimate, theta: Float[np.ndarray, "n"]) -> _Losses:

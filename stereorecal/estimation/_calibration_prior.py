@@ -13,7 +13,7 @@ from jaxtyping import Bool, Float
 
 from stereorecal.estimation._posterior import root
 from stereorecal.estimation._slopes import pixels_of, slopes_by_point, slopes_of
-from stereorecal.geometry import StereoRig, rotation_between, rotation_from_vector
+from stereorecal.geometry import Camera, StereoRig, rotation_between, rotation_from_vector
 from stereorecal.objectives import BASELINE, SIDES, RigChart
 
 _CORNER_NOISE = 0.2  # pixels, standard deviation of a corner in an image 640 wide
@@ -193,11 +193,18 @@ def _boards(rig: StereoRig, views: _Views) -> Float[np.ndarray, "b c 3"]:
         tilt = rotation_from_vector(draw.uniform(-most, most, 3))
         corners = np.concatenate([square * flat, np.zeros((len(flat), 1))], axis=-1) @ np.asarray(tilt).T
         if rig.left.lens.WIDE:  # people turn the board to the camera, wherever it is in the image
-            ray = np.asarray(rig.left.directions(middle[None]))[0]
+            ray = _direction(rig.left, middle)
             boards.append(corners @ rotation_between(_AXIS, ray).T + depth * ray)
         else:
             boards.append(corners + depth * np.asarray(rig.left.rays(middle[None]))[0])
     return np.stack(boards)
+
+
+def _direction(camera: Camera, pixel: Float[np.ndarray, "2"]) -> Float[np.ndarray, "3"]:
+    """The direction of a pixel, or of one nearer to the middle, where the lens shows something."""
+    while not np.isfinite(ray := np.asarray(camera.directions(pixel[None]))[0]).all():
+        pixel = 0.5 * (pixel + np.asarray(camera.matrix)[:2, 2])
+    return ray
 
 
 def _by_pose(rig: StereoRig, points: Float[np.ndarray, "b c 3"]) -> Float[np.ndarray, "6 b c 4"]:

@@ -39,9 +39,9 @@ def points_of_view(rig: StereoRig, distance: float, shown: View | None = None) -
     the view shows of it; where that is no pinhole, at a distance from the left camera.
 
     Args:
-        shown: the view; default the rig's own.
+        shown: the view; default the rig's own pinhole.
     """
-    (width, height), shown = rig.left.size, view(rig) if shown is None else shown
+    (width, height), shown = rig.left.size, view(rig, projection=PINHOLE) if shown is None else shown
     if rig.left.lens.WIDE or shown.projection != PINHOLE:
         rays = _rays_of_view(rig, shown)
     else:
@@ -63,13 +63,17 @@ def _grid(size: tuple[int, int]) -> Float[np.ndarray, "p 2"]:
     return np.stack(np.meshgrid(*share), axis=-1).reshape(-1, 2) * [size[0] - 1, size[1] - 1]
 
 
-def areas(rig: StereoRig, points: Float[np.ndarray, "p 3"]) -> Float[np.ndarray, "2 p"]:
+def areas(rig: StereoRig, points: Float[np.ndarray, "p 3"], shown: View | None = None) -> Float[np.ndarray, "2 p"]:
     """Weights of points in a mean over the view, and over what lies ahead: the middle of the left image; over the view
-    again where nothing does."""
+    again where nothing does. In views that are no pinhole, points count by the squares of their disparities."""
     share = _share(rig, points)
     ahead = (np.abs(share - 0.5) <= 0.5 * _MIDDLE).all(axis=1)
     every = np.ones(len(points))
-    return np.stack([every / len(points), ahead / ahead.sum() if ahead.any() else every / len(points)])
+    weights = np.stack([every / len(points), ahead / ahead.sum() if ahead.any() else every / len(points)])
+    if shown is None or shown.projection == PINHOLE:
+        return weights
+    told = _stretch(rig, points, shown) ** -2
+    return weights * told / (weights @ told)[:, None]
 
 
 def regions(rig: StereoRig, points: Float[np.ndarray, "p 3"]) -> Int[np.ndarray, "p"]:
@@ -98,7 +102,8 @@ def readings(
     used: StereoRig, true: StereoRig, points: Float[np.ndarray, "p 3"], shown: View | None = None
 ) -> tuple[Float[np.ndarray, "p"], Float[np.ndarray, "p"]]:
     """Row differences of points, and their relative errors of disparity (true depth over that read, less 1), as `used`
-    reads the pixels in which `true` sees them; rows in pixels of the mean focal length of `used`.
+    reads the pixels in which `true` sees them; rows in pixels of the mean focal length of `used`, as wide as they are
+    in the middle: where a view stretches rows, images are blurred by as much.
 
     Args:
         shown: the view in which rows and disparities are read; default a pinhole.
@@ -113,7 +118,9 @@ def readings(
     left = read(points, true.left, used.left, to_left)
     right = read(points @ true.rotation.T + true.translation, true.right, used.right, to_right)
     rows, nearness = _read(_formulas(shown), left, right)
-    return np.asarray(_focal(used) * rows), points[:, 2] / float(used.baseline) * nearness - 1.0
+    return np.asarray(_focal(used) * rows / _stretch(used, points, shown)), points[:, 2] / float(
+        used.baseline
+    ) * nearness - 1.0
 
 
 def _formulas(shown: View | None) -> Projection:
@@ -129,6 +136,12 @@ def _read(
     return row - other, formulas.nearness(u, v) * formulas.length(*np.moveaxis(left, -1, 0))
 
 
+def _stretch(used: StereoRig, points: Float[np.ndarray, "p 3"], shown: View | None) -> Float[np.ndarray, "p"]:
+    """By how much the view stretches the rows of points, of which disparities tell less by as much."""
+    x, y, z = (points @ rectifying_rotations(used.rotation, used.translation)[0].T).T
+    return np.ones(len(points)) * _formulas(shown).stretch(y, z, np.sqrt(x * x + y * y + z * z))
+
+
 def readings_at(
     used: StereoRig, true: StereoRig, sets: Sequence[Float[np.ndarray, "_ 3"]], shown: View | None = None
 ) -> tuple[list[Float[np.ndarray, "_"]], Float[np.ndarray, "d 2"]]:
@@ -136,7 +149,7 @@ def readings_at(
     disparities over the view, and ahead."""
     ends = np.cumsum([len(points) for points in sets])[:-1]
     rows, nearness = (np.split(found, ends) for found in readings(used, true, np.concatenate(sets), shown))
-    return rows, np.array([areas(true, points) @ some for points, some in zip(sets, nearness, strict=True)])
+    return rows, np.array([areas(true, points, shown) @ some for points, some in zip(sets, nearness, strict=True)])
 
 
 def _focal(used: StereoRig) -> float:
@@ -152,7 +165,8 @@ class Consequences:
         distances: in baselines.
         rows: for each of the distances, (p, n) pixels a unit of θ(used) - θ(true).
         nearness: (d, 2, n) mean relative error of disparity at each of them, over the view and ahead, likewise.
-        variation: for each of the distances, (p, n) by what that of each point differs from the mean over the view.
+        variation: for each of the distances, (p, n) by what that of each point differs from the mean over the view; of
+            views that are no pinhole times the root of what the point counts for.
     """
 
     distances: tuple[float, ...]
@@ -187,9 +201,11 @@ def consequences(
         for seen, moved, rotation in ((points, left_rays, to_left), (right, right_rays, to_right))
     )
     rows, near = _read(_formulas(shown), *turned)
-    rows, nearness = _focal(used) * np.imag(rows) / _TINY, np.imag(near) / np.real(near) / _TINY
+    stretch = _stretch(used, points, shown)
+    rows, nearness = _focal(used) * np.imag(rows) / stretch / _TINY, np.imag(near) / np.real(near) / _TINY
     ends = np.cumsum([len(points) for points in sets])[:-1]
     by_distance = [part.T for part in np.split(nearness, ends, axis=1)]
-    means = np.stack([areas(used, points) @ part for points, part in zip(sets, by_distance, strict=True)])
-    variation = tuple(part - mean for part, (mean, _) in zip(by_distance, means, strict=True))
+    means = np.stack([areas(used, points, shown) @ part for points, part in zip(sets, by_distance, strict=True)])
+    roots = [np.sqrt(wide**-2 / np.mean(wide**-2))[:, None] for wide in np.split(stretch, ends)]
+    variation = tuple(root * (part - mean) for root, part, (mean, _) in zip(roots, by_distance, means, strict=True))
     return Consequences(distances, tuple(np.split(rows.T, ends)), means, variation)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float, Int
 
-from stereorecal.geometry import PINHOLE, projection, rectifying_rotations, with_unit_baseline
+from stereorecal.geometry import PINHOLE, StereoRig, projection, rectifying_rotations, with_unit_baseline
 from stereorecal.objectives import LinearRows, RigChart, differences_at, linearised, read_by
 from stereorecal.scoring import Correspondences
 
@@ -30,11 +30,13 @@ class Groups:
     Attributes:
         left, right: (g, 3) mean rays, as the cameras of the chart's rig give them.
         offset: (g,) pixels at full size that the mean row difference exceeds that of the mean rays.
-        deviation: (g,) standard deviation of the mean, pixels at full size.
+        deviation: (g,) standard deviation of the mean, pixels of the images.
         frame, place: (g,) of each group; places are numbered by rows.
         disparity: (g,) pixels at full size, under the rig at which they were grouped.
         count: (g,) correspondences.
         focal: of the rectified rows, in pixels at full size.
+        resolution: (g,) pixels of the middle that a row of the view is wide there: 1 of pinholes, less where a view
+            stretches what a wide lens shows.
         projection: by which rays become rows.
     """
 
@@ -47,6 +49,7 @@ class Groups:
     disparity: Float[np.ndarray, "g"]
     count: Int[np.ndarray, "g"]
     focal: float
+    resolution: Float[np.ndarray, "g"]
     projection: str = PINHOLE
 
     def __len__(self) -> int:
@@ -54,15 +57,16 @@ class Groups:
 
     def of(self, which: Any) -> "Groups":
         """Some of them."""
-        names = ("left", "right", "offset", "deviation", "frame", "place", "disparity", "count")
+        names = ("left", "right", "offset", "deviation", "frame", "place", "disparity", "count", "resolution")
         return replace(self, **{name: getattr(self, name)[which] for name in names})
 
     def rows(self, chart: RigChart, theta: Float[np.ndarray, "n"]) -> LinearRows:
-        """Their mean row differences at θ and the derivatives there, in pixels that the cameras at θ have: (1, g),
-        (n, 1, g). Noise is in pixels of the images: longer focal lengths must not make it smaller."""
+        """Their mean row differences at θ and the derivatives there, in pixels of the images that the cameras at θ
+        have: (1, g), (n, 1, g). Noise is in those: longer focal lengths must not make it smaller, nor rows that are
+        wider apart in the view make it larger."""
         rows = linearised(self._as_correspondences(), chart, theta)
         by_focal = np.array([0.005 * name.endswith(".f") for name in chart.names])  # of the mean of both, per percent
-        zoom = float(np.exp(by_focal @ theta))
+        zoom = float(np.exp(by_focal @ theta)) * self.resolution
         differences = zoom * (rows.differences + self.offset)
         jacobian = zoom * rows.jacobian + by_focal[:, None, None] * differences
         return replace(rows, differences=differences, jacobian=jacobian)
@@ -86,7 +90,7 @@ def grouped(found: Correspondences, chart: RigChart, theta: Float[np.ndarray, "n
     if not seen.any():
         nothing, numbers = np.zeros(0), np.zeros(0, int)
         return Groups(
-            left, right, nothing, nothing, numbers, numbers, nothing, numbers, focal / scale, found.projection
+            left, right, nothing, nothing, numbers, numbers, nothing, numbers, focal / scale, nothing, found.projection
         )
     cuts = np.quantile(disparity, np.arange(1, _DISPARITIES) / _DISPARITIES) if len(disparity) else []
     key = (frame * np.prod(PLACES) + places) * _DISPARITIES + np.searchsorted(cuts, disparity)
@@ -107,9 +111,11 @@ def grouped(found: Correspondences, chart: RigChart, theta: Float[np.ndarray, "n
         name: np.stack([mean(rays[order][:, axis]) for axis in range(3)], axis=-1)
         for name, rays in (("left", left), ("right", right))
     }
-    by_noise = spread / np.sqrt(np.maximum(n * float(found.independent), 1.0)) / scale
-    # What windows on weak texture have in common is larger, as is their noise.
-    texture = np.maximum(total / np.maximum(n, 1), _LEAST_WEIGHT) / max(float(np.median(weight)), _LEAST_WEIGHT)
+    resolution = _resolution(chart.rig_at(theta), means["left"], found.projection)
+    by_noise = resolution * spread / np.sqrt(np.maximum(n * float(found.independent), 1.0)) / scale
+    # What windows on weak texture have in common is larger, as is their noise; both in pixels of the images.
+    in_images, typical = total / np.maximum(n, 1) / resolution**2, float(np.median(weight / resolution[number] ** 2))
+    texture = np.maximum(in_images, _LEAST_WEIGHT) / max(typical, _LEAST_WEIGHT)
     deviation = np.hypot(by_noise, FLOOR / np.sqrt(np.minimum(texture, 1.0)))
     groups = Groups(
         **means,
@@ -120,6 +126,7 @@ def grouped(found: Correspondences, chart: RigChart, theta: Float[np.ndarray, "n
         disparity=mean(disparity) / scale,
         count=n,
         focal=focal / scale,
+        resolution=resolution,
         projection=found.projection,
     ).of(n >= _FEWEST)
     if not len(groups):
@@ -140,6 +147,13 @@ def _rectified(found: Correspondences, chart: RigChart, theta: Float[np.ndarray,
         for rays, rotation in zip((read.left, read.right), rotations, strict=True)
     )
     return float(found.focal) * (y - v), float(found.focal) * (x - u)
+
+
+def _resolution(rig: StereoRig, left: Float[np.ndarray, "g 3"], shown: str) -> Float[np.ndarray, "g"]:
+    """Pixels of the middle that a row of the view is wide, at rays."""
+    to_left, _ = rectifying_rotations(rig.rotation, rig.translation)
+    x, y, z = (left @ to_left.T).T
+    return np.ones(len(left)) / projection(shown).stretch(y, z, np.sqrt(x * x + y * y + z * z))
 
 
 def places_of(pixels: Float[np.ndarray, "m 2"], size: tuple[int, int]) -> Int[np.ndarray, "m"]:

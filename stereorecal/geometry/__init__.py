@@ -35,7 +35,14 @@ from stereorecal.geometry._so3 import (
     rotation_from_vector as rotation_from_vector,
     vector_from_rotation as vector_from_rotation,
 )
-from stereorecal.geometry._view import PINHOLE as PINHOLE, View as View, view as view
+from stereorecal.geometry._view import (
+    PINHOLE as PINHOLE,
+    AnyView as AnyView,
+    View as View,
+    as_view as as_view,
+    checked_view_arguments as checked_view_arguments,
+    view as view,
+)
 from stereorecal.geometry._warp import (
     PixelMap as PixelMap,
     bilinear_warp as bilinear_warp,

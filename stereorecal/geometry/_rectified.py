@@ -9,7 +9,7 @@ from stereorecal._arrays import Mat3
 from stereorecal._errors import InputError
 from stereorecal.geometry._rectification import rectifying_rotations
 from stereorecal.geometry._rig import StereoRig
-from stereorecal.geometry._view import PINHOLE, View, view as view_of
+from stereorecal.geometry._view import PINHOLE, AnyView, View, as_view
 from stereorecal.geometry._warp import rectifying_maps
 
 Projection = Float[np.ndarray, "3 4"]
@@ -67,7 +67,7 @@ class Rectification:
         if self.view.projection != PINHOLE:
             raise InputError(
                 f"{name} is a pinhole's, and this view is {self.view.projection}; use maps, depth and points, or a "
-                "pinhole view: sr.view(rig)."
+                "pinhole view: sr.view(rig, projection='pinhole')."
             )
         return np.asarray(matrix, float)
 
@@ -128,13 +128,14 @@ def _checked(disparity: Num[np.ndarray, "*n"]) -> Float[np.ndarray, "*n"]:
     return np.asarray(disparity, float)
 
 
-def rectification(rig: StereoRig, view: View | None = None) -> Rectification:
+def rectification(rig: StereoRig, view: AnyView = None) -> Rectification:
     """Everything that OpenCV's users rectify with, in one call.
 
     Args:
-        view: default: `sr.view(rig)`, which has a focal length of its own; `solution.view` for that of a repair.
+        view: default: `sr.view(rig)`, which has a focal length of its own, and is no pinhole where lenses are wider;
+            `solution.view` for that of a repair; also the arguments of `sr.view` by name.
     """
-    view = view_of(rig) if view is None else view
+    view = as_view(view, rig)
     R1, R2 = (np.asarray(r, float) for r in rectifying_rotations(rig.rotation, rig.translation))
     (left_x, left_y), (right_x, right_y) = (
         np.asarray(one, np.float32) for one in rectifying_maps(rig.left, rig.right, rig.rotation, rig.translation, view)

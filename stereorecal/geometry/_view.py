@@ -1,11 +1,14 @@
 """The View: the pair of rectified cameras."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float
 
 from stereorecal._arrays import AnyArray, Mat3, namespace
+from stereorecal._choices import checked_choice
 from stereorecal._errors import InputError
 from stereorecal._pytree import register_pytree
 from stereorecal.geometry._camera import Camera
@@ -13,7 +16,11 @@ from stereorecal.geometry._rectification import rectifying_rotations
 from stereorecal.geometry._rig import StereoRig
 from stereorecal.geometry.projections import Projection, projection as projection_of
 
-PINHOLE = "pinhole"
+PINHOLE, EQUIRECTANGULAR = "pinhole", "equirectangular"
+_ARGUMENTS = ("projection", "field", "zero_disparity")
+# Of the focal lengths of the cameras: a pinhole view of a wider field shrinks the middle away, and one that magnifies
+# more shows nothing but pixels.
+_LEAST_ZOOM, _MOST_ZOOM = 0.7, 4.0
 
 
 @register_pytree
@@ -115,44 +122,67 @@ class View:
         left, right = columns - self.centre_left, columns - disparity - self.centre_right
         return self.formulas.nearness(left / self.focal, right / self.focal)
 
+    def as_dict(self) -> dict[str, Any]:
+        """Plain data for JSON."""
+        return {
+            "projection": self.projection,
+            "size": list(self.size),
+            "degrees": self.degrees,
+            "focal_px": float(self.focal),
+        }
+
     def __str__(self) -> str:
         width, height = self.size
         kind = f"{self.projection}, {self.degrees:.0f} degrees across"
         return f"{width} x {height} pixels, {kind}, focal length {float(self.focal):.3f} px"
 
 
-def view(rig: StereoRig, *, zero_disparity: bool = True, field: float | None = None, projection: str = PINHOLE) -> View:
+def view(
+    rig: StereoRig, *, zero_disparity: bool = True, field: float | None = None, projection: str | None = None
+) -> View:
     """The default View of a rig, at the size of its left image.
+
+    Projection: a pinhole; of fisheyes and other wide models, a pinhole where it shows the whole field that both cameras
+    see, or the one that is asked for, at 0.7 times their mean focal length or more (of an ideal fisheye, 107 degrees),
+    and else equirectangular.
 
     Focal length of a pinhole: as long as keeps the middles of all four borders of both undistorted images inside, but
     between 0.7 and 1 times the mean focal length of the cameras, so that nothing is magnified and wide lenses do not
-    shrink the middle away; of fisheyes and other wide models, and of the other projection, 1, the widest that keeps the
-    resolution of the middle (but not more than 160 degrees). Centre: the image centres of both cameras, undistorted and
-    rotated into the rectified frame, project on average to the centre of the view; with `zero_disparity` both share
-    one principal column (points at infinity have disparity 0), else each camera's own centre lies in the middle.
+    shrink the middle away; of a wide model whose field it cannot show, and of the other projection, 1, the widest that
+    keeps the resolution of the middle (but not more than 160 degrees). Centre: the image centres of both cameras,
+    undistorted and rotated into the rectified frame, project on average to the centre of the view; with
+    `zero_disparity` both share one principal column (points at infinity have disparity 0), else each camera's own
+    centre lies in the middle.
 
-    The focal length depends on the intrinsics alone, so no zoom follows the extrinsics.
+    Projection and focal length depend on the intrinsics alone, so no zoom follows the extrinsics.
 
-    A pinhole shows 97 degrees of a fisheye of 130, and 118 of one of 190: more of the field costs resolution in the
-    middle. "equirectangular" shows all of the first, and 160 degrees of the second, at the resolution of the middle.
+    A pinhole shows 97 degrees of a fisheye of 130, and 118 of one of 190. "equirectangular" shows all of the first, and
+    160 degrees of the second, at the resolution of the middle.
 
     Args:
         field: the width of the view in degrees, in place of the focal length above: up to 165 of a pinhole, up to 180
             of "equirectangular".
-        projection: "pinhole" or "equirectangular", as `View` has it.
+        projection: "pinhole" or "equirectangular", as `View` has it, in place of the rule above.
 
     Raises:
         InputError: if the field makes no sense, or the projection is unknown.
     """
     width, height = rig.left.size
-    formulas, focal = projection_of(projection), _widest_focal(rig, projection)
-    if field is not None:
-        if not 0.0 < field <= formulas.WIDEST:
-            raise InputError(
-                f"a field of {field:g} degrees makes no {projection} view; give more than 0 and at most "
-                f"{formulas.WIDEST:g}."
-            )
-        focal = 0.5 * width / formulas.edge(0.5 * float(np.radians(field)))
+    projection = _usual_projection(rig, field) if projection is None else projection
+    formulas = projection_of(projection)
+    if field is None:
+        focal = _widest_focal(rig, projection)
+    elif 0.0 < field <= formulas.WIDEST:
+        focal = _focal_of_field(rig, projection, field)
+    else:
+        raise InputError(
+            f"a field of {field:g} degrees makes no {projection} view; give more than 0 and at most "
+            f"{formulas.WIDEST:g}."
+        )
+    if focal > _MOST_ZOOM * _mean_focal(rig):
+        raise InputError(
+            f"a field of {field:g} degrees magnifies the images {focal / _mean_focal(rig):.3g} times; give more."
+        )
     rotations = rectifying_rotations(rig.rotation, rig.translation)
     columns, rows = [], []
     for camera, rotation in zip((rig.left, rig.right), rotations, strict=True):
@@ -164,13 +194,82 @@ def view(rig: StereoRig, *, zero_disparity: bool = True, field: float | None = N
     return View((width, height), focal, float(columns[0]), float(columns[1]), float(np.mean(rows)), projection)
 
 
+AnyView = View | Mapping[str, Any] | None
+"""A View; the arguments of `sr.view` by name, such as {"field": 140}; or None: `sr.view(rig)`."""
+
+
+def as_view(given: AnyView, rig: StereoRig) -> View:
+    """The View that is meant, of a rig.
+
+    Raises:
+        InputError: if it is none, or its arguments make no sense.
+    """
+    if isinstance(given, View):
+        return given
+    if given is not None and not isinstance(given, Mapping):
+        raise InputError(
+            f"the view is a {type(given).__name__}; give an sr.View, such as sr.view(rig), or arguments of sr.view by "
+            'name, such as {"field": 140}.'
+        )
+    return view(rig, **checked_view_arguments(given or {}))
+
+
+def checked_view_arguments(given: Mapping[str, Any]) -> dict[str, Any]:
+    """Arguments of `view` by name.
+
+    Raises:
+        InputError: if one is unknown, or makes no sense for any rig.
+    """
+    for name in given:
+        checked_choice(name, _ARGUMENTS, "argument of a view")
+    projection, field, same_column = given.get("projection"), given.get("field"), given.get("zero_disparity", True)
+    widest = projection_of(str(projection or EQUIRECTANGULAR)).WIDEST
+    number = isinstance(field, int | float) and not isinstance(field, bool)
+    if field is not None and not (number and 0.0 < field <= widest):
+        of_it = f" of {projection}" if projection else ""
+        raise InputError(f"the field of a view is {field!r}; give degrees, more than 0 and at most {widest:g}{of_it}.")
+    if not isinstance(same_column, bool):
+        raise InputError(f"zero_disparity of a view is {same_column!r}; give True or False.")
+    return dict(given)
+
+
+def _usual_projection(rig: StereoRig, field: float | None) -> str:
+    """A pinhole, unless a rig of wide lenses shows more than that can show."""
+    if not _is_wide(rig):
+        return PINHOLE
+    if field is None:
+        needed = _shown_focal(rig)
+    else:
+        needed = _focal_of_field(rig, PINHOLE, field) if 0.0 < field < 180.0 else 0.0
+    return PINHOLE if needed >= _LEAST_ZOOM * _mean_focal(rig) else EQUIRECTANGULAR
+
+
 def _widest_focal(rig: StereoRig, projection: str) -> float:
     """The shortest focal length that does not take away from the middle what a view of this projection keeps."""
-    focal = float(np.prod([rig.left.focal, rig.right.focal]) ** 0.25)
-    if projection == PINHOLE and not (rig.left.lens.WIDE or rig.right.lens.WIDE):
-        return float(np.clip(min(_edge_focal(camera) for camera in (rig.left, rig.right)), 0.7 * focal, focal))
+    focal = _mean_focal(rig)
+    if projection == PINHOLE and _usual_projection(rig, None) == PINHOLE:
+        return float(np.clip(_shown_focal(rig), _LEAST_ZOOM * focal, focal))
     formulas = projection_of(projection)
     return max(focal, 0.5 * rig.left.size[0] / formulas.edge(0.5 * float(np.radians(formulas.USUAL))))
+
+
+def _focal_of_field(rig: StereoRig, projection: str, field: float) -> float:
+    return 0.5 * rig.left.size[0] / projection_of(projection).edge(0.5 * float(np.radians(field)))
+
+
+def _mean_focal(rig: StereoRig) -> float:
+    return float(np.prod([rig.left.focal, rig.right.focal]) ** 0.25)
+
+
+def _is_wide(rig: StereoRig) -> bool:
+    return rig.left.lens.WIDE or rig.right.lens.WIDE
+
+
+def _shown_focal(rig: StereoRig) -> float:
+    """Focal length of a pinhole that shows the images of both cameras; of wide lenses, what both cameras see: the
+    narrower one decides beside a fisheye."""
+    focals = [_edge_focal(camera) for camera in (rig.left, rig.right)]
+    return max(focals) if _is_wide(rig) else min(focals)
 
 
 def _image_centre(camera: Camera) -> Float[np.ndarray, "2"]:

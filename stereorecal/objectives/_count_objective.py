@@ -9,7 +9,7 @@ from jaxtyping import Float
 
 from stereorecal._arrays import AnyArray, refuse_tracers
 from stereorecal._pytree import register_pytree
-from stereorecal.geometry import StereoRig, View, with_unit_baseline
+from stereorecal.geometry import AnyView, StereoRig, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives._chart import Chart
 from stereorecal.objectives._parameter_names import EXTRINSICS
@@ -89,7 +89,7 @@ def objective(
     *,
     matcher: AbstractMatcher | str | None = None,
     reach: Reach | tuple[float, float] | None = None,
-    view: View | None = None,
+    view: AnyView = None,
     scale: float = 1.0,
     rows: float = 1.0,
     temperature: float = TEMPERATURE,

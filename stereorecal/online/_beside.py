@@ -3,6 +3,7 @@
 import math
 import multiprocessing
 import os
+import signal
 import threading
 import time
 from collections import deque
@@ -18,8 +19,9 @@ from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig
 from stereorecal.online._config import Config
 from stereorecal.online._events import Event, Kind
-from stereorecal.online._saving import load, save
+from stereorecal.online._saving import load
 from stereorecal.online._state import State
+from stereorecal.online._state_file import StateFile
 from stereorecal.online._step import init, step
 from stereorecal.recordings import Images, Pair
 
@@ -57,7 +59,7 @@ class Beside:
             keep: a file in which each state is saved, and from which it goes on, if the file exists; it must be of
                 this calibration.
             keep_every: seconds between two savings, at least, unless something has happened; the last state is saved
-                at the end.
+                at the end. Where that fails it goes on, and says so: NOT_SAVED, and SAVED when it succeeds again.
             nice: by how much the process gives way to others.
             seconds: of each step, for a repair, as `step` has it; default all that it takes: pairs that come meanwhile
                 are dropped.
@@ -145,7 +147,8 @@ class Beside:
         return self._process.is_alive()
 
     def close(self) -> None:
-        """End the process; the step that it is in is finished, unless that takes too long."""
+        """End the process; the step that it is in is finished and changes that wait are made, unless that takes too
+        long. What has happened until then is still told by `latest`."""
         with self._there:
             self._closed = True
             self._there.notify()
@@ -172,11 +175,11 @@ class Beside:
                 with self._there:
                     while self._waiting is None and not self._changes and not self._closed:
                         self._there.wait()
-                    if self._closed:
-                        break
                     self._working = True
                     if self._changes:
                         sent = self._changes.popleft()
+                    elif self._closed:
+                        sent = None
                     else:
                         pair, self._waiting = self._waiting, None
                         sent = _plain(pair)
@@ -185,6 +188,8 @@ class Beside:
                 self._answered = True
                 with self._lock:
                     self._state, self._events = state, (*self._events, *events)
+                if sent is None:
+                    break
                 with self._there:
                     self._there.wait_for(lambda: self._closed, rest)
                     self._working = False
@@ -208,20 +213,20 @@ def _worker(
 ) -> None:
     with suppress(OSError, AttributeError):
         os.nice(nice)
-    saved, written = -math.inf, state
-    with suppress(EOFError, KeyboardInterrupt):
-        while True:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the program that started it, which ends it in order
+    file, ends = StateFile(keep, keep_every, written=state), False
+    while not ends:
+        try:
             sent = pipe.recv()
-            began, spent = time.monotonic(), time.process_time()
+        except (EOFError, OSError):  # the program has been killed
+            sent = None
+        began, spent, events, ends = time.monotonic(), time.process_time(), (), sent is None
+        if sent is not None:
             state, events = step(state, sent, seconds) if isinstance(sent, tuple) else _changed(state, sent)
-            if keep is not None and (events or began - saved >= keep_every):
-                save(state, keep)
-                saved, written = began, state
-            took = time.monotonic() - began
-            rest = (time.process_time() - spent) / share - took
+        events = (*events, *file.keep(state, now=ends or bool(events)))
+        rest = (time.process_time() - spent) / share - (time.monotonic() - began)
+        with suppress(OSError):  # likewise
             pipe.send((state, events, min(max(rest, 0.0), _LONGEST_REST)))
-    if keep is not None and written is not state:
-        save(state, keep)
 
 
 def _changed(state: State, change: Change) -> tuple[State, tuple[Event, ...]]:

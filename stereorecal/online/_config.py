@@ -7,6 +7,7 @@ import numpy as np
 from stereorecal._choices import checked_choice
 from stereorecal._errors import InputError
 from stereorecal.estimation import DEFAULT, EXACT
+from stereorecal.geometry import checked_view_arguments
 from stereorecal.matching import AbstractMatcher
 
 
@@ -17,6 +18,7 @@ class Config:
     Attributes:
         matcher: a matcher, or the name of an installed one (default "sad"); without `num_disparities` the range is
             measured on the first pairs that show something.
+        projection, field: of the view of all looks, as `sr.view(rig)` has them; None: its default.
         every: a look at every so many pairs; the others only tell how the rig moves.
         wander: standard deviations of what pitch, yaw and roll jump by from one pair to the next, degrees: vibration.
         shift: the same of y and z, percent of the baseline.
@@ -39,6 +41,8 @@ class Config:
     """
 
     matcher: AbstractMatcher | str | None = None
+    projection: str | None = None
+    field: float | None = None
     every: int = 1
     wander: tuple[float, float, float] = (2e-4, 4e-4, 2e-4)
     shift: float = 1e-4
@@ -55,6 +59,7 @@ class Config:
 
     def __post_init__(self) -> None:
         checked_choice("default" if self.prior is None else self.prior, [DEFAULT, EXACT], "prior")
+        checked_view_arguments(self.view)
         for name in ("every", "together", "keep"):
             if getattr(self, name) < 1:
                 raise InputError(f"{name} is {getattr(self, name)}; give at least 1.")
@@ -70,3 +75,8 @@ class Config:
         for name in ("knock", "switch"):
             if not 0.0 < getattr(self, name) < 1.0:
                 raise InputError(f"{name} is {getattr(self, name)}; give a chance within 0 and 1.")
+
+    @property
+    def view(self) -> dict[str, str | float | None]:
+        """The arguments of `sr.view`, by name."""
+        return {"projection": self.projection, "field": self.field}

@@ -24,6 +24,8 @@ class Kind(enum.Enum):
     REJECTED = "a candidate was not better"
     ROLLED_BACK = "an earlier calibration is in use again, on request; nothing is switched"
     REFUSED = "a request was refused"
+    NOT_SAVED = "the state cannot be saved; the rig is watched on, and saving is tried again"
+    SAVED = "the state can be saved again"
     FRAMES_DISAGREE = "the frames show different rigs"
     TOO_LITTLE_TEXTURE = "too little light or texture to tell"
     BAD_FRAME = "the pair cannot be used"

@@ -4,7 +4,7 @@ yaw does, which is none."""
 import numpy as np
 
 from stereorecal.estimation import as_prior, consequences, is_exact, rig_parameters
-from stereorecal.geometry import StereoRig
+from stereorecal.geometry import StereoRig, View
 from stereorecal.objectives import EXTRINSICS
 from stereorecal.online._config import Config
 
@@ -13,13 +13,17 @@ _SHIFTS = np.array([index for index, name in enumerate(EXTRINSICS) if name != "y
 _YAW = EXTRINSICS.index("yaw")
 
 
-def left_of_yaw(rig: StereoRig, config: Config) -> tuple[float, float] | None:
+def left_of_yaw(rig: StereoRig, config: Config, shown: View | None = None) -> tuple[float, float] | None:
     """Standard deviations in degrees of the yaw with which depth is right, and of that with which rows lie straight
-    less that; the mean over the calibrations that are thought possible. None if the intrinsics are right."""
+    less that; the mean over the calibrations that are thought possible. None if the intrinsics are right.
+
+    Args:
+        shown: the view in which rows and depth are read; default the rig's own.
+    """
     if is_exact(config.prior):
         return None
     chart = rig_parameters(rig)
-    near = consequences(chart, np.zeros(chart.dim), (_ROWS_AT, _DEPTH_AT))
+    near = consequences(chart, np.zeros(chart.dim), (_ROWS_AT, _DEPTH_AT), shown)
     rows, depth, own = near.rows[0], near.nearness[1, 0], len(EXTRINSICS)  # over the view
     by_rows = np.linalg.lstsq(rows[:, :own], rows, rcond=None)[0]  # (5, n)
     by_depth = (depth - depth[_SHIFTS] @ by_rows[_SHIFTS]) / depth[_YAW]

@@ -24,7 +24,8 @@ def recalibrate(state: State, pairs: Sequence[Pair | Images]) -> tuple[State, tu
         The state, and RECALIBRATED, or REJECTED with the reason.
     """
     try:
-        solution = recalibrated(state.rig, list(pairs), matcher=state.config.matcher, motion=False)
+        options = {"matcher": state.config.matcher, "view": state.config.view, "motion": False}
+        solution = recalibrated(state.rig, list(pairs), **options)
     except InputError as error:
         return state, (Event(state.frame, Kind.REJECTED, str(error)),)
     if not solution.accepted or solution.covariance is None:

@@ -32,7 +32,7 @@ def continued(state: State) -> tuple[State, list[Event]]:
     assert matcher is not None
     rig = state.rig
     try:
-        case = Case(pyramid(rig, job.pairs), matcher, Reach(), Parameters())
+        case = Case(pyramid(rig, job.pairs, state.config.view), matcher, Reach(), Parameters())
         ended = next_slice(case, Schedule.default(), Progress(rig.with_extrinsics(job.at), job.done))
     except InputError as error:  # such as: images that are exchanged
         return state.but(job=None), [Event(state.frame, Kind.REJECTED, str(error))]

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from stereorecal._errors import InputError
-from stereorecal.geometry import StereoRig, view as view_of
+from stereorecal.geometry import StereoRig, as_view
 from stereorecal.matching import as_matcher
 from stereorecal.online._config import Config
 from stereorecal.online._estimate import SIZE, at_start
@@ -41,10 +41,12 @@ def init(rig: StereoRig, config: Config = Config()) -> State:  # noqa: B008  fro
     Schedule.default()  # raises now, and not after the first knock
     matcher = as_matcher(config.matcher)
     first = at_start(np.ones(SIZE), config)
-    blank = State(config, rig, view_of(rig), np.zeros(SIZE), first, Pace.at(first), nearing(rig))
+    blank = State(config, rig, as_view(config.view, rig), np.zeros(SIZE), first, Pace.at(first), nearing(rig))
     known = matcher if matcher.num_disparities is not None else None
     prior, bent = blank.prior, 0.0
-    if (left := left_of_yaw(rig, config)) is not None:  # a rig that was calibrated: that it has turned, something shows
+    if (
+        left := left_of_yaw(rig, config, blank.view)
+    ) is not None:  # a rig that was calibrated: that it has turned, something shows
         prior[1], bent = left
     estimate = at_start(prior, config, bent)
     return blank.but(estimate=estimate, pace=Pace.at(estimate), matcher=known, attempt=_FIRST)

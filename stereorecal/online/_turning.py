@@ -9,6 +9,7 @@ from stereorecal.geometry import Camera
 _WIDTH = 320  # pixels, at which corners are followed
 _CORNERS = 200
 _FEWEST = 20
+_BESIDE = 10  # pixels, the half width of the windows in which they are followed
 _ROUNDS = 5
 
 Small = UInt8[np.ndarray, "h w"]
@@ -35,17 +36,10 @@ def turn(camera: Camera, before: Small, now: Small) -> Float[np.ndarray, "3"] | 
     if kept.sum() < _FEWEST:
         return None
     zoom = camera.size[0] / before.shape[1]
-    first, second = (
-        np.asarray(camera.rays((zoom * (points.reshape(-1, 2)[kept] + 0.5) - 0.5).astype(float)))
-        for points in (corners, moved)
-    )
-    x, y = first[:, 0], first[:, 1]
-    flow = (second - first)[:, :2]
-    one, none = np.ones_like(x), np.zeros_like(x)
-    # d(x, y) of the ray (x, y, 1) under a small rotation w: (w x ray) projected.
-    across = np.stack([-x * y, one + x**2, -y], axis=-1)
-    down = np.stack([-(one + y**2), x * y, x + none], axis=-1)
-    design, wanted = np.concatenate([across, down]), flow.T.reshape(-1)
+    first, second = ((zoom * (points.reshape(-1, 2)[kept] + 0.5) - 0.5).astype(float) for points in (corners, moved))
+    design, wanted = (_on_sphere if camera.lens.WIDE else _on_plane)(camera, first, second)
+    if len(wanted) < _FEWEST:
+        return None
     weight, found = np.ones_like(wanted), np.zeros(3)
     for _ in range(_ROUNDS):
         found = np.linalg.lstsq(design * weight[:, None] ** 0.5, wanted * weight**0.5, rcond=None)[0]
@@ -53,3 +47,31 @@ def turn(camera: Camera, before: Small, now: Small) -> Float[np.ndarray, "3"] | 
         spread = max(1.4826 * float(np.median(np.abs(left))), 1e-5)
         weight = 1.0 / (1.0 + (left / spread) ** 2)
     return found
+
+
+def _on_plane(
+    camera: Camera, first: Float[np.ndarray, "k 2"], second: Float[np.ndarray, "k 2"]
+) -> tuple[Float[np.ndarray, "e 3"], Float[np.ndarray, "e"]]:
+    """How image points of pixels move with a small rotation, and how they moved."""
+    first, second = np.asarray(camera.rays(first)), np.asarray(camera.rays(second))
+    x, y = first[:, 0], first[:, 1]
+    flow = (second - first)[:, :2]
+    one, none = np.ones_like(x), np.zeros_like(x)
+    # d(x, y) of the ray (x, y, 1) under a small rotation w: (w x ray) projected.
+    across = np.stack([-x * y, one + x**2, -y], axis=-1)
+    down = np.stack([-(one + y**2), x * y, x + none], axis=-1)
+    return np.concatenate([across, down]), flow.T.reshape(-1)
+
+
+def _on_sphere(
+    camera: Camera, first: Float[np.ndarray, "k 2"], second: Float[np.ndarray, "k 2"]
+) -> tuple[Float[np.ndarray, "e 3"], Float[np.ndarray, "e"]]:
+    """The same of directions: those far off the axis have no image point on a plane, or one that errs far. What lies at
+    the edge of the lens' own image does not move with the scene."""
+    rays, moved = np.asarray(camera.directions(first)), np.asarray(camera.directions(second))
+    around = camera.size[0] / _WIDTH * _BESIDE * np.array([[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]])
+    beside = np.asarray(camera.directions(first[:, None] + around)).sum(axis=1)
+    known = np.isfinite(rays + moved + beside).all(axis=1)
+    rays, flow = rays[known], (moved - rays)[known]
+    by_turn = np.cross(np.eye(3)[:, None], rays)  # (axis, k, 3)
+    return by_turn.reshape(3, -1).T, flow.reshape(-1)

@@ -10,7 +10,7 @@ from jaxtyping import Float
 from stereorecal._arrays import refuse_tracers
 from stereorecal._errors import InputError
 from stereorecal._json_data import json_data
-from stereorecal.geometry import AXES, StereoRig, View, angle_between, axis_changes, same_camera, view as default_view
+from stereorecal.geometry import AXES, AnyView, StereoRig, angle_between, as_view, axis_changes, same_camera
 from stereorecal.recalibration._effects import depth_errors, rows_apart
 from stereorecal.report.number_text import change, depths
 
@@ -100,7 +100,7 @@ class Difference:
         return "\n".join(lines if self.same_intrinsics else [*lines, "cameras   the intrinsics differ too"])
 
 
-def difference(before: StereoRig, after: StereoRig, *, view: View | None = None) -> Difference:
+def difference(before: StereoRig, after: StereoRig, *, view: AnyView = None) -> Difference:
     """What a calibration changes against another one of the same rig.
 
     Args:
@@ -112,7 +112,7 @@ def difference(before: StereoRig, after: StereoRig, *, view: View | None = None)
     """
     refuse_tracers("sr.difference", "differences of the extrinsics", before, after)
     _check_sizes(before, after)
-    view = default_view(before) if view is None else view
+    view = as_view(view, before)
     changes = dict(zip(AXES, axis_changes(before, after).tolist(), strict=True))
     columns, rows = (np.linspace(0.0, size - 1.0, count) for size, count in zip(view.size, _GRID, strict=True))
     return Difference(

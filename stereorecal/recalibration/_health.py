@@ -11,7 +11,7 @@ from stereorecal._arrays import refuse_tracers
 from stereorecal._json_data import json_data
 from stereorecal.decision import LIMITS, Tolerances, Verdict, as_tolerances
 from stereorecal.estimation import Prior, check_prior, rig_parameters
-from stereorecal.geometry import StereoRig, with_unit_baseline
+from stereorecal.geometry import PINHOLE, AnyView, StereoRig, View, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import Reach, as_parameters
 from stereorecal.recalibration._acceptance import LEAST_COVERED, Reason, loses_regions
@@ -48,7 +48,7 @@ class Health:
     """How well the images fit together under a calibration, and what would mend it.
 
     Attributes:
-        score: the count, in the rig's own view.
+        score: the count, in the view that was looked through.
         row_error: epipolar (row) error, as `RowErrors.before` measures it, of the matches found under the calibration
             itself: the mean over tiles of a tile's median |row difference|, pixels at full size; NaN if hardly anything
             matches, since false matches lie on the rows that they were searched on.
@@ -59,6 +59,7 @@ class Health:
         disagreeing: names of frames that show another rig than others, where they are too many to be left out.
         doubts: sentences on values of the calibration that hardly any rig has.
         loses: what would mend it would lose whole regions that match now.
+        view: that was looked through.
     """
 
     score: Score
@@ -69,6 +70,7 @@ class Health:
     disagreeing: tuple[str, ...] = ()
     doubts: tuple[str, ...] = ()
     loses: bool = False
+    view: View | None = None
 
     @property
     def condition(self) -> Condition:
@@ -131,6 +133,7 @@ class Health:
                 "verdict": self.verdict,
                 "probability_worse": mended and mended.decision.worse,
                 "probability_better": mended and mended.decision.better,
+                "view": self.view and self.view.as_dict(),
                 "disagreeing": self.disagreeing,
                 "doubts": self.doubts,
                 "axes": mended and (mended.named if self.condition is Condition.REPAIR else ()),
@@ -148,6 +151,8 @@ class Health:
 
     def __str__(self) -> str:
         lines = [self.verdict, *(f"check      {doubt}" for doubt in self.doubts), f"matched    {self.score}"]
+        if self.view is not None and self.view.projection != PINHOLE:
+            lines.append(f"view       {self.view}")
         if self.mending is None:
             sure = f"matches that passed all checks cover {100 * self.covered:.0f} % of the image"
             return "\n".join([*lines, f"row error  not measured: {sure} (chance matches count as matched)"])
@@ -171,6 +176,7 @@ def health(
     pairs: Pairs,
     *,
     matcher: AbstractMatcher | str | None = None,
+    view: AnyView = None,
     prior: Prior = None,
     motion: bool | None = None,
     tolerances: Tolerances | Mapping[str, object] | None = None,
@@ -182,15 +188,15 @@ def health(
     Args:
         matcher: a matcher, or the name of an installed one (default "sad"); without `num_disparities` the range is
             measured.
-        prior, motion, tolerances: as `recalibrate` has them; pairs that a saved prior rests on count, for nothing is
-            learnt here.
+        view, prior, motion, tolerances: as `recalibrate` has them; pairs that a saved prior rests on count, for nothing
+            is learnt here.
 
     Raises:
         InputError: if images and calibration do not fit, the images are no left and right image of this rig, the
             prior makes no sense, or nothing can have moved.
     """
     refuse_tracers("sr.health", "sr.correspondences and sr.row_differences", rig)
-    images = pyramid(rig, pairs)
+    images = pyramid(rig, pairs, view)
     check_prior(prior, rig_parameters(rig))
     prior = looked_with(prior, rig)
     check_motion(motion, len(images.pairs), prior)
@@ -209,23 +215,27 @@ def health(
     score = _score(images, case.matcher)
     shown = max((image_quality(pair) for pair in images.pairs), key=lambda one: one.texture)
     answer = look.answer if look is not None else None
+
+    def unmeasured(covered: float, disagreeing: tuple[str, ...] = ()) -> Health:
+        return Health(score, float("nan"), covered, shown, None, disagreeing, doubtful, view=images.view)
+
     if answer is None:
         refuse_swapped_images(images)
-        return Health(score, float("nan"), 0.0 if look is None else look.covered, shown, None, (), doubtful)
+        return unmeasured(0.0 if look is None else look.covered)
     covered = answer.found.covered
     if answer.refused:
         refuse_swapped_images(images, answer.apart)
         names = tuple(images.pairs[f].name for f in answer.apart)
-        return Health(score, float("nan"), covered, shown, None, names, doubtful)
+        return unmeasured(covered, names)
     rows = rows_of(case, answer)
     if not answer.enough or (covered < LIKELY * shown.texture and rows.after > FALSE):
         refuse_swapped_images(images)
-        return Health(score, float("nan"), covered, shown, None, (), doubtful)
+        return unmeasured(covered)
     seen = answer.estimate
     depth = depth_by(seen, np.zeros(len(seen.names)))
     mends = mending(seen, answer.decision, depth, rows.after)
     loses = not answer.decision.refused and _loses_regions(case, answer)
-    return Health(score, rows.before, covered, shown, mends, (), doubtful, loses)
+    return Health(score, rows.before, covered, shown, mends, (), doubtful, loses, images.view)
 
 
 def _loses_regions(case: Case, answer: Answer) -> bool:

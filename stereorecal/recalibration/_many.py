@@ -15,7 +15,7 @@ from stereorecal._errors import InputError, PluginError
 from stereorecal._run_all import Progress, run_all
 from stereorecal.decision import Tolerances, as_tolerances
 from stereorecal.estimation import Prior, check_boards, check_prior
-from stereorecal.geometry import View, same_camera
+from stereorecal.geometry import AnyView, same_camera
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import Parameters, Reach, as_parameters
 from stereorecal.recalibration._as_dict import solution_as_dict
@@ -76,7 +76,7 @@ def recalibrate_many(
     schedule: Schedule | str | None = None,
     reach: Reach | tuple[float, float] | None = None,
     budget: Budget | float | None = None,
-    view: View | None = None,
+    view: AnyView = None,
     seed: int = 0,
     free: Parameters | str | Sequence[str] | None = None,
     extrinsics: str = "each",
@@ -230,7 +230,7 @@ def repairs_as_finished(
     schedule: Schedule | str | None = None,
     reach: Reach | tuple[float, float] | None = None,
     budget: Budget | float | None = None,
-    view: View | None = None,
+    view: AnyView = None,
     seed: int = 0,
     free: Parameters | str | Sequence[str] | None = None,
     executor: Executor | None = None,

@@ -9,7 +9,7 @@ import numpy as np
 from stereorecal._arrays import refuse_tracers
 from stereorecal.decision import Tolerances, Verdict, as_tolerances
 from stereorecal.estimation import NO_BEAMS, Prior, rig_parameters, with_boards
-from stereorecal.geometry import StereoRig, View
+from stereorecal.geometry import AnyView, StereoRig
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import Parameters, Reach, as_parameters, as_reach
 from stereorecal.recalibration._acceptance import Reason, verdict_on_count
@@ -41,7 +41,7 @@ def recalibrate(
     schedule: Schedule | str | None = None,
     reach: Reach | tuple[float, float] | None = None,
     budget: Budget | float | None = None,
-    view: View | None = None,
+    view: AnyView = None,
     seed: int = 0,
     free: Parameters | str | Sequence[str] | None = None,
     ranges: Sequence[Range] = (),
@@ -63,7 +63,7 @@ def recalibrate(
         reach: how far the rig may have drifted, a `Reach` or (degrees, fraction of the baseline); default 3 degrees and
             3 % of the baseline.
         budget: units, or a `Budget`, for the whole schedule; default none.
-        view: default the view of `rig`.
+        view: default `sr.view(rig)`; also the arguments of `sr.view` by name, such as {"field": 140}.
         seed: for strategies that draw random numbers.
         free: what may move, `Parameters` or names and groups, such as ("rotation",) or ("extrinsics", "intrinsics");
             default the extrinsics. Intrinsics need several frames of different places; they are solved for at the end,
@@ -121,7 +121,9 @@ def searched(case: Case, schedule: Schedule, budget: Budget, seed: int, free: Pa
     """The end of a schedule whose strategies search all that is free in the case, intrinsics too, judged like a repair.
 
     `recalibrate` gives them the extrinsics alone, and solves for the rest with its own least squares. It looks before
-    it searches, as `health` does: what one look finds good stays, and what it is sure to mend is mended.
+    it searches, as `health` does: what one look finds good stays, and what it is sure to mend is mended, though the
+    search may end in doubt; but not by a rig under which rows still lie apart: where they are so far off that they are
+    not searched there, a look sees what fits by chance.
 
     Args:
         case: its matcher may lack `num_disparities`, which is then measured.
@@ -144,7 +146,7 @@ def searched(case: Case, schedule: Schedule, budget: Budget, seed: int, free: Pa
     found = solution_of(judged, asked, stages, cost, began)
     if found.accepted or found.reason is Reason.OUT_OF_BUDGET or look is None or look.answer is None:
         return found
-    if look.verdict is not Verdict.REPAIR:
+    if look.verdict is not Verdict.REPAIR or not look.answer.decision.explains:
         return found
     return solution_of(judged, asked, (*stages, look.paid), cost, began, ended_by(judged, look.answer, case.rig))
 

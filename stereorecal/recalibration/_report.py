@@ -8,7 +8,7 @@ import numpy as np
 from stereorecal._environment import versions
 from stereorecal._errors import InputError
 from stereorecal._json_data import json_data
-from stereorecal.geometry import AXES, StereoRig
+from stereorecal.geometry import AXES, PINHOLE, StereoRig
 from stereorecal.objectives import BASELINE
 from stereorecal.recalibration._acceptance import Reason
 from stereorecal.recalibration._asked import matcher_as_text
@@ -80,6 +80,7 @@ def report_of(
         remarks=_remarks(solution) if telling else (),
         command=command,
         settings={**_settings(solution), **settings},
+        view=None if solution.view.projection == PINHOLE else str(solution.view),
         calibrations={"before": _calibration(solution.initial), after: _calibration(solution.candidate)},
     )
 

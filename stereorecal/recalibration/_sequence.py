@@ -1,7 +1,7 @@
 """One pair after the other, each repair starting where the one before it ended (paper, section 4.5)."""
 
 from stereorecal.estimation import EXACT
-from stereorecal.geometry import StereoRig, View, view as default_view
+from stereorecal.geometry import AnyView, StereoRig, as_view
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import Reach
 from stereorecal.recalibration._recalibrate import recalibrate
@@ -19,7 +19,7 @@ def recalibrate_sequence(
     schedule: Schedule | str | None = None,
     reach: Reach | tuple[float, float] | None = None,
     budget: Budget | float | None = None,
-    view: View | None = None,
+    view: AnyView = None,
     seed: int = 0,
 ) -> tuple[Solution, ...]:
     """Repair a rig while it works: one solution for each pair, each from the rig that the one before it left.
@@ -36,7 +36,7 @@ def recalibrate_sequence(
     Raises:
         InputError, StrategyError: as `recalibrate`.
     """
-    view = default_view(rig) if view is None else view
+    view = as_view(view, rig)
     schedule = as_schedule(schedule)
     found: list[Solution] = []
     for pair in check_pairs(rig, pairs):

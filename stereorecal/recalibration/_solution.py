@@ -13,7 +13,7 @@ from stereorecal._errors import InputError
 from stereorecal._extras import extra
 from stereorecal.decision import DEFAULT as UNCHANGED, Decision, Tolerances
 from stereorecal.estimation import DEFAULT, EXACT, NO_BEAMS, Beams, Estimate, SavedPrior
-from stereorecal.geometry import AXES, StereoRig, View
+from stereorecal.geometry import AXES, PINHOLE, StereoRig, View
 from stereorecal.io import write_text
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import BASELINE, Parameters, Reach
@@ -249,6 +249,8 @@ class Solution:
             f"after    {self.score_after}" + self._rows("after"),
             *(self._axis(index, name) for index, name in enumerate(AXES)),
         ]
+        if self.view.projection != PINHOLE:
+            lines.append(f"view     {self.view}")
         lines += [f"check    {doubt}" for doubt in self.doubts]
         if self.prior_use is not None and str(self.prior_use) not in (DEFAULT, EXACT):
             lines.append(f"prior    {self.prior_use}")

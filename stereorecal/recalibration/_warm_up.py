@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 
 from stereorecal._errors import InputError
-from stereorecal.geometry import StereoRig
+from stereorecal.geometry import AnyView, StereoRig
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.recalibration._recalibrate import recalibrate
 from stereorecal.recalibration._schedule import Schedule
@@ -22,19 +22,21 @@ def warm_up(
     *,
     matcher: AbstractMatcher | str | None = None,
     schedule: Schedule | str | None = None,
+    view: AnyView = None,
     disparities: Sequence[int] = _USUAL,
 ) -> None:
     """Compile what repairs of this rig need, so that none of them waits: some ten seconds, and a few for each range.
 
-    What is compiled depends on the size of the images, on how many lens coefficients there are, and on the disparity
-    range; neither on their contents, nor on how many there are, nor on the numbers of the calibration. It stays in this
-    process; where JAX's compilation cache is switched on, as the command line does, later processes find it there:
-    `jax.config.update("jax_compilation_cache_dir", folder)`, and `"jax_persistent_cache_min_compile_time_secs", 0.1`.
+    What is compiled depends on the size of the images, on the models of the lenses and how many coefficients they have,
+    on the projection of the view, and on the disparity range; neither on their contents, nor on how many there are, nor
+    on the numbers of the calibration. It stays in this process; where JAX's compilation cache is switched on, as the
+    command line does, later processes find it there: `jax.config.update("jax_compilation_cache_dir", folder)`, and
+    `"jax_persistent_cache_min_compile_time_secs", 0.1`.
 
     Args:
         matcher: a matcher, or the name of an installed one (default "sad"); with `num_disparities`, that range alone is
             compiled.
-        schedule: as `recalibrate` has it.
+        schedule, view: as `recalibrate` has them.
         disparities: the ranges that are compiled. Measured ranges are one of 16, 32, 48, 64, 96, 128, 192, 256, 384
             and 512 (`Solution.matcher` tells).
 
@@ -45,7 +47,7 @@ def warm_up(
     if asked.num_disparities is None and (unknown := [n for n in disparities if n not in RANGES]):
         raise InputError(f"disparities {unknown[0]} is no range that is measured; choose from {RANGES}.")
     for number in disparities if asked.num_disparities is None else (asked.num_disparities,):
-        recalibrate(rig, [pair], matcher=replace(asked, num_disparities=number), schedule=schedule)
+        recalibrate(rig, [pair], matcher=replace(asked, num_disparities=number), schedule=schedule, view=view)
 
 
 def _noise(size: tuple[int, int]) -> Pair:

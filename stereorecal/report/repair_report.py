@@ -148,6 +148,7 @@ class RepairReport:
         command: as it can be pasted into a shell; None if the repair was no command.
         settings: what is needed to run it again, by name.
         calibrations: before and after, by title, as a calib.json has them.
+        view: in which the pair is shown, in words; None: a pinhole's, which straight things stay straight in.
     """
 
     name: str
@@ -173,6 +174,7 @@ class RepairReport:
     command: str | None
     settings: Mapping[str, Any]
     calibrations: Mapping[str, Mapping[str, Any]]
+    view: str | None = None
 
     @property
     def accepted(self) -> bool:

@@ -10,7 +10,7 @@ from jaxtyping import Float
 from stereorecal._arrays import AnyArray, refuse_tracers
 from stereorecal._errors import InputError
 from stereorecal._pytree import register_pytree
-from stereorecal.geometry import Camera, StereoRig, View, view as default_view
+from stereorecal.geometry import AnyView, Camera, StereoRig, View, as_view
 from stereorecal.recordings import Pair, Pairs, check_pairs
 from stereorecal.scoring._frame_selection import select_frames
 
@@ -92,27 +92,26 @@ class Pyramid:
         return self.at(scale) if len(self.pairs) == 1 else _prepared(self.rig, self.pairs[:1], self.view, scale)
 
 
-def pyramid(rig: StereoRig, pairs: Pairs, view: View | None = None) -> Pyramid:
+def pyramid(rig: StereoRig, pairs: Pairs, view: AnyView = None) -> Pyramid:
     """The pyramid of pairs that `rig` took.
 
     Args:
-        view: default the view of `rig`.
+        view: default the view of `rig`; also the arguments of `sr.view` by name.
 
     Raises:
-        InputError: if images and calibration do not fit.
+        InputError: if images and calibration do not fit, or the view makes no sense.
     """
-    if not isinstance(view, View | None):
-        raise InputError(f"the view is a {type(view).__name__}; give an sr.View, such as sr.view(rig), or None.")
-    return Pyramid(rig, check_pairs(rig, pairs), default_view(rig) if view is None else view)
+    view = as_view(view, rig)
+    return Pyramid(rig, check_pairs(rig, pairs), view)
 
 
-def prepare(rig: StereoRig, pairs: Pairs, view: View | None = None, scale: float = 1.0) -> ScoringData:
+def prepare(rig: StereoRig, pairs: Pairs, view: AnyView = None, scale: float = 1.0) -> ScoringData:
     """Images, cameras and view resampled to `scale` and put on JAX's device, for the pure scores: `sr.count`,
     `sr.soft_count`, `sr.correspondences`. Works on the host.
 
     Args:
         pairs: one or several; all are scored together.
-        view: at full size; default the view of `rig`.
+        view: at full size; default the view of `rig`; also the arguments of `sr.view` by name.
         scale: image scale, (0, 1].
 
     Raises:

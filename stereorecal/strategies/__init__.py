@@ -3,7 +3,11 @@
 import sys
 from types import ModuleType
 
-from stereorecal._errors import BudgetExhausted as BudgetExhausted, StrategyError as StrategyError
+from stereorecal._errors import (
+    BudgetExhausted as BudgetExhausted,
+    NeedNotMet as NeedNotMet,
+    StrategyError as StrategyError,
+)
 from stereorecal.strategies._budget import Budget as Budget, as_budget as as_budget
 from stereorecal.strategies._contract import (
     AbstractStrategy as AbstractStrategy,

@@ -43,7 +43,7 @@ def run_strategy(strategy: AbstractStrategy, objective: Objective, start: Float[
     `Run.judging_cost`.
 
     Raises:
-        NeedNotMet: if the objective does not offer what the strategy needs.
+        NeedNotMet: if the objective does not offer what the strategy needs, or the strategy says so itself.
         StrategyError: if the strategy crashes or nominates no point of the box; the message names its distribution and
             version.
     """
@@ -55,7 +55,7 @@ def run_strategy(strategy: AbstractStrategy, objective: Objective, start: Float[
         outcome = strategy.run(metered, start.copy(), seed)
     except BudgetExhausted:
         outcome = Outcome(start, Status.BUDGET)
-    except PluginError:  # as a matcher's, which names it
+    except (PluginError, NeedNotMet):  # as a matcher's, which names it; what a strategy finds missing only now
         raise
     except Exception as error:
         raise StrategyError(f"{_called(strategy)} crashed: {error!r}") from error

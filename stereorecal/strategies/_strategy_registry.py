@@ -21,7 +21,10 @@ _REGISTRY = Registry[AbstractStrategy](
         "levenberg-marquardt": ("'stereorecal[default]'", "levenberg-marquardt"),
         "optimistix-": ("stereorecal-optimistix", "optimistix"),
         "nlopt-": ("stereorecal-nlopt", "nlopt"),
+        "essential-matrix": ("stereorecal-features", "features"),
         "features": ("stereorecal-features", "features"),
+        "superpoint": ("stereorecal-features", "features"),
+        "xfeat": ("stereorecal-features", "features"),
         "colmap": ("stereorecal-colmap", "colmap"),
     },
 )

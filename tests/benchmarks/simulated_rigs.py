@@ -28,7 +28,7 @@ from rich.console import Console
 from rich.table import Table
 
 import stereorecal as sr
-from stereorecal.geometry import rectifying_rotations, rotation_from_euler
+from stereorecal.geometry import PINHOLE, rectifying_rotations, rotation_from_euler
 from stereorecal.scoring import TILES, Correspondences
 
 FOLDER = Path(tempfile.gettempdir()) / "stereorecal-simulated-rigs"
@@ -61,7 +61,7 @@ def rays(camera: sr.Camera, pixels: np.ndarray) -> np.ndarray:
     known = np.where(inside(pixels, camera.size)[:, None], pixels, np.nan)
     found = np.asarray(camera.rays(known), float)
     radius = np.hypot(found[:, 0], found[:, 1])
-    with np.errstate(invalid="ignore", over="ignore"):
+    with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
         back = np.abs(camera.project(np.nan_to_num(found, nan=0.0, posinf=0.0, neginf=0.0)) - known).max(axis=1)
         return np.where(((radius < camera.lens_radius) & (back < 1e-6))[:, None], found, np.nan)
 
@@ -170,7 +170,10 @@ class Simulated:
             rng = np.random.default_rng([self.seed, _SCENE, draw, frame])
             x, y = (axis.ravel() for axis in np.meshgrid(np.arange(columns), np.arange(rows)))
             where = (np.stack([x, y], axis=1) + 0.5) * side - 0.5 + rng.normal(0.0, side / 8, (x.size, 2))
-            given = _view_rays(view, where) @ to_left
+            given = np.asarray(view.directions(*where.T, 0)) @ to_left
+            if view.projection != PINHOLE:  # what has no ray (x/z, y/z, 1) is not looked at
+                flat = np.hypot(given[:, 0], given[:, 1]) < self.calibrated.left.lens_radius * given[:, 2]
+                given = np.where(flat[:, None], given, [0.0, 0.0, 1.0])
             true = self.left.rays(project(self.calibrated.left, given))
             points = true / _nearness(true, rng)[:, None] * self._baseline
             points, shift = spoiled.frame(points, where)
@@ -178,8 +181,14 @@ class Simulated:
                 points = points @ late[frame][0].T + late[frame][1]
             right = self.right.pixels(points @ self.rotation.T + self.translation)
             error, variance = _errors(columns, rows, rng)
+            if view.projection != PINHOLE:  # what a matcher believes is in its own rows
+                beside = [right + np.array([0.0, off]) for off in (-0.5, 0.5)]
+                shown = [view.pixels(rays(self.calibrated.right, ends) @ self._rotations[1].T, 1)[1] for ends in beside]
+                variance = np.nan_to_num(variance * (shown[1] - shown[0]) ** 2, nan=np.inf)
             seen = rays(self.calibrated.right, spoiled.bent(right) + shift + error)
             good = np.isfinite(seen).all(axis=1) & ~_missing(columns, rows, rng)
+            if view.projection != PINHOLE:
+                good &= flat
             weight = np.where(good, 1.0 / variance, 0.0)
             found.append((given, np.where(good[:, None], seen, given), weight))
         left, right, weight = (np.stack(part).astype(np.float32) for part in zip(*found, strict=True))
@@ -192,6 +201,7 @@ class Simulated:
             np.asarray(view.focal, np.float32),
             np.asarray(1.0, np.float32),
             np.asarray(min(1.0, side**2 / WINDOW**2), np.float32),
+            view.projection,
         )
 
     def ranges(self, number: int, noise: float = 0.01, draw: int = 0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -215,26 +225,26 @@ class Simulated:
     def rows_px(self, rig: sr.StereoRig, baselines: Sequence[float] = BASELINES, *, rms: bool = False) -> np.ndarray:
         """Median (or root mean square) |row difference| over the view under `rig` at these distances, in pixels of the
         stored rig's view."""
-        apart = [self._view.focal * (left - right)[:, 1] for left, right, _ in self._readings(rig, baselines)]
+        apart = [rows for rows, _, _ in self.readings(rig, baselines)]
         return np.array([_rms(a) if rms else _median(np.abs(a)) for a in apart])
 
     def depth_error_percent(self, rig: sr.StereoRig, baselines: Sequence[float] = BASELINES) -> np.ndarray:
         """Median error of the depth that `rig` reads over the central half of the view, positive: too far; infinite
         where points seem to lie beyond infinity."""
         errors = []
-        for (left, right, along), distance in zip(self._readings(rig, baselines), baselines, strict=True):
-            disparity = (left - right)[self._central, 0]
-            depth = along[self._central] * float(rig.baseline) / np.where(disparity > 0.0, disparity, np.nan)
-            depth = np.where(disparity <= 0.0, np.inf, depth)
+        for (_, nearness, along), distance in zip(self.readings(rig, baselines), baselines, strict=True):
+            near = nearness[self._central]
+            depth = along[self._central] * float(rig.baseline) / np.where(near > 0.0, near, np.nan)
+            depth = np.where(near <= 0.0, np.inf, depth)
             errors.append(100.0 * (_median(depth) / (distance * self._baseline) - 1.0))
         return np.array(errors)
 
     def disparity_offset_px(self, rig: sr.StereoRig, baselines: float = 30.0) -> float:
         """Median over the view of the disparity that `rig` reads less the one that it would have for the true depth, in
         pixels of the stored rig's view."""
-        ((left, right, along),) = self._readings(rig, [baselines])
+        ((_, nearness, along),) = self.readings(rig, [baselines])
         expected = along * float(rig.baseline) / (baselines * self._baseline)
-        return _median(self._view.focal * ((left - right)[:, 0] - expected))
+        return _median(self._view.focal * (nearness - expected))
 
     def calibration_errors(self) -> dict[str, float]:
         """What the calibration left: each parameter less the truth before the drift, raw cameras: f in percent, centres
@@ -279,7 +289,7 @@ class Simulated:
         width, height = self._view.size
         x, y = np.meshgrid((np.arange(28) + 0.5) / 28 * width - 0.5, (np.arange(20) + 0.5) / 20 * height - 0.5)
         where = np.stack([x.ravel(), y.ravel()], axis=1)
-        pixels = project(self.calibrated.left, _view_rays(self._view, where) @ self._rotations[0])
+        pixels = project(self.calibrated.left, np.asarray(self._view.directions(*where.T, 0)) @ self._rotations[0])
         return pixels, self.left.rays(pixels)
 
     @functools.cached_property
@@ -288,20 +298,21 @@ class Simulated:
         x, y = np.meshgrid(np.arange(28), np.arange(20))
         return ((x >= 7) & (x < 21) & (y >= 5) & (y < 15)).ravel()
 
-    def _readings(
+    def readings(
         self, rig: sr.StereoRig, baselines: Sequence[float]
     ) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-        """Of points at each distance: left and right position after the rectification of `rig` at focal length 1, and
-        the depth along the left camera's axis of points at depth 1 of the rectified one."""
+        """Of points at each distance, as `rig` reads them in the stored rig's view: row differences in pixels,
+        baselines over distance, and the depth along the left camera's axis of what is at distance 1 by the view's
+        count."""
         pixels, true = self._grid
         to_left, to_right = rectifying_rotations(rig.rotation, rig.translation)
-        left = rays(rig.left, pixels) @ to_left.T
-        left = left / left[:, 2:]
+        column, row = self._view.pixels(rays(rig.left, pixels) @ to_left.T, 0)
+        along = (np.asarray(self._view.directions(column, row, 0)) @ to_left)[:, 2]
         readings = []
         for distance in baselines:
             seen = self.right.pixels(true * distance * self._baseline @ self.rotation.T + self.translation)
-            right = rays(rig.right, seen) @ to_right.T
-            readings.append((left[:, :2], (right / right[:, 2:])[:, :2], (left @ to_left)[:, 2]))
+            other, beside = self._view.pixels(rays(rig.right, seen) @ to_right.T, 1)
+            readings.append((row - beside, np.asarray(self._view.nearness(column, column - other)), along))
         return readings
 
 
@@ -315,12 +326,6 @@ def _rms(values: np.ndarray) -> float:
     """Of numbers some of which are NaN."""
     known = values[~np.isnan(values)]
     return float(np.sqrt(np.mean(known**2))) if len(known) else float("nan")
-
-
-def _view_rays(view: sr.View, where: np.ndarray) -> np.ndarray:
-    """Rays (n, 3) of positions in the left image of a view."""
-    centre = np.array([view.centre_left, view.centre_row])
-    return np.column_stack([(where - centre) / view.focal, np.ones(len(where))])
 
 
 # What is seen.

@@ -26,23 +26,33 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-import truth_boards
-import truth_lidar
-import truth_product
 from truth_methods import METHODS
-from truth_rows import rows
 from truth_runs import Options, Tally, finish, rig_of, stated, table_of
 
 import stereorecal as sr
+from stereorecal.comparison.judges import (
+    BINS,
+    ByBoards,
+    DepthByTruth,
+    by_boards,
+    by_product,
+    depth_by_truth,
+    product_is_worse,
+    rows,
+    scene_with_truth,
+)
 
 CHECKOUT = Path(__file__).resolve().parents[2]
 DATA = Path(os.environ.get("STEREORECAL_DATA", CHECKOUT / "../shared/data"))
+LIDAR = ("kitti2012/000000_10", "kitti2015/000001_10", "middlebury2014/motorcycle_quarter")
+BOARDS, CORNERS, SQUARE = "boofcv_bumblebee2/calibration_chess", (4, 6), 0.030  # inner corners; metres
+PRODUCT = "oak_d"
 BUMBLEBEE = ("garden01", "stones01", "sundial01", "chair01")
 
 
 def lidar(options: Options) -> None:
     """Depth by truth, a line for each rig."""
-    bins = [f"{low}-{high} B" for low, high in truth_lidar.BINS]
+    bins = [f"{low}-{high} B" for low, high in BINS]
     heads = (
         "rows px",
         "disparity px",
@@ -57,7 +67,7 @@ def lidar(options: Options) -> None:
     table = table_of("depth by lidar and dense truth", ("scene", "rig", "verdict"), (*heads, "judged"))
     tally = Tally()
 
-    def cells(seen: truth_lidar.DepthByTruth) -> list[str]:
+    def cells(seen: DepthByTruth) -> list[str]:
         depths = ["-" if np.isnan(error) else f"{error:+.1f}" for error in seen.depth_percent]
         numbers = [
             f"{seen.rows_px:.3f}",
@@ -68,21 +78,21 @@ def lidar(options: Options) -> None:
         ]
         return [*numbers, f"{seen.truth_pixels}", f"{seen.matched}"]
 
-    for name in (name for name in truth_lidar.SCENES if options.wants(name)):
+    for name in (name for name in LIDAR if options.wants(name)):
         if not (DATA / name).exists():
             print(f"skipped: {DATA / name} is not there")
             continue
-        scene = truth_lidar.scene_with_truth(DATA / name)
+        scene = scene_with_truth(DATA / name)
         rig = rig_of(scene)
-        stored = truth_lidar.depth_by_truth(rig, rig, scene)
+        stored = depth_by_truth(rig, rig, scene)
         table.add_row(name, "stored", "", *cells(stored), "", "", "")
         for task in options.tasks(name, rig, [scene]):
-            before = truth_lidar.depth_by_truth(task.start, rig, scene)
+            before = depth_by_truth(task.start, rig, scene)
             if task.start is not rig:
                 table.add_row(task.name, "start", "", *cells(before), "", "", "")
             for method, answer in options.answers(task):
                 for label, judged in answer.judged.items():
-                    after = truth_lidar.depth_by_truth(judged, rig, scene)
+                    after = depth_by_truth(judged, rig, scene)
                     worse, below = after.worse_than(before), after.worse_than(stored)
                     said = tally.add(method, answer, label, worse, below)
                     more = (*cells(after), *stated(answer, rig), said)
@@ -92,20 +102,20 @@ def lidar(options: Options) -> None:
 
 def boards(options: Options) -> None:
     """Chessboards, a line for each rig."""
-    needed = [DATA / truth_boards.FOLDER, *(DATA / f"boofcv_bumblebee2/{name}" for name in BUMBLEBEE)]
+    needed = [DATA / BOARDS, *(DATA / f"boofcv_bumblebee2/{name}" for name in BUMBLEBEE)]
     if missing := [str(folder) for folder in needed if not folder.exists()]:
         print(f"skipped: {', '.join(missing)} not there")
         return
-    seen = truth_boards.found_boards(needed[0])
+    seen = sr.find_boards(sr.io.load_pairs(needed[0] / "left*.jpg", needed[0] / "right*.jpg"), CORNERS, SQUARE)
     scenes = [sr.io.load_scene(folder) for folder in needed[1:]]
     rig = rig_of(scenes[0])
     heads = ("boards' rows rms px", "mean px", "squares %", "spread %", "rows of the scenes px", "yaw °")
-    stored = truth_boards.by_boards(rig, rig, seen)
+    stored = by_boards(rig, rig, seen)
     title = f"{len(seen)} chessboards of bumblebee2, at {stored.baselines:.1f} baselines"
     table = table_of(title, ("from", "rig", "verdict"), (*heads, "stated at 30 B %", "judged"))
     tally = Tally()
 
-    def cells(judged: sr.StereoRig, found: truth_boards.ByBoards) -> list[str]:
+    def cells(judged: sr.StereoRig, found: ByBoards) -> list[str]:
         medians = " ".join(f"{rows(judged, rig, scene).median_px:.2f}" for scene in scenes)
         numbers = (f"{found.rows_rms_px:.3f}", f"{found.rows_mean_px:+.3f}", f"{found.squares_percent:+.2f}")
         return [*numbers, f"{found.squares_spread_percent:.2f}", medians]
@@ -114,12 +124,12 @@ def boards(options: Options) -> None:
     cases = {name: [scene] for name, scene in zip(BUMBLEBEE, scenes, strict=True)} | {"all four": scenes}
     for name in (name for name in cases if options.wants(name)):
         for task in options.tasks(name, rig, cases[name]):
-            before = truth_boards.by_boards(task.start, rig, seen)
+            before = by_boards(task.start, rig, seen)
             if task.start is not rig:
                 table.add_row(task.name, "start", "", *cells(task.start, before), "", "", "")
             for method, answer in options.answers(task):
                 for label, judged in answer.judged.items():
-                    after = truth_boards.by_boards(judged, rig, seen)
+                    after = by_boards(judged, rig, seen)
                     worse, below = after.worse_than(before), after.worse_than(stored)
                     said = tally.add(method, answer, label, worse, below)
                     more = (*cells(judged, after), *stated(answer, rig), said)
@@ -129,9 +139,9 @@ def boards(options: Options) -> None:
 
 def product(options: Options) -> None:
     """Scenes of a product, a line for each rig: itself, and the scenes that took no part."""
-    folders = sorted(file.parent for file in (DATA / truth_product.FOLDER).glob("*/calib.json"))
+    folders = sorted(file.parent for file in (DATA / PRODUCT).glob("*/calib.json"))
     if len(folders) < 3:
-        print(f"skipped: {DATA / truth_product.FOLDER} has too few scenes")
+        print(f"skipped: {DATA / PRODUCT} has too few scenes")
         return
     scenes = [sr.io.load_scene(folder) for folder in folders]
     rig = rig_of(scenes[0])
@@ -145,13 +155,13 @@ def product(options: Options) -> None:
         name = folders[index].name
         for kind, given in ((name, [scene]), (f"all but {name}", others)):
             for task in options.tasks(kind, rig, given) if options.wants(kind) else ():
-                before = truth_product.by_product(task.start, rig, [scene, *others]).judged_px
+                before = by_product(task.start, rig, [scene, *others]).judged_px
                 for method, answer in options.answers(task):
                     for label, judged in answer.judged.items():
-                        after = truth_product.by_product(judged, rig, [scene, *others])
+                        after = by_product(judged, rig, [scene, *others])
                         change = np.subtract(after.judged_px, before)
                         unseen = slice(1, None) if given[0] is scene else slice(1)
-                        worse, below = (truth_product.worse(some, unseen) for some in (change, after.against_stored_px))
+                        worse, below = (product_is_worse(some, unseen) for some in (change, after.against_stored_px))
                         said = tally.add(method, answer, label, worse, below)
                         numbers = (f"{before[0]:.3f}", f"{after.judged_px[0]:.3f}", f"{np.median(change[unseen]):+.3f}")
                         more = (*numbers, f"{change[unseen].max():+.3f}", *stated(answer, rig), said)

@@ -10,31 +10,18 @@ pair takes a second or two to render, and is kept in the user's cache.
 
 import argparse
 import time
-from dataclasses import replace
 
 import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-import stereorecal as sr
+from stereorecal.comparison.judges import walked
 from stereorecal.online import Config, run
-from stereorecal.synthetic import Drive, photographs, plan_drive
+from stereorecal.synthetic import Drive, photographs
 
-SIZE, VIEW, BASELINE, STEP = (1024, 512), 70.0, 1.0, 0.01  # degrees, metres, degrees a pair
+STEP = 0.01  # degrees a pair
 TOURS = ("street", "harbour")
 WALKS = Config(prior="exact", wander=(STEP / np.sqrt(3.0),) * 3, heating=(0.0, 0.0, 0.0))
-
-
-def walked(tour: str, seed: int, frames: int) -> Drive:
-    """A drive of such a rig, in clear weather, without things that move."""
-    focal = 0.5 * SIZE[0] / np.tan(np.radians(0.5 * VIEW))
-    middle = 0.5 * (np.array(SIZE) - 1.0)
-    camera = sr.Camera(SIZE, np.array([[focal, 0.0, middle[0]], [0.0, focal, middle[1]], [0.0, 0.0, 1.0]]))
-    rig = sr.StereoRig(camera, camera, np.array([0.0, 0.0, 0.0, -BASELINE, 0.0, 0.0]))
-    steps = np.zeros((frames, 6))
-    steps[1:, :3] = np.radians(np.random.default_rng([seed, 61]).uniform(-STEP, STEP, (frames - 1, 3)))
-    plan = plan_drive(tour, seed, frames, weather=False, moving=False)
-    return replace(plan, rig=rig, extrinsics=np.asarray(rig.extrinsics) + np.cumsum(steps, axis=0))
 
 
 def followed(drive: Drive) -> tuple[np.ndarray, list[float]]:

@@ -8,7 +8,16 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from stereorecal.estimation._candidates import Known, depth_kept, least_loss, least_loss_of_depth_kept
-from stereorecal.estimation._consequences import DISTANCES, areas, consequences, points_of_view, readings, regions
+from stereorecal.estimation._consequences import (
+    DISTANCES,
+    areas,
+    consequences,
+    points_of_view,
+    readings,
+    readings_at,
+    regions,
+)
+from stereorecal.geometry import Camera, StereoRig, rectifying_rotations, view
 
 SIZES = {"deg": 0.2, "%": 0.3, "px": 2.0, "": 1e-3}
 
@@ -235,3 +244,26 @@ def test_what_is_exact_stays_as_it_is(chart, near):
     found = of_one(Known(chart, near, mean, sigma, np.full((4, 2), 0.01), (5, 10, 30)), np.ones(chart.dim, bool))
     assert np.isfinite(found).all()
     assert not found[exact].any()
+
+
+def test_sides_that_a_wide_view_stretches_count_for_less():
+    """Rows are those of the view less its stretch; depth is a mean weighed by the squares of disparities. A pinhole's
+    points count alike."""
+    terms = np.array([-0.02, -0.007, 0.002, -0.001])
+    lens = Camera((640, 480), np.array([[195.0, 0, 322.4], [0, 196.0, 236.1], [0, 0, 1]]), terms, model="equidistant")
+    true = StereoRig(lens, lens, np.array([0.004, -0.006, 0.003, -0.36, 0.002, -0.001]))
+    used = true.with_extrinsics(true.extrinsics + np.array([2e-3, 3e-3, -1e-3, 0.0, 0.0, 0.0]))
+    for shown in (view(used), view(used, projection="pinhole")):
+        points = points_of_view(used, 10, shown)
+        (rows,), ((mean, ahead),) = readings_at(used, true, [points], shown)
+        turns = rectifying_rotations(used.rotation, used.translation)
+        seen = (points @ turns[0].T, (points @ true.rotation.T + true.translation) @ turns[1].T)
+        (column, row), (other, beside) = (shown.pixels(ray, side) for side, ray in enumerate(seen))
+        stretch = shown.formulas.stretch(*seen[0].T[1:], np.linalg.norm(seen[0], axis=1)) * np.ones(len(points))
+        np.testing.assert_allclose(rows * shown.focal / used.left.focal.mean(), (row - beside) / stretch, rtol=1e-6)
+        near = shown.nearness(column, column - other) * shown.formulas.length(*seen[0].T) / float(used.baseline)
+        assert mean == pytest.approx(np.average(near - 1.0, weights=stretch**-2), rel=1e-6)
+        assert ahead == pytest.approx(
+            np.average(near - 1.0, weights=stretch**-2 * (areas(true, points)[1] > 0)), rel=1e-6
+        )
+        assert (np.ptp(stretch) > 1.0) == (shown.projection == "equirectangular")

@@ -185,3 +185,23 @@ def test_the_middle_keeps_its_resolution(rig: StereoRig):
         columns, rows = shown.pixels(ahead, 0)
         assert columns[1] - columns[0] == pytest.approx(1e-4 * shown.focal, rel=1e-4)
         assert rows[2] - rows[0] == pytest.approx(1e-4 * shown.focal, rel=1e-4)
+
+
+@pytest.mark.parametrize("name", NAMES)
+@given(rig=rigs(), data=st.data())
+def test_rows_are_as_wide_as_is_said(name: str, rig: StereoRig, data):
+    """Against small turns about the baseline and along it: an angle across the epipolar plane takes so many more rows
+    than in the middle, and what is far away has so much less disparity."""
+    shown = view(rig, field=FIELDS[name], projection=name)
+    ray = directions_of(data, np.radians(60.0))
+    x, y, z = ray.T
+    stretch = np.broadcast_to(shown.formulas.stretch(3.0 * y, 3.0 * z, 3.0), x.shape)
+    small, far = 1e-6, 1e6 * ray / shown.formulas.length(*ray.T)[:, None]
+    column, row = shown.pixels(ray, 0)
+    if name == "equirectangular":
+        moved = np.stack([x, y - small * z, z + small * y], axis=-1)  # by as much less as it is nearer to the baseline
+        angle = np.linalg.norm(moved - ray, axis=-1)
+        rows = np.abs(shown.pixels(moved, 0)[1] - row)
+        np.testing.assert_allclose(rows / (shown.focal * angle), stretch, rtol=1e-4)
+    column, other = shown.pixels(far, 0)[0], shown.pixels(far - [1.0, 0.0, 0.0], 0)[0]
+    np.testing.assert_allclose((column - other) * 1e6 / shown.focal, 1.0 / stretch, rtol=1e-3)

@@ -2,6 +2,8 @@
 
 import math
 import os
+import subprocess
+import sys
 import time
 from functools import partial
 from pathlib import Path
@@ -65,6 +67,20 @@ def refused(state: State) -> tuple[State, tuple[Event, ...]]:
     raise InputError("not this way.")
 
 
+def told(beside: Beside, *kinds: Kind) -> list[Event]:
+    """What happens until all of these have."""
+    events: list[Event] = []
+    until = time.perf_counter() + 120
+    while not {*kinds} <= {event.kind for event in events} and time.perf_counter() < until:
+        events += beside.latest()[1]
+        time.sleep(0.02)
+    return events
+
+
+def counted(state: State) -> tuple[State, tuple[Event, ...]]:
+    return state.but(frame=state.frame + 1), ()
+
+
 def test_changes_pairs_and_savings(ride: Ride, tmp_path: Path):
     """A change is made in the process, between pairs; a state is saved when something happens, and at the end."""
     noise, kept = np.random.default_rng(0).integers(0, 255, (2, 240, 320), np.uint8), tmp_path / "state"
@@ -74,13 +90,11 @@ def test_changes_pairs_and_savings(ride: Ride, tmp_path: Path):
         beside.change(partial(seen, folder=tmp_path))
         assert not beside.ready
         beside.change(refused)
-        told: list[Event] = []
-        until = time.perf_counter() + 120
-        while (len(told) < 2 or not beside.ready) and time.perf_counter() < until:
-            told.extend(beside.latest()[1])
+        events, until = told(beside, Kind.REFUSED), time.perf_counter() + 120
+        assert [event.kind for event in events] == [Kind.HEALTHY, Kind.REFUSED]
+        assert events[1].why == "not this way."
+        while not beside.ready and time.perf_counter() < until:
             time.sleep(0.02)
-        assert [event.kind for event in told] == [Kind.HEALTHY, Kind.REFUSED]
-        assert told[1].why == "not this way."
         assert int((tmp_path / "seen").read_text()) != os.getpid()
         assert not beside.latest()[0].config.repair
         assert not load(kept).config.repair
@@ -88,7 +102,10 @@ def test_changes_pairs_and_savings(ride: Ride, tmp_path: Path):
         while beside.latest()[0].frame == 1 and time.perf_counter() < until:
             time.sleep(0.02)
         assert load(kept).frame == 1
-    assert load(kept).frame == 2
+        for _ in range(3):
+            beside.change(counted)  # made before the end, where a pair that waits is dropped
+        beside.put((noise[0], noise[1]))
+    assert load(kept).frame == beside.latest()[0].frame == 5
 
 
 def test_a_share_of_a_core(ride: Ride):
@@ -105,3 +122,52 @@ def test_a_share_of_a_core(ride: Ride):
         assert beside.put((black, black))
         assert not beside.put((black, black))
     assert beside.latest()[0].frame == 1
+
+
+def test_a_place_that_cannot_be_written_to_is_told_once_and_the_rig_is_watched_on(ride: Ride, tmp_path: Path):
+    """A folder that is not there yet stands for a disk that is full."""
+    place = tmp_path / "later" / "state"
+    happens = partial(seen, folder=tmp_path)
+    with Beside(init(ride.rig, Config(every=1000)), keep=place, keep_every=math.inf) as beside:
+        beside.change(happens)
+        beside.change(happens)
+        beside.change(refused)
+        events = told(beside, Kind.REFUSED)
+        assert [event.kind for event in events].count(Kind.NOT_SAVED) == 1
+        assert "later" in next(event.why for event in events if event.kind is Kind.NOT_SAVED)
+        place.parent.mkdir()
+        beside.change(happens)
+        assert told(beside, Kind.SAVED)
+        assert load(place).frame == 0
+        place.unlink()
+        place.parent.rmdir()
+        beside.change(happens)
+    assert Kind.NOT_SAVED in [event.kind for event in beside.latest()[1]]  # at the end, too
+
+
+def test_the_last_state_is_saved_when_the_program_is_killed(tmp_path: Path):
+    """In the middle of a step, whose answer nobody takes any more."""
+    place = tmp_path / "state"
+    program = tmp_path / "program.py"
+    program.write_text(
+        "import sys, time\n"
+        "from pathlib import Path\n"
+        "from stereorecal.online import Beside\n"
+        "from stereorecal.synthetic import default_rig\n"
+        "def slow(state):\n"
+        f"    Path({str(tmp_path / 'begun')!r}).touch()\n"
+        "    time.sleep(1.0)\n"
+        "    return state.but(frame=7), ()\n"
+        "if __name__ == '__main__':\n"
+        f"    beside = Beside(default_rig(), keep={str(place)!r}, keep_every=1e9)\n"
+        "    beside.change(slow)\n"
+        "    time.sleep(100)\n"
+    )
+    with subprocess.Popen([sys.executable, program], stderr=subprocess.PIPE) as running:
+        until = time.monotonic() + 120
+        while not (tmp_path / "begun").exists() and time.monotonic() < until:
+            time.sleep(0.02)
+        running.kill()
+        _, said = running.communicate()  # which the worker holds open until it ends
+    assert said == b""
+    assert load(place).frame == 7

@@ -9,7 +9,7 @@ from rich.console import Console
 
 from stereorecal.geometry import StereoRig
 from stereorecal.matching import SAD
-from stereorecal.recalibration import Reason, Repair, Schedule, Solution, recalibrate
+from stereorecal.recalibration import Reason, Repair, Schedule, Solution, _recalibrate, recalibrate
 from stereorecal.recordings import Pair
 from stereorecal.report.repair_tables import repairs_table
 from stereorecal.strategies import Budget, Status
@@ -242,3 +242,28 @@ def test_frames_are_repaired_jointly_and_fog_among_them_does_not_matter(harbour)
         assert max(pitch, roll) < 0.01
         assert yaw < 2.0 * solution.uncertainty.interval[1] < 0.15
         assert (errors(solution.rig) < 3 * solution.uncertainty.interval).all()
+
+
+@pytest.mark.parametrize(("rows_left", "reason"), [(0.1, Reason.IMPROVED), (0.6, Reason.CANNOT_TELL)])
+def test_a_look_decides_beside_a_search_in_doubt_only_if_its_rows_align(harbour, monkeypatch, rows_left, reason):
+    """A look through a rig that is far off sees what fits by chance: a rig that leaves such rows apart is not
+    written."""
+    found, ended = _recalibrate.looked, _recalibrate.ended_by
+
+    def looked(case, stage):
+        look = found(case, stage)
+        decision = look.answer.decision
+        said = np.stack([decision.rows_px[0], decision.rows_px[1] * rows_left / decision.rows_px[1, 0]])
+        return replace(look, answer=replace(look.answer, decision=replace(decision, rows_px=said)))
+
+    monkeypatch.setattr(_recalibrate, "looked", looked)
+
+    def in_doubt(case, stages, **_):
+        answer = _recalibrate.answered(case, stages[-1].found, case.rig)
+        return replace(ended(case, answer, case.rig), reason=Reason.CANNOT_TELL)
+
+    monkeypatch.setattr(_recalibrate, "_ended", in_doubt)
+    start, schedule = drifted((0.2, -0.3, -0.2, 0.0, 0.0)), Schedule("rows", Schedule.default().stages[2:])
+    solution = repair(start, harbour, schedule=schedule)
+    assert solution.reason is reason
+    assert solution.accepted == (reason is Reason.IMPROVED)

@@ -49,7 +49,7 @@ def test_a_rig_without_drift_is_healthy(scene):
 
 def test_cv2_rectifies_with_our_maps_as_with_its_own(scene):
     """R1 and P1 into cv2.fisheye's own maps, and the rows of both images through ours."""
-    rig, made = scene.rig, sr.rectification(scene.rig)
+    rig, made = scene.rig, sr.rectification(scene.rig, {"projection": "pinhole"})
     for camera, turn, projection, maps in (
         (rig.left, made.R1, made.P1, made.maps[0]),
         (rig.right, made.R2, made.P2, made.maps[1]),
@@ -99,13 +99,49 @@ def test_what_a_calibration_leaves_is_made_through_the_lens(field: float):
 
 def test_the_field_of_a_view_is_that_which_was_asked_for():
     rig = rig_of(190.0)
-    view = sr.view(rig, field=140.0)
+    view = sr.view(rig, field=140.0, projection="pinhole")
     assert 2.0 * np.degrees(np.arctan(0.5 * SIZE[0] / view.focal)) == pytest.approx(140.0)
+    assert sr.view(rig, field=140.0).degrees == pytest.approx(140.0)
     # The middle keeps its resolution by default.
-    assert sr.view(rig).focal == pytest.approx(np.mean([rig.left.focal, rig.right.focal]), rel=1e-3)
+    middle = np.mean([rig.left.focal, rig.right.focal])
+    assert sr.view(rig, projection="pinhole").focal == pytest.approx(middle, rel=1e-3)
     for field in (0.0, -10.0, 165.1, np.nan):
         with pytest.raises(sr.InputError, match="makes no pinhole view"):
-            sr.view(rig, field=field)
+            sr.view(rig, field=field, projection="pinhole")
+
+
+@pytest.mark.parametrize(("field", "projection"), [(60.0, "pinhole"), (100.0, "pinhole"), (115.0, "equirectangular")])
+def test_the_view_of_a_wide_model_follows_what_a_pinhole_can_show(field: float, projection: str):
+    """Of the same lens as another model has it, the same view; and no drift turns one into the other."""
+    rig = rig_of(field)
+    view = sr.view(rig)
+    assert view.projection == projection
+    assert view.degrees == pytest.approx(field, rel=0.05)
+    assert view.focal >= 0.7 * np.mean([rig.left.focal, rig.right.focal])
+    assert sr.view(rig.with_extrinsics(rig.extrinsics + DRIFT)).projection == projection
+    # A field that is asked for, likewise; and a pinhole's own rig has nothing but pinhole views.
+    middle = 2.0 * np.degrees(np.arctan(0.5 * SIZE[0] / np.mean([rig.left.focal, rig.right.focal])))
+    assert sr.view(rig, field=0.9 * middle).projection == "pinhole"
+    assert sr.view(rig, field=150.0).projection == "equirectangular"
+    assert sr.view(sr.synthetic.default_rig(), field=150.0).projection == "pinhole"
+
+
+def test_arguments_of_views_by_name(scene):
+    rig, pairs = scene.rig, scene.pairs
+    asked = {"projection": "pinhole", "field": 80}
+    assert sr.score(rig, pairs, view=asked) == sr.score(rig, pairs, view=sr.view(rig, field=80.0))
+    assert sr.rectification(rig, asked).view.degrees == pytest.approx(80.0)
+    for wrong, said in (
+        ({"fields": 80}, "unknown argument of a view 'fields'; did you mean field"),
+        ({"field": "80"}, "the field of a view is '80'; give degrees, more than 0 and at most 180"),
+        ({"field": 170.0, "projection": "pinhole"}, "more than 0 and at most 165 of pinhole"),
+        ({"projection": "fisheye"}, "there is no projection 'fisheye'; give one of pinhole, equirectangular"),
+        ({"zero_disparity": None}, "give True or False"),
+        (140.0, "the view is a float; give an sr.View"),
+    ):
+        for look in (sr.score, sr.health, sr.recalibrate):
+            with pytest.raises(sr.InputError, match=said):
+                look(rig, pairs, view=wrong)
 
 
 def test_a_double_sphere_has_its_resolution_in_the_middle():
@@ -124,10 +160,11 @@ def very_wide():
 
 def test_a_very_wide_rig_is_repaired_in_an_equirectangular_view(very_wide):
     start = very_wide.rig.with_extrinsics(very_wide.rig.extrinsics + DRIFT)
-    view = sr.view(start, projection="equirectangular")
-    solution = sr.recalibrate(start, very_wide.pairs, prior="exact", view=view)
+    solution = sr.recalibrate(start, very_wide.pairs, prior="exact")
+    view = solution.view
     assert solution.accepted
-    assert solution.view is view
+    assert view.projection == "equirectangular"  # since a pinhole cannot show what the lens does
+    assert f"view     {view}" in str(solution)
     assert max(axis_errors(solution.rig, very_wide.rig).rotation_deg.values()) < 0.08
     assert solution.score_after.count > 1.1 * solution.score_before.count
     # What is to be expected is of the same view: rows of what lies far aside, too.

@@ -82,7 +82,9 @@ def test_nothing_installed(installed):
         ("levenberg-marquardt", r"'stereorecal\[default\]'", "levenberg-marquardt"),
         ("optimistix-bfgs", "stereorecal-optimistix", "optimistix"),
         ("nlopt-bobyqa", "stereorecal-nlopt", "nlopt"),
+        ("essential-matrix", "stereorecal-features", "features"),
         ("features", "stereorecal-features", "features"),
+        ("xfeat", "stereorecal-features", "features"),
         ("colmap", "stereorecal-colmap", "colmap"),
     ],
 )

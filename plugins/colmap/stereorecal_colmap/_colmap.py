@@ -1,5 +1,9 @@
 """The strategy, and its options."""
 
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -54,6 +58,15 @@ class Colmap(AbstractStrategy):
 
     def run(self, objective: Objective, start: Float[np.ndarray, "n"], seed: int) -> Outcome:
         """See `AbstractStrategy.run`. `seed` is that of the random samples for the two-view geometry."""
-        from stereorecal_colmap._fit import search  # here, since pycolmap takes long to import
-
+        with _signals_kept():
+            from stereorecal_colmap._fit import search  # here, since pycolmap takes long to import
         return search(self, objective, start, seed)
+
+
+@contextmanager
+def _signals_kept() -> Iterator[None]:
+    """Around the import of pycolmap, whose logging would abort the process at SIGTERM, with all that it has to save."""
+    handler = signal.getsignal(signal.SIGTERM)
+    yield
+    if handler is not None and threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGTERM, handler)

@@ -1,3 +1,5 @@
-"""SIFT features and an essential matrix: the classical, feature-based calibration as a stereorecal strategy."""
+"""Feature matches and an essential matrix as stereorecal strategies: SIFT, XFeat, SuperPoint, and OpenCV as it is."""
 
+from stereorecal_features._essential import Essential as Essential
 from stereorecal_features._features import Features as Features
+from stereorecal_features._learned import SuperPoint as SuperPoint, XFeat as XFeat

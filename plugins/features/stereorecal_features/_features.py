@@ -7,8 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal.strategies import AbstractStrategy, Need, Objective, Outcome
-
-_FEWEST = 8  # our choice: fewer matches hardly overdetermine five parameters
+from stereorecal_features._options import check_options
 
 
 @dataclass(frozen=True)
@@ -30,6 +29,8 @@ class Features(AbstractStrategy):
         threshold: the largest epipolar error of an inlier, in pixels.
         loss_scale: Sampson error in pixels beyond which a match counts less than quadratically (soft L1).
         min_matches: the run ends as STALLED with fewer matches or fewer inliers.
+        subpixel: whether matches are refined by their windows (Lucas-Kanade, there and back); SIFT has parts of a pixel
+            of its own.
     """
 
     needs: ClassVar[Need] = Need.IMAGES
@@ -40,20 +41,19 @@ class Features(AbstractStrategy):
     threshold: float = 1.0
     loss_scale: float = 0.25
     min_matches: int = 20
+    subpixel: bool = False
 
     def __post_init__(self) -> None:
-        for name in ("contrast", "threshold", "loss_scale"):
-            if not 0.0 < getattr(self, name) < np.inf:
-                raise ValueError(f"need {name} > 0, got {getattr(self, name)}")
+        check_options(self, "contrast")
         if not 0.0 < self.ratio <= 1.0:
             raise ValueError(f"need 0 < ratio <= 1, got {self.ratio}")
-        if not _FEWEST <= self.min_matches <= self.features:
-            raise ValueError(
-                f"need {_FEWEST} <= min_matches <= features, got {self.min_matches} and {self.features} features"
-            )
 
     def run(self, objective: Objective, start: Float[np.ndarray, "n"], seed: int) -> Outcome:
         """See `AbstractStrategy.run`. `seed` is that of the random samples for the essential matrix."""
         from stereorecal_features._fit import search  # here, since SciPy's optimisers take long to import
+        from stereorecal_features._matches import matched_pixels
 
-        return search(self, objective, start, seed)
+        def matched(pair):
+            return matched_pixels(pair, self.features, self.contrast, self.ratio)
+
+        return search(self, matched, objective, start, seed)

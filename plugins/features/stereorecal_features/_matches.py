@@ -19,6 +19,14 @@ _SLOPE_STEP = 1e-5  # of the central differences of a projection, in x/z; about 
 
 
 @dataclass(frozen=True, eq=False)
+class Described:
+    """Features of an image: pixels (column, row), and words that describe what is there."""
+
+    pixels: Pixels
+    words: Float[np.ndarray, "m k"]
+
+
+@dataclass(frozen=True, eq=False)
 class Seen:
     """The matched points as one camera sees them.
 
@@ -47,17 +55,28 @@ def matched_pixels(pair: Pair, features: int, contrast: float, ratio: float) -> 
     """
     # Without precise upscaling every feature is shifted by a fraction of a pixel.
     sift = cv2.SIFT.create(nfeatures=features, contrastThreshold=contrast, enable_precise_upscale=True)
-    (left, left_words), (right, right_words) = (_described(sift, image) for image in (pair.left, pair.right))
-    if min(len(left), len(right)) < 2:  # there is no second nearest
-        return left[:0], right[:0]
-    # Descriptors (words) hold integers up to 255, so these sums are exact in float32, in any order.
-    apart = np.square(left_words).sum(1)[:, None] + np.square(right_words).sum(1) - 2.0 * left_words @ right_words.T
-    everyone, nearest = np.arange(len(left)), apart.argmin(1)
-    mutual = apart.argmin(0)[nearest] == everyone
+    left, right = (_described(sift, image) for image in (pair.left, pair.right))
+    return mutual(left, right, ratio=ratio)
+
+
+def mutual(left: Described, right: Described, distance: float = np.inf, ratio: float = 1.0) -> tuple[Pixels, Pixels]:
+    """Pixels of features, left and right, whose words are each other's nearest ones.
+
+    Args:
+        distance: the most that they may be apart.
+        ratio: as of `matched_pixels`.
+    """
+    if min(len(left.pixels), len(right.pixels)) < 2:  # there is no second nearest
+        return left.pixels[:0], right.pixels[:0]
+    # SIFT's words hold integers up to 255, so these sums are exact in float32, in any order.
+    apart = np.square(left.words).sum(1)[:, None] + np.square(right.words).sum(1) - 2.0 * left.words @ right.words.T
+    everyone, nearest = np.arange(len(apart)), apart.argmin(1)
+    chosen = apart.argmin(0)[nearest] == everyone
     first = apart[everyone, nearest]
+    chosen &= first < distance**2
     apart[everyone, nearest] = np.inf
-    chosen = mutual & (first < ratio**2 * apart.min(1))
-    return left[chosen], right[nearest[chosen]]
+    chosen &= first < ratio**2 * apart.min(1)
+    return left.pixels[chosen], right.pixels[nearest[chosen]]
 
 
 def seen_by_both(rig: StereoRig, pixels: Sequence[tuple[PixelsOfFrame, PixelsOfFrame]]) -> tuple[Seen, Seen]:
@@ -68,10 +87,10 @@ def seen_by_both(rig: StereoRig, pixels: Sequence[tuple[PixelsOfFrame, PixelsOfF
     return _seen(rig.left, left_rays[good]), _seen(rig.right, right_rays[good])
 
 
-def _described(sift: cv2.SIFT, image: Float[np.ndarray, "h w"]) -> tuple[Pixels, Float[np.ndarray, "m 128"]]:
-    points, descriptors = sift.detectAndCompute(np.clip(np.rint(image), 0, 255).astype(np.uint8), None)
+def _described(sift: cv2.SIFT, image: Float[np.ndarray, "h w"]) -> Described:
+    points, words = sift.detectAndCompute(np.clip(np.rint(image), 0, 255).astype(np.uint8), None)
     pixels = np.array([point.pt for point in points], float).reshape(-1, 2)
-    return pixels, np.zeros((0, 128), np.float32) if descriptors is None else descriptors
+    return Described(pixels, np.zeros((0, 128), np.float32) if words is None else words)
 
 
 def _rays(camera: Camera, pixels: Pixels) -> tuple[Float[np.ndarray, "m 3"], Bool[np.ndarray, "m"]]:

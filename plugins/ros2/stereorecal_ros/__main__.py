@@ -50,6 +50,9 @@ def main(words: Sequence[str] | None = None) -> int:
         return 2
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
+    except Exception:  # what is published once a signal has ended the context
+        if rclpy.ok():
+            raise
     finally:
         if node is not None:
             node.destroy_node()

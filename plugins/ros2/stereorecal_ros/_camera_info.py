@@ -8,8 +8,8 @@ import numpy as np
 
 from stereorecal import Camera, InputError, StereoRig, UnsupportedModelError, View, view
 from stereorecal.geometry import rectifying_rotations
+from stereorecal_ros._pairing import SIDES
 
-_SIDES = ("left", "right")
 _PINHOLE = ("plumb_bob", "rational_polynomial", "none", "")
 _FISHEYE = ("equidistant", "fisheye")
 _SAME_FOCAL = 1e-6  # of the focal length
@@ -69,7 +69,7 @@ def rig_of(left: CameraInfo, right: CameraInfo) -> StereoRig:
         UnsupportedModelError: if the model of a lens is not known.
     """
     cameras, rotations, shifts = [], [], []
-    for side, info in zip(_SIDES, (left, right), strict=True):
+    for side, info in zip(SIDES, (left, right), strict=True):
         if not any(info.k):
             raise InputError(f"{side}/camera_info: the camera is not calibrated (K is 0); calibrate it first.")
         if not info.p[0] > 0.0:
@@ -101,15 +101,17 @@ def corrected(rig: StereoRig, shown: View | None = None) -> tuple[CameraInfo, Ca
     is a depth of -P_right[3] / (d - (cx - cx')) metres.
 
     Args:
-        shown: the rectified cameras; default `sr.view(rig)`.
+        shown: the rectified cameras; default `sr.view(rig, projection="pinhole")`.
 
     Raises:
         UnsupportedModelError: if ROS has no such model of a lens.
         InputError: if the view is no pinhole, which P holds.
     """
-    shown = view(rig) if shown is None else shown
+    shown = view(rig, projection="pinhole") if shown is None else shown
     if shown.projection != "pinhole":
-        raise InputError(f"a CameraInfo holds pinhole views, not {shown.projection} ones; give sr.view(rig).")
+        raise InputError(
+            f"a CameraInfo holds pinhole views, not {shown.projection} ones; give sr.view(rig, projection='pinhole')."
+        )
     rotations = rectifying_rotations(rig.rotation, rig.translation)
     matrices, shifts = (shown.matrix_left, shown.matrix_right), (0.0, -float(shown.focal) * float(rig.baseline))
     infos = []
@@ -118,6 +120,11 @@ def corrected(rig: StereoRig, shown: View | None = None) -> tuple[CameraInfo, Ca
         projection = np.column_stack([matrix, [shift, 0.0, 0.0]])
         infos.append(CameraInfo(*camera.size, model, d, k, _row_by_row(rotation), _row_by_row(projection)))
     return infos[0], infos[1]
+
+
+def is_like(one: StereoRig, other: StereoRig) -> bool:
+    """Whether two calibrations are one, which may have been written with some digits less."""
+    return all(a.is_like(b) for a, b in zip(corrected(one), corrected(other), strict=True))
 
 
 def _camera(info: CameraInfo, side: str) -> Camera:

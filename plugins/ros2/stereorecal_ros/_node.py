@@ -3,6 +3,7 @@
 
 from collections.abc import Callable
 from dataclasses import fields
+from difflib import get_close_matches
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -22,14 +23,16 @@ from std_srvs.srv import Trigger
 
 from stereorecal import InputError
 from stereorecal.io import json_line
+from stereorecal_ros._kept import Kept
+from stereorecal_ros._log import Level
 from stereorecal_ros._messages import camera_info_message, diagnostics_message, transform_message
-from stereorecal_ros._pairing import LEFT, RIGHT
+from stereorecal_ros._pairing import LEFT, RIGHT, SIDES
 from stereorecal_ros._settings import Settings, about, changes
-from stereorecal_ros._status import Level
-from stereorecal_ros._watch import SIDES, Answer, Watch
+from stereorecal_ros._watch import Answer, Watch
 
 _POLL = 0.05  # seconds
 _DIAGNOSTICS = 1.0  # likewise
+_OF_ALL_NODES = ("use_sim_time", "start_type_description_service")
 _EVENTS_KEPT = 100  # for a subscriber that is slow
 
 
@@ -44,7 +47,9 @@ class CalibrationNode(Node):
     """
 
     def __init__(self, home: Path, **options: Any) -> None:
-        super().__init__("stereorecal", **options)
+        # Declared all, to hear of names that are not known, of which ROS says nothing.
+        super().__init__("stereorecal", automatically_declare_parameters_from_overrides=True, **options)
+        self._name_unknown()
         settings = self._declared()
         self._full_name = self.get_fully_qualified_name().strip("/")
         place = Path(settings.state_file or home / f"{self._full_name.replace('/', '.')}.state")
@@ -52,7 +57,8 @@ class CalibrationNode(Node):
             place.parent.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise InputError(f"{error.filename}: {error.strerror}; give the parameter state_file.") from error
-        self._watch = Watch(settings, place, self._tell)
+        self._topics: dict[str, tuple[str, str]] = {}  # of each input: its topic, and the type of messages
+        self._watch = Watch(settings, Kept(place, named=bool(settings.state_file)), self._tell, about=self._about)
         self._frames = ["", ""]
         self._publish(settings)
         self._serve()
@@ -66,6 +72,16 @@ class CalibrationNode(Node):
         """End the worker process, too; the state is saved."""
         self._watch.close()
         super().destroy_node()
+
+    def _name_unknown(self) -> None:
+        """Say which parameters are not known; those that are, are declared later."""
+        known = [one.name for one in fields(Settings)]
+        for name in self.get_parameters_by_prefix(""):
+            if name in known or name.startswith("qos_overrides."):
+                self.undeclare_parameter(name)
+            elif name not in _OF_ALL_NODES:
+                near = "".join(f"; is it {one}?" for one in get_close_matches(name, known, 1))
+                self._tell(Level.WARN, f"the parameter {name} is not known, and not used{near}")
 
     def _declared(self) -> Settings:
         values = {}
@@ -81,13 +97,16 @@ class CalibrationNode(Node):
         overrides = QoSOverridingOptions.with_default_policies()
         for side in (LEFT, RIGHT):
             # What is remapped is the topic of the raw images, as everywhere with image_transport.
-            topic = self.resolve_topic_name(f"{SIDES[side]}/image_raw") + ending
-            come = partial(self._on_image, side)
-            self.create_subscription(kind, topic, come, _as_sensors(), qos_overriding_options=overrides)
+            inputs = {f"{SIDES[side]}/image_raw": (kind, ending, self._on_image)}
             if not settings.files:
-                topic = f"{SIDES[side]}/camera_info"
-                come = partial(self._on_info, side)
-                self.create_subscription(CameraInfo, topic, come, _as_sensors(), qos_overriding_options=overrides)
+                inputs[f"{SIDES[side]}/camera_info"] = CameraInfo, "", self._on_info
+            for name, (message, behind, come) in inputs.items():
+                topic = self.resolve_topic_name(name) + behind
+                self._topics[name] = topic, f"sensor_msgs/msg/{message.__name__}"
+                asked = topic if behind else name  # what is resolved already would be remapped once more
+                self.create_subscription(
+                    message, asked, partial(come, side), _as_sensors(), qos_overriding_options=overrides
+                )
 
     def _publish(self, settings: Settings) -> None:
         last = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -135,6 +154,14 @@ class CalibrationNode(Node):
         status = self._watch.status()
         self._diagnostics.publish(diagnostics_message(f"{self._full_name}: stereo calibration", status, stamp))
 
+    def _about(self, name: str) -> str:
+        """Of an input that is silent."""
+        topic, wanted = self._topics[name]
+        types = {one.topic_type for one in self.get_publishers_info_by_topic(topic)}
+        if not types:
+            return f" (nobody publishes {topic})"
+        return f" ({topic})" if wanted in types else f" ({topic} is {' and '.join(sorted(types))}, not {wanted})"
+
     def _answer(self, request: Callable[[], Answer], asked: Trigger.Request, answer: Trigger.Response):
         answer.success, answer.message = request()
         return answer
@@ -156,6 +183,7 @@ class CalibrationNode(Node):
             info = camera_info_message(corrected[side], Header(frame_id=self._frames[side]))
             asked = self._drivers[side].call_async(SetCameraInfo.Request(camera_info=info))
             asked.add_done_callback(partial(self._saved, side))
+        self._watch.asked_to_save()
         self._tell(Level.WARN, f"the drivers of both cameras are asked to take: {self._watch.change}")
         return True, "asked the drivers of both cameras; what they answer is logged."
 

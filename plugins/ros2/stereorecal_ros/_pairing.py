@@ -6,6 +6,7 @@ from typing import Any, TypeVar
 MOST = 5  # images of a side that wait for their partner
 _BACK = 1_000_000_000  # nanoseconds: images may overtake each other by less; by more, time has jumped back
 LEFT, RIGHT = 0, 1
+SIDES = ("left", "right")
 
 _T = TypeVar("_T")
 

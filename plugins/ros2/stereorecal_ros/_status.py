@@ -1,6 +1,5 @@
 """How the rig stands and what the node lacks, as plain data for `/diagnostics`."""
 
-import enum
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -8,15 +7,7 @@ import numpy as np
 
 from stereorecal.online import FAR, Reading
 from stereorecal.recalibration import Condition
-
-
-class Level(enum.IntEnum):
-    """As in `diagnostic_msgs/DiagnosticStatus`."""
-
-    OK = 0
-    WARN = 1
-    ERROR = 2
-    STALE = 3
+from stereorecal_ros._log import Level
 
 
 @dataclass(frozen=True)
@@ -41,6 +32,7 @@ def status_of(
     missing: Sequence[str] = (),
     waits: bool = False,
     dead: str | None = None,
+    unsaved: str | None = None,
     age: float | None = None,
     counts: Mapping[str, int | bool] | None = None,
 ) -> Status:
@@ -51,6 +43,7 @@ def status_of(
         missing: inputs that are silent, and what they lack.
         waits: whether an accepted calibration waits to be applied.
         dead: why nobody watches, if nobody does.
+        unsaved: why nothing is kept over a restart, if nothing is.
         age: seconds since the last pair that told something.
         counts: whatever else was counted.
     """
@@ -62,6 +55,8 @@ def status_of(
     level, message = _said(found, missing, dead)
     if waits:
         level, message = max(level, Level.WARN), f"{message}; an accepted calibration waits for ~/apply"
+    if unsaved is not None:
+        level, message = max(level, Level.WARN), f"{message}; nothing is kept over a restart: {unsaved}"
     return Status(level, message, values)
 
 
@@ -70,8 +65,10 @@ def _said(found: Reading | None, missing: Sequence[str], dead: str | None) -> tu
         return Level.ERROR, dead
     if found is not None and found.condition is Condition.REPAIR:
         return Level.ERROR, found.condition.value
-    if missing or found is None:
-        return Level.STALE, f"missing: {', '.join(missing) or 'pairs'}"
+    if missing:
+        return Level.STALE, f"missing: {', '.join(missing)}"
+    if found is None:
+        return Level.STALE, "no pair has told anything yet"
     return (Level.OK if found.condition is Condition.HEALTHY else Level.WARN), found.condition.value
 
 

@@ -3,30 +3,34 @@
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
+from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 from typing import Any
 
-import cv2
 import numpy as np
 
 from stereorecal import InputError, StereoRig, View
-from stereorecal.io import back_up, calibration_files, image_of_message, load_rig, save_rig
+from stereorecal.geometry import rig_as_data
+from stereorecal.io import back_up, calibration_files, load_rig, save_rig
 from stereorecal.online import Beside, Event, Kind, State, reading, recalibrate
-from stereorecal_ros._applied import Applied, load_applied
-from stereorecal_ros._camera_info import CameraInfo, corrected, rig_of, view_of
+from stereorecal_ros._applied import Applied
+from stereorecal_ros._camera_info import CameraInfo, corrected, is_like, rig_of, view_of
+from stereorecal_ros._camera_info_files import infos_in
 from stereorecal_ros._given import Given
 from stereorecal_ros._heard import Heard
-from stereorecal_ros._pairing import Pairing
+from stereorecal_ros._images import grey_images
+from stereorecal_ros._kept import Kept
+from stereorecal_ros._log import Level, Tell, numbers
+from stereorecal_ros._pairing import SIDES, Pairing
 from stereorecal_ros._requests import frozen, returned
 from stereorecal_ros._settings import Settings
-from stereorecal_ros._status import Level, Status, status_of
-from stereorecal_ros._worker import Tell, Worker, set_aside
+from stereorecal_ros._status import Status, status_of
+from stereorecal_ros._worker import Begun, Process, Worker
 
-SIDES = ("left", "right")
 _RECENT = 4  # pairs, which a recalibration on request rests on
 _SPACING = 1_000_000_000  # nanoseconds between them, at least: other views of the scene
+_SAVE_AGAIN = 10.0  # seconds, after which what could not be kept is tried again
 _OUTCOMES = (Kind.RECALIBRATED, Kind.REJECTED, Kind.REFUSED)
 
 Answer = tuple[bool, str]
@@ -41,46 +45,55 @@ class Watch:
 
     Args:
         settings: the parameters of the node.
-        place: the file in which the state is kept; what has been applied is kept beside it.
+        kept: where the state is kept, and what has been applied.
         tell: what is called with lines for the log.
-        work, clock: for tests.
+        about: what else to say of an input that is silent, by its name.
+        work, clock, background: for tests.
 
     Raises:
-        InputError: if the calibration file cannot be used.
+        InputError: if the calibration file cannot be used, or the place of the state is somebody else's.
     """
 
     def __init__(
         self,
         settings: Settings,
-        place: Path,
+        kept: Kept,
         tell: Tell,
         *,
-        work: Callable[..., Beside] = Beside,
+        about: Callable[[str], str] = lambda name: "",
+        work: Callable[..., Process] = Beside,
         clock: Callable[[], float] = time.monotonic,
+        background: Executor | None = None,
     ) -> None:
+        kept.check()
         self.settings = settings
-        self._tell, self._clock = tell, clock
-        self._applied_place = place.with_name(f"{place.name}.applied.json")
-        self._worker = Worker(settings, place, tell, work, clock)
+        self._kept, self._tell, self._about, self._clock = kept, tell, about, clock
+        self._worker = Worker(settings, kept, tell, work, clock, background or ThreadPoolExecutor(1))
         self._pairing = Pairing(round(settings.tolerance * 1e9))
         self._heard, self._given = Heard(settings.silent_after), Given()
-        self._rig: StereoRig | None = None  # the one that was given
+        self._rig: StereoRig | None = None  # the one that is given
+        self._saved: StereoRig | None = None  # the one that will be given, once the drivers have taken it
         self._view: View | None = None
         self._state: State | None = None
         self._applied: Applied | None = None
         self._corrected: tuple[CameraInfo, CameraInfo] | None = None
         self._infos: tuple[CameraInfo, CameraInfo] | None = None  # as the drivers gave them
         self._recent: deque[tuple[int, tuple[np.ndarray, np.ndarray]]] = deque(maxlen=_RECENT)
-        self._asked = self._returning = False
+        self._asked = False
         self._told_at = clock()
         self._used = self._dropped = self._refused = 0
-        self._complaint: str | None = None
+        self._complaint: str | None = None  # of what comes in
+        self._bad: str | None = None  # why the last pairs cannot be used, as the worker says
+        self._unsaved: str | None = None  # why the state cannot be kept
+        self._unkept: tuple[str, float] | None = None  # why what is applied cannot be, and when it was tried
         if settings.files:
-            self._adopt(load_rig(settings.files), None)
+            rig, infos = load_rig(settings.files), infos_in(settings.files)
+            self._adopt(rig, None if infos is None else view_of(*infos))
 
     @property
     def corrected(self) -> tuple[CameraInfo, CameraInfo] | None:
-        """The CameraInfo to publish, of the left and the right camera; None before there is a calibration."""
+        """The CameraInfo to publish, of the left and the right camera; None before there is a calibration, and until
+        it is known what had been applied to it."""
         return self._corrected
 
     @property
@@ -93,7 +106,7 @@ class Watch:
     @property
     def change(self) -> str:
         """From the calibration that was given to the one that is published, for a log."""
-        return "" if self._rig is None or self.rig is None else f"{_numbers(self._rig)} -> {_numbers(self.rig)}"
+        return "" if self._rig is None or self.rig is None else f"{numbers(self._rig)} -> {numbers(self.rig)}"
 
     def camera_info(self, side: int, message: Any) -> None:
         """A `CameraInfo` of one side has come."""
@@ -106,9 +119,11 @@ class Watch:
 
     def image(self, side: int, stamp: int, message: Any) -> None:
         """An image of one side has come, with its stamp in nanoseconds."""
-        now, jumps = self._clock(), self._pairing.jumps
+        now, jumps, newest = self._clock(), self._pairing.jumps, self._pairing.newest[side]
         self._heard.note(f"{SIDES[side]}/image_raw", now)
         self._pairing, pair = self._pairing.with_image(side, stamp, message)
+        if self._pairing.newest[side] != newest:
+            self._heard.note(f"{SIDES[side]}/stamps", now)
         if self._pairing.jumps > jumps:
             self._recent.clear()
             self._tell(Level.WARN, "time has jumped back; pairs are made anew from now on.")
@@ -120,14 +135,18 @@ class Watch:
         """What has happened since this was asked before; to be asked several times a second."""
         self._follow_camera_info()
         if self._rig is not None and not self._worker.runs:
-            self._start(self._rig)
+            begun = self._worker.start(self._rig, self._applied)
+            if begun is not None:
+                self._start(self._rig, begun)
+        if self._unkept is not None and self._applied is not None and self._clock() >= self._unkept[1] + _SAVE_AGAIN:
+            self._keep(self._applied)
         latest = self._worker.latest()
         if latest is None:
-            self._asked = self._returning = False
+            self._asked = False
             return ()
         state, events = latest
         if self._state is None or state.seen != self._state.seen:
-            self._told_at = self._clock()
+            self._told_at, self._bad = self._clock(), None
         self._state = state
         for event in events:
             self._follow(event)
@@ -139,10 +158,10 @@ class Watch:
         state, applied, pairing = self._state, self._applied, self._pairing
         found, waits = None, False
         if state is not None and applied is not None:
-            waits = applied.waits(state) and not self._returning
-            found = reading(state.using_now(applied.offset)) if state.seen else None
-            if found is not None and not np.array_equal(state.using, applied.offset):
-                found = replace(found, row_error=float("nan"))  # that of the last pair is of what the state uses
+            waits = applied.waits(state)
+            if not np.array_equal(state.using, applied.offset):  # nor is the last row error of what is published
+                state = state.but(using=applied.offset, nearing=applied.published.nearing, row_error=float("nan"))
+            found = reading(state) if state.seen else None
         counts = {
             "pairs": pairing.paired,
             "pairs looked at": self._used,
@@ -155,7 +174,16 @@ class Watch:
             "repair": self.settings.repair,
         }
         age = None if found is None else self._clock() - self._told_at
-        return status_of(found, missing=self._missing(), waits=waits, dead=self._worker.dead, age=age, counts=counts)
+        unsaved = self._unsaved if self._unkept is None else self._unkept[0]
+        return status_of(
+            found,
+            missing=self._missing(),
+            waits=waits,
+            dead=self._worker.dead,
+            unsaved=unsaved,
+            age=age,
+            counts=counts,
+        )
 
     def recalibrate(self) -> Answer:
         """Recalibrate on the last pairs; the outcome is an event."""
@@ -173,7 +201,7 @@ class Watch:
 
     def apply(self) -> Answer:
         """Publish what the decision has accepted."""
-        if self._returning or self._state is None or self._applied is None or not self._applied.waits(self._state):
+        if self._state is None or self._applied is None or not self._applied.waits(self._state):
             return False, "no accepted calibration waits; nothing to apply."
         return True, self._publish(self._applied.apply(self._state), "applied")
 
@@ -187,8 +215,7 @@ class Watch:
             return False, str(error)
         said = self._publish(applied, "rolled back")
         self.settings = replace(self.settings, repair=False)
-        # Until the worker has returned as well, what was taken back looks like a calibration that waits.
-        self._returning = self._worker.change(partial(returned, offset=applied.offset))
+        self._worker.change(partial(returned, offset=applied.offset))
         return True, said
 
     def save(self) -> Answer:
@@ -205,6 +232,7 @@ class Watch:
             return False, str(error)
         said = f"saved in {', '.join(map(str, files))}: {self.change}; the old one is kept as {', '.join(kept)}."
         self._tell(Level.WARN, said)
+        self._give(rig)
         return True, said
 
     def set(self, **changed: bool) -> None:
@@ -218,9 +246,14 @@ class Watch:
             self._worker.change(partial(frozen, frozen=not self.settings.repair))
         self._apply_accepted()
 
+    def asked_to_save(self) -> None:
+        """The drivers are asked to take what is published: it will come back from them as what is given."""
+        self._saved = self.rig
+
     def close(self) -> None:
         """End the worker process; the last state is saved."""
-        self._worker.close()
+        for event in self._worker.close():
+            self._follow(event)
 
     def _follow_camera_info(self) -> None:
         infos = self._given.new(self._clock())
@@ -251,39 +284,54 @@ class Watch:
         return any(old) and any(new) and not all(old) and not all(new)
 
     def _adopt(self, rig: StereoRig, view: View | None) -> None:
-        """Begin with a calibration, unless it is one that is known: what was saved comes back from the driver."""
-        state = None if self._state is None else self._state.rig
-        if any(known is not None and _alike(rig, known) for known in (self._rig, self.rig, state)):
-            return
+        """Begin with a calibration, unless it is the one that is given already, or that was saved. One that was given
+        or in use before that is another one: somebody wants it back."""
         if self._rig is not None:
-            self._tell(Level.WARN, f"another calibration is given: {_numbers(self._rig)} -> {_numbers(rig)}")
-        self._rig, self._view, self._corrected = rig, view, corrected(rig, view)
-        self._state = self._applied = None
+            if is_like(rig, self._rig):
+                return
+            if any(known is not None and is_like(rig, known) for known in (self.rig, self._saved)):
+                self._give(rig)
+                return
+            self._tell(
+                Level.WARN, f"another calibration is given: {self.change or numbers(self._rig)} -> {numbers(rig)}"
+            )
+        self._rig, self._view, self._corrected = rig, view, None
+        self._state = self._applied = self._saved = None
         self._recent.clear()
+        self._bad = None
         self._worker.end(None)
 
-    def _start(self, rig: StereoRig) -> None:
-        """Begin to watch, with what was applied when it was watched before."""
-        state = self._worker.start(rig)
+    def _give(self, rig: StereoRig) -> None:
+        """What was saved is what is given from now on."""
+        self._rig = rig
+        if self._applied is not None:
+            self._keep(replace(self._applied, given=rig))
+
+    def _start(self, rig: StereoRig, begun: Begun) -> None:
+        """Watch, with what was applied when the rig was watched before."""
+        state, applied = begun.state, begun.applied
         if state is None:
+            self._corrected = corrected(rig, self._view)
             return
-        applied = self._applied  # of a worker that ended; what is in the file may be older
-        try:
-            applied = applied or load_applied(self._applied_place, state)
-        except InputError as error:
-            set_aside(self._applied_place, error, self._tell)
-        if applied is None:
+        if applied is None or rig_as_data(applied.initial) != rig_as_data(state.initial):
             known = (np.zeros(5), state.using, *state.previous)
             apart = [np.abs(state.rig_at(offset).extrinsics - rig.extrinsics).max() for offset in known]
-            applied = Applied(state.initial, (known[int(np.argmin(apart))],))
-        applied = applied.beside(state)
+            applied = Applied(state.initial, rig, (known[int(np.argmin(apart))],))
+        self._state, self._applied, self._told_at = state, applied.beside(state), self._clock()
         if applied.frozen and self.settings.repair:
             self.settings = replace(self.settings, repair=False)
             self._tell(Level.WARN, "repair: True -> False, as it was left.")
-        self._state, self._applied, self._told_at = state, applied, self._clock()
+        if not is_like(rig, applied.given):  # it was saved
+            self._give(rig)
         self._corrected = corrected(state.rig_at(applied.offset), self._view)
-        self._tell(Level.OK, f"watching from {_numbers(state.rig_at(applied.offset))}, after {state.frame} pairs.")
-        if state.config.repair != self.settings.repair:
+        if begun.failed is not None:
+            return
+        self._tell(Level.OK, f"watching from {numbers(state.rig_at(applied.offset))}, after {state.frame} pairs.")
+        repairs = state.config.repair
+        if applied.returning:  # the process that was asked to did not come to it
+            self._applied, repairs = replace(self._applied, returning=1), False
+            self._worker.change(partial(returned, offset=applied.offset))
+        if repairs != self.settings.repair:
             self._worker.change(partial(frozen, frozen=not self.settings.repair))
 
     def _hand_over(self, stamp: int, left: Any, right: Any) -> None:
@@ -292,7 +340,7 @@ class Watch:
             self._dropped += 1
             return
         try:
-            images = _images(left, right, self._rig)
+            images = grey_images(left, right, self._rig)
         except InputError as error:
             self._refused += 1
             self._complain(str(error))
@@ -309,16 +357,20 @@ class Watch:
             self._recent.clear()  # they show another rig
         if event.kind in _OUTCOMES:
             self._asked = False
-        if event.kind is Kind.ROLLED_BACK:
-            self._returning = False
+        if event.kind is Kind.ROLLED_BACK and self._applied is not None and self._applied.returning:
+            self._keep(self._applied.returned())
+        if event.kind in (Kind.NOT_SAVED, Kind.SAVED):
+            self._unsaved = event.why or None
         if event.kind is Kind.BAD_FRAME:
-            self._complain(f"{event.kind.value}: {event.why}")
+            before, self._bad = self._bad, f"{event.kind.value}: {event.why}"
+            if self._bad != before:  # once, though many pairs are alike
+                self._tell(Level.ERROR, self._bad)
         else:
             self._tell(Level.OK if event.kind is Kind.HEALTHY else Level.WARN, str(event).strip())
 
     def _apply_accepted(self) -> None:
         settings, state, applied = self.settings, self._state, self._applied
-        if self._returning or state is None or applied is None or not (settings.auto_apply and settings.repair):
+        if state is None or applied is None or not (settings.auto_apply and settings.repair):
             return
         if state.config.repair and applied.waits(state):
             self._publish(applied.apply(state), "applied by itself")
@@ -330,16 +382,20 @@ class Watch:
         assert before is not None
         assert after is not None
         self._corrected = corrected(after, self._view)
-        said = f"{how}: {_numbers(before)} -> {_numbers(after)}"
+        said = f"{how}: {numbers(before)} -> {numbers(after)}"
         self._tell(Level.WARN, said)
         return said
 
     def _keep(self, applied: Applied) -> None:
-        self._applied = applied
+        self._applied, before = applied, self._unkept
         try:
-            applied.save(self._applied_place)
+            applied.save(self._kept.applied)
         except InputError as error:
-            self._tell(Level.ERROR, f"what is applied cannot be kept over a restart: {error}")
+            self._unkept = str(error), self._clock()
+            if before is None:
+                self._tell(Level.ERROR, f"what is applied cannot be kept over a restart: {error}")
+        else:
+            self._unkept = None
 
     def _complain(self, what: str) -> None:
         """Once, until something else is wrong, or nothing is."""
@@ -353,43 +409,17 @@ class Watch:
         topics = ("image_raw",) if self.settings.files else ("image_raw", "camera_info")
         missing = self._heard.missing([f"{side}/{topic}" for topic in topics for side in SIDES], now)
         if missing:
-            return missing
+            return [f"{name}{self._about(name)}" for name in missing]
+        still = [side for side in SIDES if self._heard.missing([f"{side}/stamps"], now)]
+        if still:
+            images = " and ".join(f"{side}/image_raw" for side in still)
+            return [f"stamps of {images} (they stay the same; the driver must stamp each image with its time)"]
         if self._rig is None:
             return [f"a calibration ({self._complaint})"]
+        if self._corrected is None:
+            return ["the worker process, which is being started"]
         if self._heard.missing(["pairs"], now):
             apart = "not known" if pairing.apart is None else f"{pairing.apart / 1e6:.1f} ms"
             return [f"pairs (stamps are {apart} apart, the tolerance is {pairing.tolerance / 1e6:.1f} ms)"]
-        return [] if self._complaint is None else [f"images that can be used ({self._complaint})"]
-
-
-def _images(left: Any, right: Any, rig: StereoRig) -> tuple[np.ndarray, np.ndarray]:
-    """The two images of a pair, grey, (h, w) of 8 or 16 bit.
-
-    Raises:
-        InputError: if one is damaged, encoded in a way that is not known, or of another size than the calibration.
-    """
-    images = []
-    for side, message, camera in zip(SIDES, (left, right), (rig.left, rig.right), strict=True):
-        image = image_of_message(message, f"{side}/image_raw")
-        if image.ndim == 3:
-            image = cv2.cvtColor(image, cv2.COLOR_BGRA2GRAY if image.shape[2] == 4 else cv2.COLOR_BGR2GRAY)
-        height, width = image.shape
-        if (width, height) != camera.size:
-            raise InputError(
-                f"{side}/image_raw: the image is {width}x{height}, and the calibration of {camera.size[0]}x"
-                f"{camera.size[1]}; publish images of that size."
-            )
-        images.append(image)
-    return images[0], images[1]
-
-
-def _alike(one: StereoRig, other: StereoRig) -> bool:
-    """Whether two calibrations are one, which may have been written with some digits less."""
-    return all(a.is_like(b) for a, b in zip(corrected(one), corrected(other), strict=True))
-
-
-def _numbers(rig: StereoRig) -> str:
-    """The extrinsics, for a log."""
-    pitch, yaw, roll = np.degrees(rig.extrinsics[:3])
-    x, y, z = 1e3 * np.asarray(rig.extrinsics[3:])
-    return f"pitch {pitch:+.4f} yaw {yaw:+.4f} roll {roll:+.4f} deg, x {x:+.3f} y {y:+.3f} z {z:+.3f} mm"
+        wrong = self._complaint or self._bad
+        return [] if wrong is None else [f"images that can be used ({wrong})"]

@@ -31,7 +31,7 @@ from stereorecal.recordings import LazyPairs
 from stereorecal.synthetic import Knock, photographs, plan_drive
 from stereorecal_ros._camera_info import corrected
 from stereorecal_ros._messages import camera_info_message
-from stereorecal_ros._watch import SIDES
+from stereorecal_ros._pairing import SIDES
 
 _FRAMES, _KNOCK, _LAST = 300, 100, 40  # of the drive; the pair that shows the knock; pairs that are shown on and on
 

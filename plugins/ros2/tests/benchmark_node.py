@@ -1,6 +1,7 @@
 """Does the node notice and correct knocks in time, what does it cost, does its memory stay? Prints a table of each.
 
-    python plugins/ros2/tests/benchmark_node.py [--only knocks,cost,memory] [--messages 10000]
+    python plugins/ros2/tests/benchmark_node.py [--only knocks,cost,memory] [--messages 10000] [--width 640]
+                                                [--axes yaw]
 
 *knocks*: rendered drives with a knock of 0.3 degrees, pair by pair through all of the node but ROS, `auto_apply` set.
 *cost*: the node at its default share, ten pairs of 640x480 a second, while another process keeps a core busy.
@@ -13,6 +14,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
@@ -20,7 +22,7 @@ from types import SimpleNamespace
 import numpy as np
 from rich.console import Console
 from rich.table import Table
-from stereorecal_ros import Settings, Watch, corrected
+from stereorecal_ros import Kept, Settings, Watch, corrected
 
 import stereorecal as sr
 from stereorecal.online import Kind
@@ -39,18 +41,20 @@ def message_of(image: np.ndarray) -> SimpleNamespace:
     )
 
 
-def knocked(tour: str, seed: int, degrees: tuple[float, float, float], folder: Path) -> tuple:
+def knocked(tour: str, seed: int, degrees: tuple[float, float, float], folder: Path, width: int) -> tuple:
     """With how many pairs after the knock it is noticed, and corrected; rotation left, degrees."""
     drive = plan_drive(tour, seed, BEFORE + AFTER, knocks=(Knock(BEFORE, degrees),), weather=False)
+    drive = replace(drive, rig=drive.rig.resized((width, width * 3 // 4)))
     place, settings = folder / f"{time.monotonic_ns()}.state", Settings(auto_apply=True, share=1.0)
-    watch = Watch(settings, place, lambda level, text: None)
+    watch = Watch(settings, Kept(place), lambda level, text: None)
     roi = SimpleNamespace(x_offset=0, y_offset=0, width=0, height=0)
     for side, info in enumerate(corrected(drive.rig)):
         watch.camera_info(side, SimpleNamespace(**vars(info), binning_x=0, binning_y=0, roi=roi))
     noticed = fixed = None
-    started = watch.poll()
-    assert not started
-    for number, pair in enumerate(photographs(drive)):
+    while not watch._worker.runs:
+        watch.poll()
+        time.sleep(0.005)
+    for number, pair in enumerate(photographs(drive, folder=folder)):
         after, given = number - BEFORE + 1, watch.rig
         for side, image in enumerate((pair.left, pair.right)):
             watch.image(side, number * 100_000_000, message_of(image))
@@ -69,12 +73,13 @@ def knocked(tour: str, seed: int, degrees: tuple[float, float, float], folder: P
     return noticed, fixed, left
 
 
-def knocks() -> Table:
-    table = Table("drive", "knock", "noticed with pair", "corrected with pair", "left: pitch, yaw, roll [deg]")
+def knocks(width: int, axes: list[str]) -> Table:
+    columns = ("drive", "knock", "noticed with pair", "corrected with pair", "left: pitch, yaw, roll [deg]")
+    table = Table(*columns, title=f"{width}x{width * 3 // 4}")
     with tempfile.TemporaryDirectory() as folder:
         for tour, seed in (("harbour", 2), ("harbour", 5), ("street", 1)):
-            for axis, degrees in KNOCKS.items():
-                noticed, fixed, left = knocked(tour, seed, degrees, Path(folder))
+            for axis in axes:
+                noticed, fixed, left = knocked(tour, seed, KNOCKS[axis], Path(folder), width)
                 rest = " ".join(f"{value:+.3f}" for value in left)
                 table.add_row(f"{tour} {seed}", f"{axis} 0.3", str(noticed), str(fixed), rest)
     return table
@@ -174,12 +179,19 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--only", default="knocks,cost,memory")
     parser.add_argument("--messages", type=int, default=10_000)
+    parser.add_argument("--width", type=int, default=320, help="of the images of the drives, pixels")
+    parser.add_argument("--axes", default=",".join(KNOCKS), help="of the knocks (default: %(default)s)")
     options = parser.parse_args()
-    parts = {"knocks": knocks, "cost": cost, "memory": lambda: memory(options.messages)}
+    parts = {
+        "knocks": lambda: knocks(options.width, options.axes.split(",")),
+        "cost": cost,
+        "memory": lambda: memory(options.messages),
+    }
     for name in options.only.split(","):
         # A process each: rclpy is begun once.
         if "," in options.only:
-            subprocess.run([sys.executable, __file__, "--only", name, "--messages", str(options.messages)], check=True)
+            given = ["--messages", str(options.messages), "--width", str(options.width), "--axes", options.axes]
+            subprocess.run([sys.executable, __file__, "--only", name, *given], check=True)
         else:
             Console(width=140).print(parts[name]())
 

@@ -17,7 +17,9 @@ import rclpy
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TransformStamped
+from rcl_interfaces.srv import SetParameters
 from rclpy.executors import SingleThreadedExecutor
+from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from sensor_msgs.msg import CameraInfo, Image
 from sensor_msgs.srv import SetCameraInfo
@@ -37,7 +39,8 @@ class Listener(Player):
     def __init__(self, rig: StereoRig, folder: Path) -> None:
         super().__init__(rig)
         self.infos: dict[str, CameraInfo] = {}
-        self.stamps: set[tuple[str, int, int]] = set()
+        self.sent: set[tuple[str, int, int, str]] = set()  # of each image: side, stamp and frame
+        self.heard: list[tuple[str, int, int, str]] = []  # the same of each CameraInfo
         self.events: list[dict] = []
         self.status: dict[str, str] = {}
         self.taken: dict[str, dict] = {}
@@ -53,9 +56,15 @@ class Listener(Player):
     def _on(self, side: str):
         def come(message: CameraInfo) -> None:
             self.infos[side] = message
-            self.stamps.add((side, message.header.stamp.sec, message.header.stamp.nanosec))
+            self.heard.append(_header(side, message))
 
         return come
+
+    def send(self, pair: Pair, stamp: Time | None = None) -> None:
+        stamp = self.get_clock().now().to_msg() if stamp is None else stamp
+        for side in ("left", "right"):
+            self.sent.add((side, stamp.sec, stamp.nanosec, f"{side}_camera"))
+        super().send(pair, stamp)
 
     def _on_transform(self, message: TransformStamped) -> None:
         self.transform = message
@@ -89,6 +98,18 @@ class Listener(Player):
             time.sleep(0.02)
         return answer.result().success, answer.result().message
 
+    def allow_repair(self) -> bool:
+        """As `ros2 param set /stereorecal repair true`."""
+        client = self.create_client(SetParameters, "/stereorecal/set_parameters")
+        client.wait_for_service(PATIENCE)
+        answer = client.call_async(
+            SetParameters.Request(parameters=[Parameter("repair", value=True).to_parameter_msg()])
+        )
+        until = time.monotonic() + PATIENCE
+        while not answer.done() and time.monotonic() < until:
+            time.sleep(0.02)
+        return answer.result().results[0].successful
+
     def serve(self) -> None:
         """Take a calibration, as drivers do."""
 
@@ -118,34 +139,46 @@ def main(drive: Path, folder: Path) -> None:
     one, executor, said = Listener(rig, folder), SingleThreadedExecutor(), {}
     executor.add_node(one)
     threading.Thread(target=executor.spin, daemon=True).start()
-    node = one.start()
+    node = one.start(auto_apply=True)
     kinds = lambda: [event["event"] for event in one.events]  # noqa: E731
+
+    def published() -> dict:
+        """What comes with pairs that are sent from now on."""
+        heard = len(one.heard)
+        one.play_until(after, lambda: len(one.heard) > heard + 8)
+        return one.published()
+
     try:
         said["begins"] = one.play_until(before, lambda: "healthy" in kinds() and len(one.infos) == 2)
         said["given"] = one.published()
-        said["waits"] = one.play_until(after, lambda: one.status.get(_WAITS) == "True")
-        said["still"] = one.published()
-        said["applied"] = one.ask("apply")
-        marks = len(one.stamps)
-        one.play_until(after, lambda: len(one.stamps) > marks + 8 and one.status.get(_WAITS) == "False")
-        said["corrected"], said["transform"] = one.published(), _numbers(one.transform)
+        turned = lambda: _plain(one.infos["left"])["r"] != said["given"]["left"]["r"]  # noqa: E731
+        said["turns"] = one.play_until(after, turned)
+        said["corrected"] = published()
+        said["transform"] = _numbers(one.transform)
+        said["strangers"] = [header for header in one.heard if header not in one.sent]
+        said["twice"] = len(one.heard) - len(set(one.heard))
+        first = min(header[1:3] for header in one.heard)
+        said["without"] = len([header for header in one.sent if header[1:3] >= first]) - len(one.heard)
         node.send_signal(signal.SIGKILL)
         node.wait()
         node = one.start()
         said["again"] = one.play_until(after, lambda: len(one.infos) == 2 and one.status.get("pairs looked at") != "0")
-        one.play_until(after, lambda: not one.status["message"].startswith("missing"))
-        said["after the kill"] = one.published()
+        said["well"] = one.play_until(after, lambda: not one.status["message"].startswith("missing"))
+        said["after the kill"] = published()
         said["hostile"] = hostile(one, after)
-        said["after all that"] = one.published()
+        said["after all that"] = published()
         said["rolled back"] = one.ask("roll_back")
-        marks = len(one.stamps)
-        one.play_until(after, lambda: len(one.stamps) > marks + 8)
-        said["back"] = one.published()
+        said["back"] = published()
         said["nothing to save to"] = one.ask("save")
         one.serve()
         said["asked the drivers"] = one.play_until(after, lambda: one.ask("save")[0])
         said["saved"] = one.play_until(after, lambda: len(one.taken) == 2)
         said["taken"] = one.taken
+        said["repair again"] = one.allow_repair()
+        said["waits"] = one.play_until(after, lambda: one.status.get(_WAITS) == "True")
+        said["still"] = published()
+        said["applied"] = one.ask("apply")
+        said["corrected on request"] = published()
         node.send_signal(signal.SIGINT)
         said["code"] = node.wait(PATIENCE)
     finally:
@@ -199,6 +232,11 @@ class _Odd(_Late):
     def publish(self, message: Image) -> None:
         message.encoding = "yuv9"
         self._publisher.publish(message)
+
+
+def _header(side: str, message: CameraInfo) -> tuple[str, int, int, str]:
+    header = message.header
+    return side, header.stamp.sec, header.stamp.nanosec, header.frame_id
 
 
 def _plain(info: CameraInfo) -> dict:

@@ -1,8 +1,11 @@
-"""What the launch file and the page say is what there is; without ROS the program says how to get it."""
+"""What the launch file, the package of a workspace and the page say is what there is; without ROS the program says how
+to get it."""
 
+import ast
 import re
 import subprocess
 import sys
+import tomllib
 import xml.etree.ElementTree as ElementTree
 from dataclasses import fields
 from importlib.resources import files
@@ -12,6 +15,7 @@ from stereorecal_ros import Settings
 from stereorecal_ros._settings import about, changes
 
 PAGE = Path(__file__).parents[3] / "docs" / "tutorials" / "11-ros-2.md"
+PLUGIN = Path(__file__).parents[1]
 
 
 def test_the_launch_file():
@@ -23,6 +27,24 @@ def test_the_launch_file():
     defaults = {one.name: one.default for one in fields(Settings)}
     for name in re.findall(r"-p (\w+):=", command):
         assert str(defaults[name]).lower() == declared[name]
+
+
+def test_the_package_of_a_workspace():
+    """`colcon build` goes by it; it names the version, and what of ROS is imported."""
+    there = PLUGIN / "workspace"
+    package = ElementTree.parse(there / "package.xml").getroot()
+    project = tomllib.loads((PLUGIN / "pyproject.toml").read_text())["project"]
+    assert package.findtext("name") == "stereorecal_ros"
+    assert package.findtext("version") == project["version"]
+    assert package.findtext("export/build_type") == "ament_python"
+    trees = [ast.parse(path.read_text()) for path in (PLUGIN / "stereorecal_ros").glob("*.py")]
+    nodes = [node for tree in trees for node in ast.walk(tree)]
+    imported = {node.module for node in nodes if isinstance(node, ast.ImportFrom)}
+    imported |= {one.name for node in nodes if isinstance(node, ast.Import) for one in node.names}
+    roots = {name.partition(".")[0] for name in imported if name}
+    of_python = {"cv2", "jaxtyping", "numpy", "stereorecal", "stereorecal_ros", "yaml"} | sys.stdlib_module_names
+    assert {one.text for one in package.iter("exec_depend")} == roots - of_python
+    assert (there / "stereorecal_ros" / "_node.py").samefile(PLUGIN / "stereorecal_ros" / "_node.py")
 
 
 def test_the_page_lists_every_parameter():

@@ -45,7 +45,7 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
         metavar="NAME,…",
         help="what the strategies search: rotation, extrinsics, intrinsics, or single names (default: extrinsics)",
     )
-    add("--draws", type=int, default=2, help="decalibrations of each scene (default: 2)")
+    add("--draws", type=int, help="decalibrations of each scene (default: 2; of --preset field 10, and 4 drives)")
     add("--seed", type=int, default=0, help="same seed, same result (default: %(default)s)")
     add(
         "--budget",
@@ -53,6 +53,19 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
         metavar="UNITS",
         help="of each trial; one unit: one matcher run on a full-size frame (default: no limit)",
     )
+    add(
+        "--judge",
+        action="append",
+        default=[],
+        metavar="NAME[=PLACE]",
+        help="compare methods by what none of them looks at (repeatable): lidar=FOLDER, boards=FOLDER, product=FOLDER, "
+        "motion[=FOLDER], rendered[=KIND], simulated[=KIND], walk; --strategies then names methods: the library's "
+        "count, rows and motion, and strategies",
+    )
+    add("--preset", metavar="NAME", help="field: all judges that are rendered, and those of --judge, within an hour")
+    add("--full", action="store_true", help="of --preset field: overnight")
+    add("--board-corners", metavar="WxH", help="corners inside of the boards of --judge boards (default: 9x6)")
+    add("--square", type=float, metavar="METRES", help="side of a square of those boards")
     add("--executor", default="serial", metavar="SPEC", help=EXECUTORS)
     add("--json", metavar="FILE|-", help="write everything as JSON, again with each trial that is finished")
     add("--html", metavar="FILE", help="write one HTML page with tables and figures, to pass on")

@@ -4,6 +4,7 @@ import argparse
 
 from stereorecal.cli.arguments._matchers import add_matcher_to
 from stereorecal.cli.arguments._recordings import add_recordings_to
+from stereorecal.cli.arguments._view import add_view_to
 
 _DESCRIPTION = """\
 Watch a rig over a recording, or while its cameras run, pair by pair: its health fused over time, knocks,
@@ -28,6 +29,7 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
         "addresses, or GStreamer pipelines (two words); one that shows both images side by side; --tolerance as above",
     )
     add_matcher_to(parser)
+    add_view_to(parser)
     add("--once", action="store_true", help="watch alone, switch nothing: a check of the calibration, for cron")
     add(
         "--state",

@@ -9,6 +9,7 @@ from stereorecal.cli.arguments._motion import add_motion_to
 from stereorecal.cli.arguments._prior import add_prior_to
 from stereorecal.cli.arguments._recordings import add_recordings_to
 from stereorecal.cli.arguments._tolerances import add_tolerances_to
+from stereorecal.cli.arguments._view import add_view_to
 
 _DESCRIPTION = """\
 Repair the extrinsic calibration of the rig of each recording from its images. The candidate is accepted only if its
@@ -26,6 +27,7 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
     add_recordings_to(parser)
     add = parser.add_argument
     add_matcher_to(parser)
+    add_view_to(parser)
     add(
         "--schedule",
         default="default",

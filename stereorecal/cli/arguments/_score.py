@@ -7,6 +7,7 @@ from stereorecal.cli.arguments._motion import add_motion_to
 from stereorecal.cli.arguments._prior import add_prior_to
 from stereorecal.cli.arguments._recordings import add_recordings_to
 from stereorecal.cli.arguments._tolerances import add_tolerances_to
+from stereorecal.cli.arguments._view import add_view_to
 
 _DESCRIPTION = """\
 Check the calibration of each recording against its images, without changing anything: the share of matched pixels, the
@@ -25,6 +26,7 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
     )
     add_recordings_to(parser)
     add_matcher_to(parser)
+    add_view_to(parser)
     add_prior_to(parser)
     add_motion_to(parser)
     add_tolerances_to(parser)

@@ -57,6 +57,11 @@ def row_slopes(y: Any, z: Any) -> tuple[Any, Any]:
     return z / squared, -y / squared
 
 
+def stretch(y: Any, z: Any, length: Any) -> Any:
+    """Over the cosine of the angle from the plane across the baseline."""
+    return length / namespace(y, z).sqrt(y * y + z * z)
+
+
 def length(x: Any, y: Any, z: Any) -> Any:
     """Distance."""
     return namespace(x, y, z).sqrt(x * x + y * y + z * z)

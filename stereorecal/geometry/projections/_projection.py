@@ -59,6 +59,11 @@ class Projection(Protocol):
         """The derivatives of `row` by y and by z."""
         ...
 
+    def stretch(self, y: Any, z: Any, length: Any) -> Any:
+        """By how much rows of directions, of a length, are wider apart than they are in the middle: by as much, what
+        lies there has less disparity than it would have in the middle."""
+        ...
+
     def length(self, x: Any, y: Any, z: Any) -> Any:
         """Of a vector, in lengths of `directions`; analytic as `project`."""
         ...

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.geometry import StereoRig, rectifying_rotations, view as pinhole_view
+from stereorecal.geometry import PINHOLE, StereoRig, rectifying_rotations, view as view_shown
 
 Array = Float[np.ndarray, "..."]
 
@@ -21,7 +21,8 @@ class RectifyOptions:
     Attributes:
         alpha: 0 shows only pixels that are seen, 1 all of them; -1 is OpenCV's choice.
         flags: CALIB_ZERO_DISPARITY puts points at infinity at disparity 0.
-        matrices: of lenses that `cv2.stereoRectify` does not know: the two rectified cameras; default `sr.view`'s.
+        matrices: of lenses that `cv2.stereoRectify` does not know: the two rectified cameras; default `sr.view`'s
+            pinhole.
     """
 
     alpha: float
@@ -78,7 +79,7 @@ def _is_wide(rig: StereoRig) -> bool:
 
 def _projections(rig: StereoRig, options: RectifyOptions) -> dict[str, Array]:
     """P1, P2, Q and the whole images as regions."""
-    ours, (width, height) = pinhole_view(rig), rig.left.size
+    ours, (width, height) = view_shown(rig, projection=PINHOLE), rig.left.size
     left, right = options.matrices or (np.asarray(ours.matrix_left), np.asarray(ours.matrix_right))
     baseline = float(rig.baseline)
     P1, P2 = (np.column_stack([matrix, np.zeros(3)]) for matrix in (left, right))

@@ -8,7 +8,7 @@ from jaxtyping import Float
 
 from stereorecal._arrays import refuse_tracers
 from stereorecal._errors import InputError
-from stereorecal.geometry import StereoRig, View, with_unit_baseline
+from stereorecal.geometry import AnyView, StereoRig, with_unit_baseline
 from stereorecal.matching import AbstractMatcher, Disparity
 from stereorecal.recordings import Pairs
 from stereorecal.scoring._prepare import Pyramid, pyramid
@@ -47,7 +47,7 @@ def score(
     pairs: Pairs,
     *,
     matcher: AbstractMatcher | str | None = None,
-    view: View | None = None,
+    view: AnyView = None,
     scale: float = 1.0,
 ) -> Score:
     """How many pixels of the pairs find a valid disparity under the rig's calibration. Works on the host.
@@ -70,7 +70,7 @@ def score(
 
 
 def rectify(
-    rig: StereoRig, pair: Pairs, *, view: View | None = None
+    rig: StereoRig, pair: Pairs, *, view: AnyView = None
 ) -> tuple[Float[np.ndarray, "h w"], Float[np.ndarray, "h w"]]:
     """Left and right image rectified, float32 in the view (default: the rig's own); borders are repeated."""
     refuse_tracers("sr.rectify", "sr.prepare before tracing, and a score of its data", rig, pair, view)
@@ -80,7 +80,7 @@ def rectify(
 
 
 def disparity(
-    rig: StereoRig, pair: Pairs, *, matcher: AbstractMatcher | str | None = None, view: View | None = None
+    rig: StereoRig, pair: Pairs, *, matcher: AbstractMatcher | str | None = None, view: AnyView = None
 ) -> Disparity:
     """The disparity of one pair, NumPy arrays; `valid` is what `score` counts with the same view and matcher."""
     refuse_tracers("sr.disparity", "matcher.match on rectified images", rig, pair, view)

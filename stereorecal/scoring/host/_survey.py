@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from stereorecal._arrays import Extrinsics, refuse_tracers
-from stereorecal.geometry import StereoRig, View, with_unit_baseline
+from stereorecal.geometry import AnyView, StereoRig, View, with_unit_baseline
 from stereorecal.matching import SAD, AbstractMatcher, as_matcher
 from stereorecal.recordings import Pairs
 from stereorecal.scoring._match_frame import match_frame
@@ -115,7 +115,7 @@ def with_disparity_range(
     matcher: AbstractMatcher | str | None,
     rig: StereoRig,
     pairs: Pairs,
-    view: View | None = None,
+    view: AnyView = None,
     reach: float = _DEFAULT_REACH,
 ) -> AbstractMatcher:
     """The matcher with its number of disparities: its own, or measured on the images, whose rig may be decalibrated.

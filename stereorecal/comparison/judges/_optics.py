@@ -2,10 +2,15 @@
 
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
+from jaxtyping import Float
 
-import stereorecal as sr
+from stereorecal._arrays import AnyArray
+from stereorecal._cv2 import cv2
+from stereorecal.geometry import Camera, Rectification, StereoRig, rectification
+from stereorecal.recordings import Pair
+
+Pixels = Float[np.ndarray, "n 2"]
 
 _ENOUGH = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 200, 1e-12)
 
@@ -14,8 +19,8 @@ _ENOUGH = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 200, 1e-12)
 class Optics:
     """A rig and its rectification."""
 
-    rig: sr.StereoRig
-    made: sr.Rectification
+    rig: StereoRig
+    made: Rectification
 
     @property
     def focal(self) -> float:
@@ -32,21 +37,21 @@ class Optics:
         """Disparity of what is infinitely far away."""
         return float(self.made.P1[0, 2] - self.made.P2[0, 2])
 
-    def images(self, pair: sr.Pair) -> tuple[np.ndarray, np.ndarray]:
+    def images(self, pair: Pair) -> tuple[np.ndarray, np.ndarray]:
         """Both images rectified, 8 bit; black where nothing is seen."""
         grey = (np.clip(np.round(image), 0, 255).astype(np.uint8) for image in (pair.left, pair.right))
         left, right = (cv2.remap(g, *maps, cv2.INTER_CUBIC) for g, maps in zip(grey, self.made.maps, strict=True))
         return left, right
 
-    def left(self, pixels: np.ndarray) -> np.ndarray:
+    def left(self, pixels: Pixels) -> Pixels:
         """Raw pixels (n, 2) of the left image, rectified."""
         return _undistorted(pixels, self.rig.left, self.made.R1, self.made.P1)
 
-    def right(self, pixels: np.ndarray) -> np.ndarray:
+    def right(self, pixels: Pixels) -> Pixels:
         """Raw pixels (n, 2) of the right image, rectified."""
         return _undistorted(pixels, self.rig.right, self.made.R2, self.made.P2)
 
-    def raw(self, left: np.ndarray, right: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def raw(self, left: Pixels, right: Pixels) -> tuple[Pixels, Pixels]:
         """Where rectified pixels (n, 2) lie in the images as they were taken."""
         made = self.made
         return (
@@ -54,26 +59,28 @@ class Optics:
             _distorted(right, self.rig.right, made.R2, made.P2),
         )
 
-    def rectified_depth(self, pixels: np.ndarray, depth: np.ndarray) -> np.ndarray:
+    def rectified_depth(self, pixels: Pixels, depth: Float[np.ndarray, "n"]) -> Float[np.ndarray, "n"]:
         """Depth in the rectified frame of points that this rig's left camera sees at raw pixels, at a depth along its
         own axis."""
         rays = _undistorted(pixels, self.rig.left, np.eye(3), np.eye(3, 4))
         return np.column_stack([rays, np.ones(len(rays))]) @ self.made.R1[2] * depth
 
 
-def optics(rig: sr.StereoRig) -> Optics:
+def optics(rig: StereoRig) -> Optics:
     """Of a rig, in its own view."""
-    return Optics(rig, sr.rectification(rig))
+    return Optics(rig, rectification(rig))
 
 
-def _undistorted(pixels: np.ndarray, camera: sr.Camera, turn: np.ndarray, projection: np.ndarray) -> np.ndarray:
+def _undistorted(pixels: Pixels, camera: Camera, turn: AnyArray, projection: AnyArray) -> Pixels:
+    turn, projection = np.asarray(turn, float), np.asarray(projection, float)
     given = np.ascontiguousarray(pixels, np.float64).reshape(-1, 1, 2)
     lens = np.asarray(camera.distortion, float) if np.size(camera.distortion) else np.zeros(4)
     found = cv2.undistortPoints(given, np.asarray(camera.matrix), lens, None, turn, projection[:, :3], _ENOUGH)
     return found.reshape(-1, 2)
 
 
-def _distorted(pixels: np.ndarray, camera: sr.Camera, turn: np.ndarray, projection: np.ndarray) -> np.ndarray:
+def _distorted(pixels: Pixels, camera: Camera, turn: AnyArray, projection: AnyArray) -> Pixels:
+    turn, projection = np.asarray(turn, float), np.asarray(projection, float)
     rays = np.column_stack([pixels, np.ones(len(pixels))]) @ np.linalg.inv(projection[:, :3]).T @ turn
     lens = np.asarray(camera.distortion, float) if np.size(camera.distortion) else np.zeros(4)
     return cv2.projectPoints(rays, np.zeros(3), np.zeros(3), np.asarray(camera.matrix), lens)[0].reshape(-1, 2)

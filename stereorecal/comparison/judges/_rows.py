@@ -3,14 +3,16 @@
 from dataclasses import dataclass
 from functools import lru_cache
 
-import cv2
 import numpy as np
-from truth_optics import optics, sgbm
 
-import stereorecal as sr
+from stereorecal._cv2 import cv2
+from stereorecal.comparison.judges._optics import Pixels, optics, sgbm
+from stereorecal.geometry import StereoRig
+from stereorecal.recordings import Pair, Scene
 
 _NEAREST = 0.25  # of the width: disparities that are looked for
-_WINDOW = {"winSize": (15, 15), "criteria": (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 50, 1e-4)}
+_WINDOW = (15, 15)  # pixels
+_UNTIL = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 50, 1e-4)  # steps, pixels
 _RETURN = 0.2  # pixels between a corner and where it comes back to
 _MOST_ROWS, _MOST_ALONG = 8.0, 2.0  # pixels from the stored rig's row, and from SGBM's disparity
 
@@ -24,21 +26,21 @@ class Rows:
     corners: int
 
 
-def rows(judged: sr.StereoRig, stored: sr.StereoRig, scene: sr.Scene) -> Rows:
+def rows(judged: StereoRig, stored: StereoRig, scene: Scene) -> Rows:
     """Of the corners of a scene. They are followed once, in images that the stored rig rectifies, and taken back to raw
     pixels: every rig is judged by the same ones."""
     apart = np.concatenate([row_differences(judged, stored, *followed(stored, pair)) for pair in scene.pairs])
     return Rows(float(np.median(np.abs(apart))), float(np.median(apart)), len(apart))
 
 
-def row_differences(judged: sr.StereoRig, stored: sr.StereoRig, left: np.ndarray, right: np.ndarray) -> np.ndarray:
+def row_differences(judged: StereoRig, stored: StereoRig, left: Pixels, right: Pixels) -> np.ndarray:
     """Row of left less row of right raw pixels (n, 2), rectified by a rig, at the focal length of the stored one."""
     made = optics(judged)
     return (made.left(left)[:, 1] - made.right(right)[:, 1]) * float(stored.left.matrix[0, 0]) / made.focal
 
 
 @lru_cache(maxsize=64)
-def followed(rig: sr.StereoRig, pair: sr.Pair) -> tuple[np.ndarray, np.ndarray]:
+def followed(rig: StereoRig, pair: Pair) -> tuple[Pixels, Pixels]:
     """Corners of a pair and where they are found in the right image, raw pixels (n, 2) each.
 
     Begun at SGBM's disparity, followed down a pyramid by Lucas-Kanade to parts of a pixel, and back.
@@ -50,10 +52,16 @@ def followed(rig: sr.StereoRig, pair: sr.Pair) -> tuple[np.ndarray, np.ndarray]:
     begun = disparity[tuple(np.rint(corners[:, ::-1]).astype(int).T)]
     corners, begun = corners[np.isfinite(begun)], begun[np.isfinite(begun)]
     guess = (corners - np.column_stack([begun, 0 * begun])).astype(np.float32)
-    flags = cv2.OPTFLOW_USE_INITIAL_FLOW
-    found, there, _ = cv2.calcOpticalFlowPyrLK(*images, corners, guess.copy(), maxLevel=1, flags=flags, **_WINDOW)
-    back, here, _ = cv2.calcOpticalFlowPyrLK(*images[::-1], found, corners.copy(), maxLevel=1, flags=flags, **_WINDOW)
+    found, there = _flow(images[0], images[1], corners, guess)
+    back, here = _flow(images[1], images[0], found, corners)
     good = (there.ravel() > 0) & (here.ravel() > 0) & (np.linalg.norm(back - corners, axis=1) < _RETURN)
     good &= np.abs(corners[:, 0] - found[:, 0] - begun) < _MOST_ALONG
     good &= np.abs(corners[:, 1] - found[:, 1]) < _MOST_ROWS
     return made.raw(corners[good].astype(float), found[good].astype(float))
+
+
+def _flow(image, other, points, guess):
+    """Where windows around points (n, 1, 2) of an image lie in another one, begun at a guess, and whether they do."""
+    how = {"winSize": _WINDOW, "criteria": _UNTIL, "flags": cv2.OPTFLOW_USE_INITIAL_FLOW}
+    found, there, _ = cv2.calcOpticalFlowPyrLK(image, other, points, guess.copy(), maxLevel=1, **how)
+    return found, there

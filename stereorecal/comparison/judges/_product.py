@@ -4,11 +4,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from truth_rows import rows
 
-import stereorecal as sr
+from stereorecal.comparison.judges._rows import rows
+from stereorecal.geometry import StereoRig
+from stereorecal.recordings import Scene
 
-FOLDER = "oak_d"
 _WORSE = 0.02  # px
 
 
@@ -25,11 +25,11 @@ class ByProduct:
         return np.subtract(self.judged_px, self.stored_px)
 
 
-def by_product(judged: sr.StereoRig, stored: sr.StereoRig, scenes: Sequence[sr.Scene]) -> ByProduct:
-    """PixelCounter a rig by scenes."""
+def by_product(judged: StereoRig, stored: StereoRig, scenes: Sequence[Scene]) -> ByProduct:
+    """Judge a rig by scenes."""
     return ByProduct(*(tuple(rows(rig, stored, scene).median_px for scene in scenes) for rig in (judged, stored)))
 
 
-def worse(change: np.ndarray, unseen: slice) -> bool:
+def product_is_worse(change: np.ndarray, unseen: slice) -> bool:
     """Whether rows of the first scene, or of those that took no part in the middle, are farther apart than before."""
     return bool(change[0] > _WORSE or np.median(change[unseen]) > _WORSE)

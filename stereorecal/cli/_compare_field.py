@@ -1,0 +1,123 @@
+"""`python -m stereorecal compare --judge …` and `--preset field`."""
+
+import argparse
+import math
+import sys
+from contextlib import nullcontext
+from dataclasses import replace
+
+from stereorecal._choices import checked_choice
+from stereorecal._errors import InputError
+from stereorecal.cli import _values
+from stereorecal.cli._console import table_console
+from stereorecal.cli._executors import executor
+from stereorecal.cli._exit_codes import FAILURE, INTERRUPTED
+from stereorecal.cli._html import check_page
+from stereorecal.cli._json import write_json
+from stereorecal.cli._places import check_places, deliver, places_of, spare
+from stereorecal.cli._progress import progress_bar
+from stereorecal.cli._streams import say
+from stereorecal.cli._trial_journal import TrialJournal
+from stereorecal.comparison.field import FAILED, Field, compare_field, methods_of, planned
+from stereorecal.comparison.judges import Draws, recipes_of
+from stereorecal.io import files_read
+from stereorecal.matching import as_matcher
+from stereorecal.objectives import Reach
+from stereorecal.report.field import field_tables
+
+PRESETS = ("field",)
+_RENDERED = ("rendered", "simulated", "motion", "walk")
+_SPARING, _FULL = {"number": 10, "rides": 4}, {"number": 40, "rides": 20, "walk": 1000}
+_OTHERS = ("scene", "synthetic", "schedule", "scale", "budget")  # options of comparisons of strategies
+
+
+def run(options: argparse.Namespace) -> int:
+    """Compare, print, save; returns the exit code."""
+    _check_options(options)
+    judges = [*(_RENDERED if options.preset else ()), *options.judge]
+    draws = _draws(options)
+    reach = Reach(*_values.degrees_and_fraction(options.reach, "--reach")) if options.reach is not None else None
+    matcher = as_matcher(options.matcher)
+    methods = methods_of(None if options.strategies in (None, "all") else options.strategies.split(","))
+    places = places_of(options, "html", "json")
+    check_page(options.html, "field_page")
+    with files_read() as read:
+        recipes = [recipe for judge in judges for recipe in recipes_of(judge, draws)]
+    empty, tasks = planned(judges, recipes, methods, matcher=matcher, draws=draws, reach=reach)
+    made_with = {
+        name: value for name, value in empty.as_dict().items() if name in ("schema", "versions", "settings", "methods")
+    }
+    journal = TrialJournal(places[0].path if places else None, made_with)
+    force = options.force or journal.begun
+    check_places(places, force=force)
+    spare(places, read)
+    if journal.done:
+        say(f"{len(journal.done)} of {len(tasks)} trials were finished already; going on.")
+    with executor(options.executor) as pool, _progress(options) as progress:
+        field = compare_field(empty, tasks, done=journal.done, executor=pool, progress=progress, on_trial=journal)
+        deliver(
+            lambda: _show(field, options),
+            lambda: write_json(field.as_dict(), options.json, force=force) if options.json is not None else None,
+            lambda: field.to_html(options.html, overwrite=force) if options.html is not None else None,
+        )
+    if field.interrupted:
+        again = f"; the same command goes on from {journal.path}" if journal.path is not None else ""
+        say(f"interrupted; {len(field.trials)} of {field.planned} trials were finished{again}.")
+        return INTERRUPTED
+    journal.finish()
+    return FAILURE if all(trial.status == FAILED for trial in field.trials) else 0
+
+
+def _check_options(options: argparse.Namespace) -> None:
+    if options.preset is not None:
+        checked_choice(options.preset, PRESETS, "preset")
+    if options.full and options.preset is None:
+        raise InputError("--full belongs to --preset field; leave it out, or add that.")
+    for name in _OTHERS:
+        if getattr(options, name):
+            raise InputError(f"--{name} belongs to comparisons of strategies; leave it out beside judges (--judge).")
+    if options.free != "extrinsics":
+        raise InputError("--free belongs to comparisons of strategies; beside judges each method's own is a column.")
+
+
+def _draws(options: argparse.Namespace) -> Draws:
+    chosen = Draws()
+    if options.preset:
+        chosen = replace(chosen, **(_FULL if options.full else _SPARING))
+    if options.draws is not None:
+        if options.draws < 1:
+            raise InputError(f"--draws is {options.draws}; give 1 or more.")
+        chosen = replace(chosen, number=options.draws, rides=options.draws)
+    degrees, fraction = _values.degrees_and_fraction(options.decalibrate, "--decalibrate")
+    frames = _values.frame_limit(options.frames)
+    if frames is None:
+        raise InputError("--frames all has no meaning for judges that are rendered; give a number.")
+    if options.square is not None and not (math.isfinite(options.square) and options.square > 0.0):
+        raise InputError(f"--square is {options.square}; give metres, such as 0.03.")
+    return replace(
+        chosen,
+        seed=_values.seed(options.seed),
+        degrees=degrees,
+        baseline_fraction=fraction,
+        frames=frames,
+        corners=_values.board_corners(options.board_corners),
+        square=options.square,
+    )
+
+
+def _progress(options: argparse.Namespace):
+    """A bar where somebody looks; else a line now and then, since it takes long."""
+    if options.quiet or sys.stderr.isatty():
+        return progress_bar(options.quiet, "judging")
+    return nullcontext(_line)
+
+
+def _line(finished: int, total: int) -> None:
+    if finished and (finished == total or finished % max(1, total // 20) == 0):
+        say(f"{finished} of {total} trials")
+
+
+def _show(field: Field, options: argparse.Namespace) -> None:
+    if field.trials and not options.quiet and options.json != "-":
+        console = table_console()
+        console.print(field_tables(field.as_dict()))

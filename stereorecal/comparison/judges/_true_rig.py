@@ -1,0 +1,27 @@
+"""A judge that knows the true rig."""
+
+from dataclasses import dataclass
+
+from stereorecal.comparison.judges._judgement import DISTANCES, Judgement
+from stereorecal.geometry import StereoRig, View, axis_errors
+from stereorecal.recalibration import difference
+
+
+@dataclass(frozen=True, eq=False)
+class ByTrueRig:
+    """Rows and depth of points whose pixels the true rig tells, and the errors of the angles.
+
+    Attributes:
+        view: in which rows are compared.
+    """
+
+    truth: StereoRig
+    view: View
+
+    def __call__(self, rig: StereoRig) -> Judgement:
+        wrong = difference(rig, self.truth, view=self.view)
+        return Judgement(
+            wrong.row_error_median,
+            {distance: wrong.depth_error_percent[distance] for distance in DISTANCES},
+            axis_errors(rig, self.truth).rotation_deg,
+        )

@@ -1,0 +1,104 @@
+"""`compare --judge`: a folder judges, a run that was killed goes on, and bad words are one sentence."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import stereorecal as sr
+from stereorecal.cli import _trial_journal
+from stereorecal.comparison.field import FieldTrial
+
+pytest.importorskip("stereorecal_features", reason="the plug-in is not installed")
+RIVALS = ("--strategies", "features,essential-matrix")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A street that an ideal rig sees, with its true disparities."""
+    camera = sr.Camera((240, 180), np.array([[230.0, 0, 119.5], [0, 230, 89.5], [0, 0, 1]]))
+    rig = sr.StereoRig(camera, camera, np.array([0.0, 0, 0, -0.3, 0, 0]))
+    scene = sr.synthetic.render("street", 1, rig=rig)
+    folder = tmp_path_factory.mktemp("judge") / "street"
+    sr.io.save_scene(scene, folder)
+    depth = np.full((180, 240), 9.0)  # roughly: what is judged here is the plumbing
+    np.savez(folder / "gt.npz", (230 * 0.3 / depth).astype(np.float32))
+    told = json.loads((folder / "calib.json").read_text())
+    told |= {"disparity_gt": "gt.npz", "gt_encoding": "npz arr_0 float32"}
+    (folder / "calib.json").write_text(json.dumps(told))
+    return folder
+
+
+def test_a_folder_judges(command, folder, tmp_path):
+    target, page = tmp_path / "a.json", tmp_path / "a.html"
+    words = ("compare", "--judge", f"lidar={folder}", "--draws", 1, *RIVALS)
+    answer = command(*words, "--json", target, "--html", page)
+    assert answer.code == 0
+    assert "lidar: by depths that are known" in answer.out
+    assert "essential-matrix" in answer.out
+    data = json.loads(target.read_text())
+    assert [(row["draw"], row["method"]) for row in data["trials"]] == [
+        (draw, method) for draw in (None, 0) for method in ("features", "essential-matrix")
+    ]
+    assert all(row["row_error_px"]["start"] is not None for row in data["trials"])
+    assert "</html>" in page.read_text()
+    assert not list(tmp_path.glob("*.trials"))
+    assert command(*words, "--json", target).code == 2  # it exists
+
+
+def test_killed_and_resumed(command, folder, tmp_path, monkeypatch):
+    target = tmp_path / "a.json"
+    words = ("compare", "--judge", f"lidar={folder}", "--draws", 1, *RIVALS, "--json", target)
+
+    class Killed(BaseException):
+        pass
+
+    def once(journal, trial: FieldTrial):
+        save(journal, trial)
+        raise Killed
+
+    save = _trial_journal.TrialJournal.__call__
+    monkeypatch.setattr(_trial_journal.TrialJournal, "__call__", once)
+    with pytest.raises(Killed):
+        command(*words)
+    monkeypatch.undo()
+    journal = tmp_path / "a.json.trials"
+    assert len(journal.read_text().splitlines()) == 2
+    with journal.open("a") as file:
+        file.write('{"key": "lidar | street | stor')  # cut short
+    other = command(*words, "--seed", 5)
+    assert other.code == 2
+    assert "is of a comparison with other settings or versions; remove it" in other.err
+    answer = command(*words)
+    assert answer.code == 0
+    assert "1 of 4 trials were finished already; going on." in answer.err
+    assert len(json.loads(target.read_text())["trials"]) == 4
+    assert not journal.exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--judge", "lidra=x"), "unknown judge 'lidra'; did you mean lidar"),
+        (("--judge", "lidar=nowhere"), "nowhere: there is no such folder"),
+        (("--preset", "feild"), "unknown preset 'feild'; did you mean field"),
+        (("--judge", "walk", "--strategies", "featurs"), "unknown method 'featurs'; did you mean features"),
+        (("--judge", "walk", "--scene", "x"), "--scene belongs to comparisons of strategies"),
+        (("--judge", "walk", "--free", "rotation"), "--free belongs to comparisons of strategies"),
+        (("--judge", "walk", "--draws", "0"), "--draws is 0; give 1 or more"),
+        (("--judge", "walk", "--frames", "all"), "--frames all has no meaning"),
+        (("--judge", "boards=.", "--square", "-1"), "--square is -1.0; give metres"),
+        (("--judge", "boards=.", "--square", "1", "--board-corners", "9"), "--board-corners is"),
+        (("--full",), "--full belongs to judges"),
+        (("--judge", "walk", "--full"), "--full belongs to --preset field"),
+        (("--square", "0.03"), "--square belongs to judges"),
+    ],
+)
+def test_bad_words(command, tmp_path, monkeypatch, words, message):
+    monkeypatch.chdir(tmp_path)
+    answer = command("compare", *words, "--json", "out.json")
+    assert answer.code == 2
+    assert message in answer.err
+    assert len(answer.err.splitlines()) == 1
+    assert not list(tmp_path.iterdir())

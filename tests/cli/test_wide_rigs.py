@@ -1,0 +1,138 @@
+"""Rigs with wide lenses from their own files to repaired ones and back, and the view that is looked through."""
+
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import stereorecal as sr
+from stereorecal.geometry import Camera, StereoRig, axis_errors
+from stereorecal.io import save_scene
+
+SIZE = (320, 240)
+TERMS = np.array([-0.02, -0.007, 0.002, -0.001])
+DRIFT = np.array([np.radians(0.5), np.radians(-0.7), np.radians(0.9), 0.0, 0.004, -0.003])
+
+
+def fisheye(columns: float, rows: float) -> Camera:
+    matrix = np.array([[96.5, 0, columns], [0, 96.7, rows], [0, 0, 1]])  # 190 degrees
+    return Camera(SIZE, matrix, TERMS, model="equidistant")
+
+
+RIG = StereoRig(fisheye(161.2, 118.0), fisheye(158.5, 120.5), np.array([0.004, -0.006, 0.003, -0.36, 0.002, -0.001]))
+
+
+@pytest.fixture(scope="module")
+def drifted(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A recording with a camchain beside it, as people comment it."""
+    folder = tmp_path_factory.mktemp("wide") / "street"
+    scene = sr.synthetic.render("street", 1, rig=RIG)
+    save_scene(scene, folder)
+    sr.io.save_rig(RIG.with_extrinsics(RIG.extrinsics + DRIFT), folder / "plain.yaml", format="kalibr")
+    lines = (folder / "plain.yaml").read_text().splitlines()
+    (folder / "camchain.yaml").write_text("\n".join(["# by Kalibr, on a Tuesday", *lines, "# the end"]) + "\n")
+    return folder
+
+
+def images(folder: Path) -> tuple[object, ...]:
+    return "--left", folder / "left.png", "--right", folder / "right.png"
+
+
+@pytest.mark.slow
+def test_a_camchain_of_fisheyes_comes_back_with_other_numbers(command, drifted: Path, tmp_path: Path):
+    given, repaired, told, maps = (
+        drifted / "camchain.yaml",
+        tmp_path / "out.yaml",
+        tmp_path / "o.json",
+        tmp_path / "m.npz",
+    )
+    words = (*images(drifted), "--calibration", given, "--output", repaired, "--json", told, "--maps", maps)
+    answer = command("recalibrate", *words, "--prior", "exact")
+    assert (answer.code, answer.err) == (0, "")
+    before, after = given.read_text().splitlines(), repaired.read_text().splitlines()
+    assert len(before) == len(after)
+    changed = [(old, new) for old, new in zip(before, after, strict=True) if old != new]
+    assert 1 <= len(changed) <= 4  # rows of T_cn_cnm1
+    for old, new in changed:
+        assert all(set(line) <= set("- [],.0123456789e") for line in (old, new))
+    rig = sr.io.load_rig(repaired)
+    assert max(axis_errors(rig, RIG).rotation_deg.values()) < 0.08
+    view = json.loads(told.read_text())["repairs"][0]["view"]
+    assert (view["projection"], view["size"]) == ("equirectangular", [320, 240])
+    assert view["degrees"] == pytest.approx(160.0)
+    made = np.load(maps)
+    assert made["projection"] == "equirectangular"
+    assert float(made["focal"]) == pytest.approx(view["focal_px"])
+    assert not {"P1", "P2", "Q"} & set(made.files)
+    sr.io.save_maps(rig, tmp_path / "pinhole.npz", view={"projection": "pinhole"})
+    assert {"P1", "P2", "Q"} <= set(np.load(tmp_path / "pinhole.npz").files)
+
+
+@pytest.mark.slow
+def test_one_option_says_through_which_view_every_command_looks(command, drifted: Path, tmp_path: Path):
+    words = (*images(drifted), "--calibration", drifted / "calib.json", "--view", "projection=pinhole,field=100")
+    told = tmp_path / "health.json"
+    assert command("score", *words, "--json", told).code in (0, 4)
+    content = json.loads(told.read_text())
+    assert content["settings"]["view"] == "projection=pinhole,field=100"
+    assert content["scenes"][0]["view"]["degrees"] == pytest.approx(100.0)
+    state = tmp_path / "state"
+    assert command("monitor", *words, "--state", state, "--quiet").code in (0, 4)
+    kept = sr.online.load(state)
+    assert (kept.view.projection, kept.config.projection, kept.config.field) == ("pinhole", "pinhole", 100.0)
+    other = command("monitor", *words[:-1], "field=120", "--state", state)
+    assert (other.code, other.out) == (2, "")
+    assert "has looked through another view; leave --view out" in other.err
+    assert command("monitor", *words[:-2], "--state", state, "--quiet").code in (0, 4)
+
+
+@pytest.mark.parametrize(
+    ("view", "said"),
+    [
+        ("field=200", "the field of a view is 200.0; give degrees, more than 0 and at most 180"),
+        ("projection=pinhole,field=170", "at most 165 of pinhole"),
+        ("field=nan", "the field of a view is nan"),
+        ("field=0.001", "a field of 0.001 degrees magnifies the images"),
+        ("field=wide", "--view has 'field=wide'; give degrees, such as field=140"),
+        ("projection=fisheye", "there is no projection 'fisheye'; give one of pinhole, equirectangular"),
+        ("equirectangular", "unknown argument of --view 'equirectangular'; choose one of: projection, field"),
+        ("fields=80", "did you mean field?"),
+        ("", "unknown argument of --view ''"),
+    ],
+)
+@pytest.mark.parametrize("verb", ["score", "recalibrate", "monitor"])
+def test_views_that_are_none(command, drifted: Path, tmp_path: Path, verb: str, view: str, said: str):
+    out = tmp_path / "out.json"
+    answer = command(verb, *images(drifted), "--calibration", drifted / "calib.json", "--view", view, "--json", out)
+    assert answer.code == 2
+    assert said in answer.err
+    assert answer.err.count("\n") == 1
+    assert not out.exists()
+
+
+CHANGES = {
+    "distortion_model: equidistant": ("distortion_model: fov", "is not supported"),
+    "-0.02, -0.007": ("-300.0, -0.007", "fold the image back within 5 degrees"),
+    "0.002, -0.001": ("0.002, .nan", "NaN or infinite numbers"),
+    ", -0.001]": ("]", "3 coefficients is not supported"),
+    "intrinsics: [96.5": ("intrinsics: [-96.5", "singular or negative"),
+    "resolution: [320, 240]": ("resolution: [640, 480]", "320x240"),
+}
+
+
+@pytest.mark.parametrize("what", CHANGES)
+def test_parameters_of_lenses_that_are_none(command, drifted: Path, tmp_path: Path, what: str):
+    folder, (instead, said) = tmp_path / "here", CHANGES[what]
+    shutil.copytree(drifted, folder)
+    text = (folder / "camchain.yaml").read_text()
+    assert what in text
+    (folder / "camchain.yaml").write_text(text.replace(what, instead))
+    before = sorted(folder.iterdir())
+    words = (*images(folder), "--calibration", folder / "camchain.yaml", "--output", folder / "out.yaml")
+    answer = command("recalibrate", *words)
+    assert (answer.code, answer.out) == (2, "")
+    assert said in answer.err
+    assert answer.err.count("\n") == 1
+    assert sorted(folder.iterdir()) == before
