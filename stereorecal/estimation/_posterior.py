@@ -35,9 +35,9 @@ class Posterior:
         return np.einsum("m,mij->ij", self.weights, self.covariances) + (self.weights * apart.T) @ apart
 
     def samples(self, number: int, seed: int = 0) -> Float[np.ndarray, "s n"]:
-        """θ drawn at random; the same for a seed."""
-        draw = np.random.default_rng(seed)
-        chosen = draw.choice(len(self.weights), number, p=self.weights)
+        """θ drawn at random, the same for a seed; each explanation has its share of them, to one draw."""
+        draw, ends = np.random.default_rng(seed), np.cumsum(self.weights)
+        chosen = np.searchsorted(ends[:-1] / ends[-1], (np.arange(number) + 0.5) / number)
         normal = draw.standard_normal((number, self.means.shape[1]))
         found = np.empty_like(normal)
         for index in np.unique(chosen):

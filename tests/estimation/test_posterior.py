@@ -105,3 +105,11 @@ def test_those_that_are_the_same_become_one_without_a_trace():
     order = np.argsort(-fewer.weights)
     np.testing.assert_allclose(fewer.weights[order], single.weights)
     np.testing.assert_allclose(fewer.means[order] / UNITS, single.means / UNITS, atol=1e-12)
+
+
+def test_each_explanation_has_its_share_of_the_samples():
+    """To one draw: what is rare must not be rarer, or more frequent, by chance."""
+    weights, means = np.array([0.9, 0.0945, 0.0055]), np.array([[0.0], [100.0], [200.0]])
+    found = Posterior(weights, means, np.full((3, 1, 1), 1e-6)).samples(2000)[:, 0]
+    counts = [np.count_nonzero(np.abs(found - mean) < 1.0) for mean in (0.0, 100.0, 200.0)]
+    np.testing.assert_allclose(counts, 2000 * weights, atol=1.0)
