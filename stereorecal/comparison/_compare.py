@@ -14,8 +14,8 @@ from stereorecal._run_all import Progress, run_all
 from stereorecal._signals import hold
 from stereorecal.comparison._comparison import Comparison
 from stereorecal.comparison._entrants import entrants_of
-from stereorecal.comparison._pictures import Shown
 from stereorecal.comparison._trial import Task, Trial, failed, run_trial
+from stereorecal.comparison._trial_pictures import Shown
 from stereorecal.estimation import EXACT
 from stereorecal.geometry import StereoRig
 from stereorecal.matching import AbstractMatcher, as_matcher, name_of, origin_of as origin_of_matcher

@@ -7,10 +7,10 @@ from typing import Any
 
 from stereorecal._extras import extra
 from stereorecal._json_data import json_data
-from stereorecal.comparison._pictures import Shown, pictures_of
 from stereorecal.comparison._profiles import Curve, curves
 from stereorecal.comparison._summary import Summary, Thresholds, summarise
 from stereorecal.comparison._trial import Trial
+from stereorecal.comparison._trial_pictures import Shown, pictures_of
 from stereorecal.io import write_json, write_text
 
 SCHEMA = "stereorecal.compare/1"

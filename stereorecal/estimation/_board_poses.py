@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from stereorecal._cv2 import cv2
-from stereorecal.estimation._slopes import pixels_of, slopes_of
+from stereorecal.estimation._jacobian import pixels_of, slopes_of
 from stereorecal.geometry import StereoRig, rotation_from_vector
 from stereorecal.objectives import RigChart
 from stereorecal.recordings import Board

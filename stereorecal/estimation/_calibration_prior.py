@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float
 
+from stereorecal.estimation._jacobian import pixels_of, slopes_by_point, slopes_of
 from stereorecal.estimation._posterior import root
-from stereorecal.estimation._slopes import pixels_of, slopes_by_point, slopes_of
 from stereorecal.geometry import Camera, StereoRig, rotation_between, rotation_from_vector
 from stereorecal.objectives import BASELINE, SIDES, RigChart
 

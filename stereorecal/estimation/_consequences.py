@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Inexact, Int
 
-from stereorecal.estimation._slopes import lens_parameters, moved_by_extrinsics
+from stereorecal.estimation._jacobian import lens_parameters, moved_by_extrinsics
 from stereorecal.geometry import (
     PINHOLE,
     Projection,

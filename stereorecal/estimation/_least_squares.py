@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal.estimation._calibration_prior import CalibrationPrior
+from stereorecal.estimation._confounders import beside_rivals
 from stereorecal.estimation._delay import Delay, beside_delay
 from stereorecal.estimation._evidence import Normal
 from stereorecal.estimation._explanations import (
@@ -22,7 +23,6 @@ from stereorecal.estimation._lens_field import within_field
 from stereorecal.estimation._measured import NOTHING_ELSE, Measured
 from stereorecal.estimation._misfit import COMMON, DEVIATIONS
 from stereorecal.estimation._posterior import Posterior, merged
-from stereorecal.estimation._rivals import beside_rivals
 from stereorecal.objectives import RigChart
 from stereorecal.scoring import Correspondences
 

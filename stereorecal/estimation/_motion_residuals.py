@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.estimation._slopes import lens_parameters
+from stereorecal.estimation._jacobian import lens_parameters
 from stereorecal.geometry import StereoRig, euler_slopes, pixel_slopes, ray_slopes
 from stereorecal.objectives import SIDES, RigChart
 from stereorecal.scoring import Tracks

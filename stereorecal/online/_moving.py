@@ -7,7 +7,7 @@ from jaxtyping import Float
 from stereorecal.estimation import Normal, is_exact, rig_parameters, window
 from stereorecal.geometry import vector_from_rotation
 from stereorecal.online._estimate import SIZE, Measurement
-from stereorecal.online._glance import Glance
+from stereorecal.online._pair_estimate import Glance
 from stereorecal.online._state import State
 from stereorecal.online._switching import Outcome, weighed
 from stereorecal.online._watching import standing

@@ -11,10 +11,10 @@ from stereorecal.matching import as_matcher
 from stereorecal.online._config import Config
 from stereorecal.online._estimate import SIZE, at_start
 from stereorecal.online._events import Event, Kind
-from stereorecal.online._glance import Glance, glance
 from stereorecal.online._keystone import left_of_yaw
 from stereorecal.online._moving import anchored, moved
 from stereorecal.online._pace import Pace
+from stereorecal.online._pair_estimate import Glance, glance
 from stereorecal.online._repairing import begun, continued, too_far
 from stereorecal.online._state import Offset, State, nearing
 from stereorecal.online._switching import Outcome, judged, matched, nominated, switched

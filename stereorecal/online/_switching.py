@@ -7,7 +7,7 @@ from jaxtyping import Float
 
 from stereorecal.online._estimate import SIZE, Measurement
 from stereorecal.online._events import Event, Kind
-from stereorecal.online._glance import Glance
+from stereorecal.online._pair_estimate import Glance
 from stereorecal.online._reading import reading
 from stereorecal.online._state import Offset, State
 from stereorecal.online._trial import Trial

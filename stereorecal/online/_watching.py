@@ -6,7 +6,7 @@ from jaxtyping import Float
 from stereorecal.objectives import RigChart
 from stereorecal.online._estimate import SIZE, Estimate, Measurement
 from stereorecal.online._events import Event, Kind
-from stereorecal.online._glance import Glance
+from stereorecal.online._pair_estimate import Glance
 from stereorecal.online._reading import Reading, reading
 from stereorecal.online._state import State
 from stereorecal.recalibration import Condition

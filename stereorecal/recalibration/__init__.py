@@ -13,7 +13,7 @@ from stereorecal.recalibration._cost import Cost as Cost
 from stereorecal.recalibration._difference import Difference as Difference, difference as difference
 from stereorecal.recalibration._effects import DISTANCES as DISTANCES, depth_error as depth_error
 from stereorecal.recalibration._evidence import Evidence as Evidence, evidence_of as evidence_of
-from stereorecal.recalibration._frames import MOST_FRAMES as MOST_FRAMES, chosen_frames as chosen_frames
+from stereorecal.recalibration._frame_choice import MOST_FRAMES as MOST_FRAMES, chosen_frames as chosen_frames
 from stereorecal.recalibration._health import (
     FALSE as FALSE,
     HEALTH_LIMITS as HEALTH_LIMITS,

@@ -27,8 +27,8 @@ from stereorecal.recalibration._estimated import reason_of
 from stereorecal.recalibration._evidence import TILES_OF_A_FRAME, Evidence, evidence
 from stereorecal.recalibration._ranged import prior_of
 from stereorecal.recalibration._recording import Recording
+from stereorecal.recalibration._repair_tasks import Each, beams_of, matched
 from stereorecal.recalibration._stages import FEWEST
-from stereorecal.recalibration._tasks import Each, beams_of, matched
 from stereorecal.recalibration._unmatched import MOST_APART
 from stereorecal.scoring import Correspondences
 

@@ -19,13 +19,13 @@ from stereorecal.recalibration._acceptance import (
     loses_regions,
 )
 from stereorecal.recalibration._consequences import Interval
-from stereorecal.recalibration._ending import Ending, counts
 from stereorecal.recalibration._evidence import TILES_OF_A_FRAME, Evidence, evidence
 from stereorecal.recalibration._expected import Expected, expected
 from stereorecal.recalibration._intrinsics import Intrinsics, IntrinsicsOutcome, intrinsics_of
 from stereorecal.recalibration._misfit import misfit
 from stereorecal.recalibration._ranged import matched_ranges
 from stereorecal.recalibration._schedule import ScoreKind, Stage
+from stereorecal.recalibration._stage_result import Ending, counts
 from stereorecal.recalibration._stages import FEWEST, Case, StageRun, matched
 from stereorecal.recalibration._uncertainty import Uncertainty, uncertainty
 from stereorecal.recalibration._unmatched import MOST_APART, unmatched, without

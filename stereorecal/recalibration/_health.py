@@ -16,13 +16,13 @@ from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import Reach, as_parameters
 from stereorecal.recalibration._acceptance import LEAST_COVERED, Reason, loses_regions
 from stereorecal.recalibration._as_dict import score_as_dict
+from stereorecal.recalibration._calibration_warnings import doubts
 from stereorecal.recalibration._consequences import Interval
-from stereorecal.recalibration._doubts import doubts
-from stereorecal.recalibration._ending import counts
+from stereorecal.recalibration._correction import Mending, mending
 from stereorecal.recalibration._estimated import Answer, depth_by, looked, rows_of
-from stereorecal.recalibration._mending import Mending, mending
 from stereorecal.recalibration._prior_use import looked_with
 from stereorecal.recalibration._schedule import as_schedule
+from stereorecal.recalibration._stage_result import counts
 from stereorecal.recalibration._stages import Case
 from stereorecal.recalibration._unmatched import LIKELY
 from stereorecal.recalibration._windows import check_motion, following

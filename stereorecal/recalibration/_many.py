@@ -19,13 +19,13 @@ from stereorecal.geometry import AnyView, same_camera
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import Parameters, Reach, as_parameters
 from stereorecal.recalibration._as_dict import solution_as_dict
-from stereorecal.recalibration._frames import looked_at
+from stereorecal.recalibration._frame_choice import looked_at
 from stereorecal.recalibration._ranges import resolved_ranges, with_ranges
 from stereorecal.recalibration._recalibrate import recalibrate
 from stereorecal.recalibration._recording import Recording
 from stereorecal.recalibration._schedule import Schedule, as_schedule, check_schedule
+from stereorecal.recalibration._shared_intrinsics import together
 from stereorecal.recalibration._solution import Solution
-from stereorecal.recalibration._together import together
 from stereorecal.recordings import Board, Odometer, Pair, Range, Scene
 from stereorecal.strategies import Budget, as_budget
 

@@ -13,16 +13,16 @@ from stereorecal.geometry import AnyView, StereoRig
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import Parameters, Reach, as_parameters, as_reach
 from stereorecal.recalibration._acceptance import Reason, verdict_on_count
-from stereorecal.recalibration._asked import Asked
 from stereorecal.recalibration._cost import Cost
-from stereorecal.recalibration._ending import Ending, counts
 from stereorecal.recalibration._estimated import answered, ended_by, looked
-from stereorecal.recalibration._frames import looked_at
+from stereorecal.recalibration._frame_choice import looked_at
 from stereorecal.recalibration._prior_use import prior_use
 from stereorecal.recalibration._ranged import prior_of, ranges_seen
 from stereorecal.recalibration._ranges import resolved_ranges, with_ranges
+from stereorecal.recalibration._request import Asked
 from stereorecal.recalibration._schedule import Schedule, ScoreKind, as_schedule, check_schedule
 from stereorecal.recalibration._solution import Solution
+from stereorecal.recalibration._stage_result import Ending, counts
 from stereorecal.recalibration._stages import FEWEST, Case, StageRun, better_start, remaining, run_stage
 from stereorecal.recalibration._windows import check_motion, check_odometer, following
 from stereorecal.recordings import Board, Odometer, Pairs, Range

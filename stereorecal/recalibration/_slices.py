@@ -4,9 +4,9 @@ import time
 from dataclasses import dataclass, replace
 
 from stereorecal.geometry import StereoRig
-from stereorecal.recalibration._asked import Asked
 from stereorecal.recalibration._cost import Cost
 from stereorecal.recalibration._recalibrate import solution_of, started
+from stereorecal.recalibration._request import Asked
 from stereorecal.recalibration._schedule import Schedule, ScoreKind, Stage
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._stages import Case, run_stage

@@ -18,10 +18,9 @@ from stereorecal.io import write_text
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import BASELINE, Parameters, Reach
 from stereorecal.recalibration._acceptance import Reason, RowErrors
-from stereorecal.recalibration._asked import Asked
+from stereorecal.recalibration._calibration_warnings import doubts
 from stereorecal.recalibration._cost import Cost
 from stereorecal.recalibration._difference import Difference, difference
-from stereorecal.recalibration._doubts import doubts
 from stereorecal.recalibration._estimated import expected_by
 from stereorecal.recalibration._evidence import TILES_OF_A_FRAME
 from stereorecal.recalibration._expected import Expected
@@ -30,7 +29,8 @@ from stereorecal.recalibration._misfit import WORTH_SAYING, Cause, Misfit
 from stereorecal.recalibration._path import Waypoint, path_of
 from stereorecal.recalibration._prior_use import PriorUse, known_after
 from stereorecal.recalibration._ranges import RangesSeen
-from stereorecal.recalibration._report import report_of
+from stereorecal.recalibration._repair_report import report_of
+from stereorecal.recalibration._request import Asked
 from stereorecal.recalibration._stages import StageRun
 from stereorecal.recalibration._uncertainty import Uncertainty
 from stereorecal.recalibration._windows import described

@@ -7,7 +7,7 @@ import numpy as np
 
 from stereorecal._errors import InputError
 from stereorecal.estimation import NO_WINDOWS, Estimate, Prior, Windows, is_exact
-from stereorecal.recalibration._frames import a_moment_after, soon_after
+from stereorecal.recalibration._frame_choice import a_moment_after, soon_after
 from stereorecal.recalibration._stages import Case
 from stereorecal.recordings import Odometer, Pair
 from stereorecal.scoring import Correspondences

@@ -14,7 +14,7 @@ from stereorecal.estimation import (
 )
 from stereorecal.estimation._calibration_prior import KAPPAS, calibration_covariances
 from stereorecal.estimation._consequences import points_of_view, readings
-from stereorecal.estimation._slopes import pixels_of
+from stereorecal.estimation._jacobian import pixels_of
 from stereorecal.geometry import rotation_from_vector
 
 LIMITS = {"pitch": 3, "yaw": 3, "roll": 3, "f": 2, "cx": 15, "cy": 15, "k1": 0.05, "p1": 0.005, "p2": 0.005}

@@ -7,7 +7,7 @@ import pytest
 
 from stereorecal.online import Kind, Reading, State, Stepped, reading
 from stereorecal.online._estimate import Measurement
-from stereorecal.online._glance import Glance
+from stereorecal.online._pair_estimate import Glance
 from stereorecal.online._switching import judged, nominated
 from stereorecal.online._trial import Trial
 from stereorecal.online._watching import followed, standing

@@ -12,7 +12,7 @@ from stereorecal.geometry import Camera
 from stereorecal.matching import SAD, SGBM
 from stereorecal.recalibration import Condition, Health, health
 from stereorecal.recalibration._consequences import Interval
-from stereorecal.recalibration._mending import Mending
+from stereorecal.recalibration._correction import Mending
 from stereorecal.recordings import Pair, make_pair
 from stereorecal.scoring import ImageQuality
 from stereorecal.scoring.host import Score, score

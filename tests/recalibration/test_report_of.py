@@ -10,8 +10,8 @@ import stereorecal as sr
 from stereorecal.geometry import changed_camera
 from stereorecal.recalibration import Reason
 from stereorecal.recalibration._lenses import lenses_of
-from stereorecal.recalibration._report import conclusion_of, report_of
-from stereorecal.recalibration._seen_rows import seen_rows
+from stereorecal.recalibration._repair_report import conclusion_of, report_of
+from stereorecal.recalibration._row_maps import seen_rows
 from stereorecal.report.repair_report import Conclusion, RepairReport
 
 RIG = sr.synthetic.default_rig().resized((320, 240))

@@ -13,7 +13,7 @@ from stereorecal.geometry import changed_camera, view
 from stereorecal.objectives import Parameters
 from stereorecal.recalibration import IntrinsicsOutcome, chosen_frames, sharing
 from stereorecal.recalibration._effects import rows_apart
-from stereorecal.recalibration._frames import MOST_FRAMES
+from stereorecal.recalibration._frame_choice import MOST_FRAMES
 from stereorecal.recalibration._prior_use import fingerprint
 from stereorecal.scoring import Tracks
 from stereorecal.synthetic import photographs, plan_drive
@@ -208,7 +208,7 @@ def test_what_is_said_of_single_parameters_counts(given_wrong):
 
 def test_frames_are_counted_as_they_were_given(scenes, monkeypatch):
     """Where only some of many are looked at."""
-    monkeypatch.setattr("stereorecal.recalibration._frames.chosen_frames", lambda pairs: pairs[1:2])
+    monkeypatch.setattr("stereorecal.recalibration._frame_choice.chosen_frames", lambda pairs: pairs[1:2])
     pairs = [replace(scene.pairs[0], name=scene.name) for scene in scenes[:2]]
     off = TRUE.with_extrinsics(TRUE.extrinsics + np.radians([0.5, 0.3, -0.4, 0, 0, 0]))
     solution = sr.recalibrate(off, pairs, free=("rotation", "left.k1"))

@@ -19,8 +19,8 @@ from stereorecal.recalibration._misfit import misfit
 from stereorecal.recalibration._ranged import ranges_seen
 from stereorecal.recalibration._ranges import RangesSeen
 from stereorecal.recalibration._recording import Recording
+from stereorecal.recalibration._repair_tasks import Each, counted
 from stereorecal.recalibration._solution import Solution
-from stereorecal.recalibration._tasks import Each, counted
 from stereorecal.scoring.host import Score
 
 

@@ -11,10 +11,10 @@ from stereorecal._json_data import json_data
 from stereorecal.geometry import AXES, PINHOLE, StereoRig
 from stereorecal.objectives import BASELINE
 from stereorecal.recalibration._acceptance import Reason
-from stereorecal.recalibration._asked import matcher_as_text
 from stereorecal.recalibration._lenses import lenses_of
 from stereorecal.recalibration._misfit import WORTH_SAYING
-from stereorecal.recalibration._seen_rows import climbs_of, seen_rows, way_of
+from stereorecal.recalibration._request import matcher_as_text
+from stereorecal.recalibration._row_maps import climbs_of, seen_rows, way_of
 from stereorecal.recalibration._uncertainty import NORMAL_95
 from stereorecal.recalibration._windows import described
 from stereorecal.recordings import Pair
