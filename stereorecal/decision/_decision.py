@@ -81,10 +81,14 @@ class Decision:
 
     @property
     def explains(self) -> bool:
-        """Whether the candidate explains the rows: its own are those of a good calibration, as likely as not, or it
-        corrects more than it leaves."""
+        """Whether the rig explains the rows: the candidate's are those of a good calibration, as likely as not."""
+        return bool(self.rows_px[1, 0] <= self.tolerances.good_rows_px)
+
+    @property
+    def corrects_most(self) -> bool:
+        """Whether the candidate corrects more of the rows than it leaves, as likely as not."""
         before, after = self.rows_px[:, 0]
-        return bool(after <= max(self.tolerances.good_rows_px, before - after))
+        return bool(after < before - after)
 
 
 def decide(seen: Estimate, free: Sequence[str], tolerances: Tolerances | None = None) -> Decision:
@@ -93,10 +97,10 @@ def decide(seen: Estimate, free: Sequence[str], tolerances: Tolerances | None = 
     There are two candidates: the one with the least expected loss in rows and depth, and the one with the least loss in
     rows of those that read depth as the calibration does; with ranges, also the one that changes only the length of the
     baseline. A candidate replaces the calibration if its rows are better for sure, also on average those that most
-    frames show, and if it explains them (`Decision.explains`); or if ranges agree with it and not with the calibration;
-    or if the rig's own motion tells that its depth is better; and the probability is below 1 % that rows, of near or
-    far things, or depth, over the view or ahead, are worse. One that changes intrinsics must, with 95 %, cost no region
-    of the view rows that a matcher notices. Of several, the one that keeps depth is taken, unless that costs rows that
+    frames show, and if it explains them, or corrects more than it leaves; or if ranges agree with it and not with the
+    calibration; or if the rig's own motion tells that its depth is better; and the probability is below 1 % that rows,
+    of near or far things, or depth, over the view or ahead, are worse. One that changes intrinsics must, with 95 %,
+    cost no region of the view rows that a matcher notices. Of several, the one that keeps depth is taken, unless that costs rows that
     a matcher notices, ranges ask for another, or another's depth is surely the better one: of the rigs for which it
     matters, in 95 %. Where none is so harmless, and the rows of the calibration blind the matcher, which leaves it no
     depth to lose, it is enough that its rows are hardly ever worse. Otherwise the calibration is good if its rows are,
@@ -232,8 +236,9 @@ def _decided(
     limits: Tolerances,
 ) -> Decision:
     """Between θ = 0, which loses what is given, and a candidate, which loses what comes after."""
-    lost = np.any(after.rows > given.rows + limits.worse_rows_px, axis=0)
-    farther = after.depth > given.depth + limits.worse_depth_points
+    # NaN is no proof of harmlessness.
+    lost = ~np.all(after.rows <= given.rows + limits.worse_rows_px, axis=0)
+    farther = ~(after.depth <= given.depth + limits.worse_depth_points)
     worse, before, rows = float(np.mean(lost | farther)), given.mean_rows, after.mean_rows
     blind = float(np.mean(before > limits.blind_rows_px)) > 1.0 - limits.alpha
     harmless = worse < limits.alpha or (blind and float(np.mean(lost)) < limits.alpha)
@@ -251,7 +256,7 @@ def _decided(
     said = np.percentile([before, rows], [50.0, 2.5, 97.5], axis=1).T
     verdict = Verdict.GOOD if good else Verdict.CANNOT_TELL
     stays = Decision(verdict, theta, keeps_depth, worse, better, loss, said, told, limits, by_rows=False)
-    by_rows = better > 1.0 - limits.alpha and shown < 0.0 and stays.explains
+    by_rows = better > 1.0 - limits.alpha and shown < 0.0 and (stays.explains or stays.corrects_most)
     return replace(stays, verdict=Verdict.REPAIR, by_rows=by_rows) if harmless and (asked or by_rows) else stays
 
 
@@ -261,4 +266,4 @@ def _costs_a_region(seen: Estimate, theta: Float[np.ndarray, "n"], limits: Toler
     if not any(value and "." in name for name, value in zip(seen.names, theta.tolist(), strict=True)):
         return False
     before, after = seen.rows_of_regions(np.zeros_like(theta)), seen.rows_of_regions(theta)
-    return float(np.mean(np.any(after > before + limits.gain_px, axis=1))) > 1.0 - limits.good_surely
+    return float(np.mean(~np.all(after <= before + limits.gain_px, axis=1))) > 1.0 - limits.good_surely
