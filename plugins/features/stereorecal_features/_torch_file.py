@@ -17,7 +17,7 @@ import numpy as np
 from jaxtyping import Shaped
 
 _TYPES = {"FloatStorage": "<f4", "DoubleStorage": "<f8", "HalfStorage": "<f2", "LongStorage": "<i8"}
-_MOST = 1 << 28  # numbers of a tensor, and bytes of a member: larger ones are no weights of a small network
+_MOST = 1 << 28  # bytes of a member: larger ones are no weights of a small network
 
 Tensor = Shaped[np.ndarray, "..."]
 
@@ -66,9 +66,15 @@ class _Unpickler(pickle.Unpickler):
         raise _Refused(f"{self._archive.filename}: names {module_name}.{global_name}, which is no tensor; not read")
 
     def persistent_load(self, pid: Any) -> Tensor:
-        """The numbers of a storage, (n,)."""
-        _, numbers, key, _, _ = pid
-        return np.frombuffer(self._member(f"data/{key}"), numbers)
+        """The numbers of a storage, (n,).
+
+        Raises:
+            ValueError: if it is no storage of a known type.
+        """
+        match pid:
+            case ("storage", str(numbers), str(key), _, _) if numbers in _TYPES.values():
+                return np.frombuffer(self._member(f"data/{key}"), numbers)
+        raise _Refused(f"{self._archive.filename}: names a storage that is none; not read")
 
     def _member(self, name: str) -> bytes:
         if self._archive.getinfo(self._folder + name).file_size > _MOST:
@@ -76,10 +82,22 @@ class _Unpickler(pickle.Unpickler):
         return self._archive.read(self._folder + name)
 
 
-def _tensor(storage: Tensor, offset: int, shape: tuple[int, ...], strides: tuple[int, ...], *_: Any) -> Tensor:
-    """A copy of the part of a storage that a tensor is. Strides count numbers, not bytes."""
+def _tensor(storage: Any, offset: Any, shape: Any, strides: Any, *_: Any) -> Tensor:
+    """A copy of the part of a storage that a tensor is. Strides count numbers, not bytes.
+
+    All comes from the pickle, which may hand over the result of another call, or a shape that is no number.
+    """
+    if type(storage) is not np.ndarray or storage.ndim != 1 or not storage.flags.c_contiguous:
+        raise _Refused("a tensor is not of a storage")
+    if type(shape) is not tuple or type(strides) is not tuple or len(shape) != len(strides):
+        raise _Refused("a tensor has no shape")
+    if any(type(number) is not int or number < 0 for number in (offset, *shape, *strides)):
+        raise _Refused("a tensor reaches beyond its numbers, or is placed by what is no number")
     last = offset + sum((size - 1) * step for size, step in zip(shape, strides, strict=True))
-    if min((offset, *shape, *strides)) < 0 or math.prod(shape) > _MOST or (math.prod(shape) and last >= len(storage)):
+    count = math.prod(shape)
+    if count > len(storage) or (count and last >= len(storage)):
         raise _Refused("a tensor reaches beyond its numbers")
     steps = [step * storage.itemsize for step in strides]
+    if not count:
+        return np.zeros(shape, storage.dtype)
     return np.lib.stride_tricks.as_strided(storage[offset:], shape, steps).copy()

@@ -111,12 +111,32 @@ def test_names_with_dots_and_attributes_lead_nowhere(tmp_path):
         ((2,), (100,), 0),
         ((1,), (1,), -1),
         ((1 << 20, 1 << 20), (0, 0), 0),
+        ((13,), (0,), 0),  # 13 copies of a number: it is no part of 12
+        ((2,), (1,), 0.5),
+        ((2.0,), (1,), 0),
+        ((True,), (1,), 0),
     ],
 )
 def test_a_tensor_stays_within_its_numbers(tmp_path, shape, strides, offset):
     content = OrderedDict(weight=tensor("a", shape, strides, offset))
     with pytest.raises(ValueError, match="reaches beyond its numbers"):
         read_tensors(written(tmp_path, content, a=np.zeros(12, "<f4").tobytes()))
+
+
+def test_a_tensor_is_made_of_a_storage_only(tmp_path):
+    """A tensor of a tensor has strides of its own, beside which the check of the numbers says nothing."""
+    spread = tensor("a", (4, 3), (1, 4))
+    for storage in (spread, "words", (0.0,) * 12):
+        nested = _Named("torch._utils\n_rebuild_tensor_v2", storage, 1, (1,), (1,), False, OrderedDict())
+        with pytest.raises(ValueError, match="not of a storage"):
+            read_tensors(written(tmp_path, OrderedDict(weight=nested), a=np.zeros(12, "<f4").tobytes()))
+
+
+@pytest.mark.parametrize("kind", ["words", "<c16", "O", 3, (4, 4)])
+def test_a_storage_has_a_known_type(tmp_path, kind):
+    content = _Named("torch._utils\n_rebuild_tensor_v2", ["storage", kind, "a", "cpu", 0], 0, (1,), (1,))
+    with pytest.raises(ValueError, match="names a storage that is none"):
+        read_tensors(written(tmp_path, OrderedDict(weight=content), a=np.zeros(16, "<f8").tobytes()))
 
 
 @pytest.mark.parametrize("content", [[1, 2], {"weight": 3.0}, _Named("collections\nOrderedDict", ["a", 1])])
