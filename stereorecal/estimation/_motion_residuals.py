@@ -92,6 +92,12 @@ def seen_by(tracks: Tracks, rig: StereoRig) -> Seen:
     return Seen(tracks, rig.left.size, left[0] / left[0, :, 2:], later, partners)
 
 
+def with_rays(tracks: Tracks, rig: StereoRig) -> Tracks:
+    """Those that the cameras of a rig see in front of them: a wide lens has no rays 90 degrees off its axis."""
+    rays = np.stack([np.asarray(getattr(rig, side).rays(getattr(tracks, side)), float) for side in SIDES])
+    return tracks.of(np.isfinite(rays).all(axis=(0, 1, 3)))
+
+
 def residuals(seen: Seen, rig: StereoRig, motion: Motion, nearness: Float[np.ndarray, "m"]) -> Residuals:
     """Of points with these inverse depths [1 / m]."""
     there = _expected(seen, rig, motion, nearness)

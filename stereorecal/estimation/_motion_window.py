@@ -20,6 +20,7 @@ from stereorecal.estimation._motion_residuals import (
     by_theta,
     residuals,
     seen_by,
+    with_rays,
 )
 from stereorecal.estimation._parameters import DRIFTING
 from stereorecal.geometry import rotation_from_vector
@@ -50,7 +51,7 @@ class Window:
     Attributes:
         normal: the likelihood of θ; flat where the motion tells nothing.
         with_way: the same with how far something else says that the rig travelled.
-        tracks: points that were followed.
+        tracks: points that were followed, and whose rays both cameras have.
         inliers: those that fit one motion of the rig, and one depth each.
         motion: of the left camera, as the rig at θ has it; None if there are too few tracks.
         metres: the distance travelled, and its standard deviation were θ known.
@@ -87,6 +88,7 @@ def window(
         way: how far the rig travelled by something else, and the standard deviation of that, metres.
     """
     nothing = Normal(np.zeros((chart.dim,) * 2), np.zeros(chart.dim), 0.0)
+    tracks = with_rays(tracks, chart.rig_at(theta))
     if len(tracks) < _FEWEST:
         return Window(nothing, nothing, len(tracks), 0, None, (0.0, np.inf), 1.0)
     seen = seen_by(tracks, chart.rig_at(theta))

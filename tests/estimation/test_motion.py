@@ -11,6 +11,7 @@ from stereorecal.estimation._consequences import points_of_view, readings
 from stereorecal.estimation._motion_residuals import Motion, by_theta, residuals, seen_by
 from stereorecal.estimation._motion_window import window
 from stereorecal.geometry import rotation_from_vector
+from stereorecal.scoring import Tracks
 
 DRIFT = (0.2, 0.5, -0.3, 0.2, -0.3)
 
@@ -154,6 +155,29 @@ def test_few_tracks_tell_nothing(rig, chart):
     told = window(tracks_of(rig, number=10), chart, np.zeros(chart.dim))
     assert not told.normal.a.any()
     assert told.motion is None
+
+
+def fisheye_chart(field: float):
+    size = (320, 240)
+    focal = 0.5 * size[0] / np.radians(0.5 * field)
+    camera = sr.Camera(size, np.array([[focal, 0, 160], [0, focal, 120], [0, 0, 1]]), np.zeros(4), model="equidistant")
+    return rig_parameters(sr.StereoRig(camera, camera, np.array([0.0, 0.0, 0.0, -0.3, 0.0, 0.0])))
+
+
+def test_tracks_beyond_the_rays_of_a_wide_lens_are_left_out():
+    """90 degrees off the axis a ray (x/z, y/z, 1) is NaN, and one of them made the window NaN."""
+    chart = fisheye_chart(200.0)
+    rig = chart.rig_at(np.zeros(chart.dim))
+    seen = tracks_of(rig, number=900, noise=0.05)
+    aside = np.array([[1.0, 120.0]])
+    assert np.isnan(rig.left.rays(aside)).any()
+    both = Tracks(
+        *(np.concatenate([part, np.broadcast_to(aside, (2, 1, 2))], axis=1) for part in (seen.left, seen.right))
+    )
+    alone, told = (window(tracks, chart, np.zeros(chart.dim)) for tracks in (seen, both))
+    assert told.motion is not None
+    assert told.tracks == alone.tracks
+    np.testing.assert_array_equal(told.normal.a, alone.normal.a)
 
 
 def ways(true, share=1.0, sigma=0.01, number=8) -> tuple[tuple[float, float], ...]:
