@@ -53,7 +53,8 @@ def init(rig: StereoRig, config: Config = Config()) -> State:  # noqa: B008  fro
 
 
 def step(state: State, pair: Pair | Images, seconds: float | None = None) -> tuple[State, tuple[Event, ...]]:
-    """The state after one more pair, and what happened. A pair that cannot be used is an event, never an exception.
+    """The state after one more pair, and what happened. A pair that cannot be used is an event, never an exception; of
+    several, one after the other, the first is.
 
     A step is one look at the pair. After a knock that leaves hardly anything to match a repair of up to three pairs is
     under way, and each step does one slice of it in place of a look: the survey, a stage on the count, one round of
@@ -68,8 +69,9 @@ def step(state: State, pair: Pair | Images, seconds: float | None = None) -> tup
         (pair,) = check_pairs(state.initial, [pair])
         after, events = _seen(state, pair)
     except InputError as error:
-        event = Event(state.frame, Kind.BAD_FRAME, str(error))
-        return state.later().but(frame=state.frame + 1, last=None, said=Kind.BAD_FRAME), (event,)
+        again = state.last is None and state.said is Kind.BAD_FRAME
+        events = () if again else (Event(state.frame, Kind.BAD_FRAME, str(error)),)
+        return state.later().but(frame=state.frame + 1, last=None, corners=None, said=Kind.BAD_FRAME), events
     while until is not None and after.job is not None and time.monotonic() < until:
         after, more = continued(after)
         events += more

@@ -43,12 +43,12 @@ def test_put_never_waits(ride: Ride):
         assert kept[0]
         assert not all(kept)
         assert beside.dropped >= kept.count(False) > 0
-        assert beside.latest()[0].using.shape == (5,)
-        happened = []
+        state, happened = beside.latest()
+        assert state.using.shape == (5,)
         until = time.perf_counter() + 120
         while not happened and time.perf_counter() < until:
             beside.put((black, black))
-            happened = list(beside.latest()[1])
+            happened = beside.latest()[1]
             time.sleep(0.05)
         assert happened[0].kind is Kind.BAD_FRAME
         assert beside.alive

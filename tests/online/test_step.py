@@ -10,6 +10,8 @@ from rides import BEFORE, Ride, error, kinds
 
 import stereorecal as sr
 from stereorecal.online import Config, Kind, Stepped, freeze, init, reading, rollback, run, step
+from stereorecal.online._turning import small
+from stereorecal.scoring.host import Corners
 
 
 def test_a_knock_is_noticed_and_repaired(ride: Ride, ridden: list[Stepped]):
@@ -107,6 +109,18 @@ def test_a_bad_pair_is_an_event(ride: Ride, ridden: list[Stepped], what: str):
     assert events[0].why
     assert after.frame == state.frame + 1
     assert after.estimate.covariance[0, 0] > state.estimate.covariance[0, 0]  # time goes on
+
+
+def test_bad_pairs_in_a_row_are_said_once_and_end_what_is_followed(ride: Ride):
+    black, good = (np.zeros((240, 320), np.uint8),) * 2, ride.pairs[0]
+    grid = np.full((40, 2), 20.0)
+    state = init(ride.rig).but(corners=Corners(black[0], grid, grid))
+    state, first = step(state, black)
+    assert state.corners is None
+    state, second = step(state, black)
+    assert [event.kind for event in (*first, *second)] == [Kind.BAD_FRAME]
+    state, events = step(state.but(last=small(good.left)), black)  # after a good one
+    assert [event.kind for event in events] == [Kind.BAD_FRAME]
 
 
 @pytest.mark.slow
