@@ -7,6 +7,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from lenses import WIDE_LENSES
 
 import stereorecal as sr
 from stereorecal.comparison.judges import (
@@ -18,6 +19,7 @@ from stereorecal.comparison.judges import (
     recipes_of,
     scene_with_truth,
 )
+from stereorecal.comparison.judges._optics import optics
 from stereorecal.comparison.judges._poses import Travelled, depth_at, disparity_offset_px, travelled
 from stereorecal.comparison.judges._rendered import Rendered
 from stereorecal.comparison.judges._simulated_calibration import calibrated, true_rig
@@ -198,6 +200,28 @@ def test_folders_that_do_not_hold_what_a_judge_needs(tmp_path):
     (scene / "poses.txt").write_text("1 2 3\n")
     with pytest.raises(sr.InputError, match=r"holds no pose for each of 1 pairs"):
         recipes_of(f"motion={scene}", Draws())
+
+
+def wide_rig(lens=WIDE_LENSES["equidistant"]) -> sr.StereoRig:
+    camera = sr.Camera(SIZE, ideal_rig().left.matrix, np.array(lens), model="equidistant")
+    return sr.StereoRig(camera, camera, ideal_rig().extrinsics)
+
+
+def test_wide_lenses_are_refused_before_any_method_runs(tmp_path):
+    images = np.random.default_rng(0).uniform(0, 255, (2, SIZE[1], SIZE[0])).astype(np.float32)
+    for name in ("boards", "a", "b", "c"):
+        sr.io.save_scene(sr.Scene(name, wide_rig(), (sr.Pair(*images),)), tmp_path / name)
+    for judge in ("boards", "product", "motion"):
+        with pytest.raises(sr.InputError, match=r"pinhole cameras \(radtan\) only, not equidistant"):
+            recipes_of(f"{judge}={tmp_path}", Draws(square=0.03))
+    with pytest.raises(sr.InputError, match="pinhole cameras"):
+        optics(wide_rig())
+    wall = lidar_scene(tmp_path / "wall")
+    sr.io.save_scene(sr.Scene("wide", wide_rig([0.0] * 4), (sr.Pair(*images),)), tmp_path / "wide")
+    told, wide = (json.loads((folder / "calib.json").read_text()) for folder in (wall, tmp_path / "wide"))
+    (wall / "calib.json").write_text(json.dumps(told | wide))
+    with pytest.raises(sr.InputError, match="pinhole cameras"):
+        recipes_of(f"lidar={wall}", Draws())
 
 
 def test_cases_of_judges():

@@ -13,6 +13,7 @@ from stereorecal.comparison.judges._boards import ROWS_WORSE, by_boards
 from stereorecal.comparison.judges._case import AbstractRecipe, Case, prior_of
 from stereorecal.comparison.judges._judgement import DISTANCES, Judgement
 from stereorecal.comparison.judges._lidar import depth_by_truth, scene_with_truth
+from stereorecal.comparison.judges._optics import check_lenses
 from stereorecal.comparison.judges._poses import Travelled, depth_at, disparity_offset_px, travelled
 from stereorecal.comparison.judges._rows import rows
 from stereorecal.geometry import StereoRig, same_rig
@@ -190,6 +191,12 @@ def boards_beside(folder: Path) -> Path:
     return found[0]
 
 
+def check_rigs(folders: list[Path]) -> None:
+    """Raises: InputError: if a scene has no calibration, or lenses that cannot be judged."""
+    for folder in folders:
+        _rig(load_scene(folder, limit=1))
+
+
 def check_boards(folder: Path, corners: tuple[int, int], square: float) -> None:
     """Raises: InputError: if no board is found."""
     _boards(str(folder), corners, square)
@@ -250,4 +257,5 @@ def _centres(file: Path, pairs: int) -> Float[np.ndarray, "k 3"]:
 def _rig(scene: Scene) -> StereoRig:
     if scene.rig is None:
         raise InputError(f"{scene.name}: the scene has no calibration; a judge needs one to start from.")
+    check_lenses(scene.rig)
     return scene.rig

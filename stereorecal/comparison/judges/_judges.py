@@ -17,6 +17,7 @@ from stereorecal.comparison.judges._folders import (
     check_boards,
     check_drive,
     check_one_rig,
+    check_rigs,
     scene_folders,
     with_truth,
 )
@@ -102,8 +103,10 @@ def _of_folder(name: str, folder: Path, draws: Draws) -> tuple[AbstractRecipe, .
         case "lidar":
             if not (true := with_truth(folders)):
                 raise InputError(f"{folder}: no scene names a disparity_gt in its calib.json; lidar judges by it.")
+            check_rigs(true)
             return tuple(Lidar(_name(one, folder), draw, *_drift(draws), str(one)) for one in true for draw in every)
         case "boards":
+            check_rigs(folders)
             if draws.square is None:
                 raise InputError("judge boards needs --square, the side of a square in metres, such as 0.03.")
             boards = boards_beside(folder)

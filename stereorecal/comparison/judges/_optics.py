@@ -7,6 +7,7 @@ from jaxtyping import Float
 
 from stereorecal._arrays import AnyArray
 from stereorecal._cv2 import cv2
+from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, Rectification, StereoRig, rectification
 from stereorecal.recordings import Pair
 
@@ -67,8 +68,27 @@ class Optics:
 
 
 def optics(rig: StereoRig) -> Optics:
-    """Of a rig, in its own view."""
+    """Of a rig, in its own view.
+
+    Raises:
+        InputError: if its lenses are none that judges of folders know.
+    """
+    check_lenses(rig)
     return Optics(rig, rectification(rig))
+
+
+def check_lenses(rig: StereoRig) -> None:
+    """Judges of folders work with OpenCV's functions for its pinhole model.
+
+    Raises:
+        InputError: if a camera has another model.
+    """
+    models = [camera.model for camera in (rig.left, rig.right) if camera.model != "radtan"]
+    if models:
+        raise InputError(
+            f"lidar, boards, product and motion=FOLDER judge pinhole cameras (radtan) only, not {models[0]}; no judge "
+            "takes wide lenses."
+        )
 
 
 def _undistorted(pixels: Pixels, camera: Camera, turn: AnyArray, projection: AnyArray) -> Pixels:
