@@ -54,7 +54,9 @@ def run(options: argparse.Namespace) -> int:
     if journal.done:
         say(f"{len(journal.done)} of {len(tasks)} trials were finished already; going on.")
     with executor(options.executor) as pool, _progress(options) as progress:
-        field = compare_field(empty, tasks, done=journal.done, executor=pool, progress=progress, on_trial=journal)
+        field = compare_field(
+            empty, tasks, done=journal.done, executor=pool, progress=progress, on_trial=journal, on_loss=_say_lost
+        )
         deliver(
             lambda: _show(field, options),
             lambda: write_json(field.as_dict(), options.json, force=force) if options.json is not None else None,
@@ -115,6 +117,10 @@ def _progress(options: argparse.Namespace):
 def _line(finished: int, total: int) -> None:
     if finished and (finished == total or finished % max(1, total // 20) == 0):
         say(f"{finished} of {total} trials")
+
+
+def _say_lost(error: BaseException) -> None:
+    say(f"a worker was lost, such as for want of memory; its trials and those behind it are missing ({error})")
 
 
 def _show(field: Field, options: argparse.Namespace) -> None:

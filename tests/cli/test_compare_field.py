@@ -1,13 +1,16 @@
 """`compare --judge`: a folder judges, a run that was killed goes on, and bad words are one sentence."""
 
 import json
+from concurrent.futures import Executor, Future
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import stereorecal as sr
-from stereorecal.cli import _trial_journal
+from stereorecal.cli import _compare_field, _trial_journal
 from stereorecal.comparison.field import FieldTrial
 
 pytest.importorskip("stereorecal_features", reason="the plug-in is not installed")
@@ -75,6 +78,36 @@ def test_killed_and_resumed(command, folder, tmp_path, monkeypatch):
     assert "1 of 4 trials were finished already; going on." in answer.err
     assert len(json.loads(target.read_text())["trials"]) == 4
     assert not journal.exists()
+
+
+class Lossy(Executor):
+    """Its worker dies with the second trial."""
+
+    def __init__(self):
+        self.begun = 0
+
+    def submit(self, fn, /, *args, **kwargs):
+        self.begun += 1
+        future = Future()
+        if self.begun == 1:
+            future.set_result(fn(*args, **kwargs))
+        else:
+            future.set_exception(BrokenProcessPool("a process died"))
+        return future
+
+
+def test_a_worker_that_dies_interrupts(command, folder, tmp_path, monkeypatch):
+    words = ("compare", "--judge", f"lidar={folder}", "--draws", 1, *RIVALS, "--json", tmp_path / "a.json")
+    with monkeypatch.context() as patch:
+        patch.setattr(_compare_field, "executor", lambda _: nullcontext(Lossy()))
+        answer = command(*words)
+    assert answer.code == 130
+    assert "a worker was lost" in answer.err
+    assert "interrupted; 1 of 4 trials were finished; the same command goes on from" in answer.err
+    assert len(json.loads((tmp_path / "a.json").read_text())["trials"]) == 1
+    assert command(*words).code == 0
+    assert len(json.loads((tmp_path / "a.json").read_text())["trials"]) == 4
+    assert [path.name for path in tmp_path.iterdir()] == ["a.json"]
 
 
 @pytest.mark.parametrize(

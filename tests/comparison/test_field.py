@@ -4,6 +4,8 @@ import base64
 import hashlib
 import json
 import re
+from concurrent.futures import CancelledError, Executor, Future
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
@@ -193,6 +195,31 @@ def test_ctrl_c_keeps_what_is_finished():
     found = table(1, on_trial=stop)
     assert found.interrupted
     assert [trial.method for trial in found.trials] == ["right", "proud", "rows only", "beyond"]
+
+
+class Lossy(Executor):
+    """Its workers die, or it is shut down, at the third trial."""
+
+    def __init__(self, error: Exception):
+        self.error, self.begun = error, 0
+
+    def submit(self, fn, /, *args, **kwargs):
+        self.begun += 1
+        future = Future()
+        if self.begun < 3:
+            future.set_result(fn(*args, **kwargs))
+        else:
+            future.set_exception(self.error)
+        return future
+
+
+@pytest.mark.parametrize("error", [BrokenProcessPool("a process died"), CancelledError("shut down")])
+def test_a_trial_whose_worker_died_is_missing_and_not_failed(error):
+    saved, told = [], []
+    found = table(1, executor=Lossy(error), on_trial=saved.append, on_loss=told.append)
+    assert found.interrupted
+    assert {trial.method for trial in found.trials} == {"right", "proud"} == {trial.method for trial in saved}
+    assert told == [error]
 
 
 def test_nothing_to_do_and_names_twice():

@@ -1,7 +1,7 @@
 """`compare_field`: every method meets every case; what is finished already is not done again."""
 
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import Executor
+from concurrent.futures import BrokenExecutor, CancelledError, Executor
 from dataclasses import asdict, replace
 
 from stereorecal._environment import versions
@@ -65,21 +65,31 @@ def compare_field(
     executor: Executor | None = None,
     progress: Progress | None = None,
     on_trial: Callable[[FieldTrial], None] | None = None,
+    on_loss: Callable[[BaseException], None] | None = None,
 ) -> Field:
     """Run the trials of `planned`. Ctrl-C ends it; what is finished is returned.
+
+    A trial whose worker died, or that the executor cancelled, is missing: nobody knows what would have come of it.
 
     Args:
         done: trials that are finished already, by key.
         executor: any `concurrent.futures.Executor`; default one trial after the other in this process.
         progress: called with (finished, total) after each trial.
         on_trial: called with each trial that is finished, such as to save it.
+        on_loss: called once, with the reason, when the executor has lost trials.
     """
     found = {key: trial for key, trial in (done or {}).items() if key in {task.key for task in tasks}}
     left = [task for task in tasks if task.key not in found]
+    lost = False
     try:
         if progress is not None:
             progress(len(found), len(tasks))
         for index, trial in run_all(run_field_trial, left, executor):
+            if isinstance(trial, BrokenExecutor | CancelledError):
+                if on_loss is not None and not lost:
+                    on_loss(trial)
+                lost = True
+                continue
             key = left[index].key
             found[key] = trial if isinstance(trial, FieldTrial) else failed(left[index], trial)
             if on_trial is not None:
