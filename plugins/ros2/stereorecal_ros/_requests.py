@@ -1,6 +1,7 @@
 """What the worker process is asked to do with its state."""
 
-from stereorecal import InputError
+import numpy as np
+
 from stereorecal.online import Event, Kind, State, freeze, rollback
 from stereorecal_ros._applied import Offset
 
@@ -13,9 +14,9 @@ def frozen(state: State, frozen: bool) -> Outcome:
 
 
 def returned(state: State, offset: Offset) -> Outcome:
-    """The calibration that is published again, and frozen; frozen alone, if it was in use too long ago."""
-    try:
-        state = rollback(state, offset)
-    except InputError:
-        state = freeze(state)
+    """The calibration that is published again, and frozen, though the state may not know it (any more): it keeps fewer
+    than have been published."""
+    if not any(np.array_equal(offset, known) for known in state.previous):
+        state = state.but(previous=(*state.previous, offset))
+    state = rollback(state, offset)
     return state, (Event(state.frame, Kind.ROLLED_BACK),)

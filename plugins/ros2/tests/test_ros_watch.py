@@ -77,6 +77,26 @@ def test_what_is_taken_back_does_not_come_back_while_the_worker_is_busy(robot):
     assert one.turned() == pytest.approx(0.0, abs=1e-9)
 
 
+def test_a_roll_back_beyond_what_the_state_keeps(robot):
+    """Of the worker's switches, of which most were never published."""
+    one = robot()
+    one.calibrate()
+    one.see()
+    one.accept(BETTER)
+    one.watch.apply()
+    for _ in range(9):
+        one.accept(BEST)
+    one.work.state = one.work.state.but(previous=one.work.state.previous[-8:])
+    assert one.watch.roll_back()[0]
+    one.see()
+    np.testing.assert_array_equal(one.work.state.using, np.zeros(5))
+    assert not one.work.state.config.repair
+    assert "waits" not in one.watch.status().message
+    one.watch.set(auto_apply=True, repair=True)
+    one.see()
+    assert one.turned() == pytest.approx(0.0, abs=1e-9)
+
+
 def test_two_quick_roll_backs(robot):
     """The first answer of the worker is not the last."""
     one = robot(auto_apply=True)
