@@ -10,7 +10,7 @@ from jaxtyping import Float
 from stereorecal import InputError, StereoRig
 from stereorecal.geometry import rig_as_data, rig_from_data
 from stereorecal.io import read_json, write_json
-from stereorecal.online import State, init
+from stereorecal.online import Config, State, init
 from stereorecal_ros._camera_info import is_like
 
 SCHEMA = "stereorecal.ros-applied/2"
@@ -50,7 +50,8 @@ class Applied:
     @cached_property
     def published(self) -> State:
         """A state that uses it."""
-        return init(self.initial).using_now(self.offset)
+        # What the calibration left of the keystone takes half a second to find, and says nothing of what is used.
+        return init(self.initial, Config(prior="exact")).using_now(self.offset)
 
     def goes_on(self, rig: StereoRig) -> bool:
         """Whether a calibration that is given now is the one that was given before, or that is published and has been

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from robots import BEST, BETTER, SIZE, Robot
 from stereorecal_ros import Level, corrected
+from stereorecal_ros._applied import Applied
 from stereorecal_ros._camera_info_files import infos_in
 from stereorecal_ros._log import numbers
 from stereorecal_ros._worker import _RETRY
@@ -70,6 +71,14 @@ def test_a_state_begun_anew_offers_nothing_that_was_not_accepted(robot, tmp_path
     two.accept(BEST)
     two.watch.apply()
     assert two.turned() == pytest.approx(0.2, abs=0.01)
+
+
+def test_what_is_published_is_known_without_what_the_calibration_left(monkeypatch: pytest.MonkeyPatch):
+    """That takes half a second, in a callback."""
+    rig = default_rig().resized(SIZE)
+    monkeypatch.setattr("stereorecal.online._keystone.rig_parameters", lambda _: pytest.fail("it was asked for"))
+    published = Applied(rig, rig, (np.zeros(5), BETTER)).published
+    np.testing.assert_array_equal(published.using, BETTER)
 
 
 def test_a_correction_is_of_one_calibration_with_all_that_it_consists_of(robot):
