@@ -9,7 +9,7 @@ from stereorecal._errors import InputError
 from stereorecal.estimation import NO_WINDOWS, Estimate, Prior, Windows, is_exact
 from stereorecal.recalibration._frame_choice import a_moment_after, soon_after
 from stereorecal.recalibration._stages import Case
-from stereorecal.recordings import Odometer, Pair
+from stereorecal.recordings import LONGEST_GAP, Odometer, Pair
 from stereorecal.scoring import Correspondences
 from stereorecal.scoring.host import Matches, tracked
 
@@ -90,14 +90,14 @@ def without_frames(case: Case, tracks: dict[tuple[int, int], Any], apart: Sequen
 
 
 def _ways(case: Case, kept: Sequence[tuple[int, int]]) -> tuple[tuple[float, float] | None, ...]:
-    """How far the rig travelled in windows. An odometer errs alike in all of them: together they say no more than it
-    knows."""
+    """How far the rig travelled in windows. An odometer errs alike in all of them, but for noise: together they say
+    no more than it knows."""
     metres = _travelled(case.odometer, case.images.pairs, kept) if case.odometer else []
     known = sum(some is not None for some in metres)
     if case.odometer is None or not known:
         return ()
-    sigma = case.odometer.sigma * float(np.sqrt(known))
-    return tuple(None if some is None else (some, sigma * some + _LEAST_WAY) for some in metres)
+    deviation = case.odometer.deviation
+    return tuple(None if some is None else (some, deviation(some, known) + _LEAST_WAY) for some in metres)
 
 
 def _travelled(odometer: Odometer, pairs: Sequence[Pair], windows: Sequence[tuple[int, int]]) -> list[float | None]:
@@ -121,7 +121,7 @@ def check_odometer(odometer: Odometer | None, pairs: Sequence[Pair], windows: Wi
         said = f"{min(times):g} to {max(times):g}" if times else "not known"
         raise InputError(
             f"the odometer's times are {odometer.times[0]:g} to {odometer.times[-1]:g} s, those of the pairs {said} s; "
-            "give both in seconds of one clock."
+            f"give both in seconds of one clock, without gaps of more than {LONGEST_GAP:g} s."
         )
 
 

@@ -12,7 +12,7 @@ from stereorecal.recordings._lazy_pairs import (
     times_of as times_of,
 )
 from stereorecal.recordings._log import Log as Log, Mission as Mission
-from stereorecal.recordings._odometer import Odometer as Odometer
+from stereorecal.recordings._odometer import LONGEST_GAP as LONGEST_GAP, Odometer as Odometer
 from stereorecal.recordings._pair import Pair as Pair, make_pair as make_pair
 from stereorecal.recordings._range import Range as Range
 from stereorecal.recordings._scene import Scene as Scene

@@ -8,20 +8,29 @@ from jaxtyping import Real
 
 from stereorecal._errors import InputError
 
+LONGEST_GAP = 1.1  # seconds between samples: a log of one a second, whose clock jitters, has no gaps
+_NOISE = 0.05  # metres
+
 
 @dataclass(frozen=True, eq=False)
 class Odometer:
-    """Distances travelled, in the order of time.
+    """Distances travelled, in the order of time. Of a way through a gap, samples that are more than 1.1 s apart, it
+    says nothing.
 
     Attributes:
         times: (n,) seconds, of the clock that the pairs' times are of.
         metres: (n,) travelled by then, counted from any moment.
         sigma: standard deviation of all distances alike, as a share: of the size of a wheel, say.
+        positions: (n, d) where it was then, metres; a way is then the straight line from one to the other, as `metres`,
+            the sum of all steps, grows by the noise of each. None: not known.
+        noise: standard deviation of each number of each position by itself, metres.
     """
 
     times: Real[np.ndarray, "n"]
     metres: Real[np.ndarray, "m"]  # as many, or an InputError says otherwise
     sigma: float = 0.01
+    positions: Real[np.ndarray, "n d"] | None = None
+    noise: float = 0.0
 
     def __post_init__(self) -> None:
         times, metres = (np.asarray(some, float) for some in (self.times, self.metres))
@@ -43,6 +52,8 @@ class Odometer:
             )
         if not (np.isfinite(self.sigma) and self.sigma > 0.0):
             raise InputError(f"an odometer's sigma is {self.sigma}; give a positive share, such as 0.01.")
+        if not (np.isfinite(self.noise) and self.noise >= 0.0):
+            raise InputError(f"an odometer's noise is {self.noise}; give metres, 0 or more, such as {_NOISE}.")
         object.__setattr__(self, "times", times)
         object.__setattr__(self, "metres", metres)
 
@@ -65,9 +76,15 @@ class Odometer:
 
     @staticmethod
     def from_positions(
-        times: Sequence[float] | Real[np.ndarray, "n"], positions: Real[np.ndarray, "m d"], sigma: float = 0.01
+        times: Sequence[float] | Real[np.ndarray, "n"],
+        positions: Real[np.ndarray, "m d"],
+        sigma: float = 0.01,
+        noise: float = _NOISE,
     ) -> "Odometer":
-        """Of positions in metres at some times, two or three numbers each.
+        """Of positions in metres at some times, two or three numbers each: `between` is the straight line.
+
+        Args:
+            noise: standard deviation of each number of each position by itself, metres.
 
         Raises:
             InputError: as `Odometer`.
@@ -76,11 +93,23 @@ class Odometer:
         if there.ndim != 2 or len(there) != np.size(times):
             raise InputError(f"there are {np.size(times)} times and positions of shape {there.shape}; give one each.")
         steps = np.linalg.norm(np.diff(there, axis=0), axis=1)
-        return Odometer(np.asarray(times, float), np.concatenate([[0.0], np.cumsum(steps)]), sigma)
+        metres = np.concatenate([[0.0], np.cumsum(steps)])
+        return Odometer(np.asarray(times, float), metres, sigma, there, noise)
 
     def between(self, first: float, second: float) -> float | None:
-        """Metres travelled from one time to another; None if it was not running."""
+        """Metres travelled from one time to another; None if it was not running, or has a gap there."""
         if not self.times[0] <= first <= second <= self.times[-1]:
             return None
+        before = max(int(np.searchsorted(self.times, first, "right")) - 1, 0)
+        after = int(np.searchsorted(self.times, second, "left"))
+        if np.any(np.diff(self.times[before : after + 1]) > LONGEST_GAP):
+            return None
+        if self.positions is not None:
+            ends = [np.interp([first, second], self.times, axis) for axis in self.positions.T]
+            return float(np.linalg.norm(np.diff(ends, axis=1)))
         at, then = np.interp([first, second], self.times, self.metres).tolist()
         return then - at
+
+    def deviation(self, metres: float, together: int = 1) -> float:
+        """Of such a way, metres; what errs alike in all is larger where so many ways are taken as independent."""
+        return float(np.hypot(self.sigma * np.sqrt(together) * metres, np.sqrt(2.0) * self.noise))

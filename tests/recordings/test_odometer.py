@@ -18,13 +18,44 @@ def test_ways_add_up(speeds, first, second):
 
 
 def test_positions_are_as_far_apart_as_the_way_between_them():
-    odometer = sr.Odometer.from_positions([0.0, 1.0, 3.0], np.array([[0.0, 0.0], [3.0, 4.0], [3.0, 4.0]]))
-    assert odometer.between(0.5, 2.0) == pytest.approx(2.5)
+    odometer = sr.Odometer.from_positions([0.0, 1.0, 2.0], np.array([[0.0, 0.0], [3.0, 4.0], [3.0, 4.0]]))
+    assert odometer.between(0.5, 1.5) == pytest.approx(2.5)
+
+
+def test_the_noise_of_positions_is_no_way():
+    """20 a second, off by 5 cm each: the sum of all steps is twice as long."""
+    rng, times = np.random.default_rng(0), np.arange(0.0, 20.0, 0.05)
+    true = 1.5 * times[:, None] * [0.6, 0.8, 0.0]
+    odometer = sr.Odometer.from_positions(times, true + rng.normal(0.0, 0.05, true.shape), noise=0.05)
+    off = np.array([odometer.between(first, first + 2.0) - 3.0 for first in np.arange(0.0, 17.0)])
+    said = odometer.deviation(3.0)
+    assert said == pytest.approx(np.hypot(0.03, 0.05 * 2**0.5))
+    assert abs(off.mean()) < 0.03
+    assert 0.5 * said < off.std() < 1.2 * said
+    assert odometer.deviation(3.0, together=4) == pytest.approx(np.hypot(0.06, 0.05 * 2**0.5))
+
+
+def test_gaps_have_no_way():
+    times = [0.0, 1.0, 2.0, 7.0, 8.0]
+    for odometer in (
+        sr.Odometer(np.array(times), np.arange(5.0)),
+        sr.Odometer.from_positions(times, np.arange(10.0).reshape(5, 2)),
+    ):
+        assert odometer.between(0.5, 2.0) is not None
+        assert odometer.between(7.0, 7.5) is not None
+        for first, second in ((1.5, 2.1), (3.0, 4.0), (6.5, 7.0), (0.0, 8.0)):
+            assert odometer.between(first, second) is None
+
+
+@pytest.mark.parametrize("noise", [-0.1, np.nan])
+def test_a_noise_that_makes_no_sense(noise):
+    with pytest.raises(sr.InputError, match="noise"):
+        sr.Odometer.from_positions([0.0, 1.0], np.zeros((2, 2)), noise=noise)
 
 
 @pytest.mark.parametrize("times", [(-0.1, 1.0), (0.0, 3.1), (2.0, 1.0)])
 def test_outside_of_its_times_it_knows_nothing(times):
-    assert sr.Odometer(np.array([0.0, 3.0]), np.array([0.0, 1.0])).between(*times) is None
+    assert sr.Odometer(np.arange(4.0), np.arange(4.0)).between(*times) is None
 
 
 @pytest.mark.parametrize(
