@@ -80,6 +80,57 @@ def test_killed_and_resumed(command, folder, tmp_path, monkeypatch):
     assert not journal.exists()
 
 
+def stopped(command, monkeypatch, *words) -> None:
+    """A run that Ctrl-C ends after its first trial."""
+
+    def once(journal, trial: FieldTrial):
+        save(journal, trial)
+        raise KeyboardInterrupt
+
+    save = _trial_journal.TrialJournal.__call__
+    with monkeypatch.context() as patch:
+        patch.setattr(_trial_journal.TrialJournal, "__call__", once)
+        assert command(*words).code == 130
+
+
+def test_only_files_of_the_earlier_run_are_replaced(command, folder, tmp_path, monkeypatch):
+    data, page = tmp_path / "a.json", tmp_path / "a.html"
+    words = ("compare", "--judge", f"lidar={folder}", "--draws", 1, *RIVALS, "--json", data)
+    stopped(command, monkeypatch, *words)
+    page.write_text("of somebody else")
+    refused = command(*words, "--html", page)
+    assert refused.code == 2
+    assert f"--html {page}: the file exists already" in refused.err
+    assert page.read_text() == "of somebody else"
+    page.unlink()
+    stopped(command, monkeypatch, *words, "--html", page)  # goes on from the journal beside --json
+    assert [path.name for path in sorted(tmp_path.iterdir())] == ["a.html", "a.json", "a.json.trials"]
+    answer = command(*words, "--html", page)
+    assert answer.code == 0
+    assert "2 of 4 trials were finished already; going on." in answer.err
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.html", "a.json"]
+
+
+@pytest.mark.parametrize(
+    ("text", "anew"),
+    [("", True), ('{"schema": "stereorec', True), ("a list of trials", False), ("{}\n", False), ("[1]\n", False)],
+)
+def test_a_journal_without_a_whole_first_line_is_none(tmp_path, text, anew):
+    (tmp_path / "a.json.trials").write_text(text)
+    if not anew:
+        with pytest.raises(sr.InputError, match="is of a comparison with other settings"):
+            _trial_journal.TrialJournal([tmp_path / "a.json"], {"schema": 1})
+        return
+    journal = _trial_journal.TrialJournal([tmp_path / "a.json"], {"schema": 1})
+    assert not journal.owns(tmp_path / "a.json")
+    journal.begin()
+    journal(FieldTrial("k", "rendered", "s", 0, "rows", "failed", "x"))
+    again = _trial_journal.TrialJournal([tmp_path / "a.html", tmp_path / "a.json"], {"schema": 1})
+    assert list(again.done) == ["k"]
+    assert again.owns(tmp_path / "a.json")
+    assert not again.owns(tmp_path / "a.html")
+
+
 class Lossy(Executor):
     """Its worker dies with the second trial."""
 
@@ -126,6 +177,7 @@ def test_a_worker_that_dies_interrupts(command, folder, tmp_path, monkeypatch):
         (("--full",), "--full belongs to judges"),
         (("--judge", "walk", "--full"), "--full belongs to --preset field"),
         (("--square", "0.03"), "--square belongs to judges"),
+        (("--judge", "walk", "--executor", "processes:none"), "--executor is processes:none"),
     ],
 )
 def test_bad_words(command, tmp_path, monkeypatch, words, message):

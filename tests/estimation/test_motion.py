@@ -214,6 +214,23 @@ def test_a_known_way_tells_the_length_of_the_baseline(chart, share, heard):
     np.testing.assert_array_equal(without.a, alone[0][1].a)
 
 
+def test_ways_of_a_vehicle_that_stands_are_left_out(chart):
+    """Beside one that tells, and where none does."""
+    theta, frames, seconds = np.zeros(chart.dim), ((0, 1),) * 2, (1.0,) * 2
+    true = chart.rig_at(theta)
+    tracks, prior = (tracks_of(true), tracks_of(true, move=REST, seed=1)), as_prior(None, chart, told_length=True)
+    (moving, *_), baseline = ways(true), float(true.baseline)
+    alone = Windows(tracks, frames, seconds).told(chart, theta, prior)
+    for still in ((0.0, 0.001), (0.09 * baseline, 0.001)):
+        none = Windows(tracks, frames, seconds, (still, still)).told(chart, theta, prior)
+        assert [log for log, _ in none] == [log for log, _ in alone]
+        told, expected = (
+            Windows(tracks, frames, seconds, (moving, way)).told(chart, theta, prior) for way in (still, None)
+        )
+        assert [log for log, _ in told] == [log for log, _ in expected]
+        np.testing.assert_array_equal(told[0][1].a, expected[0][1].a)
+
+
 def test_windows_keep_their_ways_where_frames_are_left_out(chart):
     true = chart.rig_at(np.zeros(chart.dim))
     three = Windows(windows(true, 3).tracks, ((0, 1), (1, 2), (3, 4)), (1.0,) * 3, ((1.0, 0.1), None, (2.0, 0.1)))

@@ -81,7 +81,7 @@ def test_consequences_by_theta_whatever_the_lens_and_the_view(rig, coefficients,
 
         both = -differences(chart, steps, theta, read)
         assert_near(found.rows[index].T, both[:, 0])
-        assert_near(found.nearness[index].T, both[:, 1] @ areas(used, points).T)
+        assert_near(found.nearness[index].T, both[:, 1] @ areas(used, points, shown).T)
 
 
 def test_what_boards_tell_of_the_rig_where_their_poses_are_not_known(chart, steps):

@@ -68,7 +68,7 @@ def _fold(distortion: Any) -> Any:
     xp = namespace(distortion)
     half, other = 1.5 * distortion[0], 5.0 * distortion[1]
     inverse = xp.sqrt(xp.maximum(half * half - other, 0.0)) - half  # the largest 1 / r²
-    folds = (half * half >= other) & (inverse > 0.0)
+    folds = (half * half >= other) & (inverse > _FARTHEST**-2)
     return xp.minimum(xp.where(folds, 1.0 / xp.where(folds, inverse, 1.0), xp.inf), _FARTHEST**2)
 
 
