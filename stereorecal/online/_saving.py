@@ -42,13 +42,14 @@ class _NotInstalled(Exception):
 
 
 def save(state: State, path: str | Path) -> None:
-    """Write a state, whole or not at all: after a loss of power the file holds the last one that was written.
+    """Write a state, whole or not at all: after a loss of power the file holds the last one that was written. Of images
+    it holds only those that a repair waits for.
 
     Raises:
         InputError: if the place cannot be written to, or the state holds a matcher that is not installed.
     """
     arrays: dict[str, np.ndarray] = {}
-    content = {"schema": SCHEMA, "state": _told(state, arrays)}
+    content = {"schema": SCHEMA, "state": _told(state.alone(), arrays)}
     arrays["content"] = np.frombuffer(json.dumps(content).encode(), np.uint8)
     buffer = io.BytesIO()
     np.savez(buffer, **arrays)  # pyright: ignore[reportArgumentType]
@@ -56,7 +57,8 @@ def save(state: State, path: str | Path) -> None:
 
 
 def load(path: str | Path, rig: StereoRig | None = None) -> State:
-    """The state in a file that `save` wrote; steps go on from it as if there had been no break.
+    """The state in a file that `save` wrote; steps go on from it, with a trial or a repair under way. What the pairs
+    before the break show is not compared with those after it: how the rig turned and moved meanwhile is not known.
 
     Args:
         rig: the calibration at hand, which must be the one that the state began with, or one that it uses or has used:
@@ -101,7 +103,7 @@ def _loaded(path: str | Path) -> State:
             arrays = {name: file[name] for name in file.files}
         content = json.loads(arrays["content"].tobytes())
         if content["schema"] == SCHEMA:
-            return _made(content["state"], arrays)
+            return _made(content["state"], arrays).alone()
     except _NotInstalled as error:
         raise InputError(f"{path}: the matcher {error} is not installed; install it, or {_ANEW}.") from error
     except MatcherError:

@@ -93,6 +93,11 @@ class State:
     previous: tuple[Offset, ...] = ()
     said: Kind | None = None
 
+    def alone(self) -> "State":
+        """Without what only a pair that comes at once could be compared with: the last image, the corners that are
+        followed and the image that shows them, what they told and another look should say again."""
+        return self.but(last=None, corners=None, since=None, suspect_depth=None)
+
     @property
     def chart(self) -> RigChart:
         """Offsets, in half widths of its box, to rigs."""

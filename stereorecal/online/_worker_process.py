@@ -78,7 +78,7 @@ class Beside:
         ours, theirs = multiprocessing.get_context("spawn").Pipe()
         context = multiprocessing.get_context("spawn")
         self._process = context.Process(
-            target=_worker, args=(theirs, state, keep, keep_every, nice, seconds, share), daemon=True
+            target=_worker, args=(theirs, state.alone(), keep, keep_every, nice, seconds, share), daemon=True
         )
         self._lock, self._there = threading.Lock(), threading.Condition()
         self._state, self._events, self._dropped = state, (), 0
@@ -226,7 +226,7 @@ def _worker(
         events = (*events, *file.keep(state, now=ends or bool(events)))
         rest = (time.process_time() - spent) / share - (time.monotonic() - began)
         with suppress(OSError):  # likewise
-            pipe.send((state, events, min(max(rest, 0.0), _LONGEST_REST)))
+            pipe.send((state.alone(), events, min(max(rest, 0.0), _LONGEST_REST)))
 
 
 def _changed(state: State, change: Change) -> tuple[State, tuple[Event, ...]]:

@@ -14,6 +14,7 @@ from rides import Ride
 
 from stereorecal import InputError
 from stereorecal.online import Beside, Config, Event, Kind, State, freeze, init, load
+from stereorecal.scoring.host import Corners
 
 
 def test_a_process_that_died_is_told(ride: Ride):
@@ -106,6 +107,24 @@ def test_changes_pairs_and_savings(ride: Ride, tmp_path: Path):
             beside.change(counted)  # made before the end, where a pair that waits is dropped
         beside.put((noise[0], noise[1]))
     assert load(kept).frame == beside.latest()[0].frame == 5
+
+
+def with_corners(state: State) -> tuple[State, tuple[Event, ...]]:
+    none = np.zeros((0, 2))
+    return state.but(corners=Corners(np.zeros((240, 320), np.uint8), none, none)), ()
+
+
+def told_corners(state: State) -> tuple[State, tuple[Event, ...]]:
+    return state, (Event(state.frame, Kind.HEALTHY, "lost" if state.corners is None else "kept"),)
+
+
+def test_the_images_of_corners_stay_in_the_process(ride: Ride):
+    with Beside(ride.rig) as beside:
+        beside.change(with_corners)
+        beside.change(told_corners)
+        (event,) = told(beside, Kind.HEALTHY)
+        assert event.why == "kept"
+        assert beside.latest()[0].corners is None
 
 
 def test_a_share_of_a_core(ride: Ride):
