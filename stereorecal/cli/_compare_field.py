@@ -5,6 +5,7 @@ import math
 import sys
 from contextlib import nullcontext
 from dataclasses import replace
+from pathlib import Path
 
 from stereorecal._choices import checked_choice
 from stereorecal._errors import InputError
@@ -14,7 +15,7 @@ from stereorecal.cli._executors import executor
 from stereorecal.cli._exit_codes import FAILURE, INTERRUPTED
 from stereorecal.cli._html import check_page
 from stereorecal.cli._json import write_json
-from stereorecal.cli._places import check_places, deliver, places_of, spare
+from stereorecal.cli._places import check_places, check_writable, deliver, places_of, spare
 from stereorecal.cli._progress import progress_bar
 from stereorecal.cli._streams import say
 from stereorecal.cli._trial_journal import TrialJournal
@@ -47,20 +48,29 @@ def run(options: argparse.Namespace) -> int:
     made_with = {
         name: value for name, value in empty.as_dict().items() if name in ("schema", "versions", "settings", "methods")
     }
-    journal = TrialJournal(places[0].path if places else None, made_with)
-    force = options.force or journal.begun
-    check_places(places, force=force)
+    for place in places:
+        check_writable(place)
+    files = [place.path for place in places if place.path.is_file() or not place.path.exists()]
+    journal = TrialJournal(files, made_with)
+    check_places([place for place in places if not journal.owns(place.path)], force=options.force)
+    check_places(places, force=True)
     spare(places, read)
+
+    def may_replace(place: str) -> bool:
+        return options.force or journal.owns(Path(place))
+
     if journal.done:
         say(f"{len(journal.done)} of {len(tasks)} trials were finished already; going on.")
+    html, data = options.html, options.json
     with executor(options.executor) as pool, _progress(options) as progress:
+        journal.begin()
         field = compare_field(
             empty, tasks, done=journal.done, executor=pool, progress=progress, on_trial=journal, on_loss=_say_lost
         )
         deliver(
             lambda: _show(field, options),
-            lambda: write_json(field.as_dict(), options.json, force=force) if options.json is not None else None,
-            lambda: field.to_html(options.html, overwrite=force) if options.html is not None else None,
+            lambda: write_json(field.as_dict(), data, force=may_replace(data)) if data is not None else None,
+            lambda: field.to_html(html, overwrite=may_replace(html)) if html is not None else None,
         )
     if field.interrupted:
         again = f"; the same command goes on from {journal.path}" if journal.path is not None else ""

@@ -1,35 +1,52 @@
 """Finished trials on the disk, a line each: who is killed goes on where it was."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from stereorecal._errors import InputError
 from stereorecal.comparison.field import FieldTrial, as_trial
-from stereorecal.io import json_line
+from stereorecal.io import json_line, write_text
 
-_SUFFIX = ".trials"
+_SUFFIX, _PLACES = ".trials", "places"
 
 
 class TrialJournal:
     """Beside the first file that a comparison writes, while it is not finished; without one, nothing is kept.
 
+    An earlier run's is found beside any of the files, whichever of them it wrote.
+
     Attributes:
         path: of the file; None without one.
         done: the trials that an earlier run finished, by key.
-        begun: whether there was such a run: the files beside it are this comparison's own.
     """
 
-    def __init__(self, beside: str | Path | None, made_with: Mapping[str, Any]) -> None:
-        self.path = None if beside is None else Path(f"{beside}{_SUFFIX}")
-        self._header = json_line(made_with)
-        self._separator = ""  # after a line that was cut short
+    def __init__(self, places: Sequence[Path], made_with: Mapping[str, Any]) -> None:
+        beside = [Path(f"{place}{_SUFFIX}") for place in places]
+        self.path = next((path for path in beside if path.exists()), beside[0] if beside else None)
         self.done: dict[str, FieldTrial] = {}
-        self.begun = self.path is not None and self.path.exists()
-        if self.begun:
-            self._read()
+        self._made_with = json.loads(json_line(made_with))
+        self._places: list[str] = [str(place.resolve()) for place in places]
+        self._written: list[str] = []
+        if self.path is not None and self.path.exists():
+            self._read(self.path)
+
+    def owns(self, place: Path) -> bool:
+        """Whether an earlier run was to write this file, which may thus be replaced."""
+        return str(place.resolve()) in self._written
+
+    def begin(self) -> None:
+        """Keep from now on what is finished, and which files this run writes.
+
+        Raises:
+            InputError: if the place cannot be written to.
+        """
+        if self.path is not None:
+            places = list(dict.fromkeys([*self._written, *self._places]))
+            lines = [json_line({**self._made_with, _PLACES: places}), *map(json_line, map(asdict, self.done.values()))]
+            write_text(self.path, "".join(lines))
 
     def __call__(self, trial: FieldTrial) -> None:
         """Add a trial that is finished."""
@@ -37,10 +54,7 @@ class TrialJournal:
             return
         try:
             with self.path.open("a", encoding="utf-8") as file:
-                if file.tell() == 0:
-                    file.write(self._header)
-                file.write(self._separator + json_line(asdict(trial)))
-                self._separator = ""
+                file.write(json_line(asdict(trial)))
         except OSError as error:
             raise InputError(f"{self.path}: cannot be written ({error.strerror}); choose another place.") from None
 
@@ -49,23 +63,30 @@ class TrialJournal:
         if self.path is not None:
             self.path.unlink(missing_ok=True)
 
-    def _read(self) -> None:
-        assert self.path is not None
+    def _read(self, path: Path) -> None:
         try:
-            text = self.path.read_text(encoding="utf-8")
+            first, end, rest = path.read_text(encoding="utf-8").partition("\n")
         except (OSError, ValueError):
-            text = ""
-        header, *lines = text.splitlines() or [""]
-        same = header == self._header.rstrip("\n")
-        self._separator = "" if text.endswith("\n") else "\n"
-        if not same:
-            raise InputError(
-                f"{self.path}: is of a comparison with other settings or versions; remove it to begin anew, or choose "
-                "another file."
-            )
-        for line in lines:
+            raise self._strange() from None
+        if not first.strip() or (not end and first.startswith("{")):
+            return  # killed before the first line was whole
+        try:
+            header = dict(json.loads(first))
+        except (ValueError, TypeError):
+            raise self._strange() from None
+        written = header.pop(_PLACES, [])
+        if header != self._made_with:
+            raise self._strange()
+        self._written = [str(place) for place in written]
+        for line in rest.splitlines():
             try:
                 trial = as_trial(json.loads(line))
-            except (ValueError, TypeError, KeyError):  # cut short when it was killed
+            except (ValueError, TypeError, KeyError, AttributeError):  # cut short when it was killed
                 continue
             self.done[trial.key] = trial
+
+    def _strange(self) -> InputError:
+        return InputError(
+            f"{self.path}: is of a comparison with other settings or versions; remove it to begin anew, or choose "
+            "another file."
+        )

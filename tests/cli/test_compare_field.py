@@ -177,7 +177,7 @@ def test_a_worker_that_dies_interrupts(command, folder, tmp_path, monkeypatch):
         (("--full",), "--full belongs to judges"),
         (("--judge", "walk", "--full"), "--full belongs to --preset field"),
         (("--square", "0.03"), "--square belongs to judges"),
-        (("--judge", "walk", "--executor", "processes:none"), "--executor is processes:none"),
+        (("--judge", "walk", "--executor", "processes:none"), "--executor is 'processes:none'"),
     ],
 )
 def test_bad_words(command, tmp_path, monkeypatch, words, message):
