@@ -144,7 +144,7 @@ def _told(
     several = [_beside(one.normal, way) for one, way in zip(near, ways, strict=True)]
     by_ways = [_beside(one.with_way - one.normal, way) for one, way in zip(near, ways, strict=True)]
     alone = together(several, wider, np.append(mean, 0.0))
-    of_windows = rows.measured.windows.explained(alone, reduce(add, by_ways))
+    of_windows = rows.measured.windows.explained(alone, reduce(add, by_ways), chart)
     return [
         (log + other, of_beams.with_nuisance(1) + normal)
         for log, of_beams in rows.measured.beams.told(chart, theta)

@@ -16,7 +16,7 @@ from jaxtyping import Float
 from stereorecal.estimation._calibration_prior import CalibrationPrior
 from stereorecal.estimation._drift import drift_sizes
 from stereorecal.estimation._evidence import Normal, without
-from stereorecal.estimation._motion_window import Window, window
+from stereorecal.estimation._motion_window import Window, far_enough, window
 from stereorecal.estimation._parameters import DRIFTING
 from stereorecal.objectives import RigChart
 from stereorecal.scoring import Tracks
@@ -87,21 +87,22 @@ class Windows:
             return [(0.0, Normal(np.zeros((chart.dim,) * 2), np.zeros(chart.dim), 0.0))]
         within = root_and_mean(prior)
         near = self.near(chart, theta)
-        return self.explained(together([one.normal for one in near], *within), of_ways(near))
+        return self.explained(together([one.normal for one in near], *within), of_ways(near), chart)
 
-    def explained(self, alone: Normal, by_ways: Normal) -> list[tuple[float, Normal]]:
+    def explained(self, alone: Normal, by_ways: Normal, chart: RigChart) -> list[tuple[float, Normal]]:
         """What they may tell together, each with the logarithm of its probability: with the ways, if those are of this
         rig; without; and nothing of depth.
 
         Args:
             alone: without ways.
             by_ways: what these add.
+            chart: of the rig; ways of less than a tenth of its baseline do not count.
         """
         told = [(float(np.log1p(-_OF_OTHER_THINGS)), alone), (float(np.log(_OF_OTHER_THINGS)), without_depth(alone))]
-        if not self.measured:
+        ways = [way for way in self.ways if way is not None and far_enough(way[0], chart.rig)]
+        if not ways:
             return told
         # Ways of anything else have any length: against that, their density counts, once, as all err alike.
-        ways = [way for way in self.ways if way is not None]
         sigma = float(np.median([way[1] / way[0] for way in ways])) / np.sqrt(len(ways))
         narrower = float(np.log(_ANY_LENGTH / (sigma * np.sqrt(2.0 * np.pi))))
         own = float(np.log1p(-_OF_OTHER_THINGS) + np.log1p(-_OTHER_WAYS)) + narrower

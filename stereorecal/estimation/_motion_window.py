@@ -23,7 +23,7 @@ from stereorecal.estimation._motion_residuals import (
     with_rays,
 )
 from stereorecal.estimation._parameters import DRIFTING
-from stereorecal.geometry import rotation_from_vector
+from stereorecal.geometry import StereoRig, rotation_from_vector
 from stereorecal.objectives import RigChart
 from stereorecal.scoring import Tracks
 
@@ -41,6 +41,7 @@ _REDESCENDS = 1.5  # standard deviations
 _ROUNDS, _SETTLED = 40, 0.03  # standard deviations of the motion
 _CONVEX, _SOME = 4, 300  # rounds in which what is far still has some say, of so many tracks
 _YAW = 1.0  # degrees: how far depth may be off, while the motion is sought
+_LEAST_WAY = 0.1  # baselines: a way that is shorter has hardly a direction, and no share by which it could be off
 _TURN, _MOVE = 1.0, 100.0  # rad and baselines: motions of which nothing is known
 
 
@@ -50,7 +51,7 @@ class Window:
 
     Attributes:
         normal: the likelihood of θ; flat where the motion tells nothing.
-        with_way: the same with how far something else says that the rig travelled.
+        with_way: the same with how far something else says that the rig travelled, if that is far enough.
         tracks: points that were followed, and whose rays both cameras have.
         inliers: those that fit one motion of the rig, and one depth each.
         motion: of the left camera, as the rig at θ has it; None if there are too few tracks.
@@ -96,12 +97,19 @@ def window(
     near = theta + found.yaw * _yaw_axis(chart)
     total = _products(seen, chart, near, found)
     normal, covariance = _normal(total, chart)
-    with_way = normal if way is None else _normal(total + _of_way(found.motion, way, chart.dim), chart)[0]
+    with_way = normal
+    if way is not None and far_enough(way[0], chart.rig):
+        with_way = _normal(total + _of_way(found.motion, way, chart.dim), chart)[0]
     metres = float(np.linalg.norm(found.motion.translation))
     ahead = found.motion.translation / max(metres, 1e-30)
     sigma = float(np.sqrt(max(ahead @ covariance @ ahead, 0.0)))
     inliers = int((found.weight > 0.25).sum())
     return Window(normal, with_way, len(tracks), inliers, found.motion, (metres, sigma), found.scale)
+
+
+def far_enough(metres: float, rig: StereoRig) -> bool:
+    """Whether a way tells something: a tenth of the baseline or more, which a vehicle that stands does not travel."""
+    return metres >= _LEAST_WAY * float(rig.baseline)
 
 
 def _yaw_axis(chart: RigChart) -> Float[np.ndarray, "n"]:

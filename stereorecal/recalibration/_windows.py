@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from stereorecal._errors import InputError
-from stereorecal.estimation import NO_WINDOWS, Estimate, Prior, Windows, is_exact
+from stereorecal.estimation import NO_WINDOWS, Estimate, Prior, Windows, far_enough, is_exact
 from stereorecal.recalibration._frame_choice import a_moment_after, soon_after
 from stereorecal.recalibration._stages import Case
 from stereorecal.recordings import LONGEST_GAP, Odometer, Pair
@@ -92,7 +92,8 @@ def without_frames(case: Case, tracks: dict[tuple[int, int], Any], apart: Sequen
 def _ways(case: Case, kept: Sequence[tuple[int, int]]) -> tuple[tuple[float, float] | None, ...]:
     """How far the rig travelled in windows. An odometer errs alike in all of them, but for noise: together they say
     no more than it knows."""
-    metres = _travelled(case.odometer, case.images.pairs, kept) if case.odometer else []
+    ways = _travelled(case.odometer, case.images.pairs, kept) if case.odometer else []
+    metres = [None if way is None or not far_enough(way, case.rig) else way for way in ways]
     known = sum(some is not None for some in metres)
     if case.odometer is None or not known:
         return ()
