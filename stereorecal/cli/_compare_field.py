@@ -27,6 +27,7 @@ from stereorecal.objectives import Reach
 from stereorecal.report.field import field_tables
 
 PRESETS = ("field",)
+_FRAMES = ("rendered", "simulated")  # judges that are told how many pairs
 _RENDERED = ("rendered", "simulated", "motion", "walk")
 _SPARING, _FULL = {"number": 10, "rides": 4}, {"number": 40, "rides": 20, "walk": 1000}
 _OTHERS = ("scene", "synthetic", "schedule", "scale", "budget")  # options of comparisons of strategies
@@ -88,6 +89,12 @@ def _check_options(options: argparse.Namespace) -> None:
     for name in _OTHERS:
         if getattr(options, name):
             raise InputError(f"--{name} belongs to comparisons of strategies; leave it out beside judges (--judge).")
+    others = [judge for judge in options.judge if judge.partition("=")[0].strip() not in _FRAMES]
+    if options.frames_given and others:
+        raise InputError(
+            f"--frames is of judges {' and '.join(_FRAMES)}; leave it out beside --judge {others[0]}, which has "
+            "pairs of its own."
+        )
     if options.free != "extrinsics":
         raise InputError("--free belongs to comparisons of strategies; beside judges each method's own is a column.")
 

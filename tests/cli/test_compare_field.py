@@ -171,7 +171,12 @@ def test_a_worker_that_dies_interrupts(command, folder, tmp_path, monkeypatch):
         (("--judge", "walk", "--scene", "x"), "--scene belongs to comparisons of strategies"),
         (("--judge", "walk", "--free", "rotation"), "--free belongs to comparisons of strategies"),
         (("--judge", "walk", "--draws", "0"), "--draws is 0; give 1 or more"),
-        (("--judge", "walk", "--frames", "all"), "--frames all has no meaning"),
+        (("--judge", "rendered", "--frames", "all"), "--frames all has no meaning"),
+        (
+            ("--judge", "rendered", "--judge", "product=x", "--frames", "1"),
+            "leave it out beside --judge product=x, which",
+        ),
+        (("--preset", "field", "--judge", "lidar=x", "--frames", "3"), "--frames is of judges rendered and simulated"),
         (("--judge", "boards=.", "--square", "-1"), "--square is -1.0; give metres"),
         (("--judge", "boards=.", "--square", "1", "--board-corners", "9"), "--board-corners is"),
         (("--full",), "--full belongs to judges"),

@@ -18,7 +18,14 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("--scene", action="append", default=[], metavar="PATH", help="scene folder (repeatable)")
     add("--synthetic", metavar="KIND", help="render a scene: harbour, coast, open-sea, street")
-    add("--frames", default="1", metavar="N|all", help="pairs of each scene to use, jointly (default: %(default)s)")
+    add(
+        "--frames",
+        action=_Given,
+        default="1",
+        metavar="N|all",
+        help="pairs of each scene to use, jointly (default: %(default)s); of judges only those of rendered and "
+        "simulated, the others have pairs of their own",
+    )
     add_matcher_to(parser)
     add("--strategies", metavar="A,B|all", help="names of installed strategies (default: those of the schedule)")
     add(
@@ -71,4 +78,12 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
     add("--html", metavar="FILE", help="write one HTML page with tables and figures, to pass on")
     add("--force", action="store_true", help="--json and --html may replace a file that is no input")
     add("--quiet", action="store_true", help="no progress and no table")
-    parser.set_defaults(verb="compare")
+    parser.set_defaults(verb="compare", frames_given=False)
+
+
+class _Given(argparse.Action):
+    """Stores what was given, and that it was."""
+
+    def __call__(self, parser, namespace, values, option_string=None):
+        setattr(namespace, self.dest, values)
+        setattr(namespace, f"{self.dest}_given", True)
