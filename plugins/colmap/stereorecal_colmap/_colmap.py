@@ -3,8 +3,9 @@
 import signal
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from importlib import import_module
 from typing import ClassVar
 
 import numpy as np
@@ -55,11 +56,14 @@ class Colmap(AbstractStrategy):
             raise ValueError(f"need max_refinements >= 1, got {self.max_refinements}")
         if self.min_matches < 8:
             raise ValueError(f"need min_matches >= 8, got {self.min_matches}")
+        if threading.current_thread() is threading.main_thread():
+            with suppress(ImportError), _signals_kept():  # here, since only the main thread may keep signals
+                import_module("stereorecal_colmap._fit")  # an error is said by who needs it
 
     def run(self, objective: Objective, start: Float[np.ndarray, "n"], seed: int) -> Outcome:
         """See `AbstractStrategy.run`. `seed` is that of the random samples for the two-view geometry."""
         with _signals_kept():
-            from stereorecal_colmap._fit import search  # here, since pycolmap takes long to import
+            from stereorecal_colmap._fit import search  # here, since a worker has another process, or another thread
         return search(self, objective, start, seed)
 
 
@@ -67,6 +71,8 @@ class Colmap(AbstractStrategy):
 def _signals_kept() -> Iterator[None]:
     """Around the import of pycolmap, whose logging would abort the process at SIGTERM, with all that it has to save."""
     handler = signal.getsignal(signal.SIGTERM)
-    yield
-    if handler is not None and threading.current_thread() is threading.main_thread():
-        signal.signal(signal.SIGTERM, handler)
+    try:
+        yield
+    finally:
+        if handler is not None and threading.current_thread() is threading.main_thread():
+            signal.signal(signal.SIGTERM, handler)

@@ -1,5 +1,10 @@
 """COLMAP as a strategy: it conforms, it finds a rig that is known exactly, and says why where it cannot."""
 
+import signal
+import subprocess
+import sys
+from contextlib import suppress
+
 import jax
 import numpy as np
 import pytest
@@ -8,6 +13,7 @@ pytest.importorskip("pycolmap", reason="pycolmap is not installed")
 
 from stereorecal_colmap import Colmap
 from stereorecal_colmap._cameras import colmap_camera, colmap_pose, extrinsics_of
+from stereorecal_colmap._colmap import _signals_kept
 from stereorecal_colmap._fit import fitted
 from stereorecal_colmap._matches import Matches, matched_pixels, pooled
 
@@ -36,6 +42,39 @@ def lens_of(name: str, size: tuple[int, int], focal: float) -> Camera:
 
 class TestColmap(StrategyConformance):
     strategy = Colmap()
+
+
+def test_signals_are_kept_though_an_import_fails():
+    before = signal.signal(signal.SIGTERM, handler := lambda *_: None)
+    try:
+        with suppress(ImportError), _signals_kept():
+            signal.signal(signal.SIGTERM, signal.SIG_DFL)
+            raise ImportError
+        assert signal.getsignal(signal.SIGTERM) is handler
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there are no such signals")
+def test_a_signal_comes_through_where_it_runs_in_a_thread():
+    """COLMAP's own handler would end the process."""
+    code = """
+import os, signal, threading
+signal.signal(signal.SIGTERM, lambda *_: print("came through"))
+from stereorecal_colmap import Colmap
+strategy = Colmap()
+def work():
+    try:
+        strategy.run(None, None, 0)
+    except AttributeError:
+        pass
+worker = threading.Thread(target=work)
+worker.start()
+worker.join()
+os.kill(os.getpid(), signal.SIGTERM)
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=120)
+    assert (done.returncode, done.stdout.strip()) == (0, "came through"), done.stderr
 
 
 @pytest.fixture(scope="module")
