@@ -2,6 +2,7 @@
 
 import ctypes
 import gc
+import threading
 from contextlib import suppress
 from pathlib import Path
 
@@ -11,15 +12,19 @@ _STATUS, _RESET = Path("/proc/self/status"), Path("/proc/self/clear_refs")
 class PeakMemory:
     """Around a piece of work: how much more memory was resident at most than before it, on Linux.
 
-    What an earlier piece of work left to be used again counts for neither.
+    What an earlier piece of work left to be used again counts for neither. Threads share the memory of their process:
+    outside the main thread, where others may work beside it, nothing is measured. Executors of threads and Dask work
+    there; serial runs and pools of processes do not.
     """
 
     def __enter__(self) -> "PeakMemory":
         self.mebibytes: float | None = None
+        self._before = None
+        if threading.current_thread() is not threading.main_thread():
+            return self
         gc.collect()
         with suppress(OSError, AttributeError):  # no glibc
             ctypes.CDLL("libc.so.6").malloc_trim(0)
-        self._before = None
         with suppress(OSError, ValueError):  # no Linux, or not allowed
             _RESET.write_text("5")
             self._before = _kibibytes("VmRSS")

@@ -51,8 +51,8 @@ class FieldTrial:
         stated_percent: 95 % interval of the error of depth at 30 baselines that the method states of that calibration.
         covered: whether the judge's error lies in it.
         harmful: whether it was accepted and is worse than the start.
-        seconds: wall time.
-        memory_mib: how much memory it took at most.
+        seconds: wall time, with compilation where a process meets a program for the first time.
+        memory_mib: how much memory it took at most; None where threads share it, or it is not known.
     """
 
     key: str
