@@ -9,7 +9,9 @@ import time
 from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import replace
 from multiprocessing.connection import Connection
+from multiprocessing.reduction import ForkingPickler
 from pathlib import Path
 from types import TracebackType
 
@@ -23,9 +25,11 @@ from stereorecal.online._saving import load
 from stereorecal.online._state import State
 from stereorecal.online._state_file import StateFile
 from stereorecal.online._step import init, step
-from stereorecal.recordings import Images, Pair
+from stereorecal.recordings import Images, Pair, as_pairs
 
 Change = Callable[[State], tuple[State, tuple[Event, ...]]]
+Timed = tuple[np.ndarray, np.ndarray, float | None]
+"""The images of a pair, and when it was taken, seconds of any clock; None if that is not known."""
 
 _PATIENCE = 10.0  # seconds that the process has to end by itself
 _LONGEST_REST = 10.0  # seconds
@@ -82,8 +86,8 @@ class Beside:
         )
         self._lock, self._there = threading.Lock(), threading.Condition()
         self._state, self._events, self._dropped = state, (), 0
-        self._waiting: Pair | Images | None = None
-        self._changes: deque[Change] = deque()
+        self._waiting: Timed | None = None
+        self._changes: deque[bytes] = deque()  # pickled
         self._working = False
         self._closed = self._answered = False
         self._process.start()
@@ -91,16 +95,22 @@ class Beside:
         self._thread = threading.Thread(target=self._serve, args=(ours,), daemon=True)
         self._thread.start()
 
-    def put(self, pair: Pair | Images) -> bool:
+    def put(self, pair: Pair | Images | Timed) -> bool:
         """Hand over a pair, at once; False if one that waited is dropped for it. The arrays must not change after.
 
+        Args:
+            pair: a `Pair`, or (left, right), or (left, right, seconds): where the time is known, of any clock, no
+                corner is followed over a gap.
+
         Raises:
+            InputError: if it is none of these.
             RuntimeError: if the process has died.
         """
         self._check_alive()
+        sent = _plain(pair)
         with self._there:
             dropped = self._waiting is not None
-            self._waiting = pair
+            self._waiting = sent
             self._dropped += dropped
             self._there.notify()
         return not dropped
@@ -124,10 +134,12 @@ class Beside:
 
         Raises:
             RuntimeError: if the process has died.
+            Exception: whatever pickle raises of a function that cannot be pickled.
         """
         self._check_alive()
+        sent = bytes(ForkingPickler.dumps(change))  # here, and not in a thread whose exceptions nobody hears of
         with self._there:
-            self._changes.append(change)
+            self._changes.append(sent)
             self._there.notify()
 
     @property
@@ -143,8 +155,8 @@ class Beside:
 
     @property
     def alive(self) -> bool:
-        """Whether the process runs."""
-        return self._process.is_alive()
+        """Whether the process runs, and is given what comes."""
+        return self._process.is_alive() and self._thread.is_alive()
 
     def close(self) -> None:
         """End the process; the step that it is in is finished and changes that wait are made, unless that takes too
@@ -169,8 +181,8 @@ class Beside:
         self.close()
 
     def _serve(self, pipe: Connection) -> None:
-        """Give pairs to the process, one at a time, and take its answers. Ends with it."""
-        with suppress(EOFError, OSError):
+        """Give pairs to the process, one at a time, and take its answers. Ends with it, and it with this."""
+        with pipe, suppress(EOFError, OSError):
             while True:
                 with self._there:
                     while self._waiting is None and not self._changes and not self._closed:
@@ -181,9 +193,11 @@ class Beside:
                     elif self._closed:
                         sent = None
                     else:
-                        pair, self._waiting = self._waiting, None
-                        sent = _plain(pair)
-                pipe.send(sent)
+                        sent, self._waiting = self._waiting, None
+                if isinstance(sent, bytes):
+                    pipe.send_bytes(sent)
+                else:
+                    pipe.send(sent)
                 state, events, rest = pipe.recv()
                 self._answered = True
                 with self._lock:
@@ -193,13 +207,30 @@ class Beside:
                 with self._there:
                     self._there.wait_for(lambda: self._closed, rest)
                     self._working = False
-        pipe.close()
 
 
-def _plain(pair: Pair | Images | None) -> Images:
-    """The images alone: a pair that came from a file would be read again."""
-    assert pair is not None
-    return (pair.left, pair.right) if isinstance(pair, Pair) else (np.asarray(pair[0]), np.asarray(pair[1]))
+def _plain(pair: Pair | Images | Timed) -> Timed:
+    """Images and time alone: a pair that came from a file would be read again."""
+    if isinstance(pair, Pair):
+        return pair.left, pair.right, pair.time
+    try:
+        left, right, *time = pair
+        (seconds,) = time or (None,)
+        images, seconds = (np.asarray(left), np.asarray(right)), None if seconds is None else float(seconds)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"the pair is none ({error}); give (left, right) or (left, right, seconds).") from error
+    if any(image.dtype.hasobject for image in images):
+        raise InputError("the images of the pair are no arrays of numbers; give (left, right) or a Pair.")
+    return *images, seconds
+
+
+def _timed(images: Timed) -> Pair | Images:
+    """As a step takes it. What is wrong with images, it says itself."""
+    left, right, seconds = images
+    with suppress(InputError):
+        (pair,) = as_pairs((left, right))
+        return replace(pair, time=seconds)
+    return left, right
 
 
 def _worker(
@@ -215,14 +246,20 @@ def _worker(
         os.nice(nice)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the program that started it, which ends it in order
     file, ends = StateFile(keep, keep_every, written=state), False
+    at: float | None = None
     while not ends:
         try:
             sent = pipe.recv()
         except (EOFError, OSError):  # the program has been killed
             sent = None
         began, spent, events, ends = time.monotonic(), time.process_time(), (), sent is None
-        if sent is not None:
-            state, events = step(state, sent, seconds) if isinstance(sent, tuple) else _changed(state, sent)
+        if isinstance(sent, tuple):
+            before, at = at, sent[2]
+            if before is not None and at is not None and at <= before:  # the clock has jumped
+                state = state.alone()
+            state, events = step(state, _timed(sent), seconds)
+        elif sent is not None:
+            state, events = _changed(state, sent)
         events = (*events, *file.keep(state, now=ends or bool(events)))
         rest = (time.process_time() - spent) / share - (time.monotonic() - began)
         with suppress(OSError):  # likewise

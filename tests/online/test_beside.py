@@ -7,13 +7,15 @@ import sys
 import time
 from functools import partial
 from pathlib import Path
+from pickle import PicklingError
 
 import numpy as np
 import pytest
 from rides import Ride
 
 from stereorecal import InputError
-from stereorecal.online import Beside, Config, Event, Kind, State, freeze, init, load
+from stereorecal.online import Beside, Config, Event, Kind, State, _worker_process, freeze, init, load
+from stereorecal.recordings import Pair
 from stereorecal.scoring.host import Corners
 
 
@@ -125,6 +127,77 @@ def test_the_images_of_corners_stay_in_the_process(ride: Ride):
         (event,) = told(beside, Kind.HEALTHY)
         assert event.why == "kept"
         assert beside.latest()[0].corners is None
+
+
+def test_the_times_of_pairs_reach_the_steps(ride: Ride, monkeypatch: pytest.MonkeyPatch):
+    """What is followed is given up where the clock jumps back."""
+    noise, answers = np.random.default_rng(0).integers(0, 255, (2, 240, 320), np.uint8), []
+    pairs = [(*noise, 5.0), Pair(*noise.astype(np.float32), time=5.5), (*noise, 3.0), tuple(noise), (0 * noise[0],) * 2]
+
+    def stepped(state: State, pair: Pair | tuple, seconds: float | None):
+        time = pair.time if isinstance(pair, Pair) else None
+        answers.append((type(pair), time, state.last is None))
+        return state.but(last=noise[0]), ()
+
+    class Pipe:
+        def __init__(self):
+            self.waiting = [*map(_worker_process._plain, pairs), None]
+
+        def recv(self):
+            return self.waiting.pop(0)
+
+        def send(self, answer):
+            assert answer[0].last is None
+
+    monkeypatch.setattr(_worker_process, "step", stepped)
+    monkeypatch.setattr(_worker_process.os, "nice", lambda _: None)
+    monkeypatch.setattr(_worker_process.signal, "signal", lambda *_: None)
+    _worker_process._worker(Pipe(), init(ride.rig), None, 0.0, 0, None, 1.0)
+    assert [time for _, time, _ in answers] == [5.0, 5.5, 3.0, None, None]
+    assert [anew for _, _, anew in answers] == [True, False, True, False, False]
+    assert answers[-1][0] is tuple  # which a step refuses
+
+
+def test_what_cannot_be_sent_is_refused_where_it_is_given(ride: Ride):
+    image = np.zeros((240, 320), np.uint8)
+    with Beside(ride.rig) as beside:
+        with pytest.raises((AttributeError, TypeError, PicklingError)):
+            beside.change(lambda state: (state, ()))
+        for pair in ((image,), (image, np.array([None])), (image, image, "now"), 3):
+            with pytest.raises(InputError, match="the pair"):
+                beside.put(pair)
+        beside.change(told_corners)
+        assert told(beside, Kind.HEALTHY)
+        assert beside.alive
+
+
+class Unreadable(str):
+    """That only one process can make."""
+
+    def __reduce__(self):
+        return unreadable, (os.getpid(),)
+
+
+def unreadable(process: int) -> str:
+    if os.getpid() != process:
+        raise ValueError("not here.")
+    return ""
+
+
+def unreadable_here(state: State) -> tuple[State, tuple[Event, ...]]:
+    return state, (Event(state.frame, Kind.HEALTHY, Unreadable()),)
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
+def test_a_thread_that_died_is_told(ride: Ride):
+    with Beside(ride.rig) as beside:
+        beside.change(unreadable_here)
+        beside._thread.join(120)
+        assert not beside.alive
+        with pytest.raises(RuntimeError, match="has died"):
+            beside.change(told_corners)
+        with pytest.raises(RuntimeError, match="has died"):
+            beside.latest()
 
 
 def test_a_share_of_a_core(ride: Ride):
