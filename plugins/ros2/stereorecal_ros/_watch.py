@@ -345,7 +345,7 @@ class Watch:
             self._refused += 1
             self._complain(str(error))
             return
-        if not self._worker.put(images):
+        if not self._worker.put(images, stamp * 1e-9):
             return
         self._used += 1
         self._complaint = None

@@ -27,7 +27,7 @@ class Process(Protocol):
     @property
     def ready(self) -> bool: ...
 
-    def put(self, pair: tuple[np.ndarray, np.ndarray], /) -> bool: ...
+    def put(self, pair: tuple[np.ndarray, np.ndarray, float], /) -> bool: ...
 
     def change(self, change: Change, /) -> None: ...
 
@@ -128,9 +128,9 @@ class Worker:
             self._retry = _RETRY
         return state, events
 
-    def put(self, images: tuple[np.ndarray, np.ndarray]) -> bool:
-        """Hand over a pair; False if there is no process any more."""
-        return self._try(lambda beside: beside.put(images))
+    def put(self, images: tuple[np.ndarray, np.ndarray], seconds: float) -> bool:
+        """Hand over a pair, with its time; False if there is no process any more."""
+        return self._try(lambda beside: beside.put((*images, seconds)))
 
     def change(self, change: Change) -> bool:
         """Have the state changed; False if there is no process any more."""

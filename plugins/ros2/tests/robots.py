@@ -44,7 +44,7 @@ class Work:
     exited: bool = False
     closed: bool = False
     events: list[Event] = field(default_factory=list)
-    pairs: list[tuple[np.ndarray, np.ndarray]] = field(default_factory=list)
+    pairs: list[tuple[np.ndarray, np.ndarray, float]] = field(default_factory=list)
     changes: list[partial] = field(default_factory=list)
     waiting: list[partial] = field(default_factory=list)
     slow: bool = False
@@ -52,7 +52,7 @@ class Work:
     def __post_init__(self) -> None:
         self.state = load(self.keep, self.rig) if self.keep.exists() else init(self.rig, self.config)
 
-    def put(self, images: tuple[np.ndarray, np.ndarray]) -> bool:
+    def put(self, images: tuple[np.ndarray, np.ndarray, float]) -> bool:
         self._check()
         self.pairs.append(images)
         return True

@@ -50,7 +50,7 @@ def test_encodings_become_grey(robot, encoding: str):
     one.see()
     for side in (LEFT, RIGHT):
         one.watch.image(side, 10**12, ENCODINGS[encoding])
-    ((left, right),) = one.work.pairs
+    ((left, right, _),) = one.work.pairs
     assert left.shape == right.shape == SIZE[::-1]
     assert left.dtype == (np.uint16 if "16" in encoding else np.uint8)
 
@@ -142,6 +142,14 @@ def test_time_that_jumps_back_is_told(robot):
     assert one.said("time has jumped back")
     assert one.watch.status().values["jumps back in time"] == "1"
     assert one.watch.status().values["pairs"] == "40"
+
+
+def test_pairs_have_the_times_of_their_stamps(robot):
+    one = robot()
+    one.calibrate()
+    one.watch.poll()
+    one.see(2)
+    assert [time for _, _, time in one.work.pairs] == pytest.approx([0.1, 0.2])
 
 
 def test_camera_info_that_is_none(robot):
