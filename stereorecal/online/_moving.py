@@ -18,7 +18,8 @@ _MOST = 400  # corners
 _FEWEST = 30  # of them that are seen again
 _AHEAD = 0.5  # baselines: in less, depth is hardly told
 _LEFT = 0.4  # of the corners that were found: if fewer are seen again, sooner
-_LONGEST, _SECONDS = 16, 2.0  # pairs, and seconds, after which nothing is the same
+# Pairs, where their times are not known, and seconds, after which nothing is the same.
+_LONGEST, _SECONDS = 16, 2.0
 # Windows of one place show the same things, and err together: standard deviations in those that each believes, and a
 # yaw that the lenses of a calibrated rig leave in any of them [deg].
 _WORSE, _OF_LENSES = 3.0, 0.02
@@ -39,13 +40,13 @@ def moved(state: State, pair: Pair) -> Outcome:
     before, pairs = state.corners, state.frame - state.found_at
     if before is None or pairs < state.apart:
         return state, []
-    if not _soon(state.since, pair.time):
+    if not _soon(state.since, pair.time, pairs):
         return state.but(corners=None), []
     tracks, chart = shown_again(before, pair), rig_parameters(state.rig)
     seen = window(tracks, chart, np.zeros(chart.dim))
     lost = seen.motion is None or len(tracks) < _LEFT * len(before.left)
     near = seen.metres[0] < _AHEAD * float(state.rig.baseline)
-    apart = max(state.apart // 2, 1) if lost else min(2 * state.apart, _LONGEST) if near else state.apart
+    apart = max(state.apart // 2, 1) if lost else min(2 * state.apart, _longest(state)) if near else state.apart
     state = state.but(corners=None, apart=apart)
     if seen.motion is None:
         return state, []
@@ -53,8 +54,17 @@ def moved(state: State, pair: Pair) -> Outcome:
     return _told(state, _measurement(state, seen.normal, turned))
 
 
-def _soon(first: float | None, second: float | None) -> bool:
-    return first is None or second is None or 0.0 < second - first <= _SECONDS
+def _soon(first: float | None, second: float | None, pairs: int) -> bool:
+    """Whether a pair comes soon after another one: by their times, or, where not both are known, by pairs; a repair in
+    between may have taken many."""
+    if first is None or second is None:
+        return pairs <= _LONGEST
+    return 0.0 < second - first <= _SECONDS
+
+
+def _longest(state: State) -> int:
+    """Pairs to the last look that comes soon enough."""
+    return max(_LONGEST - _LONGEST % state.config.every, 1)
 
 
 def _measurement(state: State, normal: Normal, turned: Float[np.ndarray, "3"]) -> Measurement:

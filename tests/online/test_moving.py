@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stereorecal.online._estimate import Measurement
-from stereorecal.online._moving import _told, moved
+from stereorecal.online._moving import _longest, _told, moved
 from stereorecal.scoring.host import Corners
 
 
@@ -24,6 +24,23 @@ def test_times_that_stand_go_back_or_jump_end_it(ride, ridden, time):
     assert after.corners is None
     assert not events
     assert after.estimate is state.estimate
+
+
+@pytest.mark.parametrize(("since", "time"), [(None, None), (10.0, None), (None, 10.5)])
+@pytest.mark.parametrize(("pairs", "soon"), [(16, True), (17, False), (500, False)])
+def test_where_times_are_not_known_sixteen_pairs_end_it(ride, ridden, since, time, pairs, soon):
+    """As a repair takes, during which corners are not looked for."""
+    state = with_corners(ridden[-1].state, pairs, since).but(apart=4)
+    after, events = moved(state, replace(ride.pairs[-1], time=time))
+    assert (after.corners, events) == (None, [])
+    assert after.apart == (2 if soon else 4)  # looked for, and not seen again; or not asked
+    assert after.estimate is state.estimate
+
+
+def test_looks_that_are_far_apart_stay_within_sixteen_pairs(ridden):
+    for every, longest in ((1, 16), (5, 15), (30, 1)):
+        state = ridden[-1].state
+        assert _longest(state.but(config=replace(state.config, every=every))) == longest
 
 
 def test_until_the_rig_may_have_moved_nothing_is_asked(ride, ridden):
