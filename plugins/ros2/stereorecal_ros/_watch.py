@@ -4,7 +4,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -30,11 +30,21 @@ from stereorecal_ros._worker import Begun, Process, Worker
 
 _RECENT = 4  # pairs, which a recalibration on request rests on
 _SPACING = 1_000_000_000  # nanoseconds between them, at least: other views of the scene
+_RECENT_FOR = 30.0  # seconds, after which the rig may stand otherwise
 _SAVE_AGAIN = 10.0  # seconds, after which what could not be kept is tried again
 _OUTCOMES = (Kind.RECALIBRATED, Kind.REJECTED, Kind.REFUSED)
 
 Answer = tuple[bool, str]
 """Of a request: whether it is done or begun, and what to say."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Recent:
+    """A pair: its stamp, when it came by the clock, and its images."""
+
+    stamp: int
+    came: float
+    images: tuple[np.ndarray, np.ndarray]
 
 
 class Watch:
@@ -78,7 +88,7 @@ class Watch:
         self._applied: Applied | None = None
         self._corrected: tuple[CameraInfo, CameraInfo] | None = None
         self._infos: tuple[CameraInfo, CameraInfo] | None = None  # as the drivers gave them
-        self._recent: deque[tuple[int, tuple[np.ndarray, np.ndarray]]] = deque(maxlen=_RECENT)
+        self._recent: deque[_Recent] = deque(maxlen=_RECENT)
         self._asked = False
         self._told_at = clock()
         self._used = self._dropped = self._refused = 0
@@ -189,11 +199,13 @@ class Watch:
         """Recalibrate on the last pairs; the outcome is an event."""
         if not self._worker.runs:
             return False, self._worker.dead or "there is no calibration yet; nothing to start from."
+        while self._recent and self._clock() - self._recent[0].came > _RECENT_FOR:
+            self._recent.popleft()
         if not self._recent:
-            return False, "no pair has come yet."
+            return False, f"no recent pair: none that shows the rig as it is has come in the last {_RECENT_FOR:.0f} s."
         if self._asked:
             return False, "a recalibration is under way."
-        pairs = tuple(pair for _, pair in self._recent)
+        pairs = tuple(recent.images for recent in self._recent)
         self._asked = self._worker.change(partial(recalibrate, pairs=pairs))
         if not self._asked:
             return False, self._worker.dead or "the worker process exited."
@@ -349,8 +361,8 @@ class Watch:
             return
         self._used += 1
         self._complaint = None
-        if not self._recent or stamp - self._recent[-1][0] >= _SPACING:
-            self._recent.append((stamp, images))
+        if not self._recent or stamp - self._recent[-1].stamp >= _SPACING:
+            self._recent.append(_Recent(stamp, self._clock(), images))
 
     def _follow(self, event: Event) -> None:
         if event.kind is Kind.KNOCK:

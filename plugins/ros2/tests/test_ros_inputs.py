@@ -173,7 +173,7 @@ def test_a_recalibration_rests_on_other_views_of_one_rig(robot):
     assert not one.watch.recalibrate()[0]
     one.calibrate()
     one.watch.poll()
-    assert one.watch.recalibrate() == (False, "no pair has come yet.")
+    assert "no recent pair" in one.watch.recalibrate()[1]
     one.see(45)
     done, said = one.watch.recalibrate()
     assert done
@@ -183,6 +183,24 @@ def test_a_recalibration_rests_on_other_views_of_one_rig(robot):
     one.work.events.append(Event(45, Kind.REJECTED, "no candidate"))
     one.work.events.append(Event(46, Kind.KNOCK))
     one.watch.poll()
-    assert one.watch.recalibrate() == (False, "no pair has come yet.")  # that shows the knocked rig
+    assert "no recent pair" in one.watch.recalibrate()[1]  # that shows the knocked rig
     one.see()
     assert one.watch.recalibrate()[0]
+
+
+def test_a_recalibration_rests_on_no_old_pairs(robot):
+    """Whatever their stamps say; the cameras may have been off, and the rig was knocked meanwhile."""
+    one = robot()
+    one.calibrate()
+    one.watch.poll()
+    one.see(25)
+    one.now += 28.0
+    done, said = one.watch.recalibrate()
+    assert done
+    assert "last 2 pairs" in said
+    one.work.events.append(Event(45, Kind.REJECTED, "no candidate"))
+    one.watch.poll()
+    one.now += 2.0
+    done, said = one.watch.recalibrate()
+    assert not done
+    assert said.startswith("no recent pair")
