@@ -152,6 +152,8 @@ def test_the_page_sorts_shows_and_escapes(field):
     assert base64.b64encode(hashlib.sha256(script.encode()).digest()).decode() in page
     assert 'class="sorts"' in page
     assert page.count("<svg") == 3
+    assert "rows of lidar and of drives in folders: those are of images that methods get" in page
+    assert "Seconds hold compilation" in page
     assert "broken</b> failed, 2 trials: &#39;a &lt;bug&gt;&#39;" in page
     assert "<bug>" not in page
     assert 'data-value="1e99">4.0, ∞</td>' in page

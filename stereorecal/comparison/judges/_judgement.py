@@ -10,7 +10,8 @@ ROWS_WORSE, DEPTH_WORSE = 0.02, 1.0  # px; percentage points at 30 baselines
 
 @dataclass(frozen=True)
 class Judgement:
-    """Of a rig, by what no method looked at.
+    """Of a rig, by what no method looked at; but rows of lidar and of drives in folders are of images that methods got,
+    too.
 
     Attributes:
         row_error_px: |row difference| of the judge's own points: median, of boards root mean square.
