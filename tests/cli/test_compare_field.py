@@ -161,6 +161,12 @@ def test_a_worker_that_dies_interrupts(command, folder, tmp_path, monkeypatch):
     assert [path.name for path in tmp_path.iterdir()] == ["a.json"]
 
 
+def test_help_says_what_is_in_sample_and_when_files_are_written(command):
+    told = " ".join(command("compare", "--help").out.split())
+    assert "only rows of lidar and of motion=FOLDER are of images that methods get, too" in told
+    assert "until then finished trials are in FILE.trials" in told
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [

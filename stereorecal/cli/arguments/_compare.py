@@ -66,15 +66,21 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
         default=[],
         metavar="NAME[=PLACE]",
         help="compare methods by what none of them looks at (repeatable): lidar=FOLDER, boards=FOLDER, product=FOLDER, "
-        "motion[=FOLDER], rendered[=KIND], simulated[=KIND], walk; --strategies then names methods: the library's "
-        "count, rows and motion, and strategies",
+        "motion[=FOLDER], rendered[=KIND], simulated[=KIND], walk; only rows of lidar and of motion=FOLDER are of "
+        "images that methods get, too; --strategies then names methods: the library's count, rows and motion, and "
+        "strategies",
     )
     add("--preset", metavar="NAME", help="field: all judges that are rendered, and those of --judge, within an hour")
     add("--full", action="store_true", help="of --preset field: overnight")
     add("--board-corners", metavar="WxH", help="corners inside of the boards of --judge boards (default: 9x6)")
     add("--square", type=float, metavar="METRES", help="side of a square of those boards")
     add("--executor", default="serial", metavar="SPEC", help=EXECUTORS)
-    add("--json", metavar="FILE|-", help="write everything as JSON, again with each trial that is finished")
+    add(
+        "--json",
+        metavar="FILE|-",
+        help="write everything as JSON, again with each trial that is finished; of judges at the end, or at Ctrl-C, "
+        "and until then finished trials are in FILE.trials, beside the first of --html and --json",
+    )
     add("--html", metavar="FILE", help="write one HTML page with tables and figures, to pass on")
     add("--force", action="store_true", help="--json and --html may replace a file that is no input")
     add("--quiet", action="store_true", help="no progress and no table")
