@@ -31,8 +31,6 @@ class Applied:
         frozen: whether nothing is applied by itself, as after a roll back.
         returning: how many times it was rolled back without the worker having done the same: until then, what was
             taken back looks like a calibration that waits.
-        not_accepted: what a state uses that was begun anew and does not know what is published: no decision has
-            accepted that.
     """
 
     initial: StereoRig
@@ -40,7 +38,6 @@ class Applied:
     offsets: tuple[Offset, ...]
     frozen: bool = False
     returning: int = 0
-    not_accepted: Offset | None = None
 
     @property
     def offset(self) -> Offset:
@@ -59,14 +56,9 @@ class Applied:
         return is_like(rig, self.given) or is_like(rig, self.published.rig)
 
     def waits(self, state: State) -> bool:
-        """Whether the decision has accepted another calibration than the one that is published."""
-        begun = self.not_accepted is not None and np.array_equal(state.using, self.not_accepted)
-        return not self.returning and not begun and not np.array_equal(state.using, self.offset)
-
-    def beside(self, state: State) -> "Applied":
-        """The same beside a state that goes on: one that does not know what is published offers nothing of its own."""
-        known = any(np.array_equal(self.offset, offset) for offset in (state.using, *state.previous))
-        return replace(self, not_accepted=None if known else state.using)
+        """Whether the decision has accepted another calibration than the one that is published. What a state uses that
+        was begun anew, and has switched nothing yet, no decision has accepted."""
+        return bool(state.previous) and not self.returning and not np.array_equal(state.using, self.offset)
 
     def apply(self, state: State) -> "Applied":
         """What the decision has accepted is published from now on."""

@@ -329,7 +329,7 @@ class Watch:
             known = (np.zeros(5), state.using, *state.previous)
             apart = [np.abs(state.rig_at(offset).extrinsics - rig.extrinsics).max() for offset in known]
             applied = Applied(state.initial, rig, (known[int(np.argmin(apart))],))
-        self._state, self._applied, self._told_at = state, applied.beside(state), self._clock()
+        self._state, self._applied, self._told_at = state, applied, self._clock()
         if applied.frozen and self.settings.repair:
             self.settings = replace(self.settings, repair=False)
             self._tell(Level.WARN, "repair: True -> False, as it was left.")

@@ -73,6 +73,31 @@ def test_a_state_begun_anew_offers_nothing_that_was_not_accepted(robot, tmp_path
     assert two.turned() == pytest.approx(0.2, abs=0.01)
 
 
+def test_what_a_state_begun_anew_has_accepted_outlives_a_restart(robot, tmp_path: Path):
+    one = robot(auto_apply=True)
+    one.calibrate()
+    one.see()
+    one.accept(BETTER)
+    one.watch.close()
+    (tmp_path / "node.state").write_text("cut off")
+    two = robot()
+    two.calibrate()
+    two.see()
+    two.accept(BEST)
+    two.watch.close()
+    three = robot()
+    three.calibrate()
+    three.see()
+    assert three.turned() == pytest.approx(0.1, abs=0.01)
+    assert "waits" in three.watch.status().message
+    assert three.watch.apply()[0]
+    assert three.turned() == pytest.approx(0.2, abs=0.01)
+    assert three.watch.roll_back()[0]
+    three.see()
+    assert "waits" not in three.watch.status().message
+    np.testing.assert_array_equal(three.work.state.using, BETTER)
+
+
 def test_what_is_published_is_known_without_what_the_calibration_left(monkeypatch: pytest.MonkeyPatch):
     """That takes half a second, in a callback."""
     rig = default_rig().resized(SIZE)
