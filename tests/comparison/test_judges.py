@@ -80,10 +80,13 @@ def test_lidar_knows_the_right_rig_and_the_sign_of_a_wrong_one(tmp_path):
     scene, rig = scene_with_truth(lidar_scene(tmp_path / "wall")), ideal_rig()
     right = depth_by_truth(rig, rig, scene)
     assert right.rows_px < 0.05
-    assert right.sure_px == pytest.approx(0.0, abs=0.1)
+    assert right.sure_px == pytest.approx(0.0, abs=1 / 16)  # a step of SGBM's: the wall is whole pixels away
     off = depth_by_truth(turned(rig, yaw=0.3), rig, scene)
-    expected = np.radians(0.3) * FOCAL  # disparities grow by that: what is seen seems nearer
-    assert off.sure_px - right.sure_px == pytest.approx(expected, abs=0.35)
+    # Disparities grow by that, and what is seen seems nearer: aside by more than in the middle. SGBM begins at 96 px.
+    aside = (np.arange(96, SIZE[0]) - 159.5) / FOCAL
+    expected = np.radians(0.3) * FOCAL * np.median(1 + aside**2)
+    assert off.corners_px == pytest.approx(expected, abs=0.05)  # of Lucas-Kanade on noise that is interpolated
+    assert off.sure_px == pytest.approx(expected, abs=0.5)  # SGBM's are drawn towards whole pixels, at most to them
     assert off.depth_error_percent(30) == pytest.approx(100 * (10 / (10 + off.sure_px) - 1))
     assert off.depth_error_percent(30) < -8
     assert np.isinf(replace(off, sure_px=-11.0).depth_error_percent(30))
@@ -164,8 +167,20 @@ def test_a_simulated_calibration_is_near_and_not_exact():
     assert 0.001 < wrong.row_error_median < 0.5
     assert abs(wrong.depth_error_percent[10]) < 2.0
     assert not wrong.same_intrinsics
-    np.testing.assert_allclose(calibrated(true_rig(3), 3).extrinsics, found.extrinsics, atol=1e-9)
     assert sr.difference(true_rig(4), true).same_intrinsics is False
+
+
+def test_a_simulated_calibration_is_the_same_wherever_it_is_made():
+    """To the bit in one thread; OpenCV's threads add up in any order, which its solver enlarges: 1e-9 rad is less than
+    a millionth of a pixel."""
+    threads = cv2.getNumThreads()
+    try:
+        cv2.setNumThreads(1)
+        one, again = (calibrated(true_rig(3), 3).extrinsics for _ in range(2))
+    finally:
+        cv2.setNumThreads(threads)
+    np.testing.assert_array_equal(one, again)
+    np.testing.assert_allclose(calibrated(true_rig(3), 3).extrinsics, one, rtol=0, atol=1e-9)
 
 
 @pytest.mark.parametrize(
