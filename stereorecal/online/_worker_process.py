@@ -18,13 +18,15 @@ from types import TracebackType
 import numpy as np
 
 from stereorecal._errors import InputError
+from stereorecal.estimation import DEFAULT
 from stereorecal.geometry import StereoRig
+from stereorecal.matching import as_matcher
 from stereorecal.online._config import Config
 from stereorecal.online._events import Event, Kind
 from stereorecal.online._saving import load
 from stereorecal.online._state import State
 from stereorecal.online._state_file import StateFile
-from stereorecal.online._step import init, step
+from stereorecal.online._step import freeze, init, step
 from stereorecal.recordings import Images, Pair, as_pairs
 
 Change = Callable[[State], tuple[State, tuple[Event, ...]]]
@@ -59,7 +61,10 @@ class Beside:
         """Start the process; it is ready some seconds later, and pairs wait until then.
 
         Args:
-            rig: the calibration to start from, or a state to go on from.
+            rig: the calibration to start from, or a state to go on from (whose own config counts).
+            config: as it is set now, also where a state in a file was set otherwise: with another matcher the range
+                is measured anew, with another view or prior the estimate is as wide as at the start. But one that is
+                frozen, as after `rollback`, stays so until it is thawed.
             keep: a file in which each state is saved, and from which it goes on, if the file exists; it must be of
                 this calibration.
             keep_every: seconds between two savings, at least, unless something has happened; the last state is saved
@@ -77,7 +82,7 @@ class Beside:
             raise InputError(f"a share of {share} of a core makes no sense; give one above 0, and at most 1.")
         state = rig if isinstance(rig, State) else init(rig, config)
         if keep is not None and Path(keep).exists():
-            state = load(keep, None if isinstance(rig, State) else rig)
+            state = _set(load(keep, None if isinstance(rig, State) else rig), state)
         # Not forked: JAX has threads, and a copy of a process without them hangs.
         ours, theirs = multiprocessing.get_context("spawn").Pipe()
         context = multiprocessing.get_context("spawn")
@@ -207,6 +212,24 @@ class Beside:
                 with self._there:
                     self._there.wait_for(lambda: self._closed, rest)
                     self._working = False
+
+
+def _set(state: State, now: State) -> State:
+    """A state with the settings of one that is made now; nothing that was frozen is thawed by them."""
+    before, config = state.config, now.config
+    config = replace(config, repair=config.repair and before.repair)
+    state = state.but(config=config)
+    if before.repair and not config.repair:
+        state = freeze(state)
+    if as_matcher(before.matcher) != as_matcher(config.matcher):
+        matcher = as_matcher(config.matcher)
+        known = matcher if matcher.num_disparities is not None else None
+        state = state.but(matcher=known, job=None, darkness=0, suspect=None)
+    if (before.view, before.prior or DEFAULT) != (config.view, config.prior or DEFAULT):
+        first, estimate = init(state.initial, config), state.estimate
+        wide = first.estimate.moved(estimate.offset, estimate.of_offset + first.estimate.of_offset)
+        state = state.standing_at(wide).but(view=first.view, trial=None, suspect=None)
+    return state
 
 
 def _plain(pair: Pair | Images | Timed) -> Timed:

@@ -13,8 +13,9 @@ import numpy as np
 import pytest
 from rides import Ride
 
+import stereorecal as sr
 from stereorecal import InputError
-from stereorecal.online import Beside, Config, Event, Kind, State, _worker_process, freeze, init, load
+from stereorecal.online import Beside, Config, Event, Kind, State, _worker_process, freeze, init, load, save
 from stereorecal.recordings import Pair
 from stereorecal.scoring.host import Corners
 
@@ -156,6 +157,30 @@ def test_the_times_of_pairs_reach_the_steps(ride: Ride, monkeypatch: pytest.Monk
     assert [time for _, time, _ in answers] == [5.0, 5.5, 3.0, None, None]
     assert [anew for _, _, anew in answers] == [True, False, True, False, False]
     assert answers[-1][0] is tuple  # which a step refuses
+
+
+def test_the_settings_that_are_given_count_where_a_state_is_kept(ride: Ride, tmp_path: Path):
+    place = tmp_path / "state"
+    known = sr.SAD(num_disparities=48)
+    narrow = init(ride.rig)
+    narrow = narrow.but(frame=7, matcher=known, estimate=narrow.estimate.moved(np.ones(5), 1e-6 * np.eye(5)))
+
+    def went_on(state: State, *config: Config) -> State:
+        save(state, place)
+        with Beside(ride.rig, *config, keep=place) as beside:
+            return beside.latest()[0]
+
+    same = went_on(narrow)
+    assert same.matcher == known
+    np.testing.assert_array_equal(same.estimate.covariance, narrow.estimate.covariance)
+    other = went_on(narrow, Config(matcher=sr.SAD(block_size=9), every=3, prior="exact"))
+    assert other.config.every == 3
+    assert other.frame == 7
+    assert other.matcher is None
+    assert other.estimate.covariance[-1, -1] == 0.0  # of the keystone
+    assert other.estimate.of_offset[0, 0] > 0.01
+    np.testing.assert_array_equal(other.estimate.offset, np.ones(5))
+    assert not went_on(freeze(narrow), Config(every=2)).config.repair
 
 
 def test_what_cannot_be_sent_is_refused_where_it_is_given(ride: Ride):
