@@ -1,11 +1,12 @@
 """A recursive estimate of where the true rig stands, and by how much a shutter is late.
 
-A Kalman filter in its information form (Anderson & Moore 1979, chapter 6), over ten numbers: the offset of the true
+A Kalman filter in its information form (Anderson & Moore 1979, chapter 6), over eleven numbers: the offset of the true
 rig from the one that was given first (pitch, yaw, roll in degrees, y, z in percent of the baseline), the delay of the
 right shutter in frames, the rates at which the angles drift, in degrees a frame, and the keystone: the yaw that rows
-show beyond the one that depth shows, since the intrinsics are not what the calibration says. What one look measures is
-the offset plus the delay times the rig's own turn between frames, and the keystone besides; what the rig's motion tells
-is without the keystone. The offset walks; the keystone is constant.
+show beyond the one that depth shows, since the intrinsics are not what the calibration says; and what the same lenses
+leave of the yaw that the rig's motion tells, in all windows alike, which are no surer of it for being many. What one
+look measures is the offset plus the delay times the rig's own turn between frames, and the keystone besides; what the
+rig's motion tells is the offset, and what the lenses leave besides. The offset walks; what is of lenses is constant.
 
 Heat drifts one way for minutes. A rate that is forgotten slowly (a process of Ornstein and Uhlenbeck) follows it; a
 random walk alone would lag behind, and not know it.
@@ -17,6 +18,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float
 
+from stereorecal.estimation import is_exact
 from stereorecal.online._config import Config
 
 SIZE = 5
@@ -28,6 +30,7 @@ _DELAY_WANDER = 5e-3  # a frame, likewise
 _TURN_ERROR = 0.1  # of the rig's turn: what is near seems to turn when the rig travels
 _RATES = slice(SIZE + 1, SIZE + 4)
 _KEYSTONE = SIZE + 4
+OF_LENSES = 0.02  # degrees: a yaw that the lenses of a calibrated rig leave in what its motion tells
 _YAW = np.eye(SIZE)[1]
 
 
@@ -40,7 +43,8 @@ class Measurement:
         offset: (5,) measured.
         information: (5, 5) inverse covariance; singular where the look says nothing.
         turn: (5,) by which a delay of one frame would move it.
-        keystone: whether it is measured by rows, which what the calibration left bends like a yaw.
+        keystone: whether it is measured by rows, which what the calibration left bends like a yaw; else by the rig's
+            motion, of which it leaves something as well.
         doubt: standard deviation of a yaw that several such measurements have in common [deg].
     """
 
@@ -52,9 +56,10 @@ class Measurement:
     doubt: float = 0.0
 
     @property
-    def design(self) -> Float[np.ndarray, "5 10"]:
+    def design(self) -> Float[np.ndarray, "5 11"]:
         """What is measured of an estimate."""
-        return np.column_stack([np.eye(SIZE), self.turn, np.zeros((SIZE, 3)), self.keystone * _YAW])
+        of_lenses = np.outer(_YAW, [self.keystone, not self.keystone])
+        return np.column_stack([np.eye(SIZE), self.turn, np.zeros((SIZE, 3)), of_lenses])
 
     @property
     def poses(self) -> Float[np.ndarray, "5 4"]:
@@ -69,10 +74,11 @@ class Measurement:
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """Mean (10,) and covariance (10, 10): the offset, the delay, the rates of the angles, and the keystone."""
+    """Mean (11,) and covariance (11, 11): the offset, the delay, the rates of the angles, the keystone, and what the
+    lenses leave of the yaw that motion tells."""
 
-    mean: Float[np.ndarray, "10"]
-    covariance: Float[np.ndarray, "10 10"]
+    mean: Float[np.ndarray, "11"]
+    covariance: Float[np.ndarray, "11 11"]
 
     @property
     def offset(self) -> Float[np.ndarray, "5"]:
@@ -107,7 +113,7 @@ class Estimate:
         onwards[:3, _RATES] = np.eye(3)
         onwards[_RATES, _RATES] = lasting * np.eye(3)
         rates = np.sqrt(1.0 - lasting**2) * np.asarray(config.heating)
-        steps = np.array([*config.wander, config.shift, config.shift, _DELAY_WANDER, *rates, 0.0]) ** 2
+        steps = np.array([*config.wander, config.shift, config.shift, _DELAY_WANDER, *rates, 0.0, 0.0]) ** 2
         covariance = onwards @ self.covariance @ onwards.T + np.diag(steps)
         # Row and column together: an element that is cut alone leaves what is no covariance.
         kept = np.ones(len(self.mean))
@@ -188,5 +194,6 @@ def at_start(prior: Float[np.ndarray, "5"], config: Config, keystone: float = 0.
     Args:
         keystone: of the keystone, degrees.
     """
-    spread = np.array([*prior, _DELAY, *config.heating, keystone])
+    lenses = 0.0 if is_exact(config.prior) else OF_LENSES
+    spread = np.array([*prior, _DELAY, *config.heating, keystone, lenses])
     return Estimate(np.zeros(len(spread)), np.diag(spread**2))

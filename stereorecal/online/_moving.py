@@ -6,7 +6,7 @@ from jaxtyping import Float
 
 from stereorecal.estimation import Normal, is_exact, rig_parameters, window
 from stereorecal.geometry import vector_from_rotation
-from stereorecal.online._estimate import SIZE, Measurement
+from stereorecal.online._estimate import OF_LENSES, SIZE, Measurement
 from stereorecal.online._pair_estimate import Glance
 from stereorecal.online._state import State
 from stereorecal.online._switching import Outcome, weighed
@@ -20,10 +20,8 @@ _AHEAD = 0.5  # baselines: in less, depth is hardly told
 _LEFT = 0.4  # of the corners that were found: if fewer are seen again, sooner
 # Pairs, where their times are not known, and seconds, after which nothing is the same.
 _LONGEST, _SECONDS = 16, 2.0
-# Windows of one place show the same things, and err together: standard deviations in those that each believes, and a
-# yaw that the lenses of a calibrated rig leave in any of them [deg].
-_WORSE, _OF_LENSES = 3.0, 0.02
-_YAW = np.eye(SIZE)[1]
+# Windows of one place show the same things, and err together: standard deviations in those that each believes.
+_WORSE = 3.0
 _FITS = 1e-3  # chance: what fits less may be the motion of other things
 
 
@@ -75,11 +73,9 @@ def _measurement(state: State, normal: Normal, turned: Float[np.ndarray, "3"]) -
     """
     a, b = normal.a[:SIZE, :SIZE], normal.b[:SIZE]
     offset = state.using + np.linalg.pinv(a, rcond=1e-9, hermitian=True) @ b
-    doubt = np.diag(_OF_LENSES**2 * _YAW * (0.0 if is_exact(state.config.prior) else 1.0))
-    information = a / _WORSE**2
-    information = information @ np.linalg.inv(np.eye(SIZE) + doubt @ information)
     turn = np.concatenate([turned, np.zeros(SIZE - len(turned))])
-    return Measurement(state.found_at, offset, information, turn, keystone=False)
+    doubt = 0.0 if is_exact(state.config.prior) else OF_LENSES  # in all windows alike
+    return Measurement(state.found_at, offset, a / _WORSE**2, turn, keystone=False, doubt=doubt)
 
 
 def _told(state: State, measured: Measurement) -> Outcome:

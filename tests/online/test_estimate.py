@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from stereorecal.online import Config
-from stereorecal.online._estimate import Estimate, Measurement, at_start
+from stereorecal.online._estimate import OF_LENSES, Estimate, Measurement, at_start
 from stereorecal.online._pace import Pace
 from stereorecal.online._trial import Trial
 
@@ -184,8 +184,29 @@ def test_a_keystone_of_the_lenses_is_no_yaw():
     for frame in range(40, 80):
         told = told.later(STILL).seen(by_motion(frame, 0.0, draw)).seen(measured(frame, bent, draw))
     assert abs(told.offset[1]) < 0.02
+    assert told.of_offset[1, 1] > 0.01**2
     assert told.keystone == pytest.approx(0.5, abs=0.05)
     assert told.of_offset[1, 1] < rows.of_offset[1, 1]
+
+
+def test_what_the_lenses_leave_of_the_yaw_does_not_average_away():
+    """However many windows there are: 0.02 degrees stay in doubt, once; of exact intrinsics nothing."""
+    draw = np.random.default_rng(8)
+    for config, least in ((STILL, 0.02), (replace(STILL, prior="exact"), 0.0)):
+        estimate = at_start(PRIOR, config)
+        for frame in range(400):
+            estimate = estimate.later(config).seen(by_motion(frame, 0.0, draw))
+        spread = float(np.sqrt(estimate.of_offset[1, 1]))
+        assert spread == pytest.approx(np.hypot(least, 0.03 / np.sqrt(400)), rel=0.02)
+
+
+def test_windows_in_common_error_are_no_proof_however_many():
+    """All of them tell a yaw of 0.03 degrees, which the lenses leave."""
+    draw, trial = np.random.default_rng(9), Trial(np.array([0.0, 0.03, 0.0, 0.0, 0.0]), "looks", 0)
+    for frame in range(1, 200):
+        told = by_motion(frame, 0.03, draw)
+        trial = trial.moved(np.zeros(5), replace(told, doubt=OF_LENSES))
+    assert trial.evidence < -np.log(1e-3)
 
 
 def test_looks_follow_a_yaw_once_the_keystone_is_known():

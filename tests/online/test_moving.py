@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from stereorecal.estimation import Normal
 from stereorecal.online._estimate import Measurement
-from stereorecal.online._moving import _longest, _told, moved
+from stereorecal.online._moving import _longest, _measurement, _told, moved
 from stereorecal.scoring.host import Corners
 
 
@@ -53,6 +54,16 @@ def test_corners_that_are_not_seen_again_are_looked_for_sooner(ride, ridden):
     after, events = moved(state, ride.pairs[-1])
     assert (after.apart, after.corners, events) == (2, None, [])
     assert after.estimate is state.estimate
+
+
+def test_what_lenses_leave_of_the_yaw_is_in_common_to_all_windows(ridden):
+    """It does not blur each of them by itself, or many would be surer of it."""
+    state, info = ridden[-1].state, np.diag([0.0, 1e6, 0.0, 0.0, 0.0])
+    told = _measurement(state, Normal(info, np.zeros(5), 0.0), np.zeros(3))
+    assert told.information[1, 1] == pytest.approx(1e6 / 9.0)
+    assert told.doubt == 0.02
+    exact = state.but(config=replace(state.config, prior="exact"))
+    assert _measurement(exact, Normal(info, np.zeros(5), 0.0), np.zeros(3)).doubt == 0.0
 
 
 def told_yaw(state, degrees, sigma=0.02):

@@ -99,4 +99,4 @@ def test_a_repair_keeps_what_is_known_of_the_shutter(healthy):
     after = before.moved(np.ones(5), np.eye(5))
     np.testing.assert_array_equal(after.mean, [*np.ones(5), *before.mean[5:]])
     np.testing.assert_array_equal(after.covariance[5:, 5:], before.covariance[5:, 5:])
-    np.testing.assert_array_equal(after.covariance[:5], np.eye(5, 10))
+    np.testing.assert_array_equal(after.covariance[:5], np.eye(5, 11))
