@@ -1,4 +1,4 @@
-"""A state as a file: steps go on from it, without what only the next pair could be compared with; what is no such file is refused."""
+"""A state as a file: steps go on, without what only the next pair could be compared with; others are refused."""
 
 import json
 from dataclasses import replace
