@@ -111,7 +111,7 @@ def _generalise(rows: Sequence[Row]) -> Figure:
             axis.set_xticks(range(len(others)), [name.rpartition(".")[0] for name in others], fontsize=7)
         axis.axhline(1.0, color="0.6", linewidth=0.7, zorder=0)
         axis.set_ylim(0.0, 1.15)
-        axis.set_title(_METHOD.get(method, method), fontsize=9, loc="left")
+        axis.set_title(str(_METHOD.get(method, method)), fontsize=9, loc="left")
         axis.set_xlabel("pair of the sequence (hollow: before)", fontsize=8)
     axes[0].set_ylabel("r = N / N_GT", fontsize=8)
     _legend(axes[-1], [f"from {name}" for name in starts])

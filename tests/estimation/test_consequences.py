@@ -265,7 +265,5 @@ def test_sides_that_a_wide_view_stretches_count_for_less():
         weights = (shown.formulas.stretch(y, z, np.sqrt(x**2 + y**2 + z**2)) * np.ones(len(points))) ** -2
         near = shown.nearness(column, column - other) * shown.formulas.length(*seen[0].T) / float(used.baseline)
         assert mean == pytest.approx(np.average(near - 1.0, weights=weights), rel=1e-6)
-        assert ahead == pytest.approx(
-            np.average(near - 1.0, weights=weights * (areas(true, points)[1] > 0)), rel=1e-6
-        )
+        assert ahead == pytest.approx(np.average(near - 1.0, weights=weights * (areas(true, points)[1] > 0)), rel=1e-6)
         assert (np.ptp(stretch) > 1.0) == (shown.projection == "equirectangular")
