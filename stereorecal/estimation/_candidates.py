@@ -123,13 +123,9 @@ def least_loss_of_depth_kept(
     """The same of those that read depth as the rigs at θ = 0 do, on average over the view and ahead; Newton steps,
     since depth is not linear as far as a drift may reach."""
     means = [one.chart.rig_at(one.mean) for one in several]
-    sets = [
-        [points_of_view(mean, distance, one.shown) for distance in one.near.distances]
-        for one, mean in zip(several, means, strict=True)
-    ]
     wanted = [
-        readings_at(one.chart.rig, mean, some, one.shown)[1]
-        for one, mean, some in zip(several, means, sets, strict=True)
+        readings_at(one.chart.rig, mean, one.near.points, one.shown)[1]
+        for one, mean in zip(several, means, strict=True)
     ]
     best, least = [np.zeros_like(one.mean) for one in several], np.inf
     for _ in range(_STEPS):
@@ -138,8 +134,8 @@ def least_loss_of_depth_kept(
         if not all(one.chart.stands_at(theta) for one, theta in zip(several, thetas, strict=True)):
             break
         off = [
-            readings_at(one.chart.rig_at(theta), one.chart.rig, some, one.shown)[1]
-            for one, theta, some in zip(several, thetas, sets, strict=True)
+            readings_at(one.chart.rig_at(theta), one.chart.rig, one.near.points, one.shown)[1]
+            for one, theta in zip(several, thetas, strict=True)
         ]
         if not np.abs(off).max() < least:
             break

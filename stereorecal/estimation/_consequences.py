@@ -41,13 +41,13 @@ def points_of_view(rig: StereoRig, distance: float, shown: View | None = None) -
     Args:
         shown: the view; default the rig's own pinhole.
     """
-    (width, height), shown = rig.left.size, view(rig, projection=PINHOLE) if shown is None else shown
-    if rig.left.lens.WIDE or shown.projection != PINHOLE:
-        rays = _rays_of_view(rig, shown)
+    (width, height), pinhole = rig.left.size, shown is None or shown.projection == PINHOLE
+    if rig.left.lens.WIDE or not pinhole:
+        rays = _rays_of_view(rig, view(rig, projection=PINHOLE) if shown is None else shown)
     else:
         rays = np.asarray(rig.left.rays(_grid(rig.left.size)))
     away = distance * float(rig.baseline)
-    points = rays * away if shown.projection == PINHOLE else rays * (away / np.linalg.norm(rays, axis=1))[:, None]
+    points = rays * away if pinhole else rays * (away / np.linalg.norm(rays, axis=1))[:, None]
     right = points @ rig.rotation.T + rig.translation
     ahead = (right[:, 2] > 0.0) & (np.hypot(rays[:, 0], rays[:, 1]) < float(rig.left.lens_radius))
     at_1 = right / np.where(ahead, right[:, 2], 1.0)[:, None]
@@ -163,6 +163,7 @@ class Consequences:
 
     Attributes:
         distances: in baselines.
+        points: for each of the distances, those of `points_of_view`.
         rows: for each of the distances, (p, n) pixels a unit of θ(used) - θ(true).
         nearness: (d, 2, n) mean relative error of disparity at each of them, over the view and ahead, likewise.
         variation: for each of the distances, (p, n) by what that of each point differs from the mean over the view; of
@@ -170,6 +171,7 @@ class Consequences:
     """
 
     distances: tuple[float, ...]
+    points: tuple[Float[np.ndarray, "_ 3"], ...]
     rows: tuple[Float[np.ndarray, "_ n"], ...]
     nearness: Float[np.ndarray, "d 2 n"]
     variation: tuple[Float[np.ndarray, "_ n"], ...]
@@ -208,4 +210,4 @@ def consequences(
     means = np.stack([areas(used, points, shown) @ part for points, part in zip(sets, by_distance, strict=True)])
     roots = [np.sqrt(wide**-2 / np.mean(wide**-2))[:, None] for wide in np.split(stretch, ends)]
     variation = tuple(root * (part - mean) for root, part, (mean, _) in zip(roots, by_distance, means, strict=True))
-    return Consequences(distances, tuple(np.split(rows.T, ends)), means, variation)
+    return Consequences(distances, tuple(sets), tuple(np.split(rows.T, ends)), means, variation)

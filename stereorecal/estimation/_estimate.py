@@ -16,7 +16,6 @@ from stereorecal.estimation._consequences import (
     DISTANCES,
     Consequences,
     consequences,
-    points_of_view,
     readings_at,
     regions,
 )
@@ -153,7 +152,7 @@ class Estimate:
         """Rows [pixels], root mean square in each region of the view at each of the distances that it is judged at, of
         the same rigs."""
         sets = [self._distances.index(distance) for distance in self.judged_at]
-        points = [self._points[index] for index in sets]
+        points = [self._consequences.points[index] for index in sets]
         at_mean, _ = readings_at(self.chart.rig_at(used), self.mean_rig, points, self.view)
         found = []
         for index, rows, some in zip(sets, at_mean, points, strict=True):
@@ -175,7 +174,7 @@ class Estimate:
         """What the rig at θ = used reads at all distances if a sample is the truth: root mean squares of row errors
         [pixels] over the view, and relative errors of disparity, on average over it, and ahead; exact at the mean,
         linear around it."""
-        at_mean, nearness = readings_at(self.chart.rig_at(used), self.mean_rig, self._points, self.view)
+        at_mean, nearness = readings_at(self.chart.rig_at(used), self.mean_rig, self._consequences.points, self.view)
         square = [
             np.mean(rows**2) - moved @ rows * (2.0 / len(rows)) + of_moved
             for rows, (moved, of_moved) in zip(at_mean, self._rows_of_samples, strict=True)
@@ -191,11 +190,6 @@ class Estimate:
     @one_blas_thread()
     def _consequences(self) -> Consequences:
         return consequences(self.chart, self.theta, self._distances, self.view)
-
-    @cached_property
-    def _points(self) -> list[Float[np.ndarray, "_ 3"]]:
-        """Over the view of the rig at the mean, at each distance."""
-        return [points_of_view(self.mean_rig, distance, self.view) for distance in self._distances]
 
     @cached_property
     @one_blas_thread()
