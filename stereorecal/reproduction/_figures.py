@@ -111,7 +111,7 @@ def _generalise(rows: Sequence[Row]) -> Figure:
             axis.set_xticks(range(len(others)), [name.rpartition(".")[0] for name in others], fontsize=7)
         axis.axhline(1.0, color="0.6", linewidth=0.7, zorder=0)
         axis.set_ylim(0.0, 1.15)
-        axis.set_title(str(_METHOD.get(method, method)), fontsize=9, loc="left")
+        axis.set_title(_title(method), fontsize=9, loc="left")
         axis.set_xlabel("pair of the sequence (hollow: before)", fontsize=8)
     axes[0].set_ylabel("r = N / N_GT", fontsize=8)
     _legend(axes[-1], [f"from {name}" for name in starts])
@@ -135,7 +135,7 @@ def _ex_nihilo(rows: Sequence[Row]) -> Figure:
             axes[1, column].step(cost, [p["rotation2"] for p in way], where="post", **style)
             axes[2, column].step(cost, [p["translation2"] for p in way], where="post", **style)
         axes[0, column].axhline(1.0, color="black", linewidth=0.8)
-        axes[0, column].set_title(_METHOD.get(method, method), fontsize=9, loc="left")
+        axes[0, column].set_title(_title(method), fontsize=9, loc="left")
         axes[-1, column].set_xlabel(_COST, fontsize=8)
     lines = [Line2D([], [], color=colour, label=f"{sequence} {name}") for (sequence, name), colour in colours.items()]
     _legend_below(figure, [*lines, Line2D([], [], color="black", label="the reference")])
@@ -169,7 +169,7 @@ def _sequential(rows: Sequence[Row]) -> Figure:
                 axis.axvspan(spent, spent + step["cost"], color="0.9", zorder=0)
             spent += step["cost"]
         axis.axhline(1.0, color="0.6", linewidth=0.7, zorder=0)
-        axis.set_title(f"{row['order']}; {_METHOD.get(row['schedule'], row['schedule'])}", fontsize=8, loc="left")
+        axis.set_title(f"{row['order']}; {_title(row['schedule'])}", fontsize=8, loc="left")
         axis.set_ylim(bottom=0.0)
     for axis in axes[-1]:
         axis.set_xlabel(_COST, fontsize=8)
@@ -241,6 +241,10 @@ def _legend(axis: Axes, names: Sequence[str], marker: str | None = None) -> None
 
 def _legend_below(figure: Figure, handles: Sequence[Artist]) -> None:
     figure.legend(handles=handles, loc="outside lower center", ncols=4, fontsize=7, frameon=False)
+
+
+def _title(schedule: str) -> str:
+    return _METHOD.get(schedule, schedule)
 
 
 def _pair(row: Row) -> tuple[str, str]:
