@@ -91,7 +91,9 @@ class Decision:
         return bool(after < before - after)
 
 
-def decide(seen: Estimate, free: Sequence[str], tolerances: Tolerances | None = None) -> Decision:
+def decide(
+    seen: Estimate, free: Sequence[str], tolerances: Tolerances | None = None, *, proven: bool = False
+) -> Decision:
     """Choose between a calibration, and changes of its free parameters.
 
     There are two candidates: the one with the least expected loss in rows and depth, and the one with the least loss in
@@ -100,7 +102,7 @@ def decide(seen: Estimate, free: Sequence[str], tolerances: Tolerances | None = 
     frames show, and if it explains them, or corrects more than it leaves; or if ranges agree with it and not with the
     calibration; or if the rig's own motion tells that its depth is better; and the probability is below 1 % that rows,
     of near or far things, or depth, over the view or ahead, are worse. One that changes intrinsics must, with 95 %,
-    cost no region of the view rows that a matcher notices. Of several, the one that keeps depth is taken, unless that
+    cost no region of the view rows that a matcher notices, unless frames that took no part prove it. Of several, the one that keeps depth is taken, unless that
     costs rows that a matcher notices, ranges ask for another, or another's depth is surely the better one: of the rigs
     for which it matters, in 95 %. Where none is so harmless, and the rows of the calibration blind the matcher, which
     leaves it no depth to lose, it is enough that its rows are hardly ever worse. Otherwise the calibration is good if
@@ -110,20 +112,21 @@ def decide(seen: Estimate, free: Sequence[str], tolerances: Tolerances | None = 
         seen: what is known; its θ = 0 is the calibration.
         free: names of the parameters that may change.
         tolerances: default those of `Tolerances()`.
+        proven: whether frames that took no part show, in every region of the view, that the free parameters may change.
     """
-    (found,) = decide_together([seen], free, tolerances)
+    (found,) = decide_together([seen], free, tolerances, proven=proven)
     return found
 
 
 def decide_together(
-    several: Sequence[Estimate], free: Sequence[str], tolerances: Tolerances | None = None
+    several: Sequence[Estimate], free: Sequence[str], tolerances: Tolerances | None = None, *, proven: bool = False
 ) -> list[Decision]:
     """The same for each of several calibrations whose free parameters are the same but for a drift: all candidates keep
     depth, or none, or change the length of the baseline alone; so that fewest are refused.
 
     Args:
         several: what is known, with the same parameters.
-        free, tolerances: as `decide` has them.
+        free, tolerances, proven: as `decide` has them.
     """
     limits = DEFAULT if tolerances is None else tolerances
     several = [
@@ -135,7 +138,7 @@ def decide_together(
         thetas = with_free_together(several, names, keep_depth=keeps_depth)
         after = [_losses(seen, theta) for seen, theta in zip(several, thetas, strict=True)]
         each = zip(several, thetas, given, after, strict=True)
-        return _Candidate([_decided(*one, keeps_depth, limits) for one in each], [one.depth for one in after])
+        return _Candidate([_decided(*one, keeps_depth, limits, proven) for one in each], [one.depth for one in after])
 
     others = [candidate(free)]
     if BASELINE in free and any(seen.beams or seen.windows.measured for seen in several):
@@ -234,6 +237,7 @@ def _decided(
     after: _Losses,
     keeps_depth: bool,
     limits: Tolerances,
+    proven: bool,
 ) -> Decision:
     """Between θ = 0, which loses what is given, and a candidate, which loses what comes after."""
     # NaN is no proof of harmlessness.
@@ -243,7 +247,7 @@ def _decided(
     blind = float(np.mean(before > limits.blind_rows_px)) > 1.0 - limits.alpha
     harmless = worse < limits.alpha or (blind and float(np.mean(lost)) < limits.alpha)
     better = float(np.mean(rows < before - limits.gain_px))
-    harmless = harmless and (blind or not _costs_a_region(seen, theta, limits))
+    harmless = harmless and (blind or proven or not _costs_a_region(seen, theta, limits))
     good = float(np.mean(before <= limits.good_rows_px)) >= limits.good_surely
     told = bool(seen.beams.fit_better(seen.chart.rig, seen.chart.rig_at(theta)))
     nearer = float(np.mean(after.depth < given.depth - limits.worse_depth_points)) > 1.0 - limits.alpha

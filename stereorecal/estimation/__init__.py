@@ -25,6 +25,7 @@ from stereorecal.estimation._estimate import (
 )
 from stereorecal.estimation._evidence import Normal as Normal
 from stereorecal.estimation._knowledge import around as around, as_mixture as as_mixture
+from stereorecal.estimation._left_out import frames_by_place as frames_by_place, largest_loss as largest_loss
 from stereorecal.estimation._motion import (
     NO_WINDOWS as NO_WINDOWS,
     Windows as Windows,

@@ -1,7 +1,7 @@
 """The free parameters of a repair, by name, with their prior standard deviations in degrees, percent and pixels."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -56,12 +56,16 @@ class Parameters:
             In repairs, those of extrinsics apply to the search and to exact intrinsics, since the estimate finds how
             far a rig has drifted; all others replace the prior of the calibration.
 
+        widens: whether a repair may free everything else, too, where these do not explain the rows of several places,
+            and frames that took no part prove that all together do. The default of `recalibrate`.
+
     Raises:
         InputError: if a name is unknown, nothing is free, or a prior is not positive.
     """
 
     free: tuple[str, ...] = ("extrinsics",)
     priors: Mapping[str, float] = field(default_factory=dict)
+    widens: bool = False
 
     def __post_init__(self) -> None:
         choices = [*GROUPS, *NAMES]
@@ -111,7 +115,13 @@ class Parameters:
 
     def also(self, *names: str) -> "Parameters":
         """With these free as well."""
-        return Parameters((*self.names, *names), self.priors)
+        return replace(self, free=(*self.names, *names))
+
+    def widest(self, rig: StereoRig) -> "Parameters":
+        """All that a calibration of the rig may leave: these, and every parameter of its cameras."""
+        sides = (("left", rig.left), ("right", rig.right))
+        terms = (f"{side}.{kind}" for side, camera in sides for kind in (*_OF_MATRIX, *camera.lens.CALIBRATED))
+        return replace(self.also(*terms), widens=False)
 
     def of(self, rig: StereoRig, reach: Reach) -> tuple[Parameter, ...]:
         """Each of them, for a rig and a reach.
@@ -153,13 +163,14 @@ class Parameters:
 
 
 def as_parameters(free: Any) -> Parameters:
-    """The parameters themselves, those of a name or of names, or the default for None.
+    """The parameters themselves, those of a name or of names, or the default for None: the extrinsics, and all else
+    where frames prove that it must.
 
     Raises:
         InputError: if it is something else, or a name is unknown.
     """
     if free is None or isinstance(free, Parameters):
-        return free or Parameters()
+        return free or Parameters(widens=True)
     if isinstance(free, str | tuple | list) and all(isinstance(name, str) for name in free):
         return Parameters((free,) if isinstance(free, str) else tuple(free))
     raise InputError(f'free is {free!r}; give names or groups, such as ("extrinsics", "intrinsics").')

@@ -8,7 +8,7 @@ from jaxtyping import Float, Int
 from stereorecal.decision import Decision, Verdict, decide
 from stereorecal.estimation import Estimate, estimate, rig_parameters
 from stereorecal.geometry import StereoRig, View
-from stereorecal.objectives import RigChart, row_chart
+from stereorecal.objectives import Parameters, RigChart, row_chart
 from stereorecal.recalibration._acceptance import (
     FEWEST_PLACES,
     LEAST_COVERED,
@@ -20,6 +20,7 @@ from stereorecal.recalibration._acceptance import (
 )
 from stereorecal.recalibration._consequences import Interval
 from stereorecal.recalibration._evidence import TILES_OF_A_FRAME, Evidence, evidence
+from stereorecal.recalibration._default_free import widened
 from stereorecal.recalibration._expected import Expected, expected
 from stereorecal.recalibration._intrinsics import Intrinsics, IntrinsicsOutcome, intrinsics_of
 from stereorecal.recalibration._misfit import misfit
@@ -43,6 +44,7 @@ class Answer:
         estimate: of the rig that they show.
         apart: numbers of the frames that show another one.
         refused: they are too many to say which are wrong; all count then.
+        free: what may change, if frames bear out that more must than the case has free.
         decision: on the initial calibration.
     """
 
@@ -50,6 +52,7 @@ class Answer:
     estimate: Estimate
     apart: tuple[int, ...]
     refused: bool
+    free: Parameters
     decision: Decision
 
     @property
@@ -85,7 +88,11 @@ def answered(case: Case, found: Correspondences, near: StereoRig, again_at: floa
         seen = estimate(rest, case.rig, case.prior, start=start, beams=ranges, windows=windows, view=view)
     if again_at is not None and case.free.lenses:
         seen, rest = _matched_again(case, seen, rest, again_at)
-    return Answer(rest, seen, tuple(sorted(apart)), refused, decide(seen, case.free.names, case.tolerances))
+    free, decision = widened(case, rest, seen, decide(seen, case.free.names, case.tolerances))
+    if again_at is not None and free.lenses and not case.free.lenses:
+        seen, rest = _matched_again(case, seen, rest, again_at)
+        decision = decide(seen, free.names, case.tolerances, proven=True)
+    return Answer(rest, seen, tuple(sorted(apart)), refused, free, decision)
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,6 +160,8 @@ def ended_by(case: Case, answer: Answer, near: StereoRig) -> Ending:
         near: where the search ended.
     """
     seen, decision, found = answer.estimate, answer.decision, answer.found
+    taken = IntrinsicsOutcome.NEEDED if case.free.widens else IntrinsicsOutcome.REFINED
+    case = replace(case, free=answer.free)
     candidate = seen.chart.rig_at(decision.theta)
     tiles = counts(case, candidate)
     kept = np.isin(np.arange(len(found.weight)), () if answer.refused else answer.apart, invert=True)
@@ -166,9 +175,10 @@ def ended_by(case: Case, answer: Answer, near: StereoRig) -> Ending:
         rows,
         uncertainty_of(seen, candidate, case.chart),
         misfit(facts),
-        _intrinsics(answer, case, rows, reason),
+        _intrinsics(answer, case, rows, reason, taken),
         seen,
         decision,
+        answer.free,
     )
 
 
@@ -197,14 +207,16 @@ def reason_of(decision: Decision, tiles: Int[np.ndarray, "2 k tiles"]) -> Reason
     return Reason.RANGES if decision.by_ranges else Reason.IMPROVED
 
 
-def _intrinsics(answer: Answer, case: Case, rows: RowErrors, reason: Reason) -> Intrinsics | None:
+def _intrinsics(
+    answer: Answer, case: Case, rows: RowErrors, reason: Reason, taken: IntrinsicsOutcome
+) -> Intrinsics | None:
     """What became of intrinsics that were free; None if none were."""
     seen, theta = answer.estimate, answer.decision.theta
     if not case.free.shared:
         return None
     facts = _evidence_at(case.of_extrinsics, answer.found, seen.chart.rig_at(seen.with_free(case.free.axes)))
     if reason.accepted:
-        outcome = IntrinsicsOutcome.REFINED
+        outcome = taken if case.free.lenses else IntrinsicsOutcome.REFINED
     else:
         outcome = IntrinsicsOutcome.REFUSED if answer.enough else IntrinsicsOutcome.NOT_SOLVED
     return intrinsics_of(
@@ -222,6 +234,7 @@ def _intrinsics(answer: Answer, case: Case, rows: RowErrors, reason: Reason) -> 
 
 def rows_of(case: Case, answer: Answer) -> RowErrors:
     """Row errors of the correspondences, under the initial calibration and the candidate."""
+    case = replace(case, free=answer.free)
     facts = _evidence_at(case, answer.found, answer.estimate.chart.rig_at(answer.decision.theta))
     return compared(facts, facts.medians(facts.start_residual), facts.medians(facts.residual))
 

@@ -18,6 +18,7 @@ class IntrinsicsOutcome(enum.Enum):
     """What became of freed intrinsics; the value is the message."""
 
     REFINED = "the intrinsics were refined"
+    NEEDED = "the intrinsics were refined as well: no extrinsics explain the epipolar errors, and frames left out agree"
     NO_GAIN = "the intrinsics stay: rows and depth would hardly gain by others"
     NOT_HERE = "the intrinsics were refined with other recordings, but this one does without"
     REFUSED = "the intrinsics stay: the calibration that they belong to was refused"
@@ -55,7 +56,7 @@ class Intrinsics:
     @property
     def taken(self) -> bool:
         """True if the calibration to use has them."""
-        return self.outcome is IntrinsicsOutcome.REFINED
+        return self.outcome in (IntrinsicsOutcome.REFINED, IntrinsicsOutcome.NEEDED)
 
     def not_here(self, why: Reason) -> "Intrinsics":
         """The same for a recording whose calibration does without, where others took them."""

@@ -234,7 +234,7 @@ def solution_of(
         view=case.images.view,
         matcher=case.matcher,
         reach=case.reach,
-        free=case.free,
+        free=ending.free or case.free,
         cost=Cost(
             survey=cost.survey + sum(stage.survey_cost for stage in stages),
             starts=cost.starts,

@@ -8,6 +8,7 @@ from jaxtyping import Int
 from stereorecal.decision import Decision
 from stereorecal.estimation import Estimate
 from stereorecal.geometry import StereoRig, same_camera, with_unit_baseline
+from stereorecal.objectives import Parameters
 from stereorecal.recalibration._acceptance import Reason, RowErrors
 from stereorecal.recalibration._intrinsics import Intrinsics
 from stereorecal.recalibration._misfit import Misfit
@@ -39,6 +40,7 @@ class Ending:
     intrinsics: Intrinsics | None = None
     estimate: Estimate | None = None
     decision: Decision | None = None
+    free: Parameters | None = None
 
     @property
     def without(self) -> tuple[int, ...]:
