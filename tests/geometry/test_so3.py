@@ -150,3 +150,10 @@ def test_the_face_follows_the_argument():
     for function in (vector_from_rotation, euler_from_rotation):
         assert type(function(np.eye(3))) is np.ndarray
         assert isinstance(function(jnp.eye(3)), jax.Array)
+
+
+@pytest.mark.parametrize("short", [5e-5, 1e-3])
+def test_logarithm_of_almost_half_a_turn(short: float):
+    """There the sine is small as at the identity, and the angle is not."""
+    vector = (np.pi - short) * np.array([2.0, -1.0, 2.0]) / 3.0
+    np.testing.assert_allclose(vector_from_rotation(rotation_from_vector(vector)), vector, rtol=1e-9)

@@ -35,6 +35,36 @@ def test_bytes_per_pixel(ending: str, channels: int, kind: type):
     assert bytes_per_pixel(cv2.imencode(ending, image)[1].tobytes()) == channels * np.dtype(kind).itemsize
 
 
+def tiff(samples: int, depth: int, order: str = ">") -> bytes:
+    """The header of one of 81x70; more than two depths stand behind the tags, as the format has it."""
+    behind = 8 + 2 + 4 * 12 + 4
+    found = struct.pack(f"{order}2sHIH", b"MM" if order == ">" else b"II", 42, 8, 4)
+    for tag, count, value in ((256, 1, 81), (257, 1, 70), (258, samples, depth), (277, 1, samples)):
+        kind = "I" if count > 2 else "Hxx"
+        found += struct.pack(f"{order}HHI{kind}", tag, 3, count, behind if count > 2 else value)
+    return found + bytes(4) + struct.pack(f"{order}{samples}H", *[depth] * samples)
+
+
+@pytest.mark.parametrize("order", "<>")
+@pytest.mark.parametrize(("samples", "depth", "expected"), [(1, 1, 1), (1, 12, 2), (3, 8, 3), (3, 16, 6), (4, 16, 8)])
+def test_a_tiff_of_either_byte_order(order: str, samples: int, depth: int, expected: int):
+    data = tiff(samples, depth, order)
+    assert announced_size(data) == (81, 70)
+    assert bytes_per_pixel(data) == expected
+
+
+def test_a_bitmap_from_top_to_bottom_has_a_negative_height():
+    data = encoded(".bmp")
+    assert announced_size(data[:22] + struct.pack("<i", -70) + data[26:]) == (81, 70)
+
+
+@pytest.mark.parametrize("marker", [0xC4, 0xC8, 0xCC])
+def test_markers_of_a_jpeg_that_are_no_frame(marker: int):
+    data = encoded(".jpg")
+    other = bytes([0xFF, marker]) + struct.pack(">H", 10) + b"\1" * 8
+    assert announced_size(data[:2] + other + data[2:]) == (81, 70)
+
+
 def test_an_image_that_would_take_too_much(tmp_path: Path):
     """16 bit and four channels: half a gigabyte each. It is refused before it is decoded."""
     path, size = tmp_path / "image.png", 8191
