@@ -1,6 +1,7 @@
 """One camera: image size, camera matrix, lens."""
 
 from dataclasses import dataclass, field, replace
+from numbers import Real
 
 import numpy as np
 from jaxtyping import Float
@@ -43,7 +44,7 @@ class Camera:
         if not is_host(self.matrix, self.distortion):
             return
         matrix, distortion = np.array(self.matrix, float), np.array(self.distortion, float).reshape(-1)
-        if len(self.size) != 2 or min(self.size) < 1:
+        if np.shape(self.size) != (2,) or not all(isinstance(side, Real) and 1 <= side < np.inf for side in self.size):
             raise InputError(f"the image size {self.size} is not (width, height) in pixels; correct it.")
         if not (np.isfinite(matrix).all() and np.isfinite(distortion).all()):
             raise InputError("the intrinsics contain NaN or infinite numbers; correct the calibration.")

@@ -1,6 +1,7 @@
 """Cameras: projection and its inverse, resizing, what is refused."""
 
 import pickle
+from typing import Any
 
 import cv2
 import jax
@@ -123,10 +124,12 @@ def test_matrices_that_are_none(matrix: np.ndarray, words: str):
         Camera(SIZE, matrix)
 
 
-@pytest.mark.parametrize("size", [(0, 10), (10, -1)])
-def test_sizes_that_are_none(size: tuple[int, int]):
+@pytest.mark.parametrize("size", [(0, 10), (10, -1), None, 10, "10", ("10", "10"), (10, np.nan), (10, np.inf)])
+def test_sizes_that_are_none(size: Any):
+    given = Camera(SIZE, MATRIX)
+    object.__setattr__(given, "size", size)  # past the types that tests check, which users' programs do not
     with pytest.raises(InputError, match="image size"):
-        Camera(size, MATRIX)
+        given.__post_init__()
 
 
 @given(st.integers(1, 16).filter(lambda n: n not in LENSES))

@@ -66,11 +66,11 @@ def _camera(content: Mapping[str, Any], key: str) -> Camera:
         camera = content[key]
         kind, distortion = value(camera, "camera_model"), value(camera, "distortion_model")
         if kind in _SPHERES:
-            check_model(distortion, ("none",))
+            check_model(distortion, ("none",), kind, tuple(_SPHERES))
             lens, pinhole = np.split(numbers(camera, "intrinsics", (6,)), [2])
             return Camera(image_size(camera, "resolution"), pinhole_matrix(pinhole), lens, model=_SPHERES[kind])
         if kind == _OMNI:
-            check_model(distortion, ("radtan", "none"))
+            check_model(distortion, ("radtan", "none"), kind, (_OMNI,))
             xi, pinhole = np.split(numbers(camera, "intrinsics", (5,)), [1])
             none = distortion == "none"
             lens = numbers(camera, "distortion_coeffs", (-1 if none else 4,))

@@ -85,13 +85,15 @@ def trimmed(distortion: Float[np.ndarray, "n"]) -> Float[np.ndarray, "m"]:
     return next((distortion[:count] for count in (5, 8, 12) if not np.any(distortion[count:])), distortion)
 
 
-def check_model(model: object, known: Sequence[str], camera: object = "pinhole") -> None:
-    """Refuse a lens that is no pinhole.
+def check_model(
+    model: object, known: Sequence[str], camera: object = "pinhole", cameras: Sequence[str] = ("pinhole",)
+) -> None:
+    """Refuse a camera model, or a distortion model of it, that is not one of those known.
 
     Raises:
-        UnsupportedModelError: if the name of the distortion model is not one of those known, or the camera is none.
+        UnsupportedModelError: if the name of either is not one of those known.
     """
-    if camera != "pinhole" or model not in known:
+    if camera not in cameras or model not in known:
         raise UnsupportedModelError(
             f"the camera model {camera!r} with the distortion model {model!r} is not supported; {_WAY_OUT}."
         )
