@@ -22,6 +22,7 @@ from stereorecal.estimation._motion_residuals import (
     seen_by,
     with_rays,
 )
+from stereorecal.estimation._motion_start import consensus
 from stereorecal.estimation._parameters import DRIFTING
 from stereorecal.geometry import StereoRig, rotation_from_vector
 from stereorecal.objectives import RigChart
@@ -118,11 +119,15 @@ def _yaw_axis(chart: RigChart) -> Float[np.ndarray, "n"]:
 
 
 def _roughly(tracks: Tracks, chart: RigChart, theta: Float[np.ndarray, "n"]) -> _Solved:
-    """From rest, by some of the tracks: most of the rounds are far from the end."""
-    some = tracks.of(slice(None, None, max(1, len(tracks) // _SOME)))
-    number = len(some)
-    rest = _Solved(Motion(np.eye(3), np.zeros(3)), 0.0, np.zeros(number), 1.0, np.ones(number))
-    return _motion(seen_by(some, chart.rig_at(theta)), chart, theta, rest, _CONVEX)
+    """By some of the tracks, since most of the rounds are far from the end: from rest, and from what most of them agree
+    on, whichever ends nearer to them."""
+    rig, some = chart.rig_at(theta), tracks.of(slice(None, None, max(1, len(tracks) // _SOME)))
+    seen, number = seen_by(some, rig), len(some)
+    ends = [
+        _motion(seen, chart, theta, _Solved(start, 0.0, np.zeros(number), 1.0, np.ones(number)), convex)
+        for start, convex in ((Motion(np.eye(3), np.zeros(3)), _CONVEX), (consensus(seen, rig), 0))
+    ]
+    return min(ends, key=lambda one: one.scale)
 
 
 def _motion(seen: Seen, chart: RigChart, theta: Float[np.ndarray, "n"], start: _Solved, convex: int = 0) -> _Solved:
