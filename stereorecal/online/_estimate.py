@@ -136,7 +136,7 @@ class Estimate:
         number, far, _ = self._innovation(measured)
         return float(chdtrc(number, far)) if number else 1.0
 
-    def log_likelihood(self, measured: Measurement, most: float) -> float:
+    def log_likelihood(self, measured: Measurement, most: float = np.inf) -> float:
         """Of a measurement, one that is farther away than so many squared standard deviations being as far."""
         _, far, log_volume = self._innovation(measured)
         return -0.5 * (min(far, most) + log_volume)

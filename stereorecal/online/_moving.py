@@ -22,7 +22,10 @@ _LEFT = 0.4  # of the corners that were found: if fewer are seen again, sooner
 _LONGEST, _SECONDS = 16, 2.0
 # Windows of one place show the same things, and err together: standard deviations in those that each believes.
 _WORSE = 3.0
-_FITS = 1e-3  # chance: what fits less may be the motion of other things
+# Probabilities that most of what moves is not the rig: of a window after one of its own motion, and after another one,
+# since a boat stays in view for a while. What such windows say is then off by any yaw.
+_COME, _STAY, _OWN_YAW = 0.05, 0.9, 1.0
+_FITS = 1e-3  # chance: what fits less is not the same yaw
 
 
 def anchored(state: State, pair: Pair, look: Glance) -> State:
@@ -79,17 +82,26 @@ def _measurement(state: State, normal: Normal, turned: Float[np.ndarray, "3"]) -
 
 
 def _told(state: State, measured: Measurement) -> Outcome:
-    """The state after a window. One that does not fit waits for the next: most that moves may not be the rig."""
+    """The state after a window, which counts as much as it is likely to be of the rig's own motion. One that is not
+    waits for the next: most that moves may not be the rig, or the rig has turned and rows did not show it."""
+    from scipy.special import expit  # a third of a second to import
+
     estimate = state.estimate
-    if estimate.chance_of(measured) >= _FITS:
-        return standing(weighed(state.measured(measured).but(suspect_depth=None), measured))
-    first, state = state.suspect_depth, state.but(suspect_depth=measured)
-    if first is None:
-        return state, []
+    ours, others = estimate.log_likelihood(measured), estimate.turned(_OWN_YAW).log_likelihood(measured)
+    expected = _STAY * state.others + _COME * (1.0 - state.others)
+    share = float(expit(np.log1p(-expected) - np.log(expected) + ours - others))
+    first, state = state.suspect_depth, state.but(others=1.0 - share, suspect_depth=None)
+    counted = measured.weighed(share)
+    state = weighed(state.measured(counted), counted)
+    if share >= 0.5:
+        return standing(state)
+    state = state.but(suspect_depth=measured)
+    if first is None or is_exact(state.config.prior):  # rows know the yaw
+        return standing(state)
     turned = estimate.turned(float(state.prior[1])).seen(first)
     if turned.chance_of(measured) < _FITS:
-        return state, []
+        return standing(state)
     turned = turned.seen(measured)
     if abs(turned.keystone) > abs(estimate.keystone):  # rows know of no such yaw
-        return state, []
-    return standing(state.standing_at(turned).but(suspect_depth=None, trial=None))
+        return standing(state)
+    return standing(state.standing_at(turned).but(suspect_depth=None, trial=None, others=_COME))
