@@ -1,6 +1,8 @@
 """Depth from the rig's own motion while it drives: corners are followed until the rig has moved, and then tell the yaw
 that rows alone do not."""
 
+from dataclasses import replace
+
 import numpy as np
 from jaxtyping import Float
 
@@ -25,7 +27,7 @@ _WORSE = 3.0
 # Probabilities that most of what moves is not the rig: of a window after one of its own motion, and after another one,
 # since a boat stays in view for a while. What such windows say is then off by any yaw.
 _COME, _STAY, _OWN_YAW = 0.05, 0.9, 1.0
-_FITS = 1e-3  # chance: what fits less is not the same yaw
+_FITS = 1e-3  # chance: two windows that fit less are not of the same yaw
 
 
 def anchored(state: State, pair: Pair, look: Glance) -> State:
@@ -43,7 +45,11 @@ def moved(state: State, pair: Pair) -> Outcome:
         return state, []
     if not _soon(state.since, pair.time, pairs):
         return state.but(corners=None), []
+    if pair.readout and (state.since is None or pair.time is None):  # of how much of the motion, is not known
+        return state.but(corners=None), []
     tracks, chart = shown_again(before, pair), rig_parameters(state.rig)
+    if pair.readout and state.since is not None and pair.time is not None:
+        tracks = replace(tracks, readout=pair.readout / (pair.time - state.since))
     seen = window(tracks, chart, np.zeros(chart.dim))
     lost = seen.motion is None or len(tracks) < _LEFT * len(before.left)
     near = seen.metres[0] < _AHEAD * float(state.rig.baseline)
@@ -96,12 +102,12 @@ def _told(state: State, measured: Measurement) -> Outcome:
     if share >= 0.5:
         return standing(state)
     state = state.but(suspect_depth=measured)
-    if first is None or is_exact(state.config.prior):  # rows know the yaw
+    if first is None:
         return standing(state)
-    turned = estimate.turned(float(state.prior[1])).seen(first)
+    turned = estimate.mistaken(float(state.prior[1])).seen(first)
     if turned.chance_of(measured) < _FITS:
         return standing(state)
     turned = turned.seen(measured)
-    if abs(turned.keystone) > abs(estimate.keystone):  # rows know of no such yaw
+    if abs(turned.keystone) > abs(estimate.keystone):  # a boat tells the same yaw twice, too; rows know of none
         return standing(state)
     return standing(state.standing_at(turned).but(suspect_depth=None, trial=None, others=_COME))
