@@ -80,8 +80,8 @@ def rolling_tracks(
             pixels = np.asarray(camera.project(seen @ true.rotation.T + true.translation if of_right else seen))
         return pixels
 
-    lefts, rights = ([shown(camera, at, camera is true.right) for at in (0, 1)] for camera in (true.left, true.right))
-    for pixels in (lefts[1], *rights):
-        pixels += noise * rng.normal(size=left.shape)
+    lefts, rights = ([shown(camera, at, right) for at in (0, 1)] for camera, right in ((true.left, 0), (true.right, 1)))
+    rights = [pixels + noise * rng.normal(size=left.shape) for pixels in rights]
+    lefts[1] = lefts[1] + noise * rng.normal(size=left.shape)
     good = np.all([((p >= 0.0) & (p <= edge)).all(axis=1) for p in (*lefts, *rights)], axis=0)
     return Tracks(np.stack(lefts), np.stack(rights), readout).of(good)

@@ -3,8 +3,8 @@
 A point on the ray a of the left camera, of inverse depth ρ, is at a + ρ 0 for the left camera, R a + ρ T for the right
 one, and, after a motion (Q, t) of the rig, at p = Q a + ρ t and R p + ρ T: all of them but for a scale, so that a point
 may be infinitely far away. A rolling shutter shows it after a little more or less of an even motion, as it shows it in
-a lower or a higher row than at first. Four numbers of a track are data: where the left image shows it later, and, along the
-epipolar lines, where the right one shows it at both times. Across these lines rows tell, and they have been asked.
+a lower or a higher row than at first. Four numbers of a track are data: where the left image shows it later, and, along
+the epipolar lines, where the right one shows it at both times. Across these lines rows tell, and they have been asked.
 """
 
 from dataclasses import dataclass

@@ -5,7 +5,6 @@ begin at rest: they end between its motion and the rig's. Least median of square
 """
 
 import numpy as np
-from jaxtyping import Float
 
 from stereorecal.estimation._motion_residuals import MOVES, Motion, Seen, residuals
 from stereorecal.geometry import StereoRig, rotation_from_vector

@@ -15,8 +15,8 @@ def share_of(first: Pair, second: Pair) -> float:
         return 0.0
     if first.time is None or second.time is None or second.time - first.time < readout:
         raise InputError(
-            f"{first.name} and {second.name}: rolling shutters read an image in {readout:g} s, and the pairs do not know "
-            "times that are at least as far apart; give times, leave the readout (readout_s) out, or say motion=False "
-            "(--motion off)."
+            f"{first.name} and {second.name}: rolling shutters read an image in {readout:g} s, and the pairs do not "
+            "know times that are at least as far apart; give times, leave the readout (readout_s) out, or say "
+            "motion=False (--motion off)."
         )
     return readout / (second.time - first.time)

@@ -147,6 +147,6 @@ def test_rolling_shutters_need_times():
     assert share_of(*taken(None, None)) == 0.0
     for times in ((None, None), (0.0, 0.01), (0.1, 0.0)):
         wrong = [pair.read_out(0.02) for pair in taken(*times)]
-        with pytest.raises(InputError, match="rolling shutters read an image in 0.02 s"):
+        with pytest.raises(InputError, match="rolling shutters read an image in"):
             following(wrong, range(2), True, None)
         assert following(wrong, range(2), False, None) == ()
