@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.estimation import Normal, is_exact, rig_parameters, window
+from stereorecal.estimation import Normal, is_exact, one_blas_thread, rig_parameters, window
 from stereorecal.geometry import vector_from_rotation
 from stereorecal.online._estimate import OF_LENSES, SIZE, Measurement
 from stereorecal.online._pair_estimate import Glance
@@ -14,7 +14,7 @@ from stereorecal.online._state import State
 from stereorecal.online._switching import Outcome, weighed
 from stereorecal.online._watching import standing
 from stereorecal.recordings import Pair
-from stereorecal.scoring.host import corners, shown_again
+from stereorecal.scoring.host import Corners, corners, shown_again
 
 _MOST = 400  # corners
 _FEWEST = 30  # of them that are seen again
@@ -40,9 +40,14 @@ def anchored(state: State, pair: Pair, look: Glance) -> State:
 
 def moved(state: State, pair: Pair) -> Outcome:
     """The state after a pair that may show corners again from elsewhere."""
-    before, pairs = state.corners, state.frame - state.found_at
-    if before is None or pairs < state.apart:
+    if state.corners is None or state.frame - state.found_at < state.apart:
         return state, []
+    with one_blas_thread():
+        return _shown_again(state, state.corners, pair)
+
+
+def _shown_again(state: State, before: Corners, pair: Pair) -> Outcome:
+    pairs = state.frame - state.found_at
     if not _soon(state.since, pair.time, pairs):
         return state.but(corners=None), []
     if pair.readout and (state.since is None or pair.time is None):  # of how much of the motion, is not known
