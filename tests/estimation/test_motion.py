@@ -277,3 +277,17 @@ def test_slopes_beside_a_rolling_shutter(rig, chart, steps):
         one, other = (at(sign * step, near=near).value for sign in (1, -1))
         found = (one - other) / (2.0 * steps[index])
         np.testing.assert_allclose(exact[..., index], found, atol=1e-4 * np.abs(found).max() + 1e-5)
+
+
+@pytest.mark.parametrize("own", [(1.5, 0.0, 0.0), (-1.5, 0.0, 0.0), (2.0, 0.0, 0.5)])
+@pytest.mark.parametrize("seed", range(2))
+def test_a_boat_that_fills_a_third_of_the_view_does_not_draw_the_motion_to_its_own(rig, chart, own, seed):
+    """From rest, while the rig turns by more than it moves, one ends between the boat and all that stands still."""
+    move, turn, rng = np.array([0.0, 0.0, -0.6]), (0.0, 0.06, 0.01), np.random.default_rng(seed)
+    still = tracks_of(rig, move, turn, seed, 200, nearness=lambda rays: rng.uniform(1 / 120, 1 / 20, len(rays)))
+    boat = tracks_of(rig, move + own, turn, seed + 10, 400, nearness=lambda rays: np.full(len(rays), 1 / 50))
+    boat = boat.of(boat.left[0, :, 0] < 140).of(slice(None, len(still) * 6 // 10))
+    both = Tracks(*(np.concatenate([getattr(one, s) for one in (still, boat)], axis=1) for s in ("left", "right")))
+    seen = window(both, chart, np.zeros(chart.dim))
+    assert seen.motion is not None
+    np.testing.assert_allclose(seen.motion.translation / float(rig.baseline), move, atol=0.05)
