@@ -1,6 +1,7 @@
 """What a rig that moves sees: tracks of points in pixels of the true rig, for tests of motion."""
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 import stereorecal as sr
 from stereorecal.geometry import rotation_from_vector
@@ -52,3 +53,35 @@ def late_rig(true: sr.StereoRig, move, turn, late: float) -> sr.StereoRig:
     rotation = true.rotation @ np.asarray(rotation_from_vector(late * np.array(turn)), float)
     translation = true.translation + true.rotation @ (late * float(true.baseline) * np.array(move))
     return sr.StereoRig.from_rotation(true.left, true.right, rotation, translation)
+
+
+def rolling_tracks(
+    true: sr.StereoRig, readout: float, move=AHEAD, turn=(0.03, -0.02, 0.01), seed=0, number=400, noise=0.1
+) -> Tracks:
+    """The same through rolling shutters, which read the rows of an image during a share of the time between the pairs
+    while the rig drives along an arc (a constant twist); said to be read so."""
+    rng, edge, baseline = np.random.default_rng(seed), np.array(true.left.size) - 1.0, float(true.baseline)
+    left = rng.uniform([0.0, 0.0], edge, (number, 2))
+    points = np.asarray(true.left.rays(left)) / rng.uniform(1 / 60, 1 / 5, number)[:, None] * baseline
+    nodes, weights = np.polynomial.legendre.leggauss(4)
+
+    def turned(when):
+        return Rotation.from_rotvec(when[:, None] * np.array(turn))
+
+    def shown(camera, began, of_right):
+        """In the rows that are read when they show the points."""
+        pixels = np.tile(0.5 * edge, (number, 1))
+        for _ in range(4):
+            when = began + readout * pixels[:, 1] / true.left.size[1]
+            seen = turned(when).apply(points)
+            for node, weight in zip(nodes, weights, strict=True):
+                part = turned(0.5 * (1.0 + node) * when).apply(baseline * np.array(move))
+                seen += 0.5 * weight * when[:, None] * part
+            pixels = np.asarray(camera.project(seen @ true.rotation.T + true.translation if of_right else seen))
+        return pixels
+
+    lefts, rights = ([shown(camera, at, right) for at in (0, 1)] for camera, right in ((true.left, 0), (true.right, 1)))
+    rights = [pixels + noise * rng.normal(size=left.shape) for pixels in rights]
+    lefts[1] = lefts[1] + noise * rng.normal(size=left.shape)
+    good = np.all([((p >= 0.0) & (p <= edge)).all(axis=1) for p in (*lefts, *rights)], axis=0)
+    return Tracks(np.stack(lefts), np.stack(rights), readout).of(good)

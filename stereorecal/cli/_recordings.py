@@ -83,6 +83,9 @@ def _recordings(options: argparse.Namespace, select: _Select) -> Recordings:
                 f"{scene.name}: the scene has no calibration; give one with --calibration, and the images with --left "
                 "and --right."
             )
+    if getattr(options, "readout", None) is not None:
+        read = [replace(one, pairs=tuple(pair.read_out(options.readout) for pair in one.pairs)) for one in found.scenes]
+        found = replace(found, scenes=read)
     if len({scene.name for scene in found.scenes}) < len(found.scenes):
         named = [replace(scene, name=path) for scene, path in zip(found.scenes, options.scenes, strict=True)]
         return replace(found, scenes=named)

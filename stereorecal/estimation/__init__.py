@@ -32,6 +32,7 @@ from stereorecal.estimation._motion import (
     windows_of_all as windows_of_all,
 )
 from stereorecal.estimation._motion_window import far_enough as far_enough, window as window
+from stereorecal.estimation._one_thread import one_blas_thread as one_blas_thread
 from stereorecal.estimation._parameters import rig_parameters as rig_parameters
 from stereorecal.estimation._posterior import Posterior as Posterior
 from stereorecal.estimation._priors import (

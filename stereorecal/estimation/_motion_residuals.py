@@ -2,8 +2,9 @@
 
 A point on the ray a of the left camera, of inverse depth ρ, is at a + ρ 0 for the left camera, R a + ρ T for the right
 one, and, after a motion (Q, t) of the rig, at p = Q a + ρ t and R p + ρ T: all of them but for a scale, so that a point
-may be infinitely far away. Four numbers of a track are data: where the left image shows it later, and, along the
-epipolar lines, where the right one shows it at both times. Across these lines rows tell, and they have been asked.
+may be infinitely far away. A rolling shutter shows it after a little more or less of an even motion, as it shows it in
+a lower or a higher row than at first. Four numbers of a track are data: where the left image shows it later, and, along
+the epipolar lines, where the right one shows it at both times. Across these lines rows tell, and they have been asked.
 """
 
 from dataclasses import dataclass
@@ -12,7 +13,7 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal.estimation._jacobian import lens_parameters
-from stereorecal.geometry import StereoRig, euler_slopes, pixel_slopes, ray_slopes
+from stereorecal.geometry import StereoRig, euler_slopes, pixel_slopes, ray_slopes, vector_from_rotation
 from stereorecal.objectives import SIDES, RigChart
 from stereorecal.scoring import Tracks
 
@@ -44,6 +45,8 @@ class Seen:
         rays: (m, 3) of the left camera, at first, at depth 1.
         later: (m, 2, 2) pixels by ray of the left camera, later.
         partners: (2, m, 2, 2) the same of the right camera at both times.
+        after: (3, m) shares of the motion, since the left camera saw it at first, after which the left one sees it
+            later, and the right one at both times.
     """
 
     tracks: Tracks
@@ -51,6 +54,7 @@ class Seen:
     rays: Float[np.ndarray, "m 3"]
     later: Float[np.ndarray, "m 2 2"]
     partners: Float[np.ndarray, "2 m 2 2"]
+    after: Float[np.ndarray, "3 m"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,11 +63,13 @@ class Expected:
 
     Attributes:
         later: (m, 3) for the left camera.
+        met: (2, m, 3) for the left camera at the times of the right one.
         right: (2, m, 3) for the right camera at both times.
         along: (2, m, 2) unit vectors of the epipolar lines in the right image, towards nearer points.
     """
 
     later: Float[np.ndarray, "m 3"]
+    met: Float[np.ndarray, "2 m 3"]
     right: Float[np.ndarray, "2 m 3"]
     along: Float[np.ndarray, "2 m 2"]
 
@@ -89,7 +95,10 @@ def seen_by(tracks: Tracks, rig: StereoRig) -> Seen:
     """By the cameras of a rig."""
     left, right = (np.asarray(getattr(rig, side).rays(getattr(tracks, side)), float) for side in SIDES)
     later, partners = pixel_slopes(rig.left, left[1], ())[0], pixel_slopes(rig.right, right, ())[0]
-    return Seen(tracks, rig.left.size, left[0] / left[0, :, 2:], later, partners)
+    down = tracks.readout / rig.left.size[1]
+    rows = np.stack([tracks.left[1], *tracks.right])[..., 1] - tracks.left[0, :, 1]
+    after = np.array([[1.0], [0.0], [1.0]]) + down * rows
+    return Seen(tracks, rig.left.size, left[0] / left[0, :, 2:], later, partners, after)
 
 
 def with_rays(tracks: Tracks, rig: StereoRig) -> Tracks:
@@ -103,20 +112,25 @@ def residuals(seen: Seen, rig: StereoRig, motion: Motion, nearness: Float[np.nda
     there = _expected(seen, rig, motion, nearness)
     rotation, baseline, moved = rig.rotation, np.asarray(rig.translation), motion.translation
     value = np.empty((len(nearness), SEEN))
-    by_nearness, by_motion = np.empty_like(value), np.zeros((*value.shape, MOVES))
-    by_move = np.concatenate(
-        [_crossed(there.later - nearness[:, None] * moved), nearness[:, None, None] * np.eye(3)], axis=2
-    ).swapaxes(1, 2)  # (m, 6, 3), of `later`
+    by_nearness, by_motion = np.empty_like(value), np.empty((*value.shape, MOVES))
+    moves = seen.after[..., None] * moved
+
+    def by_move(point: Float[np.ndarray, "m 3"], number: int) -> Float[np.ndarray, "m 6 3"]:
+        by_turn = _crossed(point - nearness[:, None] * moves[number])
+        whole = np.concatenate([by_turn, nearness[:, None, None] * np.eye(3)], axis=2).swapaxes(1, 2)
+        return seen.after[number][:, None, None] * whole
+
     value[:, 1:3] = seen.tracks.left[1] - rig.left.project(there.later)
-    by_nearness[:, 1:3] = -_pixels(seen.later, there.later, moved)
-    by_motion[:, 1:3] = -_pixels(seen.later[:, None], there.later[:, None], by_move).swapaxes(1, 2)
+    by_nearness[:, 1:3] = -_pixels(seen.later, there.later, moves[0])
+    of_later = _pixels(seen.later[:, None], there.later[:, None], by_move(there.later, 0))
+    by_motion[:, 1:3] = -of_later.swapaxes(1, 2)
     for time, index in enumerate(_PARTNERS):
-        apart = seen.tracks.right[time] - rig.right.project(there.right[time])
-        value[:, index] = _dot(there.along[time], apart)
-        shift = baseline + time * rotation @ moved
-        by_nearness[:, index] = -_dot(there.along[time], _pixels(seen.partners[time], there.right[time], shift))
-    by_right = _pixels(seen.partners[1][:, None], there.right[1][:, None], by_move @ rotation.T)
-    by_motion[:, 3] = -_dot(there.along[1][:, None], by_right)
+        right, along, pixels = there.right[time], there.along[time], seen.partners[time]
+        value[:, index] = _dot(along, seen.tracks.right[time] - rig.right.project(right))
+        shift = baseline + moves[1 + time] @ rotation.T
+        by_nearness[:, index] = -_dot(along, _pixels(pixels, right, shift))
+        of_right = _pixels(pixels[:, None], right[:, None], by_move(there.met[time], 1 + time) @ rotation.T)
+        by_motion[:, index] = -_dot(along[:, None], of_right)
     return Residuals(value, by_nearness, by_motion, there.along[1])
 
 
@@ -134,11 +148,11 @@ def by_theta(
     units = chart.half_width[own, None, None]
     slopes = units * ray_slopes(rig.left, seen.rays, names)
     rays = np.concatenate([slopes, np.zeros_like(slopes[..., :1])], axis=-1)
-    turned = rays @ motion.rotation.T
-    of_pixels = units * pixel_slopes(rig.left, there.later, names)[1] + _pixels(seen.later, there.later, turned)
+    turned = [_turned(rays, motion, share) for share in seen.after]
+    of_pixels = units * pixel_slopes(rig.left, there.later, names)[1] + _pixels(seen.later, there.later, turned[0])
     found[:, 1:3, own] = -np.moveaxis(of_pixels, 0, -1)
     for time, index in enumerate(_PARTNERS):
-        moved = _pixels(seen.partners[time], there.right[time], (rays, turned)[time] @ rig.rotation.T)
+        moved = _pixels(seen.partners[time], there.right[time], turned[1 + time] @ rig.rotation.T)
         found[:, index, own] = -_dot(there.along[time], moved).T
     own, names = lens_parameters(chart, SIDES[1])
     units = chart.half_width[own, None, None, None]
@@ -158,17 +172,34 @@ def by_extrinsics(
     by_angles, by_shift = np.split(slopes, 2, axis=1)
     turns = np.tensordot(by_angles, euler_slopes(np.asarray(rig.extrinsics)[:3]), 1)
     for time, index in enumerate(_PARTNERS):
-        moved = (seen.rays, there.later)[time] @ turns.swapaxes(1, 2) + nearness[:, None] * by_shift[:, None]
+        moved = there.met[time] @ turns.swapaxes(1, 2) + nearness[:, None] * by_shift[:, None]
         found[:, index] = -_dot(there.along[time], _pixels(seen.partners[time], there.right[time], moved)).T
     return found
 
 
 def _expected(seen: Seen, rig: StereoRig, motion: Motion, nearness: Float[np.ndarray, "m"]) -> Expected:
     near, baseline = nearness[:, None], np.asarray(rig.translation)
-    later = seen.rays @ motion.rotation.T + near * motion.translation
-    right = np.stack([seen.rays, later]) @ rig.rotation.T + near * baseline
+    turned = np.stack([_turned(seen.rays, motion, share) for share in seen.after])
+    points = turned + near * seen.after[..., None] * motion.translation
+    later, met = points[0], points[1:]
+    right = met @ rig.rotation.T + near * baseline
     along = _pixels(seen.partners, right, baseline)
-    return Expected(later, right, along / np.maximum(np.linalg.norm(along, axis=-1, keepdims=True), 1e-30))
+    return Expected(later, met, right, along / np.maximum(np.linalg.norm(along, axis=-1, keepdims=True), 1e-30))
+
+
+def _turned(
+    vectors: Float[np.ndarray, "*k m 3"], motion: Motion, share: Float[np.ndarray, "m"]
+) -> Float[np.ndarray, "*k m 3"]:
+    """By a share of a motion's rotation (Rodrigues)."""
+    if not share.any():
+        return vectors
+    if (share == 1.0).all():
+        return vectors @ motion.rotation.T
+    whole = vector_from_rotation(motion.rotation)
+    size = float(np.linalg.norm(whole))
+    axis, angle = whole / max(size, 1e-30), (share * size)[:, None]
+    across = np.cross(axis, vectors)
+    return vectors + np.sin(angle) * across + (1.0 - np.cos(angle)) * np.cross(axis, across)
 
 
 def _pixels(

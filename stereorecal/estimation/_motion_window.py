@@ -22,6 +22,7 @@ from stereorecal.estimation._motion_residuals import (
     seen_by,
     with_rays,
 )
+from stereorecal.estimation._motion_start import consensus
 from stereorecal.estimation._parameters import DRIFTING
 from stereorecal.geometry import StereoRig, rotation_from_vector
 from stereorecal.objectives import RigChart
@@ -40,6 +41,7 @@ _MEDIAN = 0.888  # of the root mean square of three standard normal numbers
 _REDESCENDS = 1.5  # standard deviations
 _ROUNDS, _SETTLED = 40, 0.03  # standard deviations of the motion
 _CONVEX, _SOME = 4, 300  # rounds in which what is far still has some say, of so many tracks
+_EXPECTED = 2.0  # times the errors expected: most tracks fit so well no motion but their own
 _YAW = 1.0  # degrees: how far depth may be off, while the motion is sought
 _LEAST_WAY = 0.1  # baselines: a way that is shorter has hardly a direction, and no share by which it could be off
 _TURN, _MOVE = 1.0, 100.0  # rad and baselines: motions of which nothing is known
@@ -118,11 +120,18 @@ def _yaw_axis(chart: RigChart) -> Float[np.ndarray, "n"]:
 
 
 def _roughly(tracks: Tracks, chart: RigChart, theta: Float[np.ndarray, "n"]) -> _Solved:
-    """From rest, by some of the tracks: most of the rounds are far from the end."""
-    some = tracks.of(slice(None, None, max(1, len(tracks) // _SOME)))
-    number = len(some)
-    rest = _Solved(Motion(np.eye(3), np.zeros(3)), 0.0, np.zeros(number), 1.0, np.ones(number))
-    return _motion(seen_by(some, chart.rig_at(theta)), chart, theta, rest, _CONVEX)
+    """By some of the tracks, since most of the rounds are far from the end: from what most of them agree on, and, if
+    that does not end where they are expected, from rest, too; whichever ends nearer to them."""
+    rig, some = chart.rig_at(theta), tracks.of(slice(None, None, max(1, len(tracks) // _SOME)))
+    seen, number = seen_by(some, rig), len(some)
+
+    def ended(start: Motion, convex: int) -> _Solved:
+        return _motion(seen, chart, theta, _Solved(start, 0.0, np.zeros(number), 1.0, np.ones(number)), convex)
+
+    agreed = ended(consensus(seen, rig), 0)
+    if agreed.scale < _EXPECTED:
+        return agreed
+    return min(agreed, ended(Motion(np.eye(3), np.zeros(3)), _CONVEX), key=lambda one: one.scale)
 
 
 def _motion(seen: Seen, chart: RigChart, theta: Float[np.ndarray, "n"], start: _Solved, convex: int = 0) -> _Solved:

@@ -136,7 +136,7 @@ class Estimate:
         number, far, _ = self._innovation(measured)
         return float(chdtrc(number, far)) if number else 1.0
 
-    def log_likelihood(self, measured: Measurement, most: float) -> float:
+    def log_likelihood(self, measured: Measurement, most: float = np.inf) -> float:
         """Of a measurement, one that is farther away than so many squared standard deviations being as far."""
         _, far, log_volume = self._innovation(measured)
         return -0.5 * (min(far, most) + log_volume)
@@ -170,8 +170,14 @@ class Estimate:
         return self._widened(prior)
 
     def turned(self, yaw: float) -> "Estimate":
-        """After a yaw of so many degrees that no look has seen happen."""
+        """After a yaw of so many degrees that is not the rig's: of other things that move."""
         return self._widened([0.0, yaw])
+
+    def mistaken(self, yaw: float) -> "Estimate":
+        """After rows may have taken a yaw of so many degrees for the keystone: what they know of the sum stays."""
+        both = np.zeros(len(self.mean))
+        both[1], both[_KEYSTONE] = yaw, -yaw
+        return replace(self, covariance=self.covariance + np.outer(both, both))
 
     def moved(self, offset: Float[np.ndarray, "5"], covariance: Float[np.ndarray, "5 5"]) -> "Estimate":
         """With an offset from elsewhere; delay and rates stay, and depend on it no more."""

@@ -1,10 +1,12 @@
 """Depth from the rig's own motion while it drives: corners are followed until the rig has moved, and then tell the yaw
 that rows alone do not."""
 
+from dataclasses import replace
+
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.estimation import Normal, is_exact, rig_parameters, window
+from stereorecal.estimation import Normal, is_exact, one_blas_thread, rig_parameters, window
 from stereorecal.geometry import vector_from_rotation
 from stereorecal.online._estimate import OF_LENSES, SIZE, Measurement
 from stereorecal.online._pair_estimate import Glance
@@ -12,7 +14,7 @@ from stereorecal.online._state import State
 from stereorecal.online._switching import Outcome, weighed
 from stereorecal.online._watching import standing
 from stereorecal.recordings import Pair
-from stereorecal.scoring.host import corners, shown_again
+from stereorecal.scoring.host import Corners, corners, shown_again
 
 _MOST = 400  # corners
 _FEWEST = 30  # of them that are seen again
@@ -22,7 +24,10 @@ _LEFT = 0.4  # of the corners that were found: if fewer are seen again, sooner
 _LONGEST, _SECONDS = 16, 2.0
 # Windows of one place show the same things, and err together: standard deviations in those that each believes.
 _WORSE = 3.0
-_FITS = 1e-3  # chance: what fits less may be the motion of other things
+# Probabilities that most of what moves is not the rig: of a window after one of its own motion, and after another one,
+# since a boat stays in view for a while. What such windows say is then off by any yaw.
+_COME, _STAY, _OWN_YAW = 0.05, 0.9, 1.0
+_FITS = 1e-3  # chance: two windows that fit less are not of the same yaw
 
 
 def anchored(state: State, pair: Pair, look: Glance) -> State:
@@ -35,12 +40,21 @@ def anchored(state: State, pair: Pair, look: Glance) -> State:
 
 def moved(state: State, pair: Pair) -> Outcome:
     """The state after a pair that may show corners again from elsewhere."""
-    before, pairs = state.corners, state.frame - state.found_at
-    if before is None or pairs < state.apart:
+    if state.corners is None or state.frame - state.found_at < state.apart:
         return state, []
+    with one_blas_thread():
+        return _shown_again(state, state.corners, pair)
+
+
+def _shown_again(state: State, before: Corners, pair: Pair) -> Outcome:
+    pairs = state.frame - state.found_at
     if not _soon(state.since, pair.time, pairs):
         return state.but(corners=None), []
+    if pair.readout and (state.since is None or pair.time is None):  # of how much of the motion, is not known
+        return state.but(corners=None), []
     tracks, chart = shown_again(before, pair), rig_parameters(state.rig)
+    if pair.readout and state.since is not None and pair.time is not None:
+        tracks = replace(tracks, readout=pair.readout / (pair.time - state.since))
     seen = window(tracks, chart, np.zeros(chart.dim))
     lost = seen.motion is None or len(tracks) < _LEFT * len(before.left)
     near = seen.metres[0] < _AHEAD * float(state.rig.baseline)
@@ -79,17 +93,26 @@ def _measurement(state: State, normal: Normal, turned: Float[np.ndarray, "3"]) -
 
 
 def _told(state: State, measured: Measurement) -> Outcome:
-    """The state after a window. One that does not fit waits for the next: most that moves may not be the rig."""
+    """The state after a window, which counts as much as it is likely to be of the rig's own motion. One that is not
+    waits for the next: most that moves may not be the rig, or the rig has turned and rows did not show it."""
+    from scipy.special import expit  # a third of a second to import
+
     estimate = state.estimate
-    if estimate.chance_of(measured) >= _FITS:
-        return standing(weighed(state.measured(measured).but(suspect_depth=None), measured))
-    first, state = state.suspect_depth, state.but(suspect_depth=measured)
+    ours, others = estimate.log_likelihood(measured), estimate.turned(_OWN_YAW).log_likelihood(measured)
+    expected = _STAY * state.others + _COME * (1.0 - state.others)
+    share = float(expit(np.log1p(-expected) - np.log(expected) + ours - others))
+    first, state = state.suspect_depth, state.but(others=1.0 - share, suspect_depth=None)
+    counted = measured.weighed(share)
+    state = weighed(state.measured(counted), counted)
+    if share >= 0.5:
+        return standing(state)
+    state = state.but(suspect_depth=measured)
     if first is None:
-        return state, []
-    turned = estimate.turned(float(state.prior[1])).seen(first)
+        return standing(state)
+    turned = estimate.mistaken(float(state.prior[1])).seen(first)
     if turned.chance_of(measured) < _FITS:
-        return state, []
+        return standing(state)
     turned = turned.seen(measured)
-    if abs(turned.keystone) > abs(estimate.keystone):  # rows know of no such yaw
-        return state, []
-    return standing(state.standing_at(turned).but(suspect_depth=None, trial=None))
+    if abs(turned.keystone) > abs(estimate.keystone):  # a boat tells the same yaw twice, too; rows know of none
+        return standing(state)
+    return standing(state.standing_at(turned).but(suspect_depth=None, trial=None, others=_COME))

@@ -26,7 +26,7 @@ from stereorecal.online._trial import Trial
 from stereorecal.recordings import Pair
 from stereorecal.scoring.host import Corners
 
-SCHEMA = "stereorecal.state/6"
+SCHEMA = "stereorecal.state/7"
 _KNOWN: dict[str, Any] = {
     kind.__name__: kind
     for kind in (State, Config, Estimate, Measurement, Pace, Corners, Job, Trial, StereoRig, Camera, View, Pair, Kind)

@@ -50,6 +50,7 @@ class State:
         apart: pairs after which they are looked for again: as many as the rig needs to advance by a fraction of a
             baseline.
         since: time of the pair in which they were found; None if it is not known.
+        others: probability that the last such look showed the motion of other things than the rig.
         suspect_depth: what the rig's motion told and does not fit, until it tells more.
         suspect: a look that does not fit, until the next one says what it was.
         odd: consecutive looks that fit neither the estimate nor each other.
@@ -81,6 +82,7 @@ class State:
     found_at: int = 0
     apart: int = 2
     since: float | None = None
+    others: float = 0.05
     suspect_depth: Measurement | None = None
     suspect: Measurement | None = None
     odd: int = 0

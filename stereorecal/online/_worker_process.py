@@ -30,7 +30,8 @@ from stereorecal.online._step import freeze, init, step
 from stereorecal.recordings import Images, Pair, as_pairs
 
 Change = Callable[[State], tuple[State, tuple[Event, ...]]]
-Timed = tuple[np.ndarray, np.ndarray, float | None]
+Timed = tuple[np.ndarray, np.ndarray, float | None]  # and seconds
+Taken = tuple[np.ndarray, np.ndarray, float | None, float]  # and the readout of rolling shutters
 """The images of a pair, and when it was taken, seconds of any clock; None if that is not known."""
 
 _PATIENCE = 10.0  # seconds that the process has to end by itself
@@ -91,7 +92,7 @@ class Beside:
         )
         self._lock, self._there = threading.Lock(), threading.Condition()
         self._state, self._events, self._dropped = state, (), 0
-        self._waiting: Timed | None = None
+        self._waiting: Taken | None = None
         self._changes: deque[bytes] = deque()  # pickled
         self._working = False
         self._closed = self._answered = False
@@ -232,10 +233,10 @@ def _set(state: State, now: State) -> State:
     return state
 
 
-def _plain(pair: Pair | Images | Timed) -> Timed:
-    """Images and time alone: a pair that came from a file would be read again."""
+def _plain(pair: Pair | Images | Timed) -> Taken:
+    """Images, time and readout alone: a pair that came from a file would be read again."""
     if isinstance(pair, Pair):
-        return pair.left, pair.right, pair.time
+        return pair.left, pair.right, pair.time, pair.readout
     try:
         left, right, *time = pair
         (seconds,) = time or (None,)
@@ -244,15 +245,15 @@ def _plain(pair: Pair | Images | Timed) -> Timed:
         raise InputError(f"the pair is none ({error}); give (left, right) or (left, right, seconds).") from error
     if any(image.dtype.hasobject for image in images):
         raise InputError("the images of the pair are no arrays of numbers; give (left, right) or a Pair.")
-    return *images, seconds
+    return *images, seconds, 0.0
 
 
-def _timed(images: Timed) -> Pair | Images:
+def _timed(images: Taken) -> Pair | Images:
     """As a step takes it. What is wrong with images, it says itself."""
-    left, right, seconds = images
+    left, right, seconds, readout = images
     with suppress(InputError):
         (pair,) = as_pairs((left, right))
-        return replace(pair, time=seconds)
+        return replace(pair, time=seconds, readout=readout)
     return left, right
 
 

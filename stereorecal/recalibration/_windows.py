@@ -1,6 +1,7 @@
 """Windows of a repair: which pairs follow each other, and what is tracked from one to the next."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,7 @@ from stereorecal._errors import InputError
 from stereorecal.estimation import NO_WINDOWS, Estimate, Prior, Windows, far_enough, is_exact
 from stereorecal.recalibration._frame_choice import a_moment_after, soon_after
 from stereorecal.recalibration._stages import Case
-from stereorecal.recordings import LONGEST_GAP, Odometer, Pair
+from stereorecal.recordings import LONGEST_GAP, Odometer, Pair, share_of
 from stereorecal.scoring import Correspondences
 from stereorecal.scoring.host import Matches, tracked
 
@@ -43,6 +44,9 @@ def following(pairs: Sequence[Pair], numbers: Sequence[int], motion: bool | None
         numbers: of them, as they were given.
         motion: whether that is the order in which they were taken; None: where their times say so.
         prior: exact intrinsics leave no depth to tell.
+
+    Raises:
+        InputError: if the pairs are of rolling shutters and do not know their times.
     """
     if motion is False or is_exact(prior):
         return ()
@@ -50,8 +54,16 @@ def following(pairs: Sequence[Pair], numbers: Sequence[int], motion: bool | None
         every = [(at, at + 1) for at, number in enumerate(numbers[:-1]) if numbers[at + 1] == number + 1]
     else:
         every = [(at, after) for at in range(len(numbers)) if (after := _next(pairs, at)) is not None]
+    every = [(first, second) for first, second in every if not _repeated(pairs[first], pairs[second])]
+    for first, second in every:
+        share_of(pairs[first], pairs[second])
     some = np.unique(np.linspace(0, len(every) - 1, min(MOST_WINDOWS, len(every))).round().astype(int))
     return tuple(every[index] for index in some)
+
+
+def _repeated(first: Pair, second: Pair) -> bool:
+    """Whether a recording that stutters has a pair twice: nothing has moved, whatever its times say."""
+    return np.array_equal(first.left, second.left) and np.array_equal(first.right, second.right)
 
 
 def _next(pairs: Sequence[Pair], at: int) -> int | None:
@@ -74,7 +86,8 @@ def windows_of(case: Case, found: Correspondences) -> dict[tuple[int, int], Any]
     matches = {frame: _matches(case, found, frame) for window in case.windows for frame in window}
     width, height = case.rig.left.size
     near = _NEAR * float(np.sqrt(width * height / found.weight.shape[1]))
-    return {(a, b): tracked(pairs[a], pairs[b], (matches[a], matches[b]), near) for a, b in case.windows}
+    found_again = {(a, b): tracked(pairs[a], pairs[b], (matches[a], matches[b]), near) for a, b in case.windows}
+    return {(a, b): replace(one, readout=share_of(pairs[a], pairs[b])) for (a, b), one in found_again.items()}
 
 
 def without_frames(case: Case, tracks: dict[tuple[int, int], Any], apart: Sequence[int]) -> Windows:

@@ -15,4 +15,5 @@ from stereorecal.recordings._log import Log as Log, Mission as Mission
 from stereorecal.recordings._odometer import LONGEST_GAP as LONGEST_GAP, Odometer as Odometer
 from stereorecal.recordings._pair import Pair as Pair, make_pair as make_pair
 from stereorecal.recordings._range import Range as Range
+from stereorecal.recordings._readout import share_of as share_of
 from stereorecal.recordings._scene import Scene as Scene

@@ -48,6 +48,20 @@ class LazyPairs(PairSequence):
         """The same pairs, each handed to `check` when it is read, which raises if it is not as it should be."""
         return LazyPairs([_Checked(read, check) for read in self._reads], self.names, self.times)
 
+    def read_out(self, seconds: float) -> "LazyPairs":
+        """The same pairs, as rolling shutters took them: `Pair.read_out`."""
+        return LazyPairs([_ReadOut(read, seconds) for read in self._reads], self.names, self.times)
+
+
+class _ReadOut:
+    """A function that reads a pair of rolling shutters; of a module, like the next one."""
+
+    def __init__(self, read: Callable[[], Pair], seconds: float):
+        self._read, self._seconds = read, seconds
+
+    def __call__(self) -> Pair:
+        return self._read().read_out(self._seconds)
+
 
 class _Checked:
     """A function that reads and checks; of a module, so that it travels to workers if what it calls does."""

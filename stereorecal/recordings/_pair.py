@@ -1,7 +1,7 @@
 """One pair of images, taken at the same time."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -10,6 +10,7 @@ from jaxtyping import Float, Num
 from stereorecal._cv2 import cv2
 from stereorecal._errors import InputError
 
+_LONGEST_READOUT = 1.0  # seconds
 # Rec. 601 luma, as OpenCV's.
 _LUMA = {"rgb": (0.299, 0.587, 0.114), "bgr": (0.114, 0.587, 0.299)}
 
@@ -24,10 +25,11 @@ class Pair:
         origin: None, or (function, arguments) that make the pair again: a pair that came from files is pickled as
             its paths, not as pixels.
         time: when it was taken, seconds of any clock; None if that is not known.
+        readout: seconds that rolling shutters take from the first row to the last; 0: all rows at once.
 
     Raises:
-        InputError: if the images differ in size, contain NaN or infinite values, or are constant, or the time is not
-            finite.
+        InputError: if the images differ in size, contain NaN or infinite values, or are constant, the time is not
+            finite, or the readout makes no sense.
     """
 
     left: Float[np.ndarray, "h w"]
@@ -35,8 +37,14 @@ class Pair:
     name: str = "pair"
     origin: tuple[Callable[..., "Pair"], tuple[Any, ...]] | None = field(default=None, repr=False)
     time: float | None = None
+    readout: float = 0.0
 
     def __post_init__(self) -> None:
+        if not 0.0 <= self.readout <= _LONGEST_READOUT:
+            raise InputError(
+                f"{self.name}: a rolling shutter that reads an image in {self.readout} s makes no sense; give 0 to "
+                f"{_LONGEST_READOUT:g} s."
+            )
         if self.time is not None and not np.isfinite(self.time):
             raise InputError(f"{self.name}: a time of {self.time} s makes no sense; leave it out if it is not known.")
         for image in (self.left, self.right):
@@ -95,12 +103,22 @@ class Pair:
         if size == self.size:
             return self
         shrink = [cv2.resize(image, size, interpolation=cv2.INTER_AREA) for image in (self.left, self.right)]
-        return Pair(shrink[0], shrink[1], self.name, time=self.time)
+        return Pair(shrink[0], shrink[1], self.name, time=self.time, readout=self.readout)
+
+    def read_out(self, seconds: float) -> "Pair":
+        """The pair as rolling shutters took it that take so many seconds from the first row to the last."""
+        origin = None if self.origin is None else (_read_out, (self.origin, seconds))
+        return replace(self, origin=origin, readout=seconds)
 
     def __reduce__(self):
         if self.origin is not None:
             return self.origin
-        return Pair, (self.left, self.right, self.name, None, self.time)
+        return Pair, (self.left, self.right, self.name, None, self.time, self.readout)
+
+
+def _read_out(origin: tuple[Callable[..., Pair], tuple[Any, ...]], seconds: float) -> Pair:
+    make, arguments = origin
+    return make(*arguments).read_out(seconds)
 
 
 def make_pair(

@@ -1,7 +1,7 @@
 """Depth from the rig's own motion: real consecutive frames, and simulated tracks whose truth is known.
 
     python tests/benchmarks/motion.py [--data FOLDER] [--starts N] [--rigs N] [--first SEED] [--windows N]
-                                      [--cases NAME,…] [--only real|simulated|rendered|vehicle]
+                                      [--cases NAME,…] [--only real|simulated|rendered|vehicle|step|stutter]
 
 Real: `kitti_odometry/suburb_drive`, whose depth is right by lidar. The stored rig and N starts up to 2.5° and 2.25 % of
 the baseline are repaired with `motion=True` from nine frames: the offset of disparity of what is written,
@@ -13,6 +13,8 @@ three frames: how often the 95 % interval of depth at 30 baselines holds the tru
 mean there, how many repairs would be written, and how many of them harm; with rows alone and with motion, by drift, and
 for motions that tell little or are half of other things, and how late the right shutter is said to be, where it is.
 
+Step: the filter's processor time at 640x480. Stutter: two pairs alone, and recordings that repeat pairs.
+
 Rendered: drives of 320x240 pairs, nine pairs about a baseline apart, from the truth, 0.3° and 2.5° away, and with a
 right shutter that is late by 0.2 of the time between two pairs.
 """
@@ -20,6 +22,7 @@ right shutter that is late by 0.2 of the time between two pairs.
 import argparse
 import os
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import jax
@@ -130,6 +133,42 @@ def on_the_vehicle(folder: Path, console: Console) -> None:
     console.print(table)
 
 
+def stuttering(folder: Path, console: Console) -> None:
+    """Two pairs alone, and recordings in which every third pair is there twice: the same as without."""
+    scene = sr.io.load_scene(folder / "kitti_odometry" / "suburb_drive")
+    started = [sr.synthetic.decalibrate(scene.rig, jax.random.key(seed), 0.3, 0.003) for seed in range(2)]
+    table = Table("pairs", "start", "mean, px: 95 %", "written, px", "windows", "verdict", box=None)
+    seconds = [pair.time for pair in scene.pairs]
+    twice = [replace(scene.pairs[at - at // 3], time=seconds[at]) for at in range(12)]
+    for name, pairs in (("two", scene.pairs[:2]), ("nine", scene.pairs[:9]), ("nine, three of them twice", twice)):
+        for start, rig in zip(("stored", ".3°, 0", ".3°, 1"), (scene.rig, *started), strict=True):
+            found = sr.recalibrate(rig, pairs)
+            seen = found.estimate
+            ends = (100.0 / (100.0 + end) - 1.0 for end in seen.depth_error_percent(seen.theta)[30][:0:-1])
+            low, high = (end * float(rig.left.matrix[0, 0]) / 30.0 for end in ends)
+            means = f"{offset_px(seen.mean_rig, scene.rig):+.2f}: {low:+.2f} {high:+.2f}"
+            written = f"{offset_px(found.rig, scene.rig):+.2f}"
+            table.add_row(name, start, means, written, f"{len(seen.windows.tracks)}", found.reason.name)
+    console.print(table)
+
+
+def step_of_the_filter(console: Console) -> None:
+    """Processor time of a step at 640x480, on a street that things drive on."""
+    rig = sr.synthetic.default_rig()
+    drive = sr.synthetic.plan_drive("street", 0, 60, weather=False)
+    drive = replace(drive, rig=rig, extrinsics=np.tile(np.asarray(rig.extrinsics), (len(drive), 1)))
+    pairs = list(sr.synthetic.photographs(drive))
+    for motion in (False, True):
+        seconds, began = [], time.process_time()
+        for _ in run(rig, pairs, Config(motion=motion)):
+            seconds.append(time.process_time() - began)
+            began = time.process_time()
+        middle, late = 1000.0 * np.quantile(seconds[10:], (0.5, 0.9))
+        console.print(
+            f"640x480, motion {'on' if motion else 'off'}: {middle:.0f} ms a step, 90th percentile {late:.0f}"
+        )
+
+
 def main() -> None:
     """All, or some."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -140,13 +179,17 @@ def main() -> None:
     parser.add_argument("--cases", default=",".join((ROWS, *CASES)), help="of simulated rigs")
     parser.add_argument("--seeds", type=int, default=1, help="drives of each kind that are rendered")
     parser.add_argument("--windows", type=int, default=8, help="of each simulated rig")
-    parser.add_argument("--only", choices=("real", "simulated", "rendered", "vehicle"))
+    parser.add_argument("--only", choices=("real", "simulated", "rendered", "vehicle", "step", "stutter"))
     options = parser.parse_args()
     console = Console(width=170)
     if options.only in (None, "real"):
         real(options.data, options.starts, console)
     if options.only in (None, "vehicle"):
         on_the_vehicle(options.data, console)
+    if options.only in (None, "step"):
+        step_of_the_filter(console)
+    if options.only in (None, "stutter"):
+        stuttering(options.data, console)
     if options.only in (None, "simulated"):
         simulated(options.rigs, options.first, options.windows, options.cases.split(","), console)
     if options.only in (None, "rendered"):

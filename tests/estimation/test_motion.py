@@ -1,9 +1,11 @@
 """The rig's own motion in the estimate: it tells depth, and where it tells nothing, nothing is made of it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
-from simulated_tracks import AHEAD, REST, SIDEWAYS, tracks_of
+from simulated_tracks import AHEAD, REST, SIDEWAYS, rolling_tracks, tracks_of
 
 import stereorecal as sr
 from stereorecal.estimation import Windows, as_prior, estimate, rig_parameters, windows_of_all
@@ -236,3 +238,56 @@ def test_windows_keep_their_ways_where_frames_are_left_out(chart):
     three = Windows(windows(true, 3).tracks, ((0, 1), (1, 2), (3, 4)), (1.0,) * 3, ((1.0, 0.1), None, (2.0, 0.1)))
     assert three.numbered((0, 1, 3, 4)).ways == ((1.0, 0.1), (2.0, 0.1))
     assert windows_of_all([three.numbered((3, 4)), windows_of_all([])]).ways == ((2.0, 0.1),)
+
+
+def test_rolling_shutters_whose_readout_is_known(rig, chart):
+    """While a third of the time between two pairs passes from the first row to the last: as if all came at once."""
+    tracks = rolling_tracks(rig, 0.3, noise=0.0)
+    known, unknown = (window(one, chart, np.zeros(chart.dim)) for one in (tracks, replace(tracks, readout=0.0)))
+    metres, yaw = float(np.linalg.norm(AHEAD)) * float(rig.baseline), chart.names.index("yaw")
+    errors = [abs(seen.metres[0] / metres - 1.0) for seen in (known, unknown)]
+    assert errors[0] < 2e-3
+    assert errors[1] > 5e-3
+    assert abs(known.normal.b[yaw] / known.normal.a[yaw, yaw]) < 2e-3
+
+
+def test_rolling_shutters_beside_a_drift(rig, chart, prior, seen):
+    true = drifted(chart)
+    several = Windows(tuple(rolling_tracks(true, 0.3, seed=seed) for seed in range(3)))
+    found = estimate(seen(rig, true, frames=2, cells=600), rig, prior, windows=several)
+    assert held(found, true)
+    assert abs(offset(found.mean_rig, true)) < 2.5
+
+
+def test_slopes_beside_a_rolling_shutter(rig, chart, steps):
+    turn = np.array([0.03, -0.02, 0.01])
+    tracks = rolling_tracks(rig, 0.4, (0.0, 0.0, 0.0), turn, number=60, noise=0.0)
+    motion, near = Motion(np.asarray(rotation_from_vector(turn), float), np.zeros(3)), np.zeros(len(tracks))
+
+    def at(theta, motion=motion, near=near):
+        rig = chart.rig_at(theta)
+        return residuals(seen_by(tracks, rig), rig, motion, near)
+
+    for _ in range(3):
+        here = at(np.zeros(chart.dim), near=near)
+        near = near - here.value[:, 0] / here.by_nearness[:, 0]
+    np.testing.assert_allclose(at(np.zeros(chart.dim), near=near).value, 0.0, atol=1e-4)
+    exact = by_theta(seen_by(tracks, rig), chart, np.zeros(chart.dim), motion, near)
+    for index, step in enumerate(np.diag(steps)):
+        one, other = (at(sign * step, near=near).value for sign in (1, -1))
+        found = (one - other) / (2.0 * steps[index])
+        np.testing.assert_allclose(exact[..., index], found, atol=1e-4 * np.abs(found).max() + 1e-5)
+
+
+@pytest.mark.parametrize("own", [(1.5, 0.0, 0.0), (-1.5, 0.0, 0.0), (2.0, 0.0, 0.5)])
+@pytest.mark.parametrize("seed", range(2))
+def test_a_boat_that_fills_a_third_of_the_view_does_not_draw_the_motion_to_its_own(rig, chart, own, seed):
+    """From rest, while the rig turns by more than it moves, one ends between the boat and all that stands still."""
+    move, turn, rng = np.array([0.0, 0.0, -0.6]), (0.0, 0.06, 0.01), np.random.default_rng(seed)
+    still = tracks_of(rig, move, turn, seed, 200, nearness=lambda rays: rng.uniform(1 / 120, 1 / 20, len(rays)))
+    boat = tracks_of(rig, move + own, turn, seed + 10, 400, nearness=lambda rays: np.full(len(rays), 1 / 50))
+    boat = boat.of(boat.left[0, :, 0] < 140).of(slice(None, len(still) * 6 // 10))
+    both = Tracks(*(np.concatenate([getattr(one, s) for one in (still, boat)], axis=1) for s in ("left", "right")))
+    seen = window(both, chart, np.zeros(chart.dim))
+    assert seen.motion is not None
+    np.testing.assert_allclose(seen.motion.translation / float(rig.baseline), move, atol=0.05)

@@ -180,3 +180,15 @@ def test_times_are_kept(tmp_path: Path):
     for wrong in ([0.0], ["a", "b"], 3, [0.0, None]):
         path.write_text(json.dumps({**json.loads(path.read_text()), "times_s": wrong}))
         assert [pair.time for pair in load_scene(tmp_path / "timed").pairs] == [None, None]
+
+
+def test_the_readout_of_rolling_shutters_is_kept(tmp_path: Path):
+    scene = scene_of(2)
+    rolling = dataclasses.replace(scene, pairs=tuple(pair.read_out(0.02) for pair in scene.pairs))
+    save_scene(rolling, tmp_path / "rolling")
+    assert [pair.readout for pair in load_scene(tmp_path / "rolling").pairs] == [0.02, 0.02]
+    path = tmp_path / "rolling" / "calib.json"
+    assert json.loads(path.read_text())["readout_s"] == 0.02
+    path.write_text(json.dumps({**json.loads(path.read_text()), "readout_s": -1}))
+    with pytest.raises(InputError, match="a rolling shutter"):
+        load_scene(tmp_path / "rolling")

@@ -88,6 +88,26 @@ def test_a_yaw_that_rows_took_for_the_keystone_is_believed_to_two_windows(ridden
     state = state.standing_at(replace(state.estimate, mean=mean))
     told = told_yaw(state, 0.5)
     once, _ = _told(state, told)
-    assert once.estimate is state.estimate
+    assert once.estimate.offset[1] == pytest.approx(state.estimate.offset[1], abs=1e-3)
     twice, _ = _told(once, told)
     assert twice.estimate.offset[1] == pytest.approx(told.offset[1], abs=0.05)
+
+
+def test_two_windows_of_a_boat_are_not_believed_either(ridden):
+    """Whatever keystone is known: theirs would be larger."""
+    state = ridden[-1].state
+    for keystone in (0.0, 0.3):
+        mean = state.estimate.mean.copy()
+        mean[9] = keystone
+        start = after = state.standing_at(replace(state.estimate, mean=mean))
+        for _ in range(3):
+            after, _ = _told(after, told_yaw(start, -0.7))
+        assert after.estimate.offset[1] == pytest.approx(start.estimate.offset[1], abs=1e-3)
+        assert after.others > 0.9
+
+
+def test_a_rolling_shutter_whose_times_are_not_known_tells_nothing(ride, ridden):
+    state = with_corners(ridden[-1].state)
+    after, events = moved(state, ride.pairs[-1].read_out(0.02))
+    assert (after.corners, events) == (None, [])
+    assert after.estimate is state.estimate

@@ -8,8 +8,10 @@ import pytest
 from scipy.ndimage import fourier_shift
 
 import stereorecal as sr
+from stereorecal._errors import InputError
 from stereorecal.recalibration import chosen_frames
 from stereorecal.recalibration._windows import MOST_WINDOWS, check_odometer, following
+from stereorecal.recordings import share_of
 from stereorecal.scoring.host import Matches, tracked
 
 RNG = np.random.default_rng(0)
@@ -43,8 +45,9 @@ def test_without_matches_nothing_is_tracked():
 
 
 def taken(*times: float | None) -> list[sr.Pair]:
-    """Pairs of these times."""
-    return [replace(sr.make_pair(moved(0, 0), moved(-9, 0)), time=time) for time in times]
+    """Pairs of these times, none of which is another one again."""
+    left, right = moved(0, 0), moved(-9, 0)
+    return [replace(sr.make_pair(left + 1e-3 * n, right), time=time) for n, time in enumerate(times)]
 
 
 @pytest.mark.parametrize("motion", [None, False])
@@ -127,3 +130,23 @@ def test_of_a_video_of_sixty_pairs_a_second_every_window_has_moved():
 def test_times_that_jump_make_no_window_across_the_jump():
     pairs = taken(0.0, 0.1, 50.0, 50.1, 0.2, 0.3)
     assert following(pairs, range(6), None, None) == ((0, 1), (2, 3), (4, 5))
+
+
+@pytest.mark.parametrize("motion", [None, True])
+def test_pairs_that_a_recording_repeats_show_no_motion(motion):
+    pairs = taken(0.0, 0.1, 0.2, 0.3)
+    pairs[2] = replace(pairs[1], time=0.2)
+    assert following(pairs, range(4), motion, None) == ((0, 1), (2, 3))
+
+
+def test_rolling_shutters_need_times():
+    """Of the readout, the share of the time between two pairs counts."""
+    pairs = [pair.read_out(0.02) for pair in taken(0.0, 0.1)]
+    assert following(pairs, range(2), None, None) == ((0, 1),)
+    assert share_of(*pairs) == pytest.approx(0.2)
+    assert share_of(*taken(None, None)) == 0.0
+    for times in ((None, None), (0.0, 0.01), (0.1, 0.0)):
+        wrong = [pair.read_out(0.02) for pair in taken(*times)]
+        with pytest.raises(InputError, match="rolling shutters read an image in"):
+            following(wrong, range(2), True, None)
+        assert following(wrong, range(2), False, None) == ()

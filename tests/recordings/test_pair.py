@@ -120,6 +120,18 @@ def test_pickling_by_origin():
     assert by_value is Pair
 
 
+def test_rolling_shutters():
+    """Their readout stays with a pair, wherever it goes."""
+    for pair in (make_pair(texture(0), texture(1), time=2.0).read_out(0.02), make_again(3).read_out(0.02)):
+        assert pair.readout == 0.02
+        again = pickle.loads(pickle.dumps(pair))
+        assert (again.readout, again.time) == (0.02, pair.time)
+        assert pair.resized((12, 8)).readout == 0.02
+    for wrong in (-0.01, 2.0, np.nan, np.inf):
+        with pytest.raises(InputError, match="a rolling shutter"):
+            make_again(3).read_out(wrong)
+
+
 def test_check_pairs():
     lens = Camera(SIZE, np.array([[20.0, 0, 12], [0, 20, 8], [0, 0, 1]]))
     rig = StereoRig(lens, lens, np.array([0, 0, 0, -0.1, 0, 0]))

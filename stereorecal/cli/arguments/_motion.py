@@ -1,4 +1,4 @@
-"""The argument for the use of the rig's own motion."""
+"""The arguments for the use of the rig's own motion."""
 
 import argparse
 
@@ -6,13 +6,21 @@ _MOTION = {"auto": None, "on": True, "off": False}
 
 
 def add_motion_to(parser: argparse.ArgumentParser) -> None:
-    """Add `--motion`."""
+    """Add `--motion` and `--readout`."""
     parser.add_argument(
         "--motion",
         default="auto",
         choices=tuple(_MOTION),
         help="use of the rig's own motion between pairs for depth: auto, where times are known and at most half a "
         "second apart; on, the pairs are consecutive, whatever their times; off (default: %(default)s)",
+    )
+
+    parser.add_argument(
+        "--readout",
+        type=float,
+        metavar="SECONDS",
+        help="time that the cameras' rolling shutters take from the first row of an image to the last, for --motion "
+        "(default: that of a scene folder's calib.json, or 0, all rows at once)",
     )
 
 

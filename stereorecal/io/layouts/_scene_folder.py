@@ -25,6 +25,7 @@ from stereorecal.recordings import LazyPairs, Pair, Scene, check_pairs
 
 _CALIBRATION_FILE = "calib.json"
 _TIMES = "times_s"
+_READOUT = "readout_s"  # of rolling shutters
 
 
 def is_scene_folder(folder: Path) -> bool:
@@ -36,7 +37,10 @@ def open_scene_folder(folder: Path, limit: int | None) -> tuple[Calibration, Laz
     """The calibration of a scene folder, and its pairs, checked against it when they are read."""
     _check_calibrated(folder)
     calibration = load_calibration((folder / _CALIBRATION_FILE,), NAME)
-    return calibration, fitting(folder, calibration, load_sides(folder, limit, calibration.info.get(_TIMES)))
+    pairs = load_sides(folder, limit, calibration.info.get(_TIMES))
+    if isinstance(readout := calibration.info.get(_READOUT), int | float):
+        pairs = pairs.read_out(readout)
+    return calibration, fitting(folder, calibration, pairs)
 
 
 def _check_calibrated(folder: Path) -> None:
@@ -95,7 +99,9 @@ def save_scene(scene: Scene, folder: AnyPath, overwrite: bool = False) -> None:
     facts = calibration_of(scene.rig, scene.pairs[0].size)
     times = [pair.time for pair in scene.pairs]
     known = {_TIMES: times} if None not in times else {}
-    others = {name: value for name, value in scene.info.items() if name != _TIMES}
+    if len(readouts := {pair.readout for pair in scene.pairs}) == 1:
+        known |= {_READOUT: readouts.pop()} if any(readouts) else {}
+    others = {name: value for name, value in scene.info.items() if name not in (_TIMES, _READOUT)}
     text = calibration_text({**others, **known, **facts, "reference": scene.reference})
     if scene.rig is not None:
         text = with_prior(text, own_prior(scene.rig))
