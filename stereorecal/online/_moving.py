@@ -7,7 +7,7 @@ from jaxtyping import Float
 from stereorecal.estimation import Normal, is_exact, rig_parameters, window
 from stereorecal.geometry import vector_from_rotation
 from stereorecal.online._estimate import OF_LENSES, SIZE, Measurement
-from stereorecal.online._pair_estimate import Glance
+from stereorecal.online._pair_estimate import PairEstimate
 from stereorecal.online._state import State
 from stereorecal.online._switching import Outcome, weighed
 from stereorecal.online._watching import standing
@@ -25,7 +25,7 @@ _WORSE = 3.0
 _FITS = 1e-3  # chance: what fits less may be the motion of other things
 
 
-def anchored(state: State, pair: Pair, look: Glance) -> State:
+def anchored(state: State, pair: Pair, look: PairEstimate) -> State:
     """With the corners of a pair, where none are followed."""
     if not state.config.motion or state.corners is not None:
         return state
@@ -49,7 +49,7 @@ def moved(state: State, pair: Pair) -> Outcome:
     if seen.motion is None:
         return state, []
     turned = np.degrees(vector_from_rotation(seen.motion.rotation)) / pairs
-    return _told(state, _measurement(state, seen.normal, turned))
+    return _after_window(state, _measurement(state, seen.normal, turned))
 
 
 def _soon(first: float | None, second: float | None, pairs: int) -> bool:
@@ -78,7 +78,7 @@ def _measurement(state: State, normal: Normal, turned: Float[np.ndarray, "3"]) -
     return Measurement(state.found_at, offset, a / _WORSE**2, turn, keystone=False, doubt=doubt)
 
 
-def _told(state: State, measured: Measurement) -> Outcome:
+def _after_window(state: State, measured: Measurement) -> Outcome:
     """The state after a window. One that does not fit waits for the next: most that moves may not be the rig."""
     estimate = state.estimate
     if estimate.chance_of(measured) >= _FITS:

@@ -5,10 +5,12 @@ from dataclasses import dataclass, replace
 
 from stereorecal.geometry import StereoRig
 from stereorecal.recalibration._cost import Cost
-from stereorecal.recalibration._recalibrate import solution_of, started
-from stereorecal.recalibration._request import Asked
+from stereorecal.recalibration._judge import judged
 from stereorecal.recalibration._schedule import Schedule, ScoreKind, Stage
+from stereorecal.recalibration._search import started
+from stereorecal.recalibration._settings import as_settings
 from stereorecal.recalibration._solution import Solution
+from stereorecal.recalibration._solution_of import solution_of
 from stereorecal.recalibration._stages import Case, run_stage
 from stereorecal.strategies import Budget
 
@@ -42,8 +44,10 @@ def next_slice(case: Case, schedule: Schedule, at: Progress, seed: int = 0) -> P
     done = run_stage(case, stage, at.rig, Budget(), seed)
     if at.done < len(stages):
         return Progress(done.ended, at.done + 1)
-    asked = Asked(case.matcher, replace(schedule, stages=(stage,)), Budget(), seed, case.free.names)
-    return solution_of(case, asked, (done,), Cost(), began)
+    last = replace(schedule, stages=(stage,))
+    settings = as_settings({"matcher": case.matcher, "schedule": last, "reach": case.reach, "seed": seed})
+    settings = replace(settings, free=case.free, tolerances=case.tolerances)
+    return solution_of(case, settings, (done,), judged(case, last, (done,)), Cost(), began)
 
 
 def _rounds(schedule: Schedule) -> tuple[Stage, ...]:
