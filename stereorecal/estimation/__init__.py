@@ -31,7 +31,6 @@ from stereorecal.estimation._motion import (
     windows_of_all as windows_of_all,
 )
 from stereorecal.estimation._motion_window import far_enough as far_enough, window as window
-from stereorecal.estimation._parameters import rig_parameters as rig_parameters
 from stereorecal.estimation._posterior import Posterior as Posterior
 from stereorecal.estimation._priors import (
     DEFAULT as DEFAULT,
@@ -46,6 +45,7 @@ from stereorecal.estimation._priors import (
     with_boards as with_boards,
     with_deviations as with_deviations,
 )
+from stereorecal.estimation._rig_parameters import rig_parameters as rig_parameters
 from stereorecal.estimation._saved_prior import (
     Earlier as Earlier,
     SavedPrior as SavedPrior,

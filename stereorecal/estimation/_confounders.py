@@ -21,7 +21,7 @@ from stereorecal.estimation._groups import PLACES
 from stereorecal.estimation._linear_groups import LinearGroups, linear_groups
 from stereorecal.estimation._misfit import DEVIATIONS
 from stereorecal.estimation._outlines import Offsets, outlines
-from stereorecal.estimation._parameters import DRIFTING
+from stereorecal.estimation._rig_parameters import DRIFTING
 from stereorecal.objectives import RigChart
 
 # Probabilities before any image is seen: of a hundred pairs some have something large that moves, and some are of one

@@ -8,7 +8,7 @@ from jaxtyping import Float
 
 from stereorecal.estimation._linear_groups import LinearGroups
 from stereorecal.estimation._misfit import covariance_of_rows
-from stereorecal.estimation._parameters import DRIFTING
+from stereorecal.estimation._rig_parameters import DRIFTING
 
 _CHANCE = 1e-3  # that a frame of the same rig is taken for one of another
 _OWN = np.array([0.5, 0.5, 0.5, 0.5, 0.5])  # degrees and percent: how far the rig may have moved between frames

@@ -10,7 +10,7 @@ from stereorecal.geometry import StereoRig
 from stereorecal.recalibration._acceptance import Reason
 from stereorecal.recalibration._estimated import ended_by, looked
 from stereorecal.recalibration._judge import judged
-from stereorecal.recalibration._prepare import prepared
+from stereorecal.recalibration._prepared_case import prepared
 from stereorecal.recalibration._search import run_schedule, started
 from stereorecal.recalibration._settings import RepairOptions, Settings, as_settings
 from stereorecal.recalibration._solution import Solution

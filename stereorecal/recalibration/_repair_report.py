@@ -8,11 +8,11 @@ import numpy as np
 from stereorecal._environment import versions
 from stereorecal._errors import InputError
 from stereorecal._json_data import json_data
-from stereorecal.geometry import AXES, PINHOLE, StereoRig
-from stereorecal.objectives import BASELINE
+from stereorecal.geometry import PINHOLE, StereoRig
 from stereorecal.recalibration._acceptance import Reason
 from stereorecal.recalibration._intrinsics_table import lenses_of
 from stereorecal.recalibration._regional_misfit import WORTH_SAYING
+from stereorecal.recalibration._repair_text import axes_of
 from stereorecal.recalibration._result import AbstractResult
 from stereorecal.recalibration._row_maps import climbs_of, seen_rows, way_of
 from stereorecal.recalibration._settings_text import matcher_as_text, origins_of, settings_as_text
@@ -20,7 +20,7 @@ from stereorecal.recalibration._uncertainty import NORMAL_95
 from stereorecal.recalibration._windows import described
 from stereorecal.recordings import Pair
 from stereorecal.report.number_text import count, number, percent
-from stereorecal.report.repair_report import Axis, Conclusion, Depth, RepairReport, Sight
+from stereorecal.report.repair_report import Conclusion, Depth, RepairReport, Sight
 from stereorecal.scoring.host import disparity, rectify
 from stereorecal.strategies import name_of
 
@@ -109,24 +109,6 @@ def _facts(solution: AbstractResult, *, telling: bool) -> dict[str, tuple[str, s
     if solution.misfit is not None and telling:
         facts["misfit of regions"] = (f"{solution.misfit.rms_before:.2f} px", f"{solution.misfit.rms:.2f} px")
     return facts
-
-
-def axes_of(solution: AbstractResult) -> list[Axis]:
-    """The change of each of the extrinsics, in degrees and millimetres; its interval only where the rig to use is good:
-    else it would be that of an answer that was found wrong."""
-    known, change = solution.uncertainty, solution.change
-    found = []
-    for index, name in enumerate(AXES):
-        factor, unit = (180 / np.pi, "°") if index < 3 else (1e3, "mm")
-        half_width, observed = None, True
-        called = BASELINE if name == "x" else name
-        if known is not None and called in known.names:
-            at = known.names.index(called)
-            wide = float(known.interval[at]) * (1.0 if index < 3 else 10.0 * float(solution.initial.baseline))
-            half_width, observed = (wide if solution.reason.healthy else None), bool(known.observed[at])
-        before = factor * float(solution.initial.extrinsics[index])
-        found.append(Axis(name, unit, before, factor * float(change[index]), half_width, observed))
-    return found
 
 
 def _depths(solution: AbstractResult) -> list[Depth]:

@@ -3,13 +3,14 @@
 import numpy as np
 
 from stereorecal.estimation import DEFAULT, EXACT
-from stereorecal.geometry import PINHOLE
+from stereorecal.geometry import AXES, PINHOLE
+from stereorecal.objectives import BASELINE
 from stereorecal.recalibration._acceptance import Reason
 from stereorecal.recalibration._regional_misfit import WORTH_SAYING, Cause, Misfit
-from stereorecal.recalibration._repair_report import axes_of
 from stereorecal.recalibration._result import AbstractResult
 from stereorecal.recalibration._windows import described
 from stereorecal.report.number_text import change, depths
+from stereorecal.report.repair_report import Axis
 from stereorecal.report.repair_text import RepairText
 
 _SYSTEMATIC = 0.05  # pixels of radial misfit that regions share; right intrinsics leave 0.01
@@ -28,6 +29,24 @@ def text_of(solution: AbstractResult) -> RepairText:
         axes=axes_of(solution),
         remarks=_remarks(solution),
     )
+
+
+def axes_of(solution: AbstractResult) -> list[Axis]:
+    """The change of each of the extrinsics, in degrees and millimetres; its interval only where the rig to use is good:
+    else it would be that of an answer that was found wrong."""
+    known, change = solution.uncertainty, solution.change
+    found = []
+    for index, name in enumerate(AXES):
+        factor, unit = (180 / np.pi, "°") if index < 3 else (1e3, "mm")
+        half_width, observed = None, True
+        called = BASELINE if name == "x" else name
+        if known is not None and called in known.names:
+            at = known.names.index(called)
+            wide = float(known.interval[at]) * (1.0 if index < 3 else 10.0 * float(solution.initial.baseline))
+            half_width, observed = (wide if solution.reason.healthy else None), bool(known.observed[at])
+        before = factor * float(solution.initial.extrinsics[index])
+        found.append(Axis(name, unit, before, factor * float(change[index]), half_width, observed))
+    return found
 
 
 def _remarks(solution: AbstractResult) -> list[tuple[str, str]]:

@@ -14,6 +14,8 @@ from stereorecal.recalibration._solution_of import solution_of
 from stereorecal.recalibration._stages import Case, run_stage
 from stereorecal.strategies import Budget
 
+_SEED = 0  # of strategies that draw random numbers
+
 
 @dataclass(frozen=True, eq=False)
 class Progress:
@@ -28,7 +30,7 @@ class Progress:
     done: int = 0
 
 
-def next_slice(case: Case, schedule: Schedule, at: Progress, seed: int = 0) -> Progress | Solution:
+def next_slice(case: Case, schedule: Schedule, at: Progress) -> Progress | Solution:
     """One slice more: first the survey, then a stage on the count, or one round of a stage on the rows, each begun
     where the one before it ended; the last one is judged with it.
 
@@ -41,11 +43,11 @@ def next_slice(case: Case, schedule: Schedule, at: Progress, seed: int = 0) -> P
         return Progress(started(case, schedule)[1], 1)
     stages = _rounds(schedule)
     stage = stages[at.done - 1]
-    done = run_stage(case, stage, at.rig, Budget(), seed)
+    done = run_stage(case, stage, at.rig, Budget(), _SEED)
     if at.done < len(stages):
         return Progress(done.ended, at.done + 1)
     last = replace(schedule, stages=(stage,))
-    settings = as_settings({"matcher": case.matcher, "schedule": last, "reach": case.reach, "seed": seed})
+    settings = as_settings({"matcher": case.matcher, "schedule": last, "reach": case.reach})
     settings = replace(settings, free=case.free, tolerances=case.tolerances)
     return solution_of(case, settings, (done,), judged(case, last, (done,)), Cost(), began)
 

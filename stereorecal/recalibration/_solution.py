@@ -10,7 +10,6 @@ from stereorecal._extras import extra
 from stereorecal._renamed import renamed_attributes
 from stereorecal.io import write_text
 from stereorecal.recalibration._as_dict import solution_as_dict
-from stereorecal.recalibration._repair_report import report_of
 from stereorecal.recalibration._repair_text import text_of
 from stereorecal.recalibration._result import AbstractResult
 from stereorecal.recordings import Pairs, as_pairs
@@ -82,6 +81,7 @@ class Solution(AbstractResult):
                 that must stay, or the place cannot be written to.
         """
         with extra("figures", "an HTML page"):
+            from stereorecal.recalibration._repair_report import report_of
             from stereorecal.report.repair_page import repair_page
         every, looked_at = as_pairs(pairs), self.frames.looked_at
         if looked_at is not None:
