@@ -23,3 +23,22 @@ def renamed(package: str, names: Mapping[str, str]) -> Callable[[str], NoReturn]
         raise ImportError(f"{package}.{name} is now {package}.{new}; use that name.", name=package)
 
     return answer
+
+
+def renamed_attributes(names: Mapping[str, str]) -> Callable[[object, str], NoReturn]:
+    """The `__getattr__` of a class.
+
+    Args:
+        names: old name to new name, which may lead through other attributes.
+
+    Raises:
+        AttributeError: for an old name, with the new one; and for a name that was never there.
+    """
+
+    def answer(self: object, name: str) -> NoReturn:
+        kind, new = type(self).__name__, names.get(name)
+        if new is None:
+            raise AttributeError(f"{kind!r} object has no attribute {name!r}")
+        raise AttributeError(f"{kind}.{name} is now {kind}.{new}; use that name.")
+
+    return answer

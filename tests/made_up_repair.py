@@ -58,7 +58,7 @@ def made_up(
         "misfit": misfit(after={0: 0.9, 1: 0.9, 8: 0.9}) if measured else None,
         "expected": np.abs(field[:13, :17]) if measured and healthy else None,
         "expected_said": "rows 0.07 px apart over the view; depth at 10 B -4 %" if measured and healthy else None,
-        "axes": [Axis("pitch", "°", 0.1, 0.9, 0.002, True), Axis("z", "mm", 1.0, 2.0, None, False)],
+        "axes": [Axis("pitch", "°", 0.1, 0.8, 0.002, True), Axis("z", "mm", 1.0, 1.0, None, False)],
         "lenses": [Lens("left", "focal length", "px", 2, 500.0, 501.25, 0.75, True)],
         "depths": [Depth(5, 1.8, -7.6, (-1.0, 1.2)), Depth(100, 35.6, float("inf"), None)] if healthy else [],
         "climbs": [Climb("best count at scale 0.25", np.array([0.0, 1.0]), np.array([10.0, 12.0]))],

@@ -2,7 +2,7 @@
 
 import argparse
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -35,8 +35,7 @@ from stereorecal.recalibration import (
     Repair,
     Schedule,
     Solution,
-    repaired_together,
-    repairs_as_finished,
+    recalibrate_many,
     saved_with,
     sharing,
     with_ranges,
@@ -89,15 +88,12 @@ def run(options: argparse.Namespace) -> int:
             "motion": motion_of(options),
             "tolerances": limits,
             "odometer": odometer,
+            "ranges": ranges,
+            "extrinsics": options.extrinsics,
+            "executor": pool,
         }
         with progress_bar(options.quiet) as progress:
-            how = {"extrinsics": options.extrinsics, "ranges": ranges, "executor": pool}
-            repairs, interrupted = _finished(
-                scenes,
-                repairs_as_finished(scenes, executor=pool, **arguments),
-                lambda repairs: repaired_together(scenes, repairs, free, **how),
-                progress,
-            )
+            repairs, interrupted = _finished(scenes, progress, arguments)
         # Before the workers are waited for: a second Ctrl-C must find everything saved.
         if any(repair.solution for repair in repairs):
             prior = options.prior or (SAVED if any(priors) else DEFAULT)
@@ -119,28 +115,20 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _finished(
-    scenes: Sequence[Scene],
-    repairs: Iterator[tuple[int, Repair]],
-    together: Callable[[Sequence[Repair]], tuple[Repair, ...]],
-    progress: Progress | None,
+    scenes: Sequence[Scene], progress: Progress | None, arguments: dict[str, Any]
 ) -> tuple[tuple[Repair, ...], bool]:
     """All repairs, in the order of the scenes, and whether Ctrl-C came first: those that it has left are faults, and
     what recordings share is not solved then."""
     left = Fault.INTERRUPTED
     finished = [Repair(scene.name, error=left.value, fault=left) for scene in scenes]
     try:
-        for done, (index, repair) in enumerate(repairs, 1):
-            finished[index] = repair
-            if progress is not None:
-                progress(done, len(scenes))
-        whole = all(repair.fault is not left for repair in finished)
-        found = together(finished) if whole else tuple(finished)
+        found = recalibrate_many(scenes, finished=finished.__setitem__, progress=progress, **arguments)
         hold()
     except KeyboardInterrupt:
         if all(repair.fault is not left for repair in finished):
             say("interrupted; what recordings share was not solved.")
         return tuple(finished), True
-    return found, not whole
+    return found, False
 
 
 def _schedule(options: argparse.Namespace) -> Schedule:

@@ -39,7 +39,7 @@ def entrants_of(strategies: Any, schedule: Any, scale: float) -> tuple[Entrant, 
     Raises:
         InputError: if a name is unknown, or something else stands where a name belongs.
     """
-    named = _named(strategies)
+    named = _by_name(strategies)
     return tuple(
         _entrant(name, plugin, kind, scale, kept=strategies is None)
         for kind in _schedules(schedule, given=strategies is not None)
@@ -47,7 +47,7 @@ def entrants_of(strategies: Any, schedule: Any, scale: float) -> tuple[Entrant, 
     )
 
 
-def _named(strategies: Any) -> Mapping[str, AbstractStrategy]:
+def _by_name(strategies: Any) -> Mapping[str, AbstractStrategy]:
     match strategies:
         case None:
             return load_strategies((_PAPERS,))

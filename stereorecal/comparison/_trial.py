@@ -11,7 +11,7 @@ from stereorecal.comparison._truth import errors_by_truth
 from stereorecal.geometry import StereoRig, View, axis_errors
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import Parameters, Reach, count_objective, reach_chart, rig_count_objective
-from stereorecal.recalibration import Case, Schedule, Solution, searched
+from stereorecal.recalibration import Case, Schedule, Solution, as_settings, recalibrate_case
 from stereorecal.recordings import Scene
 from stereorecal.scoring import pyramid
 from stereorecal.scoring.host import score
@@ -118,8 +118,10 @@ def failed(task: Task, error: BaseException) -> Trial:
 
 
 def _repair(task: Task) -> Solution:
+    options = {"matcher": task.matcher, "schedule": task.schedule, "reach": task.reach, "budget": task.budget}
+    settings = as_settings(options | {"seed": task.seed, "free": task.free})
     case = Case(pyramid(task.start, task.scene.pairs), task.matcher, task.reach, task.free)
-    return searched(case, task.schedule, task.budget, task.seed)
+    return recalibrate_case(case, settings)
 
 
 def _finished(task: Task, solution: Solution) -> Trial:
@@ -158,7 +160,7 @@ def _counts(task: Task, solution: Solution) -> tuple[int, int, int]:
     those that each of them left out."""
     pairs, how = task.scene.pairs, {"matcher": task.matcher, "view": solution.view}
     before, after = solution.score_before, solution.score_after
-    if len(solution.kept) < len(pairs):
+    if len(solution.frames.kept) < len(pairs):
         before, after = (score(rig, pairs, **how) for rig in (solution.initial, solution.candidate))
     final = after if solution.accepted else before
     return before.count, final.count, score(task.reference[0], pairs, **how).count

@@ -33,7 +33,6 @@ from stereorecal.estimation._motion import (
 )
 from stereorecal.estimation._motion_window import far_enough as far_enough, window as window
 from stereorecal.estimation._one_thread import one_blas_thread as one_blas_thread
-from stereorecal.estimation._parameters import rig_parameters as rig_parameters
 from stereorecal.estimation._posterior import Posterior as Posterior
 from stereorecal.estimation._priors import (
     DEFAULT as DEFAULT,
@@ -48,6 +47,7 @@ from stereorecal.estimation._priors import (
     with_boards as with_boards,
     with_deviations as with_deviations,
 )
+from stereorecal.estimation._rig_parameters import rig_parameters as rig_parameters
 from stereorecal.estimation._saved_prior import (
     Earlier as Earlier,
     SavedPrior as SavedPrior,

@@ -7,6 +7,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 from jaxtyping import Bool, Float
 
+from stereorecal._central_difference import central_difference
 from stereorecal.estimation._evidence import Normal
 from stereorecal.geometry import StereoRig, ray_slopes, rectifying_rotations
 from stereorecal.objectives import SIDES, RigChart
@@ -56,11 +57,13 @@ class Beams:
         rig = chart.rig_at(theta)
         rays = np.stack(self._rays(rig))
         found = np.zeros((len(self.metres), chart.dim))
-        for index, step in enumerate(_STEP * np.eye(chart.dim)):
+        for index, axis in enumerate(np.eye(chart.dim)):
             if "." not in chart.names[index]:
-                ends = [rig.with_extrinsics(chart.extrinsics(theta + sign * step)) for sign in (1.0, -1.0)]
-                more, less = (self._apart(end, *rays) for end in ends)
-                found[:, index] = (more - less) / (2.0 * _STEP)
+
+                def apart(h: float, axis: Float[np.ndarray, "n"] = axis) -> Float[np.ndarray, "b"]:
+                    return self._apart(rig.with_extrinsics(chart.extrinsics(theta + h * axis)), *rays)
+
+                found[:, index] = central_difference(apart, _STEP)
         for side, name in enumerate(SIDES):
             own = [index for index, parameter in enumerate(chart.names) if parameter.startswith(name)]
             if not own:
@@ -68,8 +71,8 @@ class Beams:
             slopes = ray_slopes(getattr(rig, name), rays[side], [chart.names[index].split(".")[1] for index in own])
             for index, slope in zip(own, slopes * chart.half_width[own, None, None], strict=True):
                 by = np.zeros_like(rays)
-                by[side][:, :2] = _STEP * slope
-                found[:, index] = (self._apart(rig, *(rays + by)) - self._apart(rig, *(rays - by))) / (2.0 * _STEP)
+                by[side][:, :2] = slope
+                found[:, index] = central_difference(lambda h, by=by: self._apart(rig, *(rays + h * by)), _STEP)
         return found / self.deviations(rig)[:, None]
 
     def deviations(self, rig: StereoRig) -> Float[np.ndarray, "b"]:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from stereorecal._central_difference import central_differences
 from stereorecal._cv2 import cv2
 from stereorecal.estimation._jacobian import pixels_of, slopes_of
 from stereorecal.geometry import StereoRig, rotation_from_vector
@@ -55,13 +56,7 @@ class Posed:
         """Derivatives by a turn of its board about its middle, and by a shift as a share of the distance."""
         corners, arms = self._corners, self._arms
         far = np.linalg.norm(self.shifts, axis=1)[self.board][:, None]
-        by_point = np.stack(
-            [
-                pixels_of(rig, corners + _POINT_STEP * far * axis) - pixels_of(rig, corners - _POINT_STEP * far * axis)
-                for axis in np.eye(3)
-            ],
-            axis=-1,
-        ) / (2.0 * _POINT_STEP)
+        by_point = central_differences(lambda shift: pixels_of(rig, corners + far * shift), np.zeros(3), _POINT_STEP)
         turns = np.stack([np.cross(axis, arms) for axis in np.eye(3)], axis=-1) / far[..., None]
         return np.concatenate([by_point @ turns, by_point], axis=-1)
 

@@ -16,11 +16,12 @@ from jaxtyping import Float
 from stereorecal.estimation._calibration_prior import CalibrationPrior
 from stereorecal.estimation._drift import drift_sizes
 from stereorecal.estimation._evidence import Normal
-from stereorecal.estimation._explanations import Explanation, LinearRows, best_of, explained_by, linear_rows
+from stereorecal.estimation._explanations import Explanation, best_of, explained_by
 from stereorecal.estimation._groups import PLACES
+from stereorecal.estimation._linear_groups import LinearGroups, linear_groups
 from stereorecal.estimation._misfit import DEVIATIONS
 from stereorecal.estimation._outlines import Offsets, outlines
-from stereorecal.estimation._parameters import DRIFTING
+from stereorecal.estimation._rig_parameters import DRIFTING
 from stereorecal.objectives import RigChart
 
 # Probabilities before any image is seen: of a hundred pairs some have something large that moves, and some are of one
@@ -56,22 +57,22 @@ class Rival:
     sizes: Float[np.ndarray, "q"]
     log_prior: float
 
-    def columns(self, rows: LinearRows) -> Float[np.ndarray, "g q"]:
+    def columns(self, rows: LinearGroups) -> Float[np.ndarray, "g q"]:
         """What each of its parameters does to rows."""
         return rows.jacobian @ self.of_rig + self.of_places[rows.groups.place]
 
 
 @dataclass(frozen=True, eq=False)
-class Beside:
+class RivalFit:
     """θ beside a rival: explanations for `mixture`, of which the rival's probability is a part."""
 
     rival: Rival
     several: list[Explanation]
 
 
-def beside_rivals(
-    rows: LinearRows, chart: RigChart, prior: CalibrationPrior, alone: Sequence[Explanation]
-) -> list[Beside]:
+def fits_with_rivals(
+    rows: LinearGroups, chart: RigChart, prior: CalibrationPrior, alone: Sequence[Explanation]
+) -> list[RivalFit]:
     """θ beside each rival that may have a say.
 
     Args:
@@ -109,12 +110,12 @@ def _with_a_say(
     return [(one, rival) for one, rival in tried if _log_evidence(one) > least]
 
 
-def _solved(rows: LinearRows, chart: RigChart, prior: CalibrationPrior, rival: Rival, near: Explanation) -> Beside:
+def _solved(rows: LinearGroups, chart: RigChart, prior: CalibrationPrior, rival: Rival, near: Explanation) -> RivalFit:
     """All explanations beside a rival, linear near its own θ: the rig alone may be far away, and groups that err alone
     are others."""
     kind = int(near.found.log_evidence.argmax())
     theta, values = near.found.means[kind], near.found.nuisance[kind]
-    rows = linear_rows(rows.groups, chart, theta, prior, rows.measured)
+    rows = linear_groups(rows.groups, chart, theta, prior, rows.measured)
     moved = replace(rows, at_zero=rows.at_zero + rival.columns(rows) @ values)
     rows = replace(rows, deviation=moved.robust(sum(near.misfit), theta))
     at, common = DEVIATIONS.index(near.misfit[0]), near.misfit[1]
@@ -127,10 +128,10 @@ def _solved(rows: LinearRows, chart: RigChart, prior: CalibrationPrior, rival: R
     least = _log_evidence(best_of(found)[0]) - _FAR
     some = [one.prior for one in found if _log_evidence(one) > least]
     beside = {max(at - 1, 0), min(at + 1, len(DEVIATIONS) - 1)} - {at}
-    return Beside(rival, found + under([DEVIATIONS[index] for index in sorted(beside)], some))
+    return RivalFit(rival, found + under([DEVIATIONS[index] for index in sorted(beside)], some))
 
 
-def _likelihoods(rows: LinearRows, rivals: Sequence[Rival], misfit: float) -> list[Normal]:
+def _likelihoods(rows: LinearGroups, rivals: Sequence[Rival], misfit: float) -> list[Normal]:
     """Of θ and of the parameters of each rival."""
     columns = [rival.columns(rows) for rival in rivals]
     whole = replace(rows, jacobian=np.column_stack([rows.jacobian, *columns])).normal(misfit)
@@ -171,7 +172,7 @@ def _late(n: int) -> Rival:
     return Rival("late", np.eye(n, _DRIFTING), np.zeros((_N, _DRIFTING)), sizes, float(np.log(_LATE)))
 
 
-def _regions(rows: LinearRows, prior: CalibrationPrior, which: int, kind: int) -> list[Rival]:
+def _regions(rows: LinearGroups, prior: CalibrationPrior, which: int, kind: int) -> list[Rival]:
     """Parts of the frame that moved as a whole, searched under the drift that the rig alone has, and without any."""
     n, places = rows.jacobian.shape[1], np.eye(_N)[rows.groups.place]
     of_places = replace(rows, jacobian=np.column_stack([rows.jacobian, places])).normal(_SEARCHED_AT)

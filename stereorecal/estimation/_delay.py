@@ -14,7 +14,8 @@ from jaxtyping import Float, Int
 
 from stereorecal.estimation._calibration_prior import CalibrationPrior
 from stereorecal.estimation._evidence import Normal
-from stereorecal.estimation._explanations import Explanation, LinearRows, best_of, explanations
+from stereorecal.estimation._explanations import Explanation, best_of, explanations
+from stereorecal.estimation._linear_groups import LinearGroups
 from stereorecal.estimation._misfit import DEVIATIONS
 from stereorecal.estimation._motion import Windows, root_and_mean, together
 from stereorecal.estimation._motion_residuals import Motion
@@ -53,7 +54,7 @@ class Late:
     """
 
     several: list[Explanation]
-    rows: LinearRows
+    rows: LinearGroups
 
     def delay(self, alone: Sequence[Explanation]) -> Delay:
         """What they say of it, beside explanations without."""
@@ -65,7 +66,7 @@ class Late:
 
 
 def beside_delay(
-    rows: LinearRows, chart: RigChart, prior: CalibrationPrior, alone: Sequence[Explanation]
+    rows: LinearGroups, chart: RigChart, prior: CalibrationPrior, alone: Sequence[Explanation]
 ) -> Late | None:
     """θ beside a delay; None where that has no say.
 
@@ -95,7 +96,7 @@ def beside_delay(
                 for one, seconds in zip(near, windows.seconds, strict=True)
             ]
         )
-        told = _told(rows, chart, theta, near, ways, prior, size)
+        told = _delay_evidence(rows, chart, theta, near, ways, prior, size)
         late = replace(_rows(rows, chart, theta, delay, _of_frames(windows, near, ways, rows.groups.frame)), told=told)
         if round_:
             late = replace(late, deviation=late.robust(sum(end.misfit), np.append(theta, delay)))
@@ -114,8 +115,8 @@ def beside_delay(
 
 
 def _rows(
-    rows: LinearRows, chart: RigChart, theta: Float[np.ndarray, "n"], delay: float, ways: Float[np.ndarray, "g n"]
-) -> LinearRows:
+    rows: LinearGroups, chart: RigChart, theta: Float[np.ndarray, "n"], delay: float, ways: Float[np.ndarray, "g n"]
+) -> LinearGroups:
     """Linear near a θ and a delay, with a column for that."""
     jacobian, at_zero = np.empty_like(rows.jacobian), np.empty_like(rows.at_zero)
     for groups in rows.frames:
@@ -127,8 +128,8 @@ def _rows(
     return replace(rows, jacobian=np.column_stack([jacobian, column]), at_zero=at_zero)
 
 
-def _told(
-    rows: LinearRows,
+def _delay_evidence(
+    rows: LinearGroups,
     chart: RigChart,
     theta: Float[np.ndarray, "n"],
     near: Sequence[Window],

@@ -28,9 +28,9 @@ from stereorecal.estimation._measured import Measured
 from stereorecal.estimation._motion import NO_WINDOWS, Windows
 from stereorecal.estimation._motion_window import Window
 from stereorecal.estimation._one_thread import one_blas_thread
-from stereorecal.estimation._parameters import DRIFTING, rig_parameters
 from stereorecal.estimation._posterior import Posterior
 from stereorecal.estimation._priors import Prior, as_prior
+from stereorecal.estimation._rig_parameters import DRIFTING, rig_parameters
 from stereorecal.geometry import StereoRig, View
 from stereorecal.objectives import RigChart
 from stereorecal.scoring import Correspondences

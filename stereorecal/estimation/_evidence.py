@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.estimation._parameters import DRIFTING
+from stereorecal.estimation._rig_parameters import DRIFTING
 
 _DRIFTING = len(DRIFTING)
 

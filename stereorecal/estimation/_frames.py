@@ -6,9 +6,9 @@ from statistics import NormalDist
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.estimation._explanations import LinearRows
+from stereorecal.estimation._linear_groups import LinearGroups
 from stereorecal.estimation._misfit import covariance_of_rows
-from stereorecal.estimation._parameters import DRIFTING
+from stereorecal.estimation._rig_parameters import DRIFTING
 
 _CHANCE = 1e-3  # that a frame of the same rig is taken for one of another
 _OWN = np.array([0.5, 0.5, 0.5, 0.5, 0.5])  # degrees and percent: how far the rig may have moved between frames
@@ -28,7 +28,7 @@ class OtherRig:
     rows_px: float
 
 
-def other_rigs(rows: LinearRows, misfit: float, theta: Float[np.ndarray, "n"]) -> tuple[OtherRig, ...]:
+def other_rigs(rows: LinearGroups, misfit: float, theta: Float[np.ndarray, "n"]) -> tuple[OtherRig, ...]:
     """The frames that would be far more probable with extrinsics of their own, by rows that matter; the farthest first.
 
     Args:

@@ -5,8 +5,8 @@ from jaxtyping import Float
 
 from stereorecal.estimation._calibration_prior import CalibrationPrior, calibration_prior
 from stereorecal.estimation._evidence import Normal
-from stereorecal.estimation._parameters import DRIFTING
 from stereorecal.estimation._posterior import Posterior, root
+from stereorecal.estimation._rig_parameters import DRIFTING
 from stereorecal.objectives import RigChart
 
 _YAW_UNKNOWN = 1.0  # degrees: what a repair that takes the intrinsics as exact may leave, which is all of depth

@@ -7,19 +7,13 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal.estimation._calibration_prior import CalibrationPrior
-from stereorecal.estimation._confounders import beside_rivals
+from stereorecal.estimation._confounders import fits_with_rivals
 from stereorecal.estimation._delay import Delay, beside_delay
 from stereorecal.estimation._evidence import Normal
-from stereorecal.estimation._explanations import (
-    Explanation,
-    LinearRows,
-    best_of,
-    explained_by,
-    explanations,
-    linear_rows,
-)
+from stereorecal.estimation._explanations import Explanation, best_of, explained_by, explanations
 from stereorecal.estimation._groups import grouped
 from stereorecal.estimation._lens_field import within_field
+from stereorecal.estimation._linear_groups import LinearGroups, linear_groups
 from stereorecal.estimation._measured import NOTHING_ELSE, Measured
 from stereorecal.estimation._misfit import COMMON, DEVIATIONS
 from stereorecal.estimation._posterior import Posterior, merged
@@ -49,7 +43,7 @@ class Fit:
     """
 
     posterior: Posterior
-    rows: LinearRows | None
+    rows: LinearGroups | None
     misfit: tuple[float, float]
     prior: int
     prior_variance: Float[np.ndarray, "n"]
@@ -76,7 +70,7 @@ def fit(
     groups = grouped(found, chart, theta)
     if len(groups) < _FEWEST:
         return _nothing_seen(chart, prior, measured.told(chart, theta, prior))
-    rows = linear_rows(groups, chart, theta, prior, measured)
+    rows = linear_groups(groups, chart, theta, prior, measured)
     step = np.zeros(chart.dim)
     for number in range(_ROUNDS):
         best, kind = best_of(_searched(rows, prior, misfit, which))
@@ -90,12 +84,12 @@ def fit(
         theta = theta + within_field(found, chart, theta, move)
         if number < _REGROUPED:
             groups = grouped(found, chart, theta)
-        rows = linear_rows(groups, chart, theta, prior, measured, None if number < _REGROUPED else rows.told)
+        rows = linear_groups(groups, chart, theta, prior, measured, None if number < _REGROUPED else rows.told)
         rows = replace(rows, deviation=rows.robust(sum(misfit), theta))
     near = _near(misfit, len(rows.frames) > 1)
     several = explanations(rows, prior, range(len(prior.roots)), near)
     if len(rows.frames) == 1:  # what moves differs between frames, and they outvote it
-        several += [one for beside in beside_rivals(rows, chart, prior, several) for one in beside.several]
+        several += [one for beside in fits_with_rivals(rows, chart, prior, several) for one in beside.several]
     delay = None
     if (late := beside_delay(rows, chart, prior, several)) is not None:
         delay, several = late.delay(several), several + late.several
@@ -115,7 +109,9 @@ def _nothing_seen(chart: RigChart, prior: CalibrationPrior, told: Sequence[tuple
     return Fit(mixture(several), None, (0.0, 0.0), 0, variances, best_of(several)[0])
 
 
-def _searched(rows: LinearRows, prior: CalibrationPrior, misfit: tuple[float, float], which: int) -> list[Explanation]:
+def _searched(
+    rows: LinearGroups, prior: CalibrationPrior, misfit: tuple[float, float], which: int
+) -> list[Explanation]:
     """The best misfit for a prior, then the best prior for that misfit."""
     found = explanations(rows, prior, [which], [(d, misfit[1]) for d in DEVIATIONS])
     if len(rows.frames) > 1:

@@ -17,7 +17,7 @@ from stereorecal.estimation._calibration_prior import CalibrationPrior
 from stereorecal.estimation._drift import drift_sizes
 from stereorecal.estimation._evidence import Normal, without
 from stereorecal.estimation._motion_window import Window, far_enough, window
-from stereorecal.estimation._parameters import DRIFTING
+from stereorecal.estimation._rig_parameters import DRIFTING
 from stereorecal.objectives import RigChart
 from stereorecal.scoring import Tracks
 

@@ -23,7 +23,7 @@ from stereorecal.estimation._motion_residuals import (
     with_rays,
 )
 from stereorecal.estimation._motion_start import consensus
-from stereorecal.estimation._parameters import DRIFTING
+from stereorecal.estimation._rig_parameters import DRIFTING
 from stereorecal.geometry import StereoRig, rotation_from_vector
 from stereorecal.objectives import RigChart
 from stereorecal.scoring import Tracks

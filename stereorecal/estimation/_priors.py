@@ -19,8 +19,8 @@ from stereorecal.estimation._calibration_prior import (
     with_scaled_boards,
 )
 from stereorecal.estimation._knowledge import as_prior_of, moved, prior_without_depth
-from stereorecal.estimation._parameters import rig_parameters
 from stereorecal.estimation._posterior import Posterior, root
+from stereorecal.estimation._rig_parameters import rig_parameters
 from stereorecal.estimation._saved_prior import Earlier, SavedPrior
 from stereorecal.objectives import BASELINE, RigChart
 from stereorecal.recordings import Board

@@ -22,7 +22,7 @@ from stereorecal.estimation._evidence import Normal, without
 from stereorecal.estimation._explanations import Explanation
 from stereorecal.estimation._knowledge import updated
 from stereorecal.estimation._motion import NO_WINDOWS, Windows
-from stereorecal.estimation._parameters import DRIFTING, rig_parameters
+from stereorecal.estimation._rig_parameters import DRIFTING, rig_parameters
 from stereorecal.geometry import StereoRig, View
 from stereorecal.scoring import Correspondences
 

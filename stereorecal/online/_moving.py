@@ -9,7 +9,7 @@ from jaxtyping import Float
 from stereorecal.estimation import Normal, is_exact, one_blas_thread, rig_parameters, window
 from stereorecal.geometry import vector_from_rotation
 from stereorecal.online._estimate import OF_LENSES, SIZE, Measurement
-from stereorecal.online._pair_estimate import Glance
+from stereorecal.online._pair_estimate import PairEstimate
 from stereorecal.online._state import State
 from stereorecal.online._switching import Outcome, weighed
 from stereorecal.online._watching import standing
@@ -30,7 +30,7 @@ _COME, _STAY, _OWN_YAW = 0.05, 0.9, 1.0
 _FITS = 1e-3  # chance: two windows that fit less are not of the same yaw
 
 
-def anchored(state: State, pair: Pair, look: Glance) -> State:
+def anchored(state: State, pair: Pair, look: PairEstimate) -> State:
     """With the corners of a pair, where none are followed."""
     if not state.config.motion or state.corners is not None:
         return state
@@ -63,7 +63,7 @@ def _shown_again(state: State, before: Corners, pair: Pair) -> Outcome:
     if seen.motion is None:
         return state, []
     turned = np.degrees(vector_from_rotation(seen.motion.rotation)) / pairs
-    return _told(state, _measurement(state, seen.normal, turned))
+    return _after_window(state, _measurement(state, seen.normal, turned))
 
 
 def _soon(first: float | None, second: float | None, pairs: int) -> bool:
@@ -92,7 +92,7 @@ def _measurement(state: State, normal: Normal, turned: Float[np.ndarray, "3"]) -
     return Measurement(state.found_at, offset, a / _WORSE**2, turn, keystone=False, doubt=doubt)
 
 
-def _told(state: State, measured: Measurement) -> Outcome:
+def _after_window(state: State, measured: Measurement) -> Outcome:
     """The state after a window, which counts as much as it is likely to be of the rig's own motion. One that is not
     waits for the next: most that moves may not be the rig, or the rig has turned and rows did not show it."""
     from scipy.special import expit  # a third of a second to import

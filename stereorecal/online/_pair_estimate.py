@@ -26,7 +26,7 @@ _NEAR = 1.5  # cells of dense correspondences
 
 
 @dataclass(frozen=True, eq=False)
-class Glance:
+class PairEstimate:
     """What a look shows.
 
     Attributes:
@@ -66,7 +66,7 @@ class Glance:
         return float(np.mean(facts.medians(facts.start_residual + facts.jacobian @ way)))
 
 
-def glance(rig: StereoRig, pair: Pair, view: View, matcher: AbstractMatcher) -> Glance:
+def estimate_pair(rig: StereoRig, pair: Pair, view: View, matcher: AbstractMatcher) -> PairEstimate:
     """Match a pair, and solve once for the offset.
 
     Args:
@@ -76,15 +76,15 @@ def glance(rig: StereoRig, pair: Pair, view: View, matcher: AbstractMatcher) -> 
     chart = row_chart(rig, Reach())
     found = host.correspondences(data, with_unit_baseline(rig.extrinsics), matcher)
     if found.found < FEWEST or found.covered < LEAST_COVERED:
-        return Glance(chart, found.covered)
+        return PairEstimate(chart, found.covered)
     start = linearised(found, chart, np.zeros(chart.dim))
     facts = evidence_of(found, _solved(found, start, chart.prior), start.differences, chart.prior)
     if facts.places < FEWEST_PLACES or (
         np.mean(facts.medians(facts.residual)) * facts.scale > FALSE
         and found.covered < LIKELY * image_quality(pair).texture
     ):
-        return Glance(chart, found.covered)
-    return Glance(chart, found.covered, facts, found)
+        return PairEstimate(chart, found.covered)
+    return PairEstimate(chart, found.covered, facts, found)
 
 
 def _solved(found: Correspondences, start: LinearRows, prior: float) -> LinearRows:

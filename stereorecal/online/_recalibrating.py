@@ -8,7 +8,7 @@ from stereorecal._errors import InputError
 from stereorecal.online._estimate import SIZE
 from stereorecal.online._events import Event, Kind
 from stereorecal.online._state import State
-from stereorecal.online._switching import AFTER_REPAIR, named, switched
+from stereorecal.online._switching import AFTER_REPAIR, calibration_data, switched
 from stereorecal.recalibration import recalibrate as recalibrated
 from stereorecal.recordings import Images, Pair
 
@@ -38,7 +38,7 @@ def recalibrate(state: State, pairs: Sequence[Pair | Images]) -> tuple[State, tu
         "row_error_before_px": None if rows is None else float(rows.before),
         "row_error_after_px": None if rows is None else float(rows.after),
     }
-    facts = {"old": named(state, state.using), "new": named(state, offset), "proof": proof}
+    facts = {"old": calibration_data(state, state.using), "new": calibration_data(state, offset), "proof": proof}
     estimate = state.estimate.moved(offset, solution.covariance + np.eye(SIZE) * AFTER_REPAIR**2)
     state = switched(state.standing_at(estimate).but(suspect=None, odd=0, said=None), offset)
     return state, (Event(state.frame, Kind.RECALIBRATED, "", facts),)

@@ -49,7 +49,7 @@ def save(state: State, path: str | Path) -> None:
         InputError: if the place cannot be written to, or the state holds a matcher that is not installed.
     """
     arrays: dict[str, np.ndarray] = {}
-    content = {"schema": SCHEMA, "state": _told(state.alone(), arrays)}
+    content = {"schema": SCHEMA, "state": _encoded(state.alone(), arrays)}
     arrays["content"] = np.frombuffer(json.dumps(content).encode(), np.uint8)
     buffer = io.BytesIO()
     np.savez(buffer, **arrays)  # pyright: ignore[reportArgumentType]
@@ -113,7 +113,7 @@ def _loaded(path: str | Path) -> State:
     raise InputError(f"{path}: the state is of version {content['schema']!r}, not {SCHEMA!r}; {_ANEW}.")
 
 
-def _told(value: Any, arrays: dict[str, np.ndarray]) -> Any:
+def _encoded(value: Any, arrays: dict[str, np.ndarray]) -> Any:
     """The value as JSON; arrays go into `arrays`, and leave their names."""
     if value is None or isinstance(value, bool | int | str):
         return value
@@ -124,7 +124,7 @@ def _told(value: Any, arrays: dict[str, np.ndarray]) -> Any:
         arrays[name] = np.asarray(value)
         return {"array": name}
     if isinstance(value, tuple):
-        return [_told(item, arrays) for item in value]
+        return [_encoded(item, arrays) for item in value]
     kind = type(value).__name__
     if isinstance(value, Enum) and _KNOWN.get(kind) is type(value):
         return {"of": kind, "name": value.name}
@@ -138,7 +138,7 @@ def _told(value: Any, arrays: dict[str, np.ndarray]) -> Any:
 def _parts(value: Any, arrays: dict[str, np.ndarray]) -> dict[str, Any]:
     # Where pixels and calibrations came from is not kept: the files may be gone by then.
     kept = [part.name for part in fields(value) if part.init and part.name not in ("origin", "source")]
-    return {name: _told(getattr(value, name), arrays) for name in kept}
+    return {name: _encoded(getattr(value, name), arrays) for name in kept}
 
 
 def _made(told: Any, arrays: Mapping[str, np.ndarray]) -> Any:

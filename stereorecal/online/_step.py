@@ -14,7 +14,7 @@ from stereorecal.online._events import Event, Kind
 from stereorecal.online._keystone import left_of_yaw
 from stereorecal.online._moving import anchored, moved
 from stereorecal.online._pace import Pace
-from stereorecal.online._pair_estimate import Glance, glance
+from stereorecal.online._pair_estimate import PairEstimate, estimate_pair
 from stereorecal.online._repairing import begun, continued, too_far
 from stereorecal.online._state import Offset, State, nearing
 from stereorecal.online._switching import Outcome, judged, matched, nominated, switched
@@ -121,7 +121,7 @@ def _looked(state: State, pair: Pair, before: Small | None, now: Small) -> Outco
             return _too_little(state)
         matcher = with_measured_range(config.matcher, pyramid(state.rig, [pair], state.view))
         state = state.but(matcher=matcher)
-    look = glance(state.rig, pair, state.view, matcher)
+    look = estimate_pair(state.rig, pair, state.view, matcher)
     if look.facts is None:
         return _blind(state, pair, look)
     turned = None if before is None else turn(state.initial.left, before, now)
@@ -149,7 +149,7 @@ def _looked(state: State, pair: Pair, before: Small | None, now: Small) -> Outco
     return state, [*events, *more, *put_up]
 
 
-def _blind(state: State, pair: Pair, look: Glance) -> Outcome:
+def _blind(state: State, pair: Pair, look: PairEstimate) -> Outcome:
     """A pair of which hardly anything matches: too little to see, or a rig that is far off."""
     if not image_quality(pair).enough:
         return _too_little(state)
@@ -159,7 +159,7 @@ def _blind(state: State, pair: Pair, look: Glance) -> Outcome:
     if state.trial is not None:
         offset, matcher = state.trial.offset, state.matcher
         assert matcher is not None
-        return matched(state, look.covered, lambda: glance(state.rig_at(offset), pair, state.view, matcher))
+        return matched(state, look.covered, lambda: estimate_pair(state.rig_at(offset), pair, state.view, matcher))
     if state.darkness < state.attempt:
         return state, []
     return begun(state.but(attempt=_PATIENCE * state.darkness), state.strange)

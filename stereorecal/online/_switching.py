@@ -7,7 +7,7 @@ from jaxtyping import Float
 
 from stereorecal.online._estimate import SIZE, Measurement
 from stereorecal.online._events import Event, Kind
-from stereorecal.online._pair_estimate import Glance
+from stereorecal.online._pair_estimate import PairEstimate
 from stereorecal.online._reading import reading
 from stereorecal.online._state import Offset, State
 from stereorecal.online._trial import Trial
@@ -18,7 +18,7 @@ _WORTH = 1e-2  # chance of an offset, below which the estimate becomes a candida
 AFTER_REPAIR = 0.1  # degrees and percent: how well a repair of few frames is trusted, beyond its own covariance
 
 
-def judged(state: State, measured: Measurement, look: Glance) -> Outcome:
+def judged(state: State, measured: Measurement, look: PairEstimate) -> Outcome:
     """The trial after a look through the calibration in use; one that does not fit what is known takes no part."""
     trial = state.trial
     if trial is None or measured.frame <= trial.since or state.suspect is not None:
@@ -38,7 +38,7 @@ def weighed(state: State, measured: Measurement) -> State:
     return state.but(trial=trial.moved(state.using, measured))
 
 
-def matched(state: State, before: float, look: Callable[[], Glance]) -> Outcome:
+def matched(state: State, before: float, look: Callable[[], PairEstimate]) -> Outcome:
     """The trial after a look through the calibration in use that showed hardly anything: `before` of the image."""
     trial = state.trial
     if trial is None or state.frame <= trial.since:
@@ -52,11 +52,15 @@ def decided(state: State) -> Outcome:
     trial = state.trial
     assert trial is not None
     if trial.won(state.config.switch):
-        facts = {"old": named(state, state.using), "new": named(state, trial.offset), "proof": trial.as_dict()}
+        facts = {
+            "old": calibration_data(state, state.using),
+            "new": calibration_data(state, trial.offset),
+            "proof": trial.as_dict(),
+        }
         state = switched(state, trial.offset)
         return state, [Event(state.frame, Kind.REPAIRED, "", facts)]
     if trial.lost:
-        facts = {"candidate": named(state, trial.offset), "proof": trial.as_dict()}
+        facts = {"candidate": calibration_data(state, trial.offset), "proof": trial.as_dict()}
         state = state.but(trial=None, ready=state.frame + state.config.rest)
         return state, [Event(state.frame, Kind.REJECTED, f"fitted by {trial.by}", facts)]
     return state, []
@@ -100,7 +104,7 @@ def after_repair(state: State, offset: Offset, covariance: Float[np.ndarray, "5 
     return state.standing_at(estimate).but(trial=trial, suspect=None)
 
 
-def named(state: State, offset: Offset) -> dict[str, list[float]]:
+def calibration_data(state: State, offset: Offset) -> dict[str, list[float]]:
     """A calibration, as plain data."""
     return {
         "offset": [float(value) for value in offset],

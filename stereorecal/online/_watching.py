@@ -6,7 +6,7 @@ from jaxtyping import Float
 from stereorecal.objectives import RigChart
 from stereorecal.online._estimate import SIZE, Estimate, Measurement
 from stereorecal.online._events import Event, Kind
-from stereorecal.online._pair_estimate import Glance
+from stereorecal.online._pair_estimate import PairEstimate
 from stereorecal.online._reading import Reading, reading
 from stereorecal.online._state import State
 from stereorecal.recalibration import Condition
@@ -15,7 +15,7 @@ _AGREE = 1e-3  # chance, of two looks after a knock
 _ODD = 4  # looks that fit nothing, until it is said
 
 
-def measurement(state: State, look: Glance, turned: Float[np.ndarray, "3"] | None) -> Measurement:
+def measurement(state: State, look: PairEstimate, turned: Float[np.ndarray, "3"] | None) -> Measurement:
     """What a look measures of the offset.
 
     Args:
@@ -61,7 +61,7 @@ def followed(state: State, measured: Measurement) -> tuple[State, list[Event]]:
     if not found.matters or found.shifted:
         return standing(state)
     facts = {"change": dict(zip(state.chart.names, moved.tolist(), strict=True))}
-    return state.but(said=Kind.KNOCK), [Event(state.frame, Kind.KNOCK, _named(facts["change"]), facts)]
+    return state.but(said=Kind.KNOCK), [Event(state.frame, Kind.KNOCK, _change_text(facts["change"]), facts)]
 
 
 def _explained(state: State, first: Measurement, second: Measurement) -> tuple[Estimate, bool] | None:
@@ -105,7 +105,7 @@ def _kind(found: Reading) -> Kind | None:
     return standing.get(found.condition)
 
 
-def _named(change: dict[str, float]) -> str:
+def _change_text(change: dict[str, float]) -> str:
     """The axes that moved, the farthest first."""
     turned = sorted(("pitch", "yaw", "roll"), key=lambda name: -abs(change[name]))
     return ", ".join(f"{name} {change[name]:+.2f} deg" for name in turned[:2])

@@ -41,7 +41,7 @@ _AT_ONCE = 'it imports the program that starts it, which must do so under `if __
 _LATER = "look at what it printed, and start another."
 
 
-class Beside:
+class MonitorProcess:
     """A rig that is watched and repaired by another process. The newest pair waits, at most one: those that come while
     it is busy take each other's place, and `dropped` counts them.
 
@@ -180,7 +180,7 @@ class Beside:
         if not self._closed and not self.alive:
             raise RuntimeError(_DEAD.format(self._process.exitcode) + (_LATER if self._answered else _AT_ONCE))
 
-    def __enter__(self) -> "Beside":
+    def __enter__(self) -> "MonitorProcess":
         return self
 
     def __exit__(self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None):

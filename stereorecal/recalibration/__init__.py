@@ -1,5 +1,6 @@
 """Recalibration: schedules, the repair itself, uncertainty, the verdict."""
 
+from stereorecal._renamed import renamed
 from stereorecal.recalibration._acceptance import (
     FEWEST_PLACES as FEWEST_PLACES,
     LEAST_COVERED as LEAST_COVERED,
@@ -8,12 +9,15 @@ from stereorecal.recalibration._acceptance import (
     Reason as Reason,
     RowErrors as RowErrors,
 )
-from stereorecal.recalibration._consequences import Interval as Interval, depth_slopes as depth_slopes
 from stereorecal.recalibration._cost import Cost as Cost
 from stereorecal.recalibration._difference import Difference as Difference, difference as difference
-from stereorecal.recalibration._effects import DISTANCES as DISTANCES, depth_error as depth_error
-from stereorecal.recalibration._evidence import Evidence as Evidence, evidence_of as evidence_of
+from stereorecal.recalibration._effects import (
+    DISTANCES as DISTANCES,
+    depth_error as depth_error,
+    depth_slopes as depth_slopes,
+)
 from stereorecal.recalibration._frame_choice import MOST_FRAMES as MOST_FRAMES, chosen_frames as chosen_frames
+from stereorecal.recalibration._freed_intrinsics import Intrinsics as Intrinsics, IntrinsicsOutcome as IntrinsicsOutcome
 from stereorecal.recalibration._health import (
     FALSE as FALSE,
     HEALTH_LIMITS as HEALTH_LIMITS,
@@ -21,13 +25,11 @@ from stereorecal.recalibration._health import (
     Health as Health,
     health as health,
 )
-from stereorecal.recalibration._intrinsics import Intrinsics as Intrinsics, IntrinsicsOutcome as IntrinsicsOutcome
+from stereorecal.recalibration._interval import Interval as Interval
 from stereorecal.recalibration._many import (
     Fault as Fault,
     Repair as Repair,
     recalibrate_many as recalibrate_many,
-    repaired_together as repaired_together,
-    repairs_as_finished as repairs_as_finished,
     sharing as sharing,
 )
 from stereorecal.recalibration._path import Waypoint as Waypoint
@@ -37,8 +39,17 @@ from stereorecal.recalibration._prior_use import (
     saved_with as saved_with,
 )
 from stereorecal.recalibration._ranges import RangesSeen as RangesSeen, with_ranges as with_ranges
-from stereorecal.recalibration._recalibrate import recalibrate as recalibrate, searched as searched
+from stereorecal.recalibration._recalibrate import (
+    recalibrate as recalibrate,
+    recalibrate_case as recalibrate_case,
+)
 from stereorecal.recalibration._rescale import Rescaled as Rescaled, rescale_baseline as rescale_baseline
+from stereorecal.recalibration._result import (
+    Findings as Findings,
+    FramesUsed as FramesUsed,
+    SearchRun as SearchRun,
+)
+from stereorecal.recalibration._row_evidence import Evidence as Evidence, evidence_of as evidence_of
 from stereorecal.recalibration._schedule import (
     SCHEDULES as SCHEDULES,
     Schedule as Schedule,
@@ -47,10 +58,25 @@ from stereorecal.recalibration._schedule import (
     as_schedule as as_schedule,
     watching_scale as watching_scale,
 )
-from stereorecal.recalibration._sequence import recalibrate_sequence as recalibrate_sequence
+from stereorecal.recalibration._settings import (
+    HealthOptions as HealthOptions,
+    RepairOptions as RepairOptions,
+    Settings as Settings,
+    as_settings as as_settings,
+)
 from stereorecal.recalibration._slices import Progress as Progress, next_slice as next_slice
 from stereorecal.recalibration._solution import Solution as Solution
 from stereorecal.recalibration._stages import FEWEST as FEWEST, Case as Case
 from stereorecal.recalibration._uncertainty import NORMAL_95 as NORMAL_95, Uncertainty as Uncertainty
 from stereorecal.recalibration._unmatched import LIKELY as LIKELY
 from stereorecal.recalibration._warm_up import warm_up as warm_up
+
+__getattr__ = renamed(
+    __name__,
+    {
+        "recalibrate_sequence": 'recalibrate_many, with start="previous"',
+        "repaired_together": "recalibrate_many",
+        "repairs_as_finished": "recalibrate_many, with finished=",
+        "searched": "recalibrate_case",
+    },
+)

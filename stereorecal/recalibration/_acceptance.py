@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
-from stereorecal.recalibration._evidence import Evidence
+from stereorecal.recalibration._row_evidence import Evidence
 
 _MOST_LOST = 0.15  # of what the candidate matches; repairs that end well lose 0 to 0.11
 FEWEST_PLACES = 6  # of tiles: a covariance of five parameters from fewer says nothing

@@ -10,14 +10,14 @@ from stereorecal._json_data import json_data
 from stereorecal.estimation import Estimate
 from stereorecal.geometry import AXES, StereoRig
 from stereorecal.objectives import BASELINE
-from stereorecal.recalibration._solution import Solution
+from stereorecal.recalibration._result import AbstractResult
 from stereorecal.recalibration._stages import StageRun
 from stereorecal.recalibration._windows import as_dict as motion_as_dict
 from stereorecal.scoring.host import Score
 from stereorecal.strategies import name_of
 
 
-def solution_as_dict(solution: Solution, *, expected: bool = True) -> dict[str, Any]:
+def solution_as_dict(solution: AbstractResult, *, expected: bool = True) -> dict[str, Any]:
     """Lists, text and finite numbers; None where a number is missing or infinite.
 
     Args:

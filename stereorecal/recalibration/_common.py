@@ -13,7 +13,7 @@ from stereorecal.estimation import (
     CalibrationPrior,
     Earlier,
     Estimate,
-    Recording as Shown,
+    Recording,
     SavedPrior,
     as_prior,
     estimate_together,
@@ -24,10 +24,10 @@ from stereorecal.geometry import StereoRig
 from stereorecal.objectives import Parameters, read_by, row_chart
 from stereorecal.recalibration._acceptance import Reason, RowErrors, compared
 from stereorecal.recalibration._estimated import reason_of
-from stereorecal.recalibration._evidence import TILES_OF_A_FRAME, Evidence, evidence
+from stereorecal.recalibration._match_task import Each, beams_of, matched
 from stereorecal.recalibration._ranged import prior_of
-from stereorecal.recalibration._recording import Recording
-from stereorecal.recalibration._repair_tasks import Each, beams_of, matched
+from stereorecal.recalibration._repaired_recording import RepairedRecording
+from stereorecal.recalibration._row_evidence import TILES_OF_A_FRAME, Evidence, evidence
 from stereorecal.recalibration._stages import FEWEST
 from stereorecal.recalibration._unmatched import MOST_APART
 from stereorecal.scoring import Correspondences
@@ -45,9 +45,9 @@ class Common:
         beams: the ranges of each recording that have a sure match.
     """
 
-    recordings: Sequence[Recording]
+    recordings: Sequence[RepairedRecording]
     free: Parameters
-    shown: tuple[Shown, ...]
+    shown: tuple[Recording, ...]
     estimates: tuple[Estimate, ...]
     decisions: tuple[Decision, ...]
     beams: tuple[Beams, ...]
@@ -70,7 +70,7 @@ class Common:
         """What is left at the candidate of a decision on an estimate, and its row errors against those of the initial
         rig."""
         repair, seen = self.recordings[at].repair, self.estimates[at]
-        chart = row_chart(repair.initial, repair.reach, self.free)
+        chart = row_chart(repair.initial, repair.settings.reach, self.free)
         facts = evidence(chart, self.shown[at].found, chart.coordinates_of(seen.chart.rig_at(decision.theta)))
         return facts, compared(facts, facts.medians(facts.start_residual), facts.medians(facts.residual))
 
@@ -81,7 +81,7 @@ class Common:
         return reason_of(self.decisions[at], tiles)
 
 
-def common(recordings: Sequence[Recording], free: Parameters, *, one: bool, each: Each) -> Common:
+def common(recordings: Sequence[RepairedRecording], free: Parameters, *, one: bool, each: Each) -> Common:
     """Solved, matched again, solved again.
 
     Args:
@@ -94,7 +94,7 @@ def common(recordings: Sequence[Recording], free: Parameters, *, one: bool, each
     priors, shown = _priors(recordings, free), []
     for r, prior, some in zip(recordings, priors, beams, strict=True):
         start = _start(r, r.repair.candidate)
-        shown.append(Shown(r.found, r.repair.initial, prior, start, some, r.windows, r.repair.view))
+        shown.append(Recording(r.found, r.repair.initial, prior, start, some, r.windows, r.repair.view))
     first = _solved(recordings, free, shown, beams, one=one, each=each)
     rigs = [first.rig(index) for index in range(len(recordings))]
     again = each(matched, [r.task(rig) for rig, r in zip(rigs, recordings, strict=True)])
@@ -106,9 +106,9 @@ def common(recordings: Sequence[Recording], free: Parameters, *, one: bool, each
 
 
 def _solved(
-    recordings: Sequence[Recording],
+    recordings: Sequence[RepairedRecording],
     free: Parameters,
-    shown: Sequence[Shown],
+    shown: Sequence[Recording],
     beams: tuple[Beams, ...],
     *,
     one: bool,
@@ -126,7 +126,7 @@ def _solved(
     )
 
 
-def _priors(recordings: Sequence[Recording], free: Parameters) -> list[CalibrationPrior]:
+def _priors(recordings: Sequence[RepairedRecording], free: Parameters) -> list[CalibrationPrior]:
     """Of each recording: what was saved with its calibration, or what is known of the calibration that all have in
     common."""
     ranges, common, found = any(r.ranges or r.windows.measured for r in recordings), None, []
@@ -134,7 +134,7 @@ def _priors(recordings: Sequence[Recording], free: Parameters) -> list[Calibrati
         prior = None if repair.prior_use is None else repair.prior_use.prior
         known = common
         if known is None or isinstance(prior, SavedPrior | Earlier):
-            known = prior_of(prior, free, repair.initial, repair.reach, ranges=ranges)
+            known = prior_of(prior, free, repair.initial, repair.settings.reach, ranges=ranges)
             known = as_prior(known, rig_parameters(repair.initial))
         if not isinstance(prior, SavedPrior | Earlier):
             common = known
@@ -142,16 +142,16 @@ def _priors(recordings: Sequence[Recording], free: Parameters) -> list[Calibrati
     return found
 
 
-def _start(recording: Recording, near: StereoRig) -> Float[np.ndarray, "n"]:
+def _start(recording: RepairedRecording, near: StereoRig) -> Float[np.ndarray, "n"]:
     return rig_parameters(recording.repair.initial).coordinates_of(near)
 
 
-def _read(found: Correspondences, taken: StereoRig, recording: Recording) -> Correspondences:
+def _read(found: Correspondences, taken: StereoRig, recording: RepairedRecording) -> Correspondences:
     """Correspondences of another rig as the initial one reads them; those from before, if they are too few."""
     return read_by(found, taken=taken, rig=recording.repair.initial) if found.found >= FEWEST else recording.found
 
 
-def _merged(several: Sequence[Shown]) -> Shown:
+def _merged(several: Sequence[Recording]) -> Recording:
     """All as one recording, from the middle of their solutions."""
     found = [one.found for one in several]
     first = np.cumsum([0, *(len(one.weight) for one in found)])

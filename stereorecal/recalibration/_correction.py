@@ -1,4 +1,4 @@
-"""What would mend a calibration, and what is wrong for those who go on without."""
+"""The correction that images ask for, and what is wrong for those who go on without."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from stereorecal.decision import Decision
 from stereorecal.estimation import Estimate
 from stereorecal.objectives import EXTRINSICS
-from stereorecal.recalibration._consequences import Interval
+from stereorecal.recalibration._interval import Interval
 
 
 @dataclass(frozen=True, eq=False)
-class Mending:
+class Correction:
     """The change of the extrinsics that one look at the images asks for.
 
     Attributes:
@@ -28,14 +28,14 @@ class Mending:
     decision: Decision
 
     @property
-    def named(self) -> tuple[str, ...]:
+    def significant(self) -> tuple[str, ...]:
         """The axes whose interval leaves out zero; where only their sum does, the surest one."""
         sure = {name: abs(axis.value) / max(axis.high - axis.value, 1e-12) for name, axis in self.axes.items()}
         return tuple(name for name, ratio in sure.items() if ratio > 1.0) or (max(sure, key=sure.__getitem__),)
 
 
-def mending(seen: Estimate, decision: Decision, depth: Mapping[int, Interval], row_error: float) -> Mending:
-    """The mending that an estimate asks for.
+def correction_of(seen: Estimate, decision: Decision, depth: Mapping[int, Interval], row_error: float) -> Correction:
+    """The correction that an estimate asks for.
 
     Args:
         depth: error of the calibration's.
@@ -43,7 +43,7 @@ def mending(seen: Estimate, decision: Decision, depth: Mapping[int, Interval], r
     """
     widths = 0.5 * (seen.intervals[:, 1] - seen.intervals[:, 0])
     middle, low, high = decision.rows_px[0].tolist()
-    return Mending(
+    return Correction(
         axes={
             name: Interval(value, value - width, value + width)
             for name, value, width in zip(seen.names, decision.theta.tolist(), widths.tolist(), strict=True)

@@ -10,10 +10,13 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal._arrays import AnyArray
+from stereorecal._central_difference import central_differences
 from stereorecal.geometry import Camera, StereoRig, View, rectifying_rotations, reread, same_camera
+from stereorecal.objectives import RigChart
 
 DISTANCES = (5, 10, 30, 100)  # baselines
 ROW_DISTANCES = (10.0, np.inf)  # baselines
+STEP = 1e-3  # of the box, for derivatives: some hundredths of a degree
 
 
 def depth_errors(used: StereoRig, better: StereoRig) -> Mapping[int, float]:
@@ -38,6 +41,11 @@ def nearnesses(used: StereoRig, better: StereoRig) -> Float[np.ndarray, "distanc
     """The true depth over the one that `used` reports, of the points of `depth_errors`, at each of DISTANCES: 1 where
     it is right, 0 and below where it reports infinity and beyond. Nearly linear in the extrinsics, as depth is not."""
     return np.array([_nearness(used, better, distance * float(better.baseline)) for distance in DISTANCES])
+
+
+def depth_slopes(used: StereoRig, chart: RigChart, z: Float[np.ndarray, "n"]) -> Float[np.ndarray, "distances n"]:
+    """Derivatives of `nearnesses` by the point of the chart at which the true rig lies."""
+    return central_differences(lambda at: nearnesses(used, chart.rig_at(at)), z, STEP)
 
 
 def _nearness(used: StereoRig, better: StereoRig, depth: float) -> float:

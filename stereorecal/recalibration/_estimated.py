@@ -18,13 +18,13 @@ from stereorecal.recalibration._acceptance import (
     compared,
     loses_regions,
 )
-from stereorecal.recalibration._consequences import Interval
-from stereorecal.recalibration._evidence import TILES_OF_A_FRAME, Evidence, evidence
 from stereorecal.recalibration._default_free import widened
 from stereorecal.recalibration._expected import Expected, expected
-from stereorecal.recalibration._intrinsics import Intrinsics, IntrinsicsOutcome, intrinsics_of
-from stereorecal.recalibration._misfit import misfit
+from stereorecal.recalibration._freed_intrinsics import Intrinsics, IntrinsicsOutcome, intrinsics_of
+from stereorecal.recalibration._interval import Interval
 from stereorecal.recalibration._ranged import matched_ranges
+from stereorecal.recalibration._regional_misfit import misfit
+from stereorecal.recalibration._row_evidence import TILES_OF_A_FRAME, Evidence, evidence
 from stereorecal.recalibration._schedule import ScoreKind, Stage
 from stereorecal.recalibration._stage_result import Ending, counts
 from stereorecal.recalibration._stages import FEWEST, Case, StageRun, matched
@@ -113,6 +113,17 @@ class Look:
         return replace(self.run, matching_cost=0.0)
 
     @property
+    def cost(self) -> float:
+        """Units that it took."""
+        return self.run.cost
+
+    @property
+    def repairs(self) -> bool:
+        """Whether it is sure of a repair that leaves no rows misaligned: where a rig is so far off that rows are not
+        searched there, a look sees what fits by chance."""
+        return self.verdict is Verdict.REPAIR and self.answer is not None and self.answer.decision.explains
+
+    @property
     def covered(self) -> float:
         """By correspondences, share of the frame that shows most."""
         return 0.0 if self.run.found is None else self.run.found.covered
@@ -178,7 +189,6 @@ def ended_by(case: Case, answer: Answer, near: StereoRig) -> Ending:
         _intrinsics(answer, case, rows, reason, taken),
         seen,
         decision,
-        answer.free,
     )
 
 

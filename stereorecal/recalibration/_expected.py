@@ -7,15 +7,15 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
+from stereorecal._central_difference import central_differences
 from stereorecal._json_data import json_data
 from stereorecal.geometry import StereoRig, View
 from stereorecal.objectives import RigChart
-from stereorecal.recalibration._consequences import Interval
-from stereorecal.recalibration._effects import rows_apart
+from stereorecal.recalibration._effects import STEP, rows_apart
+from stereorecal.recalibration._interval import Interval
 from stereorecal.report.number_text import change
 
 _GRID = (17, 13)  # points of the view
-_STEP = 1e-3  # of the box, for derivatives
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,6 +72,6 @@ def expected(
     def apart(at: Float[np.ndarray, "n"]) -> Float[np.ndarray, "h w"]:
         return rows_apart(used, chart.rig_at(at), view, columns, rows)[0]
 
-    slopes = np.stack([(apart(z + h) - apart(z - h)) / (2 * _STEP) for h in _STEP * np.eye(len(z))], axis=-1)
+    slopes = central_differences(apart, z, STEP)
     spread = np.sqrt(np.maximum(np.einsum("hwi,ij,hwj->hw", slopes, covariance, slopes), 0.0))
     return Expected(apart(z), spread, depth_percent)

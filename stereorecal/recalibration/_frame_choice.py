@@ -34,6 +34,8 @@ def _soon(first: float | None, second: float | None) -> bool:
 
 
 def looked_at(pairs: Sequence[Pair], ranges: Sequence[Range]) -> tuple[int, ...]:
-    """Numbers of the chosen frames, and of those that (resolved) ranges name."""
-    wanted = {id(pair) for pair in chosen_frames(pairs)} | {id(one.pair) for one in ranges}
+    """Numbers of the chosen frames, and of those that (resolved) ranges name; of what was chosen before, all."""
+    named = {id(one.pair) for one in ranges}
+    few = len(pairs) <= MOST_FRAMES + sum(id(pair) in named for pair in pairs)
+    wanted = {id(pair) for pair in (pairs if few else chosen_frames(pairs))} | named
     return tuple(number for number, pair in enumerate(pairs) if id(pair) in wanted)

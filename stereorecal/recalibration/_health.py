@@ -1,27 +1,26 @@
 """Will depth be right? One look at the images through a calibration, without any search."""
 
 import enum
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 
 from stereorecal._arrays import refuse_tracers
 from stereorecal._json_data import json_data
-from stereorecal.decision import LIMITS, Tolerances, Verdict, as_tolerances
-from stereorecal.estimation import Prior, check_prior, rig_parameters
-from stereorecal.geometry import PINHOLE, AnyView, StereoRig, View, with_unit_baseline
+from stereorecal._renamed import renamed_attributes
+from stereorecal.decision import LIMITS, Verdict
+from stereorecal.estimation import check_prior, rig_parameters
+from stereorecal.geometry import PINHOLE, StereoRig, View, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
-from stereorecal.objectives import Reach, as_parameters
 from stereorecal.recalibration._acceptance import LEAST_COVERED, Reason, loses_regions
 from stereorecal.recalibration._as_dict import score_as_dict
 from stereorecal.recalibration._calibration_warnings import doubts
-from stereorecal.recalibration._consequences import Interval
-from stereorecal.recalibration._correction import Mending, mending
+from stereorecal.recalibration._correction import Correction, correction_of
 from stereorecal.recalibration._estimated import Answer, depth_by, looked, rows_of
+from stereorecal.recalibration._interval import Interval
 from stereorecal.recalibration._prior_use import looked_with
-from stereorecal.recalibration._schedule import as_schedule
+from stereorecal.recalibration._settings import HealthOptions, as_settings
 from stereorecal.recalibration._stage_result import counts
 from stereorecal.recalibration._stages import Case
 from stereorecal.recalibration._unmatched import LIKELY
@@ -31,7 +30,8 @@ from stereorecal.report.number_text import change
 from stereorecal.scoring import ImageQuality, Pyramid, host, image_quality, pyramid
 from stereorecal.scoring.host import Score, refuse_swapped_images, with_measured_range
 
-FALSE = 0.4  # pixels left by the mending: false matches lie evenly within a row of where they were sought, median 0.5
+# Pixels left by the correction: false matches lie evenly within a row of where they were sought, median 0.5.
+FALSE = 0.4
 HEALTH_LIMITS = {"covered": LEAST_COVERED, "covered_of_texture": LIKELY, "false_rows_px": FALSE, **LIMITS}
 
 
@@ -45,7 +45,7 @@ class Condition(enum.Enum):
 
 @dataclass(frozen=True)
 class Health:
-    """How well the images fit together under a calibration, and what would mend it.
+    """How well the images fit together under a calibration, and the correction that they ask for.
 
     Attributes:
         score: the count, in the view that was looked through.
@@ -55,10 +55,10 @@ class Health:
         covered: share of the image in which correspondences were found that are good to a fraction of a pixel, of the
             frame that shows most. False matches count as pixels, but hardly here.
         shown: light and texture of the images, of the frame that shows most.
-        mending: what would mend it; None if hardly anything matches.
+        correction: of the extrinsics, that the images ask for; None if hardly anything matches.
         disagreeing: names of frames that show another rig than others, where they are too many to be left out.
         doubts: sentences on values of the calibration that hardly any rig has.
-        loses: what would mend it would lose whole regions that match now.
+        loses: the correction would lose whole regions that match now.
         view: that was looked through.
     """
 
@@ -66,11 +66,14 @@ class Health:
     row_error: float
     covered: float
     shown: ImageQuality
-    mending: Mending | None
+    correction: Correction | None
     disagreeing: tuple[str, ...] = ()
     doubts: tuple[str, ...] = ()
     loses: bool = False
     view: View | None = None
+
+    if not TYPE_CHECKING:
+        __getattr__ = renamed_attributes({"mending": "correction"})
 
     @property
     def condition(self) -> Condition:
@@ -94,7 +97,7 @@ class Health:
     def _diagnosis(self) -> tuple[Condition, str]:
         if self.disagreeing:
             return Condition.CANNOT_TELL, f"the frames show different rigs ({', '.join(self.disagreeing)})"
-        if self.mending is None:
+        if self.correction is None:
             if self.shown.dark:
                 return Condition.CANNOT_TELL, "the images are too dark"
             if self.shown.noise:
@@ -104,14 +107,14 @@ class Health:
             if self.doubts:
                 return Condition.CANNOT_TELL, f"hardly anything matches; {self.doubts[0]}"
             return Condition.REPAIR, "hardly anything matches, though the images have texture"
-        decision = self.mending.decision
+        decision = self.correction.decision
         if self.doubts and decision.verdict is not Verdict.GOOD:
             return Condition.CANNOT_TELL, self.doubts[0]
         if decision.verdict is Verdict.REPAIR and self.loses:
             return Condition.CANNOT_TELL, Reason.FEWER_MATCHES.value
         if decision.verdict is Verdict.REPAIR:
             kept = ", and depth keeps as it was calibrated" if decision.keeps_depth else ""
-            return Condition.REPAIR, f"{_listed(self.mending.named)}{kept}"
+            return Condition.REPAIR, f"{_listed(self.correction.significant)}{kept}"
         if decision.verdict is Verdict.GOOD:
             return Condition.HEALTHY, ""
         if not decision.explains:
@@ -120,7 +123,7 @@ class Health:
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data for JSON and tables; what is missing or infinite is None."""
-        mended = self.mending
+        correction = self.correction
         return json_data(
             {
                 **score_as_dict(self.score),
@@ -131,21 +134,21 @@ class Health:
                 "healthy": self.healthy,
                 "condition": self.condition.name.lower(),
                 "verdict": self.verdict,
-                "probability_worse": mended and mended.decision.worse,
-                "probability_better": mended and mended.decision.better,
+                "probability_worse": correction and correction.decision.worse,
+                "probability_better": correction and correction.decision.better,
                 "view": self.view and self.view.as_dict(),
                 "disagreeing": self.disagreeing,
                 "doubts": self.doubts,
-                "axes": mended and (mended.named if self.condition is Condition.REPAIR else ()),
-                "mending": mended
+                "axes": correction and (correction.significant if self.condition is Condition.REPAIR else ()),
+                "mending": correction
                 and {
-                    "rotation_deg": {name: _ends(mended.axes[name]) for name in ("pitch", "yaw", "roll")},
-                    "translation_percent": {name: _ends(mended.axes[name]) for name in ("y", "z")},
-                    "row_error_px": mended.row_error,
+                    "rotation_deg": {name: _ends(correction.axes[name]) for name in ("pitch", "yaw", "roll")},
+                    "translation_percent": {name: _ends(correction.axes[name]) for name in ("y", "z")},
+                    "row_error_px": correction.row_error,
                 },
-                "rows_apart_px": mended and _ends(mended.rows_px),
-                "depth_error_percent": mended
-                and {distance: _ends(error) for distance, error in mended.depth_percent.items()},
+                "rows_apart_px": correction and _ends(correction.rows_px),
+                "depth_error_percent": correction
+                and {distance: _ends(error) for distance, error in correction.depth_percent.items()},
             }
         )
 
@@ -153,17 +156,19 @@ class Health:
         lines = [self.verdict, *(f"check      {doubt}" for doubt in self.doubts), f"matched    {self.score}"]
         if self.view is not None and self.view.projection != PINHOLE:
             lines.append(f"view       {self.view}")
-        if self.mending is None:
+        if self.correction is None:
             sure = f"matches that passed all checks cover {100 * self.covered:.0f} % of the image"
             return "\n".join([*lines, f"row error  not measured: {sure} (chance matches count as matched)"])
-        by, rows = self.mending.axes, self.mending.rows_px
+        by, rows = self.correction.axes, self.correction.rows_px
         angles = ", ".join(f"{name} {_about(by[name], 3)}" for name in ("pitch", "yaw", "roll"))
         shifts = ", ".join(f"{name} {_about(by[name], 2)}" for name in ("y", "z"))
-        errors = "; ".join(f"{_range(error)} at {distance} B" for distance, error in self.mending.depth_percent.items())
+        errors = "; ".join(
+            f"{_range(error)} at {distance} B" for distance, error in self.correction.depth_percent.items()
+        )
         return "\n".join(
             [
                 *lines,
-                f"row error  {self.row_error:.2f} px; {self.mending.row_error:.2f} px if mended",
+                f"row error  {self.row_error:.2f} px; {self.correction.row_error:.2f} px if mended",
                 f"to mend    {angles} deg; {shifts} % of the baseline",
                 f"rows       {rows.value:.2f} px apart over the view ({rows.low:.2f} to {rows.high:.2f} px)",
                 f"depth      {errors}",
@@ -171,47 +176,30 @@ class Health:
         )
 
 
-def health(
-    rig: StereoRig,
-    pairs: Pairs,
-    *,
-    matcher: AbstractMatcher | str | None = None,
-    view: AnyView = None,
-    prior: Prior = None,
-    motion: bool | None = None,
-    tolerances: Tolerances | Mapping[str, object] | None = None,
-) -> Health:
-    """Match the pairs under the rig's calibration, and estimate once what would mend it.
+def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> Health:
+    """Match the pairs under the rig's calibration, and estimate once the correction that they ask for.
 
     `recalibrate` begins with the same look: what is healthy here stays there, what is to be repaired here is repaired.
 
     Args:
-        matcher: a matcher, or the name of an installed one (default "sad"); without `num_disparities` the range is
-            measured.
-        view, prior, motion, tolerances: as `recalibrate` has them; pairs that a saved prior rests on count, for nothing
-            is learnt here.
+        options: those of `HealthOptions`, by name: `matcher, view, prior, motion, tolerances`. Pairs that a saved prior
+            rests on count, for nothing is learnt here.
 
     Raises:
         InputError: if images and calibration do not fit, the images are no left and right image of this rig, the
             prior makes no sense, or nothing can have moved.
+        TypeError: if there is no option of a name.
     """
     refuse_tracers("sr.health", "sr.correspondences and sr.row_differences", rig)
-    images = pyramid(rig, pairs, view)
-    check_prior(prior, rig_parameters(rig))
-    prior = looked_with(prior, rig)
-    check_motion(motion, len(images.pairs), prior)
-    windows = following(images.pairs, range(len(images.pairs)), motion, prior)
-    limits, doubtful = as_tolerances(tolerances), doubts(rig)
-    case = Case(
-        images,
-        with_measured_range(matcher, images),
-        Reach(),
-        as_parameters(None),
-        prior,
-        windows=windows,
-        tolerances=limits,
-    )
-    look = looked(case, as_schedule(None).stages[-1])
+    settings, doubtful = as_settings(options, HealthOptions.__optional_keys__), doubts(rig)
+    images = pyramid(rig, pairs, settings.view)
+    check_prior(settings.prior, rig_parameters(rig))
+    prior = looked_with(settings.prior, rig)
+    check_motion(settings.motion, len(images.pairs), prior)
+    windows = following(images.pairs, range(len(images.pairs)), settings.motion, prior)
+    matcher, limits = with_measured_range(settings.matcher, images), settings.tolerances
+    case = Case(images, matcher, settings.reach, settings.free, prior, windows=windows, tolerances=limits)
+    look = looked(case, settings.schedule.stages[-1])
     score = _score(images, case.matcher)
     shown = max((image_quality(pair) for pair in images.pairs), key=lambda one: one.texture)
     answer = look.answer if look is not None else None
@@ -233,9 +221,9 @@ def health(
         return unmeasured(covered)
     seen = answer.estimate
     depth = depth_by(seen, np.zeros(len(seen.names)))
-    mends = mending(seen, answer.decision, depth, rows.after)
+    correction = correction_of(seen, answer.decision, depth, rows.after)
     loses = not answer.decision.refused and _loses_regions(case, answer)
-    return Health(score, rows.before, covered, shown, mends, (), doubtful, loses, images.view)
+    return Health(score, rows.before, covered, shown, correction, (), doubtful, loses, images.view)
 
 
 def _loses_regions(case: Case, answer: Answer) -> bool:

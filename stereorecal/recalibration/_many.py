@@ -6,28 +6,25 @@ from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
 from functools import partial
 from traceback import format_exception
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 
 from stereorecal._choices import checked_choice
 from stereorecal._errors import InputError, PluginError
 from stereorecal._run_all import Progress, run_all
-from stereorecal.decision import Tolerances, as_tolerances
-from stereorecal.estimation import Prior, check_boards, check_prior
-from stereorecal.geometry import AnyView, same_camera
-from stereorecal.matching import AbstractMatcher, as_matcher
-from stereorecal.objectives import Parameters, Reach, as_parameters
-from stereorecal.recalibration._as_dict import solution_as_dict
+from stereorecal.estimation import EXACT
+from stereorecal.geometry import as_view, same_camera
+from stereorecal.objectives import Parameters
 from stereorecal.recalibration._frame_choice import looked_at
-from stereorecal.recalibration._ranges import resolved_ranges, with_ranges
+from stereorecal.recalibration._ranges import resolved_ranges
 from stereorecal.recalibration._recalibrate import recalibrate
-from stereorecal.recalibration._recording import Recording
-from stereorecal.recalibration._schedule import Schedule, as_schedule, check_schedule
+from stereorecal.recalibration._repaired_recording import RepairedRecording
+from stereorecal.recalibration._schedule import Schedule, check_schedule
+from stereorecal.recalibration._settings import RepairOptions, Settings, as_settings
 from stereorecal.recalibration._shared_intrinsics import together
 from stereorecal.recalibration._solution import Solution
-from stereorecal.recordings import Board, Odometer, Pair, Range, Scene
-from stereorecal.strategies import Budget, as_budget
+from stereorecal.recordings import Pair, Range, Scene
 
 
 class Fault(enum.Enum):
@@ -65,68 +62,94 @@ class Repair:
         return self._as_dict(expected=False)
 
     def _as_dict(self, *, expected: bool) -> dict[str, Any]:
-        found = {} if self.solution is None else solution_as_dict(self.solution, expected=expected)
+        found = {} if self.solution is None else self.solution.to_dict(expected=expected)
         return {"scene": self.name, "error": self.error, "fault": self.fault and self.fault.name.lower(), **found}
 
 
 def recalibrate_many(
     scenes: Scene | Sequence[Scene],
     *,
-    matcher: AbstractMatcher | str | None = None,
-    schedule: Schedule | str | None = None,
-    reach: Reach | tuple[float, float] | None = None,
-    budget: Budget | float | None = None,
-    view: AnyView = None,
-    seed: int = 0,
-    free: Parameters | str | Sequence[str] | None = None,
+    start: str = "given",
     extrinsics: str = "each",
-    ranges: Sequence[Range] = (),
     executor: Executor | None = None,
     progress: Progress | None = None,
-    prior: Prior = None,
-    boards: Sequence[Board] | None = None,
-    motion: bool | None = None,
-    tolerances: Tolerances | Mapping[str, object] | None = None,
-    odometer: Odometer | None = None,
+    finished: Callable[[int, Repair], None] | None = None,
+    **options: Unpack[RepairOptions],
 ) -> tuple[Repair, ...]:
     """Repair the extrinsics of many recordings, each on its own; the answers come in the order of the recordings.
 
     With intrinsics free, all recordings must be of one rig, and share what is found of them: once each is repaired, all
-    are estimated together (`Solution.intrinsics` says what came of it).
+    are estimated together (`Solution.intrinsics` says what came of it). Ranges free the length of the baseline, which
+    all share. Where the joint solution fails, the repairs stand, each with an error that says so.
 
-    A recording that cannot be repaired is an answer with an error, never an exception. Ctrl-C passes; to keep what is
-    finished by then, take the answers one by one from `repairs_as_finished`.
+    A recording that cannot be repaired is an answer with an error, never an exception. Ctrl-C passes; whoever takes
+    each answer with `finished` has those that are there by then.
 
     Args:
         scenes: each with a rig and its pairs. Pairs that came from files travel to the workers as paths.
-        matcher, schedule, reach, view, seed: as `recalibrate` has them, for every recording.
-        budget: of each recording.
-        free: what may move, as `recalibrate` has it.
+        start: where a repair starts: "given", the rig of its recording; or "previous", where the one before it ended,
+            for a rig that is repaired while it works (paper, section 4.5). One that shows too little leaves the rig as
+            it is; the intrinsics are taken as exact, if no prior is given, and all are scored in the view of the first
+            rig.
         extrinsics: where intrinsics are free: "each" recording has its own extrinsics, as a rig that drifts between
             missions; or "one" for all.
-        ranges: distances of what single pixels show, each of a pair of one recording (the pair itself, or its name);
-            they free the length of the baseline, which all share.
         executor: any `concurrent.futures.Executor`; default one recording after the other in this process.
         progress: called with (finished, total) after each recording.
-        prior: as `recalibrate` has it, of the calibration that all start from.
-        boards, motion, tolerances, odometer: as `recalibrate` has them.
+        finished: called with the number of a recording and its repair as soon as that is there, in the order in which
+            they finish; what recordings share is as it was by then.
+        options: as `recalibrate` has them, for every recording; `RepairOptions` describes them.
 
     Raises:
-        InputError: if there is no recording, a strategy of the default schedule is not installed, or intrinsics are
-            free and the recordings are of different rigs.
+        InputError: if there is no recording, a strategy of the default schedule is not installed, intrinsics are
+            free and the recordings are of different rigs, or repairs that wait for each other are given an executor.
         StrategyError: if one of those is broken.
+        TypeError: if there is no option of a name.
     """
-    free = with_ranges(as_parameters(free), ranges, odometer)
-    scenes, ranges = sharing(_as_scenes(scenes), free, ranges, extrinsics, as_schedule(schedule))
-    options = {"schedule": schedule, "reach": reach, "budget": budget, "view": view, "seed": seed, "free": free}
-    options |= {"prior": prior, "boards": boards, "motion": motion, "tolerances": tolerances, "odometer": odometer}
-    finished: dict[int, Repair] = {}
-    for index, repair in repairs_as_finished(scenes, matcher=matcher, executor=executor, **options):
-        finished[index] = repair
+    settings, scenes = as_settings(options), (scenes,) if isinstance(scenes, Scene) else tuple(scenes)
+    if not scenes:
+        raise InputError("there is nothing to repair; give at least one recording.")
+    free = settings.free
+    scenes, ranges = sharing(scenes, free, settings.ranges, extrinsics, settings.schedule)
+    own = free if len(scenes) == 1 and not free.shared else free.extrinsics  # one rig's recordings share what widens
+    alone = replace(settings, free=own, ranges=())
+    if checked_choice(start, ["given", "previous"], "start") == "previous":
+        _check_in_order(free, executor)
+        results = _in_order(scenes, alone)
+    else:
+        results = run_all(partial(_repair, options=alone.options), scenes, executor)
+    done: dict[int, Repair] = {}
+    for index, found in results:
+        done[index] = found if isinstance(found, Repair) else _failed(scenes[index].name, found)
+        if finished is not None:
+            finished(index, done[index])
         if progress is not None:
-            progress(len(finished), len(scenes))
-    repairs = tuple(finished[index] for index in range(len(scenes)))
-    return repaired_together(scenes, repairs, free, extrinsics=extrinsics, ranges=ranges, executor=executor)
+            progress(len(done), len(scenes))
+    repairs = tuple(done[index] for index in range(len(scenes)))
+    return _repaired_together(scenes, repairs, free, extrinsics=extrinsics, ranges=ranges, executor=executor)
+
+
+def _check_in_order(free: Parameters, executor: Executor | None) -> None:
+    if executor is not None:
+        raise InputError('with start="previous" each repair waits for the one before it; leave executor out.')
+    if free.shared:
+        raise InputError(
+            'with start="previous" nothing is shared by the recordings; leave start out, or free the extrinsics alone.'
+        )
+
+
+def _in_order(scenes: Sequence[Scene], settings: Settings) -> Iterator[tuple[int, Repair]]:
+    """Each starts where the one before it ended."""
+    first = scenes[0].rig
+    if settings.prior is None:
+        # A rig that was repaired is no chessboard's, and single pairs would say so again and again.
+        settings = replace(settings, prior=EXACT)
+    if first is not None:
+        settings = replace(settings, view=as_view(settings.view, first))
+    rig = first
+    for index, scene in enumerate(scenes):
+        done = _repair(replace(scene, rig=rig), settings.options)
+        rig = rig if done.solution is None else done.solution.rig
+        yield index, done
 
 
 def sharing(
@@ -175,14 +198,14 @@ def check_shared(scenes: Sequence[Scene], free: Parameters, extrinsics: str) -> 
             )
 
 
-def repaired_together(
+def _repaired_together(
     scenes: Sequence[Scene],
     repairs: Sequence[Repair],
     free: Parameters,
     *,
-    extrinsics: str = "each",
-    ranges: Sequence[Range] = (),
-    executor: Executor | None = None,
+    extrinsics: str,
+    ranges: Sequence[Range],
+    executor: Executor | None,
 ) -> tuple[Repair, ...]:
     """Finished repairs with what they share freed as well; those that failed stay as they are.
 
@@ -200,7 +223,7 @@ def repaired_together(
         return [done[index] for index in range(len(tasks))]
 
     recordings = [
-        Recording(pairs, solution, tuple(r for r in ranges if any(r.pair is p for p in pairs)))
+        RepairedRecording(pairs, solution, tuple(r for r in ranges if any(r.pair is p for p in pairs)))
         for pairs, solution in ((_seen(scenes[index].pairs, solution), solution) for index, solution in solved)
     ]
     try:
@@ -220,62 +243,12 @@ def repaired_together(
 
 def _seen(pairs: Sequence[Pair], solution: Solution) -> tuple[Pair, ...]:
     """Those that the repair looked at."""
-    return tuple(pairs if solution.looked_at is None else (pairs[number] for number in solution.looked_at))
-
-
-def repairs_as_finished(
-    scenes: Scene | Sequence[Scene],
-    *,
-    matcher: AbstractMatcher | str | None = None,
-    schedule: Schedule | str | None = None,
-    reach: Reach | tuple[float, float] | None = None,
-    budget: Budget | float | None = None,
-    view: AnyView = None,
-    seed: int = 0,
-    free: Parameters | str | Sequence[str] | None = None,
-    executor: Executor | None = None,
-    prior: Prior = None,
-    boards: Sequence[Board] | None = None,
-    motion: bool | None = None,
-    tolerances: Tolerances | Mapping[str, object] | None = None,
-    odometer: Odometer | None = None,
-) -> Iterator[tuple[int, Repair]]:
-    """`recalibrate_many` for those who show or save each answer as soon as it is there: the index of a recording and
-    its repair, in the order in which they finish. Arguments and errors as there; errors are raised at once. What
-    recordings share stays as it was; `repaired_together` frees it once all are there."""
-    scenes, free = _as_scenes(scenes), as_parameters(free)
-    check_prior(prior)
-    check_boards(boards, prior)
-    if not scenes:
-        raise InputError("there is nothing to repair; give at least one recording.")
-    repair = partial(
-        _repair,
-        matcher=as_matcher(matcher),
-        schedule=as_schedule(schedule),
-        reach=reach,
-        budget=as_budget(budget),
-        view=view,
-        seed=seed,
-        free=free.extrinsics,
-        prior=prior,
-        boards=boards,
-        motion=motion,
-        tolerances=as_tolerances(tolerances),
-        odometer=odometer,
+    return tuple(
+        pairs if solution.frames.looked_at is None else (pairs[number] for number in solution.frames.looked_at)
     )
 
-    def repairs() -> Iterator[tuple[int, Repair]]:
-        for index, found in run_all(repair, scenes, executor):
-            yield index, found if isinstance(found, Repair) else _failed(scenes[index].name, found)
 
-    return repairs()
-
-
-def _as_scenes(scenes: Scene | Sequence[Scene]) -> tuple[Scene, ...]:
-    return (scenes,) if isinstance(scenes, Scene) else tuple(scenes)
-
-
-def _repair(scene: Scene, **options: Any) -> Repair:
+def _repair(scene: Scene, options: Mapping[str, Any]) -> Repair:
     """Repair one recording, in a worker: whatever goes wrong comes back as text, which always pickles."""
     try:
         if scene.rig is None:

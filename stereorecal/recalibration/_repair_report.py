@@ -8,18 +8,19 @@ import numpy as np
 from stereorecal._environment import versions
 from stereorecal._errors import InputError
 from stereorecal._json_data import json_data
-from stereorecal.geometry import AXES, PINHOLE, StereoRig
-from stereorecal.objectives import BASELINE
+from stereorecal.geometry import PINHOLE, StereoRig
 from stereorecal.recalibration._acceptance import Reason
-from stereorecal.recalibration._lenses import lenses_of
-from stereorecal.recalibration._misfit import WORTH_SAYING
-from stereorecal.recalibration._request import matcher_as_text
+from stereorecal.recalibration._intrinsics_table import lenses_of
+from stereorecal.recalibration._regional_misfit import WORTH_SAYING
+from stereorecal.recalibration._repair_text import axes_of
+from stereorecal.recalibration._result import AbstractResult
 from stereorecal.recalibration._row_maps import climbs_of, seen_rows, way_of
+from stereorecal.recalibration._settings_text import matcher_as_text, origins_of, settings_as_text
 from stereorecal.recalibration._uncertainty import NORMAL_95
 from stereorecal.recalibration._windows import described
 from stereorecal.recordings import Pair
 from stereorecal.report.number_text import count, number, percent
-from stereorecal.report.repair_report import Axis, Conclusion, Depth, RepairReport, Sight
+from stereorecal.report.repair_report import Conclusion, Depth, RepairReport, Sight
 from stereorecal.scoring.host import disparity, rectify
 from stereorecal.strategies import name_of
 
@@ -29,7 +30,7 @@ _UNKNOWN = (Reason.TOO_LITTLE_TEXTURE, Reason.OUT_OF_BUDGET)
 
 
 def report_of(
-    solution: Any,  # a Solution, whose module imports this one
+    solution: AbstractResult,
     pairs: Sequence[Pair],
     name: str,
     command: str | None,
@@ -47,14 +48,14 @@ def report_of(
     Raises:
         InputError: if the pairs are not those of the solution.
     """
-    if not pairs or max(solution.kept, default=0) >= len(pairs):
+    if not pairs or max(solution.frames.kept, default=0) >= len(pairs):
         raise InputError("these are not the pairs that were repaired; give the same, in the same order.")
     found, rows, frame, way = solution.found, None, 0, None
     telling = solution.reason not in _SAYS_NOTHING
     if found is not None and found.found and telling:
         rows, frame = seen_rows(found, solution.initial, solution.candidate, solution.view)
         way = way_of(found, solution.path)
-    pair = pairs[solution.kept[frame] if solution.kept else 0]
+    pair = pairs[solution.frames.kept[frame] if solution.frames.kept else 0]
     expected = solution.expected
     after = "after" if solution.accepted else "candidate, which was not taken"
     return RepairReport(
@@ -71,8 +72,8 @@ def report_of(
         misfit=solution.misfit.as_dict() if solution.misfit is not None and telling else None,
         expected=expected and np.abs(expected.rows) + NORMAL_95 * expected.rows_deviation,
         expected_said=expected and str(expected),
-        axes=_axes(solution) if telling else (),
-        lenses=lenses_of(solution) if telling else (),
+        axes=axes_of(solution) if telling else (),
+        lenses=lenses_of(solution.intrinsics, solution.initial, solution.candidate) if telling else (),
         depths=_depths(solution) if solution.reason.healthy else (),  # a wrong candidate tells none
         climbs=climbs_of(solution.stages),
         way=way,
@@ -94,13 +95,13 @@ def conclusion_of(reason: Reason) -> Conclusion:
     return Conclusion.REPAIRED if reason.accepted else Conclusion.GOOD
 
 
-def _sight(solution: Any, rig: StereoRig, pair: Pair) -> Sight:
+def _sight(solution: AbstractResult, rig: StereoRig, pair: Pair) -> Sight:
     left, right = rectify(rig, pair, view=solution.view)
     found = disparity(rig, pair, matcher=solution.matcher, view=solution.view)
     return Sight(left, right, np.asarray(found.values), np.asarray(found.valid))
 
 
-def _facts(solution: Any, *, telling: bool) -> dict[str, tuple[str, str]]:
+def _facts(solution: AbstractResult, *, telling: bool) -> dict[str, tuple[str, str]]:
     before, after = solution.score_before, solution.score_after
     facts = {f"matched, of {count(before.pixels)} pixels": (percent(before.fraction), percent(after.fraction))}
     if solution.row_errors is not None and telling:
@@ -110,23 +111,7 @@ def _facts(solution: Any, *, telling: bool) -> dict[str, tuple[str, str]]:
     return facts
 
 
-def _axes(solution: Any) -> list[Axis]:
-    known, change = solution.uncertainty, solution.change
-    found = []
-    for index, name in enumerate(AXES):
-        factor, unit = (180 / np.pi, "°") if index < 3 else (1e3, "mm")
-        half_width, observed = None, True
-        called = BASELINE if name == "x" else name
-        if known is not None and called in known.names:
-            at = known.names.index(called)
-            wide = float(known.interval[at]) * (1.0 if index < 3 else 10.0 * float(solution.initial.baseline))
-            half_width, observed = (wide if solution.reason.healthy else None), bool(known.observed[at])
-        before = factor * float(solution.initial.extrinsics[index])
-        found.append(Axis(name, unit, before, before + factor * float(change[index]), half_width, observed))
-    return found
-
-
-def _depths(solution: Any) -> list[Depth]:
+def _depths(solution: AbstractResult) -> list[Depth]:
     expected, baseline = solution.expected, float(solution.candidate.baseline)
     return [
         Depth(
@@ -139,10 +124,10 @@ def _depths(solution: Any) -> list[Depth]:
     ]
 
 
-def _frames(solution: Any, pairs: Sequence[Pair]) -> list[tuple[str, str, str]]:
+def _frames(solution: AbstractResult, pairs: Sequence[Pair]) -> list[tuple[str, str, str]]:
     found = []
     for index, pair in enumerate(pairs):
-        if index not in solution.kept:
+        if index not in solution.frames.kept:
             found.append((pair.name, "left out", "it shows another rig than the others"))
         elif pair.name in solution.disagreeing:
             found.append((pair.name, "used", "it shows another rig than others"))
@@ -151,7 +136,7 @@ def _frames(solution: Any, pairs: Sequence[Pair]) -> list[tuple[str, str, str]]:
     return found
 
 
-def _remarks(solution: Any) -> list[str]:
+def _remarks(solution: AbstractResult) -> list[str]:
     known, left, seen = solution.uncertainty, solution.misfit, solution.intrinsics
     whose = "Misfit" if solution.accepted else "Misfit of the candidate, which was not taken:"
     remarks = []
@@ -175,19 +160,19 @@ def _remarks(solution: Any) -> list[str]:
     return remarks
 
 
-def _settings(solution: Any) -> dict[str, Any]:
+def _settings(solution: AbstractResult) -> dict[str, Any]:
     """Of a solution that was asked for, and what the run made of it."""
-    asked, view = solution.asked, solution.view
+    settings = solution.settings
     stages = [f"{name_of(run.stage.strategy)} at scale {run.scale:.3g}" for run in solution.stages]
     return json_data(
         {
-            **(asked.as_text() if asked is not None else {}),
-            "reach": f"{solution.reach.degrees:g}°, {solution.reach.baseline_fraction:g} of the baseline",
-            "view": str(view),
+            **settings_as_text(settings),
+            "reach": f"{settings.reach.degrees:g}°, {settings.reach.baseline_fraction:g} of the baseline",
+            "view": str(solution.view),
             "matcher, with the range that was measured": matcher_as_text(solution.matcher),
             "stages that ran": "; ".join(stages) or "none",
             "cost": f"{solution.cost.total:.1f} units",
-            "versions": {**versions(), **({"plug-ins": ", ".join(asked.origins)} if asked is not None else {})},
+            "versions": {**versions(), "plug-ins": ", ".join(origins_of(settings))},
         }
     )
 

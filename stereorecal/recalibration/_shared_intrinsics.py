@@ -13,18 +13,20 @@ from stereorecal.objectives import BASELINE, Parameters, row_chart
 from stereorecal.recalibration._acceptance import Reason
 from stereorecal.recalibration._common import Common, common
 from stereorecal.recalibration._estimated import uncertainty_of
-from stereorecal.recalibration._evidence import TILES_OF_A_FRAME
-from stereorecal.recalibration._intrinsics import Intrinsics, IntrinsicsOutcome, intrinsics_of
-from stereorecal.recalibration._misfit import misfit
+from stereorecal.recalibration._freed_intrinsics import Intrinsics, IntrinsicsOutcome, intrinsics_of
+from stereorecal.recalibration._match_task import Each, counted
 from stereorecal.recalibration._ranged import ranges_seen
 from stereorecal.recalibration._ranges import RangesSeen
-from stereorecal.recalibration._recording import Recording
-from stereorecal.recalibration._repair_tasks import Each, counted
+from stereorecal.recalibration._regional_misfit import misfit
+from stereorecal.recalibration._repaired_recording import RepairedRecording
+from stereorecal.recalibration._row_evidence import TILES_OF_A_FRAME
 from stereorecal.recalibration._solution import Solution
 from stereorecal.scoring.host import Score
 
 
-def together(recordings: Sequence[Recording], free: Parameters, *, one: bool, each: Each) -> tuple[Solution, ...]:
+def together(
+    recordings: Sequence[RepairedRecording], free: Parameters, *, one: bool, each: Each
+) -> tuple[Solution, ...]:
     """The repairs with what the recordings share freed as well, or, where that is not taken, as they were. Ranges say
     how long the baseline is, whether intrinsics are taken or not.
 
@@ -42,18 +44,18 @@ def together(recordings: Sequence[Recording], free: Parameters, *, one: bool, ea
         seen = _intrinsics(solved, answers)
         if not seen.taken:
             rest = _without_lenses(recordings, free, one=one, each=each)
-            return tuple(replace(solution, intrinsics=seen) for solution in rest)
+            return tuple(solution.with_findings(intrinsics=seen) for solution in rest)
     results = iter(_solutions(solved, answers, seen, each))
     return tuple(
         next(results)
         if r.usable(lenses=lenses)
-        else replace(r.repair, intrinsics=seen and seen.not_here(r.repair.reason), ranges=_unmatched(r))
+        else r.repair.with_findings(intrinsics=seen and seen.not_here(r.repair.reason), ranges=_unmatched(r))
         for r in recordings
     )
 
 
 def _without_lenses(
-    recordings: Sequence[Recording], free: Parameters, *, one: bool, each: Each
+    recordings: Sequence[RepairedRecording], free: Parameters, *, one: bool, each: Each
 ) -> tuple[Solution, ...]:
     rest = _held(free)
     if rest.shared or (one and len(recordings) > 1):
@@ -79,29 +81,32 @@ def _answers(solved: Common, each: Each) -> list[Solution]:
         repair, at = recording.repair, solved.of(index)
         seen, decision, reason = solved.estimates[at], solved.decisions[at], reasons[at]
         facts, rows = left[at]
-        solution = replace(
-            repair,
-            rig=rig if reason.accepted else repair.initial,
-            candidate=rig,
-            accepted=reason.accepted,
-            reason=reason,
+        said_before = repair.frames.disagreeing if reason is Reason.FRAMES_DISAGREE else ()
+        findings = replace(
+            repair.findings,
             score_after=Score(int(tiles[1].sum()), repair.score_before.pixels),
             row_errors=rows,
             misfit=misfit(facts),
-            uncertainty=uncertainty_of(seen, rig, row_chart(repair.initial, repair.reach, solved.free)),
-            free=solved.free,
+            uncertainty=uncertainty_of(seen, rig, row_chart(repair.initial, repair.settings.reach, solved.free)),
             estimate=seen,
             decision=decision,
-            prior_use=repair.prior_use and replace(repair.prior_use, beside=_images_of_others(recordings, index)),
             beams=seen.beams,
             ranges=_ranges(solved, index, rig, reason),
-            disagreeing=repair.disagreeing if reason is Reason.FRAMES_DISAGREE else (),
+        )
+        solution = replace(
+            repair,
+            candidate=rig,
+            reason=reason,
+            findings=findings,
+            frames=replace(repair.frames, disagreeing=said_before),
+            settings=replace(repair.settings, free=solved.free),
+            prior_use=repair.prior_use and replace(repair.prior_use, beside=_images_of_others(recordings, index)),
         )
         found.append(solution)
     return found
 
 
-def _images_of_others(recordings: Sequence[Recording], index: int) -> tuple[str, ...]:
+def _images_of_others(recordings: Sequence[RepairedRecording], index: int) -> tuple[str, ...]:
     """Fingerprints of the pairs that the other recordings rest on."""
     return tuple(
         image for at, recording in enumerate(recordings) if at != index for image in recording.repair.images_kept
@@ -147,14 +152,14 @@ def _solutions(solved: Common, answers: Sequence[Solution], seen: Intrinsics | N
     found = []
     for index, answer in enumerate(answers):
         if answer.accepted or not solved.free.shared:
-            found.append(replace(answer, intrinsics=seen))
+            found.append(answer.with_findings(intrinsics=seen))
             continue
         scaled = told and alone[index].reason.healthy and not solved.beams[index]
         own = _scaled(alone[index], answer) if scaled else alone[index]
         of_ranges = _ranges(solved, index, own.rig, answer.reason)
-        beams = NO_BEAMS if of_ranges is None else answer.beams
+        beams = NO_BEAMS if of_ranges is None else answer.findings.beams
         here = seen and seen.not_here(answer.reason)
-        found.append(replace(own, intrinsics=here, ranges=of_ranges, beams=beams))
+        found.append(own.with_findings(intrinsics=here, ranges=of_ranges, beams=beams))
     return found
 
 
@@ -163,17 +168,11 @@ def _scaled(solution: Solution, found: Solution) -> Solution:
     are the same."""
     extrinsics = np.array(solution.rig.extrinsics, float)
     extrinsics[3:] *= _length(found.candidate) / _length(found.initial)
-    rig = solution.rig.with_extrinsics(extrinsics)
-    reason = Reason.IMPROVED if solution.accepted else Reason.RANGES
     return replace(
-        solution,
-        rig=rig,
-        candidate=rig,
-        accepted=True,
-        reason=reason,
-        uncertainty=found.uncertainty,
-        free=found.free,
-        estimate=found.estimate,
+        solution.with_findings(uncertainty=found.uncertainty, estimate=found.estimate),
+        candidate=solution.rig.with_extrinsics(extrinsics),
+        reason=Reason.IMPROVED if solution.accepted else Reason.RANGES,
+        settings=replace(solution.settings, free=found.settings.free),
     )
 
 
@@ -189,19 +188,19 @@ def _ranges(solved: Common, index: int, used: StereoRig, said: Reason) -> Ranges
     return seen_with and replace(seen_with, contradict=int(seen.beams.contradict(used).sum()))
 
 
-def _unsolved(recording: Recording, free: Parameters) -> Solution:
+def _unsolved(recording: RepairedRecording, free: Parameters) -> Solution:
     """The repair of a recording where nothing that is shared could be solved for."""
     seen = _not_solved(recording.repair, free) if free.lenses else None
-    return replace(recording.repair, intrinsics=seen, ranges=_unmatched(recording))
+    return recording.repair.with_findings(intrinsics=seen, ranges=_unmatched(recording))
 
 
-def _unmatched(recording: Recording) -> RangesSeen | None:
+def _unmatched(recording: RepairedRecording) -> RangesSeen | None:
     """What became of the ranges of a recording that took no part."""
     return RangesSeen(len(recording.ranges), 0, 0) if recording.ranges else None
 
 
 def _not_solved(repair: Solution, free: Parameters) -> Intrinsics:
-    parameters = [one for one in free.of(repair.initial, repair.reach) if one.name in free.shared]
+    parameters = [one for one in free.of(repair.initial, repair.settings.reach) if one.name in free.shared]
     missing = np.full(len(parameters), np.nan)
     names, units = tuple(one.name for one in parameters), tuple(one.unit for one in parameters)
     nan = float("nan")

@@ -5,12 +5,16 @@ from dataclasses import dataclass, replace
 
 from stereorecal.geometry import StereoRig
 from stereorecal.recalibration._cost import Cost
-from stereorecal.recalibration._recalibrate import solution_of, started
-from stereorecal.recalibration._request import Asked
+from stereorecal.recalibration._judge import judged
 from stereorecal.recalibration._schedule import Schedule, ScoreKind, Stage
+from stereorecal.recalibration._search import started
+from stereorecal.recalibration._settings import as_settings
 from stereorecal.recalibration._solution import Solution
+from stereorecal.recalibration._solution_of import solution_of
 from stereorecal.recalibration._stages import Case, run_stage
 from stereorecal.strategies import Budget
+
+_SEED = 0  # of strategies that draw random numbers
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,7 +30,7 @@ class Progress:
     done: int = 0
 
 
-def next_slice(case: Case, schedule: Schedule, at: Progress, seed: int = 0) -> Progress | Solution:
+def next_slice(case: Case, schedule: Schedule, at: Progress) -> Progress | Solution:
     """One slice more: first the survey, then a stage on the count, or one round of a stage on the rows, each begun
     where the one before it ended; the last one is judged with it.
 
@@ -39,11 +43,13 @@ def next_slice(case: Case, schedule: Schedule, at: Progress, seed: int = 0) -> P
         return Progress(started(case, schedule)[1], 1)
     stages = _rounds(schedule)
     stage = stages[at.done - 1]
-    done = run_stage(case, stage, at.rig, Budget(), seed)
+    done = run_stage(case, stage, at.rig, Budget(), _SEED)
     if at.done < len(stages):
         return Progress(done.ended, at.done + 1)
-    asked = Asked(case.matcher, replace(schedule, stages=(stage,)), Budget(), seed, case.free.names)
-    return solution_of(case, asked, (done,), Cost(), began)
+    last = replace(schedule, stages=(stage,))
+    settings = as_settings({"matcher": case.matcher, "schedule": last, "reach": case.reach})
+    settings = replace(settings, free=case.free, tolerances=case.tolerances)
+    return solution_of(case, settings, (done,), judged(case, last, (done,)), Cost(), began)
 
 
 def _rounds(schedule: Schedule) -> tuple[Stage, ...]:

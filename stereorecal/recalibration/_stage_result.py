@@ -8,13 +8,13 @@ from jaxtyping import Int
 from stereorecal.decision import Decision
 from stereorecal.estimation import Estimate
 from stereorecal.geometry import StereoRig, same_camera, with_unit_baseline
-from stereorecal.objectives import Parameters
 from stereorecal.recalibration._acceptance import Reason, RowErrors
-from stereorecal.recalibration._intrinsics import Intrinsics
-from stereorecal.recalibration._misfit import Misfit
+from stereorecal.recalibration._freed_intrinsics import Intrinsics
+from stereorecal.recalibration._regional_misfit import Misfit
 from stereorecal.recalibration._stages import Case
 from stereorecal.recalibration._uncertainty import Uncertainty
 from stereorecal.scoring import host
+from stereorecal.strategies import Status
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,20 +27,22 @@ class Ending:
         tiles: counts at full scale of all frames, under the initial calibration and the candidate.
         apart: numbers of the frames that show another rig than the others; all of them count all the same where they
             are too many to say which are wrong.
-        others: of `Solution`, by its names.
+        status, message: how the search ended, or that none was needed.
+        others: of `Findings`, by its names.
     """
 
     candidate: StereoRig
     reason: Reason
     tiles: Int[np.ndarray, "2 k tiles"]
     apart: tuple[int, ...] = ()
-    rows: RowErrors | None = None
+    row_errors: RowErrors | None = None
     uncertainty: Uncertainty | None = None
     misfit: Misfit | None = None
     intrinsics: Intrinsics | None = None
     estimate: Estimate | None = None
     decision: Decision | None = None
-    free: Parameters | None = None
+    status: Status = Status.CONVERGED
+    message: str = "one look at the images was enough"
 
     @property
     def without(self) -> tuple[int, ...]:

@@ -24,6 +24,7 @@ from stereorecal.objectives import (
     rig_count_objective,
     row_chart,
 )
+from stereorecal.recalibration._prior_use import PriorUse
 from stereorecal.recalibration._schedule import ScoreKind, Stage
 from stereorecal.recordings import Odometer, Range
 from stereorecal.scoring import Correspondences, Loss, Pyramid, ScoringData, host, precisions
@@ -51,6 +52,8 @@ class Case:
         windows: numbers of pairs that follow each other.
         tolerances: by which it is decided.
         odometer: what else knows how far the rig travelled.
+        prior_use: where the prior came from, and which of the pairs that were given count; None: no user gave one.
+        looked_at: numbers of the pairs of `images` among those that were given; None: all of them.
     """
 
     images: Pyramid
@@ -62,6 +65,8 @@ class Case:
     windows: tuple[tuple[int, int], ...] = ()
     tolerances: Tolerances = DEFAULT
     odometer: Odometer | None = None
+    prior_use: PriorUse | None = None
+    looked_at: tuple[int, ...] | None = None
 
     @property
     def rig(self) -> StereoRig:

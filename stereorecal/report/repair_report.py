@@ -70,7 +70,7 @@ class Axis:
 
     Attributes:
         name, unit: as people write them.
-        before, after: values.
+        before, change: values.
         half_width: of the 95 % interval of the change; None if it is not known.
         observed: whether the images determine it.
     """
@@ -78,9 +78,14 @@ class Axis:
     name: str
     unit: str
     before: float
-    after: float
+    change: float
     half_width: float | None
     observed: bool
+
+    @property
+    def after(self) -> float:
+        """The value of the candidate."""
+        return self.before + self.change
 
 
 @dataclass(frozen=True)

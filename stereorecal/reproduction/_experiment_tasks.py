@@ -9,8 +9,8 @@ from stereorecal.estimation import EXACT
 from stereorecal.geometry import AXES, StereoRig
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import Reach
-from stereorecal.recalibration import Schedule, Solution, recalibrate, recalibrate_sequence
-from stereorecal.recordings import Pair, PairSequence, names_of
+from stereorecal.recalibration import Repair, Schedule, Solution, recalibrate, recalibrate_many
+from stereorecal.recordings import Pair, PairSequence, Scene, names_of
 from stereorecal.reproduction._pixel_counter import PixelCounter
 from stereorecal.strategies import Budget
 
@@ -215,8 +215,10 @@ class SequentialRepairs:
 
     def run(self) -> Row:
         """Repair and count."""
-        counter, pairs = self.logged_pairs[0].counter, [logged_pair.pair for logged_pair in self.logged_pairs]
-        solutions = recalibrate_sequence(self.start, pairs, **self.search.arguments(counter))
+        counter = self.logged_pairs[0].counter
+        scenes = [Scene(pair.key, self.start, (pair.pair,)) for pair in self.logged_pairs]
+        repairs = recalibrate_many(scenes, start="previous", **self.search.arguments(counter))
+        solutions = [_solution(repair) for repair in repairs]
         return {
             "sequence": self.logged_pairs[0].sequence,
             "order": self.order,
@@ -232,6 +234,12 @@ class SequentialRepairs:
 
 Task = PairCounts | AxisSweep | PairRepair | SequentialRepairs
 _WHEN = ("score_initial", "score_final", "score_reference")
+
+
+def _solution(repair: Repair) -> Solution:
+    if repair.solution is None:
+        raise RuntimeError(f"{repair.name}: {repair.error}")
+    return repair.solution
 
 
 def _found(logged_pair: LoggedPair, solution: Solution) -> Row:

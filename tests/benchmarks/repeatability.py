@@ -80,7 +80,7 @@ def over_tiles(scene: Scene, samples: int) -> list[np.ndarray]:
 def dense_solver(rig: sr.StereoRig, pair: sr.Pair):
     """times -> rig: the last correspondences of `recalibrate`, each as often as its tile was drawn."""
     solution = sr.recalibrate(rig, [pair], prior="exact")
-    chart = Case(pyramid(rig, [pair], solution.view), solution.matcher, Reach(), solution.free).chart
+    chart = Case(pyramid(rig, [pair], solution.view), solution.matcher, Reach(), solution.settings.free).chart
     last = solution.stages[-1]
     found = last.found
     assert found is not None

@@ -41,7 +41,7 @@ def sides(drifted_scene: Path) -> tuple[object, ...]:
 @pytest.fixture
 def unworked(monkeypatch: pytest.MonkeyPatch) -> None:
     """Whatever is refused is refused before the work."""
-    monkeypatch.setattr(_recalibrate, "repairs_as_finished", lambda *_, **__: pytest.fail("worked before it looked"))
+    monkeypatch.setattr(_recalibrate, "recalibrate_many", lambda *_, **__: pytest.fail("worked before it looked"))
 
 
 def refused(answer, *words: str) -> None:

@@ -26,9 +26,9 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
 
     def note(scenes, **options):
         found.update(options, scenes=scenes)
-        return iter(())
+        raise KeyboardInterrupt
 
-    monkeypatch.setattr(_recalibrate, "repairs_as_finished", note)
+    monkeypatch.setattr(_recalibrate, "recalibrate_many", note)
     return found
 
 
@@ -321,7 +321,7 @@ def test_nothing_is_overwritten_without_force(command, drifted_scene: Path, tmp_
     target = tmp_path / "repaired.json"
     target.write_text("precious")
     with monkeypatch.context() as patch:
-        patch.setattr(_recalibrate, "repairs_as_finished", lambda *_, **__: pytest.fail("worked before it looked"))
+        patch.setattr(_recalibrate, "recalibrate_many", lambda *_, **__: pytest.fail("worked before it looked"))
         answer = command("recalibrate", drifted_scene, *COUNT, "--output", target)
     assert (answer.code, answer.out) == (2, "")
     assert "repaired.json: the file exists already; choose another or add --force" in answer.err
@@ -332,13 +332,13 @@ def test_nothing_is_overwritten_without_force(command, drifted_scene: Path, tmp_
 
 
 def test_a_file_that_appears_meanwhile_is_not_overwritten(command, drifted_scene: Path, tmp_path: Path, monkeypatch):
-    target, original = tmp_path / "repaired.json", _recalibrate.repairs_as_finished
+    target, original = tmp_path / "repaired.json", _recalibrate.recalibrate_many
 
     def meanwhile(*arguments, **options):
         target.write_text("precious")
         return original(*arguments, **options)
 
-    monkeypatch.setattr(_recalibrate, "repairs_as_finished", meanwhile)
+    monkeypatch.setattr(_recalibrate, "recalibrate_many", meanwhile)
     answer = command("recalibrate", drifted_scene, *COUNT, "--output", target)
     assert answer.code == 2
     assert "the file exists already" in answer.err

@@ -8,7 +8,7 @@ import pytest
 from stereorecal import _plugins
 from stereorecal.comparison import _trial, compare_scenes
 from stereorecal.matching import SAD
-from stereorecal.recalibration import searched
+from stereorecal.recalibration import recalibrate_case
 from stereorecal.scoring.host import Score
 from stereorecal.strategies import AbstractStrategy, Budget, Need, Outcome, Status, strategy
 
@@ -66,12 +66,13 @@ def test_counts_are_of_all_frames_even_of_those_that_a_repair_left_out(scene, mo
     given_scene, whole = scene("harbour", 0, (160, 120), 2), []
 
     def leaves_out(*arguments):
-        solution = searched(*arguments)
+        solution = recalibrate_case(*arguments)
         whole.append(solution)
         half = Score(solution.score_before.count // 2, solution.score_before.pixels // 2)
-        return replace(solution, kept=(0,), score_before=half, score_after=half)
+        frames = replace(solution.frames, kept=(0,))
+        return replace(solution.with_findings(score_before=half, score_after=half), frames=frames)
 
-    monkeypatch.setattr(_trial, "searched", leaves_out)
+    monkeypatch.setattr(_trial, "recalibrate_case", leaves_out)
     table = compare_scenes([given_scene], strategies={"idle": Idle()}, **(SMALL | {"draws": 1}))
     assert [trial.score_initial for trial in table.trials] == [found.score_before.count for found in whole]
     assert [trial.score_final for trial in table.trials] == [found.score_before.count for found in whole]

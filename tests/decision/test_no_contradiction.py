@@ -21,7 +21,7 @@ def agree(rig: sr.StereoRig, pairs) -> None:
         assert done.reason is Reason.ALREADY_GOOD
     if done.accepted:
         assert said.condition is not Condition.HEALTHY
-    if said.condition is Condition.REPAIR and said.mending is not None:
+    if said.condition is Condition.REPAIR and said.correction is not None:
         assert done.accepted
     if done.row_errors is not None and said.condition is Condition.HEALTHY:
         assert done.row_errors.before == pytest.approx(said.row_error, abs=0.01)  # one number, whoever prints it

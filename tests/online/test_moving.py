@@ -7,7 +7,7 @@ import pytest
 
 from stereorecal.estimation import Normal
 from stereorecal.online._estimate import Measurement
-from stereorecal.online._moving import _longest, _measurement, _told, moved
+from stereorecal.online._moving import _after_window, _longest, _measurement, moved
 from stereorecal.scoring.host import Corners
 
 
@@ -76,7 +76,7 @@ def test_a_boat_that_crosses_the_view_has_no_say(ridden):
     """Window after window, it tells a yaw of which rows know nothing."""
     state = ridden[-1].state
     for _ in range(6):
-        state, events = _told(state, told_yaw(ridden[-1].state, 0.7))
+        state, events = _after_window(state, told_yaw(ridden[-1].state, 0.7))
         assert not events
     assert state.estimate.offset[1] == pytest.approx(ridden[-1].state.estimate.offset[1])
 
@@ -87,9 +87,9 @@ def test_a_yaw_that_rows_took_for_the_keystone_is_believed_to_two_windows(ridden
     mean[9] = mean[1] + 0.5
     state = state.standing_at(replace(state.estimate, mean=mean))
     told = told_yaw(state, 0.5)
-    once, _ = _told(state, told)
+    once, _ = _after_window(state, told)
     assert once.estimate.offset[1] == pytest.approx(state.estimate.offset[1], abs=1e-3)
-    twice, _ = _told(once, told)
+    twice, _ = _after_window(once, told)
     assert twice.estimate.offset[1] == pytest.approx(told.offset[1], abs=0.05)
 
 
@@ -101,7 +101,7 @@ def test_two_windows_of_a_boat_are_not_believed_either(ridden):
         mean[9] = keystone
         start = after = state.standing_at(replace(state.estimate, mean=mean))
         for _ in range(3):
-            after, _ = _told(after, told_yaw(start, -0.7))
+            after, _ = _after_window(after, told_yaw(start, -0.7))
         assert after.estimate.offset[1] == pytest.approx(start.estimate.offset[1], abs=1e-3)
         assert after.others > 0.9
 

@@ -7,7 +7,7 @@ import pytest
 
 from stereorecal.online import Kind, Reading, State, Stepped, reading
 from stereorecal.online._estimate import Measurement
-from stereorecal.online._pair_estimate import Glance
+from stereorecal.online._pair_estimate import PairEstimate
 from stereorecal.online._switching import judged, nominated
 from stereorecal.online._trial import Trial
 from stereorecal.online._watching import followed, standing
@@ -59,7 +59,7 @@ def test_a_repair_may_move_y_and_z(healthy, by):
     """It was judged by its own misfit; a candidate of looks is dropped."""
     state = off_by(healthy, 0.0, 0.0, 0.0, 4.0, -5.0)
     state = state.but(trial=Trial(state.estimate.offset, by, state.frame - 1))
-    look = Glance(state.chart, 0.5)
+    look = PairEstimate(state.chart, 0.5)
     after, _ = judged(state, Measurement(state.frame, state.estimate.offset, np.diag(SIGMA**-2.0), np.zeros(5)), look)
     assert (after.trial is not None) is (by == "repair")
 

@@ -108,7 +108,7 @@ def test_a_state_of_another_calibration_is_refused(ride: Ride, tmp_path: Path):
         with pytest.raises(sr.InputError, match="of another calibration"):
             load(path, other)
         with pytest.raises(sr.InputError, match="of another calibration"):
-            sr.online.Beside(other, keep=path)
+            sr.online.MonitorProcess(other, keep=path)
 
 
 def test_a_failed_save_leaves_the_old_file(ride: Ride, tmp_path: Path):

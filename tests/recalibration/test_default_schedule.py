@@ -10,6 +10,7 @@ from rich.console import Console
 from stereorecal.geometry import StereoRig
 from stereorecal.matching import SAD
 from stereorecal.recalibration import Reason, Repair, Schedule, Solution, _recalibrate, recalibrate
+from stereorecal.recalibration._estimated import answered
 from stereorecal.recordings import Pair
 from stereorecal.report.repair_tables import repairs_table
 from stereorecal.strategies import Budget, Status
@@ -133,7 +134,7 @@ def test_covariance_is_in_the_units_of_differences(repaired):
 
 
 def test_no_interval_of_what_was_rejected(repaired):
-    rejected = replace(repaired, rig=repaired.initial, accepted=False, reason=Reason.CANNOT_TELL)
+    rejected = replace(repaired, reason=Reason.CANNOT_TELL)
     assert "±" in str(repaired)
     assert "±" not in str(rejected)
     assert "depth was off" not in str(rejected)
@@ -258,11 +259,11 @@ def test_a_look_decides_beside_a_search_in_doubt_only_if_its_rows_align(harbour,
 
     monkeypatch.setattr(_recalibrate, "looked", looked)
 
-    def in_doubt(case, stages, **_):
-        answer = _recalibrate.answered(case, stages[-1].found, case.rig)
+    def in_doubt(case, schedule, stages):
+        answer = answered(case, stages[-1].found, case.rig)
         return replace(ended(case, answer, case.rig), reason=Reason.CANNOT_TELL)
 
-    monkeypatch.setattr(_recalibrate, "_ended", in_doubt)
+    monkeypatch.setattr(_recalibrate, "judged", in_doubt)
     start, schedule = drifted((0.2, -0.3, -0.2, 0.0, 0.0)), Schedule("rows", Schedule.default().stages[2:])
     solution = repair(start, harbour, schedule=schedule)
     assert solution.reason is reason

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from stereorecal.recalibration import _evidence
+from stereorecal.recalibration import _row_evidence
 from stereorecal.recalibration._acceptance import compared
-from stereorecal.recalibration._evidence import Evidence
+from stereorecal.recalibration._row_evidence import Evidence
 
 PRIOR = np.eye(5) * 36.0  # 1 / (a sixth of the box)²: a drift of a third of the reach, in a box of two
 TILES = 48
@@ -150,7 +150,7 @@ def test_an_offset_that_all_rows_share_is_allowed_for(monkeypatch):
     none = np.zeros(len(found.tile))
     moved = solve(found.jacobian, none + 0.01, found.curvature) - solve(found.jacobian, none, found.curvature)
     covariance = found.covariance()
-    monkeypatch.setattr(_evidence, "SHARED", 0.0)
+    monkeypatch.setattr(_row_evidence, "SHARED", 0.0)
     np.testing.assert_allclose(covariance - found.covariance(), np.outer(moved, moved), rtol=1e-6, atol=1e-15)
 
 

@@ -11,8 +11,8 @@ from stereorecal.decision import Decision, Verdict
 from stereorecal.geometry import Camera
 from stereorecal.matching import SAD, SGBM
 from stereorecal.recalibration import Condition, Health, health
-from stereorecal.recalibration._consequences import Interval
-from stereorecal.recalibration._correction import Mending
+from stereorecal.recalibration._correction import Correction
+from stereorecal.recalibration._interval import Interval
 from stereorecal.recordings import Pair, make_pair
 from stereorecal.scoring import ImageQuality
 from stereorecal.scoring.host import Score, score
@@ -41,7 +41,7 @@ def test_the_truth_is_healthy(under, matcher):
     assert found.healthy
     assert found.row_error < 0.15
     assert found.covered > 0.4
-    for axis in found.mending.axes.values():
+    for axis in found.correction.axes.values():
         assert axis.low - 0.1 < 0 < axis.high + 0.1
 
 
@@ -51,15 +51,15 @@ def test_the_axis_that_is_off_is_named(under, axis, sign):
     degrees = {"pitch": 0.1, "yaw": 0.5, "roll": 0.2}[axis]
     found = under(**{axis: sign * degrees}, prior="exact")
     assert found.condition is Condition.REPAIR
-    assert axis in found.mending.named
+    assert axis in found.correction.significant
     assert axis in found.verdict
-    assert found.mending.axes[axis].value == pytest.approx(-sign * degrees, rel=0.15)
+    assert found.correction.axes[axis].value == pytest.approx(-sign * degrees, rel=0.15)
 
 
 def test_wrong_yaw_is_wrong_depth(under):
     """0.5 degrees are 0.0087 focal lengths of disparity; 30 baselines show 0.033."""
     for sign in (1, -1):
-        error = under(yaw=0.5 * sign, prior="exact").mending.depth_percent[30]
+        error = under(yaw=0.5 * sign, prior="exact").correction.depth_percent[30]
         assert error.low < error.value < error.high
         assert abs(1 / (1 + error.value / 100) - 1) == pytest.approx(30 * np.radians(0.5), rel=0.15)
 
@@ -69,7 +69,7 @@ def test_far_out_it_is_to_be_repaired(under, pitch):
     found = under(pitch)
     assert found.score.fraction > 0.15
     assert found.condition is Condition.REPAIR
-    assert found.mending is None
+    assert found.correction is None
     assert np.isnan(found.row_error)
 
 
@@ -123,7 +123,7 @@ def judged(verdict: Verdict, after: float = 0.1) -> Health:
     rows = np.array([[0.2, 0.1, 0.3], [after, 0.0, 2.0 * after]])
     decision = Decision(verdict, np.zeros(5), False, 0.5, 0.5, 0.0, rows)
     depths = dict.fromkeys((5, 10, 30, 100), about(0.0, 1.0))
-    return Health(Score(1, 2), 0.2, 0.5, DAYLIGHT, Mending(axes, about(0.2, 0.1), depths, 0.1, decision))
+    return Health(Score(1, 2), 0.2, 0.5, DAYLIGHT, Correction(axes, about(0.2, 0.1), depths, 0.1, decision))
 
 
 @pytest.mark.parametrize(
@@ -161,7 +161,7 @@ def test_more_frames_are_one_look(scene):
     found = health(given.rig, given.pairs, matcher=SAD_48)
     assert found.healthy
     assert found.score.pixels == 2 * SIZE[0] * SIZE[1]
-    assert replace(found, mending=None).condition is Condition.REPAIR
+    assert replace(found, correction=None).condition is Condition.REPAIR
 
 
 @pytest.mark.parametrize("counts", [40.0, 0.5])

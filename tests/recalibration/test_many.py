@@ -3,10 +3,10 @@
 import json
 import os
 import pickle
+import re
 from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from importlib.metadata import EntryPoints
-from itertools import islice
 from multiprocessing import get_context
 from threading import Event
 
@@ -18,7 +18,7 @@ from stereorecal import _plugins
 from stereorecal._errors import InputError
 from stereorecal.io import load_scene, save_scene
 from stereorecal.objectives import Reach
-from stereorecal.recalibration import Fault, recalibrate_many, repairs_as_finished
+from stereorecal.recalibration import Fault, recalibrate_many
 from stereorecal.strategies import AbstractStrategy, Budget, strategy
 
 OPTIONS = {
@@ -192,14 +192,22 @@ def test_ctrl_c_passes(scenes):
 
 
 def test_who_takes_them_one_by_one_has_what_is_finished(scenes, serial):
-    finished = list(islice(repairs_as_finished(scenes, **OPTIONS), 2))
-    assert [index for index, _ in finished] == [0, 1]
-    assert what([repair for _, repair in finished]) == what(serial[:2])
+    finished = {}
+    with pytest.raises(KeyboardInterrupt):
+        recalibrate_many(scenes, progress=stop_after(2), finished=finished.__setitem__, **OPTIONS)
+    assert list(finished) == [0, 1]
+    assert what(finished.values()) == what(serial[:2])
 
 
-def test_bad_arguments_are_said_before_the_first_is_taken():
-    with pytest.raises(InputError, match="nothing to repair"):
-        repairs_as_finished([])
+@pytest.mark.parametrize(("name", "said"), [("matchr", "did you mean matcher?"), ("q", "there are: boards, budget")])
+def test_an_option_that_is_typed_wrongly_is_named(scenes, name, said):
+    for function in (recalibrate_many, lambda scenes, **options: sr.recalibrate(scenes[0].rig, (), **options)):
+        with pytest.raises(TypeError, match=re.escape(f"there is no option {name!r}; {said}")):
+            function(scenes, **{name: 1})
+    with pytest.raises(
+        TypeError, match="there is no option 'budget'; there are: matcher, motion, prior, tolerances, view"
+    ):
+        sr.health(scenes[0].rig, scenes[0].pairs, budget=3)
 
 
 def test_ctrl_c_cancels_what_waits(scenes, monkeypatch):

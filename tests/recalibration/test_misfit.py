@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from spoiled_rows import X, nothing, seen
 
-from stereorecal.recalibration._misfit import Cause, misfit
+from stereorecal.recalibration._regional_misfit import Cause, misfit
 
 
 @pytest.mark.parametrize("noise", [0.05, 0.4])

@@ -160,7 +160,7 @@ def test_the_next_look_begins_with_it(scenes, first):
     _, pairs, _ = scenes
     second = sr.recalibrate(first.rig, pairs, matcher=MATCHER, prior=first.prior)
     assert second.prior_use.name == "saved"
-    assert second.looked_at == (1,)
+    assert second.frames.looked_at == (1,)
     assert second.prior_use.as_dict()["not_again"] == 1
     assert "1 of 2 pairs was used before and does not count again" in str(second)
     alone = sr.recalibrate(first.rig, pairs[1:], matcher=MATCHER, prior=first.prior)
@@ -183,7 +183,7 @@ def test_a_look_begins_with_it_too(scenes, first, tmp_path: Path):
         found, again = (sr.health(rig, some, matcher=MATCHER, prior=prior) for prior in (None, "saved"))
         assert found.condition is not Condition.REPAIR
         assert found.as_dict() == again.as_dict()
-        depth = found.mending.depth_percent[30]
+        depth = found.correction.depth_percent[30]
         assert depth.low < wrong < depth.high
         assert depth.value < -5.0
     with pytest.raises(sr.InputError, match="no prior is saved"):

@@ -1,15 +1,14 @@
 """What the page of a repair is given: of the calibration that is to be used, and nothing where nothing was found."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import stereorecal as sr
 from stereorecal.geometry import changed_camera
-from stereorecal.recalibration import Reason
-from stereorecal.recalibration._lenses import lenses_of
+from stereorecal.recalibration import Intrinsics, IntrinsicsOutcome, Reason
+from stereorecal.recalibration._intrinsics_table import lenses_of
 from stereorecal.recalibration._repair_report import conclusion_of, report_of
 from stereorecal.recalibration._row_maps import seen_rows
 from stereorecal.report.repair_report import Conclusion, RepairReport
@@ -48,8 +47,7 @@ def test_all_that_repeats_a_repair(repaired, harbour):
 
 
 def test_a_range_that_was_measured_is_no_setting(repaired, harbour):
-    assert repaired.asked is not None
-    said = reported(replace(repaired, asked=replace(repaired.asked, matcher=sr.SAD())), harbour).settings
+    said = reported(replace(repaired, settings=replace(repaired.settings, matcher=sr.SAD())), harbour).settings
     assert "num_disparities=None" in said["matcher"]
     assert "num_disparities=64" in said["matcher, with the range that was measured"]
 
@@ -78,7 +76,7 @@ def test_what_nobody_can_tell_has_no_tables(harbour):
 
 def test_a_wrong_candidate_tells_no_depth(repaired, harbour):
     """Its difference to the calibration that is kept may be small, of which the depth is no better for it."""
-    found = reported(replace(repaired, reason=Reason.MISFIT, accepted=False), harbour)
+    found = reported(replace(repaired, reason=Reason.MISFIT), harbour)
     assert found.conclusion is Conclusion.REFUSED
     assert list(found.depths) == []
     assert len(found.axes) == 6
@@ -103,20 +101,25 @@ def test_verdicts(reason: Reason, verdict: Conclusion):
 
 def test_hardly_any_match_gives_no_axes(repaired, harbour):
     """But the calibration, under which nothing matches, is no good one."""
-    found = reported(replace(repaired, reason=Reason.NO_MATCHES, accepted=False), harbour)
+    found = reported(replace(repaired, reason=Reason.NO_MATCHES), harbour)
     assert found.conclusion is Conclusion.REFUSED
     assert (list(found.axes), list(found.depths), list(found.facts)) == ([], [], ["matched, of 76 800 pixels"])
 
 
 def test_what_was_left_out_is_said(repaired, harbour):
     stripes = np.broadcast_to(np.arange(240, dtype=np.float32)[:, None], (240, 320))
-    found = reported(replace(repaired, left_out=("other",)), [*harbour, sr.Pair(stripes, stripes, "other")])
+    found = reported(
+        replace(repaired, frames=replace(repaired.frames, left_out=("other",))),
+        [*harbour, sr.Pair(stripes, stripes, "other")],
+    )
     assert [state for _, state, _ in found.frames] == ["used", "left out"]
     assert "1 frame was left out: see Frames below." in found.remarks
 
 
 def test_pairs_that_were_not_looked_at_are_on_the_page(repaired, harbour, tmp_path):
-    replace(repaired, looked_at=(0,)).to_html(tmp_path / "out.html", [*harbour, *harbour])
+    replace(repaired, frames=replace(repaired.frames, looked_at=(0,))).to_html(
+        tmp_path / "out.html", [*harbour, *harbour]
+    )
     page = (tmp_path / "out.html").read_text(encoding="utf-8")
     assert "1 other pair</td>" in page
     assert "1 frame was used." in page
@@ -135,9 +138,11 @@ def test_lenses():
     """In units of a calibration file, with intervals in the same."""
     right = changed_camera(RIG.right, {"f": 0.01, "cx": 2.0, "k1": 0.02})
     names, interval = ("baseline", "right.f", "right.cx", "right.k1"), np.array([0.1, 0.5, 0.25, 0.001])
-    seen = SimpleNamespace(taken=True, names=names, interval=interval, undetermined=("right.cx",))
-    solution = SimpleNamespace(intrinsics=seen, initial=RIG, candidate=replace(RIG, right=right))
-    focal, centre, first = lenses_of(solution)
+    units, nan = ("%", "%", "px", ""), float("nan")
+    taken, kept = IntrinsicsOutcome.REFINED, IntrinsicsOutcome.NO_GAIN
+    seen = Intrinsics(taken, names, units, np.zeros(4), interval, ("right.cx",), nan, nan, nan, nan)
+    candidate = replace(RIG, right=right)
+    focal, centre, first = lenses_of(seen, RIG, candidate)
     assert (focal.camera, focal.name, focal.unit) == ("right", "focal length, f", "px")
     before = float(RIG.right.matrix[0, 0])
     np.testing.assert_allclose([focal.before, focal.after], [before, before * np.exp(0.01)])
@@ -145,5 +150,5 @@ def test_lenses():
     assert (centre.observed, first.observed) == (False, True)
     np.testing.assert_allclose([centre.after - centre.before, centre.half_width], [2.0, 0.25])
     np.testing.assert_allclose(first.after - first.before, 0.02)
-    assert lenses_of(SimpleNamespace(intrinsics=None)) == []
-    assert lenses_of(SimpleNamespace(intrinsics=SimpleNamespace(taken=False))) == []
+    assert lenses_of(None, RIG, candidate) == []
+    assert lenses_of(replace(seen, outcome=kept), RIG, candidate) == []

@@ -1,5 +1,6 @@
 """Pair after pair: each repair starts where the one before it ended; the path says where a repair stood."""
 
+from concurrent.futures import ThreadPoolExecutor
 from itertools import pairwise
 
 import numpy as np
@@ -17,6 +18,12 @@ OPTIONS = {
 }
 
 
+def in_order(rig, pairs, **options):
+    """The solutions of single pairs, each of which starts where the one before it ended."""
+    scenes = [sr.Scene(str(number), rig, (pair,)) for number, pair in enumerate(pairs)]
+    return [repair.solution for repair in sr.recalibrate_many(scenes, start="previous", **options)]
+
+
 @pytest.fixture(scope="module")
 def drifted(scene):
     rig = scene().rig
@@ -25,7 +32,7 @@ def drifted(scene):
 
 @pytest.fixture(scope="module")
 def solutions(scene, drifted):
-    return sr.recalibrate_sequence(drifted, scene(frames=3).pairs, **OPTIONS)
+    return in_order(drifted, scene(frames=3).pairs, **OPTIONS)
 
 
 def test_each_starts_where_the_one_before_ended(scene, drifted, solutions):
@@ -48,19 +55,37 @@ def test_each_is_a_repair_of_its_own(scene, drifted, solutions):
 def test_a_pair_that_shows_nothing_leaves_the_rig(scene, drifted):
     sea = scene("open-sea", 1, (320, 240)).pairs
     rig = drifted.resized((320, 240))
-    (found,) = sr.recalibrate_sequence(rig, sea, matcher=sr.SAD(num_disparities=64))
+    (found,) = in_order(rig, sea, matcher=sr.SAD(num_disparities=64))
     assert not found.accepted
     assert found.rig is rig
 
 
 def test_the_budget_is_that_of_each_pair(scene, drifted):
-    found = sr.recalibrate_sequence(drifted, scene(frames=3).pairs[:2], budget=Budget(evaluations=3), **OPTIONS)
+    found = in_order(drifted, scene(frames=3).pairs[:2], budget=Budget(evaluations=3), **OPTIONS)
     assert all(0 < one.cost.budgeted <= 3 for one in found)
 
 
 def test_no_pair(drifted):
-    with pytest.raises(InputError, match="no image pair"):
-        sr.recalibrate_sequence(drifted, [])
+    with pytest.raises(InputError, match="nothing to repair"):
+        in_order(drifted, [])
+
+
+def test_what_cannot_be_repaired_leaves_the_rig(scene, drifted):
+    pairs = scene(frames=3).pairs
+    first, last = (sr.Scene(name, drifted, (pair,)) for name, pair in (("a", pairs[0]), ("c", pairs[1])))
+    found = sr.recalibrate_many([first, sr.Scene("b", None, ()), last], start="previous", **OPTIONS)
+    assert [repair.solution is None for repair in found] == [False, True, False]
+    assert found[2].solution.initial is found[0].solution.rig
+
+
+def test_repairs_that_wait_for_each_other_share_nothing(scene, drifted):
+    scenes = [sr.Scene("a", drifted, scene().pairs)]
+    with ThreadPoolExecutor(1) as pool, pytest.raises(InputError, match="leave executor out"):
+        sr.recalibrate_many(scenes, start="previous", executor=pool)
+    with pytest.raises(InputError, match="free the extrinsics alone"):
+        sr.recalibrate_many(scenes, start="previous", free=("extrinsics", "intrinsics"))
+    with pytest.raises(InputError, match="unknown start 'prevoius'"):
+        sr.recalibrate_many(scenes, start="prevoius")
 
 
 def test_the_path_climbs_from_the_start_to_the_end(scene, solutions, drifted):

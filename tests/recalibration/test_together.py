@@ -105,7 +105,7 @@ def test_a_lens_that_does_not_fit_is_said(given_wrong, scenes):
     said = f"the intrinsics do not fit: {wrong.misfit.alike:.2f} px of the rows' error is systematic"
     assert f"misfit   {said}; free them with several scenes" in str(wrong)
     assert "intrinsics" not in str(right)
-    tried = replace(wrong, intrinsics=sr.recalibrate(WRONG, given_wrong[1].pairs, free=BOTH).intrinsics)
+    tried = wrong.with_findings(intrinsics=sr.recalibrate(WRONG, given_wrong[1].pairs, free=BOTH).intrinsics)
     assert said in str(tried)
     assert "free them" not in str(tried)
 
@@ -172,6 +172,8 @@ def test_long_recordings_are_looked_at_in_part():
     ((ranged,), (found,)) = sharing([scene], Parameters((*BOTH, "baseline")), named, "each", sr.Schedule.default())
     assert [int(pair.name) for pair in ranged.pairs] == sorted({1, *numbers})
     assert found.pair is ranged.pairs[[pair.name for pair in ranged.pairs].index("1")]
+    ((again,), _) = sharing([ranged], Parameters((*BOTH, "baseline")), named, "each", sr.Schedule.default())
+    assert again.pairs == ranged.pairs  # what was chosen stays chosen
     ((every,), _) = sharing([scene], Parameters(), (), "each", sr.Schedule.default())
     assert len(every.pairs) == 100
 
@@ -208,11 +210,12 @@ def test_what_is_said_of_single_parameters_counts(given_wrong):
 
 def test_frames_are_counted_as_they_were_given(scenes, monkeypatch):
     """Where only some of many are looked at."""
+    monkeypatch.setattr("stereorecal.recalibration._frame_choice.MOST_FRAMES", 1)
     monkeypatch.setattr("stereorecal.recalibration._frame_choice.chosen_frames", lambda pairs: pairs[1:2])
     pairs = [replace(scene.pairs[0], name=scene.name) for scene in scenes[:2]]
     off = TRUE.with_extrinsics(TRUE.extrinsics + np.radians([0.5, 0.3, -0.4, 0, 0, 0]))
     solution = sr.recalibrate(off, pairs, free=("rotation", "left.k1"))
-    assert (solution.looked_at, solution.kept) == ((1,), (0,))
+    assert (solution.frames.looked_at, solution.frames.kept) == ((1,), (0,))
     assert sr.recalibrate(off, pairs[1:], free="rotation").score_before == solution.score_before
 
 

@@ -9,7 +9,7 @@ from stereorecal.strategies import Objective, Outcome, Status
 from stereorecal_optimistix._best import Best
 from stereorecal_optimistix._chart import chart_at
 from stereorecal_optimistix._climb import AbstractClimb
-from stereorecal_optimistix._look import View, look
+from stereorecal_optimistix._evaluation import Evaluation, evaluated
 from stereorecal_optimistix._step import Tangent, advance, begin
 
 
@@ -18,9 +18,9 @@ def climb(strategy: AbstractClimb, objective: Objective, start: Float[np.ndarray
     solver, chart, best = strategy.solver(), chart_at(start, strategy.unit), Best(start)
     cost = objective.gradient_cost
 
-    def seen(v: jax.Array) -> View:
+    def seen(v: jax.Array) -> Evaluation:
         objective.reserve(cost)
-        view = look(strategy.needs, objective.traced, chart, v)
+        view = evaluated(strategy.needs, objective.traced, chart, v)
         best.see(np.asarray(view.z, float), float(view.score))
         objective.charge(cost, best=best.z)
         return view

@@ -7,7 +7,7 @@ import optimistix as optx
 import pytest
 from stereorecal_optimistix import BFGS, Adam, NelderMead
 from stereorecal_optimistix._chart import chart_at
-from stereorecal_optimistix._look import look
+from stereorecal_optimistix._evaluation import evaluated
 
 from stereorecal.strategies import Need, Objective, Status, run_strategy
 
@@ -19,7 +19,7 @@ def test_it_takes_the_steps_of_optimistix(climb_class, problem):
     run = run_strategy(strategy, Objective(bowl), start)
 
     chart, v = chart_at(start, strategy.unit), jnp.zeros(3)
-    scale = strategy.scale(np.asarray(look(strategy.needs, bowl.traced, chart, v).slope, float))
+    scale = strategy.scale(np.asarray(evaluated(strategy.needs, bowl.traced, chart, v).slope, float))
     if strategy.needs is Need.RESIDUALS:
         theirs = optx.least_squares(lambda v, _: bowl.traced.residuals(chart(v)) / scale, strategy.solver(), v)
     else:

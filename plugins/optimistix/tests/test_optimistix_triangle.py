@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 from stereorecal_optimistix import Dogleg, GaussNewton, LevenbergMarquardt, _step
-from stereorecal_optimistix._look import triangle
+from stereorecal_optimistix._evaluation import triangle
 
 from stereorecal.strategies import Objective, Problem, Traced, run_strategy
 

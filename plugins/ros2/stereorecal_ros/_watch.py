@@ -13,7 +13,7 @@ import numpy as np
 from stereorecal import InputError, StereoRig, View
 from stereorecal.geometry import rig_as_data
 from stereorecal.io import back_up, calibration_files, load_rig, save_rig
-from stereorecal.online import Beside, Event, Kind, State, reading, recalibrate
+from stereorecal.online import Event, Kind, MonitorProcess, State, reading, recalibrate
 from stereorecal_ros._applied import Applied
 from stereorecal_ros._camera_info import CameraInfo, corrected, is_like, rig_of, view_of
 from stereorecal_ros._camera_info_files import infos_in
@@ -48,7 +48,7 @@ class _Recent:
 
 
 class Watch:
-    """A rig that is watched. Nothing waits here: the work is done by a process of its own, `stereorecal.online.Beside`.
+    """A rig that is watched. Nothing waits here: a process of its own works, `stereorecal.online.MonitorProcess`.
 
     The calibration that is published changes by `apply` and `roll_back` alone, and where `auto_apply` is set; it is
     always one that was given, or that the decision has accepted.
@@ -71,7 +71,7 @@ class Watch:
         tell: Tell,
         *,
         about: Callable[[str], str] = lambda name: "",
-        work: Callable[..., Process] = Beside,
+        work: Callable[..., Process] = MonitorProcess,
         clock: Callable[[], float] = time.monotonic,
         background: Executor | None = None,
     ) -> None:

@@ -22,7 +22,7 @@ Change = Callable[[State], tuple[State, tuple[Event, ...]]]
 
 @runtime_checkable
 class Process(Protocol):
-    """What is used of `stereorecal.online.Beside`, which says what each does."""
+    """What is used of `stereorecal.online.MonitorProcess`, which says what each does."""
 
     @property
     def ready(self) -> bool: ...
@@ -61,7 +61,7 @@ class Worker:
     Args:
         kept: the places of what is kept.
         tell: what is called with lines for the log.
-        work: makes a `Beside`.
+        work: makes a `MonitorProcess`.
         clock: seconds.
         background: where processes are begun and ended, one after the other: either takes up to some seconds.
     """
@@ -116,7 +116,7 @@ class Worker:
         return begun
 
     def latest(self) -> tuple[State, tuple[Event, ...]] | None:
-        """What `Beside.latest` says; None if there is no process, or it has exited."""
+        """What `MonitorProcess.latest` says; None if there is no process, or it has exited."""
         if self._beside is None:
             return None
         try:

@@ -33,7 +33,7 @@ class AtOnce(Executor):
 
 @dataclass
 class Work:
-    """A stand-in for `Beside`: pairs and changes are kept, what it says is set by the test."""
+    """A stand-in for `MonitorProcess`: pairs and changes are kept, what it says is set by the test."""
 
     rig: StereoRig
     config: Config

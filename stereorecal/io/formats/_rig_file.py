@@ -1,10 +1,10 @@
 """The calibration file that a rig was read from."""
 
 from dataclasses import dataclass
-from typing import Any
 
 from stereorecal.geometry import StereoRig
 from stereorecal.io.formats._format import Documents, Hints
+from stereorecal.io.formats._prior_content import StoredPrior
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class RigFile:
     hints: Hints
     unit: str
     inferred: bool = False
-    beside: Any = None  # a StoredPrior, whose module imports this one
+    beside: StoredPrior | None = None
 
 
 def file_of(rig: StereoRig) -> RigFile | None:

@@ -5,15 +5,15 @@ The content is that of `SavedPrior.as_dict`; here it is JSON data, of which only
 
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
 
 from stereorecal._errors import InputError
-from stereorecal.geometry import StereoRig, rig_from_data, same_rig
+from stereorecal.geometry import StereoRig
 from stereorecal.io._read_files import about, read_text
 from stereorecal.io._strict_json import parse_json
 from stereorecal.io.formats import _stereorecal
+from stereorecal.io.formats._prior_content import StoredPrior
 from stereorecal.io.formats._rig_file import file_of
 from stereorecal.io.formats.text._document import Syntax, document
 
@@ -31,33 +31,6 @@ class PriorData(Protocol):
     def as_dict(self) -> dict[str, Any]: ...
 
     def check(self, rig: StereoRig) -> None: ...
-
-
-@dataclass(frozen=True)
-class StoredPrior:
-    """A prior as read from a file, not yet checked.
-
-    Attributes:
-        place: its name in messages.
-        content: None if it cannot be read.
-        problem: why it cannot be read.
-    """
-
-    place: str
-    content: Any
-    problem: str | None = None
-
-    def of(self, rig: StereoRig) -> bool:
-        """Whether it belongs to a rig.
-
-        Raises:
-            InputError: if it cannot be read, or is something else.
-        """
-        if self.problem is not None:
-            raise InputError(self.problem)
-        with about(self.place):
-            content = self.content if isinstance(self.content, dict) else {}
-            return same_rig(rig_from_data(content.get("rig")), rig)
 
 
 def prior_file(path: Path) -> Path:

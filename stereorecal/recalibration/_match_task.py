@@ -1,4 +1,4 @@
-"""What recordings that are solved together ask of their images, each in a worker: matches, ranges, counts."""
+"""What is asked of the images of recordings that are solved together, each in a worker: matches, ranges, counts."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ Each = Callable[[Callable[[Any], Any], Sequence[Any]], Sequence[Any]]  # does on
 
 
 @dataclass(frozen=True, eq=False)
-class Task:
+class MatchTask:
     """Pairs to look at through rigs: no more than a worker needs travels to it.
 
     Attributes:
@@ -34,20 +34,20 @@ class Task:
     ranges: tuple[Range, ...] = ()
 
 
-def matched(task: Task) -> Correspondences:
+def matched(task: MatchTask) -> Correspondences:
     """The correspondences under the first rig."""
     rig = task.rigs[0]
     data = pyramid(rig, task.pairs, task.view).at(task.scale)
     return correspondences(data, with_unit_baseline(rig.extrinsics), task.matcher)
 
 
-def beams_of(task: Task) -> Beams:
+def beams_of(task: MatchTask) -> Beams:
     """The ranges, matched under the first rig."""
     rig = task.rigs[0]
     return beams(pyramid(rig, task.pairs, task.view).at(task.scale), rig, task.matcher, task.pairs, task.ranges)
 
 
-def counted(task: Task) -> Int[np.ndarray, "rigs k tiles"]:
+def counted(task: MatchTask) -> Int[np.ndarray, "rigs k tiles"]:
     """Counts of the tiles of all frames at full scale, under each rig."""
     return np.stack(
         [

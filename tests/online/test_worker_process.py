@@ -15,14 +15,14 @@ from rides import Ride
 
 import stereorecal as sr
 from stereorecal import InputError
-from stereorecal.online import Beside, Config, Event, Kind, State, _worker_process, freeze, init, load, save
+from stereorecal.online import Config, Event, Kind, MonitorProcess, State, _worker_process, freeze, init, load, save
 from stereorecal.recordings import Pair
 from stereorecal.scoring.host import Corners
 
 
 def test_a_process_that_died_is_told(ride: Ride):
     black = np.zeros((240, 320), np.uint8)
-    with Beside(ride.rig) as beside:
+    with MonitorProcess(ride.rig) as beside:
         assert beside.latest()[1] == ()
         beside._process.kill()
         beside._process.join()
@@ -40,7 +40,7 @@ def test_a_process_that_died_is_told(ride: Ride):
 def test_put_never_waits(ride: Ride):
     """Black pairs, which need no compiled program."""
     black = np.zeros((240, 320), np.uint8)
-    with Beside(ride.rig) as beside:
+    with MonitorProcess(ride.rig) as beside:
         began = time.perf_counter()
         kept = [beside.put((black, black)) for _ in range(300)]
         assert time.perf_counter() - began < 1.0
@@ -71,7 +71,7 @@ def refused(state: State) -> tuple[State, tuple[Event, ...]]:
     raise InputError("not this way.")
 
 
-def told(beside: Beside, *kinds: Kind) -> list[Event]:
+def told(beside: MonitorProcess, *kinds: Kind) -> list[Event]:
     """What happens until all of these have."""
     events: list[Event] = []
     until = time.perf_counter() + 120
@@ -89,7 +89,7 @@ def test_changes_pairs_and_savings(ride: Ride, tmp_path: Path):
     """A change is made in the process, between pairs; a state is saved when something happens, and at the end."""
     noise, kept = np.random.default_rng(0).integers(0, 255, (2, 240, 320), np.uint8), tmp_path / "state"
     state = init(ride.rig, Config(every=1000)).but(frame=1)  # so that no pair is looked at
-    with Beside(state, keep=kept, keep_every=math.inf) as beside:
+    with MonitorProcess(state, keep=kept, keep_every=math.inf) as beside:
         assert beside.ready
         beside.change(partial(seen, folder=tmp_path))
         assert not beside.ready
@@ -122,7 +122,7 @@ def told_corners(state: State) -> tuple[State, tuple[Event, ...]]:
 
 
 def test_the_images_of_corners_stay_in_the_process(ride: Ride):
-    with Beside(ride.rig) as beside:
+    with MonitorProcess(ride.rig) as beside:
         beside.change(with_corners)
         beside.change(told_corners)
         (event,) = told(beside, Kind.HEALTHY)
@@ -167,7 +167,7 @@ def test_the_settings_that_are_given_count_where_a_state_is_kept(ride: Ride, tmp
 
     def went_on(state: State, *config: Config) -> State:
         save(state, place)
-        with Beside(ride.rig, *config, keep=place) as beside:
+        with MonitorProcess(ride.rig, *config, keep=place) as beside:
             return beside.latest()[0]
 
     same = went_on(narrow)
@@ -185,7 +185,7 @@ def test_the_settings_that_are_given_count_where_a_state_is_kept(ride: Ride, tmp
 
 def test_what_cannot_be_sent_is_refused_where_it_is_given(ride: Ride):
     image = np.zeros((240, 320), np.uint8)
-    with Beside(ride.rig) as beside:
+    with MonitorProcess(ride.rig) as beside:
         with pytest.raises((AttributeError, TypeError, PicklingError)):
             beside.change(lambda state: (state, ()))
         for pair in ((image,), (image, np.array([None])), (image, image, "now"), 3):
@@ -215,7 +215,7 @@ def unreadable_here(state: State) -> tuple[State, tuple[Event, ...]]:
 
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
 def test_a_thread_that_died_is_told(ride: Ride):
-    with Beside(ride.rig) as beside:
+    with MonitorProcess(ride.rig) as beside:
         beside.change(unreadable_here)
         beside._thread.join(120)
         assert not beside.alive
@@ -229,8 +229,8 @@ def test_a_share_of_a_core(ride: Ride):
     """A process that has had its share rests, and is not ready; closing does not wait for it."""
     black = np.zeros((240, 320), np.uint8)
     with pytest.raises(InputError, match="above 0"):
-        Beside(ride.rig, share=0.0)
-    with Beside(ride.rig, share=1e-6) as beside:
+        MonitorProcess(ride.rig, share=0.0)
+    with MonitorProcess(ride.rig, share=1e-6) as beside:
         beside.put((black, black))
         until = time.perf_counter() + 120
         while not beside.latest()[1] and time.perf_counter() < until:
@@ -245,7 +245,7 @@ def test_a_place_that_cannot_be_written_to_is_told_once_and_the_rig_is_watched_o
     """A folder that is not there yet stands for a disk that is full."""
     place = tmp_path / "later" / "state"
     happens = partial(seen, folder=tmp_path)
-    with Beside(init(ride.rig, Config(every=1000)), keep=place, keep_every=math.inf) as beside:
+    with MonitorProcess(init(ride.rig, Config(every=1000)), keep=place, keep_every=math.inf) as beside:
         beside.change(happens)
         beside.change(happens)
         beside.change(refused)
@@ -269,14 +269,14 @@ def test_the_last_state_is_saved_when_the_program_is_killed(tmp_path: Path):
     program.write_text(
         "import sys, time\n"
         "from pathlib import Path\n"
-        "from stereorecal.online import Beside\n"
+        "from stereorecal.online import MonitorProcess\n"
         "from stereorecal.synthetic import default_rig\n"
         "def slow(state):\n"
         f"    Path({str(tmp_path / 'begun')!r}).touch()\n"
         "    time.sleep(1.0)\n"
         "    return state.but(frame=7), ()\n"
         "if __name__ == '__main__':\n"
-        f"    beside = Beside(default_rig(), keep={str(place)!r}, keep_every=1e9)\n"
+        f"    beside = MonitorProcess(default_rig(), keep={str(place)!r}, keep_every=1e9)\n"
         "    beside.change(slow)\n"
         "    time.sleep(100)\n"
     )

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from stereorecal.estimation import NO_WINDOWS, Windows
 from stereorecal.geometry import StereoRig
 from stereorecal.recalibration._acceptance import Reason
-from stereorecal.recalibration._repair_tasks import Task
+from stereorecal.recalibration._match_task import MatchTask
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._stages import FEWEST
 from stereorecal.recordings import Pair, Range
@@ -15,7 +15,7 @@ _UNUSABLE = (Reason.OUT_OF_BUDGET, Reason.TOO_LITTLE_TEXTURE, Reason.NO_MATCHES)
 
 
 @dataclass(frozen=True, eq=False)
-class Recording:
+class RepairedRecording:
     """Pairs, the repair of their rig's extrinsics with the intrinsics as they were, and ranges of what they show; the
     frames that the repair left out take no part.
     """
@@ -38,13 +38,13 @@ class Recording:
     @property
     def kept(self) -> tuple[Pair, ...]:
         """The pairs that it rests on."""
-        return tuple(self.pairs[index] for index in self.repair.kept)
+        return tuple(self.pairs[index] for index in self.repair.frames.kept)
 
     @property
     def windows(self) -> Windows:
         """Of the kept pairs that follow each other, numbered as these."""
         seen = self.repair.estimate
-        return NO_WINDOWS if seen is None else seen.windows.numbered(self.repair.kept)
+        return NO_WINDOWS if seen is None else seen.windows.numbered(self.repair.frames.kept)
 
     def usable(self, *, lenses: bool) -> bool:
         """Whether it can take part: where lenses are free, frames may disagree by theirs; that is judged at the end."""
@@ -53,7 +53,7 @@ class Recording:
             return False
         return found is not None and found.found >= FEWEST
 
-    def task(self, *rigs: StereoRig, ranges: bool = False) -> Task:
+    def task(self, *rigs: StereoRig, ranges: bool = False) -> MatchTask:
         """To look at the kept pairs through rigs, as the repair looked at them."""
         repair, own = self.repair, self.ranges if ranges else ()
-        return Task(rigs, self.kept, repair.view, repair.matcher, repair.stages[-1].scale, own)
+        return MatchTask(rigs, self.kept, repair.view, repair.matcher, repair.stages[-1].scale, own)

@@ -1,16 +1,14 @@
 """What became of intrinsics that were refined, camera by camera, in units of a calibration file."""
 
-from typing import Any
-
-from stereorecal.geometry import intrinsic
+from stereorecal.geometry import StereoRig, intrinsic
+from stereorecal.recalibration._freed_intrinsics import Intrinsics
 from stereorecal.report.repair_report import Lens
 
 _CALLED = {"f": "focal length, f", "cx": "centre, cx", "cy": "centre, cy", "aspect": "aspect, fy / fx"}
 
 
-def lenses_of(solution: Any) -> list[Lens]:
+def lenses_of(seen: Intrinsics | None, initial: StereoRig, candidate: StereoRig) -> list[Lens]:
     """One row for each number, if they were taken; else none: then they stay, and are no answer."""
-    seen = solution.intrinsics
     if seen is None or not seen.taken:
         return []
     found = []
@@ -18,7 +16,7 @@ def lenses_of(solution: Any) -> list[Lens]:
         camera, _, name = full.partition(".")
         if not name:
             continue  # the baseline, which is an axis of the rig
-        before, after = (intrinsic(getattr(rig, camera), name) for rig in (solution.initial, solution.candidate))
+        before, after = (intrinsic(getattr(rig, camera), name) for rig in (initial, candidate))
         half_width = wide / 100.0 * after if name in ("f", "aspect") else wide
         pixels = name in ("f", "cx", "cy")
         unit, digits = ("px", 2) if pixels else ("", 5)

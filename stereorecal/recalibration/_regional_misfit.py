@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from stereorecal._json_data import json_data
-from stereorecal.recalibration._evidence import TILES_OF_A_FRAME, Evidence
+from stereorecal.recalibration._row_evidence import TILES_OF_A_FRAME, Evidence
 from stereorecal.scoring import TILES
 
 _FEWEST = 10  # correspondences in a region: below that its median is mostly noise

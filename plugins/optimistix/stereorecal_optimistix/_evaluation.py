@@ -13,7 +13,7 @@ from stereorecal_optimistix._chart import Chart
 _BLOCK = 128  # rows; small enough for OpenBLAS to stay on one thread
 
 
-class View(eqx.Module):
+class Evaluation(eqx.Module):
     """One evaluation with its derivative.
 
     Attributes:
@@ -29,24 +29,24 @@ class View(eqx.Module):
     slope: Float[Array, "*m n"]
 
 
-def look(needs: Need, traced: Traced, chart: Chart, v: Float[Array, "n"]) -> View:
+def evaluated(needs: Need, traced: Traced, chart: Chart, v: Float[Array, "n"]) -> Evaluation:
     """The face of the objective that a strategy needs, at v."""
     if needs is Need.RESIDUALS:
         assert traced.residuals is not None  # the core has checked it
-        return look_at_residuals(traced.residuals, chart, v)
+        return evaluated_residuals(traced.residuals, chart, v)
     assert traced.soft_count is not None
-    return look_at_score(traced.soft_count, chart, v)
+    return evaluated_score(traced.soft_count, chart, v)
 
 
 @eqx.filter_jit
-def look_at_score(score: Callable[[jax.Array], jax.Array], chart: Chart, v: jax.Array) -> View:
+def evaluated_score(score: Callable[[jax.Array], jax.Array], chart: Chart, v: jax.Array) -> Evaluation:
     """Minus the score, with its gradient."""
     value, gradient = jax.value_and_grad(lambda v: -score(chart(v)))(v)
-    return View(chart(v), -value, value, gradient)
+    return Evaluation(chart(v), -value, value, gradient)
 
 
 @eqx.filter_jit
-def look_at_residuals(residuals: Callable[[jax.Array], jax.Array], chart: Chart, v: jax.Array) -> View:
+def evaluated_residuals(residuals: Callable[[jax.Array], jax.Array], chart: Chart, v: jax.Array) -> Evaluation:
     """The residuals and their Jacobian, in forward mode: there are many more residuals than parameters.
 
     Both are reduced by the same orthogonal transformation (QR) to n + 1 rows. That preserves lengths and angles, so a
@@ -58,7 +58,7 @@ def look_at_residuals(residuals: Callable[[jax.Array], jax.Array], chart: Chart,
 
     value, jacobian = jax.vmap(along, out_axes=(None, -1))(jnp.eye(v.size, dtype=v.dtype))
     turned = triangle(jnp.column_stack([jacobian, value]))
-    return View(chart(v), -0.5 * (value**2).sum(), turned[:, -1], turned[:, :-1])
+    return Evaluation(chart(v), -0.5 * (value**2).sum(), turned[:, -1], turned[:, :-1])
 
 
 def triangle(rows: Float[Array, "m k"]) -> Float[Array, "r k"]:

@@ -1,0 +1,87 @@
+"""Row errors of groups, linear near a rig."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from stereorecal.estimation._calibration_prior import CalibrationPrior
+from stereorecal.estimation._evidence import Normal, normal_of
+from stereorecal.estimation._groups import PLACES, Groups
+from stereorecal.estimation._measured import NOTHING_ELSE, Measured
+from stereorecal.estimation._misfit import covariance_of_rows, unexpected
+from stereorecal.objectives import RigChart
+
+_BOUND = 3.0  # standard deviations: beyond, a group that errs alone counts for less (Cauchy)
+
+
+@dataclass(frozen=True, eq=False)
+class LinearGroups:
+    """The rows of groups near θ: r₀ + J θ.
+
+    Attributes:
+        groups: with frames, places and deviations.
+        jacobian: (g, n).
+        at_zero: (g,) r₀.
+        deviation: (g,) pixels; larger than that of `groups` where a group errs alone.
+        frames: indices of the groups of each frame.
+        measured: ranges and windows.
+        told: what these may tell of θ, as `Measured.told` has it.
+    """
+
+    groups: Groups
+    jacobian: Float[np.ndarray, "g n"]
+    at_zero: Float[np.ndarray, "g"]
+    deviation: Float[np.ndarray, "g"]
+    frames: Sequence[Int[np.ndarray, "_"]]
+    measured: Measured
+    told: Sequence[tuple[float, Normal]]
+
+    def residual(self, theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "g"]:
+        """At θ."""
+        return self.at_zero + self.jacobian @ theta
+
+    def normal(self, misfit: float) -> Normal:
+        """The likelihood of θ and, where there are several frames, of a field over the places that they have in common,
+        under a misfit of this deviation in each frame."""
+        columns = self.jacobian if len(self.frames) == 1 else np.column_stack([self.jacobian, self._places])
+        size = columns.shape[1]
+        total = Normal(np.zeros((size, size)), np.zeros(size), 0.0)
+        for f in self.frames:
+            covariance = covariance_of_rows(self.groups.place[f], self.deviation[f], misfit)
+            total = total + normal_of(np.linalg.cholesky(covariance), columns[f], self.at_zero[f])
+        return total
+
+    @property
+    def _places(self) -> Float[np.ndarray, "g p"]:
+        return np.eye(PLACES[0] * PLACES[1])[self.groups.place]
+
+    def robust(self, misfit: float, theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "g"]:
+        """The deviations that groups should have, if those that err alone at θ have a bounded say."""
+        apart, residual = np.zeros(len(self.at_zero)), self.residual(theta)
+        for f in self.frames:
+            covariance = covariance_of_rows(self.groups.place[f], self.groups.deviation[f], misfit)
+            apart[f] = unexpected(covariance, residual[f])
+        return self.groups.deviation * np.sqrt(1.0 + (apart / _BOUND) ** 2)
+
+
+def linear_groups(
+    groups: Groups,
+    chart: RigChart,
+    theta: Float[np.ndarray, "n"],
+    prior: CalibrationPrior,
+    measured: Measured = NOTHING_ELSE,
+    told: Sequence[tuple[float, Normal]] | None = None,
+) -> LinearGroups:
+    """Linear at θ.
+
+    Args:
+        told: what else is measured, as it told near another θ; default anew.
+    """
+    rows = groups.rows(chart, theta)
+    jacobian = rows.jacobian[:, 0].T
+    frames = [np.flatnonzero(groups.frame == frame) for frame in np.unique(groups.frame)]
+    at_zero = rows.differences[0] - jacobian @ theta
+    told = measured.told(chart, theta, prior) if told is None else told
+    return LinearGroups(groups, jacobian, at_zero, groups.deviation, frames, measured, told)

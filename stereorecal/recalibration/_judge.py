@@ -1,0 +1,40 @@
+"""The verdict on the end of a search: by the estimate, or, where there are no rows, by the count."""
+
+from dataclasses import replace
+
+from stereorecal.recalibration._acceptance import Reason, verdict_on_count
+from stereorecal.recalibration._estimated import answered, ended_by
+from stereorecal.recalibration._schedule import Schedule
+from stereorecal.recalibration._stage_result import Ending, counts
+from stereorecal.recalibration._stages import FEWEST, Case, StageRun
+from stereorecal.strategies import Status
+
+
+def judged(case: Case, schedule: Schedule, stages: tuple[StageRun, ...]) -> Ending:
+    """The candidate that the stages of a schedule come to, judged.
+
+    Args:
+        case: with all that may change free.
+        stages: that were run: fewer than the schedule has where a budget ended.
+    """
+    runs = [run for stage in stages for run in stage.runs]
+    status, message = (runs[-1].status, runs[-1].message) if runs else (Status.NO_SIGNAL, Status.NO_SIGNAL.value)
+    cut = len(stages) < len(schedule.stages) or any(stage.cut for stage in stages)
+    if cut:
+        status, message = Status.BUDGET, Status.BUDGET.value
+    ending = _ended(case, stages, cut=cut, signal=status is not Status.NO_SIGNAL)
+    return replace(ending, status=status, message=message)
+
+
+def _ended(case: Case, stages: tuple[StageRun, ...], *, cut: bool, signal: bool) -> Ending:
+    near = stages[-1].ended if stages else case.rig
+    found = next((stage.found for stage in reversed(stages) if stage.found is not None), None)
+    if not cut and found is not None and found.found >= FEWEST:
+        return ended_by(case, answered(case, found, near, stages[-1].scale), near)
+    tiles = counts(case, near)
+    if cut:
+        return Ending(near, Reason.OUT_OF_BUDGET, tiles)  # the count alone hardly sees a wrong yaw
+    if found is not None:
+        return Ending(near, Reason.TOO_LITTLE_TEXTURE, tiles)
+    before, after = tiles.sum(axis=(1, 2)).tolist()
+    return Ending(near, verdict_on_count(before, after, signal=signal), tiles)

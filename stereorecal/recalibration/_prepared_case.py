@@ -1,0 +1,51 @@
+"""What comes before a search: images and options checked, which frames count and follow each other, what is known."""
+
+from stereorecal.estimation import rig_parameters, with_boards
+from stereorecal.geometry import StereoRig
+from stereorecal.recalibration._frame_choice import looked_at
+from stereorecal.recalibration._prior_use import prior_use
+from stereorecal.recalibration._ranged import prior_of
+from stereorecal.recalibration._ranges import resolved_ranges
+from stereorecal.recalibration._schedule import check_schedule
+from stereorecal.recalibration._settings import Settings
+from stereorecal.recalibration._stages import Case
+from stereorecal.recalibration._windows import check_motion, check_odometer, following
+from stereorecal.recordings import Pairs
+from stereorecal.scoring import pyramid
+
+
+def prepared(rig: StereoRig, pairs: Pairs, settings: Settings) -> Case:
+    """The case of a repair, of whose strategies the extrinsics are asked.
+
+    Raises:
+        InputError: as `recalibrate`.
+    """
+    images, free = pyramid(rig, pairs, settings.view), settings.free
+    free.check(rig)
+    ranges = resolved_ranges(settings.ranges, [("", images.pairs)])
+    check_schedule(settings.schedule, free)
+    check_motion(settings.motion, len(images.pairs), settings.prior)
+    use = prior_use(with_boards(settings.prior, settings.boards, rig_parameters(rig)), rig, images.pairs)
+    numbers = use.numbers
+    if free.shared:
+        chosen = looked_at([images.pairs[number] for number in numbers], ranges)
+        numbers = tuple(numbers[number] for number in chosen)
+    if len(numbers) < len(images.pairs):
+        images = pyramid(rig, [images.pairs[number] for number in numbers], images.view)
+    measured = bool(ranges) or settings.odometer is not None
+    known = prior_of(use.prior, free, rig, settings.reach, ranges=measured)
+    windows = following(images.pairs, numbers, settings.motion, known)
+    check_odometer(settings.odometer, images.pairs, windows)
+    return Case(
+        images,
+        settings.matcher,
+        settings.reach,
+        free.extrinsics,
+        known,
+        ranges,
+        windows,
+        settings.tolerances,
+        settings.odometer,
+        use,
+        numbers if free.shared or use.dropped else None,
+    )

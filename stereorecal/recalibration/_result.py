@@ -1,0 +1,319 @@
+"""What a recalibration found, as data, and what follows from it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, Self
+
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal.decision import Decision, Tolerances
+from stereorecal.estimation import NO_BEAMS, Beams, Estimate, SavedPrior
+from stereorecal.geometry import StereoRig, View
+from stereorecal.matching import AbstractMatcher
+from stereorecal.recalibration._acceptance import Reason, RowErrors
+from stereorecal.recalibration._calibration_warnings import doubts
+from stereorecal.recalibration._cost import Cost
+from stereorecal.recalibration._difference import Difference, difference
+from stereorecal.recalibration._estimated import expected_by
+from stereorecal.recalibration._expected import Expected
+from stereorecal.recalibration._freed_intrinsics import Intrinsics
+from stereorecal.recalibration._path import Waypoint, path_of
+from stereorecal.recalibration._prior_use import PriorUse, known_after
+from stereorecal.recalibration._ranges import RangesSeen
+from stereorecal.recalibration._regional_misfit import Misfit
+from stereorecal.recalibration._row_evidence import TILES_OF_A_FRAME
+from stereorecal.recalibration._settings import Settings
+from stereorecal.recalibration._stages import StageRun
+from stereorecal.recalibration._uncertainty import Uncertainty
+from stereorecal.scoring import Correspondences
+from stereorecal.scoring.host import Score
+from stereorecal.strategies import Status, Trace
+
+
+@dataclass(frozen=True, eq=False)
+class Findings:
+    """What the images say of the candidate, and of the initial calibration.
+
+    Attributes:
+        score_before, score_after: of the initial calibration and of the candidate, at full scale, over the pairs that
+            were kept.
+        row_errors: epipolar errors before and after; None if the schedule has no epipolar stage, or it found nothing.
+        uncertainty, misfit: of the candidate; None in the same cases.
+        intrinsics: what became of intrinsics that were freed; None if none were.
+        ranges: what became of ranges; None if there were none.
+        beams: ranges that had a sure match.
+        estimate: of all parameters of the rig; None where the intrinsics are taken as exact, or nothing was found.
+        decision: on the initial calibration, by the estimate; None in the same cases.
+    """
+
+    score_before: Score
+    score_after: Score
+    row_errors: RowErrors | None = None
+    uncertainty: Uncertainty | None = None
+    misfit: Misfit | None = None
+    intrinsics: Intrinsics | None = None
+    ranges: RangesSeen | None = None
+    beams: Beams = NO_BEAMS
+    estimate: Estimate | None = None
+    decision: Decision | None = None
+
+
+@dataclass(frozen=True)
+class FramesUsed:
+    """Which pairs a repair rests on.
+
+    Attributes:
+        looked_at: numbers of the pairs that were looked at; None: all of them.
+        kept: which of those the candidate rests on.
+        left_out: names of the pairs that show another rig than the others; the candidate does without them.
+        disagreeing: the same where they are too many, and nothing is left out.
+    """
+
+    looked_at: tuple[int, ...] | None
+    kept: tuple[int, ...]
+    left_out: tuple[str, ...] = ()
+    disagreeing: tuple[str, ...] = ()
+
+    @property
+    def kept_of_all(self) -> tuple[int, ...]:
+        """`kept`, numbered among all pairs that were given."""
+        return self.kept if self.looked_at is None else tuple(self.looked_at[number] for number in self.kept)
+
+
+@dataclass(frozen=True, eq=False)
+class SearchRun:
+    """How the search went.
+
+    Attributes:
+        view, matcher: with which everything was scored; the matcher carries its measured disparity range.
+        stages: what each stage did.
+        status, message: how the last one ended.
+        cost: units that the repair took, by what they were spent on; `cost.total` is all of it.
+        seconds: wall time.
+    """
+
+    view: View
+    matcher: AbstractMatcher
+    stages: tuple[StageRun, ...]
+    status: Status
+    message: str
+    cost: Cost
+    seconds: float
+
+
+@dataclass(frozen=True, eq=False)
+class AbstractResult:
+    """A `Solution` without its views, which read it.
+
+    Attributes:
+        initial: the calibration that the repair started from.
+        candidate: the best calibration found, accepted or not.
+        reason: the verdict on the candidate.
+        findings: what the images say.
+        frames: which pairs it rests on.
+        search: how it was searched.
+        settings: with which it can be repeated; `free` is what could move in the calibration to use.
+        prior_use: the prior that it began with, and which pairs count.
+    """
+
+    initial: StereoRig
+    candidate: StereoRig
+    reason: Reason
+    findings: Findings
+    frames: FramesUsed
+    search: SearchRun
+    settings: Settings
+    prior_use: PriorUse | None = None
+
+    def with_findings(self, **changes: Any) -> Self:
+        """The same with other findings, by the names of `Findings`."""
+        return replace(self, findings=replace(self.findings, **changes))
+
+    @property
+    def accepted(self) -> bool:
+        """Whether the candidate is the calibration to use."""
+        return self.reason.accepted
+
+    @property
+    def rig(self) -> StereoRig:
+        """The calibration to use: the candidate if accepted, else the initial one."""
+        return self.candidate if self.accepted else self.initial
+
+    @property
+    def score_before(self) -> Score:
+        """Of the initial calibration, at full scale, over the pairs that were kept."""
+        return self.findings.score_before
+
+    @property
+    def score_after(self) -> Score:
+        """The same of the candidate."""
+        return self.findings.score_after
+
+    @property
+    def row_errors(self) -> RowErrors | None:
+        """Epipolar errors before and after; None if the schedule has no epipolar stage, or it found nothing."""
+        return self.findings.row_errors
+
+    @property
+    def uncertainty(self) -> Uncertainty | None:
+        """Of the candidate; None in the same cases."""
+        return self.findings.uncertainty
+
+    @property
+    def misfit(self) -> Misfit | None:
+        """Of the candidate; None in the same cases."""
+        return self.findings.misfit
+
+    @property
+    def intrinsics(self) -> Intrinsics | None:
+        """What became of intrinsics that were freed; None if none were."""
+        return self.findings.intrinsics
+
+    @property
+    def ranges(self) -> RangesSeen | None:
+        """What became of ranges; None if there were none."""
+        return self.findings.ranges
+
+    @property
+    def estimate(self) -> Estimate | None:
+        """Of all parameters of the rig; None where the intrinsics are taken as exact, or nothing was found."""
+        return self.findings.estimate
+
+    @property
+    def decision(self) -> Decision | None:
+        """On the initial calibration, by the estimate; None in the same cases."""
+        return self.findings.decision
+
+    @property
+    def left_out(self) -> tuple[str, ...]:
+        """Names of the pairs that show another rig than the others; the candidate does without them."""
+        return self.frames.left_out
+
+    @property
+    def disagreeing(self) -> tuple[str, ...]:
+        """The same where they are too many, and nothing is left out."""
+        return self.frames.disagreeing
+
+    @property
+    def view(self) -> View:
+        """In which everything was scored."""
+        return self.search.view
+
+    @property
+    def matcher(self) -> AbstractMatcher:
+        """With its measured disparity range."""
+        return self.search.matcher
+
+    @property
+    def stages(self) -> tuple[StageRun, ...]:
+        """What each stage of the schedule did."""
+        return self.search.stages
+
+    @property
+    def status(self) -> Status:
+        """How the search ended."""
+        return self.search.status
+
+    @property
+    def message(self) -> str:
+        """The same in words."""
+        return self.search.message
+
+    @property
+    def cost(self) -> Cost:
+        """Units that it took, by what they were spent on; `cost.total` is all of it."""
+        return self.search.cost
+
+    @property
+    def seconds(self) -> float:
+        """Wall time."""
+        return self.search.seconds
+
+    @property
+    def tolerances(self) -> Tolerances:
+        """By which it was decided."""
+        return self.settings.tolerances
+
+    @cached_property
+    def prior(self) -> SavedPrior | None:
+        """What is known of the calibration to use, for the next `recalibrate` with it (`prior=`) and for
+        `sr.io.save_rig`; None: no more than of any calibration. Where the images fit no rig, it is what was known
+        before."""
+        if self.prior_use is None:
+            return None
+        good = self.reason.healthy
+        return known_after(self.prior_use, self.estimate, self.initial, self.rig, self.frames.kept_of_all, good=good)
+
+    @property
+    def images_kept(self) -> tuple[str, ...]:
+        """Fingerprints of the pairs that it rests on."""
+        use = self.prior_use
+        return () if use is None else tuple(use.images[number] for number in self.frames.kept_of_all)
+
+    @property
+    def trace(self) -> Trace | None:
+        """The evaluations of the last run of a strategy; None if there was nothing to run one on."""
+        runs = [run for stage in self.stages for run in stage.runs]
+        return runs[-1].trace if runs else None
+
+    @property
+    def path(self) -> tuple[Waypoint, ...]:
+        """Where the repair began, where each stage began and ended, and each new best of the stages on the count."""
+        before = self.cost.survey + self.cost.starts - sum(stage.survey_cost for stage in self.stages)
+        path = path_of(self.initial, before, self.stages)
+        if self.estimate is None:
+            return path
+        return (*path[:-1], replace(path[-1], extrinsics=np.asarray(self.candidate.extrinsics)))
+
+    @property
+    def evaluations(self) -> int:
+        """Number of evaluations over all stages."""
+        return sum(stage.evaluations for stage in self.stages)
+
+    @property
+    def covariance(self) -> Float[np.ndarray, "n n"] | None:
+        """Of the parameters of `uncertainty.names`: degrees, percent of the baseline or of the focal length, pixels;
+        of pitch, yaw, roll, y, z by default. Around the candidate; None without an epipolar
+        stage."""
+        return None if self.uncertainty is None else self.uncertainty.covariance
+
+    @property
+    def change(self) -> Float[np.ndarray, "6"]:
+        """Candidate minus given extrinsics: pitch, yaw, roll [rad], x, y, z [m]."""
+        return np.asarray(self.candidate.extrinsics) - np.asarray(self.initial.extrinsics)
+
+    @cached_property
+    def expected(self) -> Expected | None:
+        """What to expect of the calibration to use: rows over the view and depth, with what misfit and intrinsics that
+        were held may do; None without an epipolar stage, or where the calibration is known to be bad."""
+        if self.estimate is None or self.found is None or not self.reason.healthy:
+            return None
+        return expected_by(self.estimate, self.rig, self.view)
+
+    @property
+    def found(self) -> Correspondences | None:
+        """The last correspondences, of the pairs that are kept."""
+        found, kept = next((s.found for s in reversed(self.stages) if s.found is not None), None), self.frames.kept
+        if found is None or len(kept) == len(found.weight):
+            return found
+        parts = {name: np.asarray(getattr(found, name))[list(kept)] for name in ("left", "right", "weight")}
+        tile = np.asarray(found.tile)[list(kept)] % TILES_OF_A_FRAME
+        return replace(found, **parts, tile=tile + TILES_OF_A_FRAME * np.arange(len(tile), dtype=np.int32)[:, None])
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """Sentences on values of the initial calibration that hardly any rig has."""
+        return doubts(self.initial)
+
+    @property
+    def difference(self) -> Difference:
+        """What the candidate changes against the initial calibration: axes, rows over the view, depth."""
+        return difference(self.initial, self.candidate, view=self.view)
+
+    @property
+    def depth_error_percent(self) -> Mapping[int, float]:
+        """The depth error of the initial calibration in percent, if the candidate is right, at 5, 10, 30 and 100
+        baselines; infinite where a point seems to lie beyond infinity."""
+        return self.difference.depth_error_percent

@@ -1,0 +1,55 @@
+"""The search of a repair: from a coarse survey through the stages of a schedule."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from stereorecal.geometry import StereoRig
+from stereorecal.recalibration._cost import Cost
+from stereorecal.recalibration._schedule import Schedule, ScoreKind
+from stereorecal.recalibration._settings import Settings
+from stereorecal.recalibration._stages import Case, StageRun, better_start, remaining, run_stage
+from stereorecal.scoring import host
+from stereorecal.scoring.host import survey
+
+_YAW_LEFT = np.radians(0.25)  # what an epipolar stage leaves, where yaw is observed
+
+
+def started(case: Case, schedule: Schedule) -> tuple[Case, StereoRig, Cost]:
+    """What comes before the first stage: the case with a disparity range, where the stage begins, and what it took."""
+    asked, offset, of_survey = case.matcher, np.zeros(6), 0.0
+    if schedule.survey or asked.num_disparities is None:
+        radians = float(np.radians(case.reach.degrees))
+        seen = survey(case.images, case.rig.extrinsics, radians)
+        case, of_survey = case.with_matcher(seen.with_range(asked, radians)), seen.cost
+        offset = seen.offset if schedule.survey else offset
+    # The images belong together, so most repairs come to these.
+    later = [case.scale_of(stage) for stage in schedule.stages if stage.score is ScoreKind.EPIPOLAR]
+    for scale in dict.fromkeys(later):
+        host.compile_in_background(case.images.sample(scale))
+    start, of_starts = better_start(case, schedule.stages[0], offset)
+    return case, start, Cost(survey=of_survey, starts=of_starts)
+
+
+def run_schedule(case: Case, settings: Settings, start: StereoRig, began: float) -> tuple[Case, tuple[StageRun, ...]]:
+    """All stages that the budget allows; the case comes back with the widest disparity range that was measured.
+
+    Args:
+        began: when the clock of the budget was started.
+    """
+    schedule, measured = settings.schedule, settings.matcher.num_disparities is None
+    widest, best, stages = case, start, []
+    for stage in schedule.stages:
+        left = remaining(settings.budget, sum(done.cost for done in stages), began)
+        if left is None:
+            break
+        done = run_stage(case, stage, best, left, settings.seed)
+        best = done.ended
+        if len(schedule.stages) > 1 and measured:
+            yaw_left = float(_YAW_LEFT if stage.score is ScoreKind.EPIPOLAR else np.radians(case.reach.degrees))
+            seen = survey(case.images, done.best, yaw_left, aligned=True)
+            done = replace(done, survey_cost=seen.cost)
+            case = case.with_matcher(seen.with_range(settings.matcher, yaw_left))
+            widest = max(widest, case, key=lambda c: c.matcher.num_disparities or 0)
+        stages.append(done)
+    return widest, tuple(stages)

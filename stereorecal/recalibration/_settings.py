@@ -1,0 +1,141 @@
+"""The settings of a repair: what callers say by name, and what a repair computes with."""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, fields
+from difflib import get_close_matches
+from typing import Any, TypedDict
+
+from stereorecal.decision import Tolerances, as_tolerances
+from stereorecal.estimation import Prior, check_boards, check_prior
+from stereorecal.geometry import AnyView
+from stereorecal.matching import AbstractMatcher, as_matcher
+from stereorecal.objectives import Parameters, Reach, as_parameters, as_reach
+from stereorecal.recalibration._ranges import as_ranges, with_ranges
+from stereorecal.recalibration._schedule import Schedule, as_schedule
+from stereorecal.recordings import Board, Odometer, Range
+from stereorecal.strategies import Budget, as_budget
+
+
+class HealthOptions(TypedDict, total=False):
+    """Options of `health`, all of which `recalibrate` takes as well; each is given by name.
+
+    Attributes:
+        matcher: a matcher, or the name of an installed one (default "sad"); without `num_disparities` the range is
+            measured, and again as the rig comes right.
+        view: default `sr.view(rig)`; also the arguments of `sr.view` by name, such as {"field": 140}.
+        prior: how well the initial calibration was known before it drifted: "saved", as it was saved with it (also for
+            None, if it was), or the prior of an earlier solution, for which pairs that it rests on do not count again;
+            "default" (also for None), as a chessboard calibration of this rig; standard deviations by name, or an
+            `sr.CalibrationCovariance`; or "exact": its intrinsics are the truth, and all that rows show is a drift.
+        motion: whether the rig's own motion between consecutive pairs is used, which tells depth: True takes the pairs
+            as they were taken, one after the other, the rig advancing by a fraction of a baseline or more in between;
+            None uses it where pairs know their times, at most half a second apart; False never.
+        tolerances: what is asked of a change, and the distances at which it is judged: a `Tolerances`, or some of its
+            values by name, such as {"distances": (3, 8), "alpha": 0.001}.
+    """
+
+    matcher: AbstractMatcher | str | None
+    view: AnyView
+    prior: Prior
+    motion: bool | None
+    tolerances: Tolerances | Mapping[str, object] | None
+
+
+class RepairOptions(HealthOptions, total=False):
+    """Options of `recalibrate` and `recalibrate_many`, beside those of `HealthOptions`; each is given by name.
+
+    Attributes:
+        schedule: a `Schedule`, or "default" (also for None): coarse to fine, the count and then epipolar residuals; or
+            "count": compass search on the count at full scale, the paper's way.
+        reach: how far the rig may have drifted, a `Reach` or (degrees, fraction of the baseline); default 3 degrees and
+            3 % of the baseline.
+        budget: units, or a `Budget`, for the whole schedule of a recording; default none.
+        seed: for strategies that draw random numbers; default 0.
+        free: what may move, `Parameters` or names and groups, such as ("rotation",) or ("extrinsics", "intrinsics");
+            default the extrinsics, and all else where frames of four places or more are not explained by these, and
+            prove, each left out once, that intrinsics must change (`solution.intrinsics` says so); with several
+            recordings the extrinsics alone. Intrinsics need several frames of different places; they are solved for at
+            the end. Of more than 24 frames so many are chosen, and those that ranges name.
+        ranges: distances of what single pixels show, each of a pair that is given (the pair itself, or its name); they
+            free the length of the baseline, and count beside the rows.
+        boards: those of the calibration itself, of `find_boards` or your own, as the cameras saw them before the rig
+            drifted: they take the place of the default prior, and join any other.
+        odometer: how far the rig travelled by wheels or GPS, by the pairs' own clock: with the rig's own motion that
+            tells the length of the baseline, which it frees.
+    """
+
+    schedule: Schedule | str | None
+    reach: Reach | tuple[float, float] | None
+    budget: Budget | float | None
+    seed: int
+    free: Parameters | str | Sequence[str] | None
+    ranges: Range | Sequence[Range]
+    boards: Sequence[Board] | None
+    odometer: Odometer | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settings:
+    """What `RepairOptions` come to: values of one type each, checked, with their defaults.
+
+    Attributes:
+        matcher: without its disparity range, if that is to be measured.
+        free: with the length of the baseline, if ranges or an odometer free it.
+        ranges, view, prior, boards, motion, odometer: as they were given.
+    """
+
+    matcher: AbstractMatcher
+    schedule: Schedule
+    reach: Reach
+    budget: Budget
+    view: AnyView
+    seed: int
+    free: Parameters
+    ranges: tuple[Range, ...]
+    prior: Prior
+    boards: Sequence[Board] | None
+    motion: bool | None
+    tolerances: Tolerances
+    odometer: Odometer | None
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """By name, as `recalibrate` takes them."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
+
+def as_settings(given: Mapping[str, Any], names: Collection[str] = RepairOptions.__optional_keys__) -> Settings:
+    """The settings that options come to.
+
+    Args:
+        given: by name.
+        names: that there are.
+
+    Raises:
+        TypeError: if there is no option of a name; it names the nearest one.
+        InputError: if a value makes no sense, or a strategy of the schedule is not installed.
+    """
+    for name in given:
+        if name not in names:
+            near = get_close_matches(name, names, 1)
+            meant = f"did you mean {near[0]}?" if near else f"there are: {', '.join(sorted(names))}."
+            raise TypeError(f"there is no option {name!r}; {meant}")
+    prior, boards, odometer = given.get("prior"), given.get("boards"), given.get("odometer")
+    check_prior(prior)
+    check_boards(boards, prior)
+    ranges = as_ranges(given.get("ranges", ()))
+    return Settings(
+        matcher=as_matcher(given.get("matcher")),
+        schedule=as_schedule(given.get("schedule")),
+        reach=as_reach(given.get("reach")),
+        budget=as_budget(given.get("budget")),
+        view=given.get("view"),
+        seed=given.get("seed", 0),
+        free=with_ranges(as_parameters(given.get("free")), ranges, odometer),
+        ranges=ranges,
+        prior=prior,
+        boards=boards,
+        motion=given.get("motion"),
+        tolerances=as_tolerances(given.get("tolerances")),
+        odometer=odometer,
+    )

@@ -1,0 +1,79 @@
+"""What is told of a repair: from a judged candidate to the solution."""
+
+import time
+
+import numpy as np
+
+from stereorecal.estimation import NO_BEAMS
+from stereorecal.recalibration._acceptance import Reason
+from stereorecal.recalibration._cost import Cost
+from stereorecal.recalibration._ranged import ranges_seen
+from stereorecal.recalibration._result import Findings, FramesUsed, SearchRun
+from stereorecal.recalibration._settings import Settings
+from stereorecal.recalibration._solution import Solution
+from stereorecal.recalibration._stage_result import Ending
+from stereorecal.recalibration._stages import Case, StageRun
+from stereorecal.scoring import image_quality
+from stereorecal.scoring.host import Score
+
+
+def solution_of(
+    case: Case, settings: Settings, stages: tuple[StageRun, ...], ending: Ending, cost: Cost, began: float
+) -> Solution:
+    """The solution.
+
+    Args:
+        case: what was judged; all that is free in it may move in the calibration to use.
+        cost: of what came before the stages.
+        began: when the clock was started.
+    """
+    reason = ending.reason
+    if reason is Reason.TOO_LITTLE_TEXTURE and any(image_quality(pair).enough for pair in case.images.pairs):
+        reason = Reason.NO_MATCHES
+    frames, whole = len(case.images.pairs), case.images.at(1.0)
+    kept = np.isin(np.arange(frames), ending.without, invert=True)
+    pixels = whole.pixels * int(kept.sum()) // frames  # all of one size
+    before, after = (Score(int(found.sum()), pixels) for found in ending.tiles[:, kept])
+    apart = tuple(case.images.pairs[frame].name for frame in ending.apart)
+    disagree = reason is Reason.FRAMES_DISAGREE
+    beams = NO_BEAMS if ending.estimate is None else ending.estimate.beams
+    return Solution(
+        initial=case.rig,
+        candidate=ending.candidate,
+        reason=reason,
+        findings=Findings(
+            score_before=before,
+            score_after=after,
+            row_errors=ending.row_errors,
+            uncertainty=ending.uncertainty,
+            misfit=ending.misfit,
+            intrinsics=ending.intrinsics,
+            ranges=ranges_seen(len(case.ranges), beams, case.rig, ending.candidate, reason),
+            beams=beams,
+            estimate=ending.estimate,
+            decision=ending.decision,
+        ),
+        frames=FramesUsed(
+            looked_at=case.looked_at,
+            kept=tuple(np.flatnonzero(kept).tolist()),
+            left_out=() if disagree else apart,
+            disagreeing=apart if disagree else (),
+        ),
+        search=SearchRun(
+            view=case.images.view,
+            matcher=case.matcher,
+            stages=stages,
+            status=ending.status,
+            message=ending.message,
+            cost=Cost(
+                survey=cost.survey + sum(stage.survey_cost for stage in stages),
+                starts=cost.starts,
+                search=sum(stage.search_cost for stage in stages),
+                correspondences=sum(stage.matching_cost for stage in stages),
+                judging=sum(stage.judging_cost for stage in stages) + 2 * whole.cost,
+            ),
+            seconds=time.perf_counter() - began,
+        ),
+        settings=settings,
+        prior_use=case.prior_use,
+    )

@@ -1,0 +1,44 @@
+"""Options stand once: what callers may say, what a repair computes with, and what the descriptions name."""
+
+import re
+from dataclasses import fields
+
+import pytest
+
+import stereorecal as sr
+from stereorecal.recalibration import Settings, as_settings
+
+OPTIONS, KINDS = sr.RepairOptions.__optional_keys__, (sr.HealthOptions, sr.RepairOptions)
+
+
+def test_settings_are_what_options_come_to():
+    assert {field.name for field in fields(Settings)} == OPTIONS
+    assert sr.HealthOptions.__optional_keys__ < OPTIONS
+
+
+def test_nothing_said_is_the_default():
+    found = as_settings({})
+    assert found == as_settings(dict.fromkeys(OPTIONS - {"seed", "ranges"}))
+    assert (found.seed, found.ranges, found.matcher) == (0, (), sr.SAD())
+    assert (found.reach, found.budget, found.free) == (sr.Reach(), sr.Budget(), sr.Parameters())
+    assert found.schedule == sr.Schedule.default()
+
+
+def test_settings_are_options_again():
+    found = as_settings({"reach": (2.0, 0.01), "budget": 50, "free": "rotation", "tolerances": {"alpha": 0.001}})
+    assert as_settings(found.options) == found
+
+
+def test_ranges_free_the_length_of_the_baseline():
+    named = sr.Range("pair", (5.0, 5.0), 3.0)
+    assert as_settings({"ranges": named}).free.names == (*sr.Parameters().names, "baseline")
+
+
+@pytest.mark.parametrize(
+    ("function", "options"), [(sr.recalibrate, OPTIONS), (sr.health, sr.HealthOptions.__optional_keys__)]
+)
+def test_descriptions_name_every_option(function, options: frozenset[str]):
+    (said,) = re.findall(r"by name: `([^`]*)`", function.__doc__)
+    assert set(re.split(r",\s*", said)) == options
+    described = [set(re.findall(r"^        (\w+):", kind.__doc__, re.MULTILINE)) for kind in KINDS]
+    assert described == [sr.HealthOptions.__optional_keys__, OPTIONS - sr.HealthOptions.__optional_keys__]
