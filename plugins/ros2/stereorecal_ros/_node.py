@@ -37,7 +37,7 @@ _EVENTS_KEPT = 100  # for a subscriber that is slow
 
 
 class CalibrationNode(Node):
-    """Watches two cameras; `docs/tutorials/11-ros-2.md` lists its topics, services and parameters.
+    """Watches two cameras; `docs/reference/ros-2.md` lists its topics, services and parameters.
 
     Args:
         home: the folder for the state, where `state_file` does not name a file.

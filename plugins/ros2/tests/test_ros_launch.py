@@ -14,7 +14,7 @@ from pathlib import Path
 from stereorecal_ros import Settings
 from stereorecal_ros._settings import about, changes
 
-PAGE = Path(__file__).parents[3] / "docs" / "tutorials" / "11-ros-2.md"
+PAGE = Path(__file__).parents[3] / "docs" / "reference" / "ros-2.md"
 PLUGIN = Path(__file__).parents[1]
 
 
