@@ -1,11 +1,11 @@
 """Calibration files as people name them on the command line: one file, a folder, a data set, or LEFT,RIGHT."""
 
-import argparse
 import re
 from collections.abc import Sequence
 from pathlib import Path
 
 from stereorecal._errors import InputError
+from stereorecal.cli._shared_options import CalibrationOptions
 from stereorecal.geometry import StereoRig
 from stereorecal.io import is_data_set, load_rig, load_scene, says_its_unit, unsaid_unit
 
@@ -45,7 +45,7 @@ def image_size(text: str | None) -> tuple[int, int] | None:
     return int(found[1]), int(found[2])
 
 
-def rig_at(words: str, options: argparse.Namespace) -> StereoRig:
+def rig_at(words: str, options: CalibrationOptions) -> StereoRig:
     """The rig in a calibration file, in LEFT,RIGHT, or in a folder, whose images are not looked at if it has a file of
     its own.
 

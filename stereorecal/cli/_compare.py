@@ -1,21 +1,19 @@
 """`python -m stereorecal compare`."""
 
-import argparse
 from importlib import import_module
 from pathlib import Path
 
 from stereorecal._choices import checked_choice
 from stereorecal._errors import InputError
-from stereorecal.cli import _values
-from stereorecal.cli._console import table_console
+from stereorecal.cli import _option_values
 from stereorecal.cli._executors import executor
 from stereorecal.cli._exit_codes import FAILURE, INTERRUPTED
-from stereorecal.cli._html import check_page
-from stereorecal.cli._journal import Journal
-from stereorecal.cli._json import write_json
-from stereorecal.cli._places import Place, check_places, deliver, places_of, spare
-from stereorecal.cli._progress import progress_bar
+from stereorecal.cli._experiment_commands import CompareOptions
+from stereorecal.cli._html_page import check_page
+from stereorecal.cli._journals import GrowingJson
+from stereorecal.cli._output_files import Place, check_places, deliver, places_of, spare, write_json
 from stereorecal.cli._streams import say
+from stereorecal.cli._terminal import progress_bar, table_console
 from stereorecal.comparison import FAILED, Comparison, Drift, compare_scenes, load_strategies
 from stereorecal.io import files_read, load_scene
 from stereorecal.matching import as_matcher
@@ -29,7 +27,7 @@ from stereorecal.synthetic import KINDS, render
 _DRAWS = 2
 
 
-def run(options: argparse.Namespace) -> int:
+def run(options: CompareOptions) -> int:
     """Compare, print, save; returns the exit code."""
     if options.judge or options.preset is not None:
         return import_module("stereorecal.cli._compare_field").run(options)
@@ -39,13 +37,13 @@ def run(options: argparse.Namespace) -> int:
     if options.schedule == "default" and options.scale is not None:
         raise InputError("--scale belongs to --schedule count; leave it out.")
     matcher = as_matcher(options.matcher)
-    chosen = None if options.strategies is None else load_strategies(_values.strategy_names(options.strategies))
-    drift = Drift(*_values.degrees_and_fraction(options.decalibrate, "--decalibrate"))
-    reach = Reach(*_values.degrees_and_fraction(options.reach, "--reach")) if options.reach is not None else None
-    budget, seed = as_budget(options.budget), _values.seed(options.seed)
-    free = _values.free(options.free)
+    chosen = None if options.strategies is None else load_strategies(_option_values.strategy_names(options.strategies))
+    drift = Drift(*_option_values.degrees_and_fraction(options.decalibrate, "--decalibrate"))
+    reach = Reach(*_option_values.degrees_and_fraction(options.reach, "--reach")) if options.reach is not None else None
+    budget, seed = as_budget(options.budget), _option_values.seed(options.seed)
+    free = _option_values.free(options.free)
     places = _check_places(options)
-    journal = Journal(options.json, force=options.force)
+    journal = GrowingJson(options.json, force=options.force)
     with executor(options.executor) as pool:
         with files_read() as read:
             scenes = _scenes(options)
@@ -70,7 +68,7 @@ def run(options: argparse.Namespace) -> int:
         # Before the workers are waited for: a second Ctrl-C must find everything saved.
         deliver(
             lambda: _show(comparison, options),
-            lambda: _save_json(comparison, options, force=journal.force),
+            lambda: write_json(comparison.as_dict(), options.json, force=journal.force),
             lambda: _save_html(comparison, options),
         )
     if comparison.interrupted:
@@ -79,13 +77,13 @@ def run(options: argparse.Namespace) -> int:
     return FAILURE if all(trial.status == FAILED for trial in comparison.trials) else 0
 
 
-def _check_without_judges(options: argparse.Namespace) -> None:
+def _check_without_judges(options: CompareOptions) -> None:
     for name in ("full", "square", "board_corners"):
         if getattr(options, name):
             raise InputError(f"--{name.replace('_', '-')} belongs to judges; add --judge or --preset field.")
 
 
-def _check_places(options: argparse.Namespace) -> list[Place]:
+def _check_places(options: CompareOptions) -> list[Place]:
     """The files to be written; what could not be is refused before the work is done."""
     places = places_of(options, "json", "html")
     check_places(places, force=options.force)
@@ -93,8 +91,8 @@ def _check_places(options: argparse.Namespace) -> list[Place]:
     return places
 
 
-def _scenes(options: argparse.Namespace) -> list[Scene]:
-    limit = _values.frame_limit(options.frames)
+def _scenes(options: CompareOptions) -> list[Scene]:
+    limit = _option_values.frame_limit(options.frames, "1")
     scenes = [load_scene(Path(path), limit=limit) for path in options.scene]
     if options.synthetic or not scenes:
         kind = checked_choice(options.synthetic or "harbour", list(KINDS), "kind of scene")
@@ -104,17 +102,12 @@ def _scenes(options: argparse.Namespace) -> list[Scene]:
     return scenes
 
 
-def _save_json(comparison: Comparison, options: argparse.Namespace, *, force: bool) -> None:
-    if options.json is not None:
-        write_json(comparison.as_dict(), options.json, force=force)
-
-
-def _save_html(comparison: Comparison, options: argparse.Namespace) -> None:
+def _save_html(comparison: Comparison, options: CompareOptions) -> None:
     if options.html is not None:
         comparison.to_html(options.html, overwrite=options.force)
 
 
-def _show(comparison: Comparison, options: argparse.Namespace) -> None:
-    if comparison.trials and not options.quiet and options.json != "-":
+def _show(comparison: Comparison, options: CompareOptions) -> None:
+    if comparison.trials and options.prints:
         console = table_console()
         console.print(comparison_tables(comparison.as_dict(), console.width))

@@ -1,6 +1,5 @@
 """`python -m stereorecal compare --judge …` and `--preset field`."""
 
-import argparse
 import math
 import sys
 from contextlib import nullcontext
@@ -9,16 +8,15 @@ from pathlib import Path
 
 from stereorecal._choices import checked_choice
 from stereorecal._errors import InputError
-from stereorecal.cli import _values
-from stereorecal.cli._console import table_console
+from stereorecal.cli import _option_values
 from stereorecal.cli._executors import executor
 from stereorecal.cli._exit_codes import FAILURE, INTERRUPTED
-from stereorecal.cli._html import check_page
-from stereorecal.cli._json import write_json
-from stereorecal.cli._places import check_places, check_writable, deliver, places_of, spare
-from stereorecal.cli._progress import progress_bar
+from stereorecal.cli._experiment_commands import CompareOptions
+from stereorecal.cli._html_page import check_page
+from stereorecal.cli._journals import TrialJournal
+from stereorecal.cli._output_files import check_places, check_writable, deliver, places_of, spare, write_json
 from stereorecal.cli._streams import say
-from stereorecal.cli._trial_journal import TrialJournal
+from stereorecal.cli._terminal import progress_bar, table_console
 from stereorecal.comparison.field import FAILED, Field, compare_field, methods_of, planned
 from stereorecal.comparison.judges import Draws, recipes_of
 from stereorecal.io import files_read
@@ -33,12 +31,12 @@ _SPARING, _FULL = {"number": 10, "rides": 4}, {"number": 40, "rides": 20, "walk"
 _OTHERS = ("scene", "synthetic", "schedule", "scale", "budget")  # options of comparisons of strategies
 
 
-def run(options: argparse.Namespace) -> int:
+def run(options: CompareOptions) -> int:
     """Compare, print, save; returns the exit code."""
     _check_options(options)
     judges = [*(_RENDERED if options.preset else ()), *options.judge]
     draws = _draws(options)
-    reach = Reach(*_values.degrees_and_fraction(options.reach, "--reach")) if options.reach is not None else None
+    reach = Reach(*_option_values.degrees_and_fraction(options.reach, "--reach")) if options.reach is not None else None
     matcher = as_matcher(options.matcher)
     methods = methods_of(None if options.strategies in (None, "all") else options.strategies.split(","))
     places = places_of(options, "html", "json")
@@ -70,7 +68,7 @@ def run(options: argparse.Namespace) -> int:
         )
         deliver(
             lambda: _show(field, options),
-            lambda: write_json(field.as_dict(), data, force=may_replace(data)) if data is not None else None,
+            lambda: write_json(field.as_dict(), data, force=data is not None and may_replace(data)),
             lambda: field.to_html(html, overwrite=may_replace(html)) if html is not None else None,
         )
     if field.interrupted:
@@ -81,7 +79,7 @@ def run(options: argparse.Namespace) -> int:
     return FAILURE if all(trial.status == FAILED for trial in field.trials) else 0
 
 
-def _check_options(options: argparse.Namespace) -> None:
+def _check_options(options: CompareOptions) -> None:
     if options.preset is not None:
         checked_choice(options.preset, PRESETS, "preset")
     if options.full and options.preset is None:
@@ -90,7 +88,7 @@ def _check_options(options: argparse.Namespace) -> None:
         if getattr(options, name):
             raise InputError(f"--{name} belongs to comparisons of strategies; leave it out beside judges (--judge).")
     others = [judge for judge in options.judge if judge.partition("=")[0].strip() not in _FRAMES]
-    if options.frames_given and others:
+    if options.frames is not None and others:
         raise InputError(
             f"--frames is of judges {' and '.join(_FRAMES)}; leave it out beside --judge {others[0]}, which has "
             "pairs of its own."
@@ -99,7 +97,7 @@ def _check_options(options: argparse.Namespace) -> None:
         raise InputError("--free belongs to comparisons of strategies; beside judges each method's own is a column.")
 
 
-def _draws(options: argparse.Namespace) -> Draws:
+def _draws(options: CompareOptions) -> Draws:
     chosen = Draws()
     if options.preset:
         chosen = replace(chosen, **(_FULL if options.full else _SPARING))
@@ -107,24 +105,24 @@ def _draws(options: argparse.Namespace) -> Draws:
         if options.draws < 1:
             raise InputError(f"--draws is {options.draws}; give 1 or more.")
         chosen = replace(chosen, number=options.draws, rides=options.draws)
-    degrees, fraction = _values.degrees_and_fraction(options.decalibrate, "--decalibrate")
-    frames = _values.frame_limit(options.frames)
+    degrees, fraction = _option_values.degrees_and_fraction(options.decalibrate, "--decalibrate")
+    frames = _option_values.frame_limit(options.frames, "1")
     if frames is None:
         raise InputError("--frames all has no meaning for judges that are rendered; give a number.")
     if options.square is not None and not (math.isfinite(options.square) and options.square > 0.0):
         raise InputError(f"--square is {options.square}; give metres, such as 0.03.")
     return replace(
         chosen,
-        seed=_values.seed(options.seed),
+        seed=_option_values.seed(options.seed),
         degrees=degrees,
         baseline_fraction=fraction,
         frames=frames,
-        corners=_values.board_corners(options.board_corners),
+        corners=_option_values.board_corners(options.board_corners),
         square=options.square,
     )
 
 
-def _progress(options: argparse.Namespace):
+def _progress(options: CompareOptions):
     """A bar where somebody looks; else a line now and then, since it takes long."""
     if options.quiet or sys.stderr.isatty():
         return progress_bar(options.quiet, "judging")
@@ -140,7 +138,7 @@ def _say_lost(error: BaseException) -> None:
     say(f"a worker was lost, such as for want of memory; its trials and those behind it are missing ({error})")
 
 
-def _show(field: Field, options: argparse.Namespace) -> None:
-    if field.trials and not options.quiet and options.json != "-":
+def _show(field: Field, options: CompareOptions) -> None:
+    if field.trials and options.prints:
         console = table_console()
         console.print(field_tables(field.as_dict()))

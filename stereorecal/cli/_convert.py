@@ -1,15 +1,15 @@
 """`python -m stereorecal convert`."""
 
-import argparse
 from dataclasses import replace
 
 from stereorecal._errors import InputError
+from stereorecal.cli._calibration_commands import ConvertOptions
 from stereorecal.cli._calibration_files import calibration_path, paths, rig_at, unit_written
-from stereorecal.cli._places import Place, check_places, deliver, spare, written_or_printed
+from stereorecal.cli._output_files import Place, check_places, deliver, spare, written_or_printed
 from stereorecal.io import calibration_json, check_savable, files_read, save_rig
 
 
-def run(options: argparse.Namespace) -> int:
+def run(options: ConvertOptions) -> int:
     """Read, write, say so; returns the exit code."""
     if options.target == "-":
         raise InputError("B is -: a calibration is written to a file; give the name of one.")

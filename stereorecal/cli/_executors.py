@@ -11,7 +11,7 @@ from typing import Any
 from stereorecal._choices import checked_choice
 from stereorecal.cli._cluster import cluster
 from stereorecal.cli._jax_setup import use_compile_cache
-from stereorecal.cli._values import positive, shortened
+from stereorecal.cli._option_values import positive, shortened
 
 _NO_COMPLAINTS = "ignore:resource_tracker:UserWarning"
 

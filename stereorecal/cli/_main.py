@@ -1,6 +1,5 @@
 """Parsing, and the border at which exceptions become sentences and exit codes."""
 
-import argparse
 import sys
 import traceback
 import warnings
@@ -11,18 +10,15 @@ from typing import Any
 
 from stereorecal._errors import CalibrationWarning, InputError, PairingWarning, PluginError
 from stereorecal._signals import interrupted, interruptible
+from stereorecal.cli._commands import options_of
 from stereorecal.cli._exit_codes import BAD_INPUT, FAILURE, INTERRUPTED
+from stereorecal.cli._options import CommonOptions
 from stereorecal.cli._streams import flush, leave_stdout, nobody_reads, say, spell_out
-from stereorecal.cli.arguments import parser
-
-_WITHOUT_PROGRAMS = (("convert", None), ("diff", None), ("strategies", "list"), ("matchers", "list"))  # and actions
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit code. Bad input is one sentence on stderr, never a traceback."""
-    words = sys.argv[1:] if arguments is None else list(arguments)
-    options = parser().parse_args(words)
-    options.words = words  # a page says how it was made
+    options = options_of(sys.argv[1:] if arguments is None else arguments)
     spell_out()
     try:
         return _run(options)
@@ -31,16 +27,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
             flush()
 
 
-def _run(options: argparse.Namespace) -> int:
+def _run(options: CommonOptions) -> int:
     try:
         # Not before: what is only asked for help, or mistyped, does not wait for JAX.
         jax_setup = import_module("stereorecal.cli._jax_setup")
         trouble = jax_setup.use_compile_cache()
-        if (options.verb, getattr(options, "action", None)) not in _WITHOUT_PROGRAMS:
+        if options.compiles:
             jax_setup.check_platform()
             if trouble:
                 say(trouble)
-        command = import_module(f"stereorecal.cli._{options.verb}")
+        command = import_module(f"stereorecal.cli.{options.module}")
         with _warnings_as_lines(), interruptible():
             code = command.run(options)
             flush()

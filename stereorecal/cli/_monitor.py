@@ -1,6 +1,5 @@
 """`python -m stereorecal monitor`."""
 
-import argparse
 import json
 import sys
 from collections.abc import Callable, Iterator
@@ -12,11 +11,11 @@ from typing import IO
 
 from stereorecal._errors import InputError
 from stereorecal._signals import hold
-from stereorecal.cli import _values
-from stereorecal.cli._cameras import watched_cameras
+from stereorecal.cli import _option_values
 from stereorecal.cli._exit_codes import CANNOT_TELL, INTERRUPTED, REPAIR
-from stereorecal.cli._live import lines, live
-from stereorecal.cli._places import (
+from stereorecal.cli._live_cameras import watched_cameras
+from stereorecal.cli._live_view import lines, live
+from stereorecal.cli._output_files import (
     Place,
     check_places,
     deliver,
@@ -27,6 +26,7 @@ from stereorecal.cli._places import (
     written_or_printed,
 )
 from stereorecal.cli._recordings import watched
+from stereorecal.cli._repair_commands import MonitorOptions
 from stereorecal.cli._streams import given_up, leave_stdout, nobody_reads, say
 from stereorecal.io import calibration_json, check_savable, files_read, json_line, save_rig
 from stereorecal.matching import as_matcher
@@ -38,21 +38,22 @@ _TAIL = 1 << 16  # bytes of a log, in which its last line is
 _CODES = {Condition.HEALTHY: 0, Condition.REPAIR: REPAIR, Condition.CANNOT_TELL: CANNOT_TELL}
 
 
-def run(options: argparse.Namespace) -> int:
+def run(options: MonitorOptions) -> int:
     """Check, watch, save; returns the exit code."""
     goes_on = options.state is not None and Path(options.state).exists()
-    appended = goes_on and _is_log(options.json)
+    log_goes_on = options.json if goes_on and _is_log(options.json) else None
+    appended = log_goes_on is not None
     places = _check_places(options, appended)
     with files_read() as read:
-        scene, pairs = watched(options) if options.camera is None else watched_cameras(options)
+        scene, pairs = watched(options) if options.camera is None else watched_cameras(options.camera, options)
     spare(places, {*read, *image_inputs(options), *named_inputs(options.camera)})
     assert scene.rig is not None
     if options.output is not None:
         check_savable(scene.rig, options.output)
     state, interrupted = _start(options, scene), False
     began = state.frame
-    if appended:
-        _check_follows(options.json, state)
+    if log_goes_on is not None:
+        _check_follows(log_goes_on, state)
     failed: dict[str, Exception] = {}  # what could not be read or written; the rest goes on
 
     def attempt(step: Callable[[], None], what: str) -> None:
@@ -90,7 +91,7 @@ def run(options: argparse.Namespace) -> int:
     return INTERRUPTED if interrupted else _CODES[reading(state).condition]
 
 
-def _keep(options: argparse.Namespace, state: State) -> None:
+def _keep(options: MonitorOptions, state: State) -> None:
     if options.state is not None:
         save(state, options.state)
 
@@ -101,22 +102,23 @@ def _log(log: IO[str] | None, stepped: Stepped) -> None:
         log.flush()
 
 
-def _save_output(options: argparse.Namespace, state: State, scene: Scene) -> None:
-    if options.output is None or not state.using.any():
+def _save_output(options: MonitorOptions, state: State, scene: Scene) -> None:
+    target = options.output
+    if target is None or not state.using.any():
         return
     assert scene.rig is not None
     rig = replace(state.rig, source=scene.rig.source)  # what was restored from a file has forgotten its own
     written_or_printed(
-        lambda: save_rig(rig, options.output, scene.info, overwrite=options.force), lambda: calibration_json(rig)
+        lambda: save_rig(rig, target, scene.info, overwrite=options.force), lambda: calibration_json(rig)
     )
 
 
-def _summary(options: argparse.Namespace, state: State) -> None:
-    if not options.quiet and options.json != "-":
+def _summary(options: MonitorOptions, state: State) -> None:
+    if options.prints:
         print(f"{reading(state).condition.value}; {_about(options, state)}")
 
 
-def _unsaid(error: OSError, what: str, options: argparse.Namespace) -> InputError:
+def _unsaid(error: OSError, what: str, options: MonitorOptions) -> InputError:
     if what == "stdout" or options.json == "-":
         return given_up(error)
     return InputError(f"{what} {options.json}: cannot be written ({error.strerror}); make room.")
@@ -126,8 +128,8 @@ def _raise(error: Exception) -> None:
     raise error
 
 
-def _start(options: argparse.Namespace, scene: Scene) -> State:
-    config, shown = Config(matcher=as_matcher(options.matcher), repair=not options.once), _values.view(options)
+def _start(options: MonitorOptions, scene: Scene) -> State:
+    config, shown = Config(matcher=as_matcher(options.matcher), repair=not options.once), _option_values.view(options)
     if options.state is not None and Path(options.state).exists():
         kept = load(options.state, scene.rig)
         if kept.config.view != kept.config.view | shown:
@@ -137,7 +139,7 @@ def _start(options: argparse.Namespace, scene: Scene) -> State:
     return init(scene.rig, replace(config, **shown))
 
 
-def _about(options: argparse.Namespace, state: State) -> str:
+def _about(options: MonitorOptions, state: State) -> str:
     if not state.using.any():
         return "the calibration in use is the one that was given"
     if options.output is None:
@@ -180,7 +182,7 @@ def _end(path: str) -> bytes:
 
 
 @contextmanager
-def _json_lines(options: argparse.Namespace, appended: bool) -> Iterator[IO[str] | None]:
+def _json_lines(options: MonitorOptions, appended: bool) -> Iterator[IO[str] | None]:
     target = options.json
     if target is None or target == "-":
         yield None if target is None else sys.stdout
@@ -198,16 +200,16 @@ def _json_lines(options: argparse.Namespace, appended: bool) -> Iterator[IO[str]
 
 
 @contextmanager
-def _shown(options: argparse.Namespace, scene: Scene):
+def _shown(options: MonitorOptions, scene: Scene):
     """What is called with each step: a live view in a terminal, else events as lines."""
-    if options.quiet or options.json == "-":
+    if not options.prints:
         yield lambda stepped: None
         return
     with ExitStack() as stack:
         yield stack.enter_context(live(scene.name)) if sys.stdout.isatty() else lines
 
 
-def _check_places(options: argparse.Namespace, appended: bool) -> list[Place]:
+def _check_places(options: MonitorOptions, appended: bool) -> list[Place]:
     """The files to be written; what could not be is refused before the work. That of the state is gone on with, and so
     are the events that were told with it."""
     for option, what in (("output", "a calibration"), ("state", "a state")):

@@ -1,4 +1,4 @@
-"""What the commands about plug-ins print: a list with what could not be loaded in it, and the results of checks."""
+"""`python -m stereorecal strategies` and `matchers`: what is installed, loadable or not, or checks of one."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import astuple, fields
@@ -8,14 +8,44 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
-from stereorecal.cli._console import table_console
+from stereorecal._errors import InputError
 from stereorecal.cli._exit_codes import FAILURE
+from stereorecal.cli._option_values import NONE_INSTALLED
+from stereorecal.cli._plugin_commands import PluginOptions
+from stereorecal.cli._terminal import table_console
+from stereorecal.matching import MatcherInfo, matcher, overview as matchers_found
+from stereorecal.strategies import StrategyInfo, overview as strategies_found, strategy
 
 if TYPE_CHECKING:
     from stereorecal.testing import CheckResult  # which renders scenes: a list of names does not wait for that
 
 
-def print_list(found: Mapping[str, Any], info: type, headings: Sequence[str]) -> int:
+def run(options: PluginOptions) -> int:
+    """List the installed plug-ins, or check one; returns the exit code."""
+    kind = _strategies if options.verb == "strategies" else _matchers
+    return kind(options.name)
+
+
+def _strategies(name: str | None) -> int:
+    if name is not None:
+        from stereorecal.testing import check_strategy  # renders scenes: a list of names does not wait for that
+
+        return _print_checks(check_strategy(strategy(name)))
+    found = strategies_found()
+    if not found:
+        raise InputError(NONE_INSTALLED)
+    return _print_list(found, StrategyInfo, ("name", "distribution", "version", "needs", "what it does"))
+
+
+def _matchers(name: str | None) -> int:
+    if name is not None:
+        from stereorecal.testing import check_matcher
+
+        return _print_checks(check_matcher(matcher(name)))
+    return _print_list(matchers_found(), MatcherInfo, ("name", "distribution", "version", "runs", "what it does"))
+
+
+def _print_list(found: Mapping[str, Any], info: type, headings: Sequence[str]) -> int:
     """One row for each plug-in, `info` under its headings or the error it has; returns the exit code."""
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     for heading in headings:
@@ -27,7 +57,7 @@ def print_list(found: Mapping[str, Any], info: type, headings: Sequence[str]) ->
     return 0 if all(isinstance(one, info) for one in found.values()) else FAILURE
 
 
-def print_checks(report: "Iterable[CheckResult]") -> int:
+def _print_checks(report: "Iterable[CheckResult]") -> int:
     """One line for each check; returns the exit code."""
     passed = True
     for result in report:

@@ -1,6 +1,5 @@
 """`python -m stereorecal recalibrate`."""
 
-import argparse
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
@@ -12,21 +11,20 @@ from stereorecal._environment import versions
 from stereorecal._errors import InputError
 from stereorecal._run_all import Progress
 from stereorecal._signals import hold
-from stereorecal.cli import _output, _values
-from stereorecal.cli._boards import boards_of, check_boards_asked
-from stereorecal.cli._console import print_lines, table_console
+from stereorecal.cli import _calibration_output, _option_values
+from stereorecal.cli._chessboards import boards_of, check_boards_asked
 from stereorecal.cli._executors import executor
 from stereorecal.cli._exit_codes import BAD_INPUT, CANNOT_TELL, FAILURE, INTERRUPTED
-from stereorecal.cli._html import check_page, write_report
-from stereorecal.cli._json import write_json
-from stereorecal.cli._places import deliver, named_inputs, written_or_printed
-from stereorecal.cli._progress import progress_bar
+from stereorecal.cli._html_page import check_page, write_report
+from stereorecal.cli._option_values import health_options
+from stereorecal.cli._output_files import deliver, named_inputs, write_json, written_or_printed
 from stereorecal.cli._recordings import recordings, without
+from stereorecal.cli._repair_commands import RecalibrateOptions
 from stereorecal.cli._streams import say
-from stereorecal.cli.arguments._motion import motion_of
-from stereorecal.estimation import DEFAULT, SAVED, check_prior
+from stereorecal.cli._terminal import print_lines, progress_bar, table_console
+from stereorecal.estimation import DEFAULT, SAVED
 from stereorecal.io import calibration_json, files_read, load_odometer, load_ranges, next_copy, save_maps
-from stereorecal.matching import AbstractMatcher, as_matcher
+from stereorecal.matching import as_matcher
 from stereorecal.objectives import Parameters, Reach
 from stereorecal.recalibration import (
     SCHEDULES,
@@ -48,18 +46,16 @@ SCHEMA = "stereorecal.solution/2"
 _CODES = {Fault.INTERRUPTED: INTERRUPTED, Fault.INSIDE: FAILURE, Fault.INPUT: BAD_INPUT}  # the first that occurs
 
 
-def run(options: argparse.Namespace) -> int:
+def run(options: RecalibrateOptions) -> int:
     """Repair, save, print; returns the exit code."""
-    matcher, schedule = as_matcher(options.matcher), _schedule(options)
-    reach = Reach(*_values.degrees_and_fraction(options.reach, "--reach"))
-    budget, seed = as_budget(options.budget), _values.seed(options.seed)
+    how, schedule = health_options(options), _schedule(options)
+    reach = Reach(*_option_values.degrees_and_fraction(options.reach, "--reach"))
+    budget, seed = as_budget(options.budget), _option_values.seed(options.seed)
     ranges = load_ranges(options.ranges) if options.ranges is not None else ()
     odometer = load_odometer(options.odometer) if options.odometer is not None else None
-    free = with_ranges(_values.free(options.free), ranges, odometer)
-    limits, shown = _values.tolerances(options), _values.view(options)
-    check_prior(options.prior)
+    free = with_ranges(_option_values.free(options.free), ranges, odometer)
     check_boards_asked(options)
-    _output.checked(options)
+    _calibration_output.checked(options)
     check_page(options.html, "repair_page")
     if options.html is not None and len(options.scenes) > 1:
         raise InputError("--html shows one recording; give one, or leave --html out.")
@@ -70,23 +66,19 @@ def run(options: argparse.Namespace) -> int:
             boards = boards_of(options)
         read |= set(named_inputs(options.ranges, options.odometer))
         priors = [None if scene.rig is None or options.prior else saved_with(scene.rig)[0] for scene in found.scenes]
-        output = _output.output_of(options, found.scenes, free.names, read)
+        output = _calibration_output.output_of(options, found.scenes, free.names, read)
         scenes, ranges = sharing(found.scenes, free, ranges, options.extrinsics, schedule)
         absent = found.absent + without(found.scenes[0].pairs, scenes[0].pairs, "others show more texture")
         pairing = {"pairing": found.pairing} if found.pairing else {}
         del found
         arguments = {
-            "matcher": matcher,
+            **how,
             "schedule": schedule,
             "reach": reach,
             "budget": budget,
-            "view": shown,
             "seed": seed,
             "free": free,
-            "prior": options.prior,
             "boards": boards,
-            "motion": motion_of(options),
-            "tolerances": limits,
             "odometer": odometer,
             "ranges": ranges,
             "extrinsics": options.extrinsics,
@@ -97,11 +89,13 @@ def run(options: argparse.Namespace) -> int:
         # Before the workers are waited for: a second Ctrl-C must find everything saved.
         if any(repair.solution for repair in repairs):
             prior = options.prior or (SAVED if any(priors) else DEFAULT)
-            settings = {**_settings(options, matcher, schedule, reach, budget, free), "prior": prior}
+            settings = {**_settings(options, schedule, reach, budget, free), "prior": prior}
             deliver(
                 lambda: _show(repairs, options),
                 *_saving(scenes, repairs, options, output),
-                lambda: _save_json(scenes, repairs, settings, options, interrupted=interrupted),
+                lambda: write_json(
+                    _content(scenes, repairs, settings, interrupted=interrupted), options.json, force=options.force
+                ),
                 lambda: write_report(
                     options, scenes, repairs, {**_beside(options, free), "prior": prior, **pairing}, absent
                 ),
@@ -131,7 +125,7 @@ def _finished(
     return found, False
 
 
-def _schedule(options: argparse.Namespace) -> Schedule:
+def _schedule(options: RecalibrateOptions) -> Schedule:
     checked_choice(options.schedule, list(SCHEDULES), "schedule")
     chosen = None if options.strategy is None else strategy(options.strategy)
     if options.schedule == "count":
@@ -142,8 +136,7 @@ def _schedule(options: argparse.Namespace) -> Schedule:
 
 
 def _settings(
-    options: argparse.Namespace,
-    matcher: AbstractMatcher,
+    options: RecalibrateOptions,
     schedule: Schedule,
     reach: Reach,
     budget: Budget,
@@ -162,14 +155,14 @@ def _settings(
     return {
         "frames": options.frames,
         "motion": options.motion,
-        "matcher": {"name": options.matcher, **asdict(matcher)},
+        "matcher": {"name": options.matcher, **asdict(as_matcher(options.matcher))},
         "view": options.view,
         "schedule": schedule.name,
         "stages": stages,
         "reach": asdict(reach),
         "budget": asdict(budget),
         "free": free.names,
-        "tolerances": asdict(_values.tolerances(options)),
+        "tolerances": asdict(_option_values.tolerances(options)),
         "extrinsics": options.extrinsics,
         "ranges": options.ranges,
         "boards": options.boards,
@@ -178,7 +171,7 @@ def _settings(
     }
 
 
-def _beside(options: argparse.Namespace, free: Parameters) -> dict[str, Any]:
+def _beside(options: RecalibrateOptions, free: Parameters) -> dict[str, Any]:
     """What a page says of the settings beside what its solution knows: a repair of extrinsics may know nothing of what
     was solved for afterwards."""
     said = {"free": ", ".join(free.names), "extrinsics": options.extrinsics}
@@ -187,11 +180,11 @@ def _beside(options: argparse.Namespace, free: Parameters) -> dict[str, Any]:
 
 
 def _saving(
-    scenes: Sequence[Scene], repairs: Sequence[Repair], options: argparse.Namespace, output: _output.Output
+    scenes: Sequence[Scene], repairs: Sequence[Repair], options: RecalibrateOptions, output: _calibration_output.Output
 ) -> list[Callable[[], None]]:
     """Steps that write the calibration and the maps, and say so."""
     first = repairs[0].solution
-    told = not options.quiet and options.json != "-"
+    told = options.prints
 
     def step(names: Sequence[Path], wanted: bool, save: Callable[[Solution], list[Path]], note: str) -> None:
         """`save` returns the copies of what it replaced."""
@@ -210,32 +203,26 @@ def _saving(
 
     def maps(solution: Solution) -> list[Path]:
         for path in output.maps_files:
-            save_maps(solution.rig, path, options.force, _values.view(options))
+            save_maps(solution.rig, path, options.force, _option_values.view(options))
         return []
+
+    def calibration(solution: Solution) -> list[Path]:
+        return _calibration_output.save(output, solution, scenes[0], options)
 
     if options.dry_run and told and not (output.files or output.maps_files):
         return [lambda: print("no calibration would be written: no --output, --in-place or --maps names a place")]
     accepted, good = first is not None and first.accepted, first is not None and first.reason.healthy
     initial = "" if accepted else " for the initial calibration"
     return [
-        lambda: step(
-            output.files, accepted, lambda found: _output.save(output, found, scenes[0], options), output.said
-        ),
+        lambda: step(output.files, accepted, calibration, output.said),
         lambda: step(output.maps_files, good, maps, initial),
     ]
 
 
-def _save_json(
-    scenes: Sequence[Scene],
-    repairs: Sequence[Repair],
-    settings: dict[str, Any],
-    options: argparse.Namespace,
-    *,
-    interrupted: bool,
-) -> None:
-    if options.json is None:
-        return
-    content = {
+def _content(
+    scenes: Sequence[Scene], repairs: Sequence[Repair], settings: dict[str, Any], *, interrupted: bool
+) -> dict[str, Any]:
+    return {
         "schema": SCHEMA,
         "versions": versions(),
         "settings": settings,
@@ -245,11 +232,10 @@ def _save_json(
             for scene, repair in zip(scenes, repairs, strict=True)
         ],
     }
-    write_json(content, options.json, force=options.force)
 
 
-def _show(repairs: Sequence[Repair], options: argparse.Namespace) -> None:
-    if options.quiet or options.json == "-":
+def _show(repairs: Sequence[Repair], options: RecalibrateOptions) -> None:
+    if not options.prints:
         return
     if len(repairs) > 1:
         console = table_console()

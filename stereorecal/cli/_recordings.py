@@ -1,16 +1,17 @@
 """The recordings that a command is about: scene folders, or images, videos and bags that lie anywhere."""
 
-import argparse
 from collections.abc import Callable, Sequence, Sized
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
 from stereorecal._errors import InputError
-from stereorecal.cli import _values
+from stereorecal.cli import _option_values
 from stereorecal.cli._calibration_files import calibration_path
+from stereorecal.cli._options import TWO_FILES
+from stereorecal.cli._repair_commands import MonitorOptions, RecalibrateOptions, ScoreOptions
+from stereorecal.cli._shared_options import RecordingOptions
 from stereorecal.cli._streams import say
-from stereorecal.cli.arguments._calibrations import TWO_FILES
 from stereorecal.io import calibrated_scene, load_scene, open_pairs
 from stereorecal.recalibration import MOST_FRAMES, chosen_frames
 from stereorecal.recordings import LazyPairs, Pair, PairSequence, Scene
@@ -42,7 +43,7 @@ class Recordings:
     pairing: str | None = None
 
 
-def recordings(options: argparse.Namespace, *, few: bool = False) -> Recordings:
+def recordings(options: RecalibrateOptions | ScoreOptions, *, few: bool = False) -> Recordings:
     """The scenes that were asked for; frames without partner are told on stderr.
 
     Args:
@@ -51,10 +52,14 @@ def recordings(options: argparse.Namespace, *, few: bool = False) -> Recordings:
     Raises:
         InputError: if none or several kinds were asked for, or one cannot be used.
     """
-    return _recordings(options, partial(_selected, few=few))
+    found = _recordings(options, partial(_selected, few=few))
+    if options.readout is None:
+        return found
+    read = [replace(one, pairs=tuple(pair.read_out(options.readout) for pair in one.pairs)) for one in found.scenes]
+    return replace(found, scenes=read)
 
 
-def watched(options: argparse.Namespace) -> tuple[Scene, PairSequence]:
+def watched(options: MonitorOptions) -> tuple[Scene, PairSequence]:
     """The one scene that was asked for, with its first pair; and all its pairs, to be read one after the other.
 
     Raises:
@@ -62,7 +67,7 @@ def watched(options: argparse.Namespace) -> tuple[Scene, PairSequence]:
     """
     every: list[PairSequence] = []
 
-    def first(pairs: LazyPairs, options: argparse.Namespace, *, stream: bool, about: str):
+    def first(pairs: LazyPairs, options: RecordingOptions, *, stream: bool, about: str):
         if options.limit in (None, "all"):
             every.append(_wanted(pairs, options, about))
         else:
@@ -75,7 +80,7 @@ def watched(options: argparse.Namespace) -> tuple[Scene, PairSequence]:
     return scenes[0], every[0]
 
 
-def _recordings(options: argparse.Namespace, select: _Select) -> Recordings:
+def _recordings(options: RecordingOptions, select: _Select) -> Recordings:
     found = _scenes(options, select) if options.scenes and not _loose(options) else _recorded(options, select)
     for scene in found.scenes:
         if scene.rig is None:
@@ -83,9 +88,6 @@ def _recordings(options: argparse.Namespace, select: _Select) -> Recordings:
                 f"{scene.name}: the scene has no calibration; give one with --calibration, and the images with --left "
                 "and --right."
             )
-    if getattr(options, "readout", None) is not None:
-        read = [replace(one, pairs=tuple(pair.read_out(options.readout) for pair in one.pairs)) for one in found.scenes]
-        found = replace(found, scenes=read)
     if len({scene.name for scene in found.scenes}) < len(found.scenes):
         named = [replace(scene, name=path) for scene, path in zip(found.scenes, options.scenes, strict=True)]
         return replace(found, scenes=named)
@@ -98,13 +100,13 @@ def without(found: Sized, kept: Sized, why: str) -> tuple[tuple[str, str], ...]:
     return ((f"{number} other {'pair' if number == 1 else 'pairs'}", why),) if number > 0 else ()
 
 
-def _loose(options: argparse.Namespace) -> bool:
+def _loose(options: RecordingOptions) -> bool:
     named = ("left", "right", "side_by_side", "bag", "left_topic", "right_topic", "calibration")
     return any(getattr(options, name) is not None for name in named)
 
 
-def _scenes(options: argparse.Namespace, select: _Select) -> Recordings:
-    if options.format or (options.unit and getattr(options, "output_format", None) is None):
+def _scenes(options: RecordingOptions, select: _Select) -> Recordings:
+    if options.format or (options.unit and not options.unit_is_of_output):
         raise InputError("--format and --unit belong to --calibration; leave them out.")
     if options.tolerance is not None:
         raise InputError(
@@ -121,7 +123,7 @@ def _scenes(options: argparse.Namespace, select: _Select) -> Recordings:
     return Recordings(found, tuple(absent))
 
 
-def _recorded(options: argparse.Namespace, select: _Select) -> Recordings:
+def _recorded(options: RecordingOptions, select: _Select) -> Recordings:
     ways = (
         (options.left, options.right),
         (options.side_by_side,),
@@ -130,10 +132,10 @@ def _recorded(options: argparse.Namespace, select: _Select) -> Recordings:
     given = [way for way in ways if any(part is not None for part in way)]
     if options.scenes:
         raise InputError(f"{_GIVE}; {options.scenes[0]} is taken for a scene folder ({TWO_FILES}).")
-    if len(given) != 1 or None in given[0] or options.calibration is None:
+    place = options.left or options.side_by_side or options.bag
+    if len(given) != 1 or None in given[0] or place is None or options.calibration is None:
         raise InputError(f"{_GIVE}.")
     topics = {"left_topic": options.left_topic, "right_topic": options.right_topic}
-    place = options.left or options.side_by_side or options.bag
     absent: list[tuple[str, str]] = []
     pairing: list[str] = []
 
@@ -151,11 +153,11 @@ def _recorded(options: argparse.Namespace, select: _Select) -> Recordings:
 
 
 def _selected(
-    pairs: LazyPairs, options: argparse.Namespace, *, stream: bool, about: str, few: bool = False
+    pairs: LazyPairs, options: RecordingOptions, *, stream: bool, about: str, few: bool = False
 ) -> tuple[tuple[Pair, ...], tuple[tuple[str, str], ...]]:
     """The pairs that --from, --to, --every, --frames and --limit leave, read; and what to say of the others."""
     wanted = _wanted(pairs, options, about)
-    limit = _values.limit(options.limit, MOST_FRAMES if few or stream or len(wanted) > _LONG else None)
+    limit = _option_values.limit(options.limit, MOST_FRAMES if few or stream or len(wanted) > _LONG else None)
     chosen = tuple(wanted) if limit is None else chosen_frames(wanted, limit)
     return chosen, (
         *without(pairs, wanted, "outside of --from, --to, --every and --frames"),
@@ -163,9 +165,9 @@ def _selected(
     )
 
 
-def _wanted(pairs: LazyPairs, options: argparse.Namespace, about: str) -> LazyPairs:
+def _wanted(pairs: LazyPairs, options: RecordingOptions, about: str) -> LazyPairs:
     """The pairs that --from, --to, --every and --frames leave, not read yet."""
-    wanted = pairs[_values.stretch(options)][: _values.frame_limit(options.frames)]
+    wanted = pairs[_option_values.stretch(options)][: _option_values.frame_limit(options.frames)]
     if not len(wanted):
         raise InputError(f"{about}: of {len(pairs)} pairs, --from, --to and --every leave none; change them.")
     return wanted

@@ -1,20 +1,18 @@
 """`python -m stereorecal reproduce`."""
 
-import argparse
 from pathlib import Path
 from typing import Any
 
 from stereorecal._choices import checked_choice
 from stereorecal._errors import InputError
 from stereorecal._extras import extra
-from stereorecal.cli import _values
-from stereorecal.cli._console import table_console
+from stereorecal.cli import _option_values
 from stereorecal.cli._executors import executor
 from stereorecal.cli._exit_codes import FAILURE, INTERRUPTED
-from stereorecal.cli._json import write_json
-from stereorecal.cli._places import check_places, deliver, places_of, spare
-from stereorecal.cli._progress import progress_bar
+from stereorecal.cli._experiment_commands import ReproduceOptions
+from stereorecal.cli._output_files import check_places, deliver, places_of, spare, write_json
 from stereorecal.cli._streams import say
+from stereorecal.cli._terminal import progress_bar, table_console
 from stereorecal.io import files_read, load_log
 from stereorecal.matching import as_matcher
 from stereorecal.objectives import Reach
@@ -24,7 +22,6 @@ from stereorecal.reproduction import (
     EXPERIMENTS,
     QUICK,
     Extent,
-    Reproduction,
     experiment_tables,
     methods,
     reproduce,
@@ -37,13 +34,16 @@ _ALL, _BOTH = "all", "both"
 _WIDE = 150  # columns of the widest table
 
 
-def run(options: argparse.Namespace) -> int:
+def run(options: ReproduceOptions) -> int:
     """Run, save, print; returns the exit code."""
     chosen = [checked_choice(name, [*EXPERIMENTS, _ALL], "experiment") for name in options.experiments]
     experiments = list(EXPERIMENTS) if _ALL in chosen else list(dict.fromkeys(chosen))
     schedule = checked_choice(options.schedule, [_BOTH, *SCHEDULES], "schedule")
-    reach = Reach(*_values.degrees_and_fraction(options.reach, "--reach"))
-    seed, limit = _values.seed(options.seed), _values.frame_limit("10" if options.frames is None else options.frames)
+    reach = Reach(*_option_values.degrees_and_fraction(options.reach, "--reach"))
+    seed, limit = (
+        _option_values.seed(options.seed),
+        _option_values.frame_limit(options.frames, "10"),
+    )
     if options.output == "-":
         raise InputError("--output -: the results are files in a folder; give the name of one.")
     if options.frames is not None and options.log is None:
@@ -79,7 +79,11 @@ def run(options: argparse.Namespace) -> int:
             )
         # Before the workers are waited for: a second Ctrl-C must find everything saved.
         data = found.as_dict()
-        deliver(lambda: _show(data, options), lambda: _save_json(data, options), lambda: _save_all(found, log, folder))
+        deliver(
+            lambda: _show(data, options),
+            lambda: write_json(data, options.json, force=options.force),
+            lambda: write_files(found, log, folder),
+        )
     for key, error in found.errors.items():
         say(f"{key}: {error}")
     if not options.quiet:
@@ -93,21 +97,12 @@ def run(options: argparse.Namespace) -> int:
     return FAILURE if found.errors and not any(found.rows.values()) else 0
 
 
-def _show(data: dict[str, Any], options: argparse.Namespace) -> None:
-    if not options.quiet and options.json != "-":
+def _show(data: dict[str, Any], options: ReproduceOptions) -> None:
+    if options.prints:
         table_console(_WIDE).print(experiment_tables(data))
 
 
-def _save_json(data: dict[str, Any], options: argparse.Namespace) -> None:
-    if options.json is not None:
-        write_json(data, options.json, force=options.force)
-
-
-def _save_all(found: Reproduction, log: Log, folder: Path) -> None:
-    write_files(found, log, folder)
-
-
-def _log(options: argparse.Namespace, seed: int, limit: int | None) -> Log:
+def _log(options: ReproduceOptions, seed: int, limit: int | None) -> Log:
     if options.log is not None:
         return load_log(Path(options.log), limit)
     with progress_bar(options.quiet, "rendering") as progress:

@@ -1,6 +1,5 @@
 """`python -m stereorecal score`."""
 
-import argparse
 from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
@@ -8,18 +7,16 @@ from typing import Any
 from stereorecal._environment import versions
 from stereorecal._errors import InputError
 from stereorecal._signals import hold
-from stereorecal.cli import _values
-from stereorecal.cli._console import print_lines, table_console
 from stereorecal.cli._exit_codes import BAD_INPUT, CANNOT_TELL, INTERRUPTED, REPAIR
-from stereorecal.cli._json import write_json
-from stereorecal.cli._places import check_places, deliver, image_inputs, places_of, spare
+from stereorecal.cli._option_values import health_options, tolerances
+from stereorecal.cli._output_files import check_places, deliver, image_inputs, places_of, spare, write_json
 from stereorecal.cli._recordings import recordings
+from stereorecal.cli._repair_commands import ScoreOptions
 from stereorecal.cli._streams import say
-from stereorecal.cli.arguments._motion import motion_of
-from stereorecal.decision import Tolerances
+from stereorecal.cli._terminal import print_lines, table_console
 from stereorecal.io import about, files_read
-from stereorecal.matching import AbstractMatcher, as_matcher
-from stereorecal.recalibration import HEALTH_LIMITS, Condition, Health, health
+from stereorecal.matching import as_matcher
+from stereorecal.recalibration import HEALTH_LIMITS, Condition, Health, HealthOptions, health
 from stereorecal.recordings import Scene
 from stereorecal.report.repair_tables import scores_table
 
@@ -27,10 +24,9 @@ SCHEMA = "stereorecal.health/2"
 _CODES = {Condition.REPAIR: REPAIR, Condition.CANNOT_TELL: CANNOT_TELL, Condition.HEALTHY: 0}  # the first that occurs
 
 
-def run(options: argparse.Namespace) -> int:
+def run(options: ScoreOptions) -> int:
     """Check, save, print; returns the exit code."""
-    matcher = as_matcher(options.matcher)
-    limits, shown = _values.tolerances(options), _values.view(options)
+    how = health_options(options)
     places = places_of(options, "json")
     check_places(places, force=options.force)
     with files_read() as read:
@@ -40,15 +36,14 @@ def run(options: argparse.Namespace) -> int:
     interrupted = False
     try:
         for scene in scenes:
-            how = {"prior": options.prior, "motion": motion_of(options), "tolerances": limits, "view": shown}
-            looked.append(_look(scene, matcher, **how))
+            looked.append(_look(scene, how))
         hold()
     except KeyboardInterrupt:
         interrupted = True
     rows = [_row(scene, found) for scene, found in zip(scenes, looked, strict=False)]
     if any(isinstance(found, Health) for found in looked):
-        content = {**_about_all(options, matcher, limits), "interrupted": interrupted, "scenes": rows}
-        deliver(lambda: _show(looked, rows, options), lambda: _save(content, options))
+        content = {**_about_all(options, how), "interrupted": interrupted, "scenes": rows}
+        deliver(lambda: _show(looked, rows, options), lambda: write_json(content, options.json, force=options.force))
     for found in looked:
         if isinstance(found, InputError):
             say(found)
@@ -61,13 +56,8 @@ def run(options: argparse.Namespace) -> int:
     return next(code for condition, code in _CODES.items() if condition in conditions)
 
 
-def _save(content: dict[str, Any], options: argparse.Namespace) -> None:
-    if options.json is not None:
-        write_json(content, options.json, force=options.force)
-
-
-def _show(looked: Sequence[Health | InputError], rows: Sequence[dict[str, Any]], options: argparse.Namespace) -> None:
-    if options.quiet or options.json == "-":
+def _show(looked: Sequence[Health | InputError], rows: Sequence[dict[str, Any]], options: ScoreOptions) -> None:
+    if not options.prints:
         return
     if len(looked) > 1:
         console = table_console()
@@ -76,12 +66,12 @@ def _show(looked: Sequence[Health | InputError], rows: Sequence[dict[str, Any]],
         print_lines(looked[0])
 
 
-def _look(scene: Scene, matcher: AbstractMatcher, **how: Any) -> Health | InputError:
+def _look(scene: Scene, how: HealthOptions) -> Health | InputError:
     """What there is to say of a recording: one that cannot be used does not take the others with it."""
     assert scene.rig is not None
     try:
         with about(scene.name):
-            return health(scene.rig, scene.pairs, matcher=matcher, **how)
+            return health(scene.rig, scene.pairs, **how)
     except InputError as error:
         return error
 
@@ -93,11 +83,12 @@ def _row(scene: Scene, found: Health | InputError) -> dict[str, Any]:
     return {**about_it, "error": None, **found.as_dict()}
 
 
-def _about_all(options: argparse.Namespace, matcher: AbstractMatcher, limits: Tolerances) -> dict[str, Any]:
+def _about_all(options: ScoreOptions, how: HealthOptions) -> dict[str, Any]:
+    limits = tolerances(options)
     settings = {
         "frames": options.frames,
         "motion": options.motion,
-        "matcher": {"name": options.matcher, **asdict(matcher)},
+        "matcher": {"name": options.matcher, **asdict(as_matcher(options.matcher))},
         "view": options.view,
         "thresholds": {**HEALTH_LIMITS, **limits.limits},
         "distances": limits.distances,

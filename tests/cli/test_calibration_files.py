@@ -9,7 +9,7 @@ import pytest
 
 import stereorecal as sr
 from stereorecal.cli import _recalibrate
-from stereorecal.cli.arguments._calibrations import FORMATS
+from stereorecal.cli._shared_options import FORMATS
 from stereorecal.io import load_rig, load_scene, save_rig
 from stereorecal.io.formats._format_list import NAMES
 

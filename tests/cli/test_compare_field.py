@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import stereorecal as sr
-from stereorecal.cli import _compare_field, _trial_journal
+from stereorecal.cli import _compare_field, _journals
 from stereorecal.comparison.field import FieldTrial
 
 pytest.importorskip("stereorecal_features", reason="the plug-in is not installed")
@@ -61,8 +61,8 @@ def test_killed_and_resumed(command, folder, tmp_path, monkeypatch):
         save(journal, trial)
         raise Killed
 
-    save = _trial_journal.TrialJournal.__call__
-    monkeypatch.setattr(_trial_journal.TrialJournal, "__call__", once)
+    save = _journals.TrialJournal.__call__
+    monkeypatch.setattr(_journals.TrialJournal, "__call__", once)
     with pytest.raises(Killed):
         command(*words)
     monkeypatch.undo()
@@ -87,9 +87,9 @@ def stopped(command, monkeypatch, *words) -> None:
         save(journal, trial)
         raise KeyboardInterrupt
 
-    save = _trial_journal.TrialJournal.__call__
+    save = _journals.TrialJournal.__call__
     with monkeypatch.context() as patch:
-        patch.setattr(_trial_journal.TrialJournal, "__call__", once)
+        patch.setattr(_journals.TrialJournal, "__call__", once)
         assert command(*words).code == 130
 
 
@@ -119,13 +119,13 @@ def test_a_journal_without_a_whole_first_line_is_none(tmp_path, text, anew):
     (tmp_path / "a.json.trials").write_text(text)
     if not anew:
         with pytest.raises(sr.InputError, match="is of a comparison with other settings"):
-            _trial_journal.TrialJournal([tmp_path / "a.json"], {"schema": 1})
+            _journals.TrialJournal([tmp_path / "a.json"], {"schema": 1})
         return
-    journal = _trial_journal.TrialJournal([tmp_path / "a.json"], {"schema": 1})
+    journal = _journals.TrialJournal([tmp_path / "a.json"], {"schema": 1})
     assert not journal.owns(tmp_path / "a.json")
     journal.begin()
     journal(FieldTrial("k", "rendered", "s", 0, "rows", "failed", "x"))
-    again = _trial_journal.TrialJournal([tmp_path / "a.html", tmp_path / "a.json"], {"schema": 1})
+    again = _journals.TrialJournal([tmp_path / "a.html", tmp_path / "a.json"], {"schema": 1})
     assert list(again.done) == ["k"]
     assert again.owns(tmp_path / "a.json")
     assert not again.owns(tmp_path / "a.html")

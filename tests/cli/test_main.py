@@ -25,7 +25,7 @@ def broken(monkeypatch: pytest.MonkeyPatch) -> None:
     def bug(options):
         raise KeyError("a bug")
 
-    monkeypatch.setattr(_score, "as_matcher", bug)
+    monkeypatch.setattr(_score, "health_options", bug)
 
 
 PLACES = pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from rides import BEFORE, Ride
 
 import stereorecal as sr
 from stereorecal.cli import _monitor, _recordings
-from stereorecal.cli._live import view
+from stereorecal.cli._live_view import view
 from stereorecal.io import save_scene
 from stereorecal.online import Config, load, reading, run
 from stereorecal.recordings import Scene

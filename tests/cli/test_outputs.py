@@ -13,7 +13,7 @@ import pytest
 from bags import write_bag
 
 from stereorecal._errors import InputError
-from stereorecal.cli import _places, _streams, main
+from stereorecal.cli import _output_files, _streams, main
 from stereorecal.io import back_up, save_rig
 from stereorecal.synthetic import default_rig
 
@@ -224,9 +224,9 @@ def test_devices_need_no_force(command, clean_scene: Path, drifted_scene: Path):
 def test_the_rows_of_a_reproduction_are_inputs(tmp_path: Path):
     from stereorecal.reproduction import store_files
 
-    places = [_places.Place("--json", tmp_path / "rows.jsonl")]
+    places = [_output_files.Place("--json", tmp_path / "rows.jsonl")]
     with pytest.raises(InputError, match="is read, and is not replaced"):
-        _places.spare(places, store_files(tmp_path))
+        _output_files.spare(places, store_files(tmp_path))
 
 
 def test_the_folder_of_a_reproduction_takes_its_own_files_only(command, clean_scene: Path, tmp_path: Path):
@@ -275,12 +275,12 @@ def test_a_watch_goes_on_when_its_log_finds_no_room(command, clean_scene: Path, 
 
 
 def test_a_quiet_run_prints_what_it_cannot_write(command, clean_scene: Path, tmp_path: Path, monkeypatch):
-    from stereorecal.cli import _json
+    from stereorecal.cli import _output_files
 
     def fail(*_, **__):
         raise InputError("no room")
 
-    monkeypatch.setattr(_json, "write_text", fail)
+    monkeypatch.setattr(_output_files, "write_text", fail)
     answer = command("diff", clean_scene, clean_scene, "--quiet", "--json", tmp_path / "out.json")
     assert (answer.code, answer.err) == (2, "stereorecal: no room\n")
     assert json.loads(answer.out)["schema"] == "stereorecal.difference/1"
@@ -293,7 +293,7 @@ def test_one_that_fails_costs_no_other(capsys):
         raise error
 
     with pytest.raises(InputError, match="first"):
-        _places.deliver(
+        _output_files.deliver(
             lambda: done.append(1),
             lambda: fail(InputError("first")),
             lambda: fail(BrokenPipeError()),

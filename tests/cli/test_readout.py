@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from stereorecal._errors import InputError
+from stereorecal.cli._commands import options_of
 from stereorecal.cli._recordings import recordings
-from stereorecal.cli.arguments import parser
 from stereorecal.io import save_scene
 from stereorecal.synthetic import default_rig, render
 
@@ -21,7 +21,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def readouts(folder: Path, *words: str, verb: str = "score") -> list[float]:
-    (scene,) = recordings(parser().parse_args([verb, str(folder), *words])).scenes
+    (scene,) = recordings(options_of([verb, str(folder), *words])).scenes
     return [pair.readout for pair in scene.pairs]
 
 

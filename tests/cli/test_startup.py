@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-from stereorecal.cli.arguments import parser
+from stereorecal.cli._commands import options_of
 from stereorecal.recalibration import HEALTH_LIMITS, SCHEDULES
 from stereorecal.reproduction import EXPERIMENTS
 from stereorecal.synthetic import KINDS
@@ -63,7 +63,7 @@ def test_answers_at_once(words: list[str], code: int):
 )
 def test_an_option_that_is_written_wrongly(words: str, said: str, capsys):
     with pytest.raises(SystemExit) as end:
-        parser().parse_args(words.split())
+        options_of(words.split())
     assert end.value.code == 2
     line = capsys.readouterr().err
     assert said in line
@@ -73,7 +73,7 @@ def test_an_option_that_is_written_wrongly(words: str, said: str, capsys):
 
 def help_of(verb: str, capsys) -> str:
     with pytest.raises(SystemExit):
-        parser().parse_args([verb, "--help"])
+        options_of([verb, "--help"])
     return " ".join(capsys.readouterr().out.split())
 
 

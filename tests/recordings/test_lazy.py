@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from stereorecal._errors import InputError
+from stereorecal.cli._commands import options_of
 from stereorecal.cli._recordings import recordings
-from stereorecal.cli.arguments import parser
 from stereorecal.io import files_read, load_log, load_scene, open_pairs, save_scene
 from stereorecal.io.images import _load_pairs
 from stereorecal.recalibration import chosen_frames
@@ -76,14 +76,14 @@ def test_of_a_scene_only_what_is_chosen_stays(folder: Path, meter: Meter):
 
 def test_a_command_looks_at_some_of_a_long_recording(folder: Path, meter: Meter):
     """As of a video, and not where all were asked for."""
-    options = parser().parse_args(["score", str(folder)])
+    options = options_of(["score", str(folder)])
     found = recordings(options)
     assert len(found.scenes[0].pairs) == 24
     assert meter.most <= 24 + 2
     assert any("176 other pairs" in about for about, _ in found.absent)
-    few = recordings(parser().parse_args(["score", str(folder), "--to", "100"]))
+    few = recordings(options_of(["score", str(folder), "--to", "100"]))
     assert len(few.scenes[0].pairs) == 100
-    every = recordings(parser().parse_args(["score", str(folder), "--limit", "all"]))
+    every = recordings(options_of(["score", str(folder), "--limit", "all"]))
     assert len(every.scenes[0].pairs) == FRAMES
 
 

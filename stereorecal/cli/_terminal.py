@@ -1,7 +1,9 @@
-"""A progress bar where somebody looks."""
+"""What a terminal shows: tables, lines and progress."""
 
 import logging
+import re
 import sys
+import textwrap
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
@@ -10,8 +12,24 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from stereorecal._compile_cache import LOG
 from stereorecal._run_all import Progress as ProgressCall
+from stereorecal.report.comparison_tables import WIDE
 
 _COMPILING = "compiling, once for images of this size"
+
+
+def table_console(wide: int = WIDE) -> Console:
+    """Stdout: as wide as the terminal, or `wide` columns where it is none."""
+    return _Console(width=None if sys.stdout.isatty() else wide)
+
+
+def print_lines(text: object) -> None:
+    """Print lines. On a terminal, one that is too long is folded between words, below what its first word is about; a
+    file or a pipe gets it whole, as programs expect."""
+    lines = str(text).splitlines()
+    if sys.stdout.isatty():
+        width = table_console().width
+        lines = [folded for line in lines for folded in _folded(line, width)]
+    print("\n".join(lines))
 
 
 @contextmanager
@@ -26,6 +44,20 @@ def progress_bar(quiet: bool, doing: str = "repairing") -> Iterator[ProgressCall
         task = bar.add_task(doing, total=None)
         with _on_compilation(lambda: bar.update(task, description=_COMPILING)):
             yield lambda finished, total: bar.update(task, description=doing, completed=finished, total=total)
+
+
+def _folded(line: str, width: int) -> list[str]:
+    about = re.match(r"\S.{0,10}? {2,}", line)
+    indent = " " * (about.end() if about is not None and about.end() < width // 3 else 2)
+    together = re.sub(r"(?<=±) | (?=%)", "\u00a0", line)
+    folded = textwrap.wrap(together, width, subsequent_indent=indent, break_long_words=False) or [""]
+    return [one.replace("\u00a0", " ") for one in folded]
+
+
+class _Console(Console):
+    def on_broken_pipe(self) -> None:
+        """Called where rich has caught it, and would end the process: what is left to be saved would be lost."""
+        raise  # noqa: PLE0704
 
 
 @contextmanager

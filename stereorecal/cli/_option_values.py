@@ -1,13 +1,16 @@
 """Values of options, parsed with sentences that say what is wrong."""
 
-import argparse
 from typing import Any
 
 from stereorecal._choices import checked_choice
 from stereorecal._errors import InputError
+from stereorecal.cli._shared_options import DecisionOptions, PairOptions, ViewOptions
 from stereorecal.decision import LIMITS, Tolerances, as_tolerances
+from stereorecal.estimation import check_prior
 from stereorecal.geometry import checked_view_arguments
+from stereorecal.matching import as_matcher
 from stereorecal.objectives import Parameters, as_parameters
+from stereorecal.recalibration import HealthOptions
 from stereorecal.strategies import strategies
 
 NONE_INSTALLED = (
@@ -34,7 +37,23 @@ def degrees_and_fraction(text: str, option: str) -> tuple[float, float]:
     return degrees, fraction
 
 
-def tolerances(options: argparse.Namespace) -> Tolerances:
+def health_options(options: DecisionOptions) -> HealthOptions:
+    """What `sr.health` and `sr.recalibrate` take.
+
+    Raises:
+        InputError: if a value makes no sense.
+    """
+    check_prior(options.prior)
+    return {
+        "matcher": as_matcher(options.matcher),
+        "view": view(options),
+        "prior": options.prior,
+        "motion": {"auto": None, "on": True, "off": False}[options.motion],
+        "tolerances": tolerances(options),
+    }
+
+
+def tolerances(options: DecisionOptions) -> Tolerances:
     """Those of --tolerances and --distances.
 
     Raises:
@@ -51,7 +70,7 @@ def tolerances(options: argparse.Namespace) -> Tolerances:
     return as_tolerances(found)
 
 
-def view(options: argparse.Namespace) -> dict[str, Any]:
+def view(options: ViewOptions) -> dict[str, Any]:
     """The arguments of `sr.view` that --view names.
 
     Raises:
@@ -84,7 +103,7 @@ def seed(number: int) -> int:
     return number
 
 
-def stretch(options: argparse.Namespace) -> slice:
+def stretch(options: PairOptions) -> slice:
     """The pairs that --from, --to and --every select."""
     if options.every < 1:
         raise InputError(f"--every is {options.every}; give 1 for every pair, 2 for every second.")
@@ -100,8 +119,9 @@ def limit(text: str | None, default: int | None) -> int | None:
     return positive(text, f"--limit is {shortened(text)}; give a positive number or all.")
 
 
-def frame_limit(text: str) -> int | None:
-    """A positive number, or "all" for None."""
+def frame_limit(text: str | None, default: str = "all") -> int | None:
+    """A positive number, or None for all."""
+    text = default if text is None else text
     if text == "all":
         return None
     return positive(text, f"--frames is {shortened(text)}; give a positive number or all.")

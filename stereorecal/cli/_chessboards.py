@@ -1,16 +1,16 @@
 """The chessboards of the calibration, as the command line names them."""
 
-import argparse
 import math
 
 from stereorecal._errors import InputError
-from stereorecal.cli import _values
+from stereorecal.cli import _option_values
+from stereorecal.cli._repair_commands import RecalibrateOptions
 from stereorecal.estimation import is_exact
 from stereorecal.io import load_pairs
 from stereorecal.recordings import Board, find_boards
 
 
-def check_boards_asked(options: argparse.Namespace) -> None:
+def check_boards_asked(options: RecalibrateOptions) -> None:
     """Refuse what makes no sense together, before anything is read.
 
     Raises:
@@ -29,16 +29,16 @@ def check_boards_asked(options: argparse.Namespace) -> None:
         raise InputError("--boards tell what the calibration left, and --prior exact that it left nothing; give one.")
 
 
-def boards_of(options: argparse.Namespace) -> tuple[Board, ...] | None:
+def boards_of(options: RecalibrateOptions) -> tuple[Board, ...] | None:
     """The boards in the images that --boards names; None without any.
 
     Raises:
         InputError: if an image cannot be read, or none shows a board.
     """
-    if options.boards is None:
+    if options.boards is None or options.square is None:
         return None
     return find_boards(load_pairs(*options.boards), _corners(options), options.square)
 
 
-def _corners(options: argparse.Namespace) -> tuple[int, int]:
-    return _values.board_corners(options.board_corners)
+def _corners(options: RecalibrateOptions) -> tuple[int, int]:
+    return _option_values.board_corners(options.board_corners)

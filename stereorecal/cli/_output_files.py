@@ -1,14 +1,18 @@
 """The files that a command writes: all are checked before the work, and one that fails costs no other."""
 
-import argparse
 import os
-from collections.abc import Callable, Iterable, Sequence
+import sys
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from stereorecal._errors import InputError
 from stereorecal._signals import held
+from stereorecal.cli._options import CommonOptions
+from stereorecal.cli._shared_options import ImageOptions
 from stereorecal.cli._streams import flush, given_up, leave_stdout, nobody_reads, say
+from stereorecal.io import json_text, write_text
 
 
 @dataclass(frozen=True)
@@ -22,7 +26,7 @@ class Place:
         return f"{self.option} {self.path}"
 
 
-def places_of(options: argparse.Namespace, *names: str) -> list[Place]:
+def places_of(options: CommonOptions, *names: str) -> list[Place]:
     """The files that these options name; stdout ("-") is none."""
     given = [(f"--{name}", getattr(options, name, None)) for name in names]
     return [Place(option, Path(text)) for option, text in given if text is not None and text != "-"]
@@ -88,12 +92,12 @@ def named_inputs(*words: str | Path | Sequence[str] | None) -> list[Path]:
     return [Path(part) for part in parts if part]
 
 
-def image_inputs(options: argparse.Namespace) -> list[Path]:
+def image_inputs(options: ImageOptions) -> list[Path]:
     """The images, videos and bags that are named by themselves, and may be read only later."""
     return named_inputs(options.left, options.right, options.side_by_side, options.bag)
 
 
-def deliver(*steps: Callable[[], None]) -> None:
+def deliver(*steps: Callable[[], object]) -> None:
     """Print and write, step by step; one that fails costs no other.
 
     Raises:
@@ -129,6 +133,25 @@ def written_or_printed(write: Callable[[], None], text: Callable[[], str]) -> No
     except (InputError, OSError):
         print(text())
         raise
+
+
+def write_json(content: Mapping[str, Any], target: str | None, *, force: bool) -> None:
+    """Write to the file `target`, whole or not at all; for "-" to stdout, for None nowhere. A number that is not
+    finite is null.
+
+    Args:
+        force: whether a file is replaced that was not there when the command began, but is now.
+
+    Raises:
+        InputError: if it cannot be written to the file; it is printed then.
+    """
+    if target is None:
+        return
+    text = json_text(dict(content))
+    if target == "-":
+        sys.stdout.write(text)
+    else:
+        written_or_printed(lambda: write_text(target, text, replace=force), lambda: text)
 
 
 def _identity(path: Path) -> object:

@@ -1,12 +1,12 @@
 """Cameras to be watched while they run."""
 
-import argparse
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from itertools import chain, islice
 
 from stereorecal._errors import InputError
-from stereorecal.cli import _values
+from stereorecal.cli import _option_values
 from stereorecal.cli._calibration_files import calibration_path
+from stereorecal.cli._repair_commands import MonitorOptions
 from stereorecal.io import calibrated_scene, camera_pairs
 from stereorecal.recordings import Images, Pair, Scene
 
@@ -14,7 +14,7 @@ _DARK = 100  # pairs that cannot be used, at most, before the first that can: a 
 _OTHERS = ("left", "right", "side_by_side", "bag", "left_topic", "right_topic", "limit")
 
 
-def watched_cameras(options: argparse.Namespace) -> tuple[Scene, Iterable[Pair | Images]]:
+def watched_cameras(cameras: Sequence[str], options: MonitorOptions) -> tuple[Scene, Iterable[Pair | Images]]:
     """A scene of the calibration and the first pair of the cameras; and all their pairs, as they come.
 
     Raises:
@@ -26,9 +26,9 @@ def watched_cameras(options: argparse.Namespace) -> tuple[Scene, Iterable[Pair |
         raise InputError("--camera needs --calibration, the file of the rig.")
     if options.tolerance is not None and not options.tolerance >= 0.0:
         raise InputError(f"--tolerance is {options.tolerance}; give seconds, such as 0.005.")
-    names = camera_names(options.camera)
-    wanted = _values.stretch(options)
-    limit = _values.frame_limit(options.frames)
+    names = camera_names(cameras)
+    wanted = _option_values.stretch(options)
+    limit = _option_values.frame_limit(options.frames)
     coming = camera_pairs(names, options.tolerance)
     before: list[Pair | Images] = []
 
@@ -48,7 +48,7 @@ def watched_cameras(options: argparse.Namespace) -> tuple[Scene, Iterable[Pair |
     return scene, islice(islice(chain(before, coming), wanted.start, wanted.stop, wanted.step), limit)
 
 
-def camera_names(words: list[str]) -> list[str]:
+def camera_names(words: Sequence[str]) -> list[str]:
     """One name, or two: two words, or one with a comma in it, which a pipeline may have as well.
 
     Raises:

@@ -1,6 +1,5 @@
 """Pages: what is refused before the work is done, and the page of a repair."""
 
-import argparse
 import importlib
 import shlex
 from collections.abc import Mapping, Sequence
@@ -8,6 +7,7 @@ from typing import Any
 
 from stereorecal._errors import InputError
 from stereorecal._extras import extra
+from stereorecal.cli._repair_commands import RecalibrateOptions
 from stereorecal.recalibration import Repair
 from stereorecal.recordings import Scene
 
@@ -31,7 +31,7 @@ def check_page(html: str | None, module: str) -> None:
 
 
 def write_report(
-    options: argparse.Namespace,
+    options: RecalibrateOptions,
     scenes: Sequence[Scene],
     repairs: Sequence[Repair],
     settings: Mapping[str, Any],

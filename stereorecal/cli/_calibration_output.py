@@ -1,6 +1,5 @@
 """The calibration that `recalibrate` gives back: where it goes, in which form, and what it may replace."""
 
-import argparse
 import os
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -10,8 +9,9 @@ import numpy as np
 
 from stereorecal._errors import InputError
 from stereorecal.cli._calibration_files import CalibrationPath, calibration_path, paths, unit_written
-from stereorecal.cli._places import Place, check_places, check_writable, image_inputs, places_of, spare
-from stereorecal.cli.arguments._calibrations import TWO_FILES
+from stereorecal.cli._options import TWO_FILES
+from stereorecal.cli._output_files import Place, check_places, check_writable, image_inputs, places_of, spare
+from stereorecal.cli._repair_commands import RecalibrateOptions
 from stereorecal.geometry import StereoRig, changed_camera
 from stereorecal.io import back_up, calibration_files, check_savable, is_copy, next_copy, prior_beside, save_rig
 from stereorecal.recalibration import Solution
@@ -49,7 +49,7 @@ class Output:
         return [] if self.maps is None else [self.maps]
 
 
-def checked(options: argparse.Namespace) -> None:
+def checked(options: RecalibrateOptions) -> None:
     """Refuse what makes no sense whatever the recordings are, before any is read.
 
     Raises:
@@ -78,7 +78,7 @@ def checked(options: argparse.Namespace) -> None:
 
 
 def output_of(
-    options: argparse.Namespace, scenes: Sequence[Scene], free: Sequence[str], read: Iterable[Path]
+    options: RecalibrateOptions, scenes: Sequence[Scene], free: Sequence[str], read: Iterable[Path]
 ) -> Output:
     """Where the calibration of these recordings goes; all that can be said before the work is said here.
 
@@ -95,7 +95,7 @@ def output_of(
     spare(_places(options), calibrations, "replace it with --in-place")
     spare(_places(options), {*read, *image_inputs(options)})
     rig = scenes[0].rig
-    if rig is None or not (options.in_place or options.output):
+    if rig is None:
         return Output(None, False, maps)
     if options.in_place:
         files = calibration_files(rig)
@@ -110,8 +110,10 @@ def output_of(
             if not os.access(path, os.W_OK):
                 raise InputError(f"--in-place {path}: the file is write-protected; allow writing, or give --output.")
         place: CalibrationPath = (files[0], files[1]) if len(files) == 2 else files[0]
-    else:
+    elif options.output:
         place = calibration_path(options.output, "--output")
+    else:
+        return Output(None, False, maps)
     unit, said = unit_written(rig, rig, place, options.output_format, options.unit)
     check_savable(_moved(rig, free), place, format=options.output_format, unit=unit)
     beside = prior_beside(rig, place, format=options.output_format)
@@ -121,7 +123,7 @@ def output_of(
     return Output(place, options.in_place, maps, unit, said, beside)
 
 
-def save(output: Output, solution: Solution, scene: Scene, options: argparse.Namespace) -> list[Path]:
+def save(output: Output, solution: Solution, scene: Scene, options: RecalibrateOptions) -> list[Path]:
     """Write the calibration and what is known of it; one that is replaced is kept beside it: where."""
     if output.place is None:
         return []
@@ -134,7 +136,7 @@ def save(output: Output, solution: Solution, scene: Scene, options: argparse.Nam
     return kept
 
 
-def _places(options: argparse.Namespace) -> list[Place]:
+def _places(options: RecalibrateOptions) -> list[Place]:
     """All files that were asked for, by option."""
     files = [] if options.output is None else paths(calibration_path(options.output, "--output"))
     return [Place("--output", path) for path in files] + places_of(options, "json", "maps", "html")

@@ -1,20 +1,45 @@
-"""Finished trials on the disk, a line each: who is killed goes on where it was."""
+"""Comparisons on the disk while they run: what is killed has its finished trials there."""
 
 import json
+import time
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from stereorecal._errors import InputError
+from stereorecal.comparison import Comparison
 from stereorecal.comparison.field import FieldTrial, as_trial
-from stereorecal.io import json_line, write_text
+from stereorecal.io import json_line, json_text, write_text
 
+_SHARE = 0.05  # of the time, at most, goes into saving
 _SUFFIX, _PLACES = ".trials", "places"
 
 
+class GrowingJson:
+    """A comparison of strategies in the file of --json, if that is a file: written whole, again and again."""
+
+    def __init__(self, target: str | None, *, force: bool):
+        file = target is not None and target != "-" and (Path(target).is_file() or not Path(target).exists())
+        self._target = target if file else None
+        self.force = force  # whether what is there may be replaced: it may, once it is this run's own
+        self._next = 0.0
+
+    def __call__(self, comparison: Comparison) -> None:
+        started = time.monotonic()
+        if self._target is None or started < self._next:
+            return
+        with suppress(InputError):  # said, and printed, at the end
+            write_text(self._target, json_text(comparison.as_dict()), replace=self.force)
+            self.force = True
+        ended = time.monotonic()
+        self._next = ended + (ended - started) / _SHARE
+
+
 class TrialJournal:
-    """Beside the first file that a comparison writes, while it is not finished; without one, nothing is kept.
+    """Finished trials, a line each, beside the first file that a comparison by judges writes, until it is finished:
+    who is killed goes on where it was. Without a file, nothing is kept.
 
     An earlier run's is found beside any of the files, whichever of them it wrote.
 

@@ -1,0 +1,158 @@
+"""Options stand once, as fields of frozen dataclasses: type, default and help; the parser is made from them.
+
+The options of a command are a dataclass that inherits the groups which it shares with other commands. In the help, its
+own options come first, then those of the groups, in the order in which they are named; its docstring describes the
+command.
+"""
+
+import argparse
+from collections.abc import Iterator, Sequence
+from dataclasses import MISSING, Field, dataclass, field
+from difflib import get_close_matches
+from inspect import get_annotations
+from types import NoneType, UnionType
+from typing import Any, ClassVar, Literal, NoReturn, TypeVar, dataclass_transform, get_args, get_origin
+
+from stereorecal.cli._exit_codes import BAD_INPUT
+
+_Group = TypeVar("_Group")
+
+TWO_FILES = "the two files of a calibration are named as LEFT,RIGHT"
+
+
+def option(help: str, default: Any = None, *, metavar: str | tuple[str, ...] | None = None, flag: str = "") -> Any:
+    """A field that is an option.
+
+    Args:
+        help: what `--help` says of it; a default other than None, False or () is added, unless the text names it.
+        flag: if it is no "--name-of-the-field".
+    """
+    return field(default=default, metadata={"help": help, "metavar": metavar, "flag": flag})
+
+
+def repeatable(help: str, *, metavar: str) -> Any:
+    """A field of a tuple, which is an option that may be given several times."""
+    return field(default=(), metadata={"help": help, "metavar": metavar, "flag": "", "action": "append"})
+
+
+def argument(help: str, default: Any = MISSING, *, metavar: str | None = None) -> Any:
+    """A field whose value is given by its place; without a default it has to be."""
+    return field(default=default, metadata={"help": help, "metavar": metavar, "flag": None})
+
+
+@dataclass_transform(frozen_default=True, kw_only_default=True)
+def option_group(kind: type[_Group]) -> type[_Group]:
+    """Make a frozen dataclass of options, without what takes time at every start and nobody uses."""
+    return dataclass(frozen=True, kw_only=True, eq=False, repr=False)(kind)
+
+
+@option_group
+class CommonOptions:
+    """Options of every command.
+
+    Attributes:
+        title: of a group: what its options are about.
+        verb: the command, and the name of its module in `stereorecal.cli`.
+        words: the command line from which they come; a page shows it.
+    """
+
+    title: ClassVar[str | None] = None
+    verb: str = ""
+    words: tuple[str, ...] = ()
+    traceback: bool = option("show where an error comes from", False)
+
+    @property
+    def module(self) -> str:
+        """Of `stereorecal.cli`, which runs the command."""
+        return f"_{self.verb}"
+
+    @property
+    def compiles(self) -> bool:
+        """Whether the command computes with JAX."""
+        return True
+
+
+class Parser(argparse.ArgumentParser):
+    """A parser that says in one sentence what is wrong, with the nearest name, and exits with 2."""
+
+    def __init__(self, **settings: Any) -> None:
+        # What is not given has the default of its field.
+        super().__init__(argument_default=argparse.SUPPRESS, **settings)
+
+    def parse_known_args(self, args=None, namespace=None):  # pyright: ignore[reportIncompatibleMethodOverride]
+        """What a command does not know is said by it, not by the parser of all commands."""
+        found, others = super().parse_known_args(args, namespace)
+        if others:
+            self.error(f"unrecognized arguments: {' '.join(others)}{self._hint(others)}")
+        return found, others
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(BAD_INPUT, f"stereorecal: {message}; see {self.prog} --help\n")
+
+    def add_options(self, options: type[CommonOptions]) -> None:
+        """Add the options of a command."""
+        groups: dict[str | None, Any] = {None: self}
+        for title, found in _titled(options):
+            if title not in groups:
+                groups[title] = self.add_argument_group(title)
+            flag = found.metadata["flag"]
+            if flag is None:
+                groups[title].add_argument(found.name, **_value(found))
+            else:
+                groups[title].add_argument(flag or _flag(found.name), dest=found.name, **_value(found))
+
+    def _hint(self, others: Sequence[str]) -> str:
+        known = [name for action in self._actions for name in action.option_strings]
+        given = next((word.partition("=")[0] for word in others if word.startswith("-")), None)
+        if given is None:
+            return f" ({TWO_FILES})" if "--unit" in known else ""
+        close = get_close_matches(given, known, 1)
+        return f" (did you mean {close[0]}?)" if close else ""
+
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        if action.choices is None or value in action.choices:
+            return
+        close = get_close_matches(str(value), action.choices, 1)
+        hint = f"did you mean {close[0]}?" if close else f"choose one of: {', '.join(action.choices)}"
+        what = action.option_strings[0] if action.option_strings else action.dest
+        raise argparse.ArgumentError(None, f"unknown {what} {value!r} ({hint})")
+
+
+def _titled(options: type[CommonOptions]) -> Iterator[tuple[str | None, Field[Any]]]:
+    """All options, in the order of the help, with the titles of their groups."""
+    every: dict[str, Field[Any]] = options.__dataclass_fields__
+    declared = {name: kind for kind in reversed(options.__mro__) for name in get_annotations(kind)}
+    names = dict.fromkeys(name for kind in options.__mro__ for name in get_annotations(kind))
+    for name in names:
+        if "help" in getattr(every.get(name), "metadata", ()):
+            holders = (kind for kind in options.__mro__ if name in getattr(kind, "__dataclass_fields__", ()))
+            titles = (vars(kind)["title"] for kind in (declared[name], *holders) if "title" in vars(kind))
+            yield next(titles, None), every[name]
+
+
+def _flag(name: str) -> str:
+    return f"--{name.replace('_', '-')}"
+
+
+def _value(found: Field[Any]) -> dict[str, Any]:
+    """How argparse is told of one option."""
+    text, default = found.metadata["help"], found.default
+    if not isinstance(default, bool | tuple | type(MISSING) | None) and "default" not in text:
+        text = f"{text} (default: {default})"
+    told: dict[str, Any] = {"help": text.replace("%", "%%")}
+    kinds = get_args(found.type) if isinstance(found.type, UnionType) else (found.type,)
+    (kind,) = (kind for kind in kinds if kind is not NoneType)
+    if kind is bool:
+        return {**told, "action": "store_true"}
+    told["metavar"] = found.metadata["metavar"]
+    by_place = found.metadata["flag"] is None
+    if by_place and default is not MISSING:
+        told |= {"nargs": "?", "default": default}
+    parts = get_args(kind)
+    if get_origin(kind) is Literal:
+        return {**told, "choices": parts}
+    if get_origin(kind) is not tuple:
+        return {**told, "type": kind}
+    if "action" in found.metadata:
+        return {**told, "action": found.metadata["action"]}
+    return {**told, "nargs": ("*" if by_place else "+") if parts[-1] is ... else len(parts)}
