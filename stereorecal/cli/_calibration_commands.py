@@ -5,7 +5,7 @@ from stereorecal.cli._shared_options import FORMATS, CalibrationOptions, ReportO
 
 
 @option_group
-class DiffOptions(CalibrationOptions, ReportOptions):
+class DiffOptions(CalibrationOptions, ReportOptions, CommonOptions):
     """What calibration B changes against calibration A of the same rig: rotation, direction and length of the baseline;
     and, for those who use A if B is right, the epipolar error over the view and the depth error at 5, 10, 30 and 100
     baselines. Without --unit, the unit of a file that states none is inferred from its baseline. Exit code: 0 done; 2

@@ -1,6 +1,6 @@
 """The options of the commands that compare methods, and run the paper's experiments."""
 
-from stereorecal.cli._options import argument, option, option_group, repeatable
+from stereorecal.cli._options import CommonOptions, argument, option, option_group
 from stereorecal.cli._shared_options import (
     BoardOptions,
     MatcherOptions,
@@ -12,11 +12,11 @@ from stereorecal.cli._shared_options import (
 
 
 @option_group
-class CompareOptions(MatcherOptions, SearchOptions, BoardOptions, WorkerOptions, ReportOptions):
+class CompareOptions(MatcherOptions, SearchOptions, BoardOptions, WorkerOptions, ReportOptions, CommonOptions):
     """Decalibrate the rig of each scene several times, let every strategy repair each of them, and compare. Without a
     scene, one is rendered."""
 
-    scene: tuple[str, ...] = repeatable("scene folder (repeatable)", metavar="PATH")
+    scene: tuple[str, ...] = option("scene folder (repeatable)", (), metavar="PATH")
     synthetic: str | None = option("render a scene: harbour, coast, open-sea, street", metavar="KIND")
     frames: str | None = option(
         "pairs of each scene to use, jointly (default: 1); of judges only those of rendered and simulated, the others "
@@ -36,11 +36,12 @@ class CompareOptions(MatcherOptions, SearchOptions, BoardOptions, WorkerOptions,
     draws: int | None = option(
         "decalibrations of each scene (default: 2; of --preset field 10, and 4 drives)", metavar="N"
     )
-    judge: tuple[str, ...] = repeatable(
+    judge: tuple[str, ...] = option(
         "compare methods by what none of them looks at (repeatable): lidar=FOLDER, boards=FOLDER, product=FOLDER, "
         "motion[=FOLDER], rendered[=KIND], simulated[=KIND], walk; only rows of lidar and of motion=FOLDER are of "
         "images that methods get, too; --strategies then names methods: the library's count, rows and motion, and "
         "strategies; --board-corners and --square are of boards=FOLDER",
+        (),
         metavar="NAME[=PLACE]",
     )
     preset: str | None = option(
@@ -56,7 +57,7 @@ class CompareOptions(MatcherOptions, SearchOptions, BoardOptions, WorkerOptions,
 
 
 @option_group
-class ReproduceOptions(MatcherOptions, ReachOptions, WorkerOptions, ReportOptions):
+class ReproduceOptions(MatcherOptions, ReachOptions, WorkerOptions, ReportOptions, CommonOptions):
     """Run the paper's experiments on a log of missions: is the count highest under the right calibration (validity);
     repair from a wrong one (repair); does a repair on one pair hold for the others (generalise); repair from the
     baseline alone (ex-nihilo); repair pair after pair (sequential). Without a log, one is rendered. An interrupted run

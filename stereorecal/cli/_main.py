@@ -15,6 +15,8 @@ from stereorecal.cli._exit_codes import BAD_INPUT, FAILURE, INTERRUPTED
 from stereorecal.cli._options import CommonOptions
 from stereorecal.cli._streams import flush, leave_stdout, nobody_reads, say, spell_out
 
+_WITHOUT_PROGRAMS = (("convert", None), ("diff", None), ("strategies", "list"), ("matchers", "list"))  # and actions
+
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit code. Bad input is one sentence on stderr, never a traceback."""
@@ -32,11 +34,11 @@ def _run(options: CommonOptions) -> int:
         # Not before: what is only asked for help, or mistyped, does not wait for JAX.
         jax_setup = import_module("stereorecal.cli._jax_setup")
         trouble = jax_setup.use_compile_cache()
-        if options.compiles:
+        if (options.verb, getattr(options, "action", None)) not in _WITHOUT_PROGRAMS:
             jax_setup.check_platform()
             if trouble:
                 say(trouble)
-        command = import_module(f"stereorecal.cli.{options.module}")
+        command = import_module(f"stereorecal.cli.{options.module or f'_{options.verb}'}")
         with _warnings_as_lines(), interruptible():
             code = command.run(options)
             flush()

@@ -1,5 +1,6 @@
 """Values of options, parsed with sentences that say what is wrong."""
 
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 from stereorecal._choices import checked_choice
@@ -60,10 +61,8 @@ def tolerances(options: DecisionOptions) -> Tolerances:
         InputError: if a name is unknown, or a value makes no sense.
     """
     found: dict[str, object] = {}
-    for part in [] if options.tolerances is None else options.tolerances.split(","):
-        name, _, value = (piece.strip() for piece in part.partition("="))
-        checked_choice(name, list(LIMITS), "tolerance")
-        found[name] = _number(value, f"--tolerances has {shortened(part)}; give NAME=NUMBER, such as alpha=0.001.")
+    for name, value, part in _assigned(options.tolerances, LIMITS, "tolerance"):
+        found[name] = _number(value, f"--tolerances has {part}; give NAME=NUMBER, such as alpha=0.001.")
     if options.distances is not None:
         refusal = f"--distances is {shortened(options.distances)}; give baselines, such as 5,10,30."
         found["distances"] = tuple(_number(part, refusal) for part in options.distances.split(","))
@@ -77,12 +76,17 @@ def view(options: ViewOptions) -> dict[str, Any]:
         InputError: if a name is unknown, or a value makes no sense.
     """
     found: dict[str, Any] = {}
-    for part in [] if options.view is None else options.view.split(","):
-        name, _, value = (piece.strip() for piece in part.partition("="))
-        checked_choice(name, ["projection", "field"], "argument of --view")
-        refusal = f"--view has {shortened(part)}; give degrees, such as field=140."
+    for name, value, part in _assigned(options.view, ("projection", "field"), "argument of --view"):
+        refusal = f"--view has {part}; give degrees, such as field=140."
         found[name] = _number(value, refusal) if name == "field" else value
     return checked_view_arguments(found)
+
+
+def _assigned(text: str | None, names: Iterable[str], what: str) -> Iterator[tuple[str, str, str]]:
+    """Of "NAME=VALUE,…": each name, which has to be one of `names`, its value, and both as they were given."""
+    for part in [] if text is None else text.split(","):
+        name, _, value = (piece.strip() for piece in part.partition("="))
+        yield checked_choice(name, names, what), value, shortened(part)
 
 
 def _number(text: str, refusal: str) -> float:

@@ -6,7 +6,7 @@ command.
 """
 
 import argparse
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import MISSING, Field, dataclass, field
 from difflib import get_close_matches
 from inspect import get_annotations
@@ -21,18 +21,14 @@ TWO_FILES = "the two files of a calibration are named as LEFT,RIGHT"
 
 
 def option(help: str, default: Any = None, *, metavar: str | tuple[str, ...] | None = None, flag: str = "") -> Any:
-    """A field that is an option.
+    """A field that is an option: a bool is a switch, a Literal a choice; a tuple takes several words, or may be given
+    several times if it is `()` by default.
 
     Args:
-        help: what `--help` says of it; a default other than None, False or () is added, unless the text names it.
+        help: what `--help` says of it; the default is added where there is one, unless the text names it.
         flag: if it is no "--name-of-the-field".
     """
     return field(default=default, metadata={"help": help, "metavar": metavar, "flag": flag})
-
-
-def repeatable(help: str, *, metavar: str) -> Any:
-    """A field of a tuple, which is an option that may be given several times."""
-    return field(default=(), metadata={"help": help, "metavar": metavar, "flag": "", "action": "append"})
 
 
 def argument(help: str, default: Any = MISSING, *, metavar: str | None = None) -> Any:
@@ -42,7 +38,10 @@ def argument(help: str, default: Any = MISSING, *, metavar: str | None = None) -
 
 @dataclass_transform(frozen_default=True, kw_only_default=True)
 def option_group(kind: type[_Group]) -> type[_Group]:
-    """Make a frozen dataclass of options, without what takes time at every start and nobody uses."""
+    """Make a frozen dataclass of options, without what takes time at every start and nobody uses.
+
+    Its attribute `title` is a heading of its options in the help.
+    """
     return dataclass(frozen=True, kw_only=True, eq=False, repr=False)(kind)
 
 
@@ -51,25 +50,15 @@ class CommonOptions:
     """Options of every command.
 
     Attributes:
-        title: of a group: what its options are about.
-        verb: the command, and the name of its module in `stereorecal.cli`.
+        module: of `stereorecal.cli`, which runs the command, if it is not named after it.
+        verb: the command.
         words: the command line from which they come; a page shows it.
     """
 
-    title: ClassVar[str | None] = None
+    module: ClassVar[str | None] = None
     verb: str = ""
     words: tuple[str, ...] = ()
     traceback: bool = option("show where an error comes from", False)
-
-    @property
-    def module(self) -> str:
-        """Of `stereorecal.cli`, which runs the command."""
-        return f"_{self.verb}"
-
-    @property
-    def compiles(self) -> bool:
-        """Whether the command computes with JAX."""
-        return True
 
 
 class Parser(argparse.ArgumentParser):
@@ -78,6 +67,22 @@ class Parser(argparse.ArgumentParser):
     def __init__(self, **settings: Any) -> None:
         # What is not given has the default of its field.
         super().__init__(argument_default=argparse.SUPPRESS, **settings)
+
+    def add_options(self, options: type[CommonOptions]) -> None:
+        """Add the options of a command."""
+        groups: dict[str | None, Any] = {None: self}
+        for name in dict.fromkeys(name for kind in options.__mro__ for name in get_annotations(kind)):
+            found: Field[Any] | None = options.__dataclass_fields__.get(name)
+            if found is None or not found.metadata:
+                continue
+            holders = (kind for kind in options.__mro__[:-1] if name in vars(kind)["__dataclass_fields__"])
+            title = next((vars(kind)["title"] for kind in holders if "title" in vars(kind)), None)
+            if title not in groups:
+                groups[title] = self.add_argument_group(title)
+            flag = found.metadata["flag"]
+            names = {} if flag is None else {"dest": name}
+            place = name if flag is None else flag or f"--{name.replace('_', '-')}"
+            groups[title].add_argument(place, **names, **_value(found))
 
     def parse_known_args(self, args=None, namespace=None):  # pyright: ignore[reportIncompatibleMethodOverride]
         """What a command does not know is said by it, not by the parser of all commands."""
@@ -88,18 +93,6 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         self.exit(BAD_INPUT, f"stereorecal: {message}; see {self.prog} --help\n")
-
-    def add_options(self, options: type[CommonOptions]) -> None:
-        """Add the options of a command."""
-        groups: dict[str | None, Any] = {None: self}
-        for title, found in _titled(options):
-            if title not in groups:
-                groups[title] = self.add_argument_group(title)
-            flag = found.metadata["flag"]
-            if flag is None:
-                groups[title].add_argument(found.name, **_value(found))
-            else:
-                groups[title].add_argument(flag or _flag(found.name), dest=found.name, **_value(found))
 
     def _hint(self, others: Sequence[str]) -> str:
         known = [name for action in self._actions for name in action.option_strings]
@@ -118,41 +111,24 @@ class Parser(argparse.ArgumentParser):
         raise argparse.ArgumentError(None, f"unknown {what} {value!r} ({hint})")
 
 
-def _titled(options: type[CommonOptions]) -> Iterator[tuple[str | None, Field[Any]]]:
-    """All options, in the order of the help, with the titles of their groups."""
-    every: dict[str, Field[Any]] = options.__dataclass_fields__
-    declared = {name: kind for kind in reversed(options.__mro__) for name in get_annotations(kind)}
-    names = dict.fromkeys(name for kind in options.__mro__ for name in get_annotations(kind))
-    for name in names:
-        if "help" in getattr(every.get(name), "metadata", ()):
-            holders = (kind for kind in options.__mro__ if name in getattr(kind, "__dataclass_fields__", ()))
-            titles = (vars(kind)["title"] for kind in (declared[name], *holders) if "title" in vars(kind))
-            yield next(titles, None), every[name]
-
-
-def _flag(name: str) -> str:
-    return f"--{name.replace('_', '-')}"
-
-
 def _value(found: Field[Any]) -> dict[str, Any]:
     """How argparse is told of one option."""
-    text, default = found.metadata["help"], found.default
-    if not isinstance(default, bool | tuple | type(MISSING) | None) and "default" not in text:
-        text = f"{text} (default: {default})"
-    told: dict[str, Any] = {"help": text.replace("%", "%%")}
+    text, default, by_place = found.metadata["help"], found.default, found.metadata["flag"] is None
     kinds = get_args(found.type) if isinstance(found.type, UnionType) else (found.type,)
     (kind,) = (kind for kind in kinds if kind is not NoneType)
+    parts, several = get_args(kind), get_origin(kind) is tuple
+    if isinstance(default, str | int | float) and kind is not bool and "default" not in text:
+        text = f"{text} (default: {default})"
+    told: dict[str, Any] = {"help": text.replace("%", "%%")}
     if kind is bool:
         return {**told, "action": "store_true"}
     told["metavar"] = found.metadata["metavar"]
-    by_place = found.metadata["flag"] is None
     if by_place and default is not MISSING:
-        told |= {"nargs": "?", "default": default}
-    parts = get_args(kind)
+        told |= {"nargs": "*" if several else "?", "default": default}
+    elif several and default == ():
+        told["action"] = "append"
+    elif several:
+        told["nargs"] = "+" if parts[-1] is ... else len(parts)
     if get_origin(kind) is Literal:
-        return {**told, "choices": parts}
-    if get_origin(kind) is not tuple:
-        return {**told, "type": kind}
-    if "action" in found.metadata:
-        return {**told, "action": found.metadata["action"]}
-    return {**told, "nargs": ("*" if by_place else "+") if parts[-1] is ... else len(parts)}
+        told["choices"] = parts
+    return told if several or "choices" in told else {**told, "type": kind}

@@ -1,6 +1,6 @@
 """The options of the commands about plug-ins."""
 
-from typing import Literal
+from typing import ClassVar, Literal
 
 from stereorecal._errors import InputError
 from stereorecal.cli._options import CommonOptions, argument, option_group
@@ -10,18 +10,9 @@ from stereorecal.cli._options import CommonOptions, argument, option_group
 class PluginOptions(CommonOptions):
     """List what is installed, or run the conformance kit on one."""
 
+    module: ClassVar[str | None] = "_plugins"
     action: Literal["list", "check"] = argument("list what is installed, or run the conformance kit on one", "list")
     name: str | None = argument("the one to be checked", None, metavar="NAME")
-
-    @property
-    def module(self) -> str:
-        """Of `stereorecal.cli`, which runs the command."""
-        return "_plugins"
-
-    @property
-    def compiles(self) -> bool:
-        """Whether the command computes with JAX."""
-        return self.action == "check"
 
     def __post_init__(self) -> None:
         if self.action == "check" and self.name is None:

@@ -106,7 +106,8 @@ def _loose(options: RecordingOptions) -> bool:
 
 
 def _scenes(options: RecordingOptions, select: _Select) -> Recordings:
-    if options.format or (options.unit and not options.unit_is_of_output):
+    of_output = isinstance(options, RecalibrateOptions) and options.output_format is not None
+    if options.format or (options.unit and not of_output):
         raise InputError("--format and --unit belong to --calibration; leave them out.")
     if options.tolerance is not None:
         raise InputError(

@@ -1,6 +1,6 @@
 """The options of the commands that repair a rig, check it and watch it."""
 
-from stereorecal.cli._options import option, option_group
+from stereorecal.cli._options import CommonOptions, option, option_group
 from stereorecal.cli._shared_options import (
     FORMATS,
     BoardOptions,
@@ -16,7 +16,14 @@ from stereorecal.cli._shared_options import (
 
 @option_group
 class RecalibrateOptions(
-    RecordingOptions, DecisionOptions, ReachOptions, SearchOptions, BoardOptions, WorkerOptions, ReportOptions
+    RecordingOptions,
+    DecisionOptions,
+    ReachOptions,
+    SearchOptions,
+    BoardOptions,
+    WorkerOptions,
+    ReportOptions,
+    CommonOptions,
 ):
     """Repair the extrinsic calibration of the rig of each recording from its images. The candidate is accepted only if
     its row error is smaller with 99 % probability, and a larger row or depth error has a probability below 1 %. Exit
@@ -63,14 +70,9 @@ class RecalibrateOptions(
         "a CSV of distances: pair,column,row,metres,sigma (along the ray; depth for metres: the axis)", metavar="FILE"
     )
 
-    @property
-    def unit_is_of_output(self) -> bool:
-        """Whether --unit is about a calibration that is written."""
-        return self.output_format is not None
-
 
 @option_group
-class ScoreOptions(RecordingOptions, DecisionOptions, ReportOptions):
+class ScoreOptions(RecordingOptions, DecisionOptions, ReportOptions, CommonOptions):
     """Check the calibration of each recording against its images, without changing anything: the share of matched
     pixels, the epipolar (row) error, the correction of the rotation, and the depth error without it, with 95 %
     intervals. Verdicts: repair it (another calibration has a row error smaller by 0.05 px with 99 % probability, and a
@@ -82,7 +84,7 @@ class ScoreOptions(RecordingOptions, DecisionOptions, ReportOptions):
 
 
 @option_group
-class MonitorOptions(RecordingOptions, ViewOptions, ReportOptions):
+class MonitorOptions(RecordingOptions, ViewOptions, ReportOptions, CommonOptions):
     """Watch a rig over a recording, or while its cameras run, pair by pair: its health fused over time, knocks, drift,
     late shutters; repair it, and switch to what wins on later pairs. A terminal shows a live view; else events are
     lines. The calibration file stays as it is: a repaired one is written where --output says. Exit code: that of score,

@@ -1,15 +1,15 @@
 """Groups of options that several commands share."""
 
-from typing import ClassVar, Literal
+from typing import Literal
 
-from stereorecal.cli._options import CommonOptions, argument, option, option_group
+from stereorecal.cli._options import argument, option, option_group
 
 FORMATS = "opencv, ros, kalibr, kitti-raw, kitti-odometry, middlebury, euroc, basalt, depthai, boofcv, stereorecal"
 _LAYOUTS = "scene folder, plain log, MODD2, MODS, KITTI raw, KITTI odometry, KITTI stereo, EuRoC, Middlebury"
 
 
 @option_group
-class ReportOptions(CommonOptions):
+class ReportOptions:
     """What a command reports, and where."""
 
     json: str | None = option("write everything as JSON", metavar="FILE|-")
@@ -23,7 +23,7 @@ class ReportOptions(CommonOptions):
 
 
 @option_group
-class CalibrationFormatOptions(CommonOptions):
+class CalibrationFormatOptions:
     """How a calibration file is read."""
 
     format: str | None = option(f"of the calibration file (default: recognised): {FORMATS}", metavar="FORMAT")
@@ -40,17 +40,12 @@ class CalibrationOptions(CalibrationFormatOptions):
 
     size: str | None = option("of the images, for a calibration that says none", metavar="WxH")
 
-    @property
-    def compiles(self) -> bool:
-        """Whether the command computes with JAX."""
-        return False
-
 
 @option_group
 class ImageOptions(CalibrationFormatOptions):
     """Images, videos and bags that lie anywhere."""
 
-    title: ClassVar[str | None] = "images from elsewhere, with --calibration"
+    title = "images from elsewhere, with --calibration"
     left: str | None = option("left images: a file, a folder or 'left/*.png'; or a video", metavar="FILES")
     right: str | None = option("their right images, or the right video", metavar="FILES")
     side_by_side: str | None = option("instead: images, or a video, with left and right side by side", metavar="FILES")
@@ -68,10 +63,10 @@ class ImageOptions(CalibrationFormatOptions):
 
 
 @option_group
-class PairOptions(CommonOptions):
+class PairOptions:
     """Which pairs of a recording are used."""
 
-    title: ClassVar[str | None] = "which pairs"
+    title = "which pairs"
     first: int = option("number of the first pair", 0, flag="--from", metavar="N")
     stop: int | None = option("number of the pair to stop before (default: none)", flag="--to", metavar="N")
     every: int = option("every Nth pair", 1, metavar="N")
@@ -94,14 +89,9 @@ class RecordingOptions(ImageOptions, PairOptions):
         metavar="SCENE",
     )
 
-    @property
-    def unit_is_of_output(self) -> bool:
-        """Whether --unit is about a calibration that is written."""
-        return False
-
 
 @option_group
-class MatcherOptions(CommonOptions):
+class MatcherOptions:
     """The stereo matcher."""
 
     matcher: str = option("an installed stereo matcher: sad, bm, sgbm, or a plug-in's", "sad", metavar="NAME")
@@ -149,14 +139,14 @@ class DecisionOptions(ViewOptions):
 
 
 @option_group
-class ReachOptions(CommonOptions):
+class ReachOptions:
     """How far a search goes."""
 
     reach: str = option("how far the rig may have drifted", "3,0.03", metavar="DEG,FRACTION")
 
 
 @option_group
-class SearchOptions(CommonOptions):
+class SearchOptions:
     """How a search is done."""
 
     scale: float | None = option("image scale of the count schedule (default: 1)", metavar="SCALE")
@@ -172,7 +162,7 @@ class SearchOptions(CommonOptions):
 
 
 @option_group
-class WorkerOptions(CommonOptions):
+class WorkerOptions:
     """Who does the work, and with which random numbers."""
 
     seed: int = option("same seed, same result", 0, metavar="N")
@@ -184,7 +174,7 @@ class WorkerOptions(CommonOptions):
 
 
 @option_group
-class BoardOptions(CommonOptions):
+class BoardOptions:
     """The chessboard that images show."""
 
     board_corners: str | None = option("inner corners of the chessboard (default: 9x6)", metavar="NxM")
