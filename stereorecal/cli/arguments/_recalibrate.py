@@ -39,10 +39,9 @@ def add_to(verbs, common: argparse.ArgumentParser) -> None:
     add("--reach", default="3,0.03", metavar="DEG,FRACTION", help="how far the rig may have drifted (default: 3,0.03)")
     add(
         "--free",
-        default="extrinsics",
         metavar="NAMES",
         help="what may move: rotation, extrinsics, intrinsics (shared by all recordings), pitch, left.k1 …; by commas "
-        "(default: %(default)s)",
+        "(default: extrinsics; of one recording all else, too, where frames of four places prove that it must)",
     )
     add(
         "--extrinsics",
