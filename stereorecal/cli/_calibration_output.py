@@ -14,6 +14,7 @@ from stereorecal.cli._output_files import Place, check_places, check_writable, i
 from stereorecal.cli._repair_commands import RecalibrateOptions
 from stereorecal.geometry import StereoRig, changed_camera
 from stereorecal.io import back_up, calibration_files, check_savable, is_copy, next_copy, prior_beside, save_rig
+from stereorecal.objectives import Parameters
 from stereorecal.recalibration import Solution
 from stereorecal.recordings import Scene
 
@@ -121,6 +122,18 @@ def output_of(
         known = [Place("--in-place" if options.in_place else "--output", beside)]
         check_places([*known, *_places(options)], force=options.force or options.in_place)
     return Output(place, options.in_place, maps, unit, said, beside)
+
+
+def holds_all(output: Output, rig: StereoRig | None, options: RecalibrateOptions) -> bool:
+    """Whether the calibration's file, if there is one, holds a rig all of whose parameters have moved."""
+    if rig is None or output.place is None:
+        return True
+    moved = _moved(rig, Parameters().widest(rig).names)
+    try:
+        check_savable(moved, output.place, format=options.output_format, unit=output.unit)
+    except InputError:
+        return False
+    return True
 
 
 def save(output: Output, solution: Solution, scene: Scene, options: RecalibrateOptions) -> list[Path]:

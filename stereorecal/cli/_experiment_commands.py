@@ -2,6 +2,7 @@
 
 from stereorecal.cli._options import CommonOptions, argument, option, option_group
 from stereorecal.cli._shared_options import (
+    FREE,
     BoardOptions,
     MatcherOptions,
     ReachOptions,
@@ -33,6 +34,7 @@ class CompareOptions(MatcherOptions, SearchOptions, BoardOptions, WorkerOptions,
     reach: str | None = option(
         "half width of the search box (default: 3,0.03, or 1.2 x the drift if that is more)", metavar="DEG,FRACTION"
     )
+    free: str = option(FREE, "extrinsics", metavar="NAME,…")
     draws: int | None = option(
         "decalibrations of each scene (default: 2; of --preset field 10, and 4 drives)", metavar="N"
     )

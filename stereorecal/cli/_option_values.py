@@ -147,8 +147,10 @@ def shortened(text: str) -> str:
     return repr(text if len(text) <= 40 else f"{text[:40]}…")
 
 
-def free(text: str) -> Parameters:
-    """Names and groups, comma separated."""
+def free(text: str | None) -> Parameters:
+    """Names and groups, comma separated; the default of the library where nothing is said."""
+    if text is None:
+        return as_parameters(None)
     names = [name.strip() for name in text.split(",")]
     if not all(names):
         raise InputError(f"--free is {text!r}; name parameters or groups, such as extrinsics,intrinsics.")

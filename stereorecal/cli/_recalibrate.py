@@ -2,7 +2,7 @@
 
 import sys
 from collections.abc import Callable, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -67,6 +67,8 @@ def run(options: RecalibrateOptions) -> int:
         read |= set(named_inputs(options.ranges, options.odometer))
         priors = [None if scene.rig is None or options.prior else saved_with(scene.rig)[0] for scene in found.scenes]
         output = _calibration_output.output_of(options, found.scenes, free.names, read)
+        if not _calibration_output.holds_all(output, found.scenes[0].rig, options):
+            free = replace(free, widens=False)
         scenes, ranges = sharing(found.scenes, free, ranges, options.extrinsics, schedule)
         absent = found.absent + without(found.scenes[0].pairs, scenes[0].pairs, "others show more texture")
         pairing = {"pairing": found.pairing} if found.pairing else {}

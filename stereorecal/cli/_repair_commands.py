@@ -3,6 +3,7 @@
 from stereorecal.cli._options import CommonOptions, option, option_group
 from stereorecal.cli._shared_options import (
     FORMATS,
+    FREE,
     BoardOptions,
     DecisionOptions,
     ReachOptions,
@@ -51,6 +52,10 @@ class RecalibrateOptions(
         metavar="NAME",
     )
     strategy: str | None = option("for the stages of its kind (default: those of the schedule)", metavar="NAME")
+    free: str | None = option(
+        f"{FREE} (default: extrinsics; of one recording all else, too, where frames of four places prove that it must)",
+        metavar="NAME,…",
+    )
     extrinsics: str = option(
         "where intrinsics are free: each recording has extrinsics of its own, or one set is that of all",
         "each",

@@ -4,6 +4,7 @@ from typing import Literal
 
 from stereorecal.cli._options import argument, option, option_group
 
+FREE = "what may move: rotation, extrinsics, intrinsics (shared by all recordings), pitch, left.k1 …; by commas"
 FORMATS = "opencv, ros, kalibr, kitti-raw, kitti-odometry, middlebury, euroc, basalt, depthai, boofcv, stereorecal"
 _LAYOUTS = "scene folder, plain log, MODD2, MODS, KITTI raw, KITTI odometry, KITTI stereo, EuRoC, Middlebury"
 
@@ -150,11 +151,6 @@ class SearchOptions:
     """How a search is done."""
 
     scale: float | None = option("image scale of the count schedule (default: 1)", metavar="SCALE")
-    free: str = option(
-        "what may move: rotation, extrinsics, intrinsics (shared by all recordings), pitch, left.k1 …; by commas",
-        "extrinsics",
-        metavar="NAME,…",
-    )
     budget: float | None = option(
         "of each recording or trial; one unit: one matcher run on a full-size frame (default: no limit)",
         metavar="UNITS",

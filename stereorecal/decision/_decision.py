@@ -102,17 +102,18 @@ def decide(
     frames show, and if it explains them, or corrects more than it leaves; or if ranges agree with it and not with the
     calibration; or if the rig's own motion tells that its depth is better; and the probability is below 1 % that rows,
     of near or far things, or depth, over the view or ahead, are worse. One that changes intrinsics must, with 95 %,
-    cost no region of the view rows that a matcher notices, unless frames that took no part prove it. Of several, the one that keeps depth is taken, unless that
-    costs rows that a matcher notices, ranges ask for another, or another's depth is surely the better one: of the rigs
-    for which it matters, in 95 %. Where none is so harmless, and the rows of the calibration blind the matcher, which
-    leaves it no depth to lose, it is enough that its rows are hardly ever worse. Otherwise the calibration is good if
-    its rows are, with 95 %. Absolute depth is not judged: no rig's rows know it.
+    cost no region of the view rows that a matcher notices, unless frames that took no part prove it. Of several, the
+    one that keeps depth is taken, unless that costs rows that a matcher notices, ranges ask for another, or another's
+    depth is surely the better one: of the rigs for which it matters, in 95 %. Where none is so harmless, and the rows
+    of the calibration blind the matcher, which leaves it no depth to lose, it is enough that its rows are hardly ever
+    worse. Otherwise the calibration is good if its rows are, with 95 %. Absolute depth is not judged: no rig's rows
+    know it.
 
     Args:
         seen: what is known; its θ = 0 is the calibration.
         free: names of the parameters that may change.
         tolerances: default those of `Tolerances()`.
-        proven: whether frames that took no part show, in every region of the view, that the free parameters may change.
+        proven: whether frames that took no part show, all over the view, that the free parameters may change.
     """
     (found,) = decide_together([seen], free, tolerances, proven=proven)
     return found

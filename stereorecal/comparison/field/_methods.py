@@ -73,6 +73,8 @@ class Library(AbstractMethod):
     """`sr.recalibrate`, in one of three ways: by the count alone (as the paper), by rows, by rows and the rig's own
     motion."""
 
+    changes: ClassVar[str] = f"{_EXTRINSICS}; all where frames of four places prove it"
+
     @property
     def origin(self) -> str:
         return f"stereorecal {__version__}"
