@@ -24,23 +24,23 @@ from stereorecal.cli._streams import say
 from stereorecal.cli._terminal import print_lines, progress_bar, table_console
 from stereorecal.estimation import DEFAULT, SAVED
 from stereorecal.io import calibration_json, files_read, load_odometer, load_ranges, next_copy, save_maps
-from stereorecal.matching import as_matcher
-from stereorecal.objectives import Parameters, Reach
+from stereorecal.objectives import Parameters
 from stereorecal.recalibration import (
     SCHEDULES,
     Fault,
     Reason,
     Repair,
     Schedule,
+    Settings,
     Solution,
+    as_settings,
     recalibrate_many,
     saved_with,
     sharing,
-    with_ranges,
 )
 from stereorecal.recordings import Scene
 from stereorecal.report.repair_tables import repairs_table
-from stereorecal.strategies import Budget, as_budget, name_of, origin_of, strategy
+from stereorecal.strategies import name_of, origin_of, strategy
 
 SCHEMA = "stereorecal.solution/2"
 _CODES = {Fault.INTERRUPTED: INTERRUPTED, Fault.INSIDE: FAILURE, Fault.INPUT: BAD_INPUT}  # the first that occurs
@@ -48,12 +48,7 @@ _CODES = {Fault.INTERRUPTED: INTERRUPTED, Fault.INSIDE: FAILURE, Fault.INPUT: BA
 
 def run(options: RecalibrateOptions) -> int:
     """Repair, save, print; returns the exit code."""
-    how, schedule = health_options(options), _schedule(options)
-    reach = Reach(*_option_values.degrees_and_fraction(options.reach, "--reach"))
-    budget, seed = as_budget(options.budget), _option_values.seed(options.seed)
-    ranges = load_ranges(options.ranges) if options.ranges is not None else ()
-    odometer = load_odometer(options.odometer) if options.odometer is not None else None
-    free = with_ranges(_option_values.free(options.free), ranges, odometer)
+    settings = _settings(options)
     check_boards_asked(options)
     _calibration_output.checked(options)
     check_page(options.html, "repair_page")
@@ -62,44 +57,33 @@ def run(options: RecalibrateOptions) -> int:
     with executor(options.executor) as pool:
         with files_read() as read:
             # Ranges name pairs of the whole recording: it is cut down once they are found.
-            found = recordings(options, few=bool(free.shared) and not ranges)
+            found = recordings(options, few=bool(settings.free.shared) and not settings.ranges)
             boards = boards_of(options)
         read |= set(named_inputs(options.ranges, options.odometer))
         priors = [None if scene.rig is None or options.prior else saved_with(scene.rig)[0] for scene in found.scenes]
-        output = _calibration_output.output_of(options, found.scenes, free.names, read)
+        output = _calibration_output.output_of(options, found.scenes, settings.free.names, read)
         if not _calibration_output.holds_all(output, found.scenes[0].rig, options):
-            free = replace(free, widens=False)
-        scenes, ranges = sharing(found.scenes, free, ranges, options.extrinsics, schedule)
+            settings = replace(settings, free=replace(settings.free, widens=False))
+        shared = sharing(found.scenes, settings.free, settings.ranges, options.extrinsics, settings.schedule)
+        scenes, ranges = shared
         absent = found.absent + without(found.scenes[0].pairs, scenes[0].pairs, "others show more texture")
         pairing = {"pairing": found.pairing} if found.pairing else {}
         del found
-        arguments = {
-            **how,
-            "schedule": schedule,
-            "reach": reach,
-            "budget": budget,
-            "seed": seed,
-            "free": free,
-            "boards": boards,
-            "odometer": odometer,
-            "ranges": ranges,
-            "extrinsics": options.extrinsics,
-            "executor": pool,
-        }
+        others = {"boards": boards, "ranges": ranges, "extrinsics": options.extrinsics, "executor": pool}
         with progress_bar(options.quiet) as progress:
-            repairs, interrupted = _finished(scenes, progress, arguments)
+            repairs, interrupted = _finished(scenes, progress, {**settings.options, **others})
         # Before the workers are waited for: a second Ctrl-C must find everything saved.
         if any(repair.solution for repair in repairs):
             prior = options.prior or (SAVED if any(priors) else DEFAULT)
-            settings = {**_settings(options, schedule, reach, budget, free), "prior": prior}
+            content = _content(
+                scenes, repairs, {**_recorded(options, settings), "prior": prior}, interrupted=interrupted
+            )
             deliver(
                 lambda: _show(repairs, options),
                 *_saving(scenes, repairs, options, output),
-                lambda: write_json(
-                    _content(scenes, repairs, settings, interrupted=interrupted), options.json, force=options.force
-                ),
+                lambda: write_json(content, options.json, force=options.force),
                 lambda: write_report(
-                    options, scenes, repairs, {**_beside(options, free), "prior": prior, **pairing}, absent
+                    options, scenes, repairs, {**_beside(options, settings.free), "prior": prior, **pairing}, absent
                 ),
             )
     for repair in repairs:
@@ -127,6 +111,21 @@ def _finished(
     return found, False
 
 
+def _settings(options: RecalibrateOptions) -> Settings:
+    """What the options come to, but for the boards, whose images are read later."""
+    given = {
+        **health_options(options),
+        "schedule": _schedule(options),
+        "reach": _option_values.degrees_and_fraction(options.reach, "--reach"),
+        "budget": options.budget,
+        "seed": _option_values.seed(options.seed),
+        "ranges": load_ranges(options.ranges) if options.ranges is not None else (),
+        "odometer": load_odometer(options.odometer) if options.odometer is not None else None,
+        "free": _option_values.free(options.free),
+    }
+    return as_settings(given)
+
+
 def _schedule(options: RecalibrateOptions) -> Schedule:
     checked_choice(options.schedule, list(SCHEDULES), "schedule")
     chosen = None if options.strategy is None else strategy(options.strategy)
@@ -137,13 +136,8 @@ def _schedule(options: RecalibrateOptions) -> Schedule:
     return Schedule.default() if chosen is None else Schedule.default().using(chosen)
 
 
-def _settings(
-    options: RecalibrateOptions,
-    schedule: Schedule,
-    reach: Reach,
-    budget: Budget,
-    free: Parameters,
-) -> dict[str, Any]:
+def _recorded(options: RecalibrateOptions, settings: Settings) -> dict[str, Any]:
+    """The settings in the JSON."""
     stages = [
         {
             "score": stage.score.name.lower(),
@@ -152,19 +146,19 @@ def _settings(
             "origin": origin_of(stage.strategy),
             "options": asdict(stage.strategy),
         }
-        for stage in schedule.stages
+        for stage in settings.schedule.stages
     ]
     return {
         "frames": options.frames,
         "motion": options.motion,
-        "matcher": {"name": options.matcher, **asdict(as_matcher(options.matcher))},
+        "matcher": {"name": options.matcher, **asdict(settings.matcher)},
         "view": options.view,
-        "schedule": schedule.name,
+        "schedule": settings.schedule.name,
         "stages": stages,
-        "reach": asdict(reach),
-        "budget": asdict(budget),
-        "free": free.names,
-        "tolerances": asdict(_option_values.tolerances(options)),
+        "reach": asdict(settings.reach),
+        "budget": asdict(settings.budget),
+        "free": settings.free.names,
+        "tolerances": asdict(settings.tolerances),
         "extrinsics": options.extrinsics,
         "ranges": options.ranges,
         "boards": options.boards,
