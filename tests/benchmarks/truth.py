@@ -15,8 +15,8 @@ product: eight scenes of one OAK-D, rows only: a rig from each scene on that sce
 Pixels are those of the stored left camera. Methods start from the stored rig, or with --from from one that is off by
 up to so many degrees, and 0.9 % of the baseline for each. "yaw" is against the stored rig, with its stated interval.
 HARMFUL: accepted, and against the start rows are worse by more than 0.02 px (boards: 0.05 px, since the stored rig was
-fitted to them), or depth at 30 baselines by more than 1 % (boards: squares by 0.12 %). "below stored": not so, but
-against the stored rig.
+fitted to them), or depth at 30 baselines by more than 1 % (boards: by the squares' error times 30 over the boards'
+distance in baselines). "below stored": not so, but against the stored rig.
 """
 
 import argparse

@@ -19,6 +19,7 @@ from stereorecal.comparison.judges import (
     recipes_of,
     scene_with_truth,
 )
+from stereorecal.comparison.judges._boards import ByBoards
 from stereorecal.comparison.judges._optics import optics
 from stereorecal.comparison.judges._poses import Travelled, depth_at, disparity_offset_px, travelled
 from stereorecal.comparison.judges._rendered import Rendered
@@ -139,6 +140,14 @@ def test_boards_know_the_right_rig_and_the_length_of_squares():
     assert -3.0 < nearer.squares_percent < -1.0
     assert nearer.worse_than(right)
     assert not right.worse_than(nearer)
+
+
+@pytest.mark.parametrize(("baselines", "limit"), [(1.5, 0.05), (3.0, 0.1), (15.0, 0.5)])
+def test_squares_are_worse_by_a_point_of_depth_at_thirty_baselines_wherever_boards_were(baselines, limit):
+    stored = ByBoards(0.07, 0.0, 0.0, 0.0, baselines, 9)
+    assert replace(stored, squares_percent=-1.01 * limit).worse_than(stored)
+    assert not replace(stored, squares_percent=-0.99 * limit).worse_than(stored)
+    assert replace(stored, rows_rms_px=0.121).worse_than(stored)
 
 
 def test_distances_travelled_tell_the_offset_of_disparity():

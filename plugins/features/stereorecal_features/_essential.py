@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal.strategies import AbstractStrategy, Need, Objective, Outcome
-from stereorecal_features._options import FEWEST
+from stereorecal_features._abstract_fit import FEWEST
 
 
 @dataclass(frozen=True)

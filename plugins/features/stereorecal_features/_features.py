@@ -6,12 +6,11 @@ from typing import ClassVar
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.strategies import AbstractStrategy, Need, Objective, Outcome
-from stereorecal_features._options import check_options
+from stereorecal_features._abstract_fit import AbstractFit, Matched
 
 
 @dataclass(frozen=True)
-class Features(AbstractStrategy):
+class Features(AbstractFit):
     """SIFT features, an essential matrix (USAC-MAGSAC) and robust least squares on the images; no score is evaluated.
 
     The matches of all frames are pooled, since the rig is the same. The inliers of an essential matrix have their
@@ -33,27 +32,19 @@ class Features(AbstractStrategy):
             of its own.
     """
 
-    needs: ClassVar[Need] = Need.IMAGES
+    positive: ClassVar[tuple[str, ...]] = ("contrast",)
 
     features: int = 5000
     contrast: float = 0.04
     ratio: float = 0.8
-    threshold: float = 1.0
-    loss_scale: float = 0.25
-    min_matches: int = 20
-    subpixel: bool = False
 
     def __post_init__(self) -> None:
-        check_options(self, "contrast")
+        super().__post_init__()
         if not 0.0 < self.ratio <= 1.0:
             raise ValueError(f"need 0 < ratio <= 1, got {self.ratio}")
 
-    def run(self, objective: Objective, start: Float[np.ndarray, "n"], seed: int) -> Outcome:
-        """See `AbstractStrategy.run`. `seed` is that of the random samples for the essential matrix."""
-        from stereorecal_features._fit import search  # here, since SciPy's optimisers take long to import
-        from stereorecal_features._matches import matched_pixels
+    def matched(self, left: Float[np.ndarray, "h w"], right: Float[np.ndarray, "h w"]) -> Matched:
+        """See `AbstractFit.matched`."""
+        from stereorecal_features._matches import matched_pixels  # here, since OpenCV takes long to import
 
-        def matched(pair):
-            return matched_pixels(pair, self.features, self.contrast, self.ratio)
-
-        return search(self, matched, objective, start, seed)
+        return matched_pixels(left, right, self.features, self.contrast, self.ratio)

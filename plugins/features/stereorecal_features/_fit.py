@@ -1,7 +1,5 @@
 """How it is done: match features, estimate an essential matrix, refine the extrinsics."""
 
-from collections.abc import Callable
-
 import cv2
 import numpy as np
 from jaxtyping import Bool, Float
@@ -9,33 +7,22 @@ from scipy.optimize import least_squares
 
 from stereorecal.geometry import euler_from_rotation, rotation_from_euler
 from stereorecal.objectives import Chart, StereoImages
-from stereorecal.recordings import Pair
 from stereorecal.strategies import Objective, Outcome, Status
-from stereorecal_features._matches import PixelsOfFrame, Seen, seen_by_both
-from stereorecal_features._options import Options
+from stereorecal_features._abstract_fit import AbstractFit
+from stereorecal_features._matches import Seen, seen_by_both
 from stereorecal_features._subpixel import refined
 
 _ROUNDS = 10  # our choice: a set of inliers that still changes then is taken to be unstable
 
 
-def search(
-    how: Options,
-    matched: Callable[[Pair], tuple[PixelsOfFrame, PixelsOfFrame]],
-    objective: Objective,
-    start: Float[np.ndarray, "n"],
-    seed: int,
-) -> Outcome:
-    """The matches of all frames, and the pose that fits them; see `Features`.
-
-    Args:
-        matched: pixels, left and right, of the matches in a frame.
-    """
+def search(how: AbstractFit, objective: Objective, start: Float[np.ndarray, "n"], seed: int) -> Outcome:
+    """The matches of all frames, and the pose that fits them; see `Features`."""
     images: StereoImages = objective.images  # there, since the core checks `needs`
     pixels = []
     for pair in images.pairs:
         if objective.remaining <= 0:
             return Outcome(start, Status.BUDGET)
-        found = matched(pair)
+        found = how.matched(pair.left, pair.right)
         pixels.append(refined(pair, *found) if how.subpixel else found)
     left, right = seen_by_both(images.rig, pixels)
     if len(left) < how.min_matches:
@@ -44,7 +31,7 @@ def search(
 
 
 def fitted(
-    how: Options, images: StereoImages, left: Seen, right: Seen, start: Float[np.ndarray, "n"], seed: int
+    how: AbstractFit, images: StereoImages, left: Seen, right: Seen, start: Float[np.ndarray, "n"], seed: int
 ) -> Outcome:
     """The pose on which the matches agree, as an outcome."""
     pose, agree = _five_point_pose(images, left, right, how.threshold, seed)

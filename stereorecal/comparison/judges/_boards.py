@@ -6,12 +6,14 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
+from stereorecal.comparison.judges._judgement import DEPTH_WORSE
 from stereorecal.comparison.judges._optics import Pixels, optics
 from stereorecal.comparison.judges._rows import row_differences
 from stereorecal.geometry import StereoRig
 from stereorecal.recordings import Board
 
-ROWS_WORSE, _SQUARES_WORSE = 0.05, 0.12  # px; percentage points, which are one of depth at 30 baselines
+ROWS_WORSE = 0.05  # px: more than of other judges, since the stored rig was fitted to these very boards
+_FAR = 30  # baselines, at which depth is judged
 _SIDE = 1.001  # of the shortest distance on a board: longer ones are no side of a square
 
 
@@ -35,9 +37,10 @@ class ByBoards:
     boards: int
 
     def worse_than(self, other: "ByBoards") -> bool:
-        """By more than the tolerance, in rows or in the length of squares."""
+        """By more than the tolerance, in rows or in what the length of squares says of depth at 30 baselines."""
         rows_worse = self.rows_rms_px > other.rows_rms_px + ROWS_WORSE
-        return rows_worse or abs(self.squares_percent) > abs(other.squares_percent) + _SQUARES_WORSE
+        after, before = (abs(one.depth_error_percent(_FAR)) for one in (self, other))
+        return rows_worse or after > before + DEPTH_WORSE
 
     def depth_error_percent(self, baselines: float) -> float:
         """At a distance: what is wrong with squares, an offset of disparity, grows with it."""
