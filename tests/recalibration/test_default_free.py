@@ -7,6 +7,7 @@ import pytest
 
 import stereorecal as sr
 from stereorecal.estimation import frames_by_place, largest_loss
+from stereorecal.estimation._groups import PLACES
 from stereorecal.geometry import changed_camera, same_camera, view
 from stereorecal.recalibration import IntrinsicsOutcome, Reason
 from stereorecal.recalibration._effects import rows_apart
@@ -91,6 +92,7 @@ def test_the_largest_loss_is_of_frames_and_of_regions(found):
     assert largest_loss(shown, before, 0.5 * before) == pytest.approx(-0.1)
     one = shown.frame == shown.frame[0]
     assert largest_loss(shown, before, np.where(one, -0.3, 0.1)) == pytest.approx(0.1)  # signs do not matter
-    corner = shown.place == shown.place.min()
-    assert largest_loss(shown, before, np.where(corner, 9.0, 0.1)) > 0.0
+    down, across = np.divmod(shown.place, PLACES[0])
+    corner = (3 * down < PLACES[1]) & (3 * across < PLACES[0])
+    assert largest_loss(shown, before, np.where(corner, 0.3, 0.1)) == pytest.approx(0.1)
     assert np.isnan(largest_loss(shown.of(shown.place < 60), before[shown.place < 60], before[shown.place < 60]))

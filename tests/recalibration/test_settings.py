@@ -20,7 +20,7 @@ def test_nothing_said_is_the_default():
     found = as_settings({})
     assert found == as_settings(dict.fromkeys(OPTIONS - {"seed", "ranges"}))
     assert (found.seed, found.ranges, found.matcher) == (0, (), sr.SAD())
-    assert (found.reach, found.budget, found.free) == (sr.Reach(), sr.Budget(), sr.Parameters())
+    assert (found.reach, found.budget, found.free) == (sr.Reach(), sr.Budget(), sr.Parameters(widens=True))
     assert found.schedule == sr.Schedule.default()
 
 
