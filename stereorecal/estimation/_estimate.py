@@ -100,7 +100,7 @@ class Estimate:
         """95 % of each parameter, marginal over all others."""
         return np.percentile(self._samples, [2.5, 97.5], axis=0).T
 
-    @property
+    @cached_property
     def mean_rig(self) -> StereoRig:
         """The rig at the posterior's mean: all parameters change."""
         return self.chart.rig_at(self.theta)
@@ -165,7 +165,7 @@ class Estimate:
         """|Row difference| of what each frame shows under the rig at θ = used, on average; pixels. NaN without any."""
         if self.shown is None:
             return np.full(1, np.nan)
-        rows, count, frame = self.shown.rows(self.chart, used).differences[0], self.shown.count, self.shown.frame
+        rows, count, frame = self.shown.differences(self.chart, used), self.shown.count, self.shown.frame
         _, numbers = np.unique(frame, return_inverse=True)
         return np.bincount(numbers, count * np.abs(rows)) / np.bincount(numbers, count)
 

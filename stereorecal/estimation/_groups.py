@@ -65,17 +65,30 @@ class Groups:
         have: (1, g), (n, 1, g). Noise is in those: longer focal lengths must not make it smaller, nor rows that are
         wider apart in the view make it larger."""
         rows = linearised(self._as_correspondences(), chart, theta)
-        by_focal = np.array([0.005 * name.endswith(".f") for name in chart.names])  # of the mean of both, per percent
-        zoom = float(np.exp(by_focal @ theta)) * self.resolution
+        by_focal, zoom = _by_focal(chart), self._zoom(chart, theta)
         differences = zoom * (rows.differences + self.offset)
         jacobian = zoom * rows.jacobian + by_focal[:, None, None] * differences
         return replace(rows, differences=differences, jacobian=jacobian)
+
+    def differences(self, chart: RigChart, theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "g"]:
+        """The same without the derivatives."""
+        (rows,) = differences_at(self._as_correspondences(), chart, theta)
+        return self._zoom(chart, theta) * (rows + self.offset)
+
+    def _zoom(self, chart: RigChart, theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "g"]:
+        """Pixels of the images that the cameras at θ have, per pixel of a row."""
+        return float(np.exp(_by_focal(chart) @ theta)) * self.resolution
 
     def _as_correspondences(self) -> Correspondences:
         number, one = len(self), np.ones(())
         weight, tile = np.ones((1, number)), np.zeros((1, number), np.int32)
         focal = np.asarray(self.focal)
         return Correspondences(self.left[None], self.right[None], weight, tile, focal, one, one, self.projection)
+
+
+def _by_focal(chart: RigChart) -> Float[np.ndarray, "n"]:
+    """The logarithm of the mean of both focal lengths, by each parameter: they are in percent."""
+    return np.array([0.005 * name.endswith(".f") for name in chart.names])
 
 
 def grouped(found: Correspondences, chart: RigChart, theta: Float[np.ndarray, "n"]) -> Groups:

@@ -19,7 +19,7 @@ from stereorecal.geometry import (
 )
 from stereorecal.objectives._parameter_names import SIDES
 from stereorecal.objectives._rig_chart import RigChart
-from stereorecal.scoring import Correspondences, row_differences
+from stereorecal.scoring import Correspondences
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,9 +53,16 @@ def read_by(found: Correspondences, taken: StereoRig, rig: StereoRig) -> Corresp
 
 
 def differences_at(found: Correspondences, chart: RigChart, z: Float[np.ndarray, "n"]) -> Float[np.ndarray, "k m"]:
-    """The row differences at a point of the unit box, in pixels of the scale of `found`."""
+    """The row differences at a point of the unit box, in pixels of the scale of `found`; those of `linearised`."""
     rig = chart.rig_at(z)
-    return np.asarray(row_differences(read_by(found, chart.rig, rig), with_unit_baseline(rig.extrinsics)))
+    found = read_by(found, chart.rig, rig)
+    rotations = rectifying_rotations(rig.rotation, with_unit_baseline(rig.extrinsics)[3:])
+    of_view = projection(found.projection)
+    left, right = (
+        of_view.row(*np.moveaxis(np.asarray(rays, float) @ np.asarray(rotation[1:]).T, -1, 0))
+        for rays, rotation in zip((found.left, found.right), rotations, strict=True)
+    )
+    return float(found.focal) * (left - right)
 
 
 def linearised(found: Correspondences, chart: RigChart, z: Float[np.ndarray, "n"]) -> LinearRows:

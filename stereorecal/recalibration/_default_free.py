@@ -47,12 +47,12 @@ def _lost_where_left_out(
     """By how much rows grow at most, in a frame or a region of the view, under the rig that the other places tell."""
     shown, prior = seen.shown, as_prior(case.prior, seen.chart)
     assert shown is not None
-    before = shown.rows(seen.chart, np.zeros(seen.chart.dim)).differences[0]
+    before = shown.differences(seen.chart, np.zeros(seen.chart.dim))
     after = np.full_like(before, np.nan)
     for part in range(_PARTS):
         left_out = tuple(frame for place in places[part::_PARTS] for frame in place)
         others = estimate(without(found, left_out), case.rig, prior, start=seen.theta, view=seen.view)
         theta = replace(others, judged_at=case.tolerances.distances).with_free(free, keep_depth=keep_depth)
         here = np.isin(shown.frame, left_out)
-        after[here] = shown.rows(seen.chart, theta).differences[0][here]
+        after[here] = shown.differences(seen.chart, theta)[here]
     return largest_loss(shown, before, after)
