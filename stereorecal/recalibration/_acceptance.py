@@ -34,7 +34,8 @@ class Reason(enum.Enum):
     OUT_OF_BUDGET = "the budget ended before the row error of a candidate could be judged; give a larger one"
     MISFIT = (
         "systematic epipolar residuals remain, which no rotation or shift of the cameras explains: the intrinsics "
-        "differ, or something moved between the two exposures; free the intrinsics too, with several scenes"
+        "differ, or something moved between the two exposures; four scenes or more, with frames that move or ranges, "
+        "would tell intrinsics too"
     )
     FRAMES_DISAGREE = "the frames show different rigs; take them at rest, or check the synchronisation of the cameras"
     CANNOT_TELL = (

@@ -13,6 +13,7 @@ from stereorecal.report.number_text import change, depths
 from stereorecal.report.repair_report import Axis
 from stereorecal.report.repair_text import RepairText
 
+_WOULD_TELL = "four scenes or more, with frames that move or ranges, would tell them"
 _SYSTEMATIC = 0.05  # pixels of radial misfit that regions share; right intrinsics leave 0.01
 
 
@@ -94,8 +95,8 @@ def _depth_before(solution: AbstractResult) -> tuple[str, str]:
 def _misfit(solution: AbstractResult, left: Misfit) -> str | None:
     """What is worth saying of the misfit."""
     if left.cause is Cause.RADIAL and left.alike > _SYSTEMATIC:
-        remedy = "; free them with several scenes" if solution.intrinsics is None else ""
-        return f"the intrinsics do not fit: {left.alike:.2f} px of the rows' error is systematic{remedy}"
+        said = f"the intrinsics do not fit: {left.alike:.2f} px of the rows' error is systematic"
+        return said if solution.intrinsics is not None else f"{said}; {_WOULD_TELL}"
     if left.high > WORTH_SAYING or solution.reason is Reason.MISFIT:
         return f"{left.high:.2f} px in the worst tenth of the regions; {left.cause.value}"
     return None
