@@ -42,8 +42,8 @@ class Reason(enum.Enum):
         "the images do not tell for sure what is better; other scenes, frames that move, or ranges would tell more"
     )
     REACH_EDGE = (
-        "the search ended at twice the reach: the drift is larger, so give a larger reach, or something moved between "
-        "the two exposures"
+        "the candidate lies at twice the reach: the drift is larger, so give a larger reach, or something moved "
+        "between the two exposures"
     )
 
     @property

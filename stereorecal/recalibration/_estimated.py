@@ -164,19 +164,15 @@ def _matched_again(
     return seen, again
 
 
-def ended_by(case: Case, answer: Answer, near: StereoRig) -> Ending:
-    """The candidate of an answer, and the verdict on it.
-
-    Args:
-        near: where the search ended.
-    """
+def ended_by(case: Case, answer: Answer) -> Ending:
+    """The candidate of an answer, and the verdict on it."""
     seen, decision, found = answer.estimate, answer.decision, answer.found
     taken = IntrinsicsOutcome.NEEDED if case.free.widens else IntrinsicsOutcome.REFINED
     case = replace(case, free=answer.free)
     candidate = seen.chart.rig_at(decision.theta)
     tiles = counts(case, candidate)
     kept = np.isin(np.arange(len(found.weight)), () if answer.refused else answer.apart, invert=True)
-    reason = _reason(case, answer, tiles[:, kept], near)
+    reason = _reason(case, answer, tiles[:, kept], candidate)
     facts, rows = _evidence_at(case, found, candidate), rows_of(case, answer)
     return Ending(
         candidate,
@@ -192,16 +188,17 @@ def ended_by(case: Case, answer: Answer, near: StereoRig) -> Ending:
     )
 
 
-def _reason(case: Case, answer: Answer, tiles: Int[np.ndarray, "2 k tiles"], near: StereoRig) -> Reason:
+def _reason(case: Case, answer: Answer, tiles: Int[np.ndarray, "2 k tiles"], candidate: StereoRig) -> Reason:
     if answer.refused:
         refuse_swapped_images(case.images, answer.apart)
         return Reason.FRAMES_DISAGREE
     if not answer.enough:
         return Reason.TOO_LITTLE_TEXTURE
-    box = case.of_extrinsics.chart
-    if answer.decision.verdict is Verdict.CANNOT_TELL and at_the_edge(box.coordinates_of(near)):
+    # Not where the search ended: along what the rows do not show, it may end anywhere.
+    z, decision = case.of_extrinsics.chart.coordinates(np.asarray(candidate.extrinsics)), answer.decision
+    if at_the_edge(z) and (decision.verdict is Verdict.CANNOT_TELL or not (decision.refused or decision.explains)):
         return Reason.REACH_EDGE
-    return reason_of(answer.decision, tiles)
+    return reason_of(decision, tiles)
 
 
 def reason_of(decision: Decision, tiles: Int[np.ndarray, "2 k tiles"]) -> Reason:

@@ -30,7 +30,7 @@ def _ended(case: Case, stages: tuple[StageRun, ...], *, cut: bool, signal: bool)
     near = stages[-1].ended if stages else case.rig
     found = next((stage.found for stage in reversed(stages) if stage.found is not None), None)
     if not cut and found is not None and found.found >= FEWEST:
-        return ended_by(case, answered(case, found, near, stages[-1].scale), near)
+        return ended_by(case, answered(case, found, near, stages[-1].scale))
     tiles = counts(case, near)
     if cut:
         return Ending(near, Reason.OUT_OF_BUDGET, tiles)  # the count alone hardly sees a wrong yaw

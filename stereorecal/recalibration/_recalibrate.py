@@ -66,7 +66,7 @@ def recalibrate_case(case: Case, settings: Settings, began: float | None = None)
     if look is not None:
         cost = replace(cost, starts=cost.starts + look.cost)
         if look.answer is not None and look.verdict is Verdict.GOOD:
-            return solution_of(initial, settings, (look.paid,), ended_by(initial, look.answer, case.rig), cost, began)
+            return solution_of(initial, settings, (look.paid,), ended_by(initial, look.answer), cost, began)
 
     # Search; estimate and decide; the look, where that ended in doubt.
     case, stages = run_schedule(case, settings, start, began)
@@ -74,7 +74,7 @@ def recalibrate_case(case: Case, settings: Settings, began: float | None = None)
     ending = judged(final, schedule, stages)
     certain = ending.reason.accepted or ending.reason is Reason.OUT_OF_BUDGET
     if not certain and look is not None and look.answer is not None and look.repairs:
-        ending, stages = ended_by(final, look.answer, case.rig), (*stages, look.paid)
+        ending, stages = ended_by(final, look.answer), (*stages, look.paid)
 
     # Report.
     return solution_of(final, settings, stages, ending, cost, began)

@@ -35,6 +35,7 @@ import stereorecal as sr
 from stereorecal.estimation import readings
 from stereorecal.estimation._consequences import points_of_view
 from stereorecal.geometry import with_unit_baseline
+from stereorecal.objectives import read_by
 from stereorecal.recordings import Scene
 from stereorecal.scoring import host, median_row_error, pyramid
 from stereorecal.scoring.host import with_measured_range
@@ -398,7 +399,10 @@ def judged(scene: Scene, given: Scene, case: str, explained: bool, draws: int, j
             key = jax.random.fold_in(jax.random.key(zlib.crc32(f"{scene.name} {case}".encode())), draw)
             start = sr.synthetic.decalibrate(rig, key, degrees, fraction) if degrees else rig
             solution = sr.recalibrate(start, given.pairs)
-            rows = [median_row_error(judge, with_unit_baseline(r.extrinsics)) for r in (start, solution.rig)]
+            rows = [
+                median_row_error(read_by(judge, rig, r), with_unit_baseline(r.extrinsics))
+                for r in (start, solution.rig)
+            ]
             farther = depth_error(solution.rig, rig) - depth_error(start, rig)
             if not scene.name.startswith(tuple(kind for kind, _ in RENDERED)):
                 farther = 0.0
