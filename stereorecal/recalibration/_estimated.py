@@ -266,10 +266,10 @@ def uncertainty_of(seen: Estimate, candidate: StereoRig, chart: RigChart) -> Unc
     return uncertainty(chart.names, spread, apart, chart.prior * chart.units, seen.prior_variance[where])
 
 
-def expected_by(seen: Estimate, used: StereoRig, view: View) -> Expected:
-    """What to expect of a rig: rows over the view, and depth with its 95 % interval."""
+def expected_by(seen: Estimate, used: StereoRig, view: View, rows_px: float) -> Expected:
+    """What to expect of a rig: rows over the view, which the decision tells, and depth with its 95 % interval."""
     depth = depth_by(seen, seen.chart.coordinates_of(used))
-    return expected(used, seen.chart, seen.theta, seen.posterior.covariance, view, depth)
+    return expected(used, seen.chart, seen.theta, seen.posterior.covariance, view, rows_px, depth)
 
 
 def depth_by(seen: Estimate, used: Float[np.ndarray, "n"]) -> dict[int, Interval]:

@@ -27,17 +27,14 @@ class Expected:
         rows: (13, 17) row in the left rectified image less row in the right one, in pixels of the view, of points at 10
             baselines, over the view; NaN where not both cameras see the point.
         rows_deviation: (13, 17) the standard deviation of that.
+        rows_px: root mean square of rows over the view, at the distances that decide, as the decision has them; pixels.
         depth_percent: error of depth at 5, 10, 30 and 100 baselines, with its 95 % interval.
     """
 
     rows: Float[np.ndarray, "h w"]
     rows_deviation: Float[np.ndarray, "h w"]
+    rows_px: float
     depth_percent: Mapping[int, Interval]
-
-    @property
-    def rows_px(self) -> float:
-        """Root mean square of the rows to expect over the view, in pixels."""
-        return float(np.sqrt(np.nanmean(self.rows**2 + self.rows_deviation**2)))
 
     def __str__(self) -> str:
         depths = ", ".join(f"{distance} B {_from_to(self.depth_percent[distance])}" for distance in (10, 30))
@@ -62,10 +59,11 @@ def expected(
     z: Float[np.ndarray, "n"],
     covariance: Float[np.ndarray, "n n"],
     view: View,
+    rows_px: float,
     depth_percent: Mapping[int, Interval],
 ) -> Expected:
-    """What to expect of `used`, if the true rig lies around the point z of the chart with this covariance, and depth is
-    wrong by so much."""
+    """What to expect of `used`, if the true rig lies around the point z of the chart with this covariance, rows are so
+    far apart and depth is wrong by so much."""
     width, height = view.size
     columns, rows = np.linspace(0, width - 1, _GRID[0]), np.linspace(0, height - 1, _GRID[1])
 
@@ -74,4 +72,4 @@ def expected(
 
     slopes = central_differences(apart, z, STEP)
     spread = np.sqrt(np.maximum(np.einsum("hwi,ij,hwj->hw", slopes, covariance, slopes), 0.0))
-    return Expected(apart(z), spread, depth_percent)
+    return Expected(apart(z), spread, rows_px, depth_percent)

@@ -12,6 +12,7 @@ from stereorecal._json_data import json_data
 from stereorecal.estimation import Estimate
 from stereorecal.recalibration._acceptance import Reason
 from stereorecal.recalibration._uncertainty import OBSERVED
+from stereorecal.report.short_list import short_list
 
 
 class IntrinsicsOutcome(enum.Enum):
@@ -99,7 +100,7 @@ class Intrinsics:
             ),
         ]
         if self.taken and self.undetermined:
-            lines.append(f"as uncertain as before: {', '.join(self.undetermined)}")
+            lines.append(f"as uncertain as before: {short_list(self.undetermined)}")
         return "\n".join(lines)
 
 

@@ -44,7 +44,7 @@ def recalibrate_case(case: Case, settings: Settings, began: float | None = None)
     """The repair of what is prepared.
 
     It looks before it searches, as `health` does: what one look finds good stays, and what a look is sure to correct is
-    corrected, though the search may end in doubt.
+    corrected, though the search may end in doubt, or leave rows that are not explained.
 
     Args:
         case: its strategies search all that is free in it, intrinsics too, which `recalibrate` leaves to the estimate;
@@ -68,11 +68,12 @@ def recalibrate_case(case: Case, settings: Settings, began: float | None = None)
         if look.answer is not None and look.verdict is Verdict.GOOD:
             return solution_of(initial, settings, (look.paid,), ended_by(initial, look.answer), cost, began)
 
-    # Search; estimate and decide; the look, where that ended in doubt.
+    # Search; estimate and decide; the look, where that left doubt.
     case, stages = run_schedule(case, settings, start, began)
     final = replace(case, free=settings.free)
     ending = judged(final, schedule, stages)
-    certain = ending.reason.accepted or ending.reason is Reason.OUT_OF_BUDGET
+    explained = ending.reason.accepted and (ending.decision is None or ending.decision.explains)
+    certain = explained or ending.reason is Reason.OUT_OF_BUDGET
     if not certain and look is not None and look.answer is not None and look.repairs:
         ending, stages = ended_by(final, look.answer), (*stages, look.paid)
 

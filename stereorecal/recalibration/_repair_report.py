@@ -21,6 +21,7 @@ from stereorecal.recalibration._windows import described
 from stereorecal.recordings import Pair
 from stereorecal.report.number_text import count, number, percent
 from stereorecal.report.repair_report import Conclusion, Depth, RepairReport, Sight
+from stereorecal.report.short_list import short_list
 from stereorecal.scoring.host import disparity, rectify
 from stereorecal.strategies import name_of
 
@@ -146,7 +147,7 @@ def _remarks(solution: AbstractResult) -> list[str]:
     if left is not None and (solution.reason is Reason.MISFIT or left.high > WORTH_SAYING):
         remarks.append(f"{whose} {number(left.high, 2)} px in the worst tenth of the regions; {left.cause.value}.")
     if known is not None and known.undetermined:
-        open_ = "; ".join(known.undetermined)
+        open_ = short_list(known.undetermined, "; ")
         remarks.append(
             f"Not determined by these images: {open_}. Their values are mostly assumed: that they changed little."
         )

@@ -12,6 +12,7 @@ from stereorecal.recalibration._windows import described
 from stereorecal.report.number_text import change, depths
 from stereorecal.report.repair_report import Axis
 from stereorecal.report.repair_text import RepairText
+from stereorecal.report.short_list import short_list
 
 _WOULD_TELL = "four scenes or more, with frames that move or ranges, would tell them"
 _SYSTEMATIC = 0.05  # pixels of radial misfit that regions share; right intrinsics leave 0.01
@@ -70,7 +71,7 @@ def _remarks(solution: AbstractResult) -> list[tuple[str, str]]:
     if solution.disagreeing:
         said.append(("", f"these disagree with others: {', '.join(solution.disagreeing)}"))
     if known is not None and known.undetermined:
-        said.append(("", f"not determined by these images: {'; '.join(known.undetermined)}"))
+        said.append(("", f"not determined by these images: {short_list(known.undetermined, '; ')}"))
     if solution.expected is not None:
         said.append(("expect", str(solution.expected)))
     if solution.accepted:

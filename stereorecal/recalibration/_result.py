@@ -288,9 +288,10 @@ class AbstractResult:
     def expected(self) -> Expected | None:
         """What to expect of the calibration to use: rows over the view and depth, with what misfit and intrinsics that
         were held may do; None without an epipolar stage, or where the calibration is known to be bad."""
-        if self.estimate is None or self.found is None or not self.reason.healthy:
+        if self.estimate is None or self.decision is None or self.found is None or not self.reason.healthy:
             return None
-        return expected_by(self.estimate, self.rig, self.view)
+        rows_px = float(self.decision.rows_px[int(self.accepted), 0])
+        return expected_by(self.estimate, self.rig, self.view, rows_px)
 
     @property
     def found(self) -> Correspondences | None:

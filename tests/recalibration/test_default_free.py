@@ -46,6 +46,11 @@ def test_lenses_that_no_extrinsics_make_up_for(found):
     assert over_the_view(found.rig) < 0.3 * over_the_view(WRONG)
 
 
+def test_it_expects_what_the_decision_expects(found):
+    assert found.expected.rows_px == found.decision.rows_px[1, 0]
+    assert found.expected.rows_px > 0.5 * over_the_view(found.rig)  # at ten baselines
+
+
 def test_what_it_wrote_is_good(found, places):
     other = sr.synthetic.render("coast", 9, rig=TRUE)
     assert not sr.health(found.rig, other.pairs).verdict.startswith("repair")
