@@ -13,7 +13,9 @@ _BLOCK = 2  # columns: the noise of neighbouring pixels is correlated where colo
 _TEXTURED_SLOPE = 8.0  # x-Sobel response, four times a step in grey levels: fog and noise stay below
 _DARK = 20.0  # mean grey level; what moves at night is noise
 _CORRELATED = 0.2  # correlation of slopes in two halves of an image's columns: 0 for noise, 0.6 and more for texture
-_TEXTURED = 1.0 / 3.0  # of the image; daylight shows 0.5 to 0.9, night and fog 0 to 0.2
+_TEXTURED = 1.0 / 3.0  # of what the lens shows; daylight shows 0.5 to 0.9, night and fog 0 to 0.2
+_LEAST_TEXTURED = 0.2  # of the image: half of it matches, and less than a tenth of an image tells nothing
+_ROUND = 0.9  # of the smallest circle around it: so much an image circle fills, and no street lamp
 
 
 @dataclass(frozen=True)
@@ -21,8 +23,9 @@ class ImageQuality:
     """The quality of the worse image of a pair.
 
     Attributes:
-        brightness: mean grey level, 0 to 255.
+        brightness: mean grey level, 0 to 255, of what the lens shows.
         texture: share of the image with texture, 0 to 1; noise counts as texture.
+        shown: share of the image that the lens shows: 1, or that of the image circle of a wide lens on black.
         noise: True if the texture is noise only, as behind a lens cap, whose image of 16 bit or floating point is
             stretched to full contrast.
     """
@@ -30,6 +33,7 @@ class ImageQuality:
     brightness: float
     texture: float
     noise: bool = False
+    shown: float = 1.0
 
     @property
     def dark(self) -> bool:
@@ -39,21 +43,45 @@ class ImageQuality:
     @property
     def enough(self) -> bool:
         """True if images of an aligned rig would match."""
-        return not self.dark and not self.noise and self.texture >= _TEXTURED
+        return not self.dark and not self.noise and self.texture >= max(_TEXTURED * self.shown, _LEAST_TEXTURED)
 
 
 def image_quality(pair: Pair) -> ImageQuality:
     """The quality of a pair's images."""
     images = [np.asarray(image, np.float32) for image in (pair.left, pair.right)]
-    brightness = min(float(image.mean()) for image in images)
+    shown = min(_shown(_small(image)) for image in images)
+    brightness = min(float(image.mean()) for image in images) / shown
     texture = min(float((np.abs(x_slopes(image)) > _TEXTURED_SLOPE).mean()) for image in images)
-    return ImageQuality(brightness, texture, texture >= _TEXTURED and any(_is_noise(image) for image in images))
+    noise = texture >= _TEXTURED * shown and any(_is_noise(image) for image in images)
+    return ImageQuality(brightness, texture, noise, shown)
 
 
 def x_slopes(image: Float[np.ndarray, "h w"]) -> Float[np.ndarray, "rows columns"]:
     """The x-Sobel response of the image at a width of 128 pixels."""
+    return cv2.Sobel(_small(image), cv2.CV_32F, 1, 0)
+
+
+def _small(image: Float[np.ndarray, "h w"]) -> Float[np.ndarray, "rows columns"]:
     height, width = image.shape
-    return cv2.Sobel(_resized(image, _WIDTH, max(1, height * _WIDTH // width)), cv2.CV_32F, 1, 0)
+    return _resized(image, _WIDTH, max(1, height * _WIDTH // width))
+
+
+def _shown(image: Float[np.ndarray, "h w"]) -> float:
+    """The share of an image that its lens shows: less than 1 where darkness that reaches from all four corners leaves
+    a disc, or as much of one as fits."""
+    height, width = image.shape
+    dark = np.ascontiguousarray(image < _DARK, np.uint8)
+    corners = [(0, 0), (width - 1, 0), (0, height - 1), (width - 1, height - 1)]
+    if min(height, width) < 3 or not all(dark[y, x] for x, y in corners):
+        return 1.0
+    for corner in corners:
+        cv2.floodFill(dark, None, corner, 2)
+    lit = np.argwhere(dark != 2)[:, ::-1].astype(np.float32)
+    if not len(lit):
+        return 1.0
+    centre, radius = cv2.minEnclosingCircle(lit)
+    disc = cv2.circle(np.zeros_like(dark), (round(centre[0]), round(centre[1])), round(radius), 1, cv2.FILLED)
+    return len(lit) / dark.size if len(lit) > _ROUND * int(disc.sum()) else 1.0
 
 
 def _is_noise(image: Float[np.ndarray, "h w"]) -> bool:

@@ -211,3 +211,13 @@ def test_a_fisheye_beside_a_pinhole():
     solution = sr.recalibrate(rig.with_extrinsics(rig.extrinsics + DRIFT), scene.pairs, prior="exact")
     assert solution.accepted
     assert max(axis_errors(solution.rig, rig).rotation_deg.values()) < 0.1
+
+
+def test_a_good_rig_whose_lenses_leave_corners_black_is_healthy(scene):
+    width, height = scene.rig.left.size
+    rows, columns = np.mgrid[:height, :width]
+    shown = np.hypot(columns - width / 2, rows - height / 2) < 0.45 * width
+    pair = sr.Pair(
+        *(np.where(shown, image, 4).astype(np.uint8) for image in (scene.pairs[0].left, scene.pairs[0].right))
+    )
+    assert sr.health(scene.rig, [pair]).healthy

@@ -1,0 +1,51 @@
+"""Light and texture of images, also of those that show a lens' image circle on black."""
+
+import numpy as np
+import pytest
+from hypothesis import given, strategies as st
+
+from stereorecal import Pair
+from stereorecal.scoring import image_quality
+
+HEIGHT, WIDTH = 240, 320
+RNG = np.random.default_rng(0)
+TEXTURE = np.kron(RNG.uniform(60.0, 200.0, (HEIGHT // 8, WIDTH // 8)), np.ones((8, 8)))
+BLACK = RNG.normal(6.0, 2.0, (HEIGHT, WIDTH)).clip(0.0, 12.0)
+
+
+def on_black(radius: float, centre: tuple[float, float] = (WIDTH / 2, HEIGHT / 2), inside=TEXTURE) -> Pair:
+    rows, columns = np.mgrid[:HEIGHT, :WIDTH]
+    image = np.where(np.hypot(columns - centre[0], rows - centre[1]) < radius, inside, BLACK)
+    return Pair(image.astype(np.float32), image.astype(np.float32))
+
+
+@given(st.floats(80.0, 150.0), st.floats(-12.0, 12.0), st.floats(-12.0, 12.0))
+def test_what_an_image_circle_leaves_out_does_not_count(radius, x, y):
+    found = image_quality(on_black(radius, (WIDTH / 2 + x, HEIGHT / 2 + y)))
+    rows, columns = np.mgrid[:HEIGHT, :WIDTH]
+    disc = np.hypot(columns - WIDTH / 2 - x, rows - HEIGHT / 2 - y) < radius
+    assert found.shown == pytest.approx(disc.mean(), abs=0.03)
+    assert found.brightness == pytest.approx(TEXTURE.mean(), abs=15.0)
+    assert found.enough
+
+
+def test_all_of_an_ordinary_image_counts():
+    assert image_quality(Pair(TEXTURE.astype(np.float32), TEXTURE.astype(np.float32))).shown == 1.0
+
+
+def test_a_circle_without_texture_is_not_enough():
+    assert not image_quality(on_black(110.0, inside=np.full((HEIGHT, WIDTH), 120.0))).enough
+
+
+def test_a_small_circle_is_not_enough():
+    assert not image_quality(on_black(40.0)).enough
+
+
+def test_lights_at_night_are_no_image_circle():
+    image = BLACK.copy()
+    for _ in range(12):
+        y, x = RNG.integers(20, HEIGHT - 30), RNG.integers(20, WIDTH - 30)
+        image[y : y + 8, x : x + 8] = 255.0
+    found = image_quality(Pair(image.astype(np.float32), image.astype(np.float32)))
+    assert found.shown == 1.0
+    assert not found.enough
