@@ -165,7 +165,7 @@ def view(
         projection: "pinhole" or "equirectangular", as `View` has it, in place of the rule above.
 
     Raises:
-        InputError: if the field makes no sense, or the projection is unknown.
+        InputError: if the field makes no sense, the projection is unknown, or no lens has such a focal length.
     """
     width, height = rig.left.size
     projection = _usual_projection(rig, field) if projection is None else projection
@@ -180,6 +180,11 @@ def view(
             f"{formulas.WIDEST:g}."
         )
     if focal > _MOST_ZOOM * _mean_focal(rig):
+        if field is None:
+            raise InputError(
+                f"a resolution of {_mean_focal(rig):.3g} px per radian in images {width} px wide is that of no lens; "
+                "correct the calibration."
+            )
         raise InputError(
             f"a field of {field:g} degrees magnifies the images {focal / _mean_focal(rig):.3g} times; give more."
         )
