@@ -151,6 +151,7 @@ def _recorded(options: RecalibrateOptions, settings: Settings) -> dict[str, Any]
     return {
         "frames": options.frames,
         "motion": options.motion,
+        "readout_s": options.readout,
         "matcher": {"name": options.matcher, **asdict(settings.matcher)},
         "view": options.view,
         "schedule": settings.schedule.name,

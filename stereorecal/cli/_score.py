@@ -88,6 +88,7 @@ def _about_all(options: ScoreOptions, how: HealthOptions) -> dict[str, Any]:
     settings = {
         "frames": options.frames,
         "motion": options.motion,
+        "readout_s": options.readout,
         "matcher": {"name": options.matcher, **asdict(as_matcher(options.matcher))},
         "view": options.view,
         "thresholds": {**HEALTH_LIMITS, **limits.limits},
