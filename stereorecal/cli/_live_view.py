@@ -51,7 +51,7 @@ def view(name: str, pairs: int, history: list[Reading], happened: list[str]) -> 
     """The view after some pairs."""
     now = history[-1]
     table = Table(box=None, padding=(0, 2))
-    for title in ("", "to mend", "95 % interval", "over time"):
+    for title in ("", "correction", "95 % interval", "over time"):
         table.add_column(title, justify="left" if title in ("", "over time") else "right")
     for axis, found in now.axes.items():
         table.add_row(axis, f"{found.value:+.3f} {_UNITS[axis]}", _ends(found), _curve([h.axes[axis] for h in history]))

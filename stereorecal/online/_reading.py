@@ -32,9 +32,9 @@ class Reading:
     """How the calibration in use stands to the true one, fused over all looks so far. Intervals are of 95 %.
 
     Attributes:
-        axes: what would mend it: pitch, yaw, roll in degrees, y, z in percent of the baseline.
+        axes: what would correct it: pitch, yaw, roll in degrees, y, z in percent of the baseline.
         row_error: of the last look, pixels at full size: the mean over tiles of a tile's median |row difference|.
-        rows_px: root mean square of the rows that mending would take away, pixels at full size.
+        rows_px: root mean square of the rows that the correction would take away, pixels at full size.
         depth_percent: error of depth at 5, 10, 30 and 100 baselines.
         delay: of the right shutter, in frames.
         chance: of an offset as large as this one, or larger, if the calibration in use were right.

@@ -21,15 +21,29 @@ from stereorecal.online._estimate import Estimate, Measurement
 from stereorecal.online._events import Kind
 from stereorecal.online._job import Job
 from stereorecal.online._pace import Pace
+from stereorecal.online._sequential_test import SequentialTest
 from stereorecal.online._state import State
-from stereorecal.online._trial import Trial
 from stereorecal.recordings import Pair
 from stereorecal.scoring.host import Corners
 
-SCHEMA = "stereorecal.state/7"
+SCHEMA = "stereorecal.state/8"
 _KNOWN: dict[str, Any] = {
     kind.__name__: kind
-    for kind in (State, Config, Estimate, Measurement, Pace, Corners, Job, Trial, StereoRig, Camera, View, Pair, Kind)
+    for kind in (
+        State,
+        Config,
+        Estimate,
+        Measurement,
+        Pace,
+        Corners,
+        Job,
+        SequentialTest,
+        StereoRig,
+        Camera,
+        View,
+        Pair,
+        Kind,
+    )
 }
 # What zipfile, NumPy and the classes raise for what is damaged; RuntimeError for flags that no archive of ours has.
 _DAMAGED = (ValueError, LookupError, TypeError, AttributeError, RuntimeError, EOFError, OSError, MemoryError)

@@ -14,7 +14,7 @@ from stereorecal.online._estimate import Estimate, Measurement
 from stereorecal.online._events import Kind
 from stereorecal.online._job import Job
 from stereorecal.online._pace import Pace
-from stereorecal.online._trial import Trial
+from stereorecal.online._sequential_test import SequentialTest
 from stereorecal.online._turning import Small
 from stereorecal.recalibration import depth_slopes
 from stereorecal.recordings import Pair
@@ -90,7 +90,7 @@ class State:
     darkness: int = 0
     attempt: int = 2
     job: Job | None = None
-    trial: Trial | None = None
+    trial: SequentialTest | None = None
     ready: int = 0
     previous: tuple[Offset, ...] = ()
     said: Kind | None = None

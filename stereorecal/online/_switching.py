@@ -9,8 +9,8 @@ from stereorecal.online._estimate import SIZE, Measurement
 from stereorecal.online._events import Event, Kind
 from stereorecal.online._pair_estimate import PairEstimate
 from stereorecal.online._reading import reading
+from stereorecal.online._sequential_test import SequentialTest
 from stereorecal.online._state import Offset, State
-from stereorecal.online._trial import Trial
 
 Outcome = tuple[State, list[Event]]
 
@@ -94,13 +94,13 @@ def nominated(state: State) -> Outcome:
     if found.late or found.shifted or found.chance_of_rotation > _WORTH:
         return state, []
     turned = np.concatenate([state.estimate.offset[:3], state.using[3:]])
-    return state.but(trial=Trial(turned, "looks", state.frame)), []
+    return state.but(trial=SequentialTest(turned, "looks", state.frame)), []
 
 
 def after_repair(state: State, offset: Offset, covariance: Float[np.ndarray, "5 5"]) -> State:
     """A candidate of a repair on trial, unless nothing is to be switched."""
     estimate = state.estimate.moved(offset, covariance + np.eye(SIZE) * AFTER_REPAIR**2)
-    trial = Trial(offset, "repair", state.frame) if state.config.repair else None
+    trial = SequentialTest(offset, "repair", state.frame) if state.config.repair else None
     return state.standing_at(estimate).but(trial=trial, suspect=None)
 
 

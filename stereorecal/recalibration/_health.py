@@ -11,13 +11,14 @@ from stereorecal._json_data import json_data
 from stereorecal._renamed import renamed_attributes
 from stereorecal.decision import LIMITS, Verdict
 from stereorecal.estimation import check_prior, rig_parameters
-from stereorecal.geometry import PINHOLE, StereoRig, View, with_unit_baseline
+from stereorecal.geometry import StereoRig, View, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
 from stereorecal.recalibration._acceptance import LEAST_COVERED, Reason, loses_regions
 from stereorecal.recalibration._as_dict import score_as_dict
 from stereorecal.recalibration._calibration_warnings import doubts
 from stereorecal.recalibration._correction import Correction, correction_of
 from stereorecal.recalibration._estimated import Answer, depth_by, looked, rows_of
+from stereorecal.recalibration._health_text import health_text
 from stereorecal.recalibration._interval import Interval
 from stereorecal.recalibration._prior_use import looked_with
 from stereorecal.recalibration._settings import HealthOptions, as_settings
@@ -26,7 +27,6 @@ from stereorecal.recalibration._stages import Case
 from stereorecal.recalibration._unmatched import LIKELY
 from stereorecal.recalibration._windows import check_motion, following
 from stereorecal.recordings import Pairs
-from stereorecal.report.number_text import change
 from stereorecal.scoring import ImageQuality, Pyramid, host, image_quality, pyramid
 from stereorecal.scoring.host import Score, refuse_swapped_images, with_measured_range
 
@@ -118,7 +118,10 @@ class Health:
         if decision.verdict is Verdict.GOOD:
             return Condition.HEALTHY, ""
         if not decision.explains:
-            return Condition.CANNOT_TELL, "rows lie apart, and no change of the extrinsics mends that; check lenses"
+            return (
+                Condition.CANNOT_TELL,
+                "no change of the extrinsics explains the epipolar errors; four scenes or more would tell more",
+            )
         return Condition.CANNOT_TELL, "the images do not determine what is better; other scenes, or more frames, may"
 
     def as_dict(self) -> dict[str, Any]:
@@ -140,7 +143,7 @@ class Health:
                 "disagreeing": self.disagreeing,
                 "doubts": self.doubts,
                 "axes": correction and (correction.significant if self.condition is Condition.REPAIR else ()),
-                "mending": correction
+                "correction": correction
                 and {
                     "rotation_deg": {name: _ends(correction.axes[name]) for name in ("pitch", "yaw", "roll")},
                     "translation_percent": {name: _ends(correction.axes[name]) for name in ("y", "z")},
@@ -153,26 +156,8 @@ class Health:
         )
 
     def __str__(self) -> str:
-        lines = [self.verdict, *(f"check      {doubt}" for doubt in self.doubts), f"matched    {self.score}"]
-        if self.view is not None and self.view.projection != PINHOLE:
-            lines.append(f"view       {self.view}")
-        if self.correction is None:
-            sure = f"matches that passed all checks cover {100 * self.covered:.0f} % of the image"
-            return "\n".join([*lines, f"row error  not measured: {sure} (chance matches count as matched)"])
-        by, rows = self.correction.axes, self.correction.rows_px
-        angles = ", ".join(f"{name} {_about(by[name], 3)}" for name in ("pitch", "yaw", "roll"))
-        shifts = ", ".join(f"{name} {_about(by[name], 2)}" for name in ("y", "z"))
-        errors = "; ".join(
-            f"{_range(error)} at {distance} B" for distance, error in self.correction.depth_percent.items()
-        )
-        return "\n".join(
-            [
-                *lines,
-                f"row error  {self.row_error:.2f} px; {self.correction.row_error:.2f} px if mended",
-                f"to mend    {angles} deg; {shifts} % of the baseline",
-                f"rows       {rows.value:.2f} px apart over the view ({rows.low:.2f} to {rows.high:.2f} px)",
-                f"depth      {errors}",
-            ]
+        return health_text(
+            self.verdict, self.doubts, self.score, self.view, self.covered, self.row_error, self.correction
         )
 
 
@@ -242,11 +227,3 @@ def _listed(names: tuple[str, ...]) -> str:
 
 def _ends(found: Interval) -> dict[str, float]:
     return {"value": found.value, "low": found.low, "high": found.high}
-
-
-def _about(found: Interval, digits: int) -> str:
-    return f"{found.value:+z.{digits}f} ± {found.high - found.value:.{digits}f}"
-
-
-def _range(error: Interval) -> str:
-    return f"{change(error.value, 'far')} ({change(error.low, 'far')} to {change(error.high, 'far')})"

@@ -69,9 +69,9 @@ def _scores_table(scenes: Rows, folds: tuple[int, int]) -> list[Table]:
 
 
 def _score(scene: Mapping[str, Any]) -> tuple[str, ...]:
-    rows, mending, yaw, depth = number(scene["row_error_px"], 2), scene["mending"], "-", "-"
-    if mending is not None:
-        turn, error = mending["rotation_deg"]["yaw"], scene["depth_error_percent"]["30"]["value"]
+    rows, correction, yaw, depth = number(scene["row_error_px"], 2), scene["correction"], "-", "-"
+    if correction is not None:
+        turn, error = correction["rotation_deg"]["yaw"], scene["depth_error_percent"]["30"]["value"]
         yaw = f"{turn['value']:+z.2f} ± {turn['high'] - turn['value']:.2f}"
         depth = change(float("inf") if error is None else error, "far")
     return percent(scene["fraction"]), rows, yaw, depth, scene["verdict"]

@@ -55,7 +55,7 @@ def test_healthy(command, clean_scene: Path, tmp_path: Path):
         found.score.fraction,
     )
     assert (said["row_error_px"], said["covered"]) == (found.row_error, found.covered)
-    assert said["mending"]["rotation_deg"]["yaw"].keys() == {"value", "low", "high"}
+    assert said["correction"]["rotation_deg"]["yaw"].keys() == {"value", "low", "high"}
     assert said["depth_error_percent"].keys() == {"5", "10", "30", "100"}
     assert said["probability_better"] == found.correction.decision.better
     assert (said["frames"], said["image_size"]) == (1, list(SIZE))

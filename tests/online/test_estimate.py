@@ -9,7 +9,7 @@ from hypothesis import given, settings, strategies as st
 from stereorecal.online import Config
 from stereorecal.online._estimate import OF_LENSES, Estimate, Measurement, at_start
 from stereorecal.online._pace import Pace
-from stereorecal.online._trial import Trial
+from stereorecal.online._sequential_test import SequentialTest
 
 SIGMA = np.array([0.01, 0.1, 0.02, 0.5, 1.0])
 PRIOR = np.ones(5)
@@ -114,8 +114,8 @@ def test_a_look_that_says_nothing_changes_nothing():
     assert estimate.chance_of(nothing) == 1.0
 
 
-def trial_over(looks: int, truth: np.ndarray, candidate: np.ndarray, draw: np.random.Generator) -> Trial:
-    trial = Trial(candidate, "looks", 0)
+def trial_over(looks: int, truth: np.ndarray, candidate: np.ndarray, draw: np.random.Generator) -> SequentialTest:
+    trial = SequentialTest(candidate, "looks", 0)
     for frame in range(looks):
         trial = trial.measured(np.zeros(5), measured(frame, truth, draw), 0.2, 0.2)
         if trial.won(1e-3) or trial.lost:
@@ -130,7 +130,7 @@ def test_a_trial_is_won_by_what_is_better():
 
 
 def test_a_trial_is_not_won_by_one_look_nor_by_worse_rows():
-    trial = Trial(np.ones(5), "looks", 0)
+    trial = SequentialTest(np.ones(5), "looks", 0)
     look = Measurement(1, np.ones(5), 1e6 * np.eye(5), np.zeros(5))
     assert not trial.measured(np.zeros(5), look, 1.0, 0.1).won(1e-3)
     for _ in range(10):
@@ -143,7 +143,7 @@ def test_an_even_turn_is_no_proof_however_long(late):
     """A shutter that is late by 0.2 frames on a rig that turns evenly looks like a yaw in every look. A rig that is
     off by that yaw shows it when it no longer turns."""
     draw, yaw = np.random.default_rng(4), np.array([0.0, 0.2, 0.0, 0.0, 0.0])
-    trial, won = Trial(yaw, "looks", 0), []
+    trial, won = SequentialTest(yaw, "looks", 0), []
     for frame in range(50):
         turn = 1.0 if frame < 40 else 0.0  # degrees a frame
         look = measured(frame, 0.0 * yaw if late else yaw, draw, turn, 0.2 if late else 0.0)
@@ -157,7 +157,7 @@ def test_one_look_counts_for_so_much_and_no_more():
     """Whatever the rig's turn would explain of it."""
     draw = np.random.default_rng(5)
     for _ in range(200):
-        trial = Trial(np.append(0.0, [draw.uniform(-0.3, 0.3), 0.0, 0.0, 0.0]), "looks", 0)
+        trial = SequentialTest(np.append(0.0, [draw.uniform(-0.3, 0.3), 0.0, 0.0, 0.0]), "looks", 0)
         for frame in range(6):
             sharp = measured(frame, draw.uniform(-0.5, 0.5, 5), draw, draw.uniform(-1.0, 1.0)).weighed(25.0)
             after = trial.measured(np.zeros(5), sharp, 0.2, 0.2)
@@ -202,7 +202,7 @@ def test_what_the_lenses_leave_of_the_yaw_does_not_average_away():
 
 def test_windows_in_common_error_are_no_proof_however_many():
     """All of them tell a yaw of 0.03 degrees, which the lenses leave."""
-    draw, trial = np.random.default_rng(9), Trial(np.array([0.0, 0.03, 0.0, 0.0, 0.0]), "looks", 0)
+    draw, trial = np.random.default_rng(9), SequentialTest(np.array([0.0, 0.03, 0.0, 0.0, 0.0]), "looks", 0)
     for frame in range(1, 200):
         told = by_motion(frame, 0.03, draw)
         trial = trial.moved(np.zeros(5), replace(told, doubt=OF_LENSES))

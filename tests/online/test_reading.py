@@ -8,8 +8,8 @@ import pytest
 from stereorecal.online import Kind, Reading, State, Stepped, reading
 from stereorecal.online._estimate import Measurement
 from stereorecal.online._pair_estimate import PairEstimate
+from stereorecal.online._sequential_test import SequentialTest
 from stereorecal.online._switching import judged, nominated
-from stereorecal.online._trial import Trial
 from stereorecal.online._watching import followed, standing
 from stereorecal.recalibration import Condition
 
@@ -58,7 +58,7 @@ def test_a_shift_may_be_the_rigs_own_motion(healthy, turn):
 def test_a_repair_may_move_y_and_z(healthy, by):
     """It was judged by its own misfit; a candidate of looks is dropped."""
     state = off_by(healthy, 0.0, 0.0, 0.0, 4.0, -5.0)
-    state = state.but(trial=Trial(state.estimate.offset, by, state.frame - 1))
+    state = state.but(trial=SequentialTest(state.estimate.offset, by, state.frame - 1))
     look = PairEstimate(state.chart, 0.5)
     after, _ = judged(state, Measurement(state.frame, state.estimate.offset, np.diag(SIGMA**-2.0), np.zeros(5)), look)
     assert (after.trial is not None) is (by == "repair")
@@ -79,7 +79,7 @@ def test_what_is_no_number_is_not_healthy(healthy):
 
 def test_after_a_knock_nothing_that_came_before_is_on_trial(healthy):
     """Not even where too little is known to say that it was one."""
-    state = healthy.but(trial=Trial(healthy.using + 0.01, "looks", 0), ready=99, suspect=None)
+    state = healthy.but(trial=SequentialTest(healthy.using + 0.01, "looks", 0), ready=99, suspect=None)
     for frame in (1, 2):
         far = Measurement(frame, healthy.using + np.array([0.0, 2.0, 0.0, 0.0, 0.0]), np.diag(SIGMA**-2.0), np.zeros(5))
         state, _ = followed(state, far)

@@ -110,7 +110,7 @@ def test_nothing_to_match(scene):
     assert found.condition is Condition.CANNOT_TELL
     data = json.loads(json.dumps(found.as_dict(), allow_nan=False))
     assert data["row_error_px"] is None
-    assert data["mending"] is None
+    assert data["correction"] is None
     assert data["count"] == 0
 
 
@@ -132,7 +132,7 @@ def judged(verdict: Verdict, after: float = 0.1) -> Health:
         (Verdict.GOOD, 0.1, Condition.HEALTHY, "healthy"),
         (Verdict.REPAIR, 0.1, Condition.REPAIR, "yaw"),
         (Verdict.CANNOT_TELL, 0.1, Condition.CANNOT_TELL, "more frames"),
-        (Verdict.CANNOT_TELL, 0.5, Condition.CANNOT_TELL, "check lenses"),
+        (Verdict.CANNOT_TELL, 0.5, Condition.CANNOT_TELL, "four scenes or more"),
     ],
 )
 def test_it_says_what_the_decision_says(verdict, after, condition, said):

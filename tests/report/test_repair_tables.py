@@ -40,9 +40,9 @@ def repairs() -> list[dict[str, Any]]:
 
 
 def score(scene: str, **changes: Any) -> dict[str, Any]:
-    mending = {"rotation_deg": {"yaw": {"value": 3.0, "high": 3.13}}}
+    correction = {"rotation_deg": {"yaw": {"value": 3.0, "high": 3.13}}}
     depth = {"30": {"value": 350.0}}
-    numbers = {"row_error_px": 1.2, "fraction": 0.34, "mending": mending, "depth_error_percent": depth}
+    numbers = {"row_error_px": 1.2, "fraction": 0.34, "correction": correction, "depth_error_percent": depth}
     return {"scene": scene, "error": None, "verdict": "cannot tell (too little texture)", **numbers, **changes}
 
 
@@ -66,7 +66,7 @@ def test_repairs_are_whole(width: int):
 
 @pytest.mark.parametrize("width", [60, 80, 120, 200])
 def test_scores_are_whole(width: int):
-    rows = [score(f"{NAME}-1"), score("KITTI/drive_0001", mending=None), score("b", error="bad")]
+    rows = [score(f"{NAME}-1"), score("KITTI/drive_0001", correction=None), score("b", error="bad")]
     words = " ".join(printed(scores_table(rows, width), width)).split()
     assert {"cannot", "tell", "(too", "little", "texture)", "matched", "correction", "times", "+3.00", "±"} <= set(
         words

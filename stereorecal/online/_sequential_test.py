@@ -22,7 +22,7 @@ _MATCHES = 2.0  # times as many correspondences: it sees where the other is blin
 
 
 @dataclass(frozen=True, eq=False)
-class Trial:
+class SequentialTest:
     """A candidate on trial.
 
     Attributes:
@@ -51,7 +51,9 @@ class Trial:
     pulls: Float[np.ndarray, "2 4"] = field(default_factory=lambda: np.zeros((2, POSES)))
     known: Float[np.ndarray, "4 4"] = field(default_factory=lambda: np.zeros((POSES, POSES)))
 
-    def measured(self, using: Float[np.ndarray, "5"], seen: Measurement, before: float, after: float) -> "Trial":
+    def measured(
+        self, using: Float[np.ndarray, "5"], seen: Measurement, before: float, after: float
+    ) -> "SequentialTest":
         """With a look that both share, and their row errors in it."""
         return replace(
             self.moved(using, seen),
@@ -61,7 +63,7 @@ class Trial:
             compared=self.compared + 1,
         )
 
-    def moved(self, using: Float[np.ndarray, "5"], seen: Measurement) -> "Trial":
+    def moved(self, using: Float[np.ndarray, "5"], seen: Measurement) -> "SequentialTest":
         """With what the rig's motion tells, which shows no rows."""
         added = self._with(using, seen)
         while abs(added.evidence - self.evidence) > _MOST_OF_ONE:
@@ -69,7 +71,7 @@ class Trial:
             added = self._with(using, seen)
         return added
 
-    def _with(self, using: Float[np.ndarray, "5"], seen: Measurement) -> "Trial":
+    def _with(self, using: Float[np.ndarray, "5"], seen: Measurement) -> "SequentialTest":
         off = seen.offset - np.stack([using, self.offset])
         pulled = seen.information @ seen.poses
         return replace(
@@ -86,7 +88,7 @@ class Trial:
         using, candidate = (self.misses - explained).tolist()
         return self.matches + 0.5 * (using - candidate)
 
-    def matched(self, before: float, after: float) -> "Trial":
+    def matched(self, before: float, after: float) -> "SequentialTest":
         """With a look in which the one in use is blind: shares of the image in which matches were found."""
         gain = _MOST_OF_ONE if after > _MATCHES * before else -_BLIND_TOO
         return replace(self, matches=self.matches + gain, looks=self.looks + 1)
