@@ -45,6 +45,11 @@ from stereorecal.strategies import name_of, origin_of, strategy
 SCHEMA = "stereorecal.solution/2"
 _CODES = {Fault.INTERRUPTED: INTERRUPTED, Fault.INSIDE: FAILURE, Fault.INPUT: BAD_INPUT}  # the first that occurs
 
+_SHARE = (
+    "no extrinsics explain several of these recordings; if they are of one rig that did not drift between them, "
+    "--extrinsics one estimates what they share"
+)
+
 
 def run(options: RecalibrateOptions) -> int:
     """Repair, save, print; returns the exit code."""
@@ -240,6 +245,9 @@ def _show(repairs: Sequence[Repair], options: RecalibrateOptions) -> None:
         shared = [repair.solution.intrinsics for repair in repairs if repair.solution and repair.solution.intrinsics]
         for line in dict.fromkeys(map(str, shared)):  # each once
             print_lines(line)
+        unexplained = [one for one in repairs if one.solution is not None and one.solution.reason is Reason.MISFIT]
+        if not shared and len(unexplained) > 1:
+            print_lines(_SHARE)
         return
     print_lines(repairs[0].solution)
 

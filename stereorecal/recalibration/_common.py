@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float, Int
 
-from stereorecal.decision import Decision, decide_together
+from stereorecal.decision import Decision, Verdict, decide_together
 from stereorecal.estimation import (
     NO_BEAMS,
     Beams,
@@ -24,6 +24,7 @@ from stereorecal.geometry import StereoRig
 from stereorecal.objectives import Parameters, read_by, row_chart
 from stereorecal.recalibration._acceptance import Reason, RowErrors, compared
 from stereorecal.recalibration._estimated import reason_of
+from stereorecal.recalibration._frames_left_out import borne_out
 from stereorecal.recalibration._match_task import Each, beams_of, matched
 from stereorecal.recalibration._ranged import prior_of
 from stereorecal.recalibration._repaired_recording import RepairedRecording
@@ -85,6 +86,8 @@ def common(recordings: Sequence[RepairedRecording], free: Parameters, *, one: bo
     """Solved, matched again, solved again.
 
     Args:
+        free: where nothing was said, and all have the same extrinsics, everything, if recordings that are left out
+            bear that out.
         one: all recordings have the same extrinsics.
         each: runs a task for each recording.
     """
@@ -116,14 +119,13 @@ def _solved(
 ) -> Common:
     several = (_merged(shown),) if one else tuple(shown)
     estimates = tuple(estimate_together(several, each=each))
-    return Common(
-        recordings,
-        free,
-        several,
-        estimates,
-        tuple(decide_together(estimates, free.names, recordings[0].repair.tolerances)),
-        beams,
-    )
+    limits = recordings[0].repair.tolerances
+    decisions = tuple(decide_together(estimates, free.names, limits))
+    if one and free.widens and decisions[0].verdict is not Verdict.GOOD and not decisions[0].explains:
+        (every,), (seen,), wider = several, estimates, free.widest(several[0].rig)
+        freed = borne_out(seen, every.found, every.rig, every.prior, wider.names, limits)
+        free, decisions = (free, decisions) if freed is None else (wider, (freed,))
+    return Common(recordings, free, several, estimates, decisions, beams)
 
 
 def _priors(recordings: Sequence[RepairedRecording], free: Parameters) -> list[CalibrationPrior]:

@@ -79,8 +79,10 @@ def recalibrate_many(
     """Repair the extrinsics of many recordings, each on its own; the answers come in the order of the recordings.
 
     With intrinsics free, all recordings must be of one rig, and share what is found of them: once each is repaired, all
-    are estimated together (`Solution.intrinsics` says what came of it). Ranges free the length of the baseline, which
-    all share. Where the joint solution fails, the repairs stand, each with an error that says so.
+    are estimated together (`Solution.intrinsics` says what came of it). So they are with `extrinsics="one"`, if nothing
+    is said of what is free, the extrinsics of some explain too little, and recordings that are left out prove it.
+    Ranges free the length of the baseline, which all share. Where the joint solution fails, the repairs stand, each
+    with an error that says so.
 
     A recording that cannot be repaired is an answer with an error, never an exception. Ctrl-C passes; whoever takes
     each answer with `finished` has those that are there by then.
@@ -91,7 +93,7 @@ def recalibrate_many(
             for a rig that is repaired while it works (paper, section 4.5). One that shows too little leaves the rig as
             it is; the intrinsics are taken as exact, if no prior is given, and all are scored in the view of the first
             rig.
-        extrinsics: where intrinsics are free: "each" recording has its own extrinsics, as a rig that drifts between
+        extrinsics: where more than these is shared: "each" recording has its own, as a rig that drifts between
             missions; or "one" for all.
         executor: any `concurrent.futures.Executor`; default one recording after the other in this process.
         progress: called with (finished, total) after each recording.
@@ -212,7 +214,7 @@ def _repaired_together(
     Where the joint solution fails, the repairs stand, each with an error that says so.
     """
     solved = [(index, repair.solution) for index, repair in enumerate(repairs) if repair.solution is not None]
-    if not free.shared or not solved:
+    if not solved or not (free.shared or _widens(scenes, [solution for _, solution in solved], free, extrinsics)):
         return tuple(repairs)
 
     def each(function: Callable[[Any], Any], tasks: Sequence[Any]) -> Sequence[Any]:
@@ -239,6 +241,15 @@ def _repaired_together(
     for (index, _), solution in zip(solved, found, strict=True):
         answers[index] = replace(answers[index], solution=solution)
     return tuple(answers)
+
+
+def _widens(scenes: Sequence[Scene], repairs: Sequence[Solution], free: Parameters, extrinsics: str) -> bool:
+    """Whether recordings of one rig that did not drift, which the extrinsics of a repair do not explain, may share more
+    than was said."""
+    if not free.widens or extrinsics != "one" or len(scenes) < 2:
+        return False
+    check_shared(scenes, free.widest(repairs[0].initial), extrinsics)
+    return any(not repair.reason.healthy for repair in repairs)
 
 
 def _seen(pairs: Sequence[Pair], solution: Solution) -> tuple[Pair, ...]:

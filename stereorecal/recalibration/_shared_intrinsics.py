@@ -34,14 +34,16 @@ def together(
         one: all recordings have the same extrinsics.
         each: runs a task for each recording.
     """
-    lenses = bool(free.lenses)
+    lenses = bool(free.lenses) or free.widens
     part = [recording for recording in recordings if recording.usable(lenses=lenses)]
     if not part:
         return tuple(_unsolved(recording, free) for recording in recordings)
     solved = common(part, free, one=one, each=each)
+    if free.widens and not solved.free.lenses:
+        return tuple(recording.repair for recording in recordings)
     answers, seen = _answers(solved, each), None
     if lenses:
-        seen = _intrinsics(solved, answers)
+        seen = _intrinsics(solved, answers, IntrinsicsOutcome.NEEDED if free.widens else IntrinsicsOutcome.REFINED)
         if not seen.taken:
             rest = _without_lenses(recordings, free, one=one, each=each)
             return tuple(solution.with_findings(intrinsics=seen) for solution in rest)
@@ -58,6 +60,8 @@ def _without_lenses(
     recordings: Sequence[RepairedRecording], free: Parameters, *, one: bool, each: Each
 ) -> tuple[Solution, ...]:
     rest = _held(free)
+    if free.widens:
+        return tuple(recording.repair for recording in recordings)
     if rest.shared or (one and len(recordings) > 1):
         return together(recordings, rest, one=one, each=each)
     return tuple(recording.repair for recording in recordings)
@@ -113,11 +117,15 @@ def _images_of_others(recordings: Sequence[RepairedRecording], index: int) -> tu
     )
 
 
-def _intrinsics(solved: Common, answers: Sequence[Solution]) -> Intrinsics:
-    """The shared parameters, and whether they are taken: not where the others alone do as well."""
+def _intrinsics(solved: Common, answers: Sequence[Solution], taken: IntrinsicsOutcome) -> Intrinsics:
+    """The shared parameters, and whether they are taken: not where the others alone do as well.
+
+    Args:
+        taken: what is said if they are.
+    """
     free, decisions = solved.free, solved.decisions
     held = decide_together(solved.estimates, _held(free).names, decisions[0].tolerances)
-    outcome = IntrinsicsOutcome.REFINED if any(one.accepted for one in answers) else IntrinsicsOutcome.REFUSED
+    outcome = taken if any(one.accepted for one in answers) else IntrinsicsOutcome.REFUSED
     outcome = IntrinsicsOutcome.NO_GAIN if do_as_well(held, decisions) else outcome
     fixed, freed = (
         float(np.mean([solved.rows(at, one)[1].after for at, one in enumerate(some)])) for some in (held, decisions)

@@ -101,3 +101,20 @@ def test_the_largest_loss_is_of_frames_and_of_regions(found):
     corner = (3 * down < PLACES[1]) & (3 * across < PLACES[0])
     assert largest_loss(shown, before, np.where(corner, 0.3, 0.1)) == pytest.approx(0.1)
     assert np.isnan(largest_loss(shown.of(shown.place < 60), before[shown.place < 60], before[shown.place < 60]))
+
+
+@pytest.mark.slow
+def test_recordings_of_a_rig_that_did_not_drift_between_them(places):
+    scenes = [sr.Scene(pair.name, WRONG, (pair,)) for pair in places]
+    each = sr.recalibrate_many(scenes)
+    assert all(repair.solution.intrinsics is None for repair in each)
+    one = sr.recalibrate_many(scenes, extrinsics="one")
+    assert all(repair.solution.intrinsics.outcome is IntrinsicsOutcome.NEEDED for repair in one)
+    assert over_the_view(one[0].solution.rig) < 0.3 * over_the_view(WRONG)
+
+
+@pytest.mark.slow
+def test_recordings_that_extrinsics_explain_share_nothing_more(places):
+    turned = TRUE.with_extrinsics(TRUE.extrinsics + np.append(np.radians([0.3, -0.2, 0.3]), np.zeros(3)))
+    repairs = sr.recalibrate_many([sr.Scene(pair.name, turned, (pair,)) for pair in places], extrinsics="one")
+    assert all(repair.solution.accepted and repair.solution.intrinsics is None for repair in repairs)
