@@ -2,6 +2,7 @@
 
 from stereorecal._renamed import renamed
 from stereorecal.recalibration._acceptance import (
+    FALSE as FALSE,
     FEWEST_PLACES as FEWEST_PLACES,
     LEAST_COVERED as LEAST_COVERED,
     ROWS_APART as ROWS_APART,
@@ -19,7 +20,6 @@ from stereorecal.recalibration._effects import (
 from stereorecal.recalibration._frame_choice import MOST_FRAMES as MOST_FRAMES, chosen_frames as chosen_frames
 from stereorecal.recalibration._freed_intrinsics import Intrinsics as Intrinsics, IntrinsicsOutcome as IntrinsicsOutcome
 from stereorecal.recalibration._health import (
-    FALSE as FALSE,
     HEALTH_LIMITS as HEALTH_LIMITS,
     Condition as Condition,
     Health as Health,

@@ -10,6 +10,7 @@ from stereorecal.estimation import Estimate, estimate, rig_parameters
 from stereorecal.geometry import StereoRig, View
 from stereorecal.objectives import Parameters, RigChart, row_chart
 from stereorecal.recalibration._acceptance import (
+    FALSE,
     FEWEST_PLACES,
     LEAST_COVERED,
     Reason,
@@ -29,9 +30,9 @@ from stereorecal.recalibration._schedule import ScoreKind, Stage
 from stereorecal.recalibration._stage_result import Ending, counts
 from stereorecal.recalibration._stages import FEWEST, Case, StageRun, matched
 from stereorecal.recalibration._uncertainty import Uncertainty, uncertainty
-from stereorecal.recalibration._unmatched import MOST_APART, unmatched, without
+from stereorecal.recalibration._unmatched import LIKELY, MOST_APART, unmatched, without
 from stereorecal.recalibration._windows import windows_of, without_frames
-from stereorecal.scoring import Correspondences
+from stereorecal.scoring import Correspondences, image_quality
 from stereorecal.scoring.host import refuse_swapped_images
 
 
@@ -46,6 +47,8 @@ class Answer:
         refused: they are too many to say which are wrong; all count then.
         free: what may change, if frames bear out that more must than the case has free.
         decision: on the initial calibration.
+        by_chance: they cover little of what has texture, and even the candidate leaves their rows as far apart as those
+            of chance matches.
     """
 
     found: Correspondences
@@ -54,11 +57,13 @@ class Answer:
     refused: bool
     free: Parameters
     decision: Decision
+    by_chance: bool = False
 
     @property
     def enough(self) -> bool:
         """Whether enough of the images matches for a verdict: chance matches cover little, and few places."""
-        return self.found.covered >= LEAST_COVERED and len(_places(self.found)) >= FEWEST_PLACES
+        many = self.found.covered >= LEAST_COVERED and len(_places(self.found)) >= FEWEST_PLACES
+        return many and not self.by_chance
 
 
 def answered(case: Case, found: Correspondences, near: StereoRig, again_at: float | None = None) -> Answer:
@@ -92,7 +97,16 @@ def answered(case: Case, found: Correspondences, near: StereoRig, again_at: floa
     if again_at is not None and free.lenses and not case.free.lenses:
         seen, rest = _matched_again(case, seen, rest, again_at)
         decision = decide(seen, free.names, case.tolerances, proven=True)
-    return Answer(rest, seen, tuple(sorted(apart)), refused, free, decision)
+    answer = Answer(rest, seen, tuple(sorted(apart)), refused, free, decision)
+    return replace(answer, by_chance=_by_chance(case, answer))
+
+
+def _by_chance(case: Case, answer: Answer) -> bool:
+    covered = answer.found.covered
+    if covered >= LIKELY:  # of all that may have texture
+        return False
+    texture = max(image_quality(pair).texture for pair in case.images.pairs)
+    return covered < LIKELY * texture and rows_of(case, answer).after > FALSE
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,7 @@ from stereorecal.decision import LIMITS, Verdict
 from stereorecal.estimation import check_prior, rig_parameters
 from stereorecal.geometry import StereoRig, View, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
-from stereorecal.recalibration._acceptance import LEAST_COVERED, Reason, loses_regions
+from stereorecal.recalibration._acceptance import FALSE, LEAST_COVERED, Reason, loses_regions
 from stereorecal.recalibration._as_dict import score_as_dict
 from stereorecal.recalibration._calibration_warnings import doubts
 from stereorecal.recalibration._correction import Correction, correction_of
@@ -30,8 +30,6 @@ from stereorecal.recordings import Pairs
 from stereorecal.scoring import ImageQuality, Pyramid, host, image_quality, pyramid
 from stereorecal.scoring.host import Score, refuse_swapped_images, with_measured_range
 
-# Pixels left by the correction: false matches lie evenly within a row of where they were sought, median 0.5.
-FALSE = 0.4
 HEALTH_LIMITS = {"covered": LEAST_COVERED, "covered_of_texture": LIKELY, "false_rows_px": FALSE, **LIMITS}
 
 
@@ -200,11 +198,10 @@ def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> He
         refuse_swapped_images(images, answer.apart)
         names = tuple(images.pairs[f].name for f in answer.apart)
         return unmeasured(covered, names)
-    rows = rows_of(case, answer)
-    if not answer.enough or (covered < LIKELY * shown.texture and rows.after > FALSE):
+    if not answer.enough:
         refuse_swapped_images(images)
         return unmeasured(covered)
-    seen = answer.estimate
+    seen, rows = answer.estimate, rows_of(case, answer)
     depth = depth_by(seen, np.zeros(len(seen.names)))
     correction = correction_of(seen, answer.decision, depth, rows.after)
     loses = not answer.decision.refused and _loses_regions(case, answer)

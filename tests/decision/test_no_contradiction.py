@@ -37,6 +37,17 @@ def test_real_scenes(data_dir, name):
     agree(scene.rig, scene.pairs[:1])
 
 
+@pytest.mark.parametrize("prior", ["exact", None])
+def test_chance_matches_make_no_rig_good(data_dir, prior):
+    """Seven frames of a room under a rig two degrees off: what matches by chance covers an eighth of the image."""
+    scene = sr.io.load_scene(data_dir / "euroc/vicon_room_seq", limit=7)
+    drift = np.array([*np.radians([-1.17, 1.17, 2.27]), 0.0, *(0.01 * scene.rig.baseline * np.array([-2.21, 1.42]))])
+    far = scene.rig.with_extrinsics(scene.rig.extrinsics + drift)
+    done = sr.recalibrate(far, scene.pairs, prior=prior)
+    assert done.accepted
+    assert np.abs(np.degrees(done.rig.extrinsics - scene.rig.extrinsics)[[0, 2]]).max() < 0.1
+
+
 @settings(max_examples=4, deadline=None)
 @given(
     degrees=st.sampled_from([0.0, 0.02, 0.05, 0.1, 0.3, 1.0]),
