@@ -48,7 +48,7 @@ class Answer:
         free: what may change, if frames bear out that more must than the case has free.
         decision: on the initial calibration.
         by_chance: they cover little of what has texture, and even the candidate leaves their rows as far apart as those
-            of chance matches.
+            of chance matches: without a search, that is no reason to call anything good.
     """
 
     found: Correspondences
@@ -62,8 +62,7 @@ class Answer:
     @property
     def enough(self) -> bool:
         """Whether enough of the images matches for a verdict: chance matches cover little, and few places."""
-        many = self.found.covered >= LEAST_COVERED and len(_places(self.found)) >= FEWEST_PLACES
-        return many and not self.by_chance
+        return self.found.covered >= LEAST_COVERED and len(_places(self.found)) >= FEWEST_PLACES
 
 
 def answered(case: Case, found: Correspondences, near: StereoRig, again_at: float | None = None) -> Answer:
@@ -146,7 +145,8 @@ class Look:
     def verdict(self) -> Verdict | None:
         """On the calibration; None if too little is seen for one."""
         answer = self.answer
-        return None if answer is None or answer.refused or not answer.enough else answer.decision.verdict
+        seen = answer is not None and answer.enough and not answer.refused and not answer.by_chance
+        return answer.decision.verdict if answer is not None and seen else None
 
 
 def looked(case: Case, stage: Stage) -> Look | None:

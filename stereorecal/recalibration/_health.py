@@ -198,7 +198,7 @@ def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> He
         refuse_swapped_images(images, answer.apart)
         names = tuple(images.pairs[f].name for f in answer.apart)
         return unmeasured(covered, names)
-    if not answer.enough:
+    if not answer.enough or answer.by_chance:
         refuse_swapped_images(images)
         return unmeasured(covered)
     seen, rows = answer.estimate, rows_of(case, answer)
