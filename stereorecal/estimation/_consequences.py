@@ -27,6 +27,7 @@ from stereorecal.objectives import SIDES, RigChart
 DISTANCES = (5, 10, 30, 100)  # baselines
 _GRID = (9, 7)  # points of the left image
 _AHEAD = 0.1  # cosine of the angle off the axis
+_FLAT = 2.0  # tangent of it: farther aside, a pinhole stretches the image five times, and no view shows it
 _MARGIN = 0.05  # of the image, at each side
 _TINY = 1e-30
 _MIDDLE = 0.5  # of the image, each way
@@ -35,17 +36,16 @@ _REGIONS = 3  # each way
 
 def points_of_view(rig: StereoRig, distance: float, shown: View | None = None) -> Float[np.ndarray, "p 3"]:
     """Points over the left image, at a distance along its axis in baselines, that both cameras see, or, where that
-    is too near for both, that the lens models reach; metres. Of a wide lens, or in a view that is no pinhole, over what
-    the view shows of it; where that is no pinhole, at a distance from the left camera.
+    is too near for both, that the lens models reach; metres. Of a wide lens, of whatever model, or in a view that is no
+    pinhole, over what the view shows of it; where that is no pinhole, at a distance from the left camera.
 
     Args:
         shown: the view; default the rig's own pinhole.
     """
     (width, height), pinhole = rig.left.size, shown is None or shown.projection == PINHOLE
-    if rig.left.lens.WIDE or not pinhole:
+    rays = np.asarray(rig.left.rays(_grid(rig.left.size)))
+    if rig.left.lens.WIDE or not pinhole or np.hypot(rays[:, 0], rays[:, 1]).max() > _FLAT:
         rays = _rays_of_view(rig, view(rig, projection=PINHOLE) if shown is None else shown)
-    else:
-        rays = np.asarray(rig.left.rays(_grid(rig.left.size)))
     away = distance * float(rig.baseline)
     points = rays * away if pinhole else rays * (away / np.linalg.norm(rays, axis=1))[:, None]
     right = points @ rig.rotation.T + rig.translation
