@@ -30,7 +30,7 @@ from stereorecal.recalibration._schedule import ScoreKind, Stage
 from stereorecal.recalibration._stage_result import Ending, counts
 from stereorecal.recalibration._stages import FEWEST, Case, StageRun, matched
 from stereorecal.recalibration._uncertainty import Uncertainty, uncertainty
-from stereorecal.recalibration._unmatched import LIKELY, MOST_APART, unmatched, without
+from stereorecal.recalibration._unmatched import LIKELY, MOST_APART, is_sparse, unmatched, without
 from stereorecal.recalibration._windows import windows_of, without_frames
 from stereorecal.scoring import Correspondences, image_quality
 from stereorecal.scoring.host import refuse_swapped_images
@@ -47,8 +47,8 @@ class Answer:
         refused: they are too many to say which are wrong; all count then.
         free: what may change, if frames bear out that more must than the case has free.
         decision: on the initial calibration.
-        by_chance: they cover little of what has texture, and even the candidate leaves their rows as far apart as those
-            of chance matches: without a search, that is no reason to call anything good.
+        sparse: they cover little of what has texture: no reason to call a calibration good.
+        by_chance: so, and even the candidate leaves their rows as far apart as those of chance matches.
     """
 
     found: Correspondences
@@ -57,6 +57,7 @@ class Answer:
     refused: bool
     free: Parameters
     decision: Decision
+    sparse: bool = False
     by_chance: bool = False
 
     @property
@@ -97,15 +98,10 @@ def answered(case: Case, found: Correspondences, near: StereoRig, again_at: floa
         seen, rest = _matched_again(case, seen, rest, again_at)
         decision = decide(seen, free.names, case.tolerances, proven=True)
     answer = Answer(rest, seen, tuple(sorted(apart)), refused, free, decision)
-    return replace(answer, by_chance=_by_chance(case, answer))
-
-
-def _by_chance(case: Case, answer: Answer) -> bool:
-    covered = answer.found.covered
-    if covered >= LIKELY:  # of all that may have texture
-        return False
-    texture = max(image_quality(pair).texture for pair in case.images.pairs)
-    return covered < LIKELY * texture and rows_of(case, answer).after > FALSE
+    sparse = rest.covered < LIKELY and is_sparse(
+        rest.covered, max(image_quality(pair).texture for pair in case.images.pairs)
+    )
+    return replace(answer, sparse=sparse, by_chance=sparse and rows_of(case, answer).after > FALSE)
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,7 +141,7 @@ class Look:
     def verdict(self) -> Verdict | None:
         """On the calibration; None if too little is seen for one."""
         answer = self.answer
-        seen = answer is not None and answer.enough and not answer.refused and not answer.by_chance
+        seen = answer is not None and answer.enough and not answer.refused and not answer.sparse
         return answer.decision.verdict if answer is not None and seen else None
 
 
@@ -208,6 +204,8 @@ def _reason(case: Case, answer: Answer, tiles: Int[np.ndarray, "2 k tiles"], can
         return Reason.FRAMES_DISAGREE
     if not answer.enough:
         return Reason.TOO_LITTLE_TEXTURE
+    if answer.sparse and answer.decision.verdict is Verdict.GOOD:
+        return Reason.CANNOT_TELL
     # Not where the search ended: along what the rows do not show, it may end anywhere.
     z, decision = case.of_extrinsics.chart.coordinates(np.asarray(candidate.extrinsics)), answer.decision
     if at_the_edge(z) and (decision.verdict is Verdict.CANNOT_TELL or not (decision.refused or decision.explains)):

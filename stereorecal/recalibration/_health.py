@@ -24,7 +24,7 @@ from stereorecal.recalibration._prior_use import looked_with
 from stereorecal.recalibration._settings import HealthOptions, as_settings
 from stereorecal.recalibration._stage_result import counts
 from stereorecal.recalibration._stages import Case
-from stereorecal.recalibration._unmatched import LIKELY
+from stereorecal.recalibration._unmatched import LIKELY, is_sparse
 from stereorecal.recalibration._windows import check_motion, following
 from stereorecal.recordings import Pairs
 from stereorecal.scoring import ImageQuality, Pyramid, host, image_quality, pyramid
@@ -113,6 +113,11 @@ class Health:
         if decision.verdict is Verdict.REPAIR:
             kept = ", and depth keeps as it was calibrated" if decision.keeps_depth else ""
             return Condition.REPAIR, f"{_listed(self.correction.significant)}{kept}"
+        if decision.verdict is Verdict.GOOD and is_sparse(self.covered, self.shown.texture):
+            return (
+                Condition.CANNOT_TELL,
+                "little of what has texture matches, perhaps by chance; recalibrate, or show more",
+            )
         if decision.verdict is Verdict.GOOD:
             return Condition.HEALTHY, ""
         if not decision.explains:
@@ -174,8 +179,8 @@ def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> He
         TypeError: if there is no option of a name.
     """
     refuse_tracers("sr.health", "sr.correspondences and sr.row_differences", rig)
-    settings, doubtful = as_settings(options, HealthOptions.__optional_keys__), doubts(rig)
-    images = pyramid(rig, pairs, settings.view)
+    settings = as_settings(options, HealthOptions.__optional_keys__)
+    images, doubtful = pyramid(rig, pairs, settings.view), doubts(rig)
     check_prior(settings.prior, rig_parameters(rig))
     prior = looked_with(settings.prior, rig)
     check_motion(settings.motion, len(images.pairs), prior)

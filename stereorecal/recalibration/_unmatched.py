@@ -21,12 +21,18 @@ def without(found: Correspondences, frames: Sequence[int]) -> Correspondences:
     return replace(found, weight=np.asarray(found.weight) * kept[:, None])
 
 
+def is_sparse(covered: float, texture: float) -> bool:
+    """Whether correspondences cover less of an image than those of an aligned rig would, of what has texture; both are
+    shares of the image. So many may be there by chance."""
+    return covered < LIKELY * texture
+
+
 def unmatched(found: Correspondences, pairs: Sequence[Pair]) -> tuple[int, ...]:
     """Frames with light and texture that hardly match, where another one does match."""
     covered = (np.asarray(found.weight) > 0).mean(axis=1)
     best = int(covered.argmax())
     fewer = [index for index, share in enumerate(covered) if share < _FEWER * covered[best]]
-    if not fewer or covered[best] < LIKELY * image_quality(pairs[best]).texture:
+    if not fewer or is_sparse(covered[best], image_quality(pairs[best]).texture):
         return ()
     shown = {index: image_quality(pairs[index]) for index in fewer}
-    return tuple(i for i in fewer if shown[i].enough and covered[i] < LIKELY * shown[i].texture)
+    return tuple(i for i in fewer if shown[i].enough and is_sparse(covered[i], shown[i].texture))

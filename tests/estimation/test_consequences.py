@@ -267,3 +267,15 @@ def test_sides_that_a_wide_view_stretches_count_for_less():
         assert mean == pytest.approx(np.average(near - 1.0, weights=weights), rel=1e-6)
         assert ahead == pytest.approx(np.average(near - 1.0, weights=weights * (areas(true, points)[1] > 0)), rel=1e-6)
         assert (np.ptp(stretch) > 1.0) == (shown.projection == "equirectangular")
+
+
+def test_the_corners_of_a_lens_that_sees_farther_than_its_view_do_not_count():
+    """A rational model of 162 degrees: where it ends, rows of its own posterior would be hundreds of pixels apart."""
+    terms = np.array([0.66, 0.086, 0.0, 0.0, 0.0014, 1.03, 0.238, 0.0117])
+    camera = Camera((1280, 640), np.array([[523.0, 0.0, 640.7], [0.0, 465.2, 296.5], [0.0, 0.0, 1.0]]), terms)
+    rig = StereoRig(camera, camera, np.array([0.0, 0.0, 0.0, -0.08, 0.0, 0.0]))
+    points, seen = points_of_view(rig, 10), view(rig)
+    aside = np.hypot(*(points[:, :2] / points[:, 2:]).T)
+    assert np.hypot(*camera.rays(np.zeros((1, 2)))[0, :2]) > 6.0
+    assert len(points) > 40
+    assert aside.max() < np.hypot(*seen.size) / 2.0 / seen.focal
