@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stereorecal import InputError, recalibrate
+from stereorecal import recalibrate
 from stereorecal.decision import Decision, Verdict
 from stereorecal.geometry import Camera
 from stereorecal.matching import SAD, SGBM
@@ -199,9 +199,3 @@ def test_centimetres_for_metres_are_named(scene):
     found = health(far, given.pairs, matcher=SAD_48)
     assert "check the unit" in str(found)
     assert not health(given.rig, given.pairs, matcher=SAD_48).doubts
-
-
-@pytest.mark.parametrize("ask", [health, recalibrate])
-def test_a_scene_without_calibration_is_named(ask, scene):
-    with pytest.raises(InputError, match="the rig is a NoneType"):
-        ask(None, scene("harbour", 0, SIZE).pairs)
