@@ -12,9 +12,9 @@ from stereorecal.recalibration import (
     FEWEST,
     FEWEST_PLACES,
     LEAST_COVERED,
-    LIKELY,
     Evidence,
     evidence_of,
+    is_sparse,
     watching_scale,
 )
 from stereorecal.recordings import Pair
@@ -81,7 +81,7 @@ def estimate_pair(rig: StereoRig, pair: Pair, view: View, matcher: AbstractMatch
     facts = evidence_of(found, _solved(found, start, chart.prior), start.differences, chart.prior)
     if facts.places < FEWEST_PLACES or (
         np.mean(facts.medians(facts.residual)) * facts.scale > FALSE
-        and found.covered < LIKELY * image_quality(pair).texture
+        and is_sparse(found.covered, image_quality(pair).texture)
     ):
         return PairEstimate(chart, found.covered)
     return PairEstimate(chart, found.covered, facts, found)

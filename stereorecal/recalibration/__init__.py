@@ -68,7 +68,7 @@ from stereorecal.recalibration._slices import Progress as Progress, next_slice a
 from stereorecal.recalibration._solution import Solution as Solution
 from stereorecal.recalibration._stages import FEWEST as FEWEST, Case as Case
 from stereorecal.recalibration._uncertainty import NORMAL_95 as NORMAL_95, Uncertainty as Uncertainty
-from stereorecal.recalibration._unmatched import LIKELY as LIKELY
+from stereorecal.recalibration._unmatched import is_sparse as is_sparse
 from stereorecal.recalibration._warm_up import warm_up as warm_up
 
 __getattr__ = renamed(
