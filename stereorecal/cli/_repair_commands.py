@@ -53,11 +53,13 @@ class RecalibrateOptions(
     )
     strategy: str | None = option("for the stages of its kind (default: those of the schedule)", metavar="NAME")
     free: str | None = option(
-        f"{FREE} (default: extrinsics; of one recording all else, too, where frames of four places prove that it must)",
+        f"{FREE} (default: extrinsics; of one recording, or with --extrinsics one, all else too, where four places "
+        "prove that it must)",
         metavar="NAME,…",
     )
     extrinsics: str = option(
-        "where intrinsics are free: each recording has extrinsics of its own, or one set is that of all",
+        "of several recordings of one rig: each has extrinsics of its own, or one set is that of all, of a rig that "
+        "did not drift between them",
         "each",
         metavar="each|one",
     )
