@@ -261,7 +261,7 @@ def test_a_look_decides_beside_a_search_in_doubt_only_if_its_rows_align(harbour,
 
     def in_doubt(case, schedule, stages):
         answer = answered(case, stages[-1].found, case.rig)
-        return replace(ended(case, answer, case.rig), reason=Reason.CANNOT_TELL)
+        return replace(ended(case, answer), reason=Reason.CANNOT_TELL)
 
     monkeypatch.setattr(_recalibrate, "judged", in_doubt)
     start, schedule = drifted((0.2, -0.3, -0.2, 0.0, 0.0)), Schedule("rows", Schedule.default().stages[2:])

@@ -217,7 +217,6 @@ def test_a_good_rig_whose_lenses_leave_corners_black_is_healthy(scene):
     width, height = scene.rig.left.size
     rows, columns = np.mgrid[:height, :width]
     shown = np.hypot(columns - width / 2, rows - height / 2) < 0.45 * width
-    pair = sr.Pair(
-        *(np.where(shown, image, 4).astype(np.uint8) for image in (scene.pairs[0].left, scene.pairs[0].right))
-    )
-    assert sr.health(scene.rig, [pair]).healthy
+    seen = scene.pairs[0]
+    left, right = (np.where(shown, image, 4.0).astype(np.float32) for image in (seen.left, seen.right))
+    assert sr.health(scene.rig, [sr.Pair(left, right)]).healthy
