@@ -34,15 +34,15 @@ def together(
         one: all recordings have the same extrinsics.
         each: runs a task for each recording.
     """
-    lenses = bool(free.lenses) or free.widens
+    lenses = bool(free.lenses) or (free.widens and one)
     part = [recording for recording in recordings if recording.usable(lenses=lenses)]
     if not part:
         return tuple(_unsolved(recording, free) for recording in recordings)
     solved = common(part, free, one=one, each=each)
-    if free.widens and not solved.free.lenses:
+    if free.widens and not solved.free.shared:
         return tuple(recording.repair for recording in recordings)
     answers, seen = _answers(solved, each), None
-    if lenses:
+    if solved.free.lenses:
         seen = _intrinsics(solved, answers, IntrinsicsOutcome.NEEDED if free.widens else IntrinsicsOutcome.REFINED)
         if not seen.taken:
             rest = _without_lenses(recordings, free, one=one, each=each)
@@ -60,7 +60,7 @@ def _without_lenses(
     recordings: Sequence[RepairedRecording], free: Parameters, *, one: bool, each: Each
 ) -> tuple[Solution, ...]:
     rest = _held(free)
-    if free.widens:
+    if free.widens and not rest.shared:
         return tuple(recording.repair for recording in recordings)
     if rest.shared or (one and len(recordings) > 1):
         return together(recordings, rest, one=one, each=each)

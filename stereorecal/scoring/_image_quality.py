@@ -49,8 +49,8 @@ class ImageQuality:
 def image_quality(pair: Pair) -> ImageQuality:
     """The quality of a pair's images."""
     images = [np.asarray(image, np.float32) for image in (pair.left, pair.right)]
-    shown = min(_shown(_small(image)) for image in images)
-    brightness = min(float(image.mean()) for image in images) / shown
+    each = [_shown(_small(image)) for image in images]
+    shown, brightness = min(each), min(float(image.mean()) / share for image, share in zip(images, each, strict=True))
     texture = min(float((np.abs(x_slopes(image)) > _TEXTURED_SLOPE).mean()) for image in images)
     noise = texture >= _TEXTURED * shown and any(_is_noise(image) for image in images)
     return ImageQuality(brightness, texture, noise, shown)

@@ -49,3 +49,8 @@ def test_lights_at_night_are_no_image_circle():
     found = image_quality(Pair(image.astype(np.float32), image.astype(np.float32)))
     assert found.shown == 1.0
     assert not found.enough
+
+
+def test_a_covered_lens_beside_an_image_circle_is_dark():
+    circle = on_black(110.0)
+    assert image_quality(Pair(circle.left, BLACK.astype(np.float32))).dark
