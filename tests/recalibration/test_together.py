@@ -74,7 +74,7 @@ def test_each_its_own_extrinsics_on_any_executor(given_wrong):
     for one, other in zip(alone, pooled, strict=True):
         for found in ("extrinsics", "left.matrix", "right.distortion"):
             take = attrgetter(f"solution.candidate.{found}")
-            np.testing.assert_allclose(take(one), take(other), rtol=0.0, atol=1e-9)
+            np.testing.assert_allclose(take(one), take(other), rtol=1e-6, atol=1e-8)
     taken = [repair.solution for repair in alone if repair.solution.intrinsics.taken]
     assert len(taken) >= 4
     assert all(np.array_equal(one.candidate.left.matrix, taken[0].candidate.left.matrix) for one in taken)
