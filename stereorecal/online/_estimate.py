@@ -29,7 +29,7 @@ _TRAVEL = 3.0  # percent of the baseline: by what the rig may travel during a de
 _DELAY_WANDER = 5e-3  # a frame, likewise
 _TURN_ERROR = 0.1  # of the rig's turn: what is near seems to turn when the rig travels
 _RATES = slice(SIZE + 1, SIZE + 4)
-_KEYSTONE = SIZE + 4
+KEYSTONE = SIZE + 4
 OF_LENSES = 0.02  # degrees: a yaw that the lenses of a calibrated rig leave in what its motion tells
 _YAW = np.eye(SIZE)[1]
 
@@ -98,13 +98,13 @@ class Estimate:
     @property
     def keystone(self) -> float:
         """The yaw that rows show beyond that of depth, degrees."""
-        return float(self.mean[_KEYSTONE])
+        return float(self.mean[KEYSTONE])
 
     def of_rig(self, measured: Measurement) -> Measurement:
         """What is measured of the rig alone, the keystone as it is known."""
         if not measured.keystone:
             return measured
-        doubt = float(np.sqrt(max(self.covariance[_KEYSTONE, _KEYSTONE], 0.0)))
+        doubt = float(np.sqrt(max(self.covariance[KEYSTONE, KEYSTONE], 0.0)))
         return replace(measured, offset=measured.offset - self.keystone * _YAW, keystone=False, doubt=doubt)
 
     def later(self, config: Config) -> "Estimate":
@@ -176,7 +176,7 @@ class Estimate:
     def mistaken(self, yaw: float) -> "Estimate":
         """After rows may have taken a yaw of so many degrees for the keystone: what they know of the sum stays."""
         both = np.zeros(len(self.mean))
-        both[1], both[_KEYSTONE] = yaw, -yaw
+        both[1], both[KEYSTONE] = yaw, -yaw
         return replace(self, covariance=self.covariance + np.outer(both, both))
 
     def moved(self, offset: Float[np.ndarray, "5"], covariance: Float[np.ndarray, "5 5"]) -> "Estimate":

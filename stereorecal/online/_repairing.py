@@ -16,8 +16,6 @@ from stereorecal.recalibration import Case, Progress, Reason, Schedule, Solution
 from stereorecal.recordings import Pair
 from stereorecal.scoring import pyramid
 
-_FAR = 1.5  # pixels: beyond it a window meets other things
-
 
 def begun(state: State, pairs: Sequence[Pair]) -> tuple[State, list[Event]]:
     """The state with a repair under way, on pairs that hardly match."""
@@ -53,7 +51,7 @@ def _judged(state: State, solution: Solution) -> tuple[State, list[Event]]:
 
 def too_far(state: State) -> bool:
     """Whether a knock was so large that looks through the calibration in use measure it badly."""
-    return reading(state).rows_px.value > _FAR
+    return reading(state).rows_px.value > state.config.tolerances.blind_rows_px
 
 
 def _rejected(state: State, solution: Solution) -> Event:

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from stereorecal._errors import InputError, MatcherError
+from stereorecal.decision import Tolerances
 from stereorecal.geometry import Camera, StereoRig, View
 from stereorecal.io import write_bytes
 from stereorecal.matching import AbstractMatcher, matcher, matchers, name_of
@@ -26,12 +27,13 @@ from stereorecal.online._state import State
 from stereorecal.recordings import Pair
 from stereorecal.scoring.host import Corners
 
-SCHEMA = "stereorecal.state/8"
+SCHEMA = "stereorecal.state/9"
 _KNOWN: dict[str, Any] = {
     kind.__name__: kind
     for kind in (
         State,
         Config,
+        Tolerances,
         Estimate,
         Measurement,
         Pace,

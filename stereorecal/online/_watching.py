@@ -57,8 +57,7 @@ def followed(state: State, measured: Measurement) -> tuple[State, list[Event]]:
     if not knocked:
         return standing(state)
     state = state.but(trial=None, ready=0)  # it was fitted to another rig
-    found = reading(state.using_now(before.offset))
-    if not found.matters or found.shifted:
+    if not reading(state.using_now(before.offset)).matters:
         return standing(state)
     facts = {"change": dict(zip(state.chart.names, moved.tolist(), strict=True))}
     return state.but(said=Kind.KNOCK), [Event(state.frame, Kind.KNOCK, _change_text(facts["change"]), facts)]

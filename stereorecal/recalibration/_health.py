@@ -36,7 +36,7 @@ HEALTH_LIMITS = {"covered": LEAST_COVERED, "covered_of_texture": LIKELY, "false_
 class Condition(enum.Enum):
     """The verdict on a calibration; the value is the message."""
 
-    HEALTHY = "healthy: rows are aligned, and no better depth is known for sure"
+    HEALTHY = "healthy: the rows are aligned, and there is no significant improvement"
     REPAIR = "repair it"
     CANNOT_TELL = "cannot tell"
 
@@ -103,8 +103,8 @@ class Health:
             if not self.shown.enough:
                 return Condition.CANNOT_TELL, "the images have too little texture"
             if self.doubts:
-                return Condition.CANNOT_TELL, f"hardly anything matches; {self.doubts[0]}"
-            return Condition.REPAIR, "hardly anything matches, though the images have texture"
+                return Condition.CANNOT_TELL, f"almost nothing matches; {self.doubts[0]}"
+            return Condition.REPAIR, "almost nothing matches, though the images have texture"
         decision = self.correction.decision
         if self.doubts and decision.verdict is not Verdict.GOOD:
             return Condition.CANNOT_TELL, self.doubts[0]
@@ -116,7 +116,7 @@ class Health:
         if decision.verdict is Verdict.GOOD and is_sparse(self.covered, self.shown.texture):
             return (
                 Condition.CANNOT_TELL,
-                "little of what has texture matches, perhaps by chance; recalibrate, or show more",
+                "only a small part of the texture matches, perhaps by chance; recalibrate, or give other scenes",
             )
         if decision.verdict is Verdict.GOOD:
             return Condition.HEALTHY, ""

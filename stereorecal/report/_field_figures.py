@@ -50,7 +50,7 @@ def error_against_seconds(data: Mapping[str, Any]) -> str:
 def _scatter(axes: Axes, judge: str, rows: Sequence[Row], letters: Mapping[str, str]) -> None:
     depth = any(row["depth_error_percent"] for row in rows)
     axes.set(xscale="log", yscale="log", title=judge, xlabel="seconds")
-    axes.set_ylabel("|depth error| at 30 B [%]" if depth else "rows [px]")
+    axes.set_ylabel("|depth error| at 30 B [%]" if depth else "epipolar error [px]")
     for row in rows:
         if row["seconds"] is None:
             continue

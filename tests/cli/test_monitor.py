@@ -138,10 +138,10 @@ def test_two_scenes_are_refused(command, scene: Path):
 
 
 def test_the_live_view_shows_axes_and_events(drive: Ride):
-    steps = list(run(drive.rig, drive.pairs[:3], Config()))
+    steps = list(run(drive.rig, drive.pairs[:5], Config()))
     readings = [reading(stepped.state) for stepped in steps]
     console = Console(width=110, record=True, file=io.StringIO())
-    console.print(view("ride", 3, readings, [str(e) for stepped in steps for e in stepped.events]))
+    console.print(view("ride", 5, readings, [str(e) for stepped in steps for e in stepped.events]))
     shown = console.export_text()
-    for word in ("pitch", "yaw", "rows", "depth at 30 B", "late by", "95 % interval", "fits the images"):
+    for word in ("pitch", "yaw", "row error", "depth at 30 B", "late by", "95 % interval", "fits the images"):
         assert word in shown

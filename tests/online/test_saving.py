@@ -81,7 +81,7 @@ def test_what_is_no_state_is_refused(ride: Ride, tmp_path: Path):
     with pytest.raises(sr.InputError, match="no state"):
         load(path)
     with open(path, "wb") as file:
-        np.savez(file, content=np.frombuffer(json.dumps({"schema": "stereorecal.state/9"}).encode(), np.uint8))
+        np.savez(file, content=np.frombuffer(json.dumps({"schema": "stereorecal.state/8"}).encode(), np.uint8))
     with pytest.raises(sr.InputError, match="of version"):
         load(path)
 

@@ -246,10 +246,10 @@ def test_a_worker_that_exits_is_told_and_replaced(robot):
     one.work.exited = True
     one.see()
     assert one.watch.status().level is Level.ERROR
-    assert "has died" in one.watch.status().message
+    assert "worker process exited" in one.watch.status().message
     assert one.watch.corrected == given
     assert not one.watch.recalibrate()[0]
     one.now += _RETRY
     one.see()
     assert len(one.works) == 2
-    assert "has died" not in one.watch.status().message
+    assert "worker process exited" not in one.watch.status().message
