@@ -13,7 +13,6 @@ from stereorecal._errors import InputError
 from stereorecal._signals import hold
 from stereorecal.cli import _option_values
 from stereorecal.cli._exit_codes import CANNOT_TELL, INTERRUPTED, REPAIR
-from stereorecal.cli._live_cameras import watched_cameras
 from stereorecal.cli._live_view import lines, live
 from stereorecal.cli._output_files import (
     Place,
@@ -28,6 +27,7 @@ from stereorecal.cli._output_files import (
 from stereorecal.cli._recordings import watched
 from stereorecal.cli._repair_commands import MonitorOptions
 from stereorecal.cli._streams import given_up, leave_stdout, nobody_reads, say
+from stereorecal.cli._watched_cameras import watched_cameras
 from stereorecal.io import calibration_json, check_savable, files_read, json_line, save_rig
 from stereorecal.matching import as_matcher
 from stereorecal.online import EVENTS_SCHEMA, Config, State, Stepped, init, load, reading, run as steps, save

@@ -34,7 +34,7 @@ class Decision:
         better: probability that its rows are better by what a matcher notices.
         loss: that is to be expected of the candidate: rows over what a matcher notices, and depth over a point.
         rows_px: (2, 3) rows apart over the view, of the calibration and of the candidate: median, 95 % interval.
-        told: whether ranges agree with the candidate, and not with the calibration.
+        ranges_agree: whether ranges agree with the candidate, and not with the calibration.
         tolerances: by which it was decided.
         by_rows: whether its rows are better for sure, also those that most frames show.
     """
@@ -46,7 +46,7 @@ class Decision:
     better: float
     loss: float
     rows_px: Float[np.ndarray, "2 3"]
-    told: bool = False
+    ranges_agree: bool = False
     tolerances: Tolerances = DEFAULT
     by_rows: bool = True
 
@@ -58,13 +58,13 @@ class Decision:
     @property
     def by_ranges(self) -> bool:
         """Whether ranges alone ask for the candidate: its rows are not better for sure."""
-        return not self.refused and not self.by_rows and self.told
+        return not self.refused and not self.by_rows and self.ranges_agree
 
     @property
     def by_motion(self) -> bool:
         """Whether it is the rig's own motion that asks for the candidate: its depth is better for sure, its rows are
         not."""
-        return not self.refused and not self.by_rows and not self.told
+        return not self.refused and not self.by_rows and not self.ranges_agree
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data for JSON."""
@@ -160,7 +160,7 @@ def decide_together(
     keeps, changes = candidate(free, keeps_depth=True), min(others, key=lambda one: (one.refused, one.harms, one.loss))
     if keeps.refused == changes.refused:
         worth_it = (
-            changes.told > keeps.told
+            changes.asked_by_ranges > keeps.asked_by_ranges
             or changes.reads_depth_better(keeps, limits)
             or changes.aligns_rows_better(keeps, limits)
         )
@@ -240,9 +240,9 @@ class _Candidate:
         return float(np.mean([one.rows_px[1, 0] for one in self.decisions]))
 
     @property
-    def told(self) -> int:
+    def asked_by_ranges(self) -> int:
         """How many ranges ask for it."""
-        return sum(one.told and not one.refused for one in self.decisions)
+        return sum(one.ranges_agree and not one.refused for one in self.decisions)
 
     def aligns_rows_better(self, other: "_Candidate", limits: Tolerances) -> bool:
         """Whether the other one costs rows that a matcher notices, and this one is hardly ever for the worse; or, of a
@@ -282,15 +282,17 @@ def _decided(
     better = float(np.mean(rows < before - limits.gain_px))
     harmless = harmless and (blind or proven or not _costs_a_region(seen, theta, limits))
     good = float(np.mean(before <= limits.good_rows_px)) >= limits.good_surely
-    told = bool(seen.beams.fit_better(seen.chart.rig, seen.chart.rig_at(theta)))
+    ranges_agree = bool(seen.beams.fit_better(seen.chart.rig, seen.chart.rig_at(theta)))
     nearer = float(np.mean(after.depth < given.depth - limits.worse_depth_points)) > 1.0 - limits.alpha
     # What most frames show bears it out: no posterior knows all ways in which lenses err, and where they do, one frame
     # gains what others lose.
     shown = float(np.median(after.shown - given.shown))
-    asked = (told or (depth_told and nearer)) and not shown > limits.worse_rows_px
+    asked = (ranges_agree or (depth_told and nearer)) and not shown > limits.worse_rows_px
     said = np.percentile([before, rows], [50.0, 2.5, 97.5], axis=1).T
     verdict = Verdict.GOOD if good else Verdict.CANNOT_TELL
-    stays = Decision(verdict, theta, keeps_depth, worse, better, after.expected, said, told, limits, by_rows=False)
+    stays = Decision(
+        verdict, theta, keeps_depth, worse, better, after.expected, said, ranges_agree, limits, by_rows=False
+    )
     borne_out = seen.shown is None or shown < 0.0  # an estimate without frames: others judge it by later ones
     by_rows = better > 1.0 - limits.alpha and borne_out and (stays.explains or stays.corrects_most)
     return replace(stays, verdict=Verdict.REPAIR, by_rows=by_rows) if harmless and (asked or by_rows) else stays

@@ -10,7 +10,6 @@ from jaxtyping import Float
 from stereorecal._arrays import AnyArray
 from stereorecal._choices import checked_choice
 from stereorecal._errors import InputError
-from stereorecal.estimation._boards import prior_of_boards
 from stereorecal.estimation._calibration_prior import (
     CalibrationPrior,
     calibration_prior,
@@ -20,6 +19,7 @@ from stereorecal.estimation._calibration_prior import (
 )
 from stereorecal.estimation._knowledge import as_prior_of, moved, prior_without_depth
 from stereorecal.estimation._posterior import Posterior, root
+from stereorecal.estimation._prior_of_boards import prior_of_boards
 from stereorecal.estimation._rig_parameters import rig_parameters
 from stereorecal.estimation._saved_prior import Earlier, SavedPrior
 from stereorecal.objectives import BASELINE, RigChart

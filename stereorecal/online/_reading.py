@@ -12,8 +12,8 @@ from stereorecal.decision import Decision, Tolerances, Verdict, better_on_averag
 from stereorecal.estimation import Estimate
 from stereorecal.geometry import StereoRig, View
 from stereorecal.objectives import EXTRINSICS
-from stereorecal.online._estimate import SIZE, Estimate as Filtered
-from stereorecal.online._known import known
+from stereorecal.online._filter import SIZE, FilterEstimate
+from stereorecal.online._filter_posterior import known
 from stereorecal.online._state import State
 from stereorecal.recalibration import DISTANCES, NORMAL_95, Condition, Interval
 
@@ -124,7 +124,7 @@ def reading(state: State) -> Reading:
 
 @lru_cache(maxsize=4)  # a step asks several times
 def _judged(
-    initial: StereoRig, using: tuple[float, ...], filtered: Filtered, view: View, limits: Tolerances
+    initial: StereoRig, using: tuple[float, ...], filtered: FilterEstimate, view: View, limits: Tolerances
 ) -> tuple[Estimate, Decision, bool, Mapping[int, Interval]]:
     """What is known of a calibration in use, the decision on its rotation, whether it is shifted, and its error of
     depth."""

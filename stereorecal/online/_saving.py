@@ -18,8 +18,8 @@ from stereorecal.geometry import Camera, StereoRig, View
 from stereorecal.io import write_bytes
 from stereorecal.matching import AbstractMatcher, matcher, matchers, name_of
 from stereorecal.online._config import Config
-from stereorecal.online._estimate import Estimate, Measurement
 from stereorecal.online._events import Kind
+from stereorecal.online._filter import FilterEstimate, Measurement
 from stereorecal.online._job import Job
 from stereorecal.online._pace import Pace
 from stereorecal.online._sequential_test import SequentialTest
@@ -34,7 +34,7 @@ _KNOWN: dict[str, Any] = {
         State,
         Config,
         Tolerances,
-        Estimate,
+        FilterEstimate,
         Measurement,
         Pace,
         Corners,

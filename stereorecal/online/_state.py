@@ -10,8 +10,8 @@ from stereorecal.geometry import StereoRig, View
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import Reach, RigChart, row_chart
 from stereorecal.online._config import Config
-from stereorecal.online._estimate import Estimate, Measurement
 from stereorecal.online._events import Kind
+from stereorecal.online._filter import FilterEstimate, Measurement
 from stereorecal.online._job import Job
 from stereorecal.online._pace import Pace
 from stereorecal.online._sequential_test import SequentialTest
@@ -65,7 +65,7 @@ class State:
     initial: StereoRig
     view: View
     using: Offset
-    estimate: Estimate
+    estimate: FilterEstimate
     pace: Pace
     frame: int = 0
     matcher: AbstractMatcher | None = None
@@ -132,7 +132,7 @@ class State:
         estimate = self.estimate.seen(self.estimate.doubted(seen).weighed(1.0 / together))
         return replace(self, estimate=estimate, pace=self.pace.seen(seen.weighed(together**-0.5)))
 
-    def standing_at(self, estimate: Estimate) -> "State":
+    def standing_at(self, estimate: FilterEstimate) -> "State":
         """With another estimate."""
         return replace(self, estimate=estimate, pace=self.pace.again(estimate))
 

@@ -9,8 +9,8 @@ from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig, as_view
 from stereorecal.matching import as_matcher
 from stereorecal.online._config import Config
-from stereorecal.online._estimate import SIZE, at_start
 from stereorecal.online._events import Event, Kind
+from stereorecal.online._filter import SIZE, at_start
 from stereorecal.online._keystone import left_of_yaw
 from stereorecal.online._moving import anchored, moved
 from stereorecal.online._pace import Pace

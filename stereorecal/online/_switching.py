@@ -5,8 +5,8 @@ from collections.abc import Callable
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.online._estimate import SIZE, Measurement
 from stereorecal.online._events import Event, Kind
+from stereorecal.online._filter import SIZE, Measurement
 from stereorecal.online._pair_estimate import PairEstimate
 from stereorecal.online._reading import reading
 from stereorecal.online._sequential_test import SequentialTest

@@ -14,13 +14,13 @@ from stereorecal.estimation import check_prior, rig_parameters
 from stereorecal.geometry import StereoRig, View, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
 from stereorecal.recalibration._acceptance import FALSE, LEAST_COVERED, Reason, loses_regions
+from stereorecal.recalibration._answer import Answer, depth_by, look_at, rows_of
 from stereorecal.recalibration._as_dict import score_as_dict
 from stereorecal.recalibration._calibration_warnings import doubts
 from stereorecal.recalibration._correction import Correction, correction_of
-from stereorecal.recalibration._estimated import Answer, depth_by, looked, rows_of
 from stereorecal.recalibration._health_text import health_text
 from stereorecal.recalibration._interval import Interval
-from stereorecal.recalibration._prior_use import looked_with
+from stereorecal.recalibration._prior_use import prior_for_look
 from stereorecal.recalibration._settings import HealthOptions, as_settings
 from stereorecal.recalibration._stage_result import counts
 from stereorecal.recalibration._stages import Case
@@ -182,12 +182,12 @@ def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> He
     settings = as_settings(options, HealthOptions.__optional_keys__)
     images, doubtful = pyramid(rig, pairs, settings.view), doubts(rig)
     check_prior(settings.prior, rig_parameters(rig))
-    prior = looked_with(settings.prior, rig)
+    prior = prior_for_look(settings.prior, rig)
     check_motion(settings.motion, len(images.pairs), prior)
     windows = following(images.pairs, range(len(images.pairs)), settings.motion, prior)
     matcher, limits = with_measured_range(settings.matcher, images), settings.tolerances
     case = Case(images, matcher, settings.reach, settings.free, prior, windows=windows, tolerances=limits)
-    look = looked(case, settings.schedule.stages[-1])
+    look = look_at(case, settings.schedule.stages[-1])
     score = _score(images, case.matcher)
     shown = max((image_quality(pair) for pair in images.pairs), key=lambda one: one.texture)
     answer = look.answer if look is not None else None

@@ -101,7 +101,7 @@ def prior_use(prior: Prior, rig: StereoRig, pairs: Sequence[Pair]) -> PriorUse:
     return PriorUse(DEFAULT if prior == DEFAULT else GIVEN, prior, images, every, note=note)
 
 
-def looked_with(prior: Prior, rig: StereoRig) -> Prior:
+def prior_for_look(prior: Prior, rig: StereoRig) -> Prior:
     """The prior of a look at images, from which nothing is learnt: the saved one, if none is named.
 
     Raises:

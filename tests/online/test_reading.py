@@ -7,7 +7,7 @@ import pytest
 
 from stereorecal.estimation import points_of_view, readings
 from stereorecal.online import FAR, Kind, Reading, State, Stepped, reading
-from stereorecal.online._estimate import Measurement
+from stereorecal.online._filter import Measurement
 from stereorecal.online._pair_estimate import PairEstimate
 from stereorecal.online._sequential_test import SequentialTest
 from stereorecal.online._switching import judged, nominated

@@ -218,7 +218,7 @@ def test_frames_are_counted_as_they_were_given(scenes, monkeypatch):
     pairs = [replace(scene.pairs[0], name=scene.name) for scene in scenes[:2]]
     off = TRUE.with_extrinsics(TRUE.extrinsics + np.radians([0.5, 0.3, -0.4, 0, 0, 0]))
     solution = sr.recalibrate(off, pairs, free=("rotation", "left.k1"))
-    assert (solution.frames.looked_at, solution.frames.kept) == ((1,), (0,))
+    assert (solution.frames.selected, solution.frames.used) == ((1,), (0,))
     assert sr.recalibrate(off, pairs[1:], free="rotation").score_before == solution.score_before
 
 

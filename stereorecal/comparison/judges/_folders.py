@@ -9,12 +9,12 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal._errors import InputError
-from stereorecal.comparison.judges._boards import ROWS_WORSE, by_boards
+from stereorecal.comparison.judges._board_judge import ROWS_WORSE, by_boards
 from stereorecal.comparison.judges._case import AbstractRecipe, Case, prior_of
 from stereorecal.comparison.judges._judgement import DISTANCES, Judgement
 from stereorecal.comparison.judges._lidar import depth_by_truth, scene_with_truth
 from stereorecal.comparison.judges._optics import check_lenses
-from stereorecal.comparison.judges._poses import Travelled, depth_at, disparity_offset_px, travelled
+from stereorecal.comparison.judges._pose_judge import Travelled, depth_at, disparity_offset_px, travelled
 from stereorecal.comparison.judges._rows import rows
 from stereorecal.geometry import StereoRig, same_rig
 from stereorecal.io import load_pairs, load_scene

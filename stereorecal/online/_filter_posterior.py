@@ -8,14 +8,14 @@ from jaxtyping import Float
 from stereorecal.estimation import Estimate, Posterior, consequences, rig_parameters
 from stereorecal.geometry import StereoRig, View
 from stereorecal.objectives import EXTRINSICS, RigChart
-from stereorecal.online._estimate import KEYSTONE, SIZE, Estimate as Filtered
+from stereorecal.online._filter import KEYSTONE, SIZE, FilterEstimate
 from stereorecal.online._state import rig_with
 
 _YAW, _DEPTH_AT = EXTRINSICS.index("yaw"), (30,)  # baselines
 _UNDOES = "right.cx"
 
 
-def known(initial: StereoRig, using: tuple[float, ...], filtered: Filtered, view: View) -> Estimate:
+def known(initial: StereoRig, using: tuple[float, ...], filtered: FilterEstimate, view: View) -> Estimate:
     """The posterior of the rig, as changes of the calibration in use.
 
     Args:
