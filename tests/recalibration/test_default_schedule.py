@@ -257,7 +257,7 @@ def test_a_look_decides_beside_a_search_in_doubt_only_if_its_rows_align(harbour,
         said = np.stack([decision.rows_px[0], decision.rows_px[1] * rows_left / decision.rows_px[1, 0]])
         return replace(look, answer=replace(look.answer, decision=replace(decision, rows_px=said)))
 
-    monkeypatch.setattr(_recalibrate, "look_at", looked)
+    monkeypatch.setattr(_recalibrate, "look_at", look_at)
 
     def in_doubt(case, schedule, stages):
         answer = answered(case, stages[-1].found, case.rig)
