@@ -133,7 +133,7 @@ def _start(options: MonitorOptions, scene: Scene) -> State:
     if options.state is not None and Path(options.state).exists():
         kept = load(options.state, scene.rig)
         if kept.config.view != kept.config.view | shown:
-            raise InputError(f"--view: the state in {options.state} has looked through another view; leave --view out.")
+            raise InputError(f"--view: the state in {options.state} was made with another view; leave --view out.")
         return kept.but(config=replace(config, matcher=kept.config.matcher, **kept.config.view))
     assert scene.rig is not None
     return init(scene.rig, replace(config, **shown))
@@ -171,7 +171,7 @@ def _check_follows(path: str, state: State) -> None:
         with suppress(ValueError, TypeError, KeyError):  # cut short
             frames.append(int(json.loads(line)["frame"]))
     if frames[-1] >= max(state.frame, 1):
-        raise InputError(f"--json {path}: tells of pairs that the watch in --state has not seen; choose another.")
+        raise InputError(f"--json {path}: contains pairs that the state in --state has not seen; choose another file.")
 
 
 def _end(path: str) -> bytes:

@@ -190,7 +190,10 @@ def check_boards(boards: Sequence[Board] | None, prior: Prior) -> None:
     if not isinstance(boards, Sequence) or not all(isinstance(board, Board) for board in boards):
         raise InputError("boards holds something else than boards; give sr.find_boards(pairs), or a list of sr.Board.")
     if is_exact(prior):
-        raise InputError('boards tell what the calibration left, and prior="exact" that it left nothing; give one.')
+        raise InputError(
+            'boards determine the errors that the calibration left, and prior="exact" says that there are none; '
+            "give one."
+        )
 
 
 def _with_sigmas(prior: CalibrationPrior, chart: RigChart, sigmas: Mapping[str, float | np.number]) -> CalibrationPrior:

@@ -44,7 +44,7 @@ def _judged(state: State, solution: Solution) -> tuple[State, list[Event]]:
         return state, [_rejected(state, solution)]
     offset = state.offset_of(solution.rig)
     change = dict(zip(state.chart.names, (offset - state.using).tolist(), strict=True))
-    knock = Event(state.frame, Kind.KNOCK, "hardly anything matched", {"change": change})
+    knock = Event(state.frame, Kind.KNOCK, "almost nothing matched", {"change": change})
     events = [] if state.said is Kind.KNOCK else [knock]
     return after_repair(state.but(said=Kind.KNOCK, ready=0), offset, solution.covariance), events
 

@@ -50,7 +50,7 @@ _KNOWN: dict[str, Any] = {
 # What zipfile, NumPy and the classes raise for what is damaged; RuntimeError for flags that no archive of ours has.
 _DAMAGED = (ValueError, LookupError, TypeError, AttributeError, RuntimeError, EOFError, OSError, MemoryError)
 _DAMAGED += (zipfile.BadZipFile, zlib.error)
-_ANEW = "remove it, or name another file, to begin anew"
+_ANEW = "remove it, or name another file, to start again"
 
 
 class _NotInstalled(Exception):
@@ -90,7 +90,7 @@ def load(path: str | Path, rig: StereoRig | None = None) -> State:
         _alike(rig, known) for known in (state.initial, state.rig, *map(state.rig_at, state.previous))
     ):
         raise InputError(
-            f"{path}: the state is of another calibration than the one that is given; name another file to begin anew "
+            f"{path}: the state is of another calibration than the one that is given; name another file to start again "
             "with this one."
         )
     return state

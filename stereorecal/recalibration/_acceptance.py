@@ -36,12 +36,12 @@ class Reason(enum.Enum):
     MISFIT = (
         "systematic epipolar residuals remain, which no rotation or shift of the cameras explains: the intrinsics "
         "differ, or something moved between the two exposures; four scenes or more, with frames that move or ranges, "
-        "would tell intrinsics too"
+        "would determine the intrinsics too"
     )
     FRAMES_DISAGREE = "the frames show different rigs; take them at rest, or check the synchronisation of the cameras"
     CANNOT_TELL = (
         "no improvement is significant, and the initial calibration may be wrong; other scenes, frames that move, or "
-        "ranges would tell more"
+        "ranges would help"
     )
     REACH_EDGE = (
         "the candidate lies at twice the reach: the drift is larger, so give a larger reach, or something moved "

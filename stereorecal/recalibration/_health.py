@@ -123,7 +123,7 @@ class Health:
         if not decision.explains:
             return (
                 Condition.CANNOT_TELL,
-                "no change of the extrinsics explains the epipolar errors; four scenes or more would tell more",
+                "no change of the extrinsics explains the epipolar errors; four scenes or more would help",
             )
         return Condition.CANNOT_TELL, "the images do not determine what is better; other scenes, or more frames, may"
 

@@ -232,7 +232,7 @@ def _repaired_together(
         found = together(recordings, free, one=extrinsics == "one", each=each)
     except Exception as error:
         failed = _failed("", error)
-        said = f"the joint solution failed, and the repairs of the extrinsics stand: {failed.error}"
+        said = f"the joint solution failed; the separate repairs of the extrinsics are used: {failed.error}"
         return tuple(
             replace(r, error=r.error or said, fault=r.fault or failed.fault, traceback=failed.traceback)
             for r in repairs

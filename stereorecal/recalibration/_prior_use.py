@@ -195,7 +195,7 @@ def load_prior(path: str | Path | Sequence[str | Path]) -> SavedPrior | None:
     """
     saved, note = saved_with(load_rig(path))
     if note is not None:
-        raise InputError(f"{note}; recalibrate anew.")
+        raise InputError(f"{note}; recalibrate again.")
     return saved
 
 

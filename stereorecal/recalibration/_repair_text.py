@@ -14,7 +14,7 @@ from stereorecal.report.repair_report import Axis
 from stereorecal.report.repair_text import RepairText
 from stereorecal.report.short_list import short_list
 
-_WOULD_TELL = "four scenes or more, with frames that move or ranges, would tell them"
+_WOULD_TELL = "four scenes or more, with frames that move or ranges, would determine them"
 _SYSTEMATIC = 0.05  # pixels of radial misfit that regions share; right intrinsics leave 0.01
 
 

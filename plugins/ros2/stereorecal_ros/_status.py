@@ -68,7 +68,7 @@ def _said(found: Reading | None, missing: Sequence[str], dead: str | None) -> tu
     if missing:
         return Level.STALE, f"missing: {', '.join(missing)}"
     if found is None:
-        return Level.STALE, "no pair has told anything yet"
+        return Level.STALE, "no pair has been evaluated yet"
     return (Level.OK if found.condition is Condition.HEALTHY else Level.WARN), found.condition.value
 
 

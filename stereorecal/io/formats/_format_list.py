@@ -65,7 +65,8 @@ def usual(path: Path) -> Format:
     ending = path.suffix.lower()
     if ending not in ("", *_USUAL):
         raise InputError(
-            f"{path}: the ending does not tell the format; say which with format=, on the command line --to."
+            f"{path}: the file name's ending does not identify the format; say which with format=, on the command "
+            "line --to."
         )
     return _USUAL.get(ending, _stereorecal)
 

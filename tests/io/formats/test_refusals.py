@@ -198,7 +198,7 @@ EIGHT = np.array([-0.3, 0.1, 0.001, -0.002, 0.01, 0.02, 0.03, 0.04])
         (samples.RIG, "a.yaml", "ros", "ros is written as two files, left and right"),
         (samples.RIG, "a.json", "kalibr", "the ending contradicts what is to be written"),
         (samples.RIG, "a.yaml", "stereorecal", "give a name ending in .json"),
-        (samples.RIG, "a.txt", None, "the ending does not tell the format"),
+        (samples.RIG, "a.txt", None, "the file name's ending does not identify the format"),
         (samples.RIG, "a.yaml", "kalib", "did you mean kalibr?"),
         (samples.RIG, "nowhere/a.yaml", "kalibr", "cannot be written"),
     ],
