@@ -11,6 +11,10 @@ from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal._pytree import register_pytree
 from stereorecal.geometry.lenses import LensModel, lens_model
 
+_LEAST_CIRCLE = 0.25  # of the shorter side of the image: the radius of an image circle
+_INSIDE = 0.999  # of the field: some models project its end to infinity
+_ALL_ROUND = 3.1  # radians off the axis: straight behind, a lens model has no direction
+
 
 @register_pytree
 @dataclass(frozen=True, eq=False)
@@ -69,6 +73,8 @@ class Camera:
             object.__setattr__(self, "lens_radius", np.float64(lens.flat_radius(distortion)))
         if np.isnan(self.lens_field):
             object.__setattr__(self, "lens_field", np.float64(lens.field(distortion)))
+        if lens.WIDE:
+            _check_image_circle(self)
 
     @property
     def lens(self) -> LensModel:
@@ -131,6 +137,21 @@ _FLATTEST = 1e-3  # cosine of the angle off the axis: beyond, a ray (x/z, y/z, 1
 _SHORTEST, _LONGEST = 0.01, 200.0  # focal lengths, in sizes of the image: 179 degrees, and telescopes
 _FARTHEST = 20.0  # principal point from the image, in sizes of the image
 _STRONGEST = 1e6  # distortion of a corner, in sizes of the image
+
+
+def _check_image_circle(camera: Camera) -> None:
+    """Refuse a wide lens whose model ends far within the image, where a wrong coefficient folds it back.
+
+    Raises:
+        InputError: if it does.
+    """
+    end = _INSIDE * min(camera.lens.field(np.asarray(camera.distortion)), _ALL_ROUND)
+    aside, _ = camera.project(np.array([np.sin(end), 0.0, np.cos(end)])) - np.asarray(camera.matrix)[:2, 2]
+    if not aside >= _LEAST_CIRCLE * min(camera.size):
+        raise InputError(
+            f"the image of the {camera.model} lens ends {np.degrees(end):.0f} degrees off its axis, "
+            f"{abs(aside):.0f} px from the principal point, by its coefficients; correct the calibration."
+        )
 
 
 def _check_plausible(size: tuple[int, int], matrix: np.ndarray, distortion: np.ndarray) -> None:

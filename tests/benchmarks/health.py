@@ -101,7 +101,7 @@ def off(rig: StereoRig, draw: np.random.Generator, least: float, most: float) ->
     return rig.with_extrinsics(rig.extrinsics + np.array([*np.radians(angles), 0.0, *shifts]))
 
 
-def look_at(scene: Scene, case: str, rig: StereoRig) -> Row:
+def looked(scene: Scene, case: str, rig: StereoRig) -> Row:
     """With the disparity range given, as the target of the cost is stated."""
     matcher = with_measured_range(None, pyramid(rig, scene.pairs))
     took = []
