@@ -112,7 +112,7 @@ class Health:
             return Condition.CANNOT_TELL, Reason.FEWER_MATCHES.value
         if decision.verdict is Verdict.REPAIR:
             kept = ", and depth keeps as it was calibrated" if decision.keeps_depth else ""
-            return Condition.REPAIR, f"{_listed(self.correction.significant)}{kept}"
+            return Condition.REPAIR, f"{_listed(self.correction.main_axes)}{kept}"
         if decision.verdict is Verdict.GOOD and is_sparse(self.covered, self.shown.texture):
             return (
                 Condition.CANNOT_TELL,
@@ -145,7 +145,7 @@ class Health:
                 "view": self.view and self.view.as_dict(),
                 "disagreeing": self.disagreeing,
                 "doubts": self.doubts,
-                "axes": correction and (correction.significant if self.condition is Condition.REPAIR else ()),
+                "axes": correction and (correction.main_axes if self.condition is Condition.REPAIR else ()),
                 "correction": correction
                 and {
                     "rotation_deg": {name: _ends(correction.axes[name]) for name in ("pitch", "yaw", "roll")},
