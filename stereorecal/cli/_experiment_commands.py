@@ -39,7 +39,7 @@ class CompareOptions(MatcherOptions, SearchOptions, BoardOptions, WorkerOptions,
         "decalibrations of each scene (default: 2; of --preset field 10, and 4 drives)", metavar="N"
     )
     judge: tuple[str, ...] = option(
-        "compare methods by what none of them looks at (repeatable): lidar=FOLDER, boards=FOLDER, product=FOLDER, "
+        "compare methods by data that none of them sees (repeatable): lidar=FOLDER, boards=FOLDER, product=FOLDER, "
         "motion[=FOLDER], rendered[=KIND], simulated[=KIND], walk; only rows of lidar and of motion=FOLDER are of "
         "images that methods get, too; --strategies then names methods: the library's count, rows and motion, and "
         "strategies; --board-corners and --square are of boards=FOLDER",

@@ -159,7 +159,7 @@ def _check_plausible(size: tuple[int, int], matrix: np.ndarray, distortion: np.n
     focal = matrix[(0, 1), (0, 1)]
     if focal.min() < _SHORTEST * across or focal.max() > _LONGEST * across:
         raise InputError(
-            f"focal lengths of {focal[0]:.4g} and {focal[1]:.4g} pixels are none of a camera with {across} pixels; "
+            f"focal lengths of {focal[0]:.4g} and {focal[1]:.4g} pixels do not fit a camera with {across} pixels; "
             "correct the calibration, or its image size."
         )
     if np.abs(matrix[:2, 2]).max() > _FARTHEST * across:
@@ -168,7 +168,7 @@ def _check_plausible(size: tuple[int, int], matrix: np.ndarray, distortion: np.n
             "calibration, or its image size."
         )
     if np.abs(distortion).max(initial=0.0) * min(1.0, across / focal.max()) ** 2 > _STRONGEST:
-        raise InputError("the distortion is none of a lens; correct the calibration.")
+        raise InputError("the distortion is not that of a lens; correct the calibration.")
 
 
 def same_camera(one: Camera, other: Camera) -> bool:

@@ -90,7 +90,7 @@ def load(path: str | Path, rig: StereoRig | None = None) -> State:
         _alike(rig, known) for known in (state.initial, state.rig, *map(state.rig_at, state.previous))
     ):
         raise InputError(
-            f"{path}: the state is of another calibration than the one that is given; name another file to start again "
+            f"{path}: the state belongs to another calibration than the given one; name another file to start again "
             "with this one."
         )
     return state

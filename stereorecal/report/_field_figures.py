@@ -116,7 +116,7 @@ def harm(data: Mapping[str, Any]) -> str:
         axes.set(ylim=(len(counts) - 0.5, -0.5), xlim=(0, 1), xlabel="share of the trials")
         axes.spines[["top", "right"]].set_visible(False)
         figure.legend(loc="outside upper center", ncols=2, frameon=False)
-        return svg(figure, "what came of all trials, by method: harmful, accepted, kept, refused")
+        return svg(figure, "outcomes of all trials, by method: harmful, accepted, kept, refused")
 
 
 def _kinds(rows: Sequence[Row]) -> list[int]:

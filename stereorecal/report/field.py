@@ -15,7 +15,7 @@ JUDGES = {
     "rendered": "a drift of a rendered scene's rig, intrinsics exact; by the true rig",
     "simulated": "a rig that OpenCV calibrated on simulated chessboards, and that drifted, in a rendered scene; by the "
     "true rig",
-    "motion": "consecutive pairs; by the true rig where they are rendered, else by how far a drive's poses are apart",
+    "motion": "consecutive pairs; by the true rig where they are rendered, else by distances between a drive's poses",
     "walk": "one pair of a drive on which every angle walks by up to 0.01° a pair (TESO's protocol), from the first "
     "pair's calibration; by the true rig",
     "lidar": "by depths that are known: lidar, or dense truth",

@@ -129,7 +129,7 @@ def test_a_new_calibration_is_not_watched_with_an_old_state(command, scene: Path
     (recalibrated / "calib.json").write_text(json.dumps(content))
     answer = command("monitor", recalibrated, *words)
     assert answer.code == 2
-    assert "of another calibration than the one that is given; name another file" in answer.err
+    assert "belongs to another calibration than the given one; name another file" in answer.err
     assert state.read_bytes() == kept
 
 

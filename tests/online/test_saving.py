@@ -105,9 +105,9 @@ def test_a_state_of_another_calibration_is_refused(ride: Ride, tmp_path: Path):
         ride.rig, **{side: replace(getattr(ride.rig, side), size=(320, 200)) for side in ("left", "right")}
     )
     for other in (turned, longer, bent, cropped, ride.rig.resized((160, 120))):
-        with pytest.raises(sr.InputError, match="of another calibration"):
+        with pytest.raises(sr.InputError, match="belongs to another calibration"):
             load(path, other)
-        with pytest.raises(sr.InputError, match="of another calibration"):
+        with pytest.raises(sr.InputError, match="belongs to another calibration"):
             sr.online.MonitorProcess(other, keep=path)
 
 

@@ -244,7 +244,9 @@ def _travelled(folder: str) -> Travelled:
 def _centres(file: Path, pairs: int) -> Float[np.ndarray, "k 3"]:
     """Where the left camera stood."""
     if not file.is_file():
-        raise InputError(f"{file}: there is no such file; motion is judged by how far the poses of a drive are apart.")
+        raise InputError(
+            f"{file}: there is no such file; motion is judged by the distances between the poses of a drive."
+        )
     try:
         poses = np.loadtxt(file, ndmin=2)
     except ValueError:

@@ -73,4 +73,4 @@ def usual(path: Path) -> Format:
 
 def unknown() -> str:
     """What to say where nothing is recognised."""
-    return f"no calibration that is known; expected one of {', '.join(NAMES)} (documentation, page Your data)."
+    return f"the format is unknown; expected one of {', '.join(NAMES)} (documentation, page Your data)."
