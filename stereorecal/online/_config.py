@@ -6,7 +6,7 @@ import numpy as np
 
 from stereorecal._choices import checked_choice
 from stereorecal._errors import InputError
-from stereorecal.decision import Tolerances
+from stereorecal.decision import DEFAULT as USUAL, Tolerances
 from stereorecal.estimation import DEFAULT, EXACT
 from stereorecal.geometry import checked_view_arguments
 from stereorecal.matching import AbstractMatcher
@@ -57,7 +57,7 @@ class Config:
     switch: float = 1e-3
     rest: int = 10
     keep: int = 8
-    tolerances: Tolerances = Tolerances()  # noqa: RUF009  frozen
+    tolerances: Tolerances = USUAL
     repair: bool = True
 
     def __post_init__(self) -> None:

@@ -145,3 +145,12 @@ def test_the_live_view_shows_axes_and_events(drive: Ride):
     shown = console.export_text()
     for word in ("pitch", "yaw", "row error", "depth at 30 B", "late by", "95 % interval", "fits the images"):
         assert word in shown
+
+
+def test_tolerances_are_those_of_the_decision(command, scene: Path, tmp_path: Path):
+    refused = command("monitor", scene, "--once", "--tolerances", "alpha=2")
+    assert (refused.code, refused.err.count("\n")) == (2, 1)
+    assert "alpha" in refused.err
+    state = tmp_path / "state"
+    assert command("monitor", scene, "--distances", "3,8", "--state", state, "--quiet").code in (0, 1, 4)
+    assert load(state).config.tolerances.distances == (3.0, 8.0)
