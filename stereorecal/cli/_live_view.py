@@ -4,6 +4,7 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 
+import numpy as np
 from rich.console import Group
 from rich.live import Live
 from rich.panel import Panel
@@ -69,6 +70,9 @@ def _ends(found: Interval) -> str:
 
 
 def _curve(values: list[Interval]) -> str:
-    """Magnitudes as bars, the largest full; noise that is a tenth of the interval stays low."""
-    most = max(max(abs(v.value), 0.5 * (v.high - v.low), 1e-9) for v in values)
-    return "".join(_BARS[min(int(abs(v.value) / most * len(_BARS)), len(_BARS) - 1)] for v in values[-40:])
+    """Magnitudes as bars, the largest full; noise that is a tenth of the interval stays low. What is infinite is full,
+    what is unknown is empty."""
+    known = [size for v in values for size in (abs(v.value), 0.5 * (v.high - v.low)) if np.isfinite(size)]
+    most = max([*known, 1e-9])
+    shares = np.nan_to_num([abs(v.value) / most for v in values[-40:]], nan=0.0, posinf=1.0)
+    return "".join(_BARS[min(int(share * len(_BARS)), len(_BARS) - 1)] for share in shares)

@@ -6,6 +6,7 @@ import shutil
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from rich.console import Console
 from rides import BEFORE, Ride
@@ -145,6 +146,18 @@ def test_the_live_view_shows_axes_and_events(drive: Ride):
     shown = console.export_text()
     for word in ("pitch", "yaw", "row error", "depth at 30 B", "late by", "95 % interval", "fits the images"):
         assert word in shown
+
+
+@pytest.mark.parametrize("yaw", [3.0, -3.0, float("nan")])
+def test_the_live_view_of_depth_beyond_infinity(drive: Ride, yaw: float):
+    """A yaw of 2 degrees is the disparity of 30 baselines; and what is no number is drawn, too."""
+    states = [stepped.state for stepped in run(drive.rig, drive.pairs[:2], Config())]
+    far = np.array([0.0, yaw, 0.0, 0.0, 0.0])
+    states.append(states[-1].but(estimate=states[-1].estimate.moved(far, 1e-4 * np.eye(5))))
+    console = Console(width=110, record=True, file=io.StringIO())
+    console.print(view("ride", 2, [reading(state) for state in states], []))
+    assert "depth at 30 B" in console.export_text()
+    assert json.loads(json.dumps(reading(states[-1]).as_dict()))["condition"] in ("repair", "cannot_tell")
 
 
 def test_tolerances_are_those_of_the_decision(command, scene: Path, tmp_path: Path):

@@ -171,7 +171,7 @@ def test_another_calibration_begins_anew_once_it_has_settled(robot, tmp_path: Pa
     one.see()
     assert one.works[0].closed
     assert one.said("another calibration is given", "->")
-    assert one.said("another calibration than the one that is given", "node.state.bak")
+    assert one.said("another calibration than the given one", "node.state.bak")
     np.testing.assert_allclose(one.watch.rig.extrinsics, other.extrinsics, atol=1e-9)
     assert (tmp_path / "node.state.bak").exists()
 
