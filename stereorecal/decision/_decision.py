@@ -111,8 +111,8 @@ def decide(
     one that keeps depth is taken, unless that costs rows that a matcher notices, ranges ask for another, or another's
     depth is surely the better one: of the rigs for which it matters, in 95 %. Where none is so harmless, and the rows
     of the calibration blind the matcher, which leaves it no depth to lose, it is enough that its rows are hardly ever
-    worse. Otherwise the calibration is good if its rows are, with 95 %. Absolute depth is not judged: no rig's rows
-    know it.
+    worse. Otherwise the calibration is good if its rows are, with 95 %, and motion tells no better depth. Absolute
+    depth is not judged: no rig's rows know it.
 
     Args:
         seen: what is known; its θ = 0 is the calibration.
@@ -164,7 +164,7 @@ def decide_together(
             or changes.reads_depth_better(keeps, limits)
             or changes.aligns_rows_better(keeps, limits)
         )
-        return (changes if worth_it else keeps).decisions
+        return changes.decisions if worth_it else keeps.no_surer_than(changes)
     return min(keeps, changes, key=lambda one: one.refused).decisions
 
 
@@ -244,6 +244,12 @@ class _Candidate:
         """How many ranges ask for it."""
         return sum(one.ranges_agree and not one.refused for one in self.decisions)
 
+    def no_surer_than(self, other: "_Candidate") -> list[Decision]:
+        """Its decisions; those of the other one where that knows a better depth, and this one calls it good."""
+        doubted = Verdict.GOOD, Verdict.CANNOT_TELL
+        each = zip(self.decisions, other.decisions, strict=True)
+        return [theirs if (mine.verdict, theirs.verdict) == doubted else mine for mine, theirs in each]
+
     def aligns_rows_better(self, other: "_Candidate", limits: Tolerances) -> bool:
         """Whether the other one costs rows that a matcher notices, and this one is hardly ever for the worse; or, of a
         rig that is blind, so that either may be, loses less."""
@@ -281,13 +287,14 @@ def _decided(
     harmless = worse < limits.alpha or (blind and float(np.mean(lost)) < limits.alpha)
     better = float(np.mean(rows < before - limits.gain_px))
     harmless = harmless and (blind or proven or not _costs_a_region(seen, theta, limits))
-    good = float(np.mean(before <= limits.good_rows_px)) >= limits.good_surely
     ranges_agree = bool(seen.beams.fit_better(seen.chart.rig, seen.chart.rig_at(theta)))
     nearer = float(np.mean(after.depth < given.depth - limits.worse_depth_points)) > 1.0 - limits.alpha
     # What most frames show bears it out: no posterior knows all ways in which lenses err, and where they do, one frame
     # gains what others lose.
     shown = float(np.median(after.shown - given.shown))
-    asked = (ranges_agree or (depth_told and nearer)) and not shown > limits.worse_rows_px
+    moved = depth_told and nearer
+    good = float(np.mean(before <= limits.good_rows_px)) >= limits.good_surely and not moved
+    asked = (ranges_agree or moved) and not shown > limits.worse_rows_px
     said = np.percentile([before, rows], [50.0, 2.5, 97.5], axis=1).T
     verdict = Verdict.GOOD if good else Verdict.CANNOT_TELL
     stays = Decision(

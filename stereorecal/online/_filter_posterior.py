@@ -11,8 +11,8 @@ from stereorecal.objectives import EXTRINSICS, RigChart
 from stereorecal.online._filter import KEYSTONE, SIZE, FilterEstimate
 from stereorecal.online._state import rig_with
 
-_YAW, _DEPTH_AT = EXTRINSICS.index("yaw"), (30,)  # baselines
-_UNDOES = "right.cx"
+_YAW, _PRINCIPAL_POINT = EXTRINSICS.index("yaw"), "right.cx"
+_ROWS_AT, _DEPTH_AT = 10, 30  # baselines, as a keystone is measured
 
 
 def known(initial: StereoRig, using: tuple[float, ...], filtered: FilterEstimate, view: View) -> Estimate:
@@ -36,10 +36,13 @@ def known(initial: StereoRig, using: tuple[float, ...], filtered: FilterEstimate
 
 @lru_cache(maxsize=2)  # the same until another calibration is in use
 def _around(initial: StereoRig, using: tuple[float, ...], view: View) -> tuple[RigChart, Float[np.ndarray, "n"]]:
-    """Changes of the calibration in use; and a degree of keystone in their units, a yaw of rows that is none of depth:
-    a yaw, and the principal point that undoes it in depth."""
+    """Changes of the calibration in use; and a degree of keystone in their units, the rows of a yaw that is none of
+    depth: a yaw, and the principal point that undoes it in depth, as much of both as bends rows like a degree of yaw
+    (of a lens with distortion, principal points bend them, too)."""
     chart = rig_parameters(rig_with(initial, np.array(using)))
-    near = consequences(chart, np.zeros(chart.dim), _DEPTH_AT, view).nearness[0, 0]  # over the view
-    principal_point, way = chart.names.index(_UNDOES), np.zeros(chart.dim)
-    way[_YAW], way[principal_point] = 1.0, -near[_YAW] / near[principal_point]
-    return chart, way
+    near = consequences(chart, np.zeros(chart.dim), (_ROWS_AT, _DEPTH_AT), view)
+    rows, depth = near.rows[0], near.nearness[1, 0]  # over the view
+    principal_point, way = chart.names.index(_PRINCIPAL_POINT), np.zeros(chart.dim)
+    way[_YAW], way[principal_point] = 1.0, -depth[_YAW] / depth[principal_point]
+    like_yaw = (rows @ way) @ rows[:, _YAW] / (rows[:, _YAW] @ rows[:, _YAW])
+    return chart, way / like_yaw

@@ -2,14 +2,13 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import lru_cache
 
 import numpy as np
 from jaxtyping import Float
 
 from stereorecal._json_data import json_data
 from stereorecal.decision import Decision, Tolerances, Verdict, better_on_average, decide
-from stereorecal.estimation import Estimate
 from stereorecal.geometry import StereoRig, View
 from stereorecal.objectives import EXTRINSICS
 from stereorecal.online._filter import SIZE, FilterEstimate
@@ -38,7 +37,8 @@ class Reading:
         decision: whether to change pitch, yaw and roll; None if the state holds what is no number.
         shifted: whether only a change of y and z as well would be better for sure. A bar that bends turns the cameras
             too; a shutter that is late on a rig that travels straight on looks like a shift.
-        known: what is known of the rig, around the calibration in use; None if that is no number.
+        rotation: (3,) the change of pitch, yaw and roll [deg] that the decision asks for, or that is better on average
+            by what is noticed; None where none is.
     """
 
     axes: Mapping[str, Interval]
@@ -48,32 +48,23 @@ class Reading:
     delay: Interval
     decision: Decision | None
     shifted: bool
-    known: Estimate | None = None
+    rotation: Float[np.ndarray, "3"] | None = None
 
     @property
     def condition(self) -> Condition:
-        """What the decision says, as `health` has it; a calibration is not healthy while a shutter is late."""
+        """What the decision says, as `health` has it; a calibration is not healthy while a shutter is late, or another
+        one is better on average, and goes on trial."""
         if self.decision is None:
             return Condition.CANNOT_TELL
         if self.repairs or self.shifted:
             return Condition.REPAIR
-        good = self.decision.verdict is Verdict.GOOD and not self.late
+        good = self.decision.verdict is Verdict.GOOD and self.rotation is None and not self.late
         return Condition.HEALTHY if good else Condition.CANNOT_TELL
 
     @property
     def repairs(self) -> bool:
         """Whether another rotation is better for sure."""
         return self.decision is not None and not self.decision.refused
-
-    @cached_property
-    def rotation(self) -> Float[np.ndarray, "3"] | None:
-        """The change of pitch, yaw and roll [deg] that the decision asks for, or that is better on average by what is
-        noticed; None where none is."""
-        if self.decision is None or self.known is None:
-            return None
-        asked = None if self.decision.refused else self.decision.theta
-        theta = better_on_average(self.known, _ROTATION, self.decision.tolerances) if asked is None else asked
-        return None if theta is None else theta[: len(_ROTATION)]
 
     @property
     def matters(self) -> bool:
@@ -118,21 +109,23 @@ def reading(state: State) -> Reading:
     if not np.isfinite(state.estimate.mean).all() or not np.isfinite(state.estimate.covariance).all():
         return Reading(axes, state.row_error, _UNKNOWN, dict.fromkeys(DISTANCES, _UNKNOWN), late, None, shifted=False)
     using, limits = tuple(state.using.tolist()), state.config.tolerances
-    seen, decision, shifted, depth = _judged(state.initial, using, state.estimate, state.view, limits)
-    return Reading(axes, state.row_error, Interval(*decision.rows_px[0].tolist()), depth, late, decision, shifted, seen)
+    decision, shifted, rotation, depth = _judged(state.initial, using, state.estimate, state.view, limits)
+    rows = Interval(*decision.rows_px[0].tolist())
+    return Reading(axes, state.row_error, rows, depth, late, decision, shifted, rotation)
 
 
 @lru_cache(maxsize=4)  # a step asks several times
 def _judged(
     initial: StereoRig, using: tuple[float, ...], filtered: FilterEstimate, view: View, limits: Tolerances
-) -> tuple[Estimate, Decision, bool, Mapping[int, Interval]]:
-    """What is known of a calibration in use, the decision on its rotation, whether it is shifted, and its error of
-    depth."""
+) -> tuple[Decision, bool, Float[np.ndarray, "3"] | None, Mapping[int, Interval]]:
+    """Of a calibration in use the decision on its rotation, whether it is shifted, which rotation is better, and its
+    error of depth."""
     seen = known(initial, using, filtered, view)
     found = decide(seen, _ROTATION, limits, depth_told=True)
     shifted = found.verdict is Verdict.CANNOT_TELL and not decide(seen, EXTRINSICS, limits, depth_told=True).refused
     depth = {at: Interval(*ends) for at, ends in seen.depth_error_percent(np.zeros(len(seen.names))).items()}
-    return seen, found, shifted, depth
+    better = better_on_average(seen, _ROTATION, limits) if found.refused else found.theta
+    return found, shifted, None if better is None else better[: len(_ROTATION)], depth
 
 
 def _ends(found: Interval) -> dict[str, float]:

@@ -171,6 +171,23 @@ def test_motion_is_a_reason_where_rows_are_none(drifted, shown, after, verdict):
     assert not said.by_ranges
 
 
+@pytest.mark.parametrize(("shown", "verdict"), [(True, Verdict.CANNOT_TELL), (False, Verdict.GOOD)])
+def test_a_depth_that_motion_contradicts_is_not_good(drifted, shown, verdict):
+    """Though no extrinsics read it better without costing rows."""
+    _, seen = drifted[0]
+
+    class Torn(type(seen)):
+        def losses(self, used):
+            moved = np.any(used) and not np.allclose(used, self.with_free(AXES, keep_depth=True))
+            return np.full((3, 1000), 0.2 if moved else 0.1), np.full(1000, 0.2 if moved else 5.0)
+
+        def rows_of_frames(self, used):
+            return np.full(1, 0.1)
+
+    windows = Windows((Tracks(np.zeros((2, 1, 2)), np.zeros((2, 1, 2))),)) if shown else seen.windows
+    assert decide(Torn(**{**seen.__getstate__(), "windows": windows}), AXES).verdict is verdict
+
+
 @pytest.mark.parametrize(("before", "after", "repaired"), [(0.7, 0.25, True), (0.7, 0.5, False), (1.4, 0.6, True)])
 def test_a_repair_explains_the_rows_or_corrects_more_than_it_leaves(drifted, before, after, repaired):
     """Where intrinsics are wrong, extrinsics gain over the view what single places lose."""
