@@ -16,7 +16,11 @@ from stereorecal.estimation._calibration_prior import (
     calibration_prior as calibration_prior,
     exact_prior as exact_prior,
 )
-from stereorecal.estimation._consequences import consequences as consequences, readings as readings
+from stereorecal.estimation._consequences import (
+    consequences as consequences,
+    points_of_view as points_of_view,
+    readings as readings,
+)
 from stereorecal.estimation._estimate import (
     JUDGED_AT as JUDGED_AT,
     Estimate as Estimate,

@@ -17,9 +17,10 @@ from stereorecal.estimation import (
     Windows,
     around,
     estimate,
+    points_of_view,
     readings,
 )
-from stereorecal.estimation._consequences import points_of_view, regions as regions_of
+from stereorecal.estimation._consequences import regions as regions_of
 from stereorecal.objectives import BASELINE
 from stereorecal.scoring import Tracks
 

@@ -7,9 +7,8 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from scipy.stats import norm
 
-from stereorecal.estimation import Beams, CalibrationPrior, estimate
+from stereorecal.estimation import Beams, CalibrationPrior, estimate, points_of_view, readings
 from stereorecal.estimation._calibration_prior import with_scaled_boards
-from stereorecal.estimation._consequences import points_of_view, readings
 
 METRES = np.array([0.5, 5.0])  # of a baseline of 0.12
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from stereorecal.estimation import CalibrationPrior
-from stereorecal.estimation._evidence import Normal, all_explained, explained, normal_of, without
+from stereorecal.estimation import CalibrationPrior, Normal
+from stereorecal.estimation._evidence import all_explained, explained, normal_of, without
 from stereorecal.estimation._knowledge import updated
 
 ROWS, DRIFTING = 14, 5

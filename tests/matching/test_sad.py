@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from stereorecal._errors import InputError
+from stereorecal import InputError
 from stereorecal.matching import BM, SAD, SGBM, reference
 from stereorecal.matching._texture import quantise, x_sobel
 from stereorecal.matching.sad._planes import winners as winners_by_planes

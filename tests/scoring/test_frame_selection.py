@@ -6,8 +6,7 @@ import numpy as np
 from hypothesis import given, strategies as st
 
 from stereorecal.recordings import Pair
-from stereorecal.scoring import pyramid
-from stereorecal.scoring._frame_selection import select_frames
+from stereorecal.scoring import pyramid, select_frames
 
 
 def pair(contrast: float, name: str) -> Pair:

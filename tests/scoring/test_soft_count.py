@@ -7,7 +7,8 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from stereorecal._errors import InputError, NeedNotMet
+from stereorecal import InputError
+from stereorecal._errors import NeedNotMet
 from stereorecal.matching import BM, SAD
 from stereorecal.objectives import Reach, objective
 from stereorecal.scoring import forward_gradient
