@@ -47,7 +47,7 @@ def made_up(
     parts = {
         "name": f"harbour {EVIL}",
         "conclusion": conclusion,
-        "reason": "the candidate is better" if accepted else "the candidate leaves rows of whole regions apart",
+        "reason": "the candidate is a significant improvement" if accepted else "systematic epipolar residuals remain",
         "search": "the strategy met its own stopping rule",
         "baseline": 0.356,
         "facts": {"row error": ("8.92 px", "0.10 px")},
@@ -57,7 +57,9 @@ def made_up(
         "rows": Rows(9.0 + field, field, rng.normal(9, 1, 500), rng.normal(0, 0.2, 500)) if measured else None,
         "misfit": misfit(after={0: 0.9, 1: 0.9, 8: 0.9}) if measured else None,
         "expected": np.abs(field[:13, :17]) if measured and healthy else None,
-        "expected_said": "rows 0.07 px apart over the view; depth at 10 B -4 %" if measured and healthy else None,
+        "expected_said": "epipolar error (RMS) 0.07 px over the view; depth at 10 B -4 %"
+        if measured and healthy
+        else None,
         "axes": [Axis("pitch", "°", 0.1, 0.8, 0.002, True), Axis("z", "mm", 1.0, 1.0, None, False)],
         "lenses": [Lens("left", "focal length", "px", 2, 500.0, 501.25, 0.75, True)],
         "depths": [Depth(5, 1.8, -7.6, (-1.0, 1.2)), Depth(100, 35.6, float("inf"), None)] if healthy else [],

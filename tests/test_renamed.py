@@ -51,8 +51,9 @@ def test_a_name_that_never_was_is_an_attribute_error(package: str):
 
 ATTRIBUTES = [
     (sr.Solution, "asked", "settings"),
-    (sr.Solution, "kept", "frames.kept"),
+    (sr.Solution, "kept", "frames.used"),
     (sr.Solution, "reach", "settings.reach"),
+    (sr.recalibration.FramesUsed, "looked_at", "selected"),
     (sr.Health, "mending", "correction"),
 ]
 

@@ -26,7 +26,10 @@ def check_boards_asked(options: RecalibrateOptions) -> None:
         raise InputError(f"--square is {options.square}; give metres, such as 0.03.")
     _corners(options)
     if is_exact(options.prior):
-        raise InputError("--boards tell what the calibration left, and --prior exact that it left nothing; give one.")
+        raise InputError(
+            "--boards determine the errors that the calibration left, and --prior exact says that there are none; "
+            "give one."
+        )
 
 
 def boards_of(options: RecalibrateOptions) -> tuple[Board, ...] | None:

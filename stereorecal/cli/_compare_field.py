@@ -86,15 +86,17 @@ def _check_options(options: CompareOptions) -> None:
         raise InputError("--full belongs to --preset field; leave it out, or add that.")
     for name in _OTHERS:
         if getattr(options, name):
-            raise InputError(f"--{name} belongs to comparisons of strategies; leave it out beside judges (--judge).")
+            raise InputError(f"--{name} belongs to comparisons of strategies; leave it out with judges (--judge).")
     others = [judge for judge in options.judge if judge.partition("=")[0].strip() not in _FRAMES]
     if options.frames is not None and others:
         raise InputError(
-            f"--frames is of judges {' and '.join(_FRAMES)}; leave it out beside --judge {others[0]}, which has "
+            f"--frames applies to the judges {' and '.join(_FRAMES)}; leave it out with --judge {others[0]}, which has "
             "pairs of its own."
         )
     if options.free != "extrinsics":
-        raise InputError("--free belongs to comparisons of strategies; beside judges each method's own is a column.")
+        raise InputError(
+            "--free belongs to comparisons of strategies; with judges, what a method may change is a column."
+        )
 
 
 def _draws(options: CompareOptions) -> Draws:

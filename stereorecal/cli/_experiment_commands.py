@@ -39,7 +39,7 @@ class CompareOptions(MatcherOptions, SearchOptions, BoardOptions, WorkerOptions,
         "decalibrations of each scene (default: 2; of --preset field 10, and 4 drives)", metavar="N"
     )
     judge: tuple[str, ...] = option(
-        "compare methods by what none of them looks at (repeatable): lidar=FOLDER, boards=FOLDER, product=FOLDER, "
+        "compare methods by data that none of them sees (repeatable): lidar=FOLDER, boards=FOLDER, product=FOLDER, "
         "motion[=FOLDER], rendered[=KIND], simulated[=KIND], walk; only rows of lidar and of motion=FOLDER are of "
         "images that methods get, too; --strategies then names methods: the library's count, rows and motion, and "
         "strategies; --board-corners and --square are of boards=FOLDER",
@@ -51,8 +51,8 @@ class CompareOptions(MatcherOptions, SearchOptions, BoardOptions, WorkerOptions,
     )
     full: bool = option("of --preset field: overnight", False)
     json: str | None = option(
-        "write everything as JSON, again with each trial that is finished; of judges at the end, or at Ctrl-C, and "
-        "until then finished trials are in FILE.trials, beside the first of --html and --json",
+        "write everything as JSON, after each trial; with judges at the end or at Ctrl-C (meanwhile FILE.trials, next "
+        "to the file of --html, or else of --json, has the finished trials)",
         metavar="FILE|-",
     )
     html: str | None = option("write one HTML page with tables and figures, to pass on", metavar="FILE")

@@ -13,7 +13,7 @@ from platformdirs import user_cache_path
 from stereorecal._errors import InputError
 
 _LEAST_SECONDS = 0.1  # of compiling; what is faster is not worth a file
-_ELSEWHERE = "every command will compile anew, for some ten seconds; set JAX_COMPILATION_CACHE_DIR to another folder"
+_ELSEWHERE = "every command will compile again, for some ten seconds; set JAX_COMPILATION_CACHE_DIR to another folder"
 
 
 def use_compile_cache() -> str | None:

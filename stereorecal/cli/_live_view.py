@@ -4,6 +4,7 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 
+import numpy as np
 from rich.console import Group
 from rich.live import Live
 from rich.panel import Panel
@@ -51,11 +52,11 @@ def view(name: str, pairs: int, history: list[Reading], happened: list[str]) -> 
     """The view after some pairs."""
     now = history[-1]
     table = Table(box=None, padding=(0, 2))
-    for title in ("", "correction", "95 % interval", "over time"):
+    for title in ("", "estimate", "95 % interval", "over time"):
         table.add_column(title, justify="left" if title in ("", "over time") else "right")
     for axis, found in now.axes.items():
         table.add_row(axis, f"{found.value:+.3f} {_UNITS[axis]}", _ends(found), _curve([h.axes[axis] for h in history]))
-    table.add_row("rows", f"{now.rows_px.value:.3f} px", _ends(now.rows_px), _curve([h.rows_px for h in history]))
+    table.add_row("row error", f"{now.rows_px.value:.3f} px", _ends(now.rows_px), _curve([h.rows_px for h in history]))
     depth = [h.depth_percent[FAR] for h in history]
     table.add_row(f"depth at {FAR} B", f"{depth[-1].value:+.1f} %", _ends(depth[-1]), _curve(depth))
     table.add_row("late by", f"{now.delay.value:+.2f} frames", _ends(now.delay), _curve([h.delay for h in history]))
@@ -69,6 +70,9 @@ def _ends(found: Interval) -> str:
 
 
 def _curve(values: list[Interval]) -> str:
-    """Magnitudes as bars, the largest full; noise that is a tenth of the interval stays low."""
-    most = max(max(abs(v.value), 0.5 * (v.high - v.low), 1e-9) for v in values)
-    return "".join(_BARS[min(int(abs(v.value) / most * len(_BARS)), len(_BARS) - 1)] for v in values[-40:])
+    """Magnitudes as bars, the largest full; noise that is a tenth of the interval stays low. What is infinite is full,
+    what is unknown is empty."""
+    known = [size for v in values for size in (abs(v.value), 0.5 * (v.high - v.low)) if np.isfinite(size)]
+    most = max([*known, 1e-9])
+    shares = np.nan_to_num([abs(v.value) / most for v in values[-40:]], nan=0.0, posinf=1.0)
+    return "".join(_BARS[min(int(share * len(_BARS)), len(_BARS) - 1)] for share in shares)

@@ -13,7 +13,6 @@ from stereorecal._errors import InputError
 from stereorecal._signals import hold
 from stereorecal.cli import _option_values
 from stereorecal.cli._exit_codes import CANNOT_TELL, INTERRUPTED, REPAIR
-from stereorecal.cli._live_cameras import watched_cameras
 from stereorecal.cli._live_view import lines, live
 from stereorecal.cli._output_files import (
     Place,
@@ -28,6 +27,7 @@ from stereorecal.cli._output_files import (
 from stereorecal.cli._recordings import watched
 from stereorecal.cli._repair_commands import MonitorOptions
 from stereorecal.cli._streams import given_up, leave_stdout, nobody_reads, say
+from stereorecal.cli._watched_cameras import watched_cameras
 from stereorecal.io import calibration_json, check_savable, files_read, json_line, save_rig
 from stereorecal.matching import as_matcher
 from stereorecal.online import EVENTS_SCHEMA, Config, State, Stepped, init, load, reading, run as steps, save
@@ -129,11 +129,12 @@ def _raise(error: Exception) -> None:
 
 
 def _start(options: MonitorOptions, scene: Scene) -> State:
-    config, shown = Config(matcher=as_matcher(options.matcher), repair=not options.once), _option_values.view(options)
+    shown, limits = _option_values.view(options), _option_values.tolerances(options)
+    config = Config(matcher=as_matcher(options.matcher), repair=not options.once, tolerances=limits)
     if options.state is not None and Path(options.state).exists():
         kept = load(options.state, scene.rig)
         if kept.config.view != kept.config.view | shown:
-            raise InputError(f"--view: the state in {options.state} has looked through another view; leave --view out.")
+            raise InputError(f"--view: the state in {options.state} was made with another view; leave --view out.")
         return kept.but(config=replace(config, matcher=kept.config.matcher, **kept.config.view))
     assert scene.rig is not None
     return init(scene.rig, replace(config, **shown))
@@ -171,7 +172,7 @@ def _check_follows(path: str, state: State) -> None:
         with suppress(ValueError, TypeError, KeyError):  # cut short
             frames.append(int(json.loads(line)["frame"]))
     if frames[-1] >= max(state.frame, 1):
-        raise InputError(f"--json {path}: tells of pairs that the watch in --state has not seen; choose another.")
+        raise InputError(f"--json {path}: contains pairs that the state in --state has not seen; choose another file.")
 
 
 def _end(path: str) -> bytes:

@@ -5,7 +5,7 @@ from typing import Any
 
 from stereorecal._choices import checked_choice
 from stereorecal._errors import InputError
-from stereorecal.cli._shared_options import DecisionOptions, PairOptions, ViewOptions
+from stereorecal.cli._shared_options import DecisionOptions, PairOptions, ToleranceOptions, ViewOptions
 from stereorecal.decision import LIMITS, Tolerances, as_tolerances
 from stereorecal.estimation import check_prior
 from stereorecal.geometry import checked_view_arguments
@@ -54,7 +54,7 @@ def health_options(options: DecisionOptions) -> HealthOptions:
     }
 
 
-def tolerances(options: DecisionOptions) -> Tolerances:
+def tolerances(options: ToleranceOptions) -> Tolerances:
     """Those of --tolerances and --distances.
 
     Raises:

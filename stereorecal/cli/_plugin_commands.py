@@ -10,7 +10,7 @@ from stereorecal.cli._options import CommonOptions, argument, option_group
 class PluginOptions(CommonOptions):
     """List what is installed, or run the conformance kit on one."""
 
-    module: ClassVar[str | None] = "_plugins"
+    module: ClassVar[str | None] = "_installed_plugins"
     action: Literal["list", "check"] = argument("list what is installed, or run the conformance kit on one", "list")
     name: str | None = argument("the one to be checked", None, metavar="NAME")
 

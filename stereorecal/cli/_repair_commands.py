@@ -10,6 +10,7 @@ from stereorecal.cli._shared_options import (
     RecordingOptions,
     ReportOptions,
     SearchOptions,
+    ToleranceOptions,
     ViewOptions,
     WorkerOptions,
 )
@@ -91,7 +92,7 @@ class ScoreOptions(RecordingOptions, DecisionOptions, ReportOptions, CommonOptio
 
 
 @option_group
-class MonitorOptions(RecordingOptions, ViewOptions, ReportOptions, CommonOptions):
+class MonitorOptions(RecordingOptions, ViewOptions, ToleranceOptions, ReportOptions, CommonOptions):
     """Watch a rig over a recording, or while its cameras run, pair by pair: its health fused over time, knocks, drift,
     late shutters; repair it, and switch to what wins on later pairs. A terminal shows a live view; else events are
     lines. The calibration file stays as it is: a repaired one is written where --output says. Exit code: that of score,

@@ -111,7 +111,21 @@ class ViewOptions(MatcherOptions):
 
 
 @option_group
-class DecisionOptions(ViewOptions):
+class ToleranceOptions:
+    """What counts as better, as worse and as good."""
+
+    distances: str | None = option(
+        "in baselines, at which epipolar errors are evaluated; depth at the farthest (default: 5,10,30)", metavar="B,B"
+    )
+    tolerances: str | None = option(
+        "limits of the decision, such as alpha=0.001,worse_depth_points=0.5: alpha, gain_px, worse_rows_px, "
+        "worse_depth_points, blind_rows_px, good_rows_px, good_surely",
+        metavar="NAME=VALUE,…",
+    )
+
+
+@option_group
+class DecisionOptions(ViewOptions, ToleranceOptions):
     """What `sr.health` takes, and `sr.recalibrate` as well."""
 
     prior: str | None = option(
@@ -128,14 +142,6 @@ class DecisionOptions(ViewOptions):
         "time that the cameras' rolling shutters take from the first row of an image to the last, for --motion "
         "(default: that of a scene folder's calib.json, or 0, all rows at once)",
         metavar="SECONDS",
-    )
-    distances: str | None = option(
-        "in baselines, at which rows are judged, and depth at the farthest of them (default: 5,10,30)", metavar="B,B"
-    )
-    tolerances: str | None = option(
-        "limits of the decision, such as alpha=0.001,worse_depth_points=0.5: alpha, gain_px, worse_rows_px, "
-        "worse_depth_points, blind_rows_px, good_rows_px, good_surely",
-        metavar="NAME=VALUE,…",
     )
 
 

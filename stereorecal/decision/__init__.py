@@ -6,6 +6,7 @@
 from stereorecal.decision._decision import (
     Decision as Decision,
     Verdict as Verdict,
+    better_on_average as better_on_average,
     decide as decide,
     decide_together as decide_together,
     do_as_well as do_as_well,

@@ -17,9 +17,9 @@ from stereorecal.objectives import BASELINE
 class Verdict(enum.Enum):
     """What to do with a calibration."""
 
-    REPAIR = "a better one is known for sure"
-    GOOD = "rows are aligned, and nothing better is known for sure"
-    CANNOT_TELL = "rows may be apart, and what is better is not known for sure"
+    REPAIR = "another calibration is a significant improvement"
+    GOOD = "the rows are aligned, and there is no significant improvement"
+    CANNOT_TELL = "the rows may be misaligned, and there is no significant improvement"
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +34,7 @@ class Decision:
         better: probability that its rows are better by what a matcher notices.
         loss: that is to be expected of the candidate: rows over what a matcher notices, and depth over a point.
         rows_px: (2, 3) rows apart over the view, of the calibration and of the candidate: median, 95 % interval.
-        told: whether ranges agree with the candidate, and not with the calibration.
+        ranges_agree: whether ranges agree with the candidate, and not with the calibration.
         tolerances: by which it was decided.
         by_rows: whether its rows are better for sure, also those that most frames show.
     """
@@ -46,7 +46,7 @@ class Decision:
     better: float
     loss: float
     rows_px: Float[np.ndarray, "2 3"]
-    told: bool = False
+    ranges_agree: bool = False
     tolerances: Tolerances = DEFAULT
     by_rows: bool = True
 
@@ -58,13 +58,13 @@ class Decision:
     @property
     def by_ranges(self) -> bool:
         """Whether ranges alone ask for the candidate: its rows are not better for sure."""
-        return not self.refused and not self.by_rows and self.told
+        return not self.refused and not self.by_rows and self.ranges_agree
 
     @property
     def by_motion(self) -> bool:
         """Whether it is the rig's own motion that asks for the candidate: its depth is better for sure, its rows are
         not."""
-        return not self.refused and not self.by_rows and not self.told
+        return not self.refused and not self.by_rows and not self.ranges_agree
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data for JSON."""
@@ -92,7 +92,12 @@ class Decision:
 
 
 def decide(
-    seen: Estimate, free: Sequence[str], tolerances: Tolerances | None = None, *, proven: bool = False
+    seen: Estimate,
+    free: Sequence[str],
+    tolerances: Tolerances | None = None,
+    *,
+    proven: bool = False,
+    depth_told: bool = False,
 ) -> Decision:
     """Choose between a calibration, and changes of its free parameters.
 
@@ -114,20 +119,27 @@ def decide(
         free: names of the parameters that may change.
         tolerances: default those of `Tolerances()`.
         proven: whether frames that took no part show, all over the view, that the free parameters may change.
+        depth_told: whether more than epipolar errors tells depth, though the estimate has no windows of motion: a
+            filter that follows the rig.
     """
-    (found,) = decide_together([seen], free, tolerances, proven=proven)
+    (found,) = decide_together([seen], free, tolerances, proven=proven, depth_told=depth_told)
     return found
 
 
 def decide_together(
-    several: Sequence[Estimate], free: Sequence[str], tolerances: Tolerances | None = None, *, proven: bool = False
+    several: Sequence[Estimate],
+    free: Sequence[str],
+    tolerances: Tolerances | None = None,
+    *,
+    proven: bool = False,
+    depth_told: bool = False,
 ) -> list[Decision]:
     """The same for each of several calibrations whose free parameters are the same but for a drift: all candidates keep
     depth, or none, or change the length of the baseline alone; so that fewest are refused.
 
     Args:
         several: what is known, with the same parameters.
-        free, tolerances, proven: as `decide` has them.
+        free, tolerances, proven, depth_told: as `decide` has them.
     """
     limits = DEFAULT if tolerances is None else tolerances
     several = [
@@ -139,7 +151,8 @@ def decide_together(
         thetas = with_free_together(several, names, keep_depth=keeps_depth)
         after = [_losses(seen, theta) for seen, theta in zip(several, thetas, strict=True)]
         each = zip(several, thetas, given, after, strict=True)
-        return _Candidate([_decided(*one, keeps_depth, limits, proven) for one in each], [one.depth for one in after])
+        decisions = [_decided(*one, keeps_depth, limits, proven, depth_told or bool(one[0].windows)) for one in each]
+        return _Candidate(decisions, [one.depth for one in after])
 
     others = [candidate(free)]
     if BASELINE in free and any(seen.beams or seen.windows.measured for seen in several):
@@ -147,12 +160,25 @@ def decide_together(
     keeps, changes = candidate(free, keeps_depth=True), min(others, key=lambda one: (one.refused, one.harms, one.loss))
     if keeps.refused == changes.refused:
         worth_it = (
-            changes.told > keeps.told
+            changes.asked_by_ranges > keeps.asked_by_ranges
             or changes.reads_depth_better(keeps, limits)
             or changes.aligns_rows_better(keeps, limits)
         )
         return (changes if worth_it else keeps).decisions
     return min(keeps, changes, key=lambda one: one.refused).decisions
+
+
+def better_on_average(
+    seen: Estimate, free: Sequence[str], tolerances: Tolerances | None = None
+) -> Float[np.ndarray, "n"] | None:
+    """The change of free parameters with the least expected loss, if that is by one unit of it, rows that a matcher
+    notices or a point of depth, less than the calibration's; else None. Better on average, and not for sure: for those
+    who let later images prove it, and can go back."""
+    limits = DEFAULT if tolerances is None else tolerances
+    seen = replace(seen, judged_at=limits.distances)
+    theta = seen.with_free(free)
+    before, after = (_losses(seen, one).expected for one in (np.zeros_like(theta), theta))
+    return theta if after < before - 1.0 else None
 
 
 def do_as_well(held: Sequence[Decision], freed: Sequence[Decision]) -> bool:
@@ -174,6 +200,11 @@ class _Losses:
     rows: Float[np.ndarray, "d s"]
     depth: Float[np.ndarray, "s"]
     shown: Float[np.ndarray, "f"]
+
+    @property
+    def expected(self) -> float:
+        """On average: rows over what a matcher notices, and depth over a point; the same whatever is asked."""
+        return float(np.mean(self.mean_rows / DEFAULT.gain_px + self.depth / DEFAULT.worse_depth_points))
 
     @property
     def mean_rows(self) -> Float[np.ndarray, "s"]:
@@ -209,9 +240,9 @@ class _Candidate:
         return float(np.mean([one.rows_px[1, 0] for one in self.decisions]))
 
     @property
-    def told(self) -> int:
+    def asked_by_ranges(self) -> int:
         """How many ranges ask for it."""
-        return sum(one.told and not one.refused for one in self.decisions)
+        return sum(one.ranges_agree and not one.refused for one in self.decisions)
 
     def aligns_rows_better(self, other: "_Candidate", limits: Tolerances) -> bool:
         """Whether the other one costs rows that a matcher notices, and this one is hardly ever for the worse; or, of a
@@ -239,6 +270,7 @@ def _decided(
     keeps_depth: bool,
     limits: Tolerances,
     proven: bool,
+    depth_told: bool,
 ) -> Decision:
     """Between θ = 0, which loses what is given, and a candidate, which loses what comes after."""
     # NaN is no proof of harmlessness.
@@ -250,18 +282,19 @@ def _decided(
     better = float(np.mean(rows < before - limits.gain_px))
     harmless = harmless and (blind or proven or not _costs_a_region(seen, theta, limits))
     good = float(np.mean(before <= limits.good_rows_px)) >= limits.good_surely
-    told = bool(seen.beams.fit_better(seen.chart.rig, seen.chart.rig_at(theta)))
+    ranges_agree = bool(seen.beams.fit_better(seen.chart.rig, seen.chart.rig_at(theta)))
     nearer = float(np.mean(after.depth < given.depth - limits.worse_depth_points)) > 1.0 - limits.alpha
     # What most frames show bears it out: no posterior knows all ways in which lenses err, and where they do, one frame
     # gains what others lose.
     shown = float(np.median(after.shown - given.shown))
-    asked = (told or (bool(seen.windows) and nearer)) and not shown > limits.worse_rows_px
-    # Candidates are compared alike, whatever is asked of them.
-    loss = float(np.mean(rows / DEFAULT.gain_px + after.depth / DEFAULT.worse_depth_points))
+    asked = (ranges_agree or (depth_told and nearer)) and not shown > limits.worse_rows_px
     said = np.percentile([before, rows], [50.0, 2.5, 97.5], axis=1).T
     verdict = Verdict.GOOD if good else Verdict.CANNOT_TELL
-    stays = Decision(verdict, theta, keeps_depth, worse, better, loss, said, told, limits, by_rows=False)
-    by_rows = better > 1.0 - limits.alpha and shown < 0.0 and (stays.explains or stays.corrects_most)
+    stays = Decision(
+        verdict, theta, keeps_depth, worse, better, after.expected, said, ranges_agree, limits, by_rows=False
+    )
+    borne_out = seen.shown is None or shown < 0.0  # an estimate without frames: others judge it by later ones
+    by_rows = better > 1.0 - limits.alpha and borne_out and (stays.explains or stays.corrects_most)
     return replace(stays, verdict=Verdict.REPAIR, by_rows=by_rows) if harmless and (asked or by_rows) else stays
 
 

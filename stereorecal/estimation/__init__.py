@@ -1,13 +1,13 @@
 """The estimate of a rig: all its parameters, the prior of what its calibration left, a drift, and rows, in one least
 squares; `docs/estimate.md` explains it.
 
-`_parameters` names θ, `_calibration_prior` and `_drift` are its prior, `_boards` that of a calibration whose boards
-are at hand (`_board_poses`: their rows), `_groups` the rows as data, `_beams` ranges, `_motion` the rig's own motion
-(`_motion_window` two pairs, `_motion_residuals` what tracks should do), `_measured` both, `_misfit` what no parameter
-explains, `_rivals` what else may, `_delay` a late shutter, `_evidence` integrates in closed form, `_explanations`
-compares, `_least_squares` solves, `_together` solves several recordings, `_posterior` is the answer, `_consequences`
-what errors of a rig do to rows and depth, `_candidates` the rigs that may be written, `_saved_prior` what the next
-call begins with.
+`_rig_parameters` names θ; `_calibration_prior` and `_drift` are its prior, `_prior_of_boards` that of a calibration
+whose boards are at hand (`_board_poses`: their rows). `_groups` has the rows as data, `_beams` ranges, `_motion` the
+rig's own motion (`_motion_window` two pairs, `_motion_residuals` what tracks should do), `_measured` both. `_misfit` is
+what no parameter explains, `_confounders` what else may, `_delay` a late shutter. `_evidence` integrates in closed
+form, `_explanations` compares, `_least_squares` solves, `_several_recordings` solves recordings of one rig;
+`_posterior` is the answer, `_consequences` what errors of a rig do to rows and depth, `_candidates` the rigs that may
+be written, `_saved_prior` what the next call begins with.
 """
 
 from stereorecal.estimation._beams import NO_BEAMS as NO_BEAMS, Beams as Beams
@@ -56,4 +56,4 @@ from stereorecal.estimation._saved_prior import (
     Earlier as Earlier,
     SavedPrior as SavedPrior,
 )
-from stereorecal.estimation._together import Recording as Recording, estimate_together as estimate_together
+from stereorecal.estimation._several_recordings import Recording as Recording, estimate_together as estimate_together

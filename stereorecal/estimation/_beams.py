@@ -95,7 +95,7 @@ class Beams:
         c = float(at_zero @ at_zero + 2.0 * np.log(density).sum())
         return Normal(jacobian.T @ jacobian, -jacobian.T @ at_zero, c)
 
-    def told(self, chart: RigChart, theta: Float[np.ndarray, "n"]) -> list[tuple[float, Normal]]:
+    def likelihoods(self, chart: RigChart, theta: Float[np.ndarray, "n"]) -> list[tuple[float, Normal]]:
         """What they may tell of θ, near a θ: that, or nothing, since they are of other things; each with the logarithm
         of its probability. Nothing where there are none."""
         nothing = Normal(np.zeros((chart.dim,) * 2), np.zeros(chart.dim), 0.0)

@@ -49,7 +49,7 @@ def _covariance(rows: Any, dim: int) -> np.ndarray:
     scale = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     safe = np.where(scale > 0.0, scale, 1.0)
     if not np.isfinite(covariance).all() or np.diag(covariance).min() < 0.0:
-        raise ValueError("a covariance that is none")
+        raise ValueError("a matrix that is no covariance")
     values = np.linalg.eigvalsh(covariance / safe[:, None] / safe)
     if values.min() < -_NOT_POSITIVE * max(values.max(), 1.0):
         raise ValueError("a covariance that is not positive")

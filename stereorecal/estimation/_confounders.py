@@ -87,13 +87,13 @@ def fits_with_rivals(
     tried = []
     for index, rival in enumerate(searched):
         normals = {(d, best.misfit[1]): of_all[d][index] for d in DEVIATIONS}
-        under = _explained(normals, rows.told, rival, prior, [best.prior])
+        under = _explained(normals, rows.likelihoods, rival, prior, [best.prior])
         tried.append((best_of(under)[0], rival))
     # Another prior of the calibration may suit a rival better than it suits the rig alone: twice as far, then.
     again = []
     for one, rival in _with_a_say(tried, best, 2.0 * _FAR):
         normal = of_all[one.misfit[0]][searched.index(rival)]
-        under = _explained({one.misfit: normal}, rows.told, rival, prior, range(len(prior.roots)))
+        under = _explained({one.misfit: normal}, rows.likelihoods, rival, prior, range(len(prior.roots)))
         again.append((best_of(under)[0], rival))
     return [_solved(rows, chart, prior, rival, one) for one, rival in _with_a_say(again, best, _FAR)]
 
@@ -122,7 +122,7 @@ def _solved(rows: LinearGroups, chart: RigChart, prior: CalibrationPrior, rival:
 
     def under(deviations: Sequence[float], which: Sequence[int]) -> list[Explanation]:
         normals = {(d, common): _likelihoods(rows, [rival], d)[0] for d in deviations}
-        return _explained(normals, rows.told, rival, prior, which)
+        return _explained(normals, rows.likelihoods, rival, prior, which)
 
     found = under([DEVIATIONS[at]], range(len(prior.roots)))
     least = _log_evidence(best_of(found)[0]) - _FAR
@@ -145,13 +145,13 @@ def _likelihoods(rows: LinearGroups, rivals: Sequence[Rival], misfit: float) -> 
 
 def _explained(
     normals: Mapping[tuple[float, float], Normal],
-    told: Sequence[tuple[float, Normal]],
+    likelihoods: Sequence[tuple[float, Normal]],
     rival: Rival,
     prior: CalibrationPrior,
     which: Sequence[int],
 ) -> list[Explanation]:
     """θ beside a rival."""
-    return explained_by(normals, told, prior, which, np.diag(rival.sizes), rival.log_prior)
+    return explained_by(normals, likelihoods, prior, which, np.diag(rival.sizes), rival.log_prior)
 
 
 def _rolling(n: int) -> list[Rival]:

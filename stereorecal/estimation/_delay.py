@@ -96,8 +96,11 @@ def beside_delay(
                 for one, seconds in zip(near, windows.seconds, strict=True)
             ]
         )
-        told = _delay_evidence(rows, chart, theta, near, ways, prior, size)
-        late = replace(_rows(rows, chart, theta, delay, _of_frames(windows, near, ways, rows.groups.frame)), told=told)
+        likelihoods = _delay_evidence(rows, chart, theta, near, ways, prior, size)
+        late = replace(
+            _rows(rows, chart, theta, delay, _of_frames(windows, near, ways, rows.groups.frame)),
+            likelihoods=likelihoods,
+        )
         if round_:
             late = replace(late, deviation=late.robust(sum(end.misfit), np.append(theta, delay)))
         found = explanations(late, prior, range(len(prior.roots)), misfits, np.full((1, 1), size), float(np.log(_LATE)))
@@ -148,7 +151,7 @@ def _delay_evidence(
     of_windows = rows.measured.windows.explained(alone, reduce(add, by_ways), chart)
     return [
         (log + other, of_beams.with_nuisance(1) + normal)
-        for log, of_beams in rows.measured.beams.told(chart, theta)
+        for log, of_beams in rows.measured.beams.likelihoods(chart, theta)
         for other, normal in of_windows
     ]
 

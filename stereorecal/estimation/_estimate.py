@@ -148,6 +148,15 @@ class Estimate:
         return judged, np.max(100.0 * np.abs(1.0 / np.maximum(near, _LEAST_NEARNESS) - 1.0), axis=1)
 
     @one_blas_thread()
+    def effects(self, change: Float[np.ndarray, "n"]) -> tuple[float, float]:
+        """What a small change of θ moves: rows over the view, root mean square, on average over the distances that it
+        is judged at [pixels]; and depth at the farthest of them [%], over the view or ahead, whichever is larger."""
+        judged = [self._distances.index(distance) for distance in self.judged_at]
+        rows = [float(np.sqrt(np.mean((self._consequences.rows[index] @ change) ** 2))) for index in judged]
+        nearness = self._consequences.nearness[self._distances.index(max(self.judged_at))]
+        return float(np.mean(rows)), float(100.0 * np.max(np.abs(nearness @ change)))
+
+    @one_blas_thread()
     def rows_of_regions(self, used: Float[np.ndarray, "n"]) -> Float[np.ndarray, "s r"]:
         """Rows [pixels], root mean square in each region of the view at each of the distances that it is judged at, of
         the same rigs."""

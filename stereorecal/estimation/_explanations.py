@@ -57,12 +57,12 @@ def explanations(
         normals = [without(whole[of_a_frame], common * _ROOT_OF_FIELD) for of_a_frame, common in misfits]
     else:
         normals = [whole[of_a_frame] for of_a_frame, _ in misfits]
-    return explained_by(dict(zip(misfits, normals, strict=True)), rows.told, prior, which, nuisance, log_prior)
+    return explained_by(dict(zip(misfits, normals, strict=True)), rows.likelihoods, prior, which, nuisance, log_prior)
 
 
 def explained_by(
     normals: Mapping[tuple[float, float], Normal],
-    told: Sequence[tuple[float, Normal]],
+    likelihoods: Sequence[tuple[float, Normal]],
     prior: CalibrationPrior,
     which: Sequence[int],
     nuisance: Float[np.ndarray, "q q"] = NOTHING,
@@ -73,14 +73,14 @@ def explained_by(
 
     Args:
         normals: the likelihood of rows under each misfit.
-        told: as `Measured.told` has it; of nuisance parameters, too, or of θ alone.
+        likelihoods: as `Measured.likelihoods` has it; of nuisance parameters, too, or of θ alone.
         nuisance: a root of the covariance of what the likelihoods have besides θ.
         log_prior: logarithm of its probability.
     """
     sizes, weights = drift_sizes()
     every = [
         (misfit, index, log_told + log_prior, of_rows + of_others.with_nuisance(len(of_rows.b) - len(of_others.b)))
-        for (misfit, of_rows), (log_told, of_others), index in product(normals.items(), told, which)
+        for (misfit, of_rows), (log_told, of_others), index in product(normals.items(), likelihoods, which)
     ]
     several = [index for _, index, _, _ in every]
     logs = np.log(weights * prior.weights[several, None]) + np.array([log for _, _, log, _ in every])[:, None]

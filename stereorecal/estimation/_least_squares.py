@@ -69,7 +69,7 @@ def fit(
     misfit, which = (DEVIATIONS[2], 0.0), len(prior.roots) // 2
     groups = grouped(found, chart, theta)
     if len(groups) < _FEWEST:
-        return _nothing_seen(chart, prior, measured.told(chart, theta, prior))
+        return _nothing_seen(chart, prior, measured.likelihoods(chart, theta, prior))
     rows = linear_groups(groups, chart, theta, prior, measured)
     step = np.zeros(chart.dim)
     for number in range(_ROUNDS):
@@ -84,7 +84,7 @@ def fit(
         theta = theta + within_field(found, chart, theta, move)
         if number < _REGROUPED:
             groups = grouped(found, chart, theta)
-        rows = linear_groups(groups, chart, theta, prior, measured, None if number < _REGROUPED else rows.told)
+        rows = linear_groups(groups, chart, theta, prior, measured, None if number < _REGROUPED else rows.likelihoods)
         rows = replace(rows, deviation=rows.robust(sum(misfit), theta))
     near = _near(misfit, len(rows.frames) > 1)
     several = explanations(rows, prior, range(len(prior.roots)), near)
@@ -101,10 +101,10 @@ def fit(
     return Fit(mixture(several), rows, misfit, which, weights @ variances, best_of(several)[0], delay)
 
 
-def _nothing_seen(chart: RigChart, prior: CalibrationPrior, told: Sequence[tuple[float, Normal]]) -> Fit:
+def _nothing_seen(chart: RigChart, prior: CalibrationPrior, likelihoods: Sequence[tuple[float, Normal]]) -> Fit:
     """The prior, and what is measured besides, where there are no rows."""
     flat = Normal(np.zeros((chart.dim, chart.dim)), np.zeros(chart.dim), 0.0)
-    several = explained_by({(0.0, 0.0): flat}, told, prior, range(len(prior.roots)))
+    several = explained_by({(0.0, 0.0): flat}, likelihoods, prior, range(len(prior.roots)))
     variances = prior.weights @ np.sum(prior.roots**2, axis=2)
     return Fit(mixture(several), None, (0.0, 0.0), 0, variances, best_of(several)[0])
 

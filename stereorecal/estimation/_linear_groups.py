@@ -27,7 +27,7 @@ class LinearGroups:
         deviation: (g,) pixels; larger than that of `groups` where a group errs alone.
         frames: indices of the groups of each frame.
         measured: ranges and windows.
-        told: what these may tell of θ, as `Measured.told` has it.
+        likelihoods: what these may tell of θ, as `Measured.likelihoods` has it.
     """
 
     groups: Groups
@@ -36,7 +36,7 @@ class LinearGroups:
     deviation: Float[np.ndarray, "g"]
     frames: Sequence[Int[np.ndarray, "_"]]
     measured: Measured
-    told: Sequence[tuple[float, Normal]]
+    likelihoods: Sequence[tuple[float, Normal]]
 
     def residual(self, theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "g"]:
         """At θ."""
@@ -72,16 +72,16 @@ def linear_groups(
     theta: Float[np.ndarray, "n"],
     prior: CalibrationPrior,
     measured: Measured = NOTHING_ELSE,
-    told: Sequence[tuple[float, Normal]] | None = None,
+    likelihoods: Sequence[tuple[float, Normal]] | None = None,
 ) -> LinearGroups:
     """Linear at θ.
 
     Args:
-        told: what else is measured, as it told near another θ; default anew.
+        likelihoods: what else is measured, as it likelihoods near another θ; default anew.
     """
     rows = groups.rows(chart, theta)
     jacobian = rows.jacobian[:, 0].T
     frames = [np.flatnonzero(groups.frame == frame) for frame in np.unique(groups.frame)]
     at_zero = rows.differences[0] - jacobian @ theta
-    told = measured.told(chart, theta, prior) if told is None else told
-    return LinearGroups(groups, jacobian, at_zero, groups.deviation, frames, measured, told)
+    likelihoods = measured.likelihoods(chart, theta, prior) if likelihoods is None else likelihoods
+    return LinearGroups(groups, jacobian, at_zero, groups.deviation, frames, measured, likelihoods)

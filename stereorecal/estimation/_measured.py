@@ -20,11 +20,11 @@ class Measured:
     beams: Beams = NO_BEAMS
     windows: Windows = NO_WINDOWS
 
-    def told(
+    def likelihoods(
         self, chart: RigChart, theta: Float[np.ndarray, "n"], prior: CalibrationPrior
     ) -> list[tuple[float, Normal]]:
         """What they may tell of θ, near a θ: every combination, each with the logarithm of its probability."""
-        of_beams, of_windows = self.beams.told(chart, theta), self.windows.told(chart, theta, prior)
+        of_beams, of_windows = self.beams.likelihoods(chart, theta), self.windows.likelihoods(chart, theta, prior)
         return [(one + other, a + b) for (one, a), (other, b) in product(of_beams, of_windows)]
 
 

@@ -79,10 +79,10 @@ class Windows:
     def __bool__(self) -> bool:
         return any(len(one) for one in self.tracks)
 
-    def told(
+    def likelihoods(
         self, chart: RigChart, theta: Float[np.ndarray, "n"], prior: CalibrationPrior
     ) -> list[tuple[float, Normal]]:
-        """What they may tell of θ, near a θ: as `Beams.told`; that, or all but depth."""
+        """What they may tell of θ, near a θ: as `Beams.likelihoods`; that, or all but depth."""
         if not self:
             return [(0.0, Normal(np.zeros((chart.dim,) * 2), np.zeros(chart.dim), 0.0))]
         within = root_and_mean(prior)

@@ -10,7 +10,6 @@ from jaxtyping import Float
 from stereorecal._arrays import AnyArray
 from stereorecal._choices import checked_choice
 from stereorecal._errors import InputError
-from stereorecal.estimation._boards import prior_of_boards
 from stereorecal.estimation._calibration_prior import (
     CalibrationPrior,
     calibration_prior,
@@ -20,6 +19,7 @@ from stereorecal.estimation._calibration_prior import (
 )
 from stereorecal.estimation._knowledge import as_prior_of, moved, prior_without_depth
 from stereorecal.estimation._posterior import Posterior, root
+from stereorecal.estimation._prior_of_boards import prior_of_boards
 from stereorecal.estimation._rig_parameters import rig_parameters
 from stereorecal.estimation._saved_prior import Earlier, SavedPrior
 from stereorecal.objectives import BASELINE, RigChart
@@ -190,7 +190,10 @@ def check_boards(boards: Sequence[Board] | None, prior: Prior) -> None:
     if not isinstance(boards, Sequence) or not all(isinstance(board, Board) for board in boards):
         raise InputError("boards holds something else than boards; give sr.find_boards(pairs), or a list of sr.Board.")
     if is_exact(prior):
-        raise InputError('boards tell what the calibration left, and prior="exact" that it left nothing; give one.')
+        raise InputError(
+            'boards determine the errors that the calibration left, and prior="exact" says that there are none; '
+            "give one."
+        )
 
 
 def _with_sigmas(prior: CalibrationPrior, chart: RigChart, sigmas: Mapping[str, float | np.number]) -> CalibrationPrior:

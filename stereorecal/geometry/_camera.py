@@ -11,6 +11,10 @@ from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal._pytree import register_pytree
 from stereorecal.geometry.lenses import LensModel, lens_model
 
+_LEAST_CIRCLE = 0.25  # of the shorter side of the image: the radius of an image circle
+_INSIDE = 0.999  # of the field: some models project its end to infinity
+_ALL_ROUND = 3.1  # radians off the axis: straight behind, a lens model has no direction
+
 
 @register_pytree
 @dataclass(frozen=True, eq=False)
@@ -69,6 +73,8 @@ class Camera:
             object.__setattr__(self, "lens_radius", np.float64(lens.flat_radius(distortion)))
         if np.isnan(self.lens_field):
             object.__setattr__(self, "lens_field", np.float64(lens.field(distortion)))
+        if lens.WIDE:
+            _check_image_circle(self)
 
     @property
     def lens(self) -> LensModel:
@@ -133,12 +139,27 @@ _FARTHEST = 20.0  # principal point from the image, in sizes of the image
 _STRONGEST = 1e6  # distortion of a corner, in sizes of the image
 
 
+def _check_image_circle(camera: Camera) -> None:
+    """Refuse a wide lens whose model ends far within the image, where a wrong coefficient folds it back.
+
+    Raises:
+        InputError: if it does.
+    """
+    end = _INSIDE * min(camera.lens.field(np.asarray(camera.distortion)), _ALL_ROUND)
+    aside, _ = camera.project(np.array([np.sin(end), 0.0, np.cos(end)])) - np.asarray(camera.matrix)[:2, 2]
+    if not aside >= _LEAST_CIRCLE * min(camera.size):
+        raise InputError(
+            f"the image of the {camera.model} lens ends {np.degrees(end):.0f} degrees off its axis, "
+            f"{abs(aside):.0f} px from the principal point, by its coefficients; correct the calibration."
+        )
+
+
 def _check_plausible(size: tuple[int, int], matrix: np.ndarray, distortion: np.ndarray) -> None:
     across = max(size)
     focal = matrix[(0, 1), (0, 1)]
     if focal.min() < _SHORTEST * across or focal.max() > _LONGEST * across:
         raise InputError(
-            f"focal lengths of {focal[0]:.4g} and {focal[1]:.4g} pixels are none of a camera with {across} pixels; "
+            f"focal lengths of {focal[0]:.4g} and {focal[1]:.4g} pixels do not fit a camera with {across} pixels; "
             "correct the calibration, or its image size."
         )
     if np.abs(matrix[:2, 2]).max() > _FARTHEST * across:
@@ -147,7 +168,7 @@ def _check_plausible(size: tuple[int, int], matrix: np.ndarray, distortion: np.n
             "calibration, or its image size."
         )
     if np.abs(distortion).max(initial=0.0) * min(1.0, across / focal.max()) ** 2 > _STRONGEST:
-        raise InputError("the distortion is none of a lens; correct the calibration.")
+        raise InputError("the distortion is not that of a lens; correct the calibration.")
 
 
 def same_camera(one: Camera, other: Camera) -> bool:

@@ -6,6 +6,7 @@ import numpy as np
 
 from stereorecal._choices import checked_choice
 from stereorecal._errors import InputError
+from stereorecal.decision import DEFAULT as USUAL, Tolerances
 from stereorecal.estimation import DEFAULT, EXACT
 from stereorecal.geometry import checked_view_arguments
 from stereorecal.matching import AbstractMatcher
@@ -36,6 +37,7 @@ class Config:
         switch: chance that one calibration wins against another that is as good.
         rest: pairs between two switches, at least.
         keep: calibrations that can be returned to.
+        tolerances: of the decision that a calibration is to be repaired.
         repair: False watches alone, and switches nothing: the freeze switch. What moved a rig of which hardly anything
             matches is still searched for, to say it.
     """
@@ -55,6 +57,7 @@ class Config:
     switch: float = 1e-3
     rest: int = 10
     keep: int = 8
+    tolerances: Tolerances = USUAL
     repair: bool = True
 
     def __post_init__(self) -> None:

@@ -8,7 +8,7 @@ from jaxtyping import Float
 
 from stereorecal.estimation import Normal, is_exact, one_blas_thread, rig_parameters, window
 from stereorecal.geometry import vector_from_rotation
-from stereorecal.online._estimate import OF_LENSES, SIZE, Measurement
+from stereorecal.online._filter import OF_LENSES, SIZE, Measurement
 from stereorecal.online._pair_estimate import PairEstimate
 from stereorecal.online._state import State
 from stereorecal.online._switching import Outcome, weighed

@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal.online._config import Config
-from stereorecal.online._estimate import Estimate, Measurement
+from stereorecal.online._filter import FilterEstimate, Measurement
 
 # Of `Config.wander`, and of `Config.heating`: calm, warm, hot; shaken.
 _TIMES = np.array([(1.0, 0.25), (1.0, 1.0), (1.0, 4.0), (8.0, 1.0), (32.0, 1.0)])
@@ -29,15 +29,15 @@ class Pace:
         logs: (k,) logarithms of the evidence of each.
     """
 
-    several: tuple[Estimate, ...]
+    several: tuple[FilterEstimate, ...]
     logs: Float[np.ndarray, "k"]
 
     @staticmethod
-    def at(estimate: Estimate) -> "Pace":
+    def at(estimate: FilterEstimate) -> "Pace":
         """Nothing learnt yet."""
         return Pace((estimate,) * len(_TIMES), _USUAL)
 
-    def again(self, estimate: Estimate) -> "Pace":
+    def again(self, estimate: FilterEstimate) -> "Pace":
         """From another estimate; how fast the rig drifts is as before."""
         return replace(self, several=(estimate,) * len(self.several))
 

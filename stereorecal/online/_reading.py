@@ -2,29 +2,27 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property, lru_cache
 
 import numpy as np
 from jaxtyping import Float
 
 from stereorecal._json_data import json_data
-from stereorecal.online._estimate import SIZE
-from stereorecal.online._state import Offset, State
-from stereorecal.recalibration import (
-    DISTANCES,
-    NORMAL_95,
-    ROWS_APART,
-    ROWS_MATTER,
-    Condition,
-    Interval,
-    depth_error,
-)
+from stereorecal.decision import Decision, Tolerances, Verdict, better_on_average, decide
+from stereorecal.estimation import Estimate
+from stereorecal.geometry import StereoRig, View
+from stereorecal.objectives import EXTRINSICS
+from stereorecal.online._filter import SIZE, FilterEstimate
+from stereorecal.online._filter_posterior import known
+from stereorecal.online._state import State
+from stereorecal.recalibration import DISTANCES, NORMAL_95, Condition, Interval
 
 FAR = 30  # baselines
 DEPTH_MATTERS = 5.0  # percent there
-DEPTH_WRONG = 10.0  # percent there: what a calibration that is called healthy may hide
-SURE = 1e-4  # chance of a change that is called significant
 LATE = 4.0  # standard errors
 LATE_MATTERS = 0.03  # frames
+_ROTATION = EXTRINSICS[:3]
+_UNKNOWN = Interval(float("nan"), float("nan"), float("nan"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,13 +32,13 @@ class Reading:
     Attributes:
         axes: what would correct it: pitch, yaw, roll in degrees, y, z in percent of the baseline.
         row_error: of the last look, pixels at full size: the mean over tiles of a tile's median |row difference|.
-        rows_px: root mean square of the rows that the correction would take away, pixels at full size.
-        depth_percent: error of depth at 5, 10, 30 and 100 baselines.
+        rows_px: epipolar error of the calibration in use, root mean square over the view, pixels at full size.
+        depth_percent: its error of depth at 5, 10, 30 and 100 baselines.
         delay: of the right shutter, in frames.
-        chance: of an offset as large as this one, or larger, if the calibration in use were right.
-        chance_of_rotation: the same of pitch, yaw and roll alone.
-        matters: whether it is more than 0.1 pixels of row, or 5 % of depth at 30 baselines.
-        rotation_matters: whether pitch, yaw and roll alone would be.
+        decision: whether to change pitch, yaw and roll; None if the state holds what is no number.
+        shifted: whether only a change of y and z as well would be better for sure. A bar that bends turns the cameras
+            too; a shutter that is late on a rig that travels straight on looks like a shift.
+        known: what is known of the rig, around the calibration in use; None if that is no number.
     """
 
     axes: Mapping[str, Interval]
@@ -48,21 +46,41 @@ class Reading:
     rows_px: Interval
     depth_percent: Mapping[int, Interval]
     delay: Interval
-    chance: float
-    chance_of_rotation: float
-    matters: bool
-    rotation_matters: bool
+    decision: Decision | None
+    shifted: bool
+    known: Estimate | None = None
 
     @property
     def condition(self) -> Condition:
-        """Repair, if the change is significant and matters. Healthy, if none that matters is in sight, no shutter is
-        late, and the intervals stay within 0.3 pixels and 10 %. Cannot tell, otherwise."""
-        if self.matters and self.chance < SURE:
-            return Condition.REPAIR
-        if not np.isfinite(self.chance):
+        """What the decision says, as `health` has it; a calibration is not healthy while a shutter is late."""
+        if self.decision is None:
             return Condition.CANNOT_TELL
-        wide = self.rows_px.high > ROWS_APART or self.depth_percent[FAR].farthest > DEPTH_WRONG
-        return Condition.CANNOT_TELL if self.matters or wide or self.late else Condition.HEALTHY
+        if self.repairs or self.shifted:
+            return Condition.REPAIR
+        good = self.decision.verdict is Verdict.GOOD and not self.late
+        return Condition.HEALTHY if good else Condition.CANNOT_TELL
+
+    @property
+    def repairs(self) -> bool:
+        """Whether another rotation is better for sure."""
+        return self.decision is not None and not self.decision.refused
+
+    @cached_property
+    def rotation(self) -> Float[np.ndarray, "3"] | None:
+        """The change of pitch, yaw and roll [deg] that the decision asks for, or that is better on average by what is
+        noticed; None where none is."""
+        if self.decision is None or self.known is None:
+            return None
+        asked = None if self.decision.refused else self.decision.theta
+        theta = better_on_average(self.known, _ROTATION, self.decision.tolerances) if asked is None else asked
+        return None if theta is None else theta[: len(_ROTATION)]
+
+    @property
+    def matters(self) -> bool:
+        """Whether epipolar errors are, as likely as not, none of a good calibration, or depth at 30 baselines is wrong
+        by 5 %."""
+        limits = Tolerances() if self.decision is None else self.decision.tolerances
+        return self.rows_px.value > limits.good_rows_px or abs(self.depth_percent[FAR].value) > DEPTH_MATTERS
 
     @property
     def late(self) -> bool:
@@ -70,19 +88,14 @@ class Reading:
         half = (self.delay.high - self.delay.low) / 2.0
         return abs(self.delay.value) > max(LATE * half / NORMAL_95, LATE_MATTERS)
 
-    @property
-    def shifted(self) -> bool:
-        """Whether it is to be repaired for y and z: its rotation alone does not matter, or is not significant. A bar
-        that bends turns the cameras as well; a shutter that is late on a rig that travels straight on looks so."""
-        turned = self.rotation_matters and self.chance_of_rotation < SURE
-        return self.condition is Condition.REPAIR and not turned
-
     def as_dict(self) -> dict:
         """Plain data for JSON."""
         return json_data(
             {
                 "condition": self.condition.name.lower(),
                 "shifted": self.shifted,
+                "probability_better": self.decision and self.decision.better,
+                "probability_worse": self.decision and self.decision.worse,
                 "axes": {name: _ends(axis) for name, axis in self.axes.items()},
                 "row_error_px": self.row_error,
                 "rows_px": _ends(self.rows_px),
@@ -94,43 +107,32 @@ class Reading:
 
 def reading(state: State) -> Reading:
     """What a state says of the calibration in use."""
-    from scipy.special import chdtrc  # a third of a second to import
-
-    apart, covariance = state.estimate.offset - state.using, state.estimate.of_offset
+    apart = state.estimate.offset - state.using
     widths = NORMAL_95 * np.sqrt(np.diag(state.estimate.covariance))
-    rows, near = _effect(state, apart)
-    wide = NORMAL_95 * float(np.sqrt(max(np.trace(_steepness(state) @ covariance), 0.0)))
-    nearer = NORMAL_95 * np.sqrt(np.maximum(np.sum(state.nearing @ covariance * state.nearing, axis=-1), 0.0))
-    depths = np.stack([near, near + nearer, near - nearer], axis=-1).tolist()
     delay = state.estimate.delay
-    return Reading(
-        axes={
-            name: Interval(value, value - width, value + width)
-            for name, value, width in zip(state.chart.names, apart.tolist(), widths[:SIZE].tolist(), strict=True)
-        },
-        row_error=state.row_error,
-        rows_px=Interval(rows, max(rows - wide, 0.0), rows + wide),
-        depth_percent={at: Interval(*map(depth_error, three)) for at, three in zip(DISTANCES, depths, strict=True)},
-        delay=Interval(delay, delay - float(widths[SIZE]), delay + float(widths[SIZE])),
-        chance=float(chdtrc(SIZE, float(apart @ np.linalg.solve(covariance, apart)))),
-        chance_of_rotation=float(chdtrc(3, float(apart[:3] @ np.linalg.solve(covariance[:3, :3], apart[:3])))),
-        matters=_matters(rows, near),
-        rotation_matters=_matters(*_effect(state, np.concatenate([apart[:3], np.zeros(SIZE - 3)]))),
-    )
+    axes = {
+        name: Interval(value, value - width, value + width)
+        for name, value, width in zip(state.chart.names, apart.tolist(), widths[:SIZE].tolist(), strict=True)
+    }
+    late = Interval(delay, delay - float(widths[SIZE]), delay + float(widths[SIZE]))
+    if not np.isfinite(state.estimate.mean).all() or not np.isfinite(state.estimate.covariance).all():
+        return Reading(axes, state.row_error, _UNKNOWN, dict.fromkeys(DISTANCES, _UNKNOWN), late, None, shifted=False)
+    using, limits = tuple(state.using.tolist()), state.config.tolerances
+    seen, decision, shifted, depth = _judged(state.initial, using, state.estimate, state.view, limits)
+    return Reading(axes, state.row_error, Interval(*decision.rows_px[0].tolist()), depth, late, decision, shifted, seen)
 
 
-def _effect(state: State, apart: Offset) -> tuple[float, Float[np.ndarray, "4"]]:
-    """Of an offset from the calibration in use: root mean square of rows, and the true depth over the one reported."""
-    return float(np.sqrt(max(apart @ _steepness(state) @ apart, 0.0))), 1.0 + state.nearing @ apart
-
-
-def _steepness(state: State) -> Float[np.ndarray, "5 5"]:
-    return np.zeros((SIZE, SIZE)) if state.steepness is None else state.steepness
-
-
-def _matters(rows: float, near: Float[np.ndarray, "4"]) -> bool:
-    """Whether such an effect does."""
-    return rows > ROWS_MATTER or abs(depth_error(float(near[DISTANCES.index(FAR)]))) > DEPTH_MATTERS
+@lru_cache(maxsize=4)  # a step asks several times
+def _judged(
+    initial: StereoRig, using: tuple[float, ...], filtered: FilterEstimate, view: View, limits: Tolerances
+) -> tuple[Estimate, Decision, bool, Mapping[int, Interval]]:
+    """What is known of a calibration in use, the decision on its rotation, whether it is shifted, and its error of
+    depth."""
+    seen = known(initial, using, filtered, view)
+    found = decide(seen, _ROTATION, limits, depth_told=True)
+    shifted = found.verdict is Verdict.CANNOT_TELL and not decide(seen, EXTRINSICS, limits, depth_told=True).refused
+    depth = {at: Interval(*ends) for at, ends in seen.depth_error_percent(np.zeros(len(seen.names))).items()}
+    return seen, found, shifted, depth
 
 
 def _ends(found: Interval) -> dict[str, float]:

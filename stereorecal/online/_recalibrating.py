@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from stereorecal._errors import InputError
-from stereorecal.online._estimate import SIZE
 from stereorecal.online._events import Event, Kind
+from stereorecal.online._filter import SIZE
 from stereorecal.online._state import State
 from stereorecal.online._switching import AFTER_REPAIR, calibration_data, switched
 from stereorecal.recalibration import recalibrate as recalibrated

@@ -16,8 +16,6 @@ from stereorecal.recalibration import Case, Progress, Reason, Schedule, Solution
 from stereorecal.recordings import Pair
 from stereorecal.scoring import pyramid
 
-_FAR = 1.5  # pixels: beyond it a window meets other things
-
 
 def begun(state: State, pairs: Sequence[Pair]) -> tuple[State, list[Event]]:
     """The state with a repair under way, on pairs that hardly match."""
@@ -46,14 +44,14 @@ def _judged(state: State, solution: Solution) -> tuple[State, list[Event]]:
         return state, [_rejected(state, solution)]
     offset = state.offset_of(solution.rig)
     change = dict(zip(state.chart.names, (offset - state.using).tolist(), strict=True))
-    knock = Event(state.frame, Kind.KNOCK, "hardly anything matched", {"change": change})
+    knock = Event(state.frame, Kind.KNOCK, "almost nothing matched", {"change": change})
     events = [] if state.said is Kind.KNOCK else [knock]
     return after_repair(state.but(said=Kind.KNOCK, ready=0), offset, solution.covariance), events
 
 
 def too_far(state: State) -> bool:
     """Whether a knock was so large that looks through the calibration in use measure it badly."""
-    return reading(state).rows_px.value > _FAR
+    return reading(state).rows_px.value > state.config.tolerances.blind_rows_px
 
 
 def _rejected(state: State, solution: Solution) -> Event:

@@ -13,12 +13,13 @@ from typing import Any
 import numpy as np
 
 from stereorecal._errors import InputError, MatcherError
+from stereorecal.decision import Tolerances
 from stereorecal.geometry import Camera, StereoRig, View
 from stereorecal.io import write_bytes
 from stereorecal.matching import AbstractMatcher, matcher, matchers, name_of
 from stereorecal.online._config import Config
-from stereorecal.online._estimate import Estimate, Measurement
 from stereorecal.online._events import Kind
+from stereorecal.online._filter import FilterEstimate, Measurement
 from stereorecal.online._job import Job
 from stereorecal.online._pace import Pace
 from stereorecal.online._sequential_test import SequentialTest
@@ -26,13 +27,14 @@ from stereorecal.online._state import State
 from stereorecal.recordings import Pair
 from stereorecal.scoring.host import Corners
 
-SCHEMA = "stereorecal.state/8"
+SCHEMA = "stereorecal.state/9"
 _KNOWN: dict[str, Any] = {
     kind.__name__: kind
     for kind in (
         State,
         Config,
-        Estimate,
+        Tolerances,
+        FilterEstimate,
         Measurement,
         Pace,
         Corners,
@@ -48,7 +50,7 @@ _KNOWN: dict[str, Any] = {
 # What zipfile, NumPy and the classes raise for what is damaged; RuntimeError for flags that no archive of ours has.
 _DAMAGED = (ValueError, LookupError, TypeError, AttributeError, RuntimeError, EOFError, OSError, MemoryError)
 _DAMAGED += (zipfile.BadZipFile, zlib.error)
-_ANEW = "remove it, or name another file, to begin anew"
+_ANEW = "remove it, or name another file, to start again"
 
 
 class _NotInstalled(Exception):
@@ -88,7 +90,7 @@ def load(path: str | Path, rig: StereoRig | None = None) -> State:
         _alike(rig, known) for known in (state.initial, state.rig, *map(state.rig_at, state.previous))
     ):
         raise InputError(
-            f"{path}: the state is of another calibration than the one that is given; name another file to begin anew "
+            f"{path}: the state belongs to another calibration than the given one; name another file to start again "
             "with this one."
         )
     return state

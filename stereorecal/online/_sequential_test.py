@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.online._estimate import POSES, Measurement
+from stereorecal.online._filter import POSES, Measurement
 
 _MOST_OF_ONE = 4.0  # of the logarithm
 _LOST = -3.0

@@ -10,13 +10,12 @@ from stereorecal.geometry import StereoRig, View
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import Reach, RigChart, row_chart
 from stereorecal.online._config import Config
-from stereorecal.online._estimate import Estimate, Measurement
 from stereorecal.online._events import Kind
+from stereorecal.online._filter import FilterEstimate, Measurement
 from stereorecal.online._job import Job
 from stereorecal.online._pace import Pace
 from stereorecal.online._sequential_test import SequentialTest
 from stereorecal.online._turning import Small
-from stereorecal.recalibration import depth_slopes
 from stereorecal.recordings import Pair
 from stereorecal.scoring.host import Corners
 
@@ -40,9 +39,6 @@ class State:
         frame: number of the next pair.
         matcher: with its disparity range; None until one is measured.
         seen: informative looks so far.
-        nearing: (4, 5) derivatives of the true depth over the one reported, at 5, 10, 30 and 100 baselines, by the
-            offset from the calibration in use.
-        steepness: (5, 5) mean of the squared derivatives of the rows by it, of the last look, pixels at full size.
         row_error: of the last of them, pixels at full size; NaN before.
         last: the last left image, small; None after a pair that cannot be used.
         corners: that are followed until the rig has moved; None where there are none.
@@ -69,13 +65,11 @@ class State:
     initial: StereoRig
     view: View
     using: Offset
-    estimate: Estimate
+    estimate: FilterEstimate
     pace: Pace
-    nearing: Float[np.ndarray, "4 5"]
     frame: int = 0
     matcher: AbstractMatcher | None = None
     seen: int = 0
-    steepness: Float[np.ndarray, "5 5"] | None = None
     row_error: float = float("nan")
     last: Small | None = None
     corners: Corners | None = None
@@ -103,7 +97,7 @@ class State:
     @property
     def chart(self) -> RigChart:
         """Offsets, in half widths of its box, to rigs."""
-        return row_chart(self.initial, Reach())
+        return _chart(self.initial)
 
     @cached_property
     def rig(self) -> StereoRig:
@@ -112,8 +106,7 @@ class State:
 
     def rig_at(self, offset: Offset) -> StereoRig:
         """The rig with an offset."""
-        chart = self.chart
-        return chart.rig_at(offset / chart.units) if np.any(offset) else self.initial
+        return rig_with(self.initial, offset)
 
     def offset_of(self, rig: StereoRig) -> Offset:
         """The inverse."""
@@ -139,20 +132,24 @@ class State:
         estimate = self.estimate.seen(self.estimate.doubted(seen).weighed(1.0 / together))
         return replace(self, estimate=estimate, pace=self.pace.seen(seen.weighed(together**-0.5)))
 
-    def standing_at(self, estimate: Estimate) -> "State":
+    def standing_at(self, estimate: FilterEstimate) -> "State":
         """With another estimate."""
         return replace(self, estimate=estimate, pace=self.pace.again(estimate))
 
     def using_now(self, offset: Offset) -> "State":
         """The state with another calibration in use."""
-        return replace(self, using=offset, nearing=nearing(self.rig_at(offset)))
+        return replace(self, using=offset)
 
     def but(self, **changes) -> "State":
         """The same but for some of it."""
         return replace(self, **changes)
 
 
-def nearing(rig: StereoRig) -> Float[np.ndarray, "4 5"]:
-    """`State.nearing` of a calibration."""
-    chart = row_chart(rig, Reach())
-    return depth_slopes(rig, chart, np.zeros(chart.dim)) / chart.units
+def rig_with(initial: StereoRig, offset: Offset) -> StereoRig:
+    """The rig with an offset from the one that was given first."""
+    chart = _chart(initial)
+    return chart.rig_at(offset / chart.units) if np.any(offset) else initial
+
+
+def _chart(initial: StereoRig) -> RigChart:
+    return row_chart(initial, Reach())

@@ -9,14 +9,14 @@ from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig, as_view
 from stereorecal.matching import as_matcher
 from stereorecal.online._config import Config
-from stereorecal.online._estimate import SIZE, at_start
 from stereorecal.online._events import Event, Kind
+from stereorecal.online._filter import SIZE, at_start
 from stereorecal.online._keystone import left_of_yaw
 from stereorecal.online._moving import anchored, moved
 from stereorecal.online._pace import Pace
 from stereorecal.online._pair_estimate import PairEstimate, estimate_pair
 from stereorecal.online._repairing import begun, continued, too_far
-from stereorecal.online._state import Offset, State, nearing
+from stereorecal.online._state import Offset, State
 from stereorecal.online._switching import Outcome, judged, matched, nominated, switched
 from stereorecal.online._turning import Small, small, turn
 from stereorecal.online._watching import followed, measurement
@@ -41,7 +41,7 @@ def init(rig: StereoRig, config: Config = Config()) -> State:  # noqa: B008  fro
     Schedule.default()  # raises now, and not after the first knock
     matcher = as_matcher(config.matcher)
     first = at_start(np.ones(SIZE), config)
-    blank = State(config, rig, as_view(config.view, rig), np.zeros(SIZE), first, Pace.at(first), nearing(rig))
+    blank = State(config, rig, as_view(config.view, rig), np.zeros(SIZE), first, Pace.at(first))
     known = matcher if matcher.num_disparities is not None else None
     prior, bent = blank.prior, 0.0
     if (
@@ -126,10 +126,8 @@ def _looked(state: State, pair: Pair, before: Small | None, now: Small) -> Outco
         return _blind(state, pair, look)
     turned = None if before is None else turn(state.initial.left, before, now)
     measured = measurement(state, look, turned)
-    slopes = look.facts.jacobian / look.chart.units
     state = state.but(
         seen=state.seen + 1,
-        steepness=slopes.T @ slopes / len(slopes),
         row_error=look.rows(state.rig),
         darkness=0,
         attempt=_FIRST,

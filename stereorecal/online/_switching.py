@@ -5,8 +5,8 @@ from collections.abc import Callable
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.online._estimate import SIZE, Measurement
 from stereorecal.online._events import Event, Kind
+from stereorecal.online._filter import SIZE, Measurement
 from stereorecal.online._pair_estimate import PairEstimate
 from stereorecal.online._reading import reading
 from stereorecal.online._sequential_test import SequentialTest
@@ -14,7 +14,6 @@ from stereorecal.online._state import Offset, State
 
 Outcome = tuple[State, list[Event]]
 
-_WORTH = 1e-2  # chance of an offset, below which the estimate becomes a candidate
 AFTER_REPAIR = 0.1  # degrees and percent: how well a repair of few frames is trusted, beyond its own covariance
 
 
@@ -27,7 +26,8 @@ def judged(state: State, measured: Measurement, look: PairEstimate) -> Outcome:
     if found.late or (found.shifted and trial.by == "looks"):  # what was measured may be the shutter's
         return state.but(trial=None), []
     after = look.rows(state.rig_at(trial.offset))
-    return decided(state.but(trial=trial.measured(state.using, measured, state.row_error, after)))
+    state = state.but(trial=trial.measured(state.using, measured, state.row_error, after))
+    return decided(state)
 
 
 def weighed(state: State, measured: Measurement) -> State:
@@ -81,7 +81,8 @@ def switched(state: State, offset: Offset) -> State:
 
 
 def nominated(state: State) -> Outcome:
-    """The rotation of the estimate as a candidate, where it says that the one in use is not the true one.
+    """The rotation that the decision asks for as a candidate, or one that is better on average: later looks must bear
+    out either, and a calibration in use can be replaced again.
 
     y and z stay: a shutter that is late on a rig that travels straight on poses as a shift, and no look tells them
     apart. A repair of pairs that hardly match, which is judged by its own misfit, may change them.
@@ -91,9 +92,9 @@ def nominated(state: State) -> Outcome:
     if state.frame < state.ready:
         return state, []
     found = reading(state)
-    if found.late or found.shifted or found.chance_of_rotation > _WORTH:
+    if found.late or found.shifted or found.rotation is None:
         return state, []
-    turned = np.concatenate([state.estimate.offset[:3], state.using[3:]])
+    turned = state.using + np.concatenate([found.rotation, np.zeros(SIZE - len(found.rotation))])
     return state.but(trial=SequentialTest(turned, "looks", state.frame)), []
 
 

@@ -4,8 +4,8 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal.objectives import RigChart
-from stereorecal.online._estimate import SIZE, Estimate, Measurement
 from stereorecal.online._events import Event, Kind
+from stereorecal.online._filter import SIZE, FilterEstimate, Measurement
 from stereorecal.online._pair_estimate import PairEstimate
 from stereorecal.online._reading import Reading, reading
 from stereorecal.online._state import State
@@ -57,14 +57,13 @@ def followed(state: State, measured: Measurement) -> tuple[State, list[Event]]:
     if not knocked:
         return standing(state)
     state = state.but(trial=None, ready=0)  # it was fitted to another rig
-    found = reading(state.using_now(before.offset))
-    if not found.matters or found.shifted:
+    if not reading(state.using_now(before.offset)).matters:
         return standing(state)
     facts = {"change": dict(zip(state.chart.names, moved.tolist(), strict=True))}
     return state.but(said=Kind.KNOCK), [Event(state.frame, Kind.KNOCK, _change_text(facts["change"]), facts)]
 
 
-def _explained(state: State, first: Measurement, second: Measurement) -> tuple[Estimate, bool] | None:
+def _explained(state: State, first: Measurement, second: Measurement) -> tuple[FilterEstimate, bool] | None:
     """The estimate after two looks that agree with each other, and whether the rig was knocked; None if they do not.
     A delay explains with one number what a knock explains with five, so it is asked first."""
     late = _with(state.estimate.late(), state, first)
@@ -74,7 +73,7 @@ def _explained(state: State, first: Measurement, second: Measurement) -> tuple[E
     return (_with(knocked, state, second), True) if knocked.chance_of(second) > _AGREE else None
 
 
-def _with(estimate: Estimate, state: State, measured: Measurement) -> Estimate:
+def _with(estimate: FilterEstimate, state: State, measured: Measurement) -> FilterEstimate:
     """The estimate with a look, of which a share counts: nothing votes twice. The turn errs in all looks alike, too."""
     return estimate.seen(estimate.doubted(measured).weighed(1.0 / state.config.together))
 

@@ -36,7 +36,7 @@ Taken = tuple[np.ndarray, np.ndarray, float | None, float]  # and the readout of
 
 _PATIENCE = 10.0  # seconds that the process has to end by itself
 _LONGEST_REST = 10.0  # seconds
-_DEAD = "the process beside has died (exit code {}), and nobody watches the rig; "
+_DEAD = "the worker process exited (exit code {}), and the rig is not watched; "
 _AT_ONCE = 'it imports the program that starts it, which must do so under `if __name__ == "__main__":`.'
 _LATER = "look at what it printed, and start another."
 
@@ -110,7 +110,7 @@ class MonitorProcess:
 
         Raises:
             InputError: if it is none of these.
-            RuntimeError: if the process has died.
+            RuntimeError: if the worker process has exited.
         """
         self._check_alive()
         sent = _plain(pair)
@@ -125,7 +125,7 @@ class MonitorProcess:
         """The newest state, at once, and what has happened since this was asked before.
 
         Raises:
-            RuntimeError: if the process has died, and all that happened before has been told.
+            RuntimeError: if the worker process has exited, and all that happened before has been told.
         """
         with self._lock:
             events, self._events = self._events, ()
@@ -139,7 +139,7 @@ class MonitorProcess:
         leaves the state as it is, and is told as REFUSED.
 
         Raises:
-            RuntimeError: if the process has died.
+            RuntimeError: if the worker process has exited.
             Exception: whatever pickle raises of a function that cannot be pickled.
         """
         self._check_alive()

@@ -20,27 +20,28 @@ ROWS_MATTER = 0.1  # pixels: what a matcher notices
 class Reason(enum.Enum):
     """Why a candidate was accepted or not; the value is the message."""
 
-    IMPROVED = "the candidate is better, and that is sure"
+    IMPROVED = "the candidate is a significant improvement"
     MORE_MATCHES = "the candidate matches more pixels"
-    RANGES = "the candidate agrees with the ranges, which the initial calibration does not, and its rows are as good"
-    MOTION = "the rig's own motion tells that depth is better under the candidate, and its rows are as good"
-    ALREADY_GOOD = "the initial calibration is already good; there is nothing to gain that is sure"
+    RANGES = "the candidate agrees with the ranges, which the initial calibration does not, at no larger epipolar error"
+    MOTION = "by the rig's own motion, depth is better under the candidate, at no larger epipolar error"
+    ALREADY_GOOD = "the initial calibration is already good; there is no significant improvement"
     NOT_IMPROVED = "no candidate matches more pixels than the initial calibration"
     FEWER_MATCHES = (
         "the candidate loses whole regions that match under the initial calibration: something moved between the two "
         "exposures; give other frames"
     )
     TOO_LITTLE_TEXTURE = "too little of the images matches: too little light or texture"
-    NO_MATCHES = "hardly anything matches, though the images have texture: a drift beyond the reach, or another rig"
+    NO_MATCHES = "almost nothing matches, though the images have texture: a drift beyond the reach, or another rig"
     OUT_OF_BUDGET = "the budget ended before the row error of a candidate could be judged; give a larger one"
     MISFIT = (
         "systematic epipolar residuals remain, which no rotation or shift of the cameras explains: the intrinsics "
         "differ, or something moved between the two exposures; four scenes or more, with frames that move or ranges, "
-        "would tell intrinsics too"
+        "would determine the intrinsics too"
     )
     FRAMES_DISAGREE = "the frames show different rigs; take them at rest, or check the synchronisation of the cameras"
     CANNOT_TELL = (
-        "the images do not tell for sure what is better; other scenes, frames that move, or ranges would tell more"
+        "no improvement is significant, and the initial calibration may be wrong; other scenes, frames that move, or "
+        "ranges would help"
     )
     REACH_EDGE = (
         "the candidate lies at twice the reach: the drift is larger, so give a larger reach, or something moved "

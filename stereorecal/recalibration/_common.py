@@ -23,10 +23,10 @@ from stereorecal.estimation import (
 from stereorecal.geometry import StereoRig
 from stereorecal.objectives import Parameters, read_by, row_chart
 from stereorecal.recalibration._acceptance import Reason, RowErrors, compared
-from stereorecal.recalibration._estimated import reason_of
+from stereorecal.recalibration._answer import reason_of
 from stereorecal.recalibration._frames_left_out import borne_out
+from stereorecal.recalibration._known_ranges import prior_of
 from stereorecal.recalibration._match_task import Each, beams_of, matched
-from stereorecal.recalibration._ranged import prior_of
 from stereorecal.recalibration._repaired_recording import RepairedRecording
 from stereorecal.recalibration._row_evidence import TILES_OF_A_FRAME, Evidence, evidence
 from stereorecal.recalibration._stages import FEWEST

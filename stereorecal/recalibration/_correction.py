@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+import numpy as np
+
 from stereorecal.decision import Decision
 from stereorecal.estimation import Estimate
 from stereorecal.objectives import EXTRINSICS
@@ -19,6 +21,8 @@ class Correction:
         depth_percent: its error of depth at 5, 10, 30 and 100 baselines; positive: too far, infinite: beyond infinity.
         row_error: that would remain, pixels at full size: mean over the tiles of a tile's median.
         decision: whether the change is worth it.
+        main_axes: those whose change alone moves rows or depth by what is noticed, what moves most first; if none does,
+            the first of them.
     """
 
     axes: Mapping[str, Interval]
@@ -26,12 +30,7 @@ class Correction:
     depth_percent: Mapping[int, Interval]
     row_error: float
     decision: Decision
-
-    @property
-    def significant(self) -> tuple[str, ...]:
-        """The axes whose interval leaves out zero; where only their sum does, the surest one."""
-        sure = {name: abs(axis.value) / max(axis.high - axis.value, 1e-12) for name, axis in self.axes.items()}
-        return tuple(name for name, ratio in sure.items() if ratio > 1.0) or (max(sure, key=sure.__getitem__),)
+    main_axes: tuple[str, ...]
 
 
 def correction_of(seen: Estimate, decision: Decision, depth: Mapping[int, Interval], row_error: float) -> Correction:
@@ -53,4 +52,15 @@ def correction_of(seen: Estimate, decision: Decision, depth: Mapping[int, Interv
         depth_percent=depth,
         row_error=row_error,
         decision=decision,
+        main_axes=_main_axes(seen, decision),
     )
+
+
+def _main_axes(seen: Estimate, decision: Decision) -> tuple[str, ...]:
+    limits, losses = decision.tolerances, {}
+    for index, name in enumerate(seen.names):
+        if name in EXTRINSICS:
+            rows, depth = seen.effects(np.where(np.arange(len(seen.names)) == index, decision.theta, 0.0))
+            losses[name] = rows / limits.gain_px + depth / limits.worse_depth_points
+    most = sorted(losses, key=lambda name: -losses[name])
+    return tuple(name for name in most if losses[name] > 1.0) or tuple(most[:1])

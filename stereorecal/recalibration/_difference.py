@@ -89,12 +89,12 @@ class Difference:
         rows = "no point of the view is seen by both cameras"
         if self._row_errors.size:
             rows = (
-                f"{self.row_error_median:.2f} px apart (median over the view), {self.row_error_worst:.2f} px at worst"
+                f"error {self.row_error_median:.2f} px (median over the view), {self.row_error_worst:.2f} px at worst"
             )
         lines = [
             f"rotation  {self.angle_deg:.3f} deg: {angles}",
             f"baseline  {shifts}, length {change(self.baseline_percent, 'long')}",
-            f"rows      {rows}",
+            f"epipolar  {rows}",
             f"depth     {depths(self.depth_error_percent)}",
         ]
         return "\n".join(lines if self.same_intrinsics else [*lines, "cameras   the intrinsics differ too"])

@@ -38,7 +38,7 @@ class Expected:
 
     def __str__(self) -> str:
         depths = ", ".join(f"{distance} B {_from_to(self.depth_percent[distance])}" for distance in (10, 30))
-        return f"rows {self.rows_px:.2f} px apart over the view (root mean square); depth at {depths}"
+        return f"epipolar error (RMS) {self.rows_px:.2f} px over the view; depth at {depths}"
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data for JSON."""

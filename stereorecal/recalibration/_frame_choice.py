@@ -33,7 +33,7 @@ def _soon(first: float | None, second: float | None) -> bool:
     return first is not None and second is not None and 0.0 < second - first <= _SOON
 
 
-def looked_at(pairs: Sequence[Pair], ranges: Sequence[Range]) -> tuple[int, ...]:
+def selected_frames(pairs: Sequence[Pair], ranges: Sequence[Range]) -> tuple[int, ...]:
     """Numbers of the chosen frames, and of those that (resolved) ranges name; of what was chosen before, all."""
     named = {id(one.pair) for one in ranges}
     few = len(pairs) <= MOST_FRAMES + sum(id(pair) in named for pair in pairs)

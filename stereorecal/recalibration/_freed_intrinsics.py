@@ -20,7 +20,7 @@ class IntrinsicsOutcome(enum.Enum):
 
     REFINED = "the intrinsics were refined"
     NEEDED = "the intrinsics were refined as well: no extrinsics explain the epipolar errors, and frames left out agree"
-    NO_GAIN = "the intrinsics stay: rows and depth would hardly gain by others"
+    NO_GAIN = "the intrinsics stay: others would be no significant improvement"
     NOT_HERE = "the intrinsics were refined with other recordings, but this one does without"
     REFUSED = "the intrinsics stay: the calibration that they belong to was refused"
     NOT_SOLVED = "the intrinsics stay: too little of the images matches"
@@ -92,7 +92,10 @@ class Intrinsics:
 
     def __str__(self) -> str:
         lines = [
-            *([f"{self._said} (rows {self.fixed_px:.3f} px as given, {self.freed_px:.3f} px freed)"] * self._of_lenses),
+            *(
+                [f"{self._said} (epipolar error {self.fixed_px:.3f} px as given, {self.freed_px:.3f} px freed)"]
+                * self._of_lenses
+            ),
             *(
                 f"{name:<10} changed by {change:+9.4f} ± {interval:.4f} {unit}".rstrip()
                 for name, unit, change, interval in zip(self.names, self.units, self.change, self.interval, strict=True)

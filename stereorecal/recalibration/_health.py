@@ -14,13 +14,13 @@ from stereorecal.estimation import check_prior, rig_parameters
 from stereorecal.geometry import StereoRig, View, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
 from stereorecal.recalibration._acceptance import FALSE, LEAST_COVERED, Reason, loses_regions
+from stereorecal.recalibration._answer import Answer, depth_by, look_at, rows_of
 from stereorecal.recalibration._as_dict import score_as_dict
 from stereorecal.recalibration._calibration_warnings import doubts
 from stereorecal.recalibration._correction import Correction, correction_of
-from stereorecal.recalibration._estimated import Answer, depth_by, looked, rows_of
 from stereorecal.recalibration._health_text import health_text
 from stereorecal.recalibration._interval import Interval
-from stereorecal.recalibration._prior_use import looked_with
+from stereorecal.recalibration._prior_use import prior_for_look
 from stereorecal.recalibration._settings import HealthOptions, as_settings
 from stereorecal.recalibration._stage_result import counts
 from stereorecal.recalibration._stages import Case
@@ -36,7 +36,7 @@ HEALTH_LIMITS = {"covered": LEAST_COVERED, "covered_of_texture": LIKELY, "false_
 class Condition(enum.Enum):
     """The verdict on a calibration; the value is the message."""
 
-    HEALTHY = "healthy: rows are aligned, and no better depth is known for sure"
+    HEALTHY = "healthy: the rows are aligned, and there is no significant improvement"
     REPAIR = "repair it"
     CANNOT_TELL = "cannot tell"
 
@@ -103,8 +103,8 @@ class Health:
             if not self.shown.enough:
                 return Condition.CANNOT_TELL, "the images have too little texture"
             if self.doubts:
-                return Condition.CANNOT_TELL, f"hardly anything matches; {self.doubts[0]}"
-            return Condition.REPAIR, "hardly anything matches, though the images have texture"
+                return Condition.CANNOT_TELL, f"almost nothing matches; {self.doubts[0]}"
+            return Condition.REPAIR, "almost nothing matches, though the images have texture"
         decision = self.correction.decision
         if self.doubts and decision.verdict is not Verdict.GOOD:
             return Condition.CANNOT_TELL, self.doubts[0]
@@ -112,18 +112,18 @@ class Health:
             return Condition.CANNOT_TELL, Reason.FEWER_MATCHES.value
         if decision.verdict is Verdict.REPAIR:
             kept = ", and depth keeps as it was calibrated" if decision.keeps_depth else ""
-            return Condition.REPAIR, f"{_listed(self.correction.significant)}{kept}"
+            return Condition.REPAIR, f"{_listed(self.correction.main_axes)}{kept}"
         if decision.verdict is Verdict.GOOD and is_sparse(self.covered, self.shown.texture):
             return (
                 Condition.CANNOT_TELL,
-                "little of what has texture matches, perhaps by chance; recalibrate, or show more",
+                "only a small part of the texture matches, perhaps by chance; recalibrate, or give other scenes",
             )
         if decision.verdict is Verdict.GOOD:
             return Condition.HEALTHY, ""
         if not decision.explains:
             return (
                 Condition.CANNOT_TELL,
-                "no change of the extrinsics explains the epipolar errors; four scenes or more would tell more",
+                "no change of the extrinsics explains the epipolar errors; four scenes or more would help",
             )
         return Condition.CANNOT_TELL, "the images do not determine what is better; other scenes, or more frames, may"
 
@@ -145,7 +145,7 @@ class Health:
                 "view": self.view and self.view.as_dict(),
                 "disagreeing": self.disagreeing,
                 "doubts": self.doubts,
-                "axes": correction and (correction.significant if self.condition is Condition.REPAIR else ()),
+                "axes": correction and (correction.main_axes if self.condition is Condition.REPAIR else ()),
                 "correction": correction
                 and {
                     "rotation_deg": {name: _ends(correction.axes[name]) for name in ("pitch", "yaw", "roll")},
@@ -182,12 +182,12 @@ def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> He
     settings = as_settings(options, HealthOptions.__optional_keys__)
     images, doubtful = pyramid(rig, pairs, settings.view), doubts(rig)
     check_prior(settings.prior, rig_parameters(rig))
-    prior = looked_with(settings.prior, rig)
+    prior = prior_for_look(settings.prior, rig)
     check_motion(settings.motion, len(images.pairs), prior)
     windows = following(images.pairs, range(len(images.pairs)), settings.motion, prior)
     matcher, limits = with_measured_range(settings.matcher, images), settings.tolerances
     case = Case(images, matcher, settings.reach, settings.free, prior, windows=windows, tolerances=limits)
-    look = looked(case, settings.schedule.stages[-1])
+    look = look_at(case, settings.schedule.stages[-1])
     score = _score(images, case.matcher)
     shown = max((image_quality(pair) for pair in images.pairs), key=lambda one: one.texture)
     answer = look.answer if look is not None else None

@@ -34,7 +34,7 @@ def health_text(
             *lines,
             f"row error  {row_error:.2f} px; {correction.row_error:.2f} px if corrected",
             f"correction {angles} deg; {shifts} % of the baseline",
-            f"rows       {rows.value:.2f} px apart over the view ({rows.low:.2f} to {rows.high:.2f} px)",
+            f"epipolar   error {rows.value:.2f} px over the view (RMS; {rows.low:.2f} to {rows.high:.2f} px)",
             f"depth      {errors}",
         ]
     )

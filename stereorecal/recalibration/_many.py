@@ -16,7 +16,7 @@ from stereorecal._run_all import Progress, run_all
 from stereorecal.estimation import EXACT
 from stereorecal.geometry import as_view, same_camera
 from stereorecal.objectives import Parameters
-from stereorecal.recalibration._frame_choice import looked_at
+from stereorecal.recalibration._frame_choice import selected_frames
 from stereorecal.recalibration._ranges import resolved_ranges
 from stereorecal.recalibration._recalibrate import recalibrate
 from stereorecal.recalibration._repaired_recording import RepairedRecording
@@ -169,7 +169,7 @@ def sharing(
     if not free.shared:
         return tuple(scenes), ranges
     return tuple(
-        replace(scene, pairs=tuple(scene.pairs[number] for number in looked_at(scene.pairs, ranges)))
+        replace(scene, pairs=tuple(scene.pairs[number] for number in selected_frames(scene.pairs, ranges)))
         for scene in scenes
     ), ranges
 
@@ -232,7 +232,7 @@ def _repaired_together(
         found = together(recordings, free, one=extrinsics == "one", each=each)
     except Exception as error:
         failed = _failed("", error)
-        said = f"the joint solution failed, and the repairs of the extrinsics stand: {failed.error}"
+        said = f"the joint solution failed; the separate repairs of the extrinsics are used: {failed.error}"
         return tuple(
             replace(r, error=r.error or said, fault=r.fault or failed.fault, traceback=failed.traceback)
             for r in repairs
@@ -254,9 +254,7 @@ def _widens(scenes: Sequence[Scene], repairs: Sequence[Solution], free: Paramete
 
 def _seen(pairs: Sequence[Pair], solution: Solution) -> tuple[Pair, ...]:
     """Those that the repair looked at."""
-    return tuple(
-        pairs if solution.frames.looked_at is None else (pairs[number] for number in solution.frames.looked_at)
-    )
+    return tuple(pairs if solution.frames.selected is None else (pairs[number] for number in solution.frames.selected))
 
 
 def _repair(scene: Scene, options: Mapping[str, Any]) -> Repair:

@@ -2,9 +2,9 @@
 
 from stereorecal.estimation import rig_parameters, with_boards
 from stereorecal.geometry import StereoRig
-from stereorecal.recalibration._frame_choice import looked_at
+from stereorecal.recalibration._frame_choice import selected_frames
+from stereorecal.recalibration._known_ranges import prior_of
 from stereorecal.recalibration._prior_use import prior_use
-from stereorecal.recalibration._ranged import prior_of
 from stereorecal.recalibration._ranges import resolved_ranges
 from stereorecal.recalibration._schedule import check_schedule
 from stereorecal.recalibration._settings import Settings
@@ -28,7 +28,7 @@ def prepared(rig: StereoRig, pairs: Pairs, settings: Settings) -> Case:
     use = prior_use(with_boards(settings.prior, settings.boards, rig_parameters(rig)), rig, images.pairs)
     numbers = use.numbers
     if free.shared:
-        chosen = looked_at([images.pairs[number] for number in numbers], ranges)
+        chosen = selected_frames([images.pairs[number] for number in numbers], ranges)
         numbers = tuple(numbers[number] for number in chosen)
     if len(numbers) < len(images.pairs):
         images = pyramid(rig, [images.pairs[number] for number in numbers], images.view)

@@ -101,7 +101,7 @@ def prior_use(prior: Prior, rig: StereoRig, pairs: Sequence[Pair]) -> PriorUse:
     return PriorUse(DEFAULT if prior == DEFAULT else GIVEN, prior, images, every, note=note)
 
 
-def looked_with(prior: Prior, rig: StereoRig) -> Prior:
+def prior_for_look(prior: Prior, rig: StereoRig) -> Prior:
     """The prior of a look at images, from which nothing is learnt: the saved one, if none is named.
 
     Raises:
@@ -195,7 +195,7 @@ def load_prior(path: str | Path | Sequence[str | Path]) -> SavedPrior | None:
     """
     saved, note = saved_with(load_rig(path))
     if note is not None:
-        raise InputError(f"{note}; recalibrate anew.")
+        raise InputError(f"{note}; recalibrate again.")
     return saved
 
 

@@ -8,7 +8,7 @@ from stereorecal._arrays import refuse_tracers
 from stereorecal.decision import Verdict
 from stereorecal.geometry import StereoRig
 from stereorecal.recalibration._acceptance import Reason
-from stereorecal.recalibration._estimated import ended_by, looked
+from stereorecal.recalibration._answer import ended_by, look_at
 from stereorecal.recalibration._judge import judged
 from stereorecal.recalibration._prepared_case import prepared
 from stereorecal.recalibration._search import run_schedule, started
@@ -62,7 +62,7 @@ def recalibrate_case(case: Case, settings: Settings, began: float | None = None)
     # Prepare: the disparity range, where to start, one look.
     case, start, cost = started(case, schedule)
     initial = replace(case, free=settings.free)
-    look = looked(initial, schedule.stages[-1])
+    look = look_at(initial, schedule.stages[-1])
     if look is not None:
         cost = replace(cost, starts=cost.starts + look.cost)
         if look.answer is not None and look.verdict is Verdict.GOOD:

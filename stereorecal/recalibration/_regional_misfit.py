@@ -27,7 +27,9 @@ class Cause(enum.Enum):
 
     ROWS = "it grows with the row: a shutter that rolls in one image, or focal lengths that do not fit"
     RADIAL = "it is radial: the lens distortion does not fit"
-    REGIONS = "regions lie apart: something moved between the two exposures, or the intrinsics do not fit"
+    REGIONS = (
+        "regions differ in epipolar error: something moved between the two exposures, or the intrinsics do not fit"
+    )
 
 
 @dataclass(frozen=True, eq=False)

@@ -49,14 +49,14 @@ def report_of(
     Raises:
         InputError: if the pairs are not those of the solution.
     """
-    if not pairs or max(solution.frames.kept, default=0) >= len(pairs):
+    if not pairs or max(solution.frames.used, default=0) >= len(pairs):
         raise InputError("these are not the pairs that were repaired; give the same, in the same order.")
     found, rows, frame, way = solution.found, None, 0, None
     telling = solution.reason not in _SAYS_NOTHING
     if found is not None and found.found and telling:
         rows, frame = seen_rows(found, solution.initial, solution.candidate, solution.view)
         way = way_of(found, solution.path)
-    pair = pairs[solution.frames.kept[frame] if solution.frames.kept else 0]
+    pair = pairs[solution.frames.used[frame] if solution.frames.used else 0]
     expected = solution.expected
     after = "after" if solution.accepted else "candidate, which was not taken"
     return RepairReport(
@@ -128,7 +128,7 @@ def _depths(solution: AbstractResult) -> list[Depth]:
 def _frames(solution: AbstractResult, pairs: Sequence[Pair]) -> list[tuple[str, str, str]]:
     found = []
     for index, pair in enumerate(pairs):
-        if index not in solution.frames.kept:
+        if index not in solution.frames.used:
             found.append((pair.name, "left out", "it shows another rig than the others"))
         elif pair.name in solution.disagreeing:
             found.append((pair.name, "used", "it shows another rig than others"))

@@ -14,7 +14,7 @@ from stereorecal.report.repair_report import Axis
 from stereorecal.report.repair_text import RepairText
 from stereorecal.report.short_list import short_list
 
-_WOULD_TELL = "four scenes or more, with frames that move or ranges, would tell them"
+_WOULD_TELL = "four scenes or more, with frames that move or ranges, would determine them"
 _SYSTEMATIC = 0.05  # pixels of radial misfit that regions share; right intrinsics leave 0.01
 
 
@@ -84,8 +84,14 @@ def _depth_before(solution: AbstractResult) -> tuple[str, str]:
     seen = solution.estimate
     if solution.decision is not None and solution.decision.keeps_depth:
         if seen is not None and seen.windows:
-            return "depth", "stays as it was calibrated: neither rows nor the rig's motion tell it better"
-        return "depth", "stays as it was calibrated: rows do not tell it; frames that move, or ranges, would"
+            return (
+                "depth",
+                "stays as it was calibrated: neither the epipolar error nor the rig's motion determine it better",
+            )
+        return (
+            "depth",
+            "stays as it was calibrated: the epipolar error does not determine it; frames that move, or ranges, would",
+        )
     if seen is None:
         return "", f"depth was off: {depths(solution.depth_error_percent)}"
     errors = seen.depth_error_percent(np.zeros(len(seen.names)))
@@ -96,7 +102,7 @@ def _depth_before(solution: AbstractResult) -> tuple[str, str]:
 def _misfit(solution: AbstractResult, left: Misfit) -> str | None:
     """What is worth saying of the misfit."""
     if left.cause is Cause.RADIAL and left.alike > _SYSTEMATIC:
-        said = f"the intrinsics do not fit: {left.alike:.2f} px of the rows' error is systematic"
+        said = f"the intrinsics do not fit: {left.alike:.2f} px of the epipolar error are systematic"
         return said if solution.intrinsics is not None else f"{said}; {_WOULD_TELL}"
     if left.high > WORTH_SAYING or solution.reason is Reason.MISFIT:
         return f"{left.high:.2f} px in the worst tenth of the regions; {left.cause.value}"

@@ -38,13 +38,13 @@ class RepairedRecording:
     @property
     def kept(self) -> tuple[Pair, ...]:
         """The pairs that it rests on."""
-        return tuple(self.pairs[index] for index in self.repair.frames.kept)
+        return tuple(self.pairs[index] for index in self.repair.frames.used)
 
     @property
     def windows(self) -> Windows:
         """Of the kept pairs that follow each other, numbered as these."""
         seen = self.repair.estimate
-        return NO_WINDOWS if seen is None else seen.windows.numbered(self.repair.frames.kept)
+        return NO_WINDOWS if seen is None else seen.windows.numbered(self.repair.frames.used)
 
     def usable(self, *, lenses: bool) -> bool:
         """Whether it can take part: where lenses are free, frames may disagree by theirs; that is judged at the end."""

@@ -67,7 +67,9 @@ def rescale_baseline(
     data = images.at(finest_scale(rig.left.size))
     found = beams(data, rig, with_measured_range(matcher, images), images.pairs, ranges)
     if not found:
-        raise InputError("no range lies on a pixel with a sure match; give some on surfaces with texture, off edges.")
+        raise InputError(
+            "no range lies on a pixel with a reliable match; give some on surfaces with texture, off edges."
+        )
     change, deviation, used = _solved(found, rig, yaw_sigma)
     extrinsics = np.array(rig.extrinsics, float)
     extrinsics[3:] *= 1.0 + change / 100.0

@@ -3,20 +3,21 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from jaxtyping import Float
 
+from stereorecal._renamed import renamed_attributes
 from stereorecal.decision import Decision, Tolerances
 from stereorecal.estimation import NO_BEAMS, Beams, Estimate, SavedPrior
 from stereorecal.geometry import StereoRig, View
 from stereorecal.matching import AbstractMatcher
 from stereorecal.recalibration._acceptance import Reason, RowErrors
+from stereorecal.recalibration._answer import expected_by
 from stereorecal.recalibration._calibration_warnings import doubts
 from stereorecal.recalibration._cost import Cost
 from stereorecal.recalibration._difference import Difference, difference
-from stereorecal.recalibration._estimated import expected_by
 from stereorecal.recalibration._expected import Expected
 from stereorecal.recalibration._freed_intrinsics import Intrinsics
 from stereorecal.recalibration._path import Waypoint, path_of
@@ -65,21 +66,24 @@ class FramesUsed:
     """Which pairs a repair rests on.
 
     Attributes:
-        looked_at: numbers of the pairs that were looked at; None: all of them.
-        kept: which of those the candidate rests on.
+        selected: numbers of the pairs that were matched; None: all of them.
+        used: which of those the candidate rests on.
         left_out: names of the pairs that show another rig than the others; the candidate does without them.
         disagreeing: the same where they are too many, and nothing is left out.
     """
 
-    looked_at: tuple[int, ...] | None
-    kept: tuple[int, ...]
+    selected: tuple[int, ...] | None
+    used: tuple[int, ...]
     left_out: tuple[str, ...] = ()
     disagreeing: tuple[str, ...] = ()
 
+    if not TYPE_CHECKING:
+        __getattr__ = renamed_attributes({"looked_at": "selected", "kept": "used"})
+
     @property
-    def kept_of_all(self) -> tuple[int, ...]:
-        """`kept`, numbered among all pairs that were given."""
-        return self.kept if self.looked_at is None else tuple(self.looked_at[number] for number in self.kept)
+    def used_of_all(self) -> tuple[int, ...]:
+        """`used`, numbered among all pairs that were given."""
+        return self.used if self.selected is None else tuple(self.selected[number] for number in self.used)
 
 
 @dataclass(frozen=True, eq=False)
@@ -244,13 +248,13 @@ class AbstractResult:
         if self.prior_use is None:
             return None
         good = self.reason.healthy
-        return known_after(self.prior_use, self.estimate, self.initial, self.rig, self.frames.kept_of_all, good=good)
+        return known_after(self.prior_use, self.estimate, self.initial, self.rig, self.frames.used_of_all, good=good)
 
     @property
-    def images_kept(self) -> tuple[str, ...]:
+    def used_images(self) -> tuple[str, ...]:
         """Fingerprints of the pairs that it rests on."""
         use = self.prior_use
-        return () if use is None else tuple(use.images[number] for number in self.frames.kept_of_all)
+        return () if use is None else tuple(use.images[number] for number in self.frames.used_of_all)
 
     @property
     def trace(self) -> Trace | None:
@@ -296,7 +300,7 @@ class AbstractResult:
     @property
     def found(self) -> Correspondences | None:
         """The last correspondences, of the pairs that are kept."""
-        found, kept = next((s.found for s in reversed(self.stages) if s.found is not None), None), self.frames.kept
+        found, kept = next((s.found for s in reversed(self.stages) if s.found is not None), None), self.frames.used
         if found is None or len(kept) == len(found.weight):
             return found
         parts = {name: np.asarray(getattr(found, name))[list(kept)] for name in ("left", "right", "weight")}

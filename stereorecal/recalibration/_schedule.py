@@ -175,5 +175,5 @@ def check_schedule(schedule: Schedule, free: Parameters) -> None:
     """
     if free.shared and schedule.stages[-1].score is not ScoreKind.EPIPOLAR:
         raise InputError(
-            "the count sees neither intrinsics nor ranges; leave the default schedule, which ends on rows."
+            "the count sees neither intrinsics nor ranges; use the default schedule, which ends on epipolar errors."
         )

@@ -11,11 +11,11 @@ from stereorecal.estimation import NO_BEAMS
 from stereorecal.geometry import StereoRig
 from stereorecal.objectives import BASELINE, Parameters, row_chart
 from stereorecal.recalibration._acceptance import Reason
+from stereorecal.recalibration._answer import uncertainty_of
 from stereorecal.recalibration._common import Common, common
-from stereorecal.recalibration._estimated import uncertainty_of
 from stereorecal.recalibration._freed_intrinsics import Intrinsics, IntrinsicsOutcome, intrinsics_of
+from stereorecal.recalibration._known_ranges import ranges_seen
 from stereorecal.recalibration._match_task import Each, counted
-from stereorecal.recalibration._ranged import ranges_seen
 from stereorecal.recalibration._ranges import RangesSeen
 from stereorecal.recalibration._regional_misfit import misfit
 from stereorecal.recalibration._repaired_recording import RepairedRecording
@@ -113,7 +113,7 @@ def _answers(solved: Common, each: Each) -> list[Solution]:
 def _images_of_others(recordings: Sequence[RepairedRecording], index: int) -> tuple[str, ...]:
     """Fingerprints of the pairs that the other recordings rest on."""
     return tuple(
-        image for at, recording in enumerate(recordings) if at != index for image in recording.repair.images_kept
+        image for at, recording in enumerate(recordings) if at != index for image in recording.repair.used_images
     )
 
 

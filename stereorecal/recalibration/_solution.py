@@ -40,8 +40,8 @@ class Solution(AbstractResult):
                 "asked": "settings",
                 "beams": "findings.beams",
                 "free": "settings.free",
-                "kept": "frames.kept",
-                "looked_at": "frames.looked_at",
+                "kept": "frames.used",
+                "looked_at": "frames.selected",
                 "reach": "settings.reach",
             }
         )
@@ -83,16 +83,16 @@ class Solution(AbstractResult):
         with extra("figures", "an HTML page"):
             from stereorecal.recalibration._repair_report import report_of
             from stereorecal.report.repair_page import repair_page
-        every, looked_at = as_pairs(pairs), self.frames.looked_at
-        if looked_at is not None:
-            if not every or max(looked_at) >= len(every):
+        every, selected = as_pairs(pairs), self.frames.selected
+        if selected is not None:
+            if not every or max(selected) >= len(every):
                 raise InputError("these are not the pairs that were repaired; give the same, in the same order.")
             dropped = 0 if self.prior_use is None else self.prior_use.dropped
             if dropped:
                 absent = (*absent, (f"{dropped} {'pair' if dropped == 1 else 'pairs'}", "used by an earlier repair"))
-            if rest := len(every) - len(looked_at) - dropped:
+            if rest := len(every) - len(selected) - dropped:
                 absent = (*absent, (f"{rest} other {'pair' if rest == 1 else 'pairs'}", _OTHERS))
-            every = tuple(every[number] for number in looked_at)
+            every = tuple(every[number] for number in selected)
         page = repair_page(report_of(self, every, name, command, settings or {}, absent))
         write_text(path, page, replace=overwrite)
 

@@ -7,7 +7,7 @@ import numpy as np
 from stereorecal.estimation import NO_BEAMS
 from stereorecal.recalibration._acceptance import Reason
 from stereorecal.recalibration._cost import Cost
-from stereorecal.recalibration._ranged import ranges_seen
+from stereorecal.recalibration._known_ranges import ranges_seen
 from stereorecal.recalibration._result import Findings, FramesUsed, SearchRun
 from stereorecal.recalibration._settings import Settings
 from stereorecal.recalibration._solution import Solution
@@ -54,8 +54,8 @@ def solution_of(
             decision=ending.decision,
         ),
         frames=FramesUsed(
-            looked_at=case.looked_at,
-            kept=tuple(np.flatnonzero(kept).tolist()),
+            selected=case.selected,
+            used=tuple(np.flatnonzero(kept).tolist()),
             left_out=() if disagree else apart,
             disagreeing=apart if disagree else (),
         ),

@@ -53,7 +53,7 @@ class Case:
         tolerances: by which it is decided.
         odometer: what else knows how far the rig travelled.
         prior_use: where the prior came from, and which of the pairs that were given count; None: no user gave one.
-        looked_at: numbers of the pairs of `images` among those that were given; None: all of them.
+        selected: numbers of the pairs of `images` among those that were given; None: all of them.
     """
 
     images: Pyramid
@@ -66,7 +66,7 @@ class Case:
     tolerances: Tolerances = DEFAULT
     odometer: Odometer | None = None
     prior_use: PriorUse | None = None
-    looked_at: tuple[int, ...] | None = None
+    selected: tuple[int, ...] | None = None
 
     @property
     def rig(self) -> StereoRig:

@@ -45,7 +45,7 @@ def warm_up(
     """
     asked, pair = as_matcher(matcher), _noise(rig.left.size)
     if asked.num_disparities is None and (unknown := [n for n in disparities if n not in RANGES]):
-        raise InputError(f"disparities {unknown[0]} is no range that is measured; choose from {RANGES}.")
+        raise InputError(f"disparities {unknown[0]} is not one of the measured ranges; choose from {RANGES}.")
     for number in disparities if asked.num_disparities is None else (asked.num_disparities,):
         recalibrate(rig, [pair], matcher=replace(asked, num_disparities=number), schedule=schedule, view=view)
 

@@ -33,7 +33,7 @@ def check_motion(motion: bool | None, pairs: int, prior: Prior) -> None:
             "(--motion) out."
         )
     if motion and is_exact(prior):
-        raise InputError('motion tells depth, which prior="exact" takes as known; leave one of them out.')
+        raise InputError('motion determines depth, which prior="exact" takes as known; leave one of them out.')
 
 
 def following(pairs: Sequence[Pair], numbers: Sequence[int], motion: bool | None, prior: Prior) -> Windowed:

@@ -50,7 +50,7 @@ def error_against_seconds(data: Mapping[str, Any]) -> str:
 def _scatter(axes: Axes, judge: str, rows: Sequence[Row], letters: Mapping[str, str]) -> None:
     depth = any(row["depth_error_percent"] for row in rows)
     axes.set(xscale="log", yscale="log", title=judge, xlabel="seconds")
-    axes.set_ylabel("|depth error| at 30 B [%]" if depth else "rows [px]")
+    axes.set_ylabel("|depth error| at 30 B [%]" if depth else "epipolar error [px]")
     for row in rows:
         if row["seconds"] is None:
             continue
@@ -116,7 +116,7 @@ def harm(data: Mapping[str, Any]) -> str:
         axes.set(ylim=(len(counts) - 0.5, -0.5), xlim=(0, 1), xlabel="share of the trials")
         axes.spines[["top", "right"]].set_visible(False)
         figure.legend(loc="outside upper center", ncols=2, frameon=False)
-        return svg(figure, "what came of all trials, by method: harmful, accepted, kept, refused")
+        return svg(figure, "outcomes of all trials, by method: harmful, accepted, kept, refused")
 
 
 def _kinds(rows: Sequence[Row]) -> list[int]:

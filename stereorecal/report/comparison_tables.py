@@ -223,8 +223,8 @@ def _truth_legend(data: Mapping[str, Any]) -> str:
     limits = data["settings"]["thresholds"]
     return (
         "px: row error over the view; 10 B %, 30 B %: |depth error| at so many baselines; all by the true rig.\n"
-        f"harmful: trials after which rows are worse by more than {limits['harmful_rows_px']} px, or the depth "
-        f"error at 30 baselines by more than {limits['harmful_depth_percent']:g} percentage points.\n"
+        f"harmful: trials after which the row error is larger by more than {limits['harmful_rows_px']} px, or the "
+        f"depth error at 30 baselines by more than {limits['harmful_depth_percent']:g} percentage points.\n"
     )
 
 

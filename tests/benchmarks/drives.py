@@ -20,7 +20,8 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from stereorecal.geometry import with_unit_baseline
+from stereorecal.estimation import points_of_view, readings
+from stereorecal.geometry import StereoRig, with_unit_baseline
 from stereorecal.online import Config, Event, Kind, State, run
 from stereorecal.recalibration import LEAST_COVERED
 from stereorecal.recordings import Pair
@@ -33,6 +34,7 @@ EVERY = 60  # frames between knocks
 SETTLED = 50  # frames
 GOOD = np.array([0.02, 0.1, 0.02])  # degrees: repaired
 HARM_ROWS = 0.02  # pixels
+HARM_DEPTH = 1.0  # percentage points
 ALARMS = (Kind.DRIFTING, Kind.KNOCK)
 
 
@@ -97,7 +99,7 @@ def driven(drive: Drive, config: Config) -> Seen:
         seen.events.extend(stepped.events)
         if np.any(state.using != before):
             seen.switches += 1
-            seen.harmful += harmful(state, before - truth, state.using - truth, seen.half[-1])
+            seen.harmful += harmful(state, before - truth, state.using - truth)
         before = state.using
         if frame in knocks:
             waiting = 0
@@ -114,11 +116,22 @@ def driven(drive: Drive, config: Config) -> Seen:
                 seen.repaired[-1], waiting = waiting, None
 
 
-def harmful(state: State, before: np.ndarray, after: np.ndarray, half: np.ndarray) -> bool:
-    """Whether a switch made it worse: rows by more than 0.02 pixels, or an axis by more than its interval."""
-    steep = np.zeros((5, 5)) if state.steepness is None else state.steepness
-    rows = [float(np.sqrt(max(error @ steep @ error, 0.0))) for error in (before, after)]
-    return bool(rows[1] > rows[0] + HARM_ROWS or np.any(np.abs(after) > np.abs(before) + half))
+def harmful(state: State, before: np.ndarray, after: np.ndarray) -> bool:
+    """Whether a switch made it worse: rows over the view by more than 0.02 pixels, or depth at 30 baselines by a point.
+
+    Args:
+        before, after: errors of the calibrations in use, as offsets.
+    """
+    truth = state.using - after
+    rigs = [state.rig_at(truth + error) for error in (before, after)]
+    rows, depth = zip(*(effects(rig, state.rig_at(truth), state) for rig in rigs), strict=True)
+    return rows[1] > rows[0] + HARM_ROWS or depth[1] > depth[0] + HARM_DEPTH
+
+
+def effects(used: StereoRig, true: StereoRig, state: State) -> tuple[float, float]:
+    """Of a calibration: rows over the view [px], root mean square, and |error of depth| [%] at 30 baselines."""
+    rows, nearness = readings(used, true, points_of_view(true, 30.0, state.view), state.view)
+    return float(np.sqrt(np.mean(rows**2))), float(abs(100.0 * (1.0 / (1.0 + np.mean(nearness)) - 1.0)))
 
 
 def informative(drive: Drive, frame: int, pair: Pair, state: State) -> bool:

@@ -103,7 +103,7 @@ def features_solver(rig: sr.StereoRig, pair: sr.Pair):
     how = Features()
     images = sr.objective(rig, [pair]).images
     assert images is not None
-    pixels = matched_pixels(images.pairs[0], how.features, how.contrast, how.ratio)
+    pixels = matched_pixels(images.pairs[0].left, images.pairs[0].right, how.features, how.contrast, how.ratio)
     columns, rows = np.floor(pixels[0] / rig.left.size * TILES).astype(int).T
     tile = rows * TILES[0] + columns
 

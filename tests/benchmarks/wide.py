@@ -57,7 +57,7 @@ def independent(scene: sr.Scene) -> tuple[np.ndarray, np.ndarray]:
     assert scene.rig is not None
     found, cameras = [], (scene.rig.left, scene.rig.right)
     for pair in scene.pairs:
-        left, right = matched_pixels(pair, 8000, 0.02, 0.8)
+        left, right = matched_pixels(pair.left, pair.right, 8000, 0.02, 0.8)
         flat = [np.asarray(camera.rays(pixels))[:, :2] for camera, pixels in zip(cameras, (left, right), strict=True)]
         good = np.all([np.linalg.norm(points, axis=1) < 4.0 for points in flat], axis=0)
         threshold = 2.0 / float(scene.rig.left.focal[0])

@@ -101,7 +101,7 @@ def test_the_unit_of_a_new_file(command, rig: sr.StereoRig, tmp_path: Path, sour
     [
         (("{tmp}/a.json", "{tmp}/a.json"), "this is what is converted"),
         (("{tmp}/a.json", "{tmp}/old.yaml"), "the file exists already; choose another or add --force"),
-        (("{tmp}/a.json", "{tmp}/b.txt"), "the ending does not tell the format"),
+        (("{tmp}/a.json", "{tmp}/b.txt"), "the file name's ending does not identify the format"),
         (("{tmp}/a.json", "{tmp}/b.txt", "--to", "middlebury"), "no place for a rotation or a lens"),
         (("{tmp}/a.json", "{tmp}/b.json", "--to", "kalibr"), "the ending contradicts what is to be written"),
         (("{tmp}/a.json", "{tmp}/b.yaml", "--to", "kalibra"), "did you mean kalibr?"),

@@ -20,7 +20,9 @@ def test_scene_folders(command, clean_scene: Path, drifted_scene: Path, rigs):
     answer = command("diff", clean_scene, drifted_scene)
     assert (answer.code, answer.err) == (0, "")
     *block, legend = answer.out.splitlines()
-    assert legend == "rows and depth: how wrong the first is if the second is right; B: baselines of the second"
+    assert (
+        legend == "epipolar error and depth: how wrong the first is if the second is right; B: baselines of the second"
+    )
     assert block == str(difference(*rigs)).splitlines()
     assert "pitch +0.800, yaw +0.300, roll -0.900" in answer.out
 

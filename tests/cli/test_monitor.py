@@ -6,6 +6,7 @@ import shutil
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from rich.console import Console
 from rides import BEFORE, Ride
@@ -129,7 +130,7 @@ def test_a_new_calibration_is_not_watched_with_an_old_state(command, scene: Path
     (recalibrated / "calib.json").write_text(json.dumps(content))
     answer = command("monitor", recalibrated, *words)
     assert answer.code == 2
-    assert "of another calibration than the one that is given; name another file" in answer.err
+    assert "belongs to another calibration than the given one; name another file" in answer.err
     assert state.read_bytes() == kept
 
 
@@ -138,10 +139,31 @@ def test_two_scenes_are_refused(command, scene: Path):
 
 
 def test_the_live_view_shows_axes_and_events(drive: Ride):
-    steps = list(run(drive.rig, drive.pairs[:3], Config()))
+    steps = list(run(drive.rig, drive.pairs[:5], Config()))
     readings = [reading(stepped.state) for stepped in steps]
     console = Console(width=110, record=True, file=io.StringIO())
-    console.print(view("ride", 3, readings, [str(e) for stepped in steps for e in stepped.events]))
+    console.print(view("ride", 5, readings, [str(e) for stepped in steps for e in stepped.events]))
     shown = console.export_text()
-    for word in ("pitch", "yaw", "rows", "depth at 30 B", "late by", "95 % interval", "fits the images"):
+    for word in ("pitch", "yaw", "row error", "depth at 30 B", "late by", "95 % interval", "fits the images"):
         assert word in shown
+
+
+@pytest.mark.parametrize("yaw", [3.0, -3.0, float("nan")])
+def test_the_live_view_of_depth_beyond_infinity(drive: Ride, yaw: float):
+    """A yaw of 2 degrees is the disparity of 30 baselines; and what is no number is drawn, too."""
+    states = [stepped.state for stepped in run(drive.rig, drive.pairs[:2], Config())]
+    far = np.array([0.0, yaw, 0.0, 0.0, 0.0])
+    states.append(states[-1].but(estimate=states[-1].estimate.moved(far, 1e-4 * np.eye(5))))
+    console = Console(width=110, record=True, file=io.StringIO())
+    console.print(view("ride", 2, [reading(state) for state in states], []))
+    assert "depth at 30 B" in console.export_text()
+    assert json.loads(json.dumps(reading(states[-1]).as_dict()))["condition"] in ("repair", "cannot_tell")
+
+
+def test_tolerances_are_those_of_the_decision(command, scene: Path, tmp_path: Path):
+    refused = command("monitor", scene, "--once", "--tolerances", "alpha=2")
+    assert (refused.code, refused.err.count("\n")) == (2, 1)
+    assert "alpha" in refused.err
+    state = tmp_path / "state"
+    assert command("monitor", scene, "--distances", "3,8", "--state", state, "--quiet").code in (0, 1, 4)
+    assert load(state).config.tolerances.distances == (3.0, 8.0)

@@ -45,7 +45,7 @@ def test_default_schedule(command, clean_scene: Path, drifted_scene: Path, tmp_p
     target, output = tmp_path / "all.json", tmp_path / "repaired.json"
     alone = command("recalibrate", drifted_scene, "--json", target, "--output", output)
     assert (alone.code, alone.err) == (0, "")
-    assert alone.out.startswith("accepted: the candidate is better")
+    assert alone.out.startswith("accepted: the candidate is a significant improvement")
     assert alone.out.endswith(f"{output}: written\n")
     text = target.read_text()
     assert finite(text)

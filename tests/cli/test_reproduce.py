@@ -101,7 +101,7 @@ def test_failures_are_named(command, words, monkeypatch):
         (["--seed", "-1"], "--seed"),
         (["--frames", "0"], "--frames"),
         (["--log", "nowhere"], "no such folder"),
-        (["--log", "."], "no layout that is known"),
+        (["--log", "."], "the layout is unknown"),
         (["--executor", "processes"], "number of workers"),
         (["--output", "/proc/none/x"], "cannot become a folder"),
     ],

@@ -6,7 +6,7 @@ import pytest
 
 from stereorecal.cli._terminal import print_lines
 
-LONG = "expect   rows 0.09 px apart over the view (root mean square); depth at 10 B -4.7 % to +5.5 %"
+LONG = "expect   epipolar error (RMS) 0.09 px over the view; depth at 10 B -4.7 % to +5.5 %"
 TEXT = f"accepted: better\n{LONG}\n\nx       -356.000 ->  -356.000 mm  changed by   +0.000"
 
 

@@ -19,9 +19,9 @@ from stereorecal.comparison.judges import (
     recipes_of,
     scene_with_truth,
 )
-from stereorecal.comparison.judges._boards import ByBoards
+from stereorecal.comparison.judges._board_judge import ByBoards
 from stereorecal.comparison.judges._optics import optics
-from stereorecal.comparison.judges._poses import Travelled, depth_at, disparity_offset_px, travelled
+from stereorecal.comparison.judges._pose_judge import Travelled, depth_at, disparity_offset_px, travelled
 from stereorecal.comparison.judges._rendered import Rendered
 from stereorecal.comparison.judges._simulated_calibration import calibrated, true_rig
 

@@ -364,7 +364,7 @@ def test_ranges_are_heard_although_depth_could_be_kept(chart):
 
     said = decide(Aligned(**{field.name: getattr(seen, field.name) for field in fields(seen)}), free)
     assert said.verdict is Verdict.REPAIR
-    assert said.told
+    assert said.ranges_agree
     assert said.theta[names.index(BASELINE)] == pytest.approx(0.8, abs=0.2)
 
 

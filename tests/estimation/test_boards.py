@@ -7,8 +7,8 @@ from hypothesis import given, settings, strategies as st
 
 import stereorecal as sr
 from stereorecal.estimation import CalibrationCovariance, CalibrationPrior, with_boards
-from stereorecal.estimation._boards import prior_of_boards
 from stereorecal.estimation._calibration_prior import physical_prior
+from stereorecal.estimation._prior_of_boards import prior_of_boards
 from stereorecal.geometry import rotation_from_vector
 
 NOISE = 0.15

@@ -203,8 +203,8 @@ def test_a_known_way_tells_the_length_of_the_baseline(chart, share, heard):
     given = rig_parameters(true.with_extrinsics(longer))
     tracks = windows(true, 8).tracks
     prior = as_prior(None, given, told_length=True)
-    told = Windows(tracks, ((0, 1),) * 8, (1.0,) * 8, ways(true, share)).told(given, np.zeros(given.dim), prior)
-    alone = Windows(tracks, ((0, 1),) * 8, (1.0,) * 8).told(given, np.zeros(given.dim), prior)
+    told = Windows(tracks, ((0, 1),) * 8, (1.0,) * 8, ways(true, share)).likelihoods(given, np.zeros(given.dim), prior)
+    alone = Windows(tracks, ((0, 1),) * 8, (1.0,) * 8).likelihoods(given, np.zeros(given.dim), prior)
     (log, best), (other, without) = told[0], told[1]
     at = given.names.index("baseline")
     drift = np.diag(np.r_[np.ones(5), np.zeros(given.dim - 5)])
@@ -229,12 +229,12 @@ def test_ways_of_a_vehicle_that_stands_are_left_out(chart):
     true = chart.rig_at(theta)
     tracks, prior = (tracks_of(true), tracks_of(true, move=REST, seed=1)), as_prior(None, chart, told_length=True)
     (moving, *_), baseline = ways(true), float(true.baseline)
-    alone = Windows(tracks, frames, seconds).told(chart, theta, prior)
+    alone = Windows(tracks, frames, seconds).likelihoods(chart, theta, prior)
     for still in ((0.0, 0.001), (0.09 * baseline, 0.001)):
-        none = Windows(tracks, frames, seconds, (still, still)).told(chart, theta, prior)
+        none = Windows(tracks, frames, seconds, (still, still)).likelihoods(chart, theta, prior)
         assert [log for log, _ in none] == [log for log, _ in alone]
         told, expected = (
-            Windows(tracks, frames, seconds, (moving, way)).told(chart, theta, prior) for way in (still, None)
+            Windows(tracks, frames, seconds, (moving, way)).likelihoods(chart, theta, prior) for way in (still, None)
         )
         assert [log for log, _ in told] == [log for log, _ in expected]
         np.testing.assert_array_equal(told[0][1].a, expected[0][1].a)

@@ -13,7 +13,7 @@ def camera(focal: float = 500.0, centre: float = 320.0, distortion: tuple[float,
 
 @pytest.mark.parametrize("focal", [1e300, 1e-300, 1e30, 1e7, 0.01])
 def test_focal_lengths(focal: float):
-    with pytest.raises(InputError, match="are none of a camera with 640 pixels"):
+    with pytest.raises(InputError, match="do not fit a camera with 640 pixels"):
         camera(focal)
 
 
@@ -27,7 +27,7 @@ def test_centres(centre: float):
 def test_distortions(place: int):
     values = [0.0] * 5
     values[place] = 1e300
-    with pytest.raises(InputError, match="none of a lens"):
+    with pytest.raises(InputError, match="not that of a lens"):
         camera(distortion=tuple(values))
 
 

@@ -95,7 +95,7 @@ def test_no_common_time(tmp_path: Path):
     folder = euroc(tmp_path)
     for path in (folder / "mav0/cam1/data").iterdir():
         path.rename(path.with_name(f"{int(path.stem) + 1}.png"))
-    refused(folder, "mav0/cam0/data", "no image in there has the time")
+    refused(folder, "mav0/cam0/data", "no image in it has the same time")
 
 
 @pytest.mark.parametrize(

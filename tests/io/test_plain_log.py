@@ -151,7 +151,7 @@ def test_several_sequences_are_no_scene(folder: Path, mission: Mission):
 
 
 def test_what_is_no_log(tmp_path: Path):
-    with pytest.raises(InputError, match="no layout that is known"):
+    with pytest.raises(InputError, match="the layout is unknown"):
         load_log(tmp_path)
     with pytest.raises(InputError, match="no such folder"):
         load_log(tmp_path / "nowhere")

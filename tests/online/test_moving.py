@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stereorecal.estimation import Normal
-from stereorecal.online._estimate import Measurement
+from stereorecal.online._filter import Measurement
 from stereorecal.online._moving import _after_window, _longest, _measurement, moved
 from stereorecal.scoring.host import Corners
 

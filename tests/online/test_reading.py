@@ -5,14 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stereorecal.online import Kind, Reading, State, Stepped, reading
-from stereorecal.online._estimate import Measurement
+from stereorecal.estimation import points_of_view, readings
+from stereorecal.online import FAR, Kind, Reading, State, Stepped, reading
+from stereorecal.online._filter import Measurement
 from stereorecal.online._pair_estimate import PairEstimate
 from stereorecal.online._sequential_test import SequentialTest
 from stereorecal.online._switching import judged, nominated
 from stereorecal.online._watching import followed, standing
 from stereorecal.recalibration import Condition
 
+TURNED = (0.2, 0.0, 0.0, 0.0, 0.0)
 SIGMA = np.array([0.005, 0.02, 0.005, 0.2, 0.5])
 
 
@@ -64,12 +66,80 @@ def test_a_repair_may_move_y_and_z(healthy, by):
     assert (after.trial is not None) is (by == "repair")
 
 
-@pytest.mark.parametrize("pitch", [0.9, 1.1])
-def test_significant_is_one_in_ten_thousand(healthy, pitch):
-    """Of five numbers: 5.07 standard errors of one."""
-    found = reading(off_by(healthy.but(steepness=1e6 * np.eye(5)), pitch * 5.07 * SIGMA[0], 0.0, 0.0, 0.0, 0.0))
-    assert found.matters
-    assert (found.condition is Condition.REPAIR) is (pitch > 1.0)
+def unsure_of(state: State, offset: tuple[float, ...], **sigmas: float) -> State:
+    """As `off_by`, with other standard deviations of some axes."""
+    spread = np.array([sigmas.get(name, sigma) for name, sigma in zip(state.chart.names, SIGMA, strict=True)])
+    return state.but(estimate=state.estimate.moved(state.using + offset, np.diag(spread**2)))
+
+
+def depth_change_percent(state: State, offset: np.ndarray) -> float:
+    """Of depth at 30 baselines, straight ahead, by another rotation."""
+    yaw = np.radians(offset[1] - state.using[1])
+    return float(100.0 * FAR * yaw)
+
+
+def test_what_is_not_known_is_neither_repaired_nor_healthy(healthy):
+    state = unsure_of(healthy, (0.0,) * 5, pitch=0.3)
+    assert reading(state).condition is Condition.CANNOT_TELL
+    assert nominated(state)[0].trial is None
+
+
+def test_what_is_better_on_average_goes_on_trial(healthy):
+    """It is not said to be a repair: later looks must bear it out."""
+    state = unsure_of(healthy, (0.0, 0.15, 0.0, 0.0, 0.0), yaw=0.1)
+    assert not reading(state).repairs
+    trial = nominated(state)[0].trial
+    assert trial is not None
+    assert trial.offset[1] - state.using[1] == pytest.approx(0.15, abs=0.03)
+
+
+def test_depth_is_kept_where_the_yaw_is_not_known(healthy):
+    """The pitch is to be repaired; a yaw that may be wrong by more than it corrects stays."""
+    state = unsure_of(healthy, (0.2, 0.05, 0.0, 0.0, 0.0), yaw=0.1)
+    found = reading(state)
+    assert found.decision is not None
+    assert found.decision.keeps_depth
+    trial = nominated(state)[0].trial
+    assert trial is not None
+    assert abs(depth_change_percent(state, trial.offset)) < 0.3
+    assert trial.offset[0] - state.using[0] == pytest.approx(0.2, abs=0.02)
+
+
+def test_a_yaw_that_motion_tells_is_repaired(healthy):
+    """Its rows are those of a good calibration; depth is ten percent off at 30 baselines."""
+    state = unsure_of(healthy, (0.0, 0.2, 0.0, 0.0, 0.0), pitch=1e-3, yaw=0.01, roll=1e-3, y=0.01, z=0.05)
+    found = reading(state)
+    assert found.condition is Condition.REPAIR
+    assert found.decision is not None
+    assert not found.decision.keeps_depth
+    trial = nominated(state)[0].trial
+    assert trial is not None
+    assert trial.offset[1] - state.using[1] == pytest.approx(0.2, abs=0.02)
+
+
+def expected_loss(state: State) -> float:
+    """Of the calibration in use, in what a matcher notices and points of depth."""
+    rng = np.random.default_rng(0)
+    loss = []
+    for offset in rng.multivariate_normal(state.estimate.offset, state.estimate.of_offset, 60):
+        rows, nearness = readings(state.rig, state.rig_at(offset), points_of_view(state.rig, 30.0, state.view))
+        near = max(1.0 + float(np.mean(nearness)), 1e-3)
+        loss.append(np.sqrt(np.mean(rows**2)) / 0.05 + abs(100.0 * (1.0 / near - 1.0)))
+    return float(np.mean(loss))
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_what_is_on_trial(healthy, seed):
+    """What is to be repaired is; y and z stay, and what is expected to be lost is less."""
+    rng = np.random.default_rng(seed)
+    widths = np.array([0.1, 0.3, 0.1, 1.0, 2.0]) * rng.uniform(0.01, 1.0, 5)
+    offset = np.array([0.3, 0.5, 0.3, 2.0, 4.0]) * rng.uniform(-1.0, 1.0, 5) * rng.uniform()
+    state = unsure_of(healthy, tuple(offset.tolist()), **dict(zip(healthy.chart.names, widths.tolist(), strict=True)))
+    found, trial = reading(state), nominated(state)[0].trial
+    assert trial is not None or found.shifted or not found.repairs
+    if trial is not None:
+        np.testing.assert_array_equal(trial.offset[3:], state.using[3:])
+        assert expected_loss(state.using_now(trial.offset)) < expected_loss(state)
 
 
 def test_what_is_no_number_is_not_healthy(healthy):
@@ -87,10 +157,12 @@ def test_after_a_knock_nothing_that_came_before_is_on_trial(healthy):
     assert state.ready == 0
 
 
-def test_a_shift_beside_a_turn_that_matters(healthy):
-    found = read(healthy, 0.3, 0.0, 0.0, 4.0, -5.0)
+@pytest.mark.parametrize(("y", "z", "shifted"), [(1.0, -1.0, False), (4.0, -5.0, True)])
+def test_a_shift_beside_a_turn(healthy, y, z, shifted):
+    """A turn that is repaired alone may cost near rows what it gains far away: then both are, or none."""
+    found = read(healthy, 0.3, 0.0, 0.0, y, z)
     assert found.condition is Condition.REPAIR
-    assert not found.shifted
+    assert found.shifted is shifted
 
 
 def test_a_repair_keeps_what_is_known_of_the_shutter(healthy):

@@ -81,7 +81,7 @@ def test_what_is_no_state_is_refused(ride: Ride, tmp_path: Path):
     with pytest.raises(sr.InputError, match="no state"):
         load(path)
     with open(path, "wb") as file:
-        np.savez(file, content=np.frombuffer(json.dumps({"schema": "stereorecal.state/9"}).encode(), np.uint8))
+        np.savez(file, content=np.frombuffer(json.dumps({"schema": "stereorecal.state/8"}).encode(), np.uint8))
     with pytest.raises(sr.InputError, match="of version"):
         load(path)
 
@@ -105,9 +105,9 @@ def test_a_state_of_another_calibration_is_refused(ride: Ride, tmp_path: Path):
         ride.rig, **{side: replace(getattr(ride.rig, side), size=(320, 200)) for side in ("left", "right")}
     )
     for other in (turned, longer, bent, cropped, ride.rig.resized((160, 120))):
-        with pytest.raises(sr.InputError, match="of another calibration"):
+        with pytest.raises(sr.InputError, match="belongs to another calibration"):
             load(path, other)
-        with pytest.raises(sr.InputError, match="of another calibration"):
+        with pytest.raises(sr.InputError, match="belongs to another calibration"):
             sr.online.MonitorProcess(other, keep=path)
 
 

@@ -27,7 +27,7 @@ def test_a_process_that_died_is_told(ride: Ride):
         beside._process.kill()
         beside._process.join()
         for use in (beside.latest, lambda: beside.put((black, black))):
-            with pytest.raises(RuntimeError, match=r"has died .*__main__"):
+            with pytest.raises(RuntimeError, match=r"worker process exited .*__main__"):
                 use()
         happened = Event(3, Kind.BAD_FRAME)
         beside._events, beside._answered = (happened,), True
@@ -219,9 +219,9 @@ def test_a_thread_that_died_is_told(ride: Ride):
         beside.change(unreadable_here)
         beside._thread.join(120)
         assert not beside.alive
-        with pytest.raises(RuntimeError, match="has died"):
+        with pytest.raises(RuntimeError, match="worker process exited"):
             beside.change(told_corners)
-        with pytest.raises(RuntimeError, match="has died"):
+        with pytest.raises(RuntimeError, match="worker process exited"):
             beside.latest()
 
 

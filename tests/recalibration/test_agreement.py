@@ -37,7 +37,7 @@ def test_a_frame_that_is_late_is_left_out(street):
 
 
 def assert_counts_of_kept(solution: sr.Solution, pairs) -> None:
-    kept, how = [pairs[index] for index in solution.frames.kept], {"matcher": solution.matcher, "view": solution.view}
+    kept, how = [pairs[index] for index in solution.frames.used], {"matcher": solution.matcher, "view": solution.view}
     assert len(kept) < len(pairs)
     assert solution.score_before == sr.score(solution.initial, kept, **how)
     assert solution.score_after == sr.score(solution.candidate, kept, **how)

@@ -8,8 +8,8 @@ from stereorecal.geometry import Camera
 from stereorecal.recalibration._calibration_warnings import doubts
 
 
-def rig_of(model: str, coefficients) -> StereoRig:
-    matrix = np.array([[300.0, 0.0, 320.0], [0.0, 300.0, 240.0], [0.0, 0.0, 1.0]])
+def rig_of(model: str, coefficients, focal: float = 300.0) -> StereoRig:
+    matrix = np.array([[focal, 0.0, 320.0], [0.0, focal, 240.0], [0.0, 0.0, 1.0]])
     camera = Camera((640, 480), matrix, np.array(coefficients), model=model)
     return StereoRig(camera, camera, np.array([0.0, 0.0, 0.0, -0.1, 0.0, 0.0]))
 
@@ -17,8 +17,6 @@ def rig_of(model: str, coefficients) -> StereoRig:
 @pytest.mark.parametrize(
     ("model", "coefficients", "said"),
     [
-        ("equidistant", (-5.0, 0.0, 0.0, 0.0), "fold the image back 15 degrees"),
-        ("omni", (1.5, -3.0, 0.0, 0.0, 0.0), "fold the image back"),
         ("ds", (-0.99, 0.6), "is a view of 1 degrees"),
         ("equidistant", (-0.2, 0.0, 0.0, 0.0), None),
         ("equidistant", (0.1, -0.2, 0.1, 0.0), None),
@@ -31,6 +29,19 @@ def test_wide_lenses_that_no_camera_has_are_named(model, coefficients, said):
     assert all(said in one for one in found)
 
 
+@pytest.mark.parametrize(
+    ("model", "coefficients"),
+    [
+        ("equidistant", (-5.0, 0.0, 0.0, 0.0)),
+        ("omni", (1.5, -3.0, 0.0, 0.0, 0.0)),
+        ("omni", (50.0, 0.0, 0.0, 0.0, 0.0)),
+    ],
+)
+def test_a_lens_that_folds_the_image_back_far_inside_is_none(model, coefficients):
+    with pytest.raises(InputError, match=r"lens ends .* px from the principal point, by its coefficients"):
+        rig_of(model, coefficients)
+
+
 def test_a_lens_without_resolution_has_no_view():
-    with pytest.raises(InputError, match=r"5\.88 px per radian in images 640 px wide"):
-        view(rig_of("omni", (50.0, 0.0, 0.0, 0.0, 0.0)))
+    with pytest.raises(InputError, match=r"px per radian in images 640 px wide"):
+        view(rig_of("ds", (0.11, 0.41), focal=18.0))

@@ -10,7 +10,7 @@ from rich.console import Console
 from stereorecal.geometry import StereoRig
 from stereorecal.matching import SAD
 from stereorecal.recalibration import Reason, Repair, Schedule, Solution, _recalibrate, recalibrate
-from stereorecal.recalibration._estimated import answered
+from stereorecal.recalibration._answer import answered
 from stereorecal.recordings import Pair
 from stereorecal.report.repair_tables import repairs_table
 from stereorecal.strategies import Budget, Status
@@ -249,15 +249,15 @@ def test_frames_are_repaired_jointly_and_fog_among_them_does_not_matter(harbour)
 def test_a_look_decides_beside_a_search_in_doubt_only_if_its_rows_align(harbour, monkeypatch, rows_left, reason):
     """A look through a rig that is far off sees what fits by chance: a rig that leaves such rows apart is not
     written."""
-    found, ended = _recalibrate.looked, _recalibrate.ended_by
+    found, ended = _recalibrate.look_at, _recalibrate.ended_by
 
-    def looked(case, stage):
+    def look_at(case, stage):
         look = found(case, stage)
         decision = look.answer.decision
         said = np.stack([decision.rows_px[0], decision.rows_px[1] * rows_left / decision.rows_px[1, 0]])
         return replace(look, answer=replace(look.answer, decision=replace(decision, rows_px=said)))
 
-    monkeypatch.setattr(_recalibrate, "looked", looked)
+    monkeypatch.setattr(_recalibrate, "look_at", look_at)
 
     def in_doubt(case, schedule, stages):
         answer = answered(case, stages[-1].found, case.rig)

@@ -168,7 +168,7 @@ def test_text():
     lines = str(difference(rig(), rig(yaw=0.25, y=0.004))).splitlines()
     assert lines[0] == "rotation  0.250 deg: pitch +0.000, yaw +0.250, roll +0.000"
     assert lines[1] == "baseline  y +1.00 %, z +0.00 %, length +0.0 %"
-    assert lines[2].startswith("rows      ")
+    assert lines[2].startswith("epipolar  ")
     assert lines[3].startswith("depth     ")
     assert lines[3].count(" B") == 4
     assert len(lines) == 4

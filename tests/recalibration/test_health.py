@@ -51,9 +51,17 @@ def test_the_axis_that_is_off_is_named(under, axis, sign):
     degrees = {"pitch": 0.1, "yaw": 0.5, "roll": 0.2}[axis]
     found = under(**{axis: sign * degrees}, prior="exact")
     assert found.condition is Condition.REPAIR
-    assert axis in found.correction.significant
+    assert axis in found.correction.main_axes
     assert axis in found.verdict
     assert found.correction.axes[axis].value == pytest.approx(-sign * degrees, rel=0.15)
+
+
+@pytest.mark.parametrize("axis", ["pitch", "yaw", "roll"])
+def test_the_axis_that_is_off_is_named_though_its_interval_is_wide(under, axis):
+    """Of one pair, principal points may be what a pitch or a yaw seems to be: no axis but roll is known surely."""
+    found = under(**{axis: {"pitch": 0.1, "yaw": 0.5, "roll": 0.2}[axis]})
+    assert found.correction.main_axes[0] == axis
+    assert f"repair it: {axis}" in found.verdict
 
 
 def test_wrong_yaw_is_wrong_depth(under):
@@ -123,7 +131,7 @@ def judged(verdict: Verdict, after: float = 0.1) -> Health:
     rows = np.array([[0.2, 0.1, 0.3], [after, 0.0, 2.0 * after]])
     decision = Decision(verdict, np.zeros(5), False, 0.5, 0.5, 0.0, rows)
     depths = dict.fromkeys((5, 10, 30, 100), about(0.0, 1.0))
-    return Health(Score(1, 2), 0.2, 0.5, DAYLIGHT, Correction(axes, about(0.2, 0.1), depths, 0.1, decision))
+    return Health(Score(1, 2), 0.2, 0.5, DAYLIGHT, Correction(axes, about(0.2, 0.1), depths, 0.1, decision, ("yaw",)))
 
 
 @pytest.mark.parametrize(

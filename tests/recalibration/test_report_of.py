@@ -117,7 +117,7 @@ def test_what_was_left_out_is_said(repaired, harbour):
 
 
 def test_pairs_that_were_not_looked_at_are_on_the_page(repaired, harbour, tmp_path):
-    replace(repaired, frames=replace(repaired.frames, looked_at=(0,))).to_html(
+    replace(repaired, frames=replace(repaired.frames, selected=(0,))).to_html(
         tmp_path / "out.html", [*harbour, *harbour]
     )
     page = (tmp_path / "out.html").read_text(encoding="utf-8")

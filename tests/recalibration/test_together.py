@@ -104,8 +104,8 @@ def test_a_lens_that_does_not_fit_is_said(given_wrong, scenes):
     """The misfit is radial: the way out is named, unless it was tried already."""
     lens = changed_camera(TRUE.left, {"k1": 0.03})
     wrong, right = (sr.recalibrate(replace(TRUE, left=left), scenes[1].pairs) for left in (lens, TRUE.left))
-    said = f"the intrinsics do not fit: {wrong.misfit.alike:.2f} px of the rows' error is systematic"
-    assert f"misfit   {said}; four scenes or more, with frames that move or ranges, would tell them" in str(wrong)
+    said = f"the intrinsics do not fit: {wrong.misfit.alike:.2f} px of the epipolar error are systematic"
+    assert f"misfit   {said}; four scenes or more, with frames that move or ranges, would determine them" in str(wrong)
     assert "intrinsics" not in str(right)
     tried = wrong.with_findings(intrinsics=sr.recalibrate(WRONG, given_wrong[1].pairs, free=BOTH).intrinsics)
     assert said in str(tried)
@@ -218,7 +218,7 @@ def test_frames_are_counted_as_they_were_given(scenes, monkeypatch):
     pairs = [replace(scene.pairs[0], name=scene.name) for scene in scenes[:2]]
     off = TRUE.with_extrinsics(TRUE.extrinsics + np.radians([0.5, 0.3, -0.4, 0, 0, 0]))
     solution = sr.recalibrate(off, pairs, free=("rotation", "left.k1"))
-    assert (solution.frames.looked_at, solution.frames.kept) == ((1,), (0,))
+    assert (solution.frames.selected, solution.frames.used) == ((1,), (0,))
     assert sr.recalibrate(off, pairs[1:], free="rotation").score_before == solution.score_before
 
 

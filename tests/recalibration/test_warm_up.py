@@ -33,5 +33,5 @@ def _compiled(caplog) -> list[str]:
 
 
 def test_a_range_that_is_never_measured():
-    with pytest.raises(sr.InputError, match="disparities 70 is no range that is measured; choose from"):
+    with pytest.raises(sr.InputError, match="disparities 70 is not one of the measured ranges; choose from"):
         sr.warm_up(sr.synthetic.default_rig(), disparities=(64, 70))

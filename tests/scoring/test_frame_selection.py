@@ -49,6 +49,13 @@ def test_the_best_of_each_stretch_with_a_neighbour(contrasts, most, apart):
         )
 
 
+def test_the_neighbour_is_the_last_one_that_is_far_enough_before():
+    """Where what follows must be some pairs away, and the best one is too near to the end to have one after it."""
+    pairs = [pair(20.0 if number == 6 else 1.0 + 0.1 * number, str(number)) for number in range(8)]
+    chosen = select_frames(pairs, 2, lambda first, second: int(second.name) - int(first.name) >= 3)
+    assert [one.name for one in chosen] == ["3", "6"]
+
+
 def test_a_foggy_frame_is_not_looked_at(scene):
     given = scene(frames=2)
     assert given.rig is not None

@@ -66,4 +66,4 @@ def set_aside(path: Path, why: str) -> Line:
     """
     copy = next_copy(path)
     path.rename(copy)
-    return Level.WARN, f"{why} It is kept as {copy}, and a new one begun."
+    return Level.WARN, f"{why} It is kept as {copy}, and the watch starts from a new one."

@@ -68,7 +68,7 @@ def _said(found: Reading | None, missing: Sequence[str], dead: str | None) -> tu
     if missing:
         return Level.STALE, f"missing: {', '.join(missing)}"
     if found is None:
-        return Level.STALE, "no pair has told anything yet"
+        return Level.STALE, "no pair has been evaluated yet"
     return (Level.OK if found.condition is Condition.HEALTHY else Level.WARN), found.condition.value
 
 
@@ -78,7 +78,7 @@ def _numbers(found: Reading) -> dict[str, str]:
     told = {
         "condition": found.condition.name.lower(),
         "epipolar error of the last pair [px]": f"{found.row_error:.3f}" if np.isfinite(found.row_error) else "unknown",
-        "epipolar error to correct [px]": f"{rows.value:.3f} ({rows.low:.3f} to {rows.high:.3f})",
+        "epipolar error over the view [px]": f"{rows.value:.3f} ({rows.low:.3f} to {rows.high:.3f})",
         f"depth error at {FAR} baselines [%]": f"{depth.value:+.1f} ({depth.low:+.1f} to {depth.high:+.1f})",
         "delay of the right shutter [pairs]": f"{delay.value:+.3f} ({delay.low:+.3f} to {delay.high:+.3f})",
     }

@@ -136,7 +136,7 @@ class Watch:
             self._heard.note(f"{SIDES[side]}/stamps", now)
         if self._pairing.jumps > jumps:
             self._recent.clear()
-            self._tell(Level.WARN, "time has jumped back; pairs are made anew from now on.")
+            self._tell(Level.WARN, "the stamps jumped back in time; pairing starts again.")
         if pair is not None:
             self._heard.note("pairs", now)
             self._hand_over(stamp, *pair)
@@ -170,7 +170,7 @@ class Watch:
         if state is not None and applied is not None:
             waits = applied.waits(state)
             if not np.array_equal(state.using, applied.offset):  # nor is the last row error of what is published
-                state = state.but(using=applied.offset, nearing=applied.published.nearing, row_error=float("nan"))
+                state = state.but(using=applied.offset, row_error=float("nan"))
             found = reading(state) if state.seen else None
         counts = {
             "pairs": pairing.paired,
@@ -209,7 +209,7 @@ class Watch:
         self._asked = self._worker.change(partial(recalibrate, pairs=pairs))
         if not self._asked:
             return False, self._worker.dead or "the worker process exited."
-        return True, f"begun on the last {len(pairs)} pairs; the outcome comes as an event."
+        return True, f"begun on the last {len(pairs)} pairs; the result is published as an event."
 
     def apply(self) -> Answer:
         """Publish what the decision has accepted."""

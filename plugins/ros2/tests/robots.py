@@ -83,7 +83,7 @@ class Work:
 
     def _check(self) -> None:
         if self.exited:
-            raise RuntimeError("the process beside has died.")
+            raise RuntimeError("the worker process exited.")
 
 
 class Robot:

@@ -87,7 +87,7 @@ def test_pairs_that_the_worker_cannot_use_are_told_once(robot):
     one = robot()
     one.calibrate()
     one.see()
-    assert one.watch.status().message == "no pair has told anything yet"
+    assert one.watch.status().message == "no pair has been evaluated yet"
     for number in range(30):
         one.work.events.append(Event(number, Kind.BAD_FRAME, "left and right look swapped"))
         one.see()
@@ -139,7 +139,7 @@ def test_time_that_jumps_back_is_told(robot):
     one.see(20)
     one.stamp = 0
     one.see(20)
-    assert one.said("time has jumped back")
+    assert one.said("jumped back in time")
     assert one.watch.status().values["jumps back in time"] == "1"
     assert one.watch.status().values["pairs"] == "40"
 

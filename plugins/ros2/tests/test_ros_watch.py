@@ -171,7 +171,7 @@ def test_another_calibration_begins_anew_once_it_has_settled(robot, tmp_path: Pa
     one.see()
     assert one.works[0].closed
     assert one.said("another calibration is given", "->")
-    assert one.said("another calibration than the one that is given", "node.state.bak")
+    assert one.said("another calibration than the given one", "node.state.bak")
     np.testing.assert_allclose(one.watch.rig.extrinsics, other.extrinsics, atol=1e-9)
     assert (tmp_path / "node.state.bak").exists()
 
@@ -246,10 +246,10 @@ def test_a_worker_that_exits_is_told_and_replaced(robot):
     one.work.exited = True
     one.see()
     assert one.watch.status().level is Level.ERROR
-    assert "has died" in one.watch.status().message
+    assert "worker process exited" in one.watch.status().message
     assert one.watch.corrected == given
     assert not one.watch.recalibrate()[0]
     one.now += _RETRY
     one.see()
     assert len(one.works) == 2
-    assert "has died" not in one.watch.status().message
+    assert "worker process exited" not in one.watch.status().message

@@ -1,6 +1,6 @@
 """The field's own table: methods x judged cases, with truth and harm as columns."""
 
 from stereorecal.comparison.field._field import compare_field as compare_field, planned as planned
+from stereorecal.comparison.field._field_trial import FAILED as FAILED, FieldTrial as FieldTrial, as_trial as as_trial
 from stereorecal.comparison.field._methods import METHODS as METHODS, methods_of as methods_of
 from stereorecal.comparison.field._table import SCHEMA as SCHEMA, Field as Field
-from stereorecal.comparison.field._trial import FAILED as FAILED, FieldTrial as FieldTrial, as_trial as as_trial

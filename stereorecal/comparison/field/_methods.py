@@ -156,7 +156,7 @@ def _answer(solution: Solution) -> Answer:
 
 def _check_motion(case: Case) -> None:
     if is_exact(case.prior):
-        raise NeedNotMet("method motion tells depth, which exact intrinsics leave known.")
+        raise NeedNotMet("the method motion estimates depth, which exact intrinsics leave known; leave it out.")
     if sum(pair.time is not None for pair in case.pairs) < 2:
         raise NeedNotMet("method motion needs two pairs or more that know their times.")
 

@@ -6,8 +6,8 @@ from typing import Any
 
 from stereorecal._extras import extra
 from stereorecal._json_data import json_data
-from stereorecal.comparison.field._summary import FieldSummary, summarised
-from stereorecal.comparison.field._trial import FieldTrial
+from stereorecal.comparison.field._field_summary import FieldSummary, summarised
+from stereorecal.comparison.field._field_trial import FieldTrial
 from stereorecal.io import write_json, write_text
 
 SCHEMA = "stereorecal.field/1"

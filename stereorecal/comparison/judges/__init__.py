@@ -1,6 +1,6 @@
 """Judges of calibrations: what no method looks at says how good a rig is, but for rows of lidar and of given drives."""
 
-from stereorecal.comparison.judges._boards import ByBoards as ByBoards, by_boards as by_boards
+from stereorecal.comparison.judges._board_judge import ByBoards as ByBoards, by_boards as by_boards
 from stereorecal.comparison.judges._case import AbstractRecipe as AbstractRecipe, Case as Case, case_of as case_of
 from stereorecal.comparison.judges._drives import walked as walked
 from stereorecal.comparison.judges._judgement import DISTANCES as DISTANCES, Judgement as Judgement

@@ -9,12 +9,12 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal._errors import InputError
-from stereorecal.comparison.judges._boards import ROWS_WORSE, by_boards
+from stereorecal.comparison.judges._board_judge import ROWS_WORSE, by_boards
 from stereorecal.comparison.judges._case import AbstractRecipe, Case, prior_of
 from stereorecal.comparison.judges._judgement import DISTANCES, Judgement
 from stereorecal.comparison.judges._lidar import depth_by_truth, scene_with_truth
 from stereorecal.comparison.judges._optics import check_lenses
-from stereorecal.comparison.judges._poses import Travelled, depth_at, disparity_offset_px, travelled
+from stereorecal.comparison.judges._pose_judge import Travelled, depth_at, disparity_offset_px, travelled
 from stereorecal.comparison.judges._rows import rows
 from stereorecal.geometry import StereoRig, same_rig
 from stereorecal.io import load_pairs, load_scene
@@ -244,7 +244,9 @@ def _travelled(folder: str) -> Travelled:
 def _centres(file: Path, pairs: int) -> Float[np.ndarray, "k 3"]:
     """Where the left camera stood."""
     if not file.is_file():
-        raise InputError(f"{file}: there is no such file; motion is judged by how far the poses of a drive are apart.")
+        raise InputError(
+            f"{file}: there is no such file; motion is judged by the distances between the poses of a drive."
+        )
     try:
         poses = np.loadtxt(file, ndmin=2)
     except ValueError:

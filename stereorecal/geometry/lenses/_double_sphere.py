@@ -25,8 +25,8 @@ def check(coefficients: Float[np.ndarray, "2"]) -> None:
     xi, alpha = coefficients
     if not (-1.0 < xi <= 1.0 and 0.0 <= alpha <= 1.0):
         raise InputError(
-            f"xi {xi:.4g} and alpha {alpha:.4g} are none of a double sphere (-1 < xi <= 1, 0 <= alpha <= 1); correct "
-            "the calibration."
+            f"xi {xi:.4g} and alpha {alpha:.4g} are outside the double sphere model (-1 < xi <= 1, 0 <= alpha <= 1); "
+            "correct the calibration."
         )
 
 

@@ -26,8 +26,8 @@ def check(coefficients: Float[np.ndarray, "2"]) -> None:
     alpha, beta = coefficients
     if not (0.0 <= alpha <= 1.0 and beta > 0.0):
         raise InputError(
-            f"alpha {alpha:.4g} and beta {beta:.4g} are none of an extended unified lens (0 <= alpha <= 1, beta > 0); "
-            "correct the calibration."
+            f"alpha {alpha:.4g} and beta {beta:.4g} are outside the extended unified model (0 <= alpha <= 1, beta "
+            "> 0); correct the calibration."
         )
 
 

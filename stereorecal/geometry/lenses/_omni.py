@@ -34,8 +34,8 @@ def check(coefficients: Float[np.ndarray, "5"]) -> None:
     xi = coefficients[0]
     if not xi >= 0.0 or field(coefficients) < _LEAST_FIELD:
         raise InputError(
-            f"xi {xi:.4g} and the distortion {', '.join(f'{k:.4g}' for k in coefficients[1:])} are none of an omni "
-            "lens (xi >= 0, and no fold within 5 degrees off the axis); correct the calibration."
+            f"xi {xi:.4g} and the distortion {', '.join(f'{k:.4g}' for k in coefficients[1:])} are outside the omni "
+            "model (xi >= 0, and no fold within 5 degrees off the axis); correct the calibration."
         )
 
 

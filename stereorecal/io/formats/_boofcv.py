@@ -12,7 +12,7 @@ from stereorecal.io.formats._format import Documents, Hints, Target
 from stereorecal.io.formats._lens_numbers import check_model, coefficients, pinhole_matrix, pinhole_numbers
 from stereorecal.io.formats._matrix_values import matrix_values
 from stereorecal.io.formats._numbers import numbers, pixels, value
-from stereorecal.io.formats._poses import inverse, left_to_right, pose, rig_of
+from stereorecal.io.formats._rigid_motions import inverse, left_to_right, pose, rig_of
 from stereorecal.io.formats.text._document import Syntax
 from stereorecal.io.formats.text._keys import Keys, at, leaves
 

@@ -12,8 +12,8 @@ from stereorecal.io._strict_json import strict_json_text
 from stereorecal.io.formats._format import Documents, Hints, Target
 from stereorecal.io.formats._lens_numbers import coefficients
 from stereorecal.io.formats._numbers import numbers, pixels, value
-from stereorecal.io.formats._poses import Pose, inverse, left_to_right, pose, rig_of
 from stereorecal.io.formats._rectification_matrices import RectifyOptions, rectification_of
+from stereorecal.io.formats._rigid_motions import Pose, inverse, left_to_right, pose, rig_of
 from stereorecal.io.formats.text._document import Syntax
 from stereorecal.io.formats.text._keys import Keys
 

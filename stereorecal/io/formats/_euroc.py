@@ -11,7 +11,7 @@ from stereorecal.io.formats._format import Documents, Hints, Target
 from stereorecal.io.formats._lens_numbers import check_held, check_model, coefficients, pinhole_matrix, pinhole_numbers
 from stereorecal.io.formats._matrix_values import matrix_values
 from stereorecal.io.formats._numbers import image_size, numbers, value
-from stereorecal.io.formats._poses import Pose, inverse, left_to_right, rig_of
+from stereorecal.io.formats._rigid_motions import Pose, inverse, left_to_right, rig_of
 from stereorecal.io.formats.text._document import Document, Syntax
 from stereorecal.io.formats.text._keys import Keys
 

@@ -65,11 +65,12 @@ def usual(path: Path) -> Format:
     ending = path.suffix.lower()
     if ending not in ("", *_USUAL):
         raise InputError(
-            f"{path}: the ending does not tell the format; say which with format=, on the command line --to."
+            f"{path}: the file name's ending does not identify the format; say which with format=, on the command "
+            "line --to."
         )
     return _USUAL.get(ending, _stereorecal)
 
 
 def unknown() -> str:
     """What to say where nothing is recognised."""
-    return f"no calibration that is known; expected one of {', '.join(NAMES)} (documentation, page Your data)."
+    return f"the format is unknown; expected one of {', '.join(NAMES)} (documentation, page Your data)."

@@ -18,7 +18,7 @@ from stereorecal.io.formats._lens_numbers import (
 )
 from stereorecal.io.formats._matrix_values import matrix_values
 from stereorecal.io.formats._numbers import image_size, numbers, value
-from stereorecal.io.formats._poses import left_to_right, rig_of
+from stereorecal.io.formats._rigid_motions import left_to_right, rig_of
 from stereorecal.io.formats.text._document import Syntax
 from stereorecal.io.formats.text._keys import Keys
 

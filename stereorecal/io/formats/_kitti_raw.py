@@ -12,8 +12,8 @@ from stereorecal.io.formats._format import Documents, Hints, Target
 from stereorecal.io.formats._kitti_rectified import rectified_rig
 from stereorecal.io.formats._lens_numbers import coefficients
 from stereorecal.io.formats._numbers import image_size, numbers
-from stereorecal.io.formats._poses import Pose, inverse, left_to_right, pose, rig_of
 from stereorecal.io.formats._rectification_matrices import RectifyOptions, rectification_of
+from stereorecal.io.formats._rigid_motions import Pose, inverse, left_to_right, pose, rig_of
 from stereorecal.io.formats.text._document import Syntax
 from stereorecal.io.formats.text._keys import Keys
 

@@ -9,8 +9,8 @@ from stereorecal.io.formats._format import Documents, Hints, Target
 from stereorecal.io.formats._lens_numbers import check_held, check_model, check_no_lens, coefficients
 from stereorecal.io.formats._matrix_values import matrix_values, size_of
 from stereorecal.io.formats._numbers import numbers, pixels, value
-from stereorecal.io.formats._poses import pose, rig_of
 from stereorecal.io.formats._rectification_matrices import Array, RectifyOptions, options_of, rectification_of
+from stereorecal.io.formats._rigid_motions import pose, rig_of
 from stereorecal.io.formats.text._document import Document, Syntax
 from stereorecal.io.formats.text._keys import Keys
 

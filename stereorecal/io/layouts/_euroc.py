@@ -39,5 +39,5 @@ def _same_time(left: Path, right: Path) -> Matched:
     left_files, right_files = by_stem(left), by_stem(right)
     matched = [(path, right_files[time]) for time, path in left_files.items() if time in right_files]
     if not matched:
-        raise InputError(f"{left}: no image in there has the time, that is the name, of one in {right}; check both.")
+        raise InputError(f"{left}: no image in it has the same time (file name) as one in {right}; check both.")
     return matched

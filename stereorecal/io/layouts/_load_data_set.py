@@ -100,9 +100,7 @@ def _read_log(folder: Path, limit: int | None) -> Log:
         if layout.recognises(folder):
             return layout.read(folder, limit)
     known = "; ".join(layout.LAYOUT for layout in _LAYOUTS)
-    raise InputError(
-        f"{folder}: no layout that is known; expected a scene folder (calib.json, left, right), or {known}."
-    )
+    raise InputError(f"{folder}: the layout is unknown; expected a scene folder (calib.json, left, right), or {known}.")
 
 
 def _read_scene(folder: Path, limit: int | None, choose: Callable[[LazyPairs], tuple[Pair, ...]]) -> Scene:

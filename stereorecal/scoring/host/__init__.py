@@ -1,17 +1,17 @@
 """Scores on the host: NumPy arrays, on all cores of a CPU, for every matcher. Repairs and comparisons use them."""
 
 from stereorecal._renamed import renamed
-from stereorecal.scoring.host._correspondences import (
-    compile_in_background as compile_in_background,
-    correspondences as correspondences,
-    correspondences_and_count as correspondences_and_count,
-)
 from stereorecal.scoring.host._counts import (
     counts as counts,
     counts_by_tile as counts_by_tile,
     counts_one_by_one as counts_one_by_one,
 )
 from stereorecal.scoring.host._disparities import disparities as disparities
+from stereorecal.scoring.host._host_correspondences import (
+    compile_in_background as compile_in_background,
+    correspondences as correspondences,
+    correspondences_and_count as correspondences_and_count,
+)
 from stereorecal.scoring.host._pixel_matches import match_pixels as match_pixels
 from stereorecal.scoring.host._score import (
     Score as Score,

@@ -31,11 +31,11 @@ def refused(call, words: str, kind: type[InputError] = InputError) -> None:
 @pytest.mark.parametrize(
     ("name", "text", "words"),
     [
-        ("a.yaml", "a: 1\nb: 2\n", "no calibration that is known; expected one of stereorecal, kalibr, boofcv"),
-        ("a.json", '{"a": 1}', "no calibration that is known"),
+        ("a.yaml", "a: 1\nb: 2\n", "the format is unknown; expected one of stereorecal, kalibr, boofcv"),
+        ("a.json", '{"a": 1}', "the format is unknown"),
         ("a.txt", "hello world", "not a YAML file"),
-        ("a.ini", "[left]\nfx = 3\n", "no calibration that is known"),
-        ("a.conf", "\r\n[LEFT_CAM_HD] ; the left one\r\nfx=3\r\n", "no calibration that is known"),
+        ("a.ini", "[left]\nfx = 3\n", "the format is unknown"),
+        ("a.conf", "\r\n[LEFT_CAM_HD] ; the left one\r\nfx=3\r\n", "the format is unknown"),
         ("a.json", "[1, 2", "not valid JSON"),
         ("a.xml", "<?xml version='1.0'?><opencv_storage><M1>", "not an XML file"),
         ("a.xml", "<!DOCTYPE a [<!ENTITY b 'c'>]><a>&b;</a>", "not an XML file"),
@@ -105,7 +105,7 @@ CAMERA_INFO = samples.ROS_PAIR[1].partition("projection_matrix")[0]
         ((samples.ROS_PAIR[0], CAMERA_INFO), "b.yaml: the key 'projection_matrix' is missing"),
         ((samples.ROS_PAIR[0], samples.EUROC_PAIR[0]), "a.yaml looks like ros, {}b.yaml like euroc; give two of one"),
         ((samples.ROS_PAIR[0], "a: 1"), "b.yaml: the key 'image_width' is missing"),
-        (("b: 2", "a: 1"), "b.yaml: no calibration that is known"),
+        (("b: 2", "a: 1"), "b.yaml: the format is unknown"),
         (
             tuple(text.replace("imageSize: [ 64, 48 ]\n", "") for text in SAMPLES["opencv pair"].texts),
             "b.yaml: the file has no image size (imageSize); give size=",
@@ -198,7 +198,7 @@ EIGHT = np.array([-0.3, 0.1, 0.001, -0.002, 0.01, 0.02, 0.03, 0.04])
         (samples.RIG, "a.yaml", "ros", "ros is written as two files, left and right"),
         (samples.RIG, "a.json", "kalibr", "the ending contradicts what is to be written"),
         (samples.RIG, "a.yaml", "stereorecal", "give a name ending in .json"),
-        (samples.RIG, "a.txt", None, "the ending does not tell the format"),
+        (samples.RIG, "a.txt", None, "the file name's ending does not identify the format"),
         (samples.RIG, "a.yaml", "kalib", "did you mean kalibr?"),
         (samples.RIG, "nowhere/a.yaml", "kalibr", "cannot be written"),
     ],

@@ -2,6 +2,7 @@
 place."""
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -106,6 +107,29 @@ def test_only_lines_with_numbers_of_the_extrinsics_differ(tmp_path: Path, name: 
         assert len(differ) < 0.4 * len(pairs)
         assert all(any(digit in line for digit in "0123456789") for line, _ in differ)
         assert not any(word in line for line, _ in differ for word in ("distortion", "intrinsics", "resolution"))
+
+
+NUMBER = re.compile(r"-?\d+\.?\d*(e[-+]?\d+)?")
+
+
+@pytest.mark.parametrize(("model", "name"), [(model, name) for model in HOLDS for name in HOLDS[model]])
+def test_into_a_copy_of_its_own_file_only_numbers_differ(tmp_path: Path, model: str, name: str):
+    """Of every format: words, keys and their order stay, and so do the intrinsics, to the last digit."""
+    paths = places(tmp_path, name)
+    save_rig(rig_of(model), place_of(paths), format=name)
+    before = load_rig(*paths, unit="m" if name == "opencv" else None)
+    after = before.with_extrinsics(before.extrinsics + np.array([0.01, 0.02, 0.03, -0.01, 0.001, 0.001]))
+    new = [path.with_stem(f"moved-{path.stem}") for path in paths]
+    save_rig(after, place_of(new))
+    found = load_rig(*new, unit="m" if name == "opencv" else None)
+    assert same_rig(found, after)
+    for old_camera, camera in ((before.left, found.left), (before.right, found.right)):
+        np.testing.assert_array_equal(camera.matrix, old_camera.matrix)
+        np.testing.assert_array_equal(camera.distortion, old_camera.distortion)
+    texts = [(old.read_text(), moved.read_text()) for old, moved in zip(paths, new, strict=True)]
+    assert any(one != other for one, other in texts)
+    for one, other in texts:
+        assert NUMBER.sub("#", one).split() == NUMBER.sub("#", other).split()
 
 
 def test_opencvs_own_fisheye_file(tmp_path: Path):

@@ -66,7 +66,7 @@ def _composed(text: str) -> Node:
         raise InputError(_DAMAGED)
     try:
         if _count(node, {}) > len(text) + _EXPANDED:
-            raise InputError("its aliases stand for too much for a calibration; check that this is the right file.")
+            raise InputError("its aliases expand to more than a calibration has; check that this is the right file.")
     except RecursionError:
         raise InputError(_DAMAGED) from None
     return node
@@ -127,7 +127,9 @@ def _edits(text: str, node: Node, value: Any) -> Iterator[_Edit]:
             # Where the last number changes as well, its own edit comes first: they touch, but do not overlap.
             yield place, place, "".join(between + number_text(number) for number in more)
     else:
-        raise InputError("a value to be written is a list where the file has none, or of another length; write anew.")
+        raise InputError(
+            "a value to be written is a list where the file has none, or one of another length; write a new file."
+        )
 
 
 def _new_item(text: str, last: Node) -> str:

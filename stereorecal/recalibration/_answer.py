@@ -23,7 +23,7 @@ from stereorecal.recalibration._default_free import decided
 from stereorecal.recalibration._expected import Expected, expected
 from stereorecal.recalibration._freed_intrinsics import Intrinsics, IntrinsicsOutcome, intrinsics_of
 from stereorecal.recalibration._interval import Interval
-from stereorecal.recalibration._ranged import matched_ranges
+from stereorecal.recalibration._known_ranges import matched_ranges
 from stereorecal.recalibration._regional_misfit import misfit
 from stereorecal.recalibration._row_evidence import TILES_OF_A_FRAME, Evidence, evidence
 from stereorecal.recalibration._schedule import ScoreKind, Stage
@@ -145,7 +145,7 @@ class Look:
         return answer.decision.verdict if answer is not None and seen else None
 
 
-def looked(case: Case, stage: Stage) -> Look | None:
+def look_at(case: Case, stage: Stage) -> Look | None:
     """Look at the images as a stage does; None if it has no correspondences.
 
     Args:

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stereorecal.comparison.field._field_trial import FAILED, SKIPPED, FieldTrial
 from stereorecal.comparison.field._methods import ACCEPTED, GOOD, REFUSED
-from stereorecal.comparison.field._trial import FAILED, SKIPPED, FieldTrial
 from stereorecal.comparison.judges import DISTANCES
 
 

@@ -29,7 +29,7 @@ _TRAVEL = 3.0  # percent of the baseline: by what the rig may travel during a de
 _DELAY_WANDER = 5e-3  # a frame, likewise
 _TURN_ERROR = 0.1  # of the rig's turn: what is near seems to turn when the rig travels
 _RATES = slice(SIZE + 1, SIZE + 4)
-_KEYSTONE = SIZE + 4
+KEYSTONE = SIZE + 4
 OF_LENSES = 0.02  # degrees: a yaw that the lenses of a calibrated rig leave in what its motion tells
 _YAW = np.eye(SIZE)[1]
 
@@ -73,7 +73,7 @@ class Measurement:
 
 
 @dataclass(frozen=True, eq=False)
-class Estimate:
+class FilterEstimate:
     """Mean (11,) and covariance (11, 11): the offset, the delay, the rates of the angles, the keystone, and what the
     lenses leave of the yaw that motion tells."""
 
@@ -98,16 +98,16 @@ class Estimate:
     @property
     def keystone(self) -> float:
         """The yaw that rows show beyond that of depth, degrees."""
-        return float(self.mean[_KEYSTONE])
+        return float(self.mean[KEYSTONE])
 
     def of_rig(self, measured: Measurement) -> Measurement:
         """What is measured of the rig alone, the keystone as it is known."""
         if not measured.keystone:
             return measured
-        doubt = float(np.sqrt(max(self.covariance[_KEYSTONE, _KEYSTONE], 0.0)))
+        doubt = float(np.sqrt(max(self.covariance[KEYSTONE, KEYSTONE], 0.0)))
         return replace(measured, offset=measured.offset - self.keystone * _YAW, keystone=False, doubt=doubt)
 
-    def later(self, config: Config) -> "Estimate":
+    def later(self, config: Config) -> "FilterEstimate":
         """A frame later: the angles go on at their rates, which are slowly forgotten; everything wanders a little."""
         onwards, lasting = np.eye(len(self.mean)), np.exp(-1.0 / config.lasting)
         onwards[:3, _RATES] = np.eye(3)
@@ -118,16 +118,16 @@ class Estimate:
         # Row and column together: an element that is cut alone leaves what is no covariance.
         kept = np.ones(len(self.mean))
         kept[SIZE] = min(1.0, _DELAY / np.sqrt(covariance[SIZE, SIZE]))
-        return Estimate(onwards @ self.mean, covariance * np.outer(kept, kept))
+        return FilterEstimate(onwards @ self.mean, covariance * np.outer(kept, kept))
 
-    def seen(self, measured: Measurement) -> "Estimate":
+    def seen(self, measured: Measurement) -> "FilterEstimate":
         """With one more measurement."""
         design, information = measured.design, measured.information
         pull = design.T @ information @ (measured.offset - design @ self.mean)
         # Not the inverse of the covariance: what does not drift at all has none.
         known = np.eye(len(self.mean)) + self.covariance @ design.T @ information @ design
         covariance = np.linalg.solve(known, self.covariance)
-        return Estimate(self.mean + covariance @ pull, 0.5 * (covariance + covariance.T))
+        return FilterEstimate(self.mean + covariance @ pull, 0.5 * (covariance + covariance.T))
 
     def chance_of(self, measured: Measurement) -> float:
         """Of a measurement as far from the estimate as this one, or farther (chi-square of the innovation)."""
@@ -161,40 +161,40 @@ class Estimate:
             measured, information=measured.information @ np.linalg.inv(np.eye(SIZE) + doubt @ measured.information)
         )
 
-    def late(self) -> "Estimate":
+    def late(self) -> "FilterEstimate":
         """After a shutter may have begun to be late, or ceased: the rig turns and travels while it is."""
         return self._widened([0.0, 0.0, 0.0, _TRAVEL, _TRAVEL, _DELAY])
 
-    def shaken(self, prior: Float[np.ndarray, "5"]) -> "Estimate":
+    def shaken(self, prior: Float[np.ndarray, "5"]) -> "FilterEstimate":
         """After a knock: as far away as the prior says."""
         return self._widened(prior)
 
-    def turned(self, yaw: float) -> "Estimate":
+    def turned(self, yaw: float) -> "FilterEstimate":
         """After a yaw of so many degrees that is not the rig's: of other things that move."""
         return self._widened([0.0, yaw])
 
-    def mistaken(self, yaw: float) -> "Estimate":
+    def mistaken(self, yaw: float) -> "FilterEstimate":
         """After rows may have taken a yaw of so many degrees for the keystone: what they know of the sum stays."""
         both = np.zeros(len(self.mean))
-        both[1], both[_KEYSTONE] = yaw, -yaw
+        both[1], both[KEYSTONE] = yaw, -yaw
         return replace(self, covariance=self.covariance + np.outer(both, both))
 
-    def moved(self, offset: Float[np.ndarray, "5"], covariance: Float[np.ndarray, "5 5"]) -> "Estimate":
+    def moved(self, offset: Float[np.ndarray, "5"], covariance: Float[np.ndarray, "5 5"]) -> "FilterEstimate":
         """With an offset from elsewhere; delay and rates stay, and depend on it no more."""
         mean, known = self.mean.copy(), self.covariance.copy()
         mean[:SIZE] = offset
         known[:SIZE], known[:, :SIZE] = 0.0, 0.0
         known[:SIZE, :SIZE] = covariance
-        return Estimate(mean, known)
+        return FilterEstimate(mean, known)
 
-    def _widened(self, by: Sequence[float] | Float[np.ndarray, "n"]) -> "Estimate":
+    def _widened(self, by: Sequence[float] | Float[np.ndarray, "n"]) -> "FilterEstimate":
         """By standard deviations of the first numbers."""
         variances = np.zeros(len(self.mean))
         variances[: len(by)] = np.square(by)
         return replace(self, covariance=self.covariance + np.diag(variances))
 
 
-def at_start(prior: Float[np.ndarray, "5"], config: Config, keystone: float = 0.0) -> Estimate:
+def at_start(prior: Float[np.ndarray, "5"], config: Config, keystone: float = 0.0) -> FilterEstimate:
     """The rig that was given, and how far it may be off (standard deviations).
 
     Args:
@@ -202,4 +202,4 @@ def at_start(prior: Float[np.ndarray, "5"], config: Config, keystone: float = 0.
     """
     lenses = 0.0 if is_exact(config.prior) else OF_LENSES
     spread = np.array([*prior, _DELAY, *config.heating, keystone, lenses])
-    return Estimate(np.zeros(len(spread)), np.diag(spread**2))
+    return FilterEstimate(np.zeros(len(spread)), np.diag(spread**2))

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from stereorecal.online import Config
-from stereorecal.online._estimate import OF_LENSES, Estimate, Measurement, at_start
+from stereorecal.online._filter import OF_LENSES, FilterEstimate, Measurement, at_start
 from stereorecal.online._pace import Pace
 from stereorecal.online._sequential_test import SequentialTest
 
@@ -22,7 +22,7 @@ def measured(frame: int, offset: np.ndarray, draw: np.random.Generator, turn: fl
     return Measurement(frame, offset + late * turned + noise, np.diag(SIGMA**-2.0), turned)
 
 
-def fused(frames: int, offset: np.ndarray, draw: np.random.Generator, late: float = 0.0) -> Estimate:
+def fused(frames: int, offset: np.ndarray, draw: np.random.Generator, late: float = 0.0) -> FilterEstimate:
     estimate = at_start(PRIOR, STILL)
     for frame in range(frames):
         turn = float(np.sin(0.2 * frame))
