@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from stereorecal.recalibration._row_evidence import Evidence
+from stereorecal.recalibration import Evidence
 
 PER_TILE, FOCAL = 20, 500.0
 COLUMN, ROW = np.meshgrid(np.arange(8), np.arange(6))

@@ -17,9 +17,10 @@ from stereorecal.estimation import (
     Windows,
     around,
     estimate,
+    points_of_view,
     readings,
 )
-from stereorecal.estimation._consequences import points_of_view, regions as regions_of
+from stereorecal.estimation._consequences import regions as regions_of
 from stereorecal.objectives import BASELINE
 from stereorecal.scoring import Tracks
 
@@ -382,3 +383,81 @@ def test_ranges_are_heard_although_depth_could_be_kept(chart):
     assert said.verdict is Verdict.REPAIR
     assert said.ranges_agree
     assert said.theta[names.index(BASELINE)] == pytest.approx(0.8, abs=0.2)
+
+
+def test_depth_of_a_point_costs_as_rows_that_a_matcher_notices(drifted):
+    """Of two candidates with equal rows, the one that reads depth worse loses more."""
+    _, seen = drifted[0]
+
+    def loss(rows: float, depth: float) -> float:
+        class Fixed(type(seen)):
+            def losses(self, used):
+                return np.full((3, 1000), rows), np.full(1000, depth)
+
+        return decide(Fixed(**seen.__getstate__()), AXES).loss
+
+    deeper, apart = loss(0.1, 1.0 + LIMITS["worse_depth_points"]), loss(0.1 + LIMITS["gain_px"], 1.0)
+    assert deeper == pytest.approx(apart)
+    assert deeper > loss(0.1, 1.0) + 0.5
+
+
+@pytest.mark.parametrize(("share", "changed"), [(0.97, True), (0.9, False)])
+def test_depth_changes_if_that_is_surely_for_the_better(drifted, share, changed):
+    """Less is lost on average in both cases; in one of ten rigs, depth would be worse by two points."""
+    _, seen = drifted[0]
+    kept = seen.with_free(AXES, keep_depth=True)
+    better = np.arange(1000) < 1000 * share
+
+    class Gaining(type(seen)):
+        def losses(self, used):
+            depth = np.full(1000, 10.0) if not np.any(used) else np.where(better, 3.0, 7.0)
+            if np.allclose(used, kept):
+                depth = np.full(1000, 5.0)
+            return np.full((3, 1000), 0.1 if np.any(used) else 1.0), depth
+
+    assert decide(Gaining(**seen.__getstate__()), AXES).keeps_depth is not changed
+
+
+@pytest.mark.parametrize(("costs", "repaired"), [(0.0, True), (2.0 * LIMITS["worse_rows_px"], False)])
+def test_motion_is_no_reason_against_what_frames_show(drifted, costs, repaired):
+    """Depth would be better for sure; most frames show that rows would be worse."""
+    _, seen = drifted[0]
+
+    class Moving(type(seen)):
+        def losses(self, used):
+            return np.full((3, 1000), 0.1), np.full(1000, 0.2 if np.any(used) else 5.0)
+
+        def rows_of_frames(self, used):
+            return np.full(3, 0.1 + costs * bool(np.any(used)))
+
+    windows = Windows((Tracks(np.zeros((2, 1, 2)), np.zeros((2, 1, 2))),))
+    said = decide(Moving(**{**seen.__getstate__(), "windows": windows}), AXES)
+    assert said.refused is not repaired
+
+
+def test_rows_are_said_with_the_interval_that_holds_them(drifted):
+    for _, seen in drifted:
+        said = decide(seen, AXES)
+        assert (said.rows_px[:, 1] < said.rows_px[:, 0]).all()
+        assert (said.rows_px[:, 0] < said.rows_px[:, 2]).all()
+        for one, (value, low, high) in zip(said.as_dict()["rows_px"].values(), said.rows_px.tolist(), strict=True):
+            np.testing.assert_allclose([one["value"], one["low"], one["high"]], [value, low, high], atol=1e-3)
+
+
+def test_the_harmless_of_two_changes_is_the_candidate(drifted, chart):
+    """All free parameters together would gain rows and may cost depth; the length of the baseline alone costs none."""
+    _, seen = drifted[0]
+    free = (*AXES, BASELINE)
+    length, kept = chart.names.index(BASELINE), seen.with_free(free, keep_depth=True)
+
+    class Harmful(type(seen)):
+        def losses(self, used):
+            rows, depth = 0.1, 1.0
+            if np.delete(used, length).any():
+                rows, depth = (0.5, 1.0) if np.allclose(used, kept) else (0.01, 2.5)
+            return np.full((3, 1000), rows), np.full(1000, depth)
+
+    said = decide(Harmful(**{**seen.__getstate__(), "beams": ranges_of(chart.rig)}), free)
+    assert said.refused
+    assert said.worse == 0.0
+    assert not np.delete(said.theta, length).any()

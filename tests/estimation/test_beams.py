@@ -1,12 +1,14 @@
 """Ranges in the estimate: they tell depth and the length of the baseline, and wrong ones tell nothing."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
+from scipy.stats import norm
 
-from stereorecal.estimation import Beams, CalibrationPrior, estimate
+from stereorecal.estimation import Beams, CalibrationPrior, estimate, points_of_view, readings
 from stereorecal.estimation._calibration_prior import with_scaled_boards
-from stereorecal.estimation._consequences import points_of_view, readings
 
 METRES = np.array([0.5, 5.0])  # of a baseline of 0.12
 
@@ -90,3 +92,26 @@ def test_a_fifth_of_other_things_has_hardly_a_say(rig, chart, scaled, seen):
     told = estimate(seen(rig, true, cells=700), rig, scaled, beams=mixed)
     assert abs(nearness(told.mean_rig, true)) < 0.012
     assert told.beams.contradict(told.mean_rig)[::5].all()
+
+
+def test_the_deviation_of_a_disparity_is_what_the_error_of_its_range_makes(chart):
+    """Ahead, where the distance is the depth: the range a little farther, and the disparity that it then asks for."""
+    rig = chart.rig
+    seen = replace(beams_of(rig, noise=0.0, relative=0.0), matching=np.full(40, 1e-9))
+    seen = replace(seen, left=np.array(rig.left.matrix)[:2, 2] + 0.01 * (seen.left - seen.left.mean(axis=0)))
+    ahead = replace(seen, sigma=1e-4 * seen.metres)
+    farther = replace(ahead, metres=ahead.metres + ahead.sigma)
+    before, after = (one.residuals(rig) * one.deviations(rig) for one in (ahead, farther))
+    np.testing.assert_allclose(np.abs(after - before), ahead.deviations(rig), rtol=0.02)
+
+
+@pytest.mark.parametrize("off", [0.0, 1.2])
+def test_their_likelihood_is_that_of_normal_disparities_against_any(chart, off):
+    """One that is far from the others has a wider normal distribution, not only a smaller residual."""
+    theta = np.zeros(chart.dim)
+    seen = beams_of(chart.rig, noise=0.0, relative=0.0)
+    seen.right[0, 0] += off * 10.0 * seen.deviations(chart.rig)[0]
+    residuals, deviations = seen.residuals(chart.rig), seen.deviations(chart.rig)
+    wide = deviations * np.hypot(1.0, residuals / 3.0)
+    density = norm.logpdf(residuals * deviations, scale=wide) + np.log(0.1 * chart.rig.right.size[0])
+    assert -0.5 * seen.normal(chart, theta).c == pytest.approx(density.sum(), rel=1e-6)

@@ -10,10 +10,11 @@ from stereorecal.estimation import (
     _calibration_prior as of_boards,
     as_prior,
     exact_prior,
+    points_of_view,
+    readings,
     rig_parameters,
 )
 from stereorecal.estimation._calibration_prior import KAPPAS, calibration_covariances
-from stereorecal.estimation._consequences import points_of_view, readings
 from stereorecal.estimation._jacobian import pixels_of
 from stereorecal.geometry import rotation_from_vector
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from simulated_tracks import late_rig, tracks_of
 
-from stereorecal.estimation import Windows, estimate
-from stereorecal.estimation._consequences import points_of_view, readings
+from stereorecal.estimation import Windows, estimate, points_of_view, readings
 
 SECONDS = 0.1
 WAYS = [((0.05 * k, 0.0, -0.4 - 0.2 * k), (0.004 * k - 0.006, 0.008 - 0.005 * k, 0.002 * k)) for k in range(4)]

@@ -8,8 +8,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 import stereorecal as sr
-from stereorecal.estimation import estimate, rig_parameters
-from stereorecal.estimation._consequences import points_of_view, readings
+from stereorecal.estimation import estimate, points_of_view, readings, rig_parameters
 from stereorecal.geometry import rotation_from_euler
 
 DRIFT = np.array([0.3, 0.2, -0.4, 0.2, -0.3])

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from stereorecal.estimation._evidence import Normal, all_explained, explained, normal_of, without
+from stereorecal.estimation import CalibrationPrior, Normal
+from stereorecal.estimation._evidence import all_explained, explained, normal_of, without
+from stereorecal.estimation._knowledge import updated
 
 ROWS, DRIFTING = 14, 5
 
@@ -135,3 +137,22 @@ def test_several_at_once_are_each_alone(seeds, common, q):
         np.testing.assert_allclose(one.means, alone.means, rtol=1e-8, atol=1e-9)
         np.testing.assert_allclose(one.nuisance, alone.nuisance, rtol=1e-8, atol=1e-9)
         np.testing.assert_allclose(one.covariance(1), alone.covariance(1), rtol=1e-8, atol=1e-9)
+
+
+@settings(max_examples=20)
+@given(seed=st.integers(0, 9999), number=st.integers(1, 4))
+def test_a_mixture_is_updated_as_each_of_its_parts_conditioned(seed, number):
+    """And each part's weight by how well it had foretold the rows."""
+    parts = [Problem(seed + index, q=0) for index in range(number)]
+    for part in parts:  # one likelihood for all of them
+        part.columns, part.rows, part.noise = parts[0].columns, parts[0].rows, parts[0].noise
+    weights = np.arange(1.0, number + 1.0) / np.arange(1.0, number + 1.0).sum()
+    prior = CalibrationPrior(
+        np.stack([part.calibration for part in parts]), weights, means=np.stack([part.given for part in parts])
+    )
+    found, dense = updated(prior, parts[0].normal), [part.dense(0) for part in parts]
+    logs = np.log(weights) + [density for *_, density in dense]
+    np.testing.assert_allclose(found.weights, np.exp(logs - np.logaddexp.reduce(logs)), rtol=1e-6, atol=1e-12)
+    for mean, root, (expected, covariance, _) in zip(found.means, found.roots, dense, strict=True):
+        np.testing.assert_allclose(mean, expected, rtol=1e-6, atol=1e-8)
+        np.testing.assert_allclose(root @ root.T, covariance, rtol=1e-6, atol=1e-8)

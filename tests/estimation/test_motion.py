@@ -8,10 +8,17 @@ from hypothesis import given, settings, strategies as st
 from simulated_tracks import AHEAD, REST, SIDEWAYS, rolling_tracks, tracks_of
 
 import stereorecal as sr
-from stereorecal.estimation import Windows, as_prior, estimate, rig_parameters, windows_of_all
-from stereorecal.estimation._consequences import points_of_view, readings
+from stereorecal.estimation import (
+    Windows,
+    as_prior,
+    estimate,
+    points_of_view,
+    readings,
+    rig_parameters,
+    window,
+    windows_of_all,
+)
 from stereorecal.estimation._motion_residuals import Motion, by_theta, residuals, seen_by
-from stereorecal.estimation._motion_window import window
 from stereorecal.geometry import rotation_from_vector
 from stereorecal.scoring import Tracks
 

@@ -10,8 +10,7 @@ import scipy.linalg
 from hypothesis import given, settings, strategies as st
 from threadpoolctl import ThreadpoolController, threadpool_info
 
-from stereorecal.estimation import estimate
-from stereorecal.estimation._one_thread import one_blas_thread
+from stereorecal.estimation import estimate, one_blas_thread
 
 BEFORE = 2
 assert scipy.linalg  # has a BLAS of its own

@@ -16,9 +16,10 @@ from stereorecal.estimation import (
     as_prior,
     calibration_prior,
     estimate,
+    points_of_view,
+    readings,
     rig_parameters,
 )
-from stereorecal.estimation._consequences import points_of_view, readings
 from stereorecal.objectives import EXTRINSICS
 
 

@@ -6,8 +6,14 @@ from hypothesis import given, settings, strategies as st
 from lenses import LENSES, WIDE_LENSES
 
 import stereorecal as sr
-from stereorecal.estimation import _calibration_prior as of_boards, rig_parameters
-from stereorecal.estimation._consequences import DISTANCES, areas, consequences, points_of_view, readings
+from stereorecal.estimation import (
+    _calibration_prior as of_boards,
+    consequences,
+    points_of_view,
+    readings,
+    rig_parameters,
+)
+from stereorecal.estimation._consequences import DISTANCES, areas
 from stereorecal.estimation._jacobian import moved_by_extrinsics, pixels_of, slopes_by_point, slopes_of
 
 SIZES = {"deg": 0.3, "%": 0.3, "px": 3.0, "": 1e-3}

@@ -3,9 +3,7 @@
 import numpy as np
 import pytest
 
-from stereorecal.estimation import Recording, estimate, estimate_together, with_free_together
-from stereorecal.estimation._calibration_prior import CalibrationPrior
-from stereorecal.estimation._evidence import Normal
+from stereorecal.estimation import CalibrationPrior, Normal, Recording, estimate, estimate_together, with_free_together
 from stereorecal.estimation._several_recordings import after
 
 DRIFTS = np.array([[0.3, 0.2, -0.4, 0.2, -0.3], [-0.2, 0.1, 0.3, 0.0, 0.2], [0.0, 0.0, 0.0, 0.0, 0.0]])

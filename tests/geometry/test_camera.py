@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, strategies as st
 from lenses import FEW, LENSES
 
-from stereorecal._errors import InputError, UnsupportedModelError
+from stereorecal import InputError, UnsupportedModelError
 from stereorecal.geometry import Camera, changed_camera, distort, same_camera, undistort
 
 SIZE = (96, 64)

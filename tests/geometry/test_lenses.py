@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from lenses import WIDE_LENSES
 
-from stereorecal._errors import InputError, UnsupportedModelError
+from stereorecal import InputError, UnsupportedModelError
 from stereorecal.geometry import Camera, camera_changes, changed_camera, intrinsic, pixel_slopes, ray_slopes, reread
 from stereorecal.geometry.lenses import NAMES, LensModel, lens_model
 

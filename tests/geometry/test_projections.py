@@ -8,7 +8,7 @@ from hypothesis import given, settings, strategies as st
 from lenses import WIDE_LENSES
 
 import stereorecal as sr
-from stereorecal._errors import InputError
+from stereorecal import InputError
 from stereorecal.geometry import (
     Camera,
     Projection,

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from stereorecal._errors import InputError
+from stereorecal import InputError
 from stereorecal.geometry import AXES, Camera, StereoRig, rotation_from_euler
 
 MATRIX = np.array([[80.0, 0, 46.2], [0, 82.0, 33.1], [0, 0, 1]])

@@ -5,8 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from stereorecal._errors import InputError
-from stereorecal.io._atomic import FileTaken, make_folder, write_bytes, write_files, write_text
+from stereorecal import InputError
+from stereorecal.io import make_folder, write_bytes, write_files, write_text
+from stereorecal.io._atomic import FileTaken
 
 
 def test_writes_and_replaces(tmp_path: Path):

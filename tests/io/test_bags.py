@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from bags import write_bag
 
-from stereorecal._errors import InputError
+from stereorecal import InputError
 from stereorecal.io import open_pairs
 from stereorecal.io.images import _image_files
 

@@ -9,7 +9,7 @@ import pytest
 from damage import damaged
 from hypothesis import given, settings, strategies as st
 
-from stereorecal._errors import InputError
+from stereorecal import InputError
 from stereorecal.io import load_log, load_pair, load_ranges, load_rig, save_rig
 from stereorecal.synthetic import default_rig
 

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
-from stereorecal._errors import InputError
+from stereorecal import InputError
 from stereorecal.io._read_files import read_text
 from stereorecal.io.images._image_files import read_image
 from stereorecal.io.images._image_headers import announced_size, bytes_per_pixel, ends_properly

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from stereorecal._errors import InputError
+from stereorecal import InputError
 from stereorecal._json_data import json_data
 from stereorecal.io import json_line, json_text, parse_json, read_json, write_json
 from stereorecal.io.formats._stereorecal import calibration_text

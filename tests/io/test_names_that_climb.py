@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from stereorecal._errors import InputError
+from stereorecal import InputError
 from stereorecal.io import save_calibrations, save_mission
 from stereorecal.recordings import Mission
 from stereorecal.synthetic import default_rig, render

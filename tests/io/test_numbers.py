@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from stereorecal._errors import InputError
+from stereorecal import InputError
 from stereorecal.io.formats._numbers import image_size, number_or_word, numbers, pixels, value
 from stereorecal.io.formats.text._document import read_document
 

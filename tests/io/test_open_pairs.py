@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 import pytest
 
-from stereorecal._errors import InputError, PairingWarning
+from stereorecal import InputError, PairingWarning
 from stereorecal.io import load_pairs, open_pairs
 from stereorecal.io.images import _videos
 from stereorecal.recalibration import chosen_frames

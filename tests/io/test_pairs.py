@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from stereorecal._errors import InputError, PairingWarning
+from stereorecal import InputError, PairingWarning
 from stereorecal.io import load_pair, load_pairs
 from stereorecal.io.images._match_by_name import find_partners, match_files
 

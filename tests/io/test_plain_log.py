@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import stereorecal as sr
-from stereorecal._errors import InputError
+from stereorecal import InputError
 from stereorecal.io import has_mission, load_log, load_scene, save_calibrations, save_mission, save_scene
 from stereorecal.recordings import Log, Mission
 

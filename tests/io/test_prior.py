@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from stereorecal._errors import InputError
+from stereorecal import InputError
 from stereorecal.geometry import Camera, StereoRig, rig_as_data, rig_from_data, same_rig
 from stereorecal.io import calibration_json, load_rig, load_scene, save_rig, save_scene, stored_prior
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from stereorecal._errors import InputError
+from stereorecal import InputError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io import gather_scene, load_rig, load_scene, save_rig, save_scene
 

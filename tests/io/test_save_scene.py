@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from trees import SIZE, refused_scene, texture
 
-from stereorecal._errors import InputError
+from stereorecal import InputError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io import load_scene, save_scene
 from stereorecal.recordings import Pair, Scene

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from trees import SIZE, refused_scene, texture
 
-from stereorecal._errors import InputError, UnsupportedModelError
+from stereorecal import InputError, UnsupportedModelError
 from stereorecal.geometry import rotation_from_vector
 from stereorecal.io import load_scene
 

@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from stereorecal._errors import InputError
+from stereorecal import InputError
 from stereorecal.matching import BM, SAD, SGBM, as_matcher
 
 CLASSES = (SAD, BM, SGBM)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from stereorecal._errors import InputError
+from stereorecal import InputError
 from stereorecal.matching import BM, SAD, SGBM, reference
 from stereorecal.matching._texture import quantise, x_sobel
 from stereorecal.matching.sad._planes import winners as winners_by_planes
@@ -182,3 +182,11 @@ def test_scaling_covers_the_range():
     assert small.min_disparity == -2
     assert small.min_disparity + small.num_disparities >= 65 / 4
     assert small.block_size == 11
+
+
+@pytest.mark.parametrize(("lowest", "count"), [(0, 64), (-64, 32), (-8, 72)])
+def test_the_widest_range_leaves_one_column(lowest, count):
+    matcher = SAD(min_disparity=lowest, num_disparities=count)
+    assert matcher.disparity_range(65) == (lowest, count)
+    with pytest.raises(InputError, match=r"wider than the image \(64 pixels\)"):
+        matcher.disparity_range(64)

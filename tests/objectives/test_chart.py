@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from stereorecal._errors import InputError
+from stereorecal import InputError
 from stereorecal.geometry import AXES
 from stereorecal.objectives import Reach, count_chart
 from stereorecal.synthetic import default_rig

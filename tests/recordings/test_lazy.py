@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stereorecal._errors import InputError
+from stereorecal import InputError
 from stereorecal.cli._commands import options_of
 from stereorecal.cli._recordings import recordings
 from stereorecal.io import files_read, load_log, load_scene, open_pairs, save_scene

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from stereorecal._errors import InputError
+from stereorecal import InputError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.recordings import Pair, check_pairs, make_pair
 

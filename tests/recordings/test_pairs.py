@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 import stereorecal as sr
-from stereorecal._errors import InputError
-from stereorecal.recordings import Pair, make_pair
-from stereorecal.recordings._as_pairs import as_pairs
+from stereorecal import InputError
+from stereorecal.recordings import Pair, as_pairs, make_pair
 
 CALL = "give pairs such as sr.io.load_pairs('left/*.png', 'right/*.png'), or tuples (left, right) of arrays."
 

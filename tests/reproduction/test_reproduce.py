@@ -10,7 +10,7 @@ import pytest
 from json_page import differences
 
 import stereorecal as sr
-from stereorecal._errors import InputError
+from stereorecal import InputError
 from stereorecal.io import load_log, save_calibrations, save_mission
 from stereorecal.recordings import Log, Mission
 from stereorecal.reproduction import (

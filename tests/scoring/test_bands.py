@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 import stereorecal as sr
-from stereorecal._errors import InputError
+from stereorecal import InputError
 from stereorecal.geometry import view, with_unit_baseline
 from stereorecal.matching import SAD
 from stereorecal.scoring import bands, prepare

@@ -1,5 +1,6 @@
 """Dense correspondences of rendered scenes, whose truth is known."""
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
@@ -7,6 +8,7 @@ from stereorecal.geometry import rectifying_rotations, view, with_unit_baseline
 from stereorecal.matching import SAD
 from stereorecal.recordings import Pair
 from stereorecal.scoring import TILES, median_row_error, prepare, row_differences
+from stereorecal.scoring._correspondences import _means_of_cells
 from stereorecal.scoring.host import correspondences
 
 SAD_64 = SAD(num_disparities=64)
@@ -150,3 +152,21 @@ def test_frames_keep_their_own_and_half_scale_sees_the_same_rays(harbour, scene)
     ratio = both.weight[0][here] / other.weight[0][here]
     np.testing.assert_allclose(ratio, ratio.mean(), rtol=1e-4)
     assert not np.array_equal(both.right[1], other.right[1])
+
+
+def test_a_cell_is_the_weighted_mean_of_its_pixels_and_weighs_as_one_of_them():
+    """However few of its pixels were found; what is left over beyond whole cells belongs to none."""
+    rng, side = np.random.default_rng(0), 3
+    fields = rng.normal(size=(2, 8, 10)).astype(np.float32)
+    weight = (rng.uniform(0.5, 2.0, (8, 10)) * (rng.uniform(size=(8, 10)) < 0.5)).astype(np.float32)
+    weight[:3, :3] = 0.0
+    means, weights = (np.asarray(part) for part in _means_of_cells(jnp.asarray(fields), jnp.asarray(weight), side))
+    cells = [np.s_[row : row + side, column : column + side] for row in (0, 3) for column in (0, 3, 6)]
+    assert means.shape == (2, len(cells))
+    for index, cell in enumerate(cells):
+        here = weight[cell] > 0
+        expected = weight[cell][here].mean() if here.any() else 0.0
+        assert weights[index] == pytest.approx(expected, rel=1e-6)
+        for field, mean in zip(fields, means[:, index], strict=True):
+            expected = np.average(field[cell], weights=weight[cell]) if here.any() else 0.0
+            assert mean == pytest.approx(expected, rel=1e-5, abs=1e-6)

@@ -6,8 +6,7 @@ import numpy as np
 from hypothesis import given, strategies as st
 
 from stereorecal.recordings import Pair
-from stereorecal.scoring import pyramid
-from stereorecal.scoring._frame_selection import select_frames
+from stereorecal.scoring import pyramid, select_frames
 
 
 def pair(contrast: float, name: str) -> Pair:
@@ -48,6 +47,13 @@ def test_the_best_of_each_stretch_with_a_neighbour(contrasts, most, apart):
             max(number, other) not in apart and (number < other or set(range(other + 1, number)) <= apart)
             for other in best
         )
+
+
+def test_the_neighbour_is_the_last_one_that_is_far_enough_before():
+    """Where what follows must be some pairs away, and the best one is too near to the end to have one after it."""
+    pairs = [pair(20.0 if number == 6 else 1.0 + 0.1 * number, str(number)) for number in range(8)]
+    chosen = select_frames(pairs, 2, lambda first, second: int(second.name) - int(first.name) >= 3)
+    assert [one.name for one in chosen] == ["3", "6"]
 
 
 def test_a_foggy_frame_is_not_looked_at(scene):

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import stereorecal as sr
-from stereorecal._errors import InputError
+from stereorecal import InputError
 from stereorecal.geometry import with_unit_baseline
 from stereorecal.scoring import host
 

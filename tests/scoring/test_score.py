@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stereorecal._errors import InputError
+from stereorecal import InputError
 from stereorecal.matching import SAD
 from stereorecal.scoring.host import Score, disparity, rectify, score
 

@@ -7,10 +7,12 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from stereorecal._errors import InputError, NeedNotMet
+from stereorecal import InputError
+from stereorecal._errors import NeedNotMet
 from stereorecal.matching import BM, SAD
 from stereorecal.objectives import Reach, objective
 from stereorecal.scoring import forward_gradient
+from stereorecal.scoring._soft_count import _soft_area
 from stereorecal.strategies import AbstractStrategy, Need, run_strategy
 
 REACH = Reach(1.0, 0.01)
@@ -124,3 +126,18 @@ def test_opencv_matchers_have_none(scene):
 def test_temperatures_that_make_no_sense(scene, temperature):
     with pytest.raises(InputError, match="temperature"):
         made(scene, temperature=temperature)
+
+
+def test_its_area_fades_alike_at_all_borders():
+    """Half at the outermost pixels, less beyond them, and nothing where a lens shows nothing."""
+    width, height = 9, 7
+    columns, rows = np.meshgrid(np.arange(-2.0, width + 2), np.arange(-2.0, height + 2))
+    area = np.array(_soft_area(jnp.asarray([columns, rows], jnp.float32), (width, height), 0.5))
+    nowhere = (columns == -1.0) & (rows == -1.0)
+    np.testing.assert_array_equal(area[nowhere], 0.0)
+    area[nowhere] = area[-2, -2]
+    np.testing.assert_allclose(area, area[::-1], rtol=1e-5)
+    np.testing.assert_allclose(area, area[:, ::-1], rtol=1e-5)
+    np.testing.assert_allclose([area[2, 6], area[5, 2]], 0.5, rtol=1e-6)
+    assert area[5, 6] > 0.99
+    assert area[0, 6] < 0.05

@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 import pytest
 
-from stereorecal._errors import InputError
+from stereorecal import InputError
 from stereorecal.geometry import StereoRig, view
 from stereorecal.io import load_scene
 from stereorecal.matching import SAD

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from stereorecal._errors import InputError
+from stereorecal import InputError
 from stereorecal.strategies import Budget, BudgetExhausted, Objective, Problem
 
 

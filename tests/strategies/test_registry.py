@@ -8,8 +8,7 @@ from types import ModuleType
 
 import pytest
 
-from stereorecal import _plugins
-from stereorecal._errors import InputError, StrategyError
+from stereorecal import InputError, StrategyError, _plugins
 from stereorecal.strategies import (
     AbstractStrategy,
     describe,

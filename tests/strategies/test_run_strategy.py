@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from stereorecal._errors import NeedNotMet, StrategyError
+from stereorecal import StrategyError
+from stereorecal._errors import NeedNotMet
 from stereorecal.strategies import AbstractStrategy, Budget, Need, Objective, Outcome, Problem, Status, run_strategy
 
 

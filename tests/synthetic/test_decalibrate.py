@@ -4,7 +4,7 @@ import jax
 import numpy as np
 import pytest
 
-from stereorecal._errors import InputError
+from stereorecal import InputError
 from stereorecal.synthetic import decalibrate, default_rig
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import stereorecal.geometry as geometry
-from stereorecal._errors import InputError
+from stereorecal import InputError
 from stereorecal.synthetic import KINDS, default_rig, ground_truth, render
 from stereorecal.synthetic.scenes import make_world
 
