@@ -280,5 +280,5 @@ def test_ranges_of_nothing(harbour):
         sr.rescale_baseline(RIG, harbour.pairs, [sr.Range("other", (1.0, 1.0), 3.0)])
     with pytest.raises(sr.InputError, match="outside of the 640x480 image"):
         sr.rescale_baseline(RIG, harbour.pairs, [sr.Range(0, (640.0, 1.0), 3.0)])
-    with pytest.raises(sr.InputError, match="sure match"):
+    with pytest.raises(sr.InputError, match="reliable match"):
         sr.rescale_baseline(RIG, harbour.pairs, [])
