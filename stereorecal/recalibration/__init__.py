@@ -5,8 +5,6 @@ from stereorecal.recalibration._acceptance import (
     FALSE as FALSE,
     FEWEST_PLACES as FEWEST_PLACES,
     LEAST_COVERED as LEAST_COVERED,
-    ROWS_APART as ROWS_APART,
-    ROWS_MATTER as ROWS_MATTER,
     Reason as Reason,
     RowErrors as RowErrors,
 )
@@ -15,7 +13,6 @@ from stereorecal.recalibration._difference import Difference as Difference, diff
 from stereorecal.recalibration._effects import (
     DISTANCES as DISTANCES,
     depth_error as depth_error,
-    depth_slopes as depth_slopes,
 )
 from stereorecal.recalibration._frame_choice import MOST_FRAMES as MOST_FRAMES, chosen_frames as chosen_frames
 from stereorecal.recalibration._freed_intrinsics import Intrinsics as Intrinsics, IntrinsicsOutcome as IntrinsicsOutcome

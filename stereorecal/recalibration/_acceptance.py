@@ -13,8 +13,6 @@ FEWEST_PLACES = 6  # of tiles: a covariance of five parameters from fewer says n
 _EDGE = 0.98  # of the box of the epipolar stages, which is twice the reach
 LEAST_COVERED = 0.1  # of the image; good rigs cover a half, rigs half a degree out 0 to 6 %: what false matches cover
 FALSE = 0.4  # pixels left by a candidate: chance matches lie evenly within a row of where they were sought, median 0.5
-ROWS_APART = 0.3  # pixels; 0.03 degrees of pitch at a focal length of 600 pixels: no good calibration leaves that
-ROWS_MATTER = 0.1  # pixels: what a matcher notices
 
 
 class Reason(enum.Enum):

@@ -1,4 +1,4 @@
-"""What a wrong calibration means to a user: rows that lie apart, and errors of depth.
+"""What a wrong calibration means to a user: epipolar errors, and errors of depth.
 
 Both follow a point of the world: the better rig says in which pixels it appears, and the one that is used reads those
 pixels in its own way. Everything is NumPy in float64.
@@ -10,9 +10,7 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal._arrays import AnyArray
-from stereorecal._central_difference import central_differences
 from stereorecal.geometry import Camera, StereoRig, View, rectifying_rotations, reread, same_camera
-from stereorecal.objectives import RigChart
 
 DISTANCES = (5, 10, 30, 100)  # baselines
 ROW_DISTANCES = (10.0, np.inf)  # baselines
@@ -39,13 +37,8 @@ def depth_error(nearness: float) -> float:
 
 def nearnesses(used: StereoRig, better: StereoRig) -> Float[np.ndarray, "distances"]:
     """The true depth over the one that `used` reports, of the points of `depth_errors`, at each of DISTANCES: 1 where
-    it is right, 0 and below where it reports infinity and beyond. Nearly linear in the extrinsics, as depth is not."""
+    it is right, 0 and below where it reports infinity and beyond."""
     return np.array([_nearness(used, better, distance * float(better.baseline)) for distance in DISTANCES])
-
-
-def depth_slopes(used: StereoRig, chart: RigChart, z: Float[np.ndarray, "n"]) -> Float[np.ndarray, "distances n"]:
-    """Derivatives of `nearnesses` by the point of the chart at which the true rig lies."""
-    return central_differences(lambda at: nearnesses(used, chart.rig_at(at)), z, STEP)
 
 
 def _nearness(used: StereoRig, better: StereoRig, depth: float) -> float:
