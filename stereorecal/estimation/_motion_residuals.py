@@ -134,6 +134,13 @@ def residuals(seen: Seen, rig: StereoRig, motion: Motion, nearness: Float[np.nda
     return Residuals(value, by_nearness, by_motion, there.along[1])
 
 
+def parallax(seen: Seen, motion: Motion, nearness: Float[np.ndarray, "m"]) -> Float[np.ndarray, "m"]:
+    """How many pixels of the left camera's later image the translation moves each point, whatever the rotation."""
+    move = nearness[:, None] * seen.after[0][:, None] * motion.translation
+    turned = _turned(seen.rays, motion, seen.after[0])
+    return np.linalg.norm(_pixels(seen.later, turned + move, move), axis=1)
+
+
 def by_theta(
     seen: Seen, chart: RigChart, theta: Float[np.ndarray, "n"], motion: Motion, nearness: Float[np.ndarray, "m"]
 ) -> Float[np.ndarray, "m 4 n"]:

@@ -18,6 +18,7 @@ from stereorecal.estimation._motion_residuals import (
     Seen,
     by_extrinsics,
     by_theta,
+    parallax,
     residuals,
     seen_by,
     with_rays,
@@ -43,6 +44,9 @@ _ROUNDS, _SETTLED = 40, 0.03  # standard deviations of the motion
 _CONVEX, _SOME = 4, 300  # rounds in which what is far still has some say, of so many tracks
 _EXPECTED = 2.0  # times the errors expected: most tracks fit so well no motion but their own
 _YAW = 1.0  # degrees: how far depth may be off, while the motion is sought
+# Pixels: where the translation moves most points by less, what depth is known by is how they turn, and that is the
+# lenses, whose errors are no smaller.
+_LEAST_PARALLAX = 1.0
 _LEAST_WAY = 0.1  # baselines: a way that is shorter has hardly a direction, and no share by which it could be off
 _TURN, _MOVE = 1.0, 100.0  # rad and baselines: motions of which nothing is known
 
@@ -52,7 +56,7 @@ class Window:
     """What two consecutive pairs say.
 
     Attributes:
-        normal: the likelihood of θ; flat where the motion tells nothing.
+        normal: the likelihood of θ; flat where the motion tells nothing: too few tracks, at rest, or turning only.
         with_way: the same with how far something else says that the rig travelled, if that is far enough.
         tracks: points that were followed, and whose rays both cameras have.
         inliers: those that fit one motion of the rig, and one depth each.
@@ -68,6 +72,11 @@ class Window:
     motion: Motion | None
     metres: tuple[float, float]
     scale: float
+
+    @property
+    def informative(self) -> bool:
+        """Whether it tells anything of θ."""
+        return bool(self.normal.a.any())
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,16 +105,17 @@ def window(
         return Window(nothing, nothing, len(tracks), 0, None, (0.0, np.inf), 1.0)
     seen = seen_by(tracks, chart.rig_at(theta))
     found = _motion(seen, chart, theta, _roughly(tracks, chart, theta))
+    inliers, metres = int((found.weight > 0.25).sum()), float(np.linalg.norm(found.motion.translation))
+    if np.median(parallax(seen, found.motion, found.nearness)) < _LEAST_PARALLAX:
+        return Window(nothing, nothing, len(tracks), inliers, found.motion, (metres, np.inf), found.scale)
     near = theta + found.yaw * _yaw_axis(chart)
     total = _products(seen, chart, near, found)
     normal, covariance = _normal(total, chart)
     with_way = normal
     if way is not None and far_enough(way[0], chart.rig):
         with_way = _normal(total + _of_way(found.motion, way, chart.dim), chart)[0]
-    metres = float(np.linalg.norm(found.motion.translation))
     ahead = found.motion.translation / max(metres, 1e-30)
     sigma = float(np.sqrt(max(ahead @ covariance @ ahead, 0.0)))
-    inliers = int((found.weight > 0.25).sum())
     return Window(normal, with_way, len(tracks), inliers, found.motion, (metres, sigma), found.scale)
 
 

@@ -60,7 +60,7 @@ def _shown_again(state: State, before: Corners, pair: Pair) -> Outcome:
     near = seen.metres[0] < _AHEAD * float(state.rig.baseline)
     apart = max(state.apart // 2, 1) if lost else min(2 * state.apart, _longest(state)) if near else state.apart
     state = state.but(corners=None, apart=apart)
-    if seen.motion is None:
+    if seen.motion is None or not seen.informative:
         return state, []
     turned = np.degrees(vector_from_rotation(seen.motion.rotation)) / pairs
     return _after_window(state, _measurement(state, seen.normal, turned))

@@ -141,12 +141,15 @@ def check_odometer(odometer: Odometer | None, pairs: Sequence[Pair], windows: Wi
 
 def as_dict(seen: Estimate) -> dict[str, Any]:
     """What the rig's own motion told, as plain data: how many windows, points that were followed, those that fit the
-    motion of the rig, the median of its way from one pair to the next, NaN if too few could be followed, and by how
-    much the right shutter may be late, None if it is not."""
+    motion of the rig, the median of its way from one pair to the next, NaN if too few could be followed, in how many
+    windows it hardly moved or only turned, which tells nothing of depth, and by how much the right shutter may be late,
+    None if it is not."""
     several = [one for one in seen.motions if one.motion is not None]
     inliers, tracks = (sum(getattr(one, name) for one in several) for name in ("inliers", "tracks"))
     way = float(np.median([one.metres[0] for one in several])) if several else float("nan")
+    still = sum(not one.informative for one in several)
     told = {"windows": len(seen.windows.tracks), "followed": tracks, "fitting": inliers, "metres": way}
+    told |= {"without_parallax": still}
     delay = seen.delay and {"probability": seen.delay.probability, "value": seen.delay.seconds, "unit": _unit(seen)}
     return told | {"delay": delay}
 
@@ -163,8 +166,13 @@ def described(seen: Estimate) -> str:
         return f"{told['windows']} windows, too few points could be followed"
     return (
         f"{told['windows']} windows, {told['fitting']} of {told['followed']} points fit the motion of the rig, "
-        f"{told['metres']:.3g} m from one pair to the next (median)" + _late(told["delay"])
+        f"{told['metres']:.3g} m from one pair to the next (median)" + _still(told) + _late(told["delay"])
     )
+
+
+def _still(told: dict[str, Any]) -> str:
+    some = told["without_parallax"]
+    return f"; in {some} of them the rig only turned or stood still, which tells nothing of depth" if some else ""
 
 
 def _late(delay: dict[str, Any] | None) -> str:

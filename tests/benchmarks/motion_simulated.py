@@ -63,6 +63,7 @@ CASES = {
     "a wall": Case(wall=True),
     "at rest": Case(move=(0.0, 0.0, 0.0), turn=0.0),
     "turning only": Case(move=(0.0, 0.0, 0.0), turn=0.03),
+    "turning and slowly ahead": Case(move=(0.02, 0.01, -0.15), turn=0.03),
     "late by 0.2": Case(turn=0.01, late=0.2),
 }
 

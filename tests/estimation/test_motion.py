@@ -20,6 +20,7 @@ from stereorecal.estimation import (
 )
 from stereorecal.estimation._motion_residuals import Motion, by_theta, residuals, seen_by
 from stereorecal.geometry import rotation_from_vector
+from stereorecal.recalibration._windows import described
 from stereorecal.scoring import Tracks
 
 DRIFT = (0.2, 0.5, -0.3, 0.2, -0.3)
@@ -139,12 +140,29 @@ def test_intervals_hold_the_truth(rig, chart, prior, seen, options):
 
 @pytest.mark.parametrize("options", [{"move": REST}, {"move": REST, "turn": (0.0, 0.03, 0.0)}], ids=["rest", "turning"])
 def test_no_way_tells_no_depth(rig, chart, options):
-    """Not even beside a depth that is wrong: yaw and centre are off together."""
-    true = drifted(chart)
-    told = window(tracks_of(true, **options), chart, np.zeros(chart.dim)).normal
-    ahead = window(tracks_of(true), chart, np.zeros(chart.dim)).normal
+    """Not even beside a depth that is wrong: how points turn tells of lenses, which err by as much."""
+    told = window(tracks_of(drifted(chart), **options), chart, np.zeros(chart.dim))
+    assert not told.informative
+    assert told.motion is not None
+    assert told.metres[0] < 0.1 * float(rig.baseline)
+
+
+@pytest.mark.parametrize("move", [AHEAD, SIDEWAYS, (0.0, 0.0, -0.3)], ids=["ahead", "sideways", "slowly"])
+def test_a_way_tells_depth_beside_a_turn(chart, move):
+    told = window(tracks_of(drifted(chart), move=move, turn=(0.0, 0.03, 0.0)), chart, np.zeros(chart.dim))
     both = [chart.names.index("yaw"), chart.names.index("right.cx")]
-    assert np.linalg.eigvalsh(told.a[np.ix_(both, both)])[0] < 0.2 * np.linalg.eigvalsh(ahead.a[np.ix_(both, both)])[0]
+    assert np.linalg.eigvalsh(told.normal.a[np.ix_(both, both)])[0] > 0.0
+
+
+def test_windows_without_parallax_change_nothing(rig, chart, prior, seen):
+    """And are counted."""
+    true = drifted(chart)
+    found = seen(rig, true, frames=2, cells=250)
+    turning = windows(true, 2, move=REST, turn=(0.0, 0.03, 0.0))
+    alone, beside = (estimate(found, rig, prior, windows=some) for some in (Windows(), turning))
+    np.testing.assert_allclose(beside.theta, alone.theta, atol=1e-6)
+    np.testing.assert_allclose(beside.posterior.covariance, alone.posterior.covariance, atol=1e-9)
+    assert "in 2 of them the rig only turned or stood still" in described(beside)
 
 
 @settings(max_examples=6)
