@@ -115,7 +115,9 @@ class ToleranceOptions:
     """What counts as better, as worse and as good."""
 
     distances: str | None = option(
-        "in baselines, at which epipolar errors are evaluated; depth at the farthest (default: 5,10,30)", metavar="B,B"
+        "in baselines, at which epipolar errors are evaluated, and at the nearest that the images show; depth at the "
+        "farthest (default: 5,10,30)",
+        metavar="B,B",
     )
     tolerances: str | None = option(
         "limits of the decision, such as alpha=0.001,worse_depth_points=0.5: alpha, gain_px, worse_rows_px, "

@@ -37,6 +37,7 @@ class Decision:
         ranges_agree: whether ranges agree with the candidate, and not with the calibration.
         tolerances: by which it was decided.
         by_rows: whether its rows are better for sure, also those that most frames show.
+        judged_at: the distances at which rows were judged, baselines; depth at the farthest.
     """
 
     verdict: Verdict
@@ -49,6 +50,7 @@ class Decision:
     ranges_agree: bool = False
     tolerances: Tolerances = DEFAULT
     by_rows: bool = True
+    judged_at: tuple[float, ...] = DEFAULT.distances
 
     @property
     def refused(self) -> bool:
@@ -76,6 +78,7 @@ class Decision:
                 "probability_better": self.better,
                 "probability_worse": self.worse,
                 "rows_px": {"before": before, "candidate": after},
+                "distances": self.judged_at,
             }
         )
 
@@ -142,9 +145,7 @@ def decide_together(
         free, tolerances, proven, depth_told: as `decide` has them.
     """
     limits = DEFAULT if tolerances is None else tolerances
-    several = [
-        seen if seen.judged_at == limits.distances else replace(seen, judged_at=limits.distances) for seen in several
-    ]
+    several = [judged(seen, limits) for seen in several]
     given = [_losses(seen, np.zeros(len(seen.names))) for seen in several]
 
     def candidate(names: Sequence[str], *, keeps_depth: bool = False) -> _Candidate:
@@ -168,6 +169,14 @@ def decide_together(
     return min(keeps, changes, key=lambda one: one.refused).decisions
 
 
+def judged(seen: Estimate, tolerances: Tolerances) -> Estimate:
+    """An estimate, to be judged at the distances that are asked for, and at the nearest that its images show, if that
+    is nearer."""
+    near, distances = seen.nearest, tolerances.distances
+    judged_at = (near, *distances) if near < distances[0] else distances
+    return seen if seen.judged_at == judged_at else replace(seen, judged_at=judged_at)
+
+
 def better_on_average(
     seen: Estimate, free: Sequence[str], tolerances: Tolerances | None = None
 ) -> Float[np.ndarray, "n"] | None:
@@ -175,7 +184,7 @@ def better_on_average(
     notices or a point of depth, less than the calibration's; else None. Better on average, and not for sure: for those
     who let later images prove it, and can go back."""
     limits = DEFAULT if tolerances is None else tolerances
-    seen = replace(seen, judged_at=limits.distances)
+    seen = judged(seen, limits)
     theta = seen.with_free(free)
     before, after = (_losses(seen, one).expected for one in (np.zeros_like(theta), theta))
     return theta if after < before - 1.0 else None
@@ -297,9 +306,8 @@ def _decided(
     asked = (ranges_agree or moved) and not shown > limits.worse_rows_px
     said = np.percentile([before, rows], [50.0, 2.5, 97.5], axis=1).T
     verdict = Verdict.GOOD if good else Verdict.CANNOT_TELL
-    stays = Decision(
-        verdict, theta, keeps_depth, worse, better, after.expected, said, ranges_agree, limits, by_rows=False
-    )
+    loss, at = after.expected, seen.judged_at
+    stays = Decision(verdict, theta, keeps_depth, worse, better, loss, said, ranges_agree, limits, False, at)
     borne_out = seen.shown is None or shown < 0.0  # an estimate without frames: others judge it by later ones
     by_rows = better > 1.0 - limits.alpha and borne_out and (stays.explains or stays.corrects_most)
     return replace(stays, verdict=Verdict.REPAIR, by_rows=by_rows) if harmless and (asked or by_rows) else stays

@@ -26,7 +26,8 @@ class Tolerances:
         good_rows_px: of row error that good calibrations have.
         good_surely: probability with which they do, at least; and with which a change of what depth reads is for the
             better.
-        distances: in baselines, at which rows are judged; depth at the farthest of them.
+        distances: in baselines, at which rows are judged, besides the nearest that the images show, if that is nearer;
+            depth at the farthest of them.
 
     Raises:
         InputError: if a value makes no sense.

@@ -38,6 +38,7 @@ from stereorecal.scoring import Correspondences
 _SAMPLES = 2000
 _SEED = 0
 JUDGED_AT = (5, 10, 30)  # baselines
+_NEAREST = 0.05  # of all correspondences
 _LEAST_NEARNESS = 1e-3  # a thousandth of the true nearness: what lies beyond is called infinitely far
 
 
@@ -129,6 +130,17 @@ class Estimate:
         """
         (theta,) = with_free_together([self], names, keep_depth=keep_depth)
         return theta
+
+    @property
+    def nearest(self) -> float:
+        """How far the nearest twentieth of what the images show is, in baselines and to two digits; infinite, where
+        there is nothing."""
+        if self.shown is None or not len(self.shown):
+            return float("inf")
+        disparity, order = self.shown.disparity, np.argsort(-self.shown.disparity)
+        share = np.cumsum(self.shown.count[order]) / np.sum(self.shown.count)
+        near = float(disparity[order][np.searchsorted(share, _NEAREST)])
+        return float(f"{max(self.shown.focal / near, 1.0):.2g}") if near > 0.0 else float("inf")
 
     @property
     def known(self) -> Known:

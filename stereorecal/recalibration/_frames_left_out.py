@@ -1,11 +1,10 @@
 """What frames that took no part say of other intrinsics."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
-from stereorecal.decision import Decision, Tolerances, decide
+from stereorecal.decision import Decision, Tolerances, decide, judged
 from stereorecal.estimation import Estimate, Prior, as_prior, estimate, frames_by_place, is_exact, largest_loss
 from stereorecal.geometry import StereoRig
 from stereorecal.recalibration._unmatched import without
@@ -41,7 +40,7 @@ def borne_out(
     for part in range(_PARTS):
         left_out = tuple(frame for place in places[part::_PARTS] for frame in place)
         others = estimate(without(found, left_out), rig, known, start=seen.theta, view=seen.view)
-        theta = replace(others, judged_at=tolerances.distances).with_free(free, keep_depth=freed.keeps_depth)
+        theta = judged(others, tolerances).with_free(free, keep_depth=freed.keeps_depth)
         here = np.isin(shown.frame, left_out)
         after[here] = shown.differences(seen.chart, theta)[here]
     return freed if largest_loss(shown, before, after) <= tolerances.worse_rows_px else None

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from stereorecal.decision import LIMITS, Verdict, decide, decide_together, do_as_well
+from stereorecal.decision import LIMITS, Tolerances, Verdict, decide, decide_together, do_as_well, judged
 from stereorecal.estimation import (
     NO_BEAMS,
     Beams,
@@ -43,7 +43,7 @@ def looks(rig, chart, prior, seen):
         rng = np.random.default_rng(seed)
         drift = np.r_[rng.uniform(-degrees, degrees, 5) * [1, 1, 1, 0.6, 0.6], np.zeros(chart.dim - 5)]
         true = chart.rig_at(prior.roots[len(prior.roots) // 2] @ rng.normal(0, 1, chart.dim) + drift)
-        return true, estimate(seen(rig, true, seed, cells=900), rig)
+        return true, judged(estimate(seen(rig, true, seed, cells=900), rig), Tolerances())
 
     return make
 
@@ -277,7 +277,7 @@ def test_far_rows_do_not_pay_for_near_ones(drifted):
     class Nearer(type(seen)):
         def losses(self, used):
             rows, depth = super().losses(used)
-            return rows + np.array([0.05, -0.05, -0.05])[:, None] * bool(np.any(used)), depth
+            return rows + np.r_[0.05, np.full(len(rows) - 1, -0.05)][:, None] * bool(np.any(used)), depth
 
     other = Nearer(**seen.__getstate__())
     assert said.verdict is Verdict.REPAIR
@@ -461,3 +461,21 @@ def test_the_harmless_of_two_changes_is_the_candidate(drifted, chart):
     assert said.refused
     assert said.worse == 0.0
     assert not np.delete(said.theta, length).any()
+
+
+@pytest.mark.parametrize("near", [3.0, 8.0])
+def test_what_images_show_nearer_is_judged_there_too(rig, chart, prior, seen, near):
+    """A translation of the drift moves the rows of near things more."""
+    true = chart.rig_at(0.3 * np.eye(chart.dim)[chart.names.index("z")])
+    found = estimate(seen(rig, true, cells=900, nearest=near), rig)
+    said = decide(found, AXES)
+    assert found.nearest == pytest.approx(near, rel=0.2)
+    assert said.judged_at == ((found.nearest, *AWAY) if near < AWAY[0] else AWAY)
+    assert said.as_dict()["distances"] == list(said.judged_at)
+
+
+def test_an_estimate_without_images_is_judged_where_it_is_asked_for(looks):
+    _, seen = looks(0, 0.5)
+    alone = replace(seen, shown=None)
+    assert alone.nearest == float("inf")
+    assert decide(alone, AXES, Tolerances(distances=(7.0, 40.0))).judged_at == (7.0, 40.0)
