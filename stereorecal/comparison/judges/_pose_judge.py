@@ -88,8 +88,10 @@ def _triangulated(
     rays, others = (_rays(rig.left, pixels) for pixels in (left, moved))
     if len(left) < _FEWEST:
         return left[:0], right[:0], np.zeros(0)
-    fit = _FIT / float(rig.left.matrix[0, 0])
-    essential, agree = cv2.findEssentialMat(rays, others, np.eye(3), method=cv2.USAC_MAGSAC, prob=0.9999, threshold=fit)
+    # As pixels of a pinhole camera: MAGSAC's scale of noise is made for pixels.
+    pinhole = np.diag([rig.left.matrix[0, 0], rig.left.matrix[0, 0], 1.0])
+    points = [pinhole[0, 0] * r for r in (rays, others)]
+    essential, agree = cv2.findEssentialMat(*points, pinhole, method=cv2.USAC_MAGSAC, prob=0.9999, threshold=_FIT)
     if essential is None or essential.shape != (3, 3):
         return left[:0], right[:0], np.zeros(0)
     _, turn, direction, ahead = cv2.recoverPose(essential, rays, others, np.eye(3), mask=agree.copy())
