@@ -130,7 +130,12 @@ def _raise(error: Exception) -> None:
 
 def _start(options: MonitorOptions, scene: Scene) -> State:
     shown, limits = _option_values.view(options), _option_values.tolerances(options)
-    config = Config(matcher=as_matcher(options.matcher), repair=not options.once, tolerances=limits)
+    config = Config(
+        matcher=as_matcher(options.matcher),
+        synchronous=options.synchronous,
+        repair=not options.once,
+        tolerances=limits,
+    )
     if options.state is not None and Path(options.state).exists():
         kept = load(options.state, scene.rig)
         if kept.config.view != kept.config.view | shown:

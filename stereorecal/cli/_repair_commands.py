@@ -104,6 +104,9 @@ class MonitorOptions(RecordingOptions, ViewOptions, ToleranceOptions, ReportOpti
         "or GStreamer pipelines (two words); one that shows both images side by side; --tolerance as above",
         metavar="NAME",
     )
+    synchronous: bool = option(
+        "a trigger opens both shutters at once: no delay between them is taken into account", False
+    )
     once: bool = option("watch alone, switch nothing: a check of the calibration, for cron", False)
     state: str | None = option(
         "go on from the state in this file, which is of this calibration; keep it there", metavar="FILE"

@@ -30,6 +30,8 @@ class Config:
         prior: of what the calibration left: "default" (also for None), as a chessboard calibration of this rig: rows
             may be bent like a keystone by intrinsics that are not what it says, which the rig's motion tells from a
             yaw; or "exact": they are right, and rows alone tell the yaw.
+        synchronous: a trigger opens both shutters at once, so none is late: what the rig's turn would hide behind a
+            delay is known.
         motion: whether the rig's own motion is followed: pairs come in the order in which they were taken.
         together: looks that err together, since they show the same things in the same windows: each counts for that
             much less in what is fused.
@@ -51,6 +53,7 @@ class Config:
     heating: tuple[float, float, float] = (2e-4, 8e-4, 2e-4)
     lasting: float = 250.0
     prior: str | None = None
+    synchronous: bool = False
     motion: bool = True
     together: int = 8
     knock: float = 1e-6

@@ -113,11 +113,12 @@ class FilterEstimate:
         onwards[:3, _RATES] = np.eye(3)
         onwards[_RATES, _RATES] = lasting * np.eye(3)
         rates = np.sqrt(1.0 - lasting**2) * np.asarray(config.heating)
-        steps = np.array([*config.wander, config.shift, config.shift, _DELAY_WANDER, *rates, 0.0, 0.0]) ** 2
+        delay = 0.0 if config.synchronous else _DELAY_WANDER
+        steps = np.array([*config.wander, config.shift, config.shift, delay, *rates, 0.0, 0.0]) ** 2
         covariance = onwards @ self.covariance @ onwards.T + np.diag(steps)
         # Row and column together: an element that is cut alone leaves what is no covariance.
         kept = np.ones(len(self.mean))
-        kept[SIZE] = min(1.0, _DELAY / np.sqrt(covariance[SIZE, SIZE]))
+        kept[SIZE] = _DELAY / max(_DELAY, float(np.sqrt(covariance[SIZE, SIZE])))
         return FilterEstimate(onwards @ self.mean, covariance * np.outer(kept, kept))
 
     def seen(self, measured: Measurement) -> "FilterEstimate":
@@ -200,6 +201,7 @@ def at_start(prior: Float[np.ndarray, "5"], config: Config, keystone: float = 0.
     Args:
         keystone: of the keystone, degrees.
     """
+    delay = 0.0 if config.synchronous else _DELAY
     lenses = 0.0 if is_exact(config.prior) else OF_LENSES
-    spread = np.array([*prior, _DELAY, *config.heating, keystone, lenses])
+    spread = np.array([*prior, delay, *config.heating, keystone, lenses])
     return FilterEstimate(np.zeros(len(spread)), np.diag(spread**2))

@@ -4,6 +4,7 @@ import time
 from dataclasses import replace
 
 import numpy as np
+from jaxtyping import Float
 
 from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig, as_view
@@ -124,7 +125,7 @@ def _looked(state: State, pair: Pair, before: Small | None, now: Small) -> Outco
     look = estimate_pair(state.rig, pair, state.view, matcher)
     if look.facts is None:
         return _blind(state, pair, look)
-    turned = None if before is None else turn(state.initial.left, before, now)
+    turned = _turn(state, before, now)
     measured = measurement(state, look, turned)
     state = state.but(
         seen=state.seen + 1,
@@ -145,6 +146,13 @@ def _looked(state: State, pair: Pair, before: Small | None, now: Small) -> Outco
     state, more = (state, []) if turned is None else judged(state, state.estimate.of_rig(measured), look)
     state, put_up = nominated(state)
     return state, [*events, *more, *put_up]
+
+
+def _turn(state: State, before: Small | None, now: Small) -> Float[np.ndarray, "3"] | None:
+    """By which a late shutter would have turned the right image, in a frame; None if it is not known."""
+    if state.config.synchronous:
+        return np.zeros(3)
+    return None if before is None else turn(state.initial.left, before, now)
 
 
 def _blind(state: State, pair: Pair, look: PairEstimate) -> Outcome:

@@ -66,9 +66,10 @@ def followed(state: State, measured: Measurement) -> tuple[State, list[Event]]:
 def _explained(state: State, first: Measurement, second: Measurement) -> tuple[FilterEstimate, bool] | None:
     """The estimate after two looks that agree with each other, and whether the rig was knocked; None if they do not.
     A delay explains with one number what a knock explains with five, so it is asked first."""
-    late = _with(state.estimate.late(), state, first)
-    if state.estimate.late().chance_of(first) > _AGREE and late.chance_of(second) > _AGREE:
-        return _with(late, state, second), False
+    if not state.config.synchronous:
+        late = _with(state.estimate.late(), state, first)
+        if state.estimate.late().chance_of(first) > _AGREE and late.chance_of(second) > _AGREE:
+            return _with(late, state, second), False
     knocked = _with(state.estimate.shaken(state.prior), state, first)
     return (_with(knocked, state, second), True) if knocked.chance_of(second) > _AGREE else None
 

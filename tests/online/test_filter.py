@@ -47,6 +47,19 @@ def test_what_follows_the_motion_is_a_delay():
     assert abs(estimate.offset[1]) < 0.05
 
 
+def test_shutters_that_open_at_once_leave_the_yaw_of_a_rig_that_turns_evenly():
+    """Without a trigger it may as well be a delay, in all looks alike."""
+    spread = {}
+    for together in (True, False):
+        config, draw = replace(STILL, synchronous=together), np.random.default_rng(1)
+        estimate = at_start(PRIOR, config)
+        for frame in range(30):
+            estimate = estimate.later(config).seen(measured(frame, np.zeros(5), draw, turn=0.0 if together else 0.5))
+        spread[together] = float(np.sqrt(estimate.of_offset[1, 1]))
+        assert (estimate.delay == 0.0) is together
+    assert spread[True] < 0.1 * spread[False]
+
+
 def test_false_alarms_are_as_rare_as_said():
     shaking = Config(wander=(0.001, 0.001, 0.001), shift=0.001, heating=(0.0, 0.0, 0.0))
     draw, estimate, rare = np.random.default_rng(2), at_start(PRIOR, shaking), []

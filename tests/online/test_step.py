@@ -131,6 +131,15 @@ def test_open_sea_raises_no_alarm(ride: Ride):
     assert not steps[-1].state.using.any()
 
 
+def test_shutters_that_a_trigger_opens_are_never_late(ride: Ride):
+    *_, last = run(ride.rig, ride.pairs[:4], Config(synchronous=True))
+    delay = reading(last.state).delay
+    assert (delay.low, delay.value, delay.high) == (0.0, 0.0, 0.0)
+    assert last.state.seen == 4
+    *_, last = run(ride.rig, ride.pairs[:4])
+    assert reading(last.state).delay.high > 0.0
+
+
 def test_pairs_between_looks_only_tell_the_motion(ride: Ride, ridden: list[Stepped]):
     steps = list(run(ride.rig, ride.pairs[:4], Config(every=2)))
     assert [stepped.state.seen for stepped in steps] == [1, 1, 2, 2]

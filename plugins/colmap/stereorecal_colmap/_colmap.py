@@ -23,7 +23,8 @@ class Colmap(AbstractStrategy):
     all points (`refine_sensor_from_rig`), intrinsics constant, once from the initial calibration and once from the
     two-view geometry; points of large error or small angle are filtered and all are triangulated anew, until hardly any
     observation changes. The result that keeps more points counts. All that has an option in COLMAP has COLMAP's
-    default, but for points of two images, which COLMAP ignores and single pairs consist of. Frames are not linked over time.
+    default, but for points of two images, which COLMAP ignores and single pairs consist of. Frames are not linked over
+    time.
 
     COLMAP moves the whole pose: axes that are held stay as they are all the same, those that are free take its result,
     with the length of the baseline that x gives.
