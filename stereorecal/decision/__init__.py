@@ -10,6 +10,7 @@ from stereorecal.decision._decision import (
     decide as decide,
     decide_together as decide_together,
     do_as_well as do_as_well,
+    hardly_harms as hardly_harms,
     judged as judged,
 )
 from stereorecal.decision._tolerances import (

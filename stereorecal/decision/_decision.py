@@ -180,14 +180,25 @@ def judged(seen: Estimate, tolerances: Tolerances) -> Estimate:
 def better_on_average(
     seen: Estimate, free: Sequence[str], tolerances: Tolerances | None = None
 ) -> Float[np.ndarray, "n"] | None:
-    """The change of free parameters with the least expected loss, if that is by one unit of it, rows that a matcher
-    notices or a point of depth, less than the calibration's; else None. Better on average, and not for sure: for those
-    who let later images prove it, and can go back."""
+    """The change of free parameters with the least expected loss of those that hardly harm, if that is by one unit of
+    it, rows that a matcher notices or a point of depth, less than the calibration's; else None. Where depth is hardly
+    known that is the one that keeps it. Better on average, and not for sure: for those who let later images prove it,
+    and can go back."""
     limits = DEFAULT if tolerances is None else tolerances
     seen = judged(seen, limits)
-    theta = seen.with_free(free)
-    before, after = (_losses(seen, one).expected for one in (np.zeros_like(theta), theta))
-    return theta if after < before - 1.0 else None
+    thetas = (with_free_together([seen], free, keep_depth=keep)[0] for keep in (False, True))
+    losses = {_losses(seen, theta).expected: theta for theta in thetas if hardly_harms(seen, theta, limits)}
+    stays = _losses(seen, np.zeros(len(seen.names))).expected
+    return losses[min(losses)] if losses and min(losses) < stays - 1.0 else None
+
+
+def hardly_harms(seen: Estimate, theta: Float[np.ndarray, "n"], tolerances: Tolerances | None = None) -> bool:
+    """Whether a change makes rows or depth worse with 5 % at most; of a calibration whose rows blind the matcher,
+    rows."""
+    limits = DEFAULT if tolerances is None else tolerances
+    seen = judged(seen, limits)
+    _, counted = _chances_of_harm(_losses(seen, np.zeros_like(theta)), _losses(seen, theta), limits)
+    return counted <= 1.0 - limits.good_surely
 
 
 def do_as_well(held: Sequence[Decision], freed: Sequence[Decision]) -> bool:
@@ -288,14 +299,11 @@ def _decided(
     depth_told: bool,
 ) -> Decision:
     """Between θ = 0, which loses what is given, and a candidate, which loses what comes after."""
-    # NaN is no proof of harmlessness.
-    lost = ~np.all(after.rows <= given.rows + limits.worse_rows_px, axis=0)
-    farther = ~(after.depth <= given.depth + limits.worse_depth_points)
-    worse, before, rows = float(np.mean(lost | farther)), given.mean_rows, after.mean_rows
-    blind = float(np.mean(before > limits.blind_rows_px)) > 1.0 - limits.alpha
-    harmless = worse < limits.alpha or (blind and float(np.mean(lost)) < limits.alpha)
+    worse, counted = _chances_of_harm(given, after, limits)
+    before, rows = given.mean_rows, after.mean_rows
     better = float(np.mean(rows < before - limits.gain_px))
-    harmless = harmless and (blind or proven or not _costs_a_region(seen, theta, limits))
+    spared = proven or _is_blind(given, limits) or not _costs_a_region(seen, theta, limits)
+    harmless = counted < limits.alpha and spared
     ranges_agree = bool(seen.beams.fit_better(seen.chart.rig, seen.chart.rig_at(theta)))
     nearer = float(np.mean(after.depth < given.depth - limits.worse_depth_points)) > 1.0 - limits.alpha
     # What most frames show bears it out: no posterior knows all ways in which lenses err, and where they do, one frame
@@ -311,6 +319,19 @@ def _decided(
     borne_out = seen.shown is None or shown < 0.0  # an estimate without frames: others judge it by later ones
     by_rows = better > 1.0 - limits.alpha and borne_out and (stays.explains or stays.corrects_most)
     return replace(stays, verdict=Verdict.REPAIR, by_rows=by_rows) if harmless and (asked or by_rows) else stays
+
+
+def _chances_of_harm(given: _Losses, after: _Losses, limits: Tolerances) -> tuple[float, float]:
+    """Probability that rows or depth become worse, and what counts of it: a rig that is blind has no depth to lose."""
+    # NaN is no proof of harmlessness.
+    lost = ~np.all(after.rows <= given.rows + limits.worse_rows_px, axis=0)
+    farther = ~(after.depth <= given.depth + limits.worse_depth_points)
+    worse = float(np.mean(lost | farther))
+    return worse, float(np.mean(lost)) if _is_blind(given, limits) else worse
+
+
+def _is_blind(given: _Losses, limits: Tolerances) -> bool:
+    return float(np.mean(given.mean_rows > limits.blind_rows_px)) > 1.0 - limits.alpha
 
 
 def _costs_a_region(seen: Estimate, theta: Float[np.ndarray, "n"], limits: Tolerances) -> bool:

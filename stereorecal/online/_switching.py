@@ -5,8 +5,10 @@ from collections.abc import Callable
 import numpy as np
 from jaxtyping import Float
 
+from stereorecal.decision import hardly_harms
 from stereorecal.online._events import Event, Kind
 from stereorecal.online._filter import SIZE, Measurement
+from stereorecal.online._filter_posterior import known
 from stereorecal.online._pair_estimate import PairEstimate
 from stereorecal.online._reading import reading
 from stereorecal.online._sequential_test import SequentialTest
@@ -48,10 +50,13 @@ def matched(state: State, before: float, look: Callable[[], PairEstimate]) -> Ou
 
 
 def decided(state: State) -> Outcome:
-    """The switch, if the candidate has won; it is dropped, if it has lost."""
+    """The switch, if the candidate has won, and what the filter knows by now allows it; it is dropped, if it has lost.
+
+    Looks of one place err together, and a trial of them alone would take the error of all for the rig's.
+    """
     trial = state.trial
     assert trial is not None
-    if trial.won(state.config.switch):
+    if trial.won(state.config.switch) and _is_allowed(state, trial.offset):
         facts = {
             "old": calibration_data(state, state.using),
             "new": calibration_data(state, trial.offset),
@@ -64,6 +69,13 @@ def decided(state: State) -> Outcome:
         state = state.but(trial=None, ready=state.frame + state.config.rest)
         return state, [Event(state.frame, Kind.REJECTED, f"fitted by {trial.by}", facts)]
     return state, []
+
+
+def _is_allowed(state: State, offset: Offset) -> bool:
+    """Whether a switch hardly harms, by what the filter knows."""
+    seen = known(state.initial, tuple(state.using.tolist()), state.estimate, state.view)
+    change = seen.chart.coordinates(np.asarray(state.rig_at(offset).extrinsics, float))
+    return hardly_harms(seen, change, state.config.tolerances)
 
 
 def switched(state: State, offset: Offset) -> State:
