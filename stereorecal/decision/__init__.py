@@ -7,10 +7,10 @@ from stereorecal.decision._decision import (
     Decision as Decision,
     Verdict as Verdict,
     better_on_average as better_on_average,
+    chance_of_harm as chance_of_harm,
     decide as decide,
     decide_together as decide_together,
     do_as_well as do_as_well,
-    hardly_harms as hardly_harms,
     judged as judged,
 )
 from stereorecal.decision._tolerances import (

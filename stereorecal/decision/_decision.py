@@ -178,27 +178,28 @@ def judged(seen: Estimate, tolerances: Tolerances) -> Estimate:
 
 
 def better_on_average(
-    seen: Estimate, free: Sequence[str], tolerances: Tolerances | None = None
+    seen: Estimate, free: Sequence[str], harm: float, tolerances: Tolerances | None = None
 ) -> Float[np.ndarray, "n"] | None:
-    """The change of free parameters with the least expected loss of those that hardly harm, if that is by one unit of
-    it, rows that a matcher notices or a point of depth, less than the calibration's; else None. Where depth is hardly
-    known that is the one that keeps it. Better on average, and not for sure: for those who let later images prove it,
-    and can go back."""
+    """The change of free parameters with the least expected loss, if that is by one unit of it, rows that a matcher
+    notices or a point of depth, less than the calibration's; else None. Better on average, and not for sure: for those
+    who let later images prove it, and can go back.
+
+    Args:
+        harm: the chance of harm that it may have; where depth is hardly known, a change that keeps it has less.
+    """
     limits = DEFAULT if tolerances is None else tolerances
     seen = judged(seen, limits)
-    thetas = (with_free_together([seen], free, keep_depth=keep)[0] for keep in (False, True))
-    losses = {_losses(seen, theta).expected: theta for theta in thetas if hardly_harms(seen, theta, limits)}
-    stays = _losses(seen, np.zeros(len(seen.names))).expected
-    return losses[min(losses)] if losses and min(losses) < stays - 1.0 else None
+    thetas = [with_free_together([seen], free, keep_depth=keep)[0] for keep in (False, True)]
+    allowed = [theta for theta in thetas if chance_of_harm(seen, theta, limits) <= harm]
+    stays, *changes = (_losses(seen, theta).expected for theta in (np.zeros(len(seen.names)), *allowed))
+    return allowed[int(np.argmin(changes))] if min(changes, default=np.inf) < stays - 1.0 else None
 
 
-def hardly_harms(seen: Estimate, theta: Float[np.ndarray, "n"], tolerances: Tolerances | None = None) -> bool:
-    """Whether a change makes rows or depth worse with 5 % at most; of a calibration whose rows blind the matcher,
-    rows."""
+def chance_of_harm(seen: Estimate, theta: Float[np.ndarray, "n"], tolerances: Tolerances | None = None) -> float:
+    """Probability that a change makes rows or depth worse; of a calibration whose rows blind the matcher, rows."""
     limits = DEFAULT if tolerances is None else tolerances
     seen = judged(seen, limits)
-    _, counted = _chances_of_harm(_losses(seen, np.zeros_like(theta)), _losses(seen, theta), limits)
-    return counted <= 1.0 - limits.good_surely
+    return _chances_of_harm(_losses(seen, np.zeros_like(theta)), _losses(seen, theta), limits)[1]
 
 
 def do_as_well(held: Sequence[Decision], freed: Sequence[Decision]) -> bool:

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 _SINGULAR = 1e-12  # of the largest eigenvalue
+_ROUNDING = 1e-12  # of the squares whose difference is taken
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +59,9 @@ def merged(posterior: Posterior, most: int) -> Posterior:
     size = np.sum(features**2, axis=1)
 
     def apart(index: int) -> Float[np.ndarray, "m"]:
-        return np.maximum(size + size[index] - 2.0 * features @ features[index], 0.0)
+        squares = size + size[index]
+        distance = squares - 2.0 * features @ features[index]
+        return np.where(distance > _ROUNDING * squares, distance, 0.0)  # the same, but for rounding, are one
 
     # One centre after the other where most weight is farthest from all others.
     heaviest = int(w.argmax())

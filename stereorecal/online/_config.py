@@ -37,6 +37,7 @@ class Config:
             much less in what is fused.
         knock: chance that a look is taken for a sign of a knock though nothing happened; two that agree are a knock.
         switch: chance that one calibration wins against another that is as good.
+        harm: chance that a switch makes rows or depth worse, at most, by what is known when it is made.
         rest: pairs between two switches, at least.
         keep: calibrations that can be returned to.
         tolerances: of the decision that a calibration is to be repaired.
@@ -58,6 +59,7 @@ class Config:
     together: int = 8
     knock: float = 1e-6
     switch: float = 1e-3
+    harm: float = 0.2
     rest: int = 10
     keep: int = 8
     tolerances: Tolerances = USUAL
@@ -78,7 +80,7 @@ class Config:
             given = np.asarray(getattr(self, name), float)
             if not np.all((given >= 0) & np.isfinite(given)):
                 raise InputError(f"{name} is {getattr(self, name)}; give 0 or more.")
-        for name in ("knock", "switch"):
+        for name in ("knock", "switch", "harm"):
             if not 0.0 < getattr(self, name) < 1.0:
                 raise InputError(f"{name} is {getattr(self, name)}; give a chance within 0 and 1.")
 

@@ -108,15 +108,22 @@ def reading(state: State) -> Reading:
     late = Interval(delay, delay - float(widths[SIZE]), delay + float(widths[SIZE]))
     if not np.isfinite(state.estimate.mean).all() or not np.isfinite(state.estimate.covariance).all():
         return Reading(axes, state.row_error, _UNKNOWN, dict.fromkeys(DISTANCES, _UNKNOWN), late, None, shifted=False)
-    using, limits = tuple(state.using.tolist()), state.config.tolerances
-    decision, shifted, rotation, depth = _judged(state.initial, using, state.estimate, state.view, limits)
+    config = state.config
+    decision, shifted, rotation, depth = _judged(
+        state.initial, tuple(state.using.tolist()), state.estimate, state.view, config.tolerances, config.harm
+    )
     rows = Interval(*decision.rows_px[0].tolist())
     return Reading(axes, state.row_error, rows, depth, late, decision, shifted, rotation)
 
 
 @lru_cache(maxsize=4)  # a step asks several times
 def _judged(
-    initial: StereoRig, using: tuple[float, ...], filtered: FilterEstimate, view: View, limits: Tolerances
+    initial: StereoRig,
+    using: tuple[float, ...],
+    filtered: FilterEstimate,
+    view: View,
+    limits: Tolerances,
+    harm: float,
 ) -> tuple[Decision, bool, Float[np.ndarray, "3"] | None, Mapping[int, Interval]]:
     """Of a calibration in use the decision on its rotation, whether it is shifted, which rotation is better, and its
     error of depth."""
@@ -124,7 +131,7 @@ def _judged(
     found = decide(seen, _ROTATION, limits, depth_told=True)
     shifted = found.verdict is Verdict.CANNOT_TELL and not decide(seen, EXTRINSICS, limits, depth_told=True).refused
     depth = {at: Interval(*ends) for at, ends in seen.depth_error_percent(np.zeros(len(seen.names))).items()}
-    better = better_on_average(seen, _ROTATION, limits) if found.refused else found.theta
+    better = better_on_average(seen, _ROTATION, harm, limits) if found.refused else found.theta
     return found, shifted, None if better is None else better[: len(_ROTATION)], depth
 
 

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.decision import hardly_harms
+from stereorecal.decision import chance_of_harm
 from stereorecal.online._events import Event, Kind
 from stereorecal.online._filter import SIZE, Measurement
 from stereorecal.online._filter_posterior import known
@@ -72,10 +72,10 @@ def decided(state: State) -> Outcome:
 
 
 def _is_allowed(state: State, offset: Offset) -> bool:
-    """Whether a switch hardly harms, by what the filter knows."""
+    """Whether a switch harms as seldom as it may, by what the filter knows."""
     seen = known(state.initial, tuple(state.using.tolist()), state.estimate, state.view)
     change = seen.chart.coordinates(np.asarray(state.rig_at(offset).extrinsics, float))
-    return hardly_harms(seen, change, state.config.tolerances)
+    return chance_of_harm(seen, change, state.config.tolerances) <= state.config.harm
 
 
 def switched(state: State, offset: Offset) -> State:

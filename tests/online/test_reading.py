@@ -10,7 +10,7 @@ from stereorecal.online import FAR, Kind, Reading, State, Stepped, reading
 from stereorecal.online._filter import KEYSTONE, Measurement
 from stereorecal.online._pair_estimate import PairEstimate
 from stereorecal.online._sequential_test import SequentialTest
-from stereorecal.online._switching import judged, nominated
+from stereorecal.online._switching import decided, judged, nominated
 from stereorecal.online._watching import followed, standing
 from stereorecal.recalibration import Condition
 
@@ -86,11 +86,30 @@ def test_what_is_not_known_is_neither_repaired_nor_healthy(healthy):
 
 def test_what_is_better_on_average_goes_on_trial(healthy):
     """It is not said to be a repair: later looks must bear it out."""
-    state = unsure_of(healthy, (0.0, 0.15, 0.0, 0.0, 0.0), yaw=0.1)
+    state = unsure_of(healthy, (0.0, 0.2, 0.0, 0.0, 0.0), yaw=0.1)
     assert not reading(state).repairs
     trial = nominated(state)[0].trial
     assert trial is not None
-    assert trial.offset[1] - state.using[1] == pytest.approx(0.15, abs=0.03)
+    assert trial.offset[1] - state.using[1] == pytest.approx(0.2, abs=0.03)
+
+
+def test_what_is_better_on_average_and_may_well_harm_does_not(healthy):
+    state = unsure_of(healthy, (0.0, 0.1, 0.0, 0.0, 0.0), yaw=0.1)
+    assert reading(state).rotation is None
+    assert nominated(state)[0].trial is None
+    braver = state.but(config=replace(state.config, harm=0.4))
+    assert nominated(braver)[0].trial is not None
+
+
+@pytest.mark.parametrize(("sigma", "switches"), [(0.1, False), (0.02, True)])
+def test_a_trial_that_is_won_needs_what_the_filter_knows(healthy, sigma, switches):
+    """Looks of one place err together: by themselves they are surer than all of them are."""
+    state = unsure_of(healthy, (0.0, 0.1, 0.0, 0.0, 0.0), yaw=sigma)
+    won = SequentialTest(state.estimate.offset, "looks", state.frame - 1, looks=9, matches=20.0)
+    assert won.won(state.config.switch)
+    after, events = decided(state.but(trial=won))
+    assert bool(events) is switches
+    assert np.array_equal(after.using, won.offset if switches else state.using)
 
 
 def test_depth_is_kept_where_the_yaw_is_not_known(healthy):
