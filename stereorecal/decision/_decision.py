@@ -303,7 +303,7 @@ def _decided(
     worse, counted = _chances_of_harm(given, after, limits)
     before, rows = given.mean_rows, after.mean_rows
     better = float(np.mean(rows < before - limits.gain_px))
-    spared = proven or _is_blind(given, limits) or not _costs_a_region(seen, theta, limits)
+    spared = proven or _is_blind(given, limits) or not _costs_a_region(seen, theta, given, limits)
     harmless = counted < limits.alpha and spared
     ranges_agree = bool(seen.beams.fit_better(seen.chart.rig, seen.chart.rig_at(theta)))
     nearer = float(np.mean(after.depth < given.depth - limits.worse_depth_points)) > 1.0 - limits.alpha
@@ -335,10 +335,11 @@ def _is_blind(given: _Losses, limits: Tolerances) -> bool:
     return float(np.mean(given.mean_rows > limits.blind_rows_px)) > 1.0 - limits.alpha
 
 
-def _costs_a_region(seen: Estimate, theta: Float[np.ndarray, "n"], limits: Tolerances) -> bool:
+def _costs_a_region(seen: Estimate, theta: Float[np.ndarray, "n"], given: _Losses, limits: Tolerances) -> bool:
     """Whether other intrinsics, which can follow what one part of the view shows, may cost another part rows that a
-    matcher notices."""
+    matcher notices: more than it had, and than the calibration has over the view."""
     if not any(value and "." in name for name, value in zip(seen.names, theta.tolist(), strict=True)):
         return False
     before, after = seen.rows_of_regions(np.zeros_like(theta)), seen.rows_of_regions(theta)
-    return float(np.mean(~np.all(after <= before + limits.gain_px, axis=1))) > 1.0 - limits.good_surely
+    had = np.maximum(before, given.mean_rows[:, None])
+    return float(np.mean(~np.all(after <= had + limits.gain_px, axis=1))) > 1.0 - limits.good_surely
