@@ -15,6 +15,7 @@ from stereorecal.recordings import Pair, Pairs, check_pairs
 from stereorecal.scoring._frame_selection import select_frames
 
 _SMALLEST = 16  # pixels a side: below that no window of a matcher fits
+_COEFFICIENTS = 8  # of a pinhole camera in programs
 
 
 @register_pytree
@@ -47,7 +48,8 @@ class ScoringData:
     def through(self, rig: StereoRig) -> "ScoringData":
         """The same frames with the cameras of another rig, given at full size."""
         scaled = rig.resized(self.left_camera.size)
-        cameras = jax.tree.map(lambda leaf: np.asarray(leaf, np.float32), (scaled.left, scaled.right))
+        both = _filled_up(scaled.left), _filled_up(scaled.right)
+        cameras = jax.tree.map(lambda leaf: np.asarray(leaf, np.float32), both)
         return replace(self, left_camera=cameras[0], right_camera=cameras[1])
 
     @property
@@ -132,9 +134,17 @@ def _prepared(rig: StereoRig, pairs: Sequence[Pair], view: View, scale: float) -
     data = ScoringData(
         np.stack([frame.left for frame in frames]),
         np.stack([frame.right for frame in frames]),
-        resized.left,
-        resized.right,
+        _filled_up(resized.left),
+        _filled_up(resized.right),
         view.scaled(scale),
         float(scale),
     )
     return jax.device_put(jax.tree.map(lambda leaf: np.asarray(leaf, np.float32), data))
+
+
+def _filled_up(camera: Camera) -> Camera:
+    """The same lens with zeros for coefficients that it has not: lenses with 0, 4, 5 or 8 share compiled programs."""
+    missing = _COEFFICIENTS - len(camera.distortion)
+    if camera.lens.WIDE or missing <= 0:
+        return camera
+    return replace(camera, distortion=np.pad(camera.distortion, (0, missing)))
