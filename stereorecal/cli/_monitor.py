@@ -140,7 +140,7 @@ def _start(options: MonitorOptions, scene: Scene) -> State:
         kept = load(options.state, scene.rig)
         if kept.config.view != kept.config.view | shown:
             raise InputError(f"--view: the state in {options.state} was made with another view; leave --view out.")
-        return kept.but(config=replace(config, matcher=kept.config.matcher, **kept.config.view))
+        return kept.configured(replace(config, matcher=kept.config.matcher, **kept.config.view))
     assert scene.rig is not None
     return init(scene.rig, replace(config, **shown))
 

@@ -110,7 +110,8 @@ def decide(
     frames show, and if it explains them, or corrects more than it leaves; or if ranges agree with it and not with the
     calibration; or if the rig's own motion tells that its depth is better; and the probability is below 1 % that rows,
     of near or far things, or depth, over the view or ahead, are worse. One that changes intrinsics must, with 95 %,
-    cost no region of the view rows that a matcher notices, unless frames that took no part prove it. Of several, the
+    cost no region of the view rows that a matcher notices, but one that gains them on average, unless frames that took
+    no part prove it. Of several, the
     one that keeps depth is taken, unless that costs rows that a matcher notices, ranges ask for another, or another's
     depth is surely the better one: of the rigs for which it matters, in 95 %. Where none is so harmless, and the rows
     of the calibration blind the matcher, which leaves it no depth to lose, it is enough that its rows are hardly ever
@@ -178,21 +179,26 @@ def judged(seen: Estimate, tolerances: Tolerances) -> Estimate:
 
 
 def better_on_average(
-    seen: Estimate, free: Sequence[str], harm: float, tolerances: Tolerances | None = None
+    seen: Estimate, free: Sequence[str], tolerances: Tolerances | None = None, *, harm: float
 ) -> Float[np.ndarray, "n"] | None:
     """The change of free parameters with the least expected loss, if that is by one unit of it, rows that a matcher
     notices or a point of depth, less than the calibration's; else None. Better on average, and not for sure: for those
     who let later images prove it, and can go back.
 
     Args:
-        harm: the chance of harm that it may have; where depth is hardly known, a change that keeps it has less.
+        harm: the chance of harm that it may have, at most; where depth is hardly known, a change that keeps it has
+            less.
     """
     limits = DEFAULT if tolerances is None else tolerances
     seen = judged(seen, limits)
-    thetas = [with_free_together([seen], free, keep_depth=keep)[0] for keep in (False, True)]
-    allowed = [theta for theta in thetas if chance_of_harm(seen, theta, limits) <= harm]
-    stays, *changes = (_losses(seen, theta).expected for theta in (np.zeros(len(seen.names)), *allowed))
-    return allowed[int(np.argmin(changes))] if min(changes, default=np.inf) < stays - 1.0 else None
+    given, best = _losses(seen, np.zeros(len(seen.names))), None
+    least = given.expected - 1.0
+    for keep in (False, True):
+        (theta,) = with_free_together([seen], free, keep_depth=keep)
+        after = _losses(seen, theta)
+        if after.expected < least and _chances_of_harm(given, after, limits)[1] <= harm:
+            best, least = theta, after.expected
+    return best
 
 
 def chance_of_harm(seen: Estimate, theta: Float[np.ndarray, "n"], tolerances: Tolerances | None = None) -> float:
@@ -303,7 +309,7 @@ def _decided(
     worse, counted = _chances_of_harm(given, after, limits)
     before, rows = given.mean_rows, after.mean_rows
     better = float(np.mean(rows < before - limits.gain_px))
-    spared = proven or _is_blind(given, limits) or not _costs_a_region(seen, theta, given, limits)
+    spared = proven or _is_blind(given, limits) or not _costs_a_region(seen, theta, limits)
     harmless = counted < limits.alpha and spared
     ranges_agree = bool(seen.beams.fit_better(seen.chart.rig, seen.chart.rig_at(theta)))
     nearer = float(np.mean(after.depth < given.depth - limits.worse_depth_points)) > 1.0 - limits.alpha
@@ -335,11 +341,12 @@ def _is_blind(given: _Losses, limits: Tolerances) -> bool:
     return float(np.mean(given.mean_rows > limits.blind_rows_px)) > 1.0 - limits.alpha
 
 
-def _costs_a_region(seen: Estimate, theta: Float[np.ndarray, "n"], given: _Losses, limits: Tolerances) -> bool:
+def _costs_a_region(seen: Estimate, theta: Float[np.ndarray, "n"], limits: Tolerances) -> bool:
     """Whether other intrinsics, which can follow what one part of the view shows, may cost another part rows that a
-    matcher notices: more than it had, and than the calibration has over the view."""
+    matcher notices, and on average gain it none."""
     if not any(value and "." in name for name, value in zip(seen.names, theta.tolist(), strict=True)):
         return False
     before, after = seen.rows_of_regions(np.zeros_like(theta)), seen.rows_of_regions(theta)
-    had = np.maximum(before, given.mean_rows[:, None])
-    return float(np.mean(~np.all(after <= had + limits.gain_px, axis=1))) > 1.0 - limits.good_surely
+    loses = np.mean(~(after <= before + limits.gain_px), axis=0) > 1.0 - limits.good_surely
+    gains = np.mean(before - after, axis=0) > limits.gain_px
+    return bool(np.any(loses & ~gains))

@@ -35,6 +35,7 @@ from stereorecal.geometry._so3 import (
     rotation_from_vector as rotation_from_vector,
     vector_from_rotation as vector_from_rotation,
 )
+from stereorecal.geometry._spline import cubic_sampler as cubic_sampler, cubic_warp as cubic_warp
 from stereorecal.geometry._view import (
     PINHOLE as PINHOLE,
     AnyView as AnyView,
@@ -46,8 +47,6 @@ from stereorecal.geometry._view import (
 from stereorecal.geometry._warp import (
     PixelMap as PixelMap,
     bilinear_warp as bilinear_warp,
-    cubic_sampler as cubic_sampler,
-    cubic_warp as cubic_warp,
     mapped_area as mapped_area,
     pixel_map as pixel_map,
     rectifying_maps as rectifying_maps,

@@ -21,7 +21,7 @@ class Kind(enum.Enum):
     REPAIRING = "a repair has begun"
     REPAIRED = "a better calibration is in use: it wins on pairs that came later than those it was fitted to"
     RECALIBRATED = "recalibrated on request: another calibration is in use, which the decision has accepted"
-    REJECTED = "a candidate was not better"
+    REJECTED = "a candidate was rejected"
     ROLLED_BACK = "an earlier calibration is in use again, on request; nothing is switched"
     REFUSED = "a request was refused"
     NOT_SAVED = "the state cannot be saved; the rig is watched on, and saving is tried again"

@@ -46,6 +46,7 @@ class Measurement:
         keystone: whether it is measured by rows, which what the calibration left bends like a yaw; else by the rig's
             motion, of which it leaves something as well.
         doubt: standard deviation of a yaw that several such measurements have in common [deg].
+        synchronous: whether the shutters are known to open at once; `turn` is 0 then.
     """
 
     frame: int
@@ -54,6 +55,7 @@ class Measurement:
     turn: Float[np.ndarray, "5"]
     keystone: bool = True
     doubt: float = 0.0
+    synchronous: bool = False
 
     @property
     def design(self) -> Float[np.ndarray, "5 11"]:
@@ -65,7 +67,8 @@ class Measurement:
     def poses(self) -> Float[np.ndarray, "5 4"]:
         """What poses as an offset in all looks alike, a standard deviation each: by a late shutter, the rig's turn, and
         its travel along y and z; and a yaw in common."""
-        return np.column_stack([_LATE * self.turn, _TRAVEL * np.eye(SIZE)[:, 3:], self.doubt * _YAW])
+        travel = 0.0 if self.synchronous else _TRAVEL
+        return np.column_stack([_LATE * self.turn, travel * np.eye(SIZE)[:, 3:], self.doubt * _YAW])
 
     def weighed(self, share: float) -> "Measurement":
         """The same with a share of its information."""
@@ -169,6 +172,13 @@ class FilterEstimate:
     def shaken(self, prior: Float[np.ndarray, "5"]) -> "FilterEstimate":
         """After a knock: as far away as the prior says."""
         return self._widened(prior)
+
+    def of_shutters(self, synchronous: bool) -> "FilterEstimate":
+        """With a delay of 0, if it is said that the shutters open at once; with any, if it is no more."""
+        mean, known = self.mean.copy(), self.covariance.copy()
+        mean[SIZE], known[SIZE], known[:, SIZE] = 0.0, 0.0, 0.0
+        known[SIZE, SIZE] = 0.0 if synchronous else _DELAY**2
+        return FilterEstimate(mean, known)
 
     def turned(self, yaw: float) -> "FilterEstimate":
         """After a yaw of so many degrees that is not the rig's: of other things that move."""

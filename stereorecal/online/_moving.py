@@ -87,9 +87,10 @@ def _measurement(state: State, normal: Normal, turned: Float[np.ndarray, "3"]) -
     """
     a, b = normal.a[:SIZE, :SIZE], normal.b[:SIZE]
     offset = state.using + np.linalg.pinv(a, rcond=1e-9, hermitian=True) @ b
-    turn = np.concatenate([turned, np.zeros(SIZE - len(turned))])
+    together = state.config.synchronous
+    turn = np.zeros(SIZE) if together else np.concatenate([turned, np.zeros(SIZE - len(turned))])
     doubt = 0.0 if is_exact(state.config.prior) else OF_LENSES  # in all windows alike
-    return Measurement(state.found_at, offset, a / _WORSE**2, turn, keystone=False, doubt=doubt)
+    return Measurement(state.found_at, offset, a / _WORSE**2, turn, False, doubt, together)
 
 
 def _after_window(state: State, measured: Measurement) -> Outcome:

@@ -38,7 +38,7 @@ class Reading:
         shifted: whether only a change of y and z as well would be better for sure. A bar that bends turns the cameras
             too; a shutter that is late on a rig that travels straight on looks like a shift.
         rotation: (3,) the change of pitch, yaw and roll [deg] that the decision asks for, or that is better on average
-            by what is noticed; None where none is.
+            by what is noticed and harms as seldom as it may; None where none is.
     """
 
     axes: Mapping[str, Interval]
@@ -131,7 +131,7 @@ def _judged(
     found = decide(seen, _ROTATION, limits, depth_told=True)
     shifted = found.verdict is Verdict.CANNOT_TELL and not decide(seen, EXTRINSICS, limits, depth_told=True).refused
     depth = {at: Interval(*ends) for at, ends in seen.depth_error_percent(np.zeros(len(seen.names))).items()}
-    better = better_on_average(seen, _ROTATION, harm, limits) if found.refused else found.theta
+    better = better_on_average(seen, _ROTATION, limits, harm=harm) if found.refused else found.theta
     return found, shifted, None if better is None else better[: len(_ROTATION)], depth
 
 

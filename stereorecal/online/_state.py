@@ -136,6 +136,14 @@ class State:
         """With another estimate."""
         return replace(self, estimate=estimate, pace=self.pace.again(estimate))
 
+    def configured(self, config: Config) -> "State":
+        """With other settings. What was known of a delay is forgotten, where they say otherwise of the shutters."""
+        state = replace(self, config=config)
+        if config.synchronous == self.config.synchronous:
+            return state
+        state = state.standing_at(self.estimate.of_shutters(config.synchronous))
+        return replace(state, trial=None, suspect=None, said=None)
+
     def using_now(self, offset: Offset) -> "State":
         """The state with another calibration in use."""
         return replace(self, using=offset)

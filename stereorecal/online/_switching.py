@@ -50,32 +50,39 @@ def matched(state: State, before: float, look: Callable[[], PairEstimate]) -> Ou
 
 
 def decided(state: State) -> Outcome:
-    """The switch, if the candidate has won, and what the filter knows by now allows it; it is dropped, if it has lost.
+    """The switch, if the candidate has won and hardly harms by what the filter knows by now; else it is dropped, once
+    it has won or lost.
 
     Looks of one place err together, and a trial of them alone would take the error of all for the rig's.
     """
     trial = state.trial
     assert trial is not None
-    if trial.won(state.config.switch) and _is_allowed(state, trial.offset):
+    won = trial.won(state.config.switch)
+    if not won and not trial.lost:
+        return state, []
+    harm = _chance_of_harm(state, trial.offset)
+    proof = {**trial.as_dict(), "chance_of_harm": harm}
+    if won and harm <= state.config.harm:
         facts = {
             "old": calibration_data(state, state.using),
             "new": calibration_data(state, trial.offset),
-            "proof": trial.as_dict(),
+            "proof": proof,
         }
         state = switched(state, trial.offset)
         return state, [Event(state.frame, Kind.REPAIRED, "", facts)]
-    if trial.lost:
-        facts = {"candidate": calibration_data(state, trial.offset), "proof": trial.as_dict()}
-        state = state.but(trial=None, ready=state.frame + state.config.rest)
-        return state, [Event(state.frame, Kind.REJECTED, f"fitted by {trial.by}", facts)]
-    return state, []
+    facts = {"candidate": calibration_data(state, trial.offset), "proof": proof}
+    state = state.but(trial=None, ready=state.frame + state.config.rest)
+    why = "it may harm" if won else "no better on later pairs"
+    return state, [Event(state.frame, Kind.REJECTED, f"fitted by {trial.by}; {why}", facts)]
 
 
-def _is_allowed(state: State, offset: Offset) -> bool:
-    """Whether a switch harms as seldom as it may, by what the filter knows."""
+def _chance_of_harm(state: State, offset: Offset) -> float:
+    """Of a switch, by what the filter knows; 1 if that is no number."""
+    if not np.isfinite(state.estimate.mean).all() or not np.isfinite(state.estimate.covariance).all():
+        return 1.0
     seen = known(state.initial, tuple(state.using.tolist()), state.estimate, state.view)
     change = seen.chart.coordinates(np.asarray(state.rig_at(offset).extrinsics, float))
-    return chance_of_harm(seen, change, state.config.tolerances) <= state.config.harm
+    return chance_of_harm(seen, change, state.config.tolerances)
 
 
 def switched(state: State, offset: Offset) -> State:

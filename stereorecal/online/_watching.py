@@ -27,9 +27,8 @@ def measurement(state: State, look: PairEstimate, turned: Float[np.ndarray, "3"]
     if turned is not None:
         turn[:3] = np.degrees(turned)
     offset = state.offset_of(state.rig.with_extrinsics(look.chart.extrinsics(look.facts.z)))
-    return Measurement(
-        state.frame, offset, _information(look.chart, look.facts.covariance()) / np.outer(units, units), turn
-    )
+    information = _information(look.chart, look.facts.covariance()) / np.outer(units, units)
+    return Measurement(state.frame, offset, information, turn, synchronous=state.config.synchronous)
 
 
 def _information(chart: RigChart, covariance: Float[np.ndarray, "5 5"]) -> Float[np.ndarray, "5 5"]:

@@ -219,7 +219,7 @@ def _set(state: State, now: State) -> State:
     """A state with the settings of one that is made now; nothing that was frozen is thawed by them."""
     before, config = state.config, now.config
     config = replace(config, repair=config.repair and before.repair)
-    state = state.but(config=config)
+    state = state.configured(config)
     if before.repair and not config.repair:
         state = freeze(state)
     if as_matcher(before.matcher) != as_matcher(config.matcher):

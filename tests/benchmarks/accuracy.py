@@ -141,9 +141,8 @@ def sift_rays(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
             np.asarray(c.rays(np.array([p[s] for p in points])), float) for s, c in enumerate((rig.left, rig.right))
         ]
         focal = rig.left.matrix[0, 0]
-        _, inliers = cv2.findEssentialMat(
-            rays[0][:, :2], rays[1][:, :2], np.eye(3), method=cv2.USAC_MAGSAC, prob=0.9999, threshold=1.0 / focal
-        )
+        pinhole, flat = np.diag([focal, focal, 1.0]), [focal * r[:, :2] for r in rays]
+        _, inliers = cv2.findEssentialMat(*flat, pinhole, method=cv2.USAC_MAGSAC, prob=0.9999, threshold=1.0)
         if inliers is not None:
             found.append([r[inliers.ravel().astype(bool)] for r in rays])
     if not found:

@@ -60,10 +60,9 @@ def independent(scene: sr.Scene) -> tuple[np.ndarray, np.ndarray]:
         left, right = matched_pixels(pair.left, pair.right, 8000, 0.02, 0.8)
         flat = [np.asarray(camera.rays(pixels))[:, :2] for camera, pixels in zip(cameras, (left, right), strict=True)]
         good = np.all([np.linalg.norm(points, axis=1) < 4.0 for points in flat], axis=0)
-        threshold = 2.0 / float(scene.rig.left.focal[0])
-        _, inliers = cv2.findEssentialMat(
-            *(points[good] for points in flat), np.eye(3), method=cv2.USAC_MAGSAC, prob=0.9999, threshold=threshold
-        )
+        focal = float(scene.rig.left.focal[0])
+        pinhole, flat = np.diag([focal, focal, 1.0]), [focal * points[good] for points in flat]
+        _, inliers = cv2.findEssentialMat(*flat, pinhole, method=cv2.USAC_MAGSAC, prob=0.9999, threshold=2.0)
         found.append([pixels[good][inliers.ravel() > 0] for pixels in (left, right)])
     left, right = (np.concatenate(side) for side in zip(*found, strict=True))
     return left, right

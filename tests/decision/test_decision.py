@@ -237,6 +237,32 @@ def test_other_lenses_must_not_cost_rows_anywhere(drifted, free, repaired):
     assert (decide(Corner(**seen.__getstate__()), free).verdict is Verdict.REPAIR) is repaired
 
 
+@pytest.mark.parametrize(
+    ("had", "share", "cost", "repaired"),
+    [
+        (0.6, 0.1, 0.1, True),  # hardly ever worse, and half a pixel better on average
+        (0.6, 0.0, 0.0, True),
+        (0.12, 0.1, 0.5, False),  # as seldom, of a region that has little to gain
+        (0.05, 1.0, 1.3, False),  # what other regions gain is no excuse
+    ],
+)
+def test_a_region_that_gains_on_average_may_be_unsure(drifted, had, share, cost, repaired):
+    _, seen = drifted[0]
+
+    class Corner(type(seen)):
+        def rows_of_regions(self, used):
+            rows = np.full((1000, 27), 0.1 if np.any(used) else 1.4)
+            rows[:, 8] = 0.1 if np.any(used) and share < 1.0 else had
+            rows[: int(1000 * share), 8] = had + cost * bool(np.any(used))
+            return rows
+
+        def losses(self, used):
+            return np.full((3, 1000), 0.1 if np.any(used) else 1.4), np.full(1000, 1.0)
+
+    said = decide(Corner(**seen.__getstate__()), (*AXES, "left.k1"))
+    assert (said.verdict is Verdict.REPAIR) is repaired
+
+
 def test_rows_of_regions_are_those_of_the_view(drifted):
     """The mean of their squares, by the points in each, is the view's, at each distance; and a roll moves the rows of
     the left and the right ones, hardly those of the middle."""

@@ -54,10 +54,38 @@ def test_shutters_that_open_at_once_leave_the_yaw_of_a_rig_that_turns_evenly():
         config, draw = replace(STILL, synchronous=together), np.random.default_rng(1)
         estimate = at_start(PRIOR, config)
         for frame in range(30):
-            estimate = estimate.later(config).seen(measured(frame, np.zeros(5), draw, turn=0.0 if together else 0.5))
+            estimate = estimate.later(config).seen(measured(frame, np.zeros(5), draw, turn=0.5))
         spread[together] = float(np.sqrt(estimate.of_offset[1, 1]))
+        assert bool(estimate.covariance[5, 5] == 0.0) is together
         assert (estimate.delay == 0.0) is together
     assert spread[True] < 0.1 * spread[False]
+
+
+def test_what_is_said_of_the_shutters_may_change():
+    """As by a state that is gone on with: what was known of a delay is then as at a start."""
+    draw = np.random.default_rng(1)
+    late = fused(60, np.zeros(5), draw, late=0.3)
+    triggered = late.of_shutters(True)
+    assert triggered.delay == 0.0
+    assert not triggered.covariance[5].any()
+    np.testing.assert_allclose(triggered.offset, late.offset)
+    free = triggered.of_shutters(False)
+    assert free.covariance[5, 5] == pytest.approx(at_start(PRIOR, STILL).covariance[5, 5])
+    for frame in range(60):
+        free = free.later(STILL).seen(measured(frame, np.zeros(5), draw, float(np.sin(0.2 * frame)), 0.3))
+    assert free.delay == pytest.approx(0.3, abs=0.06)
+
+
+def test_of_cameras_with_a_trigger_a_shift_is_no_travel():
+    """Of others, what the rig travels during a delay poses as a shift in all looks alike."""
+    looks = [measured(frame, np.array([0, 0, 0, 2.0, 0]), np.random.default_rng(frame)) for frame in range(20)]
+    evidence = {}
+    for together in (True, False):
+        trial = SequentialTest(np.array([0, 0, 0, 2.0, 0]), "repair", -1)
+        for look in looks:
+            trial = trial.moved(np.zeros(5), replace(look, synchronous=together))
+        evidence[together] = trial.evidence
+    assert evidence[True] > 10.0 * evidence[False]
 
 
 def test_false_alarms_are_as_rare_as_said():

@@ -108,8 +108,18 @@ def test_a_trial_that_is_won_needs_what_the_filter_knows(healthy, sigma, switche
     won = SequentialTest(state.estimate.offset, "looks", state.frame - 1, looks=9, matches=20.0)
     assert won.won(state.config.switch)
     after, events = decided(state.but(trial=won))
-    assert bool(events) is switches
+    (event,) = events
+    assert event.kind is (Kind.REPAIRED if switches else Kind.REJECTED)
+    assert (event.facts["proof"]["chance_of_harm"] <= state.config.harm) is switches
     assert np.array_equal(after.using, won.offset if switches else state.using)
+
+
+def test_a_trial_on_what_is_no_number_switches_nothing(healthy):
+    won = SequentialTest(healthy.using + 0.1, "repair", healthy.frame - 1, looks=9, matches=20.0)
+    unknown = healthy.standing_at(replace(healthy.estimate, mean=np.full_like(healthy.estimate.mean, np.nan)))
+    after, events = decided(unknown.but(trial=won))
+    assert [event.kind for event in events] == [Kind.REJECTED]
+    assert np.array_equal(after.using, healthy.using)
 
 
 def test_depth_is_kept_where_the_yaw_is_not_known(healthy):

@@ -10,7 +10,9 @@ from rides import BEFORE, Ride, error, kinds
 
 import stereorecal as sr
 from stereorecal.online import Config, Kind, Stepped, freeze, init, reading, rollback, run, step
+from stereorecal.online._filter import Measurement
 from stereorecal.online._turning import small
+from stereorecal.online._watching import followed
 from stereorecal.scoring.host import Corners
 
 
@@ -138,6 +140,35 @@ def test_shutters_that_a_trigger_opens_are_never_late(ride: Ride):
     assert last.state.seen == 4
     *_, last = run(ride.rig, ride.pairs[:4])
     assert reading(last.state).delay.high > 0.0
+
+
+def test_a_state_that_is_gone_on_with_a_trigger_knows_no_delay(ride: Ride):
+    """Else a delay that was measured would stay for good, and every trial be refused for it."""
+    *_, last = run(ride.rig, ride.pairs[:3])
+    mean = last.state.estimate.mean.copy()
+    mean[5] = 0.3
+    late = last.state.standing_at(replace(last.state.estimate, mean=mean))
+    again = late.configured(Config(synchronous=True))
+    assert not again.estimate.covariance[5].any()
+    assert not reading(again).late
+    assert late.configured(Config(rest=3)).estimate.mean[5] == 0.3  # nothing was said of the shutters
+    back = again.configured(Config())
+    assert back.estimate.covariance[5, 5] == init(ride.rig).estimate.covariance[5, 5]
+
+
+def test_a_look_that_fits_a_late_shutter_is_a_knock_of_cameras_with_a_trigger(ride: Ride, ridden: list[Stepped]):
+    state, told = ridden[BEFORE - 1].state.but(suspect=None), []
+    turned = np.array([0.5, 0.0, 0.0, 0.0, 0.0])
+    for synchronous in (False, True):
+        now = state.configured(replace(state.config, synchronous=synchronous))
+        turn = np.zeros(5) if synchronous else turned
+        for frame in (0, 1):
+            offset = now.estimate.offset + 0.4 * turned
+            look = Measurement(now.frame + frame, offset, np.diag([1e6, 1e4, 1e5, 10.0, 10.0]), turn, True)
+            now, events = followed(now, look)
+        told.append({event.kind for event in events})
+    assert Kind.KNOCK not in told[0]
+    assert Kind.KNOCK in told[1]
 
 
 def test_pairs_between_looks_only_tell_the_motion(ride: Ride, ridden: list[Stepped]):

@@ -47,6 +47,20 @@ def test_the_listener_hears(compilations):
     assert "compiled" in compilations
 
 
+def test_pinhole_lenses_share_their_programs(compilations, given, at):
+    """Those of 12 coefficients have programs of their own."""
+    known, matched = np.asarray(given.rig.left.distortion)[:4], {}
+    for number in (4, 0, 5, 8, 12):
+        lens = np.zeros(0) if number == 0 else np.pad(known, (0, number - 4))
+        left, right = (sr.Camera(c.size, c.matrix, lens) for c in (given.rig.left, given.rig.right))
+        seen = sr.prepare(sr.StereoRig(left, right, given.rig.extrinsics), given.pairs)
+        compilations.clear()
+        matched[number] = int(sr.count(seen, at, MATCHER))
+        assert bool(compilations) is (number in (4, 12))
+    assert matched[4] == matched[5] == matched[8] == matched[12]
+    assert matched[0] != matched[4]
+
+
 def pure(name, data, found):
     """The function of the extrinsics alone. Each call makes a new one."""
     return {

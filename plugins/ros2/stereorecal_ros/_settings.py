@@ -32,6 +32,7 @@ class Settings:
     tolerance: float = _parameter(0.005, "seconds by which the stamps of a pair may differ")
     share: float = _parameter(0.25, "of one core, that the work may take")
     matcher: str = _parameter("sad", "sad, bm or sgbm")
+    synchronous: bool = _parameter(False, "a trigger opens both shutters at once: none is late")
     state_file: str = _parameter("", "where the state is kept over restarts; default in ROS_HOME, by the node's name")
     keep_every: float = _parameter(10.0, "seconds between two savings of the state, unless something has happened")
     silent_after: float = _parameter(2.0, "seconds without a message, after which an input is called missing")

@@ -172,7 +172,7 @@ class Worker:
 
     def _made(self, rig: StereoRig, said: list[Line]) -> Process:
         settings, place = self._settings, self._kept.state
-        config = Config(matcher=settings.matcher, repair=settings.repair)
+        config = Config(matcher=settings.matcher, synchronous=settings.synchronous, repair=settings.repair)
         begin = partial(self._work, rig, config, share=settings.share, keep=place, keep_every=settings.keep_every)
         try:
             return begin()
