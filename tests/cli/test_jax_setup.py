@@ -75,8 +75,9 @@ def test_nowhere_to_write_to(tmp_path: Path):
 
 
 @linux_only
+@pytest.mark.slow(after=2)
 @pytest.mark.parametrize(
-    ("command", "told"), [("score nowhere", True), ("strategies check no", True), ("diff no no", False)]
+    ("command", "told"), [("score nowhere", True), ("diff no no", False), ("strategies check no", True)]
 )
 def test_those_who_would_compile_at_every_start_are_told(tmp_path: Path, command: str, told: bool):
     (tmp_path / "file").write_text("in the way")

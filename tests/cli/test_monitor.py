@@ -57,6 +57,15 @@ def test_a_knock_is_repaired_and_written_where_told(command, scene: Path, drive:
     assert "exists already" in refused.err
 
 
+def test_cameras_with_a_trigger_have_no_delay(command, scene: Path, tmp_path: Path):
+    target = tmp_path / "state"
+    answer = command("monitor", scene, "--synchronous", "--quiet", "--state", target, "--frames", 2)
+    assert answer.code in (0, 1, 4)
+    state = load(target)
+    assert state.config.synchronous
+    assert not state.estimate.covariance[5].any()
+
+
 def test_once_checks_and_changes_nothing(command, scene: Path):
     answer = command("monitor", scene, "--once", "--quiet")
     assert (answer.code, answer.out) == (1, "")

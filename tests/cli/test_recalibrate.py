@@ -293,6 +293,7 @@ def test_boards_are_checked(command, drifted_scene: Path, words, said):
     assert answer.err.count("\n") == 1
 
 
+@pytest.mark.slow
 def test_boards_of_the_calibration_join_a_repair(command, data_dir: Path, tmp_path: Path):
     rig, target = data_dir / "boofcv_bumblebee2", tmp_path / "solution.json"
     boards = [rig / "calibration_chess" / f"{side}0[1-4].jpg" for side in ("left", "right")]

@@ -37,7 +37,8 @@ def test_real_scenes(data_dir, name):
     agree(scene.rig, scene.pairs[:1])
 
 
-@pytest.mark.parametrize("prior", ["exact", None])
+@pytest.mark.slow(after=1)
+@pytest.mark.parametrize("prior", [None, "exact"])
 def test_chance_matches_make_no_rig_good(data_dir, prior):
     """Seven frames of a room under a rig two degrees off: what matches by chance covers an eighth of the image."""
     scene = sr.io.load_scene(data_dir / "euroc/vicon_room_seq", limit=7)

@@ -86,7 +86,7 @@ def test_what_is_not_known_is_neither_repaired_nor_healthy(healthy):
 
 def test_what_is_better_on_average_goes_on_trial(healthy):
     """It is not said to be a repair: later looks must bear it out."""
-    state = unsure_of(healthy, (0.0, 0.2, 0.0, 0.0, 0.0), yaw=0.1)
+    state = unsure_of(healthy, (0.0, 0.2, 0.0, 0.0, 0.0), yaw=0.09)
     assert not reading(state).repairs
     trial = nominated(state)[0].trial
     assert trial is not None

@@ -57,6 +57,7 @@ def test_what_it_wrote_is_good(found, places):
     assert sr.recalibrate(found.rig, places).reason is Reason.ALREADY_GOOD
 
 
+@pytest.mark.slow
 def test_extrinsics_alone_where_they_are_asked_for(places):
     held = sr.recalibrate(WRONG, places, free="extrinsics")
     assert held.intrinsics is None

@@ -31,7 +31,8 @@ def scene():
 DRIFT = np.array([np.radians(0.5), np.radians(-0.7), np.radians(0.9), 0.0, 0.004, -0.003])
 
 
-@pytest.mark.parametrize("prior", ["exact", "default"])
+@pytest.mark.slow(after=1)
+@pytest.mark.parametrize("prior", ["default", "exact"])
 def test_a_drifted_fisheye_rig_is_repaired(scene, prior: str):
     solution = sr.recalibrate(scene.rig.with_extrinsics(scene.rig.extrinsics + DRIFT), scene.pairs, prior=prior)
     assert solution.accepted
