@@ -89,9 +89,9 @@ def _triangulated(
     if len(left) < _FEWEST:
         return left[:0], right[:0], np.zeros(0)
     # As pixels of a pinhole camera: MAGSAC's scale of noise is made for pixels.
-    pinhole = np.diag([rig.left.matrix[0, 0], rig.left.matrix[0, 0], 1.0])
-    points = [pinhole[0, 0] * r for r in (rays, others)]
-    essential, agree = cv2.findEssentialMat(*points, pinhole, method=cv2.USAC_MAGSAC, prob=0.9999, threshold=_FIT)
+    focal = float(rig.left.matrix[0, 0])
+    pinhole, first, second = np.diag([focal, focal, 1.0]), focal * rays, focal * others
+    essential, agree = cv2.findEssentialMat(first, second, pinhole, method=cv2.USAC_MAGSAC, prob=0.9999, threshold=_FIT)
     if essential is None or essential.shape != (3, 3):
         return left[:0], right[:0], np.zeros(0)
     _, turn, direction, ahead = cv2.recoverPose(essential, rays, others, np.eye(3), mask=agree.copy())
