@@ -209,9 +209,12 @@ def chance_of_harm(seen: Estimate, theta: Float[np.ndarray, "n"], tolerances: To
 
 
 def do_as_well(held: Sequence[Decision], freed: Sequence[Decision]) -> bool:
-    """Whether fewer free parameters do as well: they repair what more would, and lose no more than is noticed."""
+    """Whether fewer free parameters do as well: they repair what more would, and lose no more than is noticed, of rows
+    and of rows and depth together."""
     both = list(zip(held, freed, strict=True))
-    return all(less.loss < more.loss + 1.0 and (more.refused or not less.refused) for less, more in both)
+    repairs = all(more.refused or not less.refused for less, more in both)
+    aligns = all(less.rows_px[1, 0] < more.rows_px[1, 0] + less.tolerances.gain_px for less, more in both)
+    return repairs and aligns and all(less.loss < more.loss + 1.0 for less, more in both)
 
 
 @dataclass(frozen=True, eq=False)
