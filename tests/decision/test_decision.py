@@ -355,7 +355,7 @@ def test_fewer_parameters_that_do_as_well(drifted):
     one = decide(drifted[0][1], AXES)
     assert do_as_well([one], [one])
     assert not do_as_well([replace(one, loss=one.loss + 1.5)], [one])
-    rows = one.rows_px + [[0.0], [0.1]]
+    rows = one.rows_px + np.array([[0.0], [0.1]])
     assert not do_as_well([replace(one, rows_px=rows)], [one])  # whatever depth makes of the loss
     stays = replace(one, verdict=Verdict.GOOD)
     assert not do_as_well([stays], [one])
