@@ -312,8 +312,8 @@ def _decided(
     worse, counted = _chances_of_harm(given, after, limits)
     before, rows = given.mean_rows, after.mean_rows
     better = float(np.mean(rows < before - limits.gain_px))
-    spared = proven or _is_blind(given, limits) or not _costs_a_region(seen, theta, limits)
-    harmless = counted < limits.alpha and spared
+    harmless = counted < limits.alpha
+    harmless = harmless and (proven or _is_blind(given, limits) or not _costs_a_region(seen, theta, limits))
     ranges_agree = bool(seen.beams.fit_better(seen.chart.rig, seen.chart.rig_at(theta)))
     nearer = float(np.mean(after.depth < given.depth - limits.worse_depth_points)) > 1.0 - limits.alpha
     # What most frames show bears it out: no posterior knows all ways in which lenses err, and where they do, one frame

@@ -94,6 +94,11 @@ class FilterEstimate:
         return self.covariance[:SIZE, :SIZE]
 
     @property
+    def is_finite(self) -> bool:
+        """Whether it holds nothing that is no number."""
+        return bool(np.isfinite(self.mean).all() and np.isfinite(self.covariance).all())
+
+    @property
     def delay(self) -> float:
         """Of the right shutter, in frames."""
         return float(self.mean[SIZE])

@@ -106,7 +106,7 @@ def reading(state: State) -> Reading:
         for name, value, width in zip(state.chart.names, apart.tolist(), widths[:SIZE].tolist(), strict=True)
     }
     late = Interval(delay, delay - float(widths[SIZE]), delay + float(widths[SIZE]))
-    if not np.isfinite(state.estimate.mean).all() or not np.isfinite(state.estimate.covariance).all():
+    if not state.estimate.is_finite:
         return Reading(axes, state.row_error, _UNKNOWN, dict.fromkeys(DISTANCES, _UNKNOWN), late, None, shifted=False)
     config = state.config
     decision, shifted, rotation, depth = _judged(

@@ -78,7 +78,7 @@ def decided(state: State) -> Outcome:
 
 def _chance_of_harm(state: State, offset: Offset) -> float:
     """Of a switch, by what the filter knows; 1 if that is no number."""
-    if not np.isfinite(state.estimate.mean).all() or not np.isfinite(state.estimate.covariance).all():
+    if not state.estimate.is_finite:
         return 1.0
     seen = known(state.initial, tuple(state.using.tolist()), state.estimate, state.view)
     change = seen.chart.coordinates(np.asarray(state.rig_at(offset).extrinsics, float))

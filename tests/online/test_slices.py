@@ -43,7 +43,7 @@ def test_a_step_does_a_slice(ride: Ride, lost: State):
     assert done == list(range(SLICES))
     assert kinds == [Kind.REPAIRING, Kind.KNOCK]
     assert state.trial is not None
-    assert (error(state.but(using=state.trial.offset), ride.knocked) < [0.1, 0.3, 0.1]).all()
+    assert (error(state.but(using=state.trial.offset), ride.knocked) < [0.05, 0.2, 0.05]).all()
 
 
 @pytest.mark.slow
