@@ -31,7 +31,7 @@ class Config:
             may be bent like a keystone by intrinsics that are not what it says, which the rig's motion tells from a
             yaw; or "exact": they are right, and rows alone tell the yaw.
         synchronous: a trigger opens both shutters at once, so none is late: what the rig's turn would hide behind a
-            delay is known.
+            delay is known, and y and z are switched, too.
         motion: whether the rig's own motion is followed: pairs come in the order in which they were taken.
         together: looks that err together, since they show the same things in the same windows: each counts for that
             much less in what is fused.

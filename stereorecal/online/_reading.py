@@ -20,7 +20,7 @@ FAR = 30  # baselines
 DEPTH_MATTERS = 5.0  # percent there
 LATE = 4.0  # standard errors
 LATE_MATTERS = 0.03  # frames
-_ROTATION = EXTRINSICS[:3]
+_ROTATION = EXTRINSICS[:3]  # y and z are left alone where a late shutter could pose as them
 _UNKNOWN = Interval(float("nan"), float("nan"), float("nan"))
 
 
@@ -34,11 +34,12 @@ class Reading:
         rows_px: epipolar error of the calibration in use, root mean square over the view, pixels at full size.
         depth_percent: its error of depth at 5, 10, 30 and 100 baselines.
         delay: of the right shutter, in frames.
-        decision: whether to change pitch, yaw and roll; None if the state holds what is no number.
+        decision: whether to change pitch, yaw and roll, and with `Config.synchronous` y and z, too; None if the state
+            holds what is no number.
         shifted: whether only a change of y and z as well would be better for sure. A bar that bends turns the cameras
             too; a shutter that is late on a rig that travels straight on looks like a shift.
-        rotation: (3,) the change of pitch, yaw and roll [deg] that the decision asks for, or that is better on average
-            by what is noticed and harms as seldom as it may; None where none is.
+        change: (5,) of pitch, yaw, roll [deg], y, z [percent], which the decision asks for, or which is better on
+            average by what is noticed and harms as seldom as it may; None where none is.
     """
 
     axes: Mapping[str, Interval]
@@ -48,7 +49,7 @@ class Reading:
     delay: Interval
     decision: Decision | None
     shifted: bool
-    rotation: Float[np.ndarray, "3"] | None = None
+    change: Float[np.ndarray, "5"] | None = None
 
     @property
     def condition(self) -> Condition:
@@ -58,12 +59,12 @@ class Reading:
             return Condition.CANNOT_TELL
         if self.repairs or self.shifted:
             return Condition.REPAIR
-        good = self.decision.verdict is Verdict.GOOD and self.rotation is None and not self.late
+        good = self.decision.verdict is Verdict.GOOD and self.change is None and not self.late
         return Condition.HEALTHY if good else Condition.CANNOT_TELL
 
     @property
     def repairs(self) -> bool:
-        """Whether another rotation is better for sure."""
+        """Whether another calibration is better for sure."""
         return self.decision is not None and not self.decision.refused
 
     @property
@@ -109,11 +110,12 @@ def reading(state: State) -> Reading:
     if not state.estimate.is_finite:
         return Reading(axes, state.row_error, _UNKNOWN, dict.fromkeys(DISTANCES, _UNKNOWN), late, None, shifted=False)
     config = state.config
-    decision, shifted, rotation, depth = _judged(
-        state.initial, tuple(state.using.tolist()), state.estimate, state.view, config.tolerances, config.harm
+    using, free = tuple(state.using.tolist()), EXTRINSICS if config.synchronous else _ROTATION
+    decision, shifted, change, depth = _judged(
+        state.initial, using, state.estimate, state.view, free, config.tolerances, config.harm
     )
     rows = Interval(*decision.rows_px[0].tolist())
-    return Reading(axes, state.row_error, rows, depth, late, decision, shifted, rotation)
+    return Reading(axes, state.row_error, rows, depth, late, decision, shifted, change)
 
 
 @lru_cache(maxsize=4)  # a step asks several times
@@ -122,17 +124,18 @@ def _judged(
     using: tuple[float, ...],
     filtered: FilterEstimate,
     view: View,
+    free: tuple[str, ...],
     limits: Tolerances,
     harm: float,
-) -> tuple[Decision, bool, Float[np.ndarray, "3"] | None, Mapping[int, Interval]]:
-    """Of a calibration in use the decision on its rotation, whether it is shifted, which rotation is better, and its
-    error of depth."""
+) -> tuple[Decision, bool, Float[np.ndarray, "5"] | None, Mapping[int, Interval]]:
+    """Of a calibration in use the decision on what may be switched, whether it is shifted, which change is better, and
+    its error of depth."""
     seen = known(initial, using, filtered, view)
-    found = decide(seen, _ROTATION, limits, depth_told=True)
+    found = decide(seen, free, limits, depth_told=True)
     shifted = found.verdict is Verdict.CANNOT_TELL and not decide(seen, EXTRINSICS, limits, depth_told=True).refused
     depth = {at: Interval(*ends) for at, ends in seen.depth_error_percent(np.zeros(len(seen.names))).items()}
-    better = better_on_average(seen, _ROTATION, limits, harm=harm) if found.refused else found.theta
-    return found, shifted, None if better is None else better[: len(_ROTATION)], depth
+    better = better_on_average(seen, free, limits, harm=harm) if found.refused else found.theta
+    return found, shifted, None if better is None else better[:SIZE], depth
 
 
 def _ends(found: Interval) -> dict[str, float]:

@@ -100,21 +100,21 @@ def switched(state: State, offset: Offset) -> State:
 
 
 def nominated(state: State) -> Outcome:
-    """The rotation that the decision asks for as a candidate, or one that is better on average: later looks must bear
+    """The change that the decision asks for as a candidate, or one that is better on average: later looks must bear
     out either, and a calibration in use can be replaced again.
 
-    y and z stay: a shutter that is late on a rig that travels straight on poses as a shift, and no look tells them
-    apart. A repair of pairs that hardly match, which is judged by its own misfit, may change them.
+    y and z stay, unless a trigger opens both shutters: one that is late on a rig that travels straight on poses as a
+    shift, and no look tells them apart. A repair of pairs that hardly match, which is judged by its own misfit, may
+    change them.
     """
     if not state.config.repair or state.trial is not None or state.suspect is not None:
         return state, []
     if state.frame < state.ready:
         return state, []
     found = reading(state)
-    if found.late or found.shifted or found.rotation is None:
+    if found.late or found.shifted or found.change is None:
         return state, []
-    turned = state.using + np.concatenate([found.rotation, np.zeros(SIZE - len(found.rotation))])
-    return state.but(trial=SequentialTest(turned, "looks", state.frame)), []
+    return state.but(trial=SequentialTest(state.using + found.change, "looks", state.frame)), []
 
 
 def after_repair(state: State, offset: Offset, covariance: Float[np.ndarray, "5 5"]) -> State:

@@ -56,6 +56,18 @@ def test_a_shift_may_be_the_rigs_own_motion(healthy, turn):
     assert standing(state)[1][0].kind is Kind.SHIFTED
 
 
+def test_a_trigger_leaves_no_shutter_that_a_shift_could_be(healthy):
+    state = off_by(healthy, 0.02, 0.0, 0.0, 4.0, -5.0)
+    state = state.configured(replace(state.config, synchronous=True))
+    found = reading(state)
+    assert not found.shifted
+    assert found.condition is Condition.REPAIR
+    trial = nominated(state)[0].trial
+    assert trial is not None
+    np.testing.assert_allclose(trial.offset - state.using, state.estimate.offset - state.using, atol=0.02)
+    assert standing(state)[1][0].kind is Kind.DRIFTING
+
+
 @pytest.mark.parametrize("by", ["looks", "repair"])
 def test_a_repair_may_move_y_and_z(healthy, by):
     """It was judged by its own misfit; a candidate of looks is dropped."""
@@ -95,7 +107,7 @@ def test_what_is_better_on_average_goes_on_trial(healthy):
 
 def test_what_is_better_on_average_and_may_well_harm_does_not(healthy):
     state = unsure_of(healthy, (0.0, 0.1, 0.0, 0.0, 0.0), yaw=0.1)
-    assert reading(state).rotation is None
+    assert reading(state).change is None
     assert nominated(state)[0].trial is None
     braver = state.but(config=replace(state.config, harm=0.4))
     assert nominated(braver)[0].trial is not None
