@@ -89,14 +89,14 @@ def cached_program(function: Callable[..., Leaves], *, static: tuple[str, ...] =
 def _key(arguments: tuple[Any, ...], statics: dict[str, Any]) -> Any:
     leaves, structure = jax.tree.flatten(arguments)
     shapes = tuple((np.shape(x), jax.dtypes.result_type(x)) for x in leaves)
-    return (os.getpid(), _settings(), structure, shapes, *statics.items())
+    return (os.getpid(), _jax_settings(), structure, shapes, *statics.items())
 
 
 def _program(function: Callable, arguments: tuple[Any, ...], statics: dict[str, Any], folder: Path) -> Callable:
     leaves, structure = jax.tree.flatten(arguments)
     shapes = [jax.ShapeDtypeStruct(np.shape(x), jax.dtypes.result_type(x)) for x in leaves]
     known = [function.__module__, function.__qualname__, str(structure), str(shapes), _static_texts(statics)]
-    known += [_settings(), _traced_by()]
+    known += [_jax_settings(), _traced_by()]
     path = folder / f"{function.__name__.strip('_')}-{hashlib.sha256(repr(known).encode()).hexdigest()[:32]}"
     with suppress(Exception):  # missing, truncated, of another format: traced anew
         return jax.jit(jax.export.deserialize(bytearray(path.read_bytes())).call)
@@ -138,7 +138,7 @@ def _folder() -> Path | None:
     return Path(folder) / _FOLDER if folder and settings["jax_enable_compilation_cache"] else None
 
 
-def _settings() -> tuple[Any, ...]:
+def _jax_settings() -> tuple[Any, ...]:
     """The settings of JAX that change a program; some may hold in this thread only."""
     return tuple(getattr(jax.config, name) for name in _SETTINGS)
 

@@ -37,7 +37,7 @@ def run_all(
             if isinstance(found, ForkedError):
                 raise found
             if isinstance(found, KeyboardInterrupt):
-                yield from _finished(left)
+                yield from _completed(left)
                 raise found
             yield left.pop(future), found
     finally:
@@ -105,7 +105,7 @@ def _submitted(executor: Executor, parcel: _Parcel[Task, Result]) -> Future[Resu
         return lost
 
 
-def _finished(futures: Mapping[Future[Result], int]) -> Iterator[tuple[int, Result | BaseException]]:
+def _completed(futures: Mapping[Future[Result], int]) -> Iterator[tuple[int, Result | BaseException]]:
     for future, index in futures.items():
         if future.done() and not isinstance(found := _outcome(future), KeyboardInterrupt):
             yield index, found

@@ -50,7 +50,7 @@ def end_at_once() -> None:
     """Until `interruptible`: one line and exit code 130. A signal that is ignored (nohup, &) stays so."""
     for number in _NUMBERS:
         if signal.getsignal(number) is not signal.SIG_IGN:
-            signal.signal(number, _end)
+            signal.signal(number, _exit_on_signal)
 
 
 def ignore() -> None:
@@ -68,7 +68,7 @@ def interruptible() -> Iterator[None]:
     vars(_run).update(vars(_Run()))
     before = {number: signal.getsignal(number) for number in _NUMBERS}
     unraisable = sys.unraisablehook
-    sys.unraisablehook = _raise_again
+    sys.unraisablehook = _reraise_later
     try:
         for number, handler in before.items():
             if handler is not signal.SIG_IGN:
@@ -121,7 +121,7 @@ def _release() -> None:
 def _limited() -> None:
     """Begin to count the time in which results must be saved, if that is not done."""
     if _run.limit is None:
-        _run.limit = threading.Timer(_SAVING_S, _come_again, [_run.came])
+        _run.limit = threading.Timer(_SAVING_S, _resend_signal, [_run.came])
         _run.limit.daemon = True
         _run.limit.start()
 
@@ -132,7 +132,7 @@ def _unlimited() -> None:
         _run.limit = None
 
 
-def _come_again(number: int) -> None:
+def _resend_signal(number: int) -> None:
     """In a thread: a signal that counts, which wakes the main thread from a system call."""
     _run.last = -math.inf
     if hasattr(signal, "pthread_kill"):
@@ -148,7 +148,7 @@ def _counts() -> bool:
     return now - before > _TOGETHER_S
 
 
-def _end(number: int, frame: FrameType | None) -> None:
+def _exit_on_signal(number: int, frame: FrameType | None) -> None:
     if _counts():
         with suppress(OSError):
             os.write(2, b"stereorecal: interrupted\n")
@@ -167,9 +167,9 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
         raise KeyboardInterrupt
 
 
-def _raise_again(unraisable: Any) -> None:
+def _reraise_later(unraisable: Any) -> None:
     """In place of printing what a finaliser or a callback has raised: a little later, when they are left."""
     if isinstance(unraisable.exc_value, KeyboardInterrupt):
-        threading.Timer(0.01, _come_again, [_run.came or signal.SIGTERM]).start()
+        threading.Timer(0.01, _resend_signal, [_run.came or signal.SIGTERM]).start()
     else:
         sys.__unraisablehook__(unraisable)

@@ -10,7 +10,14 @@ import numpy as np
 from stereorecal._errors import InputError
 from stereorecal.cli._calibration_files import CalibrationPath, calibration_path, paths, unit_written
 from stereorecal.cli._options import TWO_FILES
-from stereorecal.cli._output_files import Place, check_places, check_writable, image_inputs, places_of, spare
+from stereorecal.cli._output_files import (
+    Place,
+    check_places,
+    check_writable,
+    image_inputs,
+    places_of,
+    refuse_replacing_inputs,
+)
 from stereorecal.cli._repair_commands import RecalibrateOptions
 from stereorecal.geometry import StereoRig, changed_camera
 from stereorecal.io import back_up, calibration_files, check_savable, is_copy, next_copy, prior_beside, save_rig
@@ -73,7 +80,7 @@ def checked(options: RecalibrateOptions) -> None:
         raise InputError("--in-place takes one recording; give one, or --output.")
     if options.output == "-" or options.maps == "-":
         raise InputError("a calibration is written to a file; give the name of one.")
-    check_places(_places(options), force=options.force)
+    check_places(_output_places(options), force=options.force)
     if options.maps is not None and Path(options.maps).suffix.lower() not in ("", ".npz"):
         raise InputError(f"--maps {options.maps}: maps are written as .npz; give a name ending in it.")
 
@@ -93,8 +100,8 @@ def output_of(
     """
     maps = None if options.maps is None else Path(options.maps)
     calibrations = {path.resolve() for scene in scenes for path in calibration_files(scene.rig)}
-    spare(_places(options), calibrations, "replace it with --in-place")
-    spare(_places(options), {*read, *image_inputs(options)})
+    refuse_replacing_inputs(_output_places(options), calibrations, "replace it with --in-place")
+    refuse_replacing_inputs(_output_places(options), {*read, *image_inputs(options)})
     rig = scenes[0].rig
     if rig is None:
         return Output(None, False, maps)
@@ -105,7 +112,7 @@ def output_of(
         for path in files:
             check_writable(Place("--in-place", path))
             check_writable(Place("--in-place, which keeps a copy,", next_copy(path)))
-            for other in _places(options):
+            for other in _output_places(options):
                 if is_copy(other.path, of=path):
                     raise InputError(f"{other}: --in-place keeps the old calibration there; choose another place.")
             if not os.access(path, os.W_OK):
@@ -116,11 +123,11 @@ def output_of(
     else:
         return Output(None, False, maps)
     unit, said = unit_written(rig, rig, place, options.output_format, options.unit)
-    check_savable(_moved(rig, free), place, format=options.output_format, unit=unit)
+    check_savable(_probe_rig(rig, free), place, format=options.output_format, unit=unit)
     beside = prior_beside(rig, place, format=options.output_format)
     if beside is not None:
         known = [Place("--in-place" if options.in_place else "--output", beside)]
-        check_places([*known, *_places(options)], force=options.force or options.in_place)
+        check_places([*known, *_output_places(options)], force=options.force or options.in_place)
     return Output(place, options.in_place, maps, unit, said, beside)
 
 
@@ -128,7 +135,7 @@ def holds_all(output: Output, rig: StereoRig | None, options: RecalibrateOptions
     """Whether the calibration's file, if there is one, holds a rig all of whose parameters have moved."""
     if rig is None or output.place is None:
         return True
-    moved = _moved(rig, Parameters().widest(rig).names)
+    moved = _probe_rig(rig, Parameters().widest(rig).names)
     try:
         check_savable(moved, output.place, format=options.output_format, unit=output.unit)
     except InputError:
@@ -149,13 +156,13 @@ def save(output: Output, solution: Solution, scene: Scene, options: RecalibrateO
     return kept
 
 
-def _places(options: RecalibrateOptions) -> list[Place]:
+def _output_places(options: RecalibrateOptions) -> list[Place]:
     """All files that were asked for, by option."""
     files = [] if options.output is None else paths(calibration_path(options.output, "--output"))
     return [Place("--output", path) for path in files] + places_of(options, "json", "maps", "html")
 
 
-def _moved(rig: StereoRig, free: Sequence[str]) -> StereoRig:
+def _probe_rig(rig: StereoRig, free: Sequence[str]) -> StereoRig:
     """A rig as a repair could leave it, to find out what a format holds."""
     small = 1e-4
     shift = small * float(rig.baseline) * np.array([0.0, 1.0, -1.0])

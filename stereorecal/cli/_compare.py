@@ -11,7 +11,7 @@ from stereorecal.cli._exit_codes import FAILURE, INTERRUPTED
 from stereorecal.cli._experiment_commands import CompareOptions
 from stereorecal.cli._html_page import check_page
 from stereorecal.cli._journals import GrowingJson
-from stereorecal.cli._output_files import Place, check_places, deliver, places_of, spare, write_json
+from stereorecal.cli._output_files import Place, check_places, deliver, places_of, refuse_replacing_inputs, write_json
 from stereorecal.cli._streams import say
 from stereorecal.cli._terminal import progress_bar, table_console
 from stereorecal.comparison import FAILED, Comparison, Drift, compare_scenes, load_strategies
@@ -47,7 +47,7 @@ def run(options: CompareOptions) -> int:
     with executor(options.executor) as pool:
         with files_read() as read:
             scenes = _scenes(options)
-        spare(places, read)
+        refuse_replacing_inputs(places, read)
         with progress_bar(options.quiet) as progress:
             comparison = compare_scenes(
                 scenes,

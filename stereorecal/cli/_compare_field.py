@@ -14,7 +14,14 @@ from stereorecal.cli._exit_codes import FAILURE, INTERRUPTED
 from stereorecal.cli._experiment_commands import CompareOptions
 from stereorecal.cli._html_page import check_page
 from stereorecal.cli._journals import TrialJournal
-from stereorecal.cli._output_files import check_places, check_writable, deliver, places_of, spare, write_json
+from stereorecal.cli._output_files import (
+    check_places,
+    check_writable,
+    deliver,
+    places_of,
+    refuse_replacing_inputs,
+    write_json,
+)
 from stereorecal.cli._streams import say
 from stereorecal.cli._terminal import progress_bar, table_console
 from stereorecal.comparison.field import FAILED, Field, compare_field, methods_of, planned
@@ -53,7 +60,7 @@ def run(options: CompareOptions) -> int:
     journal = TrialJournal(files, made_with)
     check_places([place for place in places if not journal.owns(place.path)], force=options.force)
     check_places(places, force=True)
-    spare(places, read)
+    refuse_replacing_inputs(places, read)
 
     def may_replace(place: str) -> bool:
         return options.force or journal.owns(Path(place))

@@ -5,7 +5,7 @@ from dataclasses import replace
 from stereorecal._errors import InputError
 from stereorecal.cli._calibration_commands import ConvertOptions
 from stereorecal.cli._calibration_files import calibration_path, paths, rig_at, unit_written
-from stereorecal.cli._output_files import Place, check_places, deliver, spare, written_or_printed
+from stereorecal.cli._output_files import Place, check_places, deliver, refuse_replacing_inputs, written_or_printed
 from stereorecal.io import calibration_json, check_savable, files_read, save_rig
 
 
@@ -17,7 +17,7 @@ def run(options: ConvertOptions) -> int:
     places = [Place("B", path) for path in paths(target)]
     with files_read() as read:
         rig = rig_at(options.source, options)
-    spare(places, read, "this is what is converted: give another name")
+    refuse_replacing_inputs(places, read, "this is what is converted: give another name")
     check_places(places, force=options.force)
     # Without --to the name alone decides, whatever the calibration was read from.
     written = rig if options.to else replace(rig, source=None)

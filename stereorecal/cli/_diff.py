@@ -3,7 +3,7 @@
 from stereorecal._environment import versions
 from stereorecal.cli._calibration_commands import DiffOptions
 from stereorecal.cli._calibration_files import rig_at
-from stereorecal.cli._output_files import check_places, deliver, places_of, spare, write_json
+from stereorecal.cli._output_files import check_places, deliver, places_of, refuse_replacing_inputs, write_json
 from stereorecal.io import files_read
 from stereorecal.recalibration import Difference, difference
 
@@ -16,7 +16,7 @@ def run(options: DiffOptions) -> int:
     check_places(places, force=options.force)
     with files_read() as read:
         found = difference(rig_at(options.before, options), rig_at(options.after, options))
-    spare(places, read)
+    refuse_replacing_inputs(places, read)
     names = {"before": options.before, "after": options.after}
     content = {"schema": SCHEMA, "versions": versions(), **names, **found.as_dict()}
     deliver(lambda: _show(found, options), lambda: write_json(content, options.json, force=options.force))

@@ -92,16 +92,16 @@ class TrialJournal:
         try:
             first, end, rest = path.read_text(encoding="utf-8").partition("\n")
         except (OSError, ValueError):
-            raise self._strange() from None
+            raise self._mismatch_error() from None
         if not first.strip() or (not end and first.startswith("{")):
             return  # killed before the first line was whole
         try:
             header = dict(json.loads(first))
         except (ValueError, TypeError):
-            raise self._strange() from None
+            raise self._mismatch_error() from None
         written = header.pop(_PLACES, [])
         if header != self._made_with:
-            raise self._strange()
+            raise self._mismatch_error()
         self._written = [str(place) for place in written]
         for line in rest.splitlines():
             try:
@@ -110,7 +110,7 @@ class TrialJournal:
                 continue
             self.done[trial.key] = trial
 
-    def _strange(self) -> InputError:
+    def _mismatch_error(self) -> InputError:
         return InputError(
             f"{self.path}: is of a comparison with other settings or versions; remove it to begin anew, or choose "
             "another file."

@@ -13,7 +13,7 @@ from stereorecal._signals import interrupted, interruptible
 from stereorecal.cli._commands import options_of
 from stereorecal.cli._exit_codes import BAD_INPUT, FAILURE, INTERRUPTED
 from stereorecal.cli._options import CommonOptions
-from stereorecal.cli._streams import flush, leave_stdout, nobody_reads, say, spell_out
+from stereorecal.cli._streams import flush, leave_stdout, say, spell_out, stdout_reader_closed
 
 _WITHOUT_PROGRAMS = (("convert", None), ("diff", None), ("strategies", "list"), ("matchers", "list"))  # and actions
 
@@ -44,7 +44,7 @@ def _run(options: CommonOptions) -> int:
             flush()
             return code
     except Exception as error:
-        if isinstance(error, BrokenPipeError) and nobody_reads():  # what had to be saved is saved
+        if isinstance(error, BrokenPipeError) and stdout_reader_closed():  # what had to be saved is saved
             leave_stdout()
             return 0
         if options.traceback:

@@ -21,12 +21,12 @@ from stereorecal.cli._output_files import (
     image_inputs,
     named_inputs,
     places_of,
-    spare,
+    refuse_replacing_inputs,
     written_or_printed,
 )
 from stereorecal.cli._recordings import watched
 from stereorecal.cli._repair_commands import MonitorOptions
-from stereorecal.cli._streams import given_up, leave_stdout, nobody_reads, say
+from stereorecal.cli._streams import leave_stdout, say, stdout_error, stdout_reader_closed
 from stereorecal.cli._watched_cameras import watched_cameras
 from stereorecal.io import calibration_json, check_savable, files_read, json_line, save_rig
 from stereorecal.matching import as_matcher
@@ -46,7 +46,7 @@ def run(options: MonitorOptions) -> int:
     places = _check_places(options, appended)
     with files_read() as read:
         scene, pairs = watched(options) if options.camera is None else watched_cameras(options.camera, options)
-    spare(places, {*read, *image_inputs(options), *named_inputs(options.camera)})
+    refuse_replacing_inputs(places, {*read, *image_inputs(options), *named_inputs(options.camera)})
     assert scene.rig is not None
     if options.output is not None:
         check_savable(scene.rig, options.output)
@@ -61,12 +61,12 @@ def run(options: MonitorOptions) -> int:
             if what not in failed:
                 step()
         except (InputError, OSError) as error:
-            if isinstance(error, BrokenPipeError) and nobody_reads():
+            if isinstance(error, BrokenPipeError) and stdout_reader_closed():
                 if options.output is None and options.state is None:
                     raise  # nothing is left to be done
                 leave_stdout()
             else:
-                failed[what] = error if isinstance(error, InputError) else _unsaid(error, what, options)
+                failed[what] = error if isinstance(error, InputError) else _write_error(error, what, options)
 
     try:
         with _json_lines(options, appended) as log, _shown(options, scene) as show:
@@ -98,7 +98,7 @@ def _keep(options: MonitorOptions, state: State) -> None:
 
 def _log(log: IO[str] | None, stepped: Stepped) -> None:
     if log is not None:
-        log.writelines(_told(stepped))
+        log.writelines(_event_lines(stepped))
         log.flush()
 
 
@@ -118,9 +118,9 @@ def _summary(options: MonitorOptions, state: State) -> None:
         print(f"{reading(state).condition.value}; {_about(options, state)}")
 
 
-def _unsaid(error: OSError, what: str, options: MonitorOptions) -> InputError:
+def _write_error(error: OSError, what: str, options: MonitorOptions) -> InputError:
     if what == "stdout" or options.json == "-":
-        return given_up(error)
+        return stdout_error(error)
     return InputError(f"{what} {options.json}: cannot be written ({error.strerror}); make room.")
 
 
@@ -153,7 +153,7 @@ def _about(options: MonitorOptions, state: State) -> str:
     return f"the calibration in use is a repaired one, written to {options.output}"
 
 
-def _told(stepped: Stepped) -> Iterator[str]:
+def _event_lines(stepped: Stepped) -> Iterator[str]:
     """The events of a step, and what the state reads after it."""
     yield from (json_line(event.as_dict()) for event in stepped.events)
     about = {"schema": EVENTS_SCHEMA, "frame": stepped.state.frame - 1, "event": "reading"}
@@ -173,14 +173,14 @@ def _is_log(path: str | None) -> bool:
 def _check_follows(path: str, state: State) -> None:
     """Refuse to append to what another watch has told: of pairs that this one has not come to."""
     frames = [0]
-    for line in _end(path).splitlines():
+    for line in _tail(path).splitlines():
         with suppress(ValueError, TypeError, KeyError):  # cut short
             frames.append(int(json.loads(line)["frame"]))
     if frames[-1] >= max(state.frame, 1):
         raise InputError(f"--json {path}: contains pairs that the state in --state has not seen; choose another file.")
 
 
-def _end(path: str) -> bytes:
+def _tail(path: str) -> bytes:
     """Of a log that may be long."""
     with open(path, "rb") as file:
         file.seek(max(0, file.seek(0, 2) - _TAIL))
@@ -196,7 +196,7 @@ def _json_lines(options: MonitorOptions, appended: bool) -> Iterator[IO[str] | N
     # What was not there before the work began is nobody else's; a device is.
     mode = "a" if appended else "w" if options.force or (Path(target).exists() and not Path(target).is_file()) else "x"
     file = open(target, mode, encoding="utf-8")  # noqa: SIM115  closed below, whatever is still held back
-    if appended and not _end(target).endswith(b"\n"):
+    if appended and not _tail(target).endswith(b"\n"):
         file.write("\n")  # the last line was cut short, by a loss of power: it spoils no other
     try:
         yield file

@@ -11,7 +11,7 @@ from stereorecal._errors import InputError
 from stereorecal._signals import held
 from stereorecal.cli._options import CommonOptions
 from stereorecal.cli._shared_options import ImageOptions
-from stereorecal.cli._streams import flush, given_up, leave_stdout, nobody_reads, say
+from stereorecal.cli._streams import flush, leave_stdout, say, stdout_error, stdout_reader_closed
 from stereorecal.io import json_text, write_text
 
 
@@ -73,7 +73,9 @@ def check_writable(place: Place) -> None:
         raise InputError(f"{place}: cannot be written there; give a file in an existing folder.")
 
 
-def spare(places: Iterable[Place], inputs: Iterable[Path], instead: str = "choose another place") -> None:
+def refuse_replacing_inputs(
+    places: Iterable[Place], inputs: Iterable[Path], instead: str = "choose another place"
+) -> None:
     """Refuse to replace what was read, whatever is forced.
 
     Raises:
@@ -110,10 +112,10 @@ def deliver(*steps: Callable[[], object]) -> None:
                 step()
                 flush()
             except OSError as error:  # files that cannot be written raise InputError
-                if isinstance(error, BrokenPipeError) and nobody_reads():
+                if isinstance(error, BrokenPipeError) and stdout_reader_closed():
                     leave_stdout()
                 else:
-                    errors.append(given_up(error) if error.filename is None else error)
+                    errors.append(stdout_error(error) if error.filename is None else error)
             except Exception as error:
                 errors.append(error)
     for error in errors[1:]:

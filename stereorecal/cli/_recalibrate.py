@@ -53,7 +53,7 @@ _SHARE = (
 
 def run(options: RecalibrateOptions) -> int:
     """Repair, save, print; returns the exit code."""
-    settings = _settings(options)
+    settings = _settings_from_options(options)
     check_boards_asked(options)
     _calibration_output.checked(options)
     check_page(options.html, "repair_page")
@@ -76,7 +76,7 @@ def run(options: RecalibrateOptions) -> int:
         del found
         others = {"boards": boards, "ranges": ranges, "extrinsics": options.extrinsics, "executor": pool}
         with progress_bar(options.quiet) as progress:
-            repairs, interrupted = _finished(scenes, progress, {**settings.options, **others})
+            repairs, interrupted = _recalibrated_all(scenes, progress, {**settings.options, **others})
         # Before the workers are waited for: a second Ctrl-C must find everything saved.
         if any(repair.solution for repair in repairs):
             prior = options.prior or (SAVED if any(priors) else DEFAULT)
@@ -88,7 +88,11 @@ def run(options: RecalibrateOptions) -> int:
                 *_saving(scenes, repairs, options, output),
                 lambda: write_json(content, options.json, force=options.force),
                 lambda: write_report(
-                    options, scenes, repairs, {**_beside(options, settings.free), "prior": prior, **pairing}, absent
+                    options,
+                    scenes,
+                    repairs,
+                    {**_page_settings(options, settings.free), "prior": prior, **pairing},
+                    absent,
                 ),
             )
     for repair in repairs:
@@ -99,7 +103,7 @@ def run(options: RecalibrateOptions) -> int:
     return INTERRUPTED if interrupted else _exit_code(repairs)
 
 
-def _finished(
+def _recalibrated_all(
     scenes: Sequence[Scene], progress: Progress | None, arguments: dict[str, Any]
 ) -> tuple[tuple[Repair, ...], bool]:
     """All repairs, in the order of the scenes, and whether Ctrl-C came first: those that it has left are faults, and
@@ -116,7 +120,7 @@ def _finished(
     return found, False
 
 
-def _settings(options: RecalibrateOptions) -> Settings:
+def _settings_from_options(options: RecalibrateOptions) -> Settings:
     """What the options come to, but for the boards, whose images are read later."""
     given = {
         **health_options(options),
@@ -173,7 +177,7 @@ def _recorded(options: RecalibrateOptions, settings: Settings) -> dict[str, Any]
     }
 
 
-def _beside(options: RecalibrateOptions, free: Parameters) -> dict[str, Any]:
+def _page_settings(options: RecalibrateOptions, free: Parameters) -> dict[str, Any]:
     """What a page says of the settings beside what its solution knows: a repair of extrinsics may know nothing of what
     was solved for afterwards."""
     said = {"free": ", ".join(free.names), "extrinsics": options.extrinsics}

@@ -10,7 +10,7 @@ from stereorecal.cli import _option_values
 from stereorecal.cli._executors import executor
 from stereorecal.cli._exit_codes import FAILURE, INTERRUPTED
 from stereorecal.cli._experiment_commands import ReproduceOptions
-from stereorecal.cli._output_files import check_places, deliver, places_of, spare, write_json
+from stereorecal.cli._output_files import check_places, deliver, places_of, refuse_replacing_inputs, write_json
 from stereorecal.cli._streams import say
 from stereorecal.cli._terminal import progress_bar, table_console
 from stereorecal.io import files_read, load_log
@@ -59,7 +59,7 @@ def run(options: ReproduceOptions) -> int:
         with files_read() as read:
             log = _log(options, seed, limit)
         folder = Path(options.output or f"reproduced/{log.name.rpartition('/')[2]}")
-        spare(places, [*read, *store_files(folder)])
+        refuse_replacing_inputs(places, [*read, *store_files(folder)])
         for place in places:
             if place.path.resolve().parent == folder.resolve():
                 raise InputError(f"{place}: --output {folder} takes its own files only; choose another place.")

@@ -9,7 +9,14 @@ from stereorecal._errors import InputError
 from stereorecal._signals import hold
 from stereorecal.cli._exit_codes import BAD_INPUT, CANNOT_TELL, INTERRUPTED, REPAIR
 from stereorecal.cli._option_values import health_options, tolerances
-from stereorecal.cli._output_files import check_places, deliver, image_inputs, places_of, spare, write_json
+from stereorecal.cli._output_files import (
+    check_places,
+    deliver,
+    image_inputs,
+    places_of,
+    refuse_replacing_inputs,
+    write_json,
+)
 from stereorecal.cli._recordings import recordings
 from stereorecal.cli._repair_commands import ScoreOptions
 from stereorecal.cli._streams import say
@@ -31,12 +38,12 @@ def run(options: ScoreOptions) -> int:
     check_places(places, force=options.force)
     with files_read() as read:
         scenes = recordings(options).scenes
-    spare(places, {*read, *image_inputs(options)})
+    refuse_replacing_inputs(places, {*read, *image_inputs(options)})
     looked: list[Health | InputError] = []
     interrupted = False
     try:
         for scene in scenes:
-            looked.append(_look(scene, how))
+            looked.append(_health_or_error(scene, how))
         hold()
     except KeyboardInterrupt:
         interrupted = True
@@ -66,7 +73,7 @@ def _show(looked: Sequence[Health | InputError], rows: Sequence[dict[str, Any]],
         print_lines(looked[0])
 
 
-def _look(scene: Scene, how: HealthOptions) -> Health | InputError:
+def _health_or_error(scene: Scene, how: HealthOptions) -> Health | InputError:
     """What there is to say of a recording: one that cannot be used does not take the others with it."""
     assert scene.rig is not None
     try:

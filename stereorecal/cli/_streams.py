@@ -38,16 +38,16 @@ def flush() -> None:
     except BrokenPipeError:
         leave_stdout()
     except OSError as error:
-        raise given_up(error) from error
+        raise stdout_error(error) from error
 
 
-def given_up(error: OSError) -> InputError:
+def stdout_error(error: OSError) -> InputError:
     """Nothing more goes to stdout; what to say of it."""
     leave_stdout()
     return InputError(f"stdout: cannot be written ({error.strerror}); make room, or give --json FILE.")
 
 
-def nobody_reads() -> bool:
+def stdout_reader_closed() -> bool:
     """Whether it is stdout whose reader has gone: a BrokenPipeError does not say which pipe it is about."""
     if hasattr(select, "poll"):
         with suppress(OSError, ValueError):  # stdout is no file

@@ -105,7 +105,7 @@ class Trial:
 def run_trial(task: Task) -> Trial:
     """Run one trial. Whatever goes wrong becomes a SKIPPED or FAILED row, never an exception."""
     try:
-        return _finished(task, _repair(task))
+        return _trial_of_solution(task, _repair(task))
     except NeedNotMet as error:
         return _unfinished(task, SKIPPED, str(error))
     except Exception as error:
@@ -124,7 +124,7 @@ def _repair(task: Task) -> Solution:
     return recalibrate_case(case, settings)
 
 
-def _finished(task: Task, solution: Solution) -> Trial:
+def _trial_of_solution(task: Task, solution: Solution) -> Trial:
     reference, worth = task.reference
     initial, final, target = _counts(task, solution)
     errors = axis_errors(solution.rig, reference)

@@ -10,7 +10,7 @@ from stereorecal.decision._decision import (
     chance_of_harm as chance_of_harm,
     decide as decide,
     decide_together as decide_together,
-    do_as_well as do_as_well,
+    fewer_parameters_suffice as fewer_parameters_suffice,
     judged as judged,
 )
 from stereorecal.decision._tolerances import (

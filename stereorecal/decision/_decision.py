@@ -166,7 +166,7 @@ def decide_together(
             or changes.reads_depth_better(keeps, limits)
             or changes.aligns_rows_better(keeps, limits)
         )
-        return changes.decisions if worth_it else keeps.no_surer_than(changes)
+        return changes.decisions if worth_it else keeps.deferring_to(changes)
     return min(keeps, changes, key=lambda one: one.refused).decisions
 
 
@@ -208,7 +208,7 @@ def chance_of_harm(seen: Estimate, theta: Float[np.ndarray, "n"], tolerances: To
     return _chances_of_harm(_losses(seen, np.zeros_like(theta)), _losses(seen, theta), limits)[1]
 
 
-def do_as_well(held: Sequence[Decision], freed: Sequence[Decision]) -> bool:
+def fewer_parameters_suffice(held: Sequence[Decision], freed: Sequence[Decision]) -> bool:
     """Whether fewer free parameters do as well: they repair what more would, and lose no more than is noticed, of rows
     and of rows and depth together."""
     both = list(zip(held, freed, strict=True))
@@ -274,7 +274,7 @@ class _Candidate:
         """How many ranges ask for it."""
         return sum(one.ranges_agree and not one.refused for one in self.decisions)
 
-    def no_surer_than(self, other: "_Candidate") -> list[Decision]:
+    def deferring_to(self, other: "_Candidate") -> list[Decision]:
         """Its decisions; those of the other one where that knows a better depth, and this one calls it good."""
         doubted = Verdict.GOOD, Verdict.CANNOT_TELL
         each = zip(self.decisions, other.decisions, strict=True)

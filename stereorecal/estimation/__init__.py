@@ -21,6 +21,7 @@ from stereorecal.estimation._consequences import (
     points_of_view as points_of_view,
     readings as readings,
 )
+from stereorecal.estimation._cross_validation import frames_by_place as frames_by_place, largest_loss as largest_loss
 from stereorecal.estimation._estimate import (
     JUDGED_AT as JUDGED_AT,
     Estimate as Estimate,
@@ -28,8 +29,6 @@ from stereorecal.estimation._estimate import (
     with_free_together as with_free_together,
 )
 from stereorecal.estimation._evidence import Normal as Normal
-from stereorecal.estimation._knowledge import around as around, as_mixture as as_mixture
-from stereorecal.estimation._left_out import frames_by_place as frames_by_place, largest_loss as largest_loss
 from stereorecal.estimation._motion import (
     NO_WINDOWS as NO_WINDOWS,
     Windows as Windows,
@@ -38,6 +37,10 @@ from stereorecal.estimation._motion import (
 from stereorecal.estimation._motion_window import far_enough as far_enough, window as window
 from stereorecal.estimation._one_thread import one_blas_thread as one_blas_thread
 from stereorecal.estimation._posterior import Posterior as Posterior
+from stereorecal.estimation._prior_conversions import (
+    as_mixture as as_mixture,
+    recentred_posterior as recentred_posterior,
+)
 from stereorecal.estimation._priors import (
     DEFAULT as DEFAULT,
     EXACT as EXACT,

@@ -87,22 +87,22 @@ def fits_with_rivals(
     tried = []
     for index, rival in enumerate(searched):
         normals = {(d, best.misfit[1]): of_all[d][index] for d in DEVIATIONS}
-        under = _explained(normals, rows.likelihoods, rival, prior, [best.prior])
+        under = _with_rival(normals, rows.likelihoods, rival, prior, [best.prior])
         tried.append((best_of(under)[0], rival))
     # Another prior of the calibration may suit a rival better than it suits the rig alone: twice as far, then.
     again = []
-    for one, rival in _with_a_say(tried, best, 2.0 * _FAR):
+    for one, rival in _within_nats(tried, best, 2.0 * _FAR):
         normal = of_all[one.misfit[0]][searched.index(rival)]
-        under = _explained({one.misfit: normal}, rows.likelihoods, rival, prior, range(len(prior.roots)))
+        under = _with_rival({one.misfit: normal}, rows.likelihoods, rival, prior, range(len(prior.roots)))
         again.append((best_of(under)[0], rival))
-    return [_solved(rows, chart, prior, rival, one) for one, rival in _with_a_say(again, best, _FAR)]
+    return [_fits_with_rival(rows, chart, prior, rival, one) for one, rival in _within_nats(again, best, _FAR)]
 
 
 def _log_evidence(one: Explanation) -> float:
     return float(one.found.log_evidence.max())
 
 
-def _with_a_say(
+def _within_nats(
     tried: list[tuple[Explanation, Rival]], alone: Explanation, far: float
 ) -> list[tuple[Explanation, Rival]]:
     """Those at most so many nats below the best of all."""
@@ -110,7 +110,9 @@ def _with_a_say(
     return [(one, rival) for one, rival in tried if _log_evidence(one) > least]
 
 
-def _solved(rows: LinearGroups, chart: RigChart, prior: CalibrationPrior, rival: Rival, near: Explanation) -> RivalFit:
+def _fits_with_rival(
+    rows: LinearGroups, chart: RigChart, prior: CalibrationPrior, rival: Rival, near: Explanation
+) -> RivalFit:
     """All explanations beside a rival, linear near its own θ: the rig alone may be far away, and groups that err alone
     are others."""
     kind = int(near.found.log_evidence.argmax())
@@ -122,7 +124,7 @@ def _solved(rows: LinearGroups, chart: RigChart, prior: CalibrationPrior, rival:
 
     def under(deviations: Sequence[float], which: Sequence[int]) -> list[Explanation]:
         normals = {(d, common): _likelihoods(rows, [rival], d)[0] for d in deviations}
-        return _explained(normals, rows.likelihoods, rival, prior, which)
+        return _with_rival(normals, rows.likelihoods, rival, prior, which)
 
     found = under([DEVIATIONS[at]], range(len(prior.roots)))
     least = _log_evidence(best_of(found)[0]) - _FAR
@@ -143,7 +145,7 @@ def _likelihoods(rows: LinearGroups, rivals: Sequence[Rival], misfit: float) -> 
     return found
 
 
-def _explained(
+def _with_rival(
     normals: Mapping[tuple[float, float], Normal],
     likelihoods: Sequence[tuple[float, Normal]],
     rival: Rival,

@@ -117,7 +117,7 @@ def readings(
 
     left = read(points, true.left, used.left, to_left)
     right = read(points @ true.rotation.T + true.translation, true.right, used.right, to_right)
-    rows, nearness = _read(_formulas(shown), left, right)
+    rows, nearness = _rows_and_nearness(_formulas(shown), left, right)
     return np.asarray(_focal(used) * rows / _stretch(used, points, shown)), points[:, 2] / float(
         used.baseline
     ) * nearness - 1.0
@@ -127,7 +127,7 @@ def _formulas(shown: View | None) -> Projection:
     return projection(PINHOLE) if shown is None else shown.formulas
 
 
-def _read(
+def _rows_and_nearness(
     formulas: Projection, left: Inexact[np.ndarray, "*p 3"], right: Inexact[np.ndarray, "*p 3"]
 ) -> tuple[Inexact[np.ndarray, "*p"], Inexact[np.ndarray, "*p"]]:
     """Row differences in focal lengths, and baselines over depth along the axis of the left camera, of rectified rays
@@ -202,7 +202,7 @@ def consequences(
         (seen / seen[:, 2:] + _TINY * 1j * moved) @ np.asarray(rotation).T
         for seen, moved, rotation in ((points, left_rays, to_left), (right, right_rays, to_right))
     )
-    rows, near = _read(_formulas(shown), *turned)
+    rows, near = _rows_and_nearness(_formulas(shown), *turned)
     stretch = _stretch(used, points, shown)
     rows, nearness = _focal(used) * np.imag(rows) / stretch / _TINY, np.imag(near) / np.real(near) / _TINY
     ends = np.cumsum([len(points) for points in sets])[:-1]

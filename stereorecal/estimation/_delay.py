@@ -145,8 +145,8 @@ def _delay_evidence(
     wider = np.zeros((len(mean) + 1,) * 2)
     wider[:-1, :-1], wider[-1, -1] = root, size
 
-    several = [_beside(one.normal, way) for one, way in zip(near, ways, strict=True)]
-    by_ways = [_beside(one.with_way - one.normal, way) for one, way in zip(near, ways, strict=True)]
+    several = [_with_way(one.normal, way) for one, way in zip(near, ways, strict=True)]
+    by_ways = [_with_way(one.with_way - one.normal, way) for one, way in zip(near, ways, strict=True)]
     alone = together(several, wider, np.append(mean, 0.0))
     of_windows = rows.measured.windows.explained(alone, reduce(add, by_ways), chart)
     return [
@@ -156,7 +156,7 @@ def _delay_evidence(
     ]
 
 
-def _beside(normal: Normal, way: Float[np.ndarray, "n"]) -> Normal:
+def _with_way(normal: Normal, way: Float[np.ndarray, "n"]) -> Normal:
     """Of θ and of how often a way is added to it."""
     to = np.column_stack([np.eye(len(way)), way])
     return Normal(to.T @ normal.a @ to, to.T @ normal.b, normal.c)

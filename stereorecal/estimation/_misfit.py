@@ -19,11 +19,11 @@ _LENGTH = 1.5  # places
 
 def alike(place: Int[np.ndarray, "g"]) -> Float[np.ndarray, "g g"]:
     """The correlation of the field at places."""
-    return _alike()[np.ix_(place, place)]
+    return _correlation_of_places()[np.ix_(place, place)]
 
 
 @cache
-def _alike() -> Float[np.ndarray, "p p"]:
+def _correlation_of_places() -> Float[np.ndarray, "p p"]:
     """Of all places."""
     row, column = np.divmod(np.arange(PLACES[0] * PLACES[1]), PLACES[0])
     apart2 = (row[:, None] - row) ** 2 + (column[:, None] - column) ** 2

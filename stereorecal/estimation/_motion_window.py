@@ -173,7 +173,7 @@ def _motion(seen: Seen, chart: RigChart, theta: Float[np.ndarray, "n"], start: _
         b = -np.tensordot(weighted, r, ([0, 1], [0, 1])) / scale**2 - prior @ np.r_[np.zeros(MOVES), yaw]
         step = np.linalg.solve(a, b)
         nearness = nearness - (pulls[:, 0] + pulls[:, 1:] @ step)
-        motion, yaw = _moved(motion, step[:MOVES]), yaw + float(step[MOVES])
+        motion, yaw = _with_step(motion, step[:MOVES]), yaw + float(step[MOVES])
         if round_ > convex + 1 and step @ a @ step < _SETTLED**2:
             break
     return _Solved(motion, yaw, nearness, scale, weight)
@@ -184,7 +184,7 @@ def _wide(chart: RigChart) -> Float[np.ndarray, "6"]:
     return np.repeat([_TURN**-2.0, (_MOVE * float(chart.rig.baseline)) ** -2.0], 3)
 
 
-def _moved(motion: Motion, step: Float[np.ndarray, "6"]) -> Motion:
+def _with_step(motion: Motion, step: Float[np.ndarray, "6"]) -> Motion:
     turn = np.asarray(rotation_from_vector(step[:3]), float)
     return Motion(turn @ motion.rotation, motion.translation + step[3:])
 
@@ -236,7 +236,7 @@ def _normal(total: Float[np.ndarray, "c c"], chart: RigChart) -> tuple[Normal, F
     pull, a = total[0, 1:], total[1:, 1:]
     # Of the m numbers of all tracks, those count that θ or the motion change.
     covariance = np.linalg.inv(a[n:, n:] + np.diag(_wide(chart)))[3:, 3:]
-    alone = without(Normal(a, -pull, _explained(total)), np.diag(_wide(chart) ** -0.5))
+    alone = without(Normal(a, -pull, _explained_fraction(total)), np.diag(_wide(chart) ** -0.5))
     return Normal(alone.a, alone.b, alone.c - _log_volume(a[n:, n:], chart)), covariance
 
 
@@ -269,11 +269,11 @@ def _together_with_neighbours(
     for shared in _SHARED:
         inner = np.eye(SEEN) + shared**2 * known
         total = plain - shared**2 * np.tensordot(pulls, np.linalg.solve(inner, pulls), ([0, 1], [0, 1]))
-        found.append((float(total[0, 0] - _explained(total) + np.linalg.slogdet(inner)[1].sum()), total))
+        found.append((float(total[0, 0] - _explained_fraction(total) + np.linalg.slogdet(inner)[1].sum()), total))
     return min(found, key=lambda one: one[0])[1]
 
 
-def _explained(total: Float[np.ndarray, "c c"]) -> float:
+def _explained_fraction(total: Float[np.ndarray, "c c"]) -> float:
     """The part of the squared residuals, the first of these columns, that the others explain."""
     scale = np.sqrt(np.maximum(np.diag(total)[1:], 1e-300))
     pull = total[0, 1:] / scale

@@ -15,8 +15,8 @@ from stereorecal.estimation._board_noise import apart, deviation, kept, noise
 from stereorecal.estimation._board_poses import BoardRows, Posed, posed, rows_without_poses
 from stereorecal.estimation._calibration_prior import SQUARES, CalibrationPrior
 from stereorecal.estimation._evidence import Normal
-from stereorecal.estimation._knowledge import updated
 from stereorecal.estimation._posterior import root
+from stereorecal.estimation._prior_conversions import updated
 from stereorecal.objectives import BASELINE, RigChart
 from stereorecal.recordings import Board
 

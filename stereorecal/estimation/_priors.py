@@ -17,8 +17,8 @@ from stereorecal.estimation._calibration_prior import (
     physical_prior,
     with_scaled_boards,
 )
-from stereorecal.estimation._knowledge import as_prior_of, moved, prior_without_depth
 from stereorecal.estimation._posterior import Posterior, root
+from stereorecal.estimation._prior_conversions import as_prior_of, prior_without_depth, recentred_prior
 from stereorecal.estimation._prior_of_boards import prior_of_boards
 from stereorecal.estimation._rig_parameters import rig_parameters
 from stereorecal.estimation._saved_prior import Earlier, SavedPrior
@@ -112,7 +112,7 @@ def _as_prior(prior: Prior, chart: RigChart) -> CalibrationPrior:
     if isinstance(prior, Earlier):
         original, before = rig_parameters(prior.rig), prior.prior
         found = as_prior(before, original) if isinstance(before, str | Mapping) else _known(before, original)
-        return moved(found, original.coordinates_of(chart.rig))
+        return recentred_prior(found, original.coordinates_of(chart.rig))
     if prior is None or prior == DEFAULT:
         return calibration_prior(chart)
     if prior == SAVED:

@@ -20,8 +20,8 @@ from stereorecal.estimation._drift import drift_sizes
 from stereorecal.estimation._estimate import Estimate, solved
 from stereorecal.estimation._evidence import Normal, without
 from stereorecal.estimation._explanations import Explanation
-from stereorecal.estimation._knowledge import updated
 from stereorecal.estimation._motion import NO_WINDOWS, Windows
+from stereorecal.estimation._prior_conversions import updated
 from stereorecal.estimation._rig_parameters import DRIFTING, rig_parameters
 from stereorecal.geometry import StereoRig, View
 from stereorecal.scoring import Correspondences
@@ -79,11 +79,11 @@ def estimate_together(
 def _round(
     recordings: Sequence[Recording], priors: Sequence[CalibrationPrior], each: Each
 ) -> tuple[list[Estimate], list[Normal]]:
-    done = each(_solved, list(zip(recordings, priors, strict=True)))
+    done = each(_estimate_of_recording, list(zip(recordings, priors, strict=True)))
     return [one for one, _ in done], [message for _, message in done]
 
 
-def _solved(task: tuple[Recording, CalibrationPrior]) -> tuple[Estimate, Normal]:
+def _estimate_of_recording(task: tuple[Recording, CalibrationPrior]) -> tuple[Estimate, Normal]:
     """A recording with what is known before it, and what it shows of the calibration's error."""
     one, prior = task
     seen, best = solved(one.found, rig_parameters(one.rig), prior, one.start, one.beams, one.windows, one.view)

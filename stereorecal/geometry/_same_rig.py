@@ -12,10 +12,10 @@ def same_rig(one: StereoRig, other: StereoRig) -> bool:
     """Whether all numbers are equal to within 1e-9; coefficients that a lens model lacks are 0."""
     turned = np.abs(np.asarray(one.rotation) - other.rotation).max() < _SAME
     shifted = np.allclose(one.translation, other.translation, rtol=0.0, atol=_SAME * float(one.baseline))
-    return bool(turned and shifted and _alike(one.left, other.left) and _alike(one.right, other.right))
+    return bool(turned and shifted and _same_camera(one.left, other.left) and _same_camera(one.right, other.right))
 
 
-def _alike(one: Camera, other: Camera) -> bool:
+def _same_camera(one: Camera, other: Camera) -> bool:
     length = max(one.distortion.size, other.distortion.size)
     lenses = [np.concatenate([c.distortion, np.zeros(length - c.distortion.size)]) for c in (one, other)]
     return (

@@ -50,7 +50,7 @@ def write_files(contents: Mapping[Path, bytes], *, replace: bool = True) -> None
         for path, (temporary, final) in waiting.items():
             with _as_input_error(path):
                 old = final.read_bytes() if replace and final.exists() else None
-                (os.replace if replace else _put_where_none_is)(temporary, final)
+                (os.replace if replace else _rename_exclusively)(temporary, final)
                 written.append((final, old))
     except BaseException:
         for final, old in written:
@@ -63,7 +63,7 @@ def write_files(contents: Mapping[Path, bytes], *, replace: bool = True) -> None
                 temporary.unlink(missing_ok=True)
 
 
-def take_after(path: Path, model: Path) -> None:
+def copy_permissions(path: Path, model: Path) -> None:
     """Give a file the permissions of another and, where that is allowed, its owner."""
     about = model.stat()
     if hasattr(os, "chown"):
@@ -72,7 +72,7 @@ def take_after(path: Path, model: Path) -> None:
     shutil.copymode(model, path)
 
 
-def _put_where_none_is(temporary: Path, final: Path) -> None:
+def _rename_exclusively(temporary: Path, final: Path) -> None:
     """Give a complete file its name; FileExistsError if somebody else has it."""
     try:
         os.link(temporary, final)
@@ -140,7 +140,7 @@ def _complete_copy(path: Path, data: bytes) -> tuple[Path, Path]:
             file.flush()
             os.fsync(file.fileno())
         if path.exists():
-            take_after(temporary, path)
+            copy_permissions(temporary, path)
     except BaseException:
         temporary.unlink(missing_ok=True)
         raise

@@ -48,7 +48,7 @@ def moved(state: State, pair: Pair) -> Outcome:
 
 def _shown_again(state: State, before: Corners, pair: Pair) -> Outcome:
     pairs = state.frame - state.found_at
-    if not _soon(state.since, pair.time, pairs):
+    if not _within_tracking_time(state.since, pair.time, pairs):
         return state.but(corners=None), []
     if pair.readout and (state.since is None or pair.time is None):  # of how much of the motion, is not known
         return state.but(corners=None), []
@@ -66,7 +66,7 @@ def _shown_again(state: State, before: Corners, pair: Pair) -> Outcome:
     return _after_window(state, _measurement(state, seen.normal, turned))
 
 
-def _soon(first: float | None, second: float | None, pairs: int) -> bool:
+def _within_tracking_time(first: float | None, second: float | None, pairs: int) -> bool:
     """Whether a pair comes soon after another one: by their times, or, where not both are known, by pairs; a repair in
     between may have taken many."""
     if first is None or second is None:

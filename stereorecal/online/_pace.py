@@ -44,13 +44,15 @@ class Pace:
     def config(self, config: Config) -> Config:
         """With the wander and the heating that were learnt."""
         weights = np.exp(self.logs - np.logaddexp.reduce(self.logs))
-        return _times(config, np.sqrt(weights @ _TIMES**2))
+        return _scaled_rates(config, np.sqrt(weights @ _TIMES**2))
 
     def later(self, config: Config) -> "Pace":
         """A frame later."""
         return replace(
             self,
-            several=tuple(one.later(_times(config, times)) for one, times in zip(self.several, _TIMES, strict=True)),
+            several=tuple(
+                one.later(_scaled_rates(config, times)) for one, times in zip(self.several, _TIMES, strict=True)
+            ),
         )
 
     def seen(self, measured: Measurement) -> "Pace":
@@ -60,7 +62,7 @@ class Pace:
         return Pace(tuple(one.seen(one.doubted(measured)) for one in self.several), logs - logs.max())
 
 
-def _times(config: Config, times: Float[np.ndarray, "2"]) -> Config:
+def _scaled_rates(config: Config, times: Float[np.ndarray, "2"]) -> Config:
     wander, heating = (
         tuple((factor * np.asarray(some)).tolist())
         for factor, some in zip(times, (config.wander, config.heating), strict=True)

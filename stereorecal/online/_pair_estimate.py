@@ -78,7 +78,7 @@ def estimate_pair(rig: StereoRig, pair: Pair, view: View, matcher: AbstractMatch
     if found.found < FEWEST or found.covered < LEAST_COVERED:
         return PairEstimate(chart, found.covered)
     start = linearised(found, chart, np.zeros(chart.dim))
-    facts = evidence_of(found, _solved(found, start, chart.prior), start.differences, chart.prior)
+    facts = evidence_of(found, _solved_robustly(found, start, chart.prior), start.differences, chart.prior)
     if facts.places < FEWEST_PLACES or (
         np.mean(facts.medians(facts.residual)) * facts.scale > FALSE
         and is_sparse(found.covered, image_quality(pair).texture)
@@ -87,7 +87,7 @@ def estimate_pair(rig: StereoRig, pair: Pair, view: View, matcher: AbstractMatch
     return PairEstimate(chart, found.covered, facts, found)
 
 
-def _solved(found: Correspondences, start: LinearRows, prior: float) -> LinearRows:
+def _solved_robustly(found: Correspondences, start: LinearRows, prior: float) -> LinearRows:
     """The rows where they meet best; the prior holds what they cannot tell."""
     z, differences = start.z, start.differences.reshape(-1)
     jacobian, held = start.jacobian.reshape(len(z), -1), np.eye(len(z)) / prior**2

@@ -111,7 +111,7 @@ def reading(state: State) -> Reading:
         return Reading(axes, state.row_error, _UNKNOWN, dict.fromkeys(DISTANCES, _UNKNOWN), late, None, shifted=False)
     config = state.config
     using, free = tuple(state.using.tolist()), EXTRINSICS if config.synchronous else _ROTATION
-    decision, shifted, change, depth = _judged(
+    decision, shifted, change, depth = _decided(
         state.initial, using, state.estimate, state.view, free, config.tolerances, config.harm
     )
     rows = Interval(*decision.rows_px[0].tolist())
@@ -119,7 +119,7 @@ def reading(state: State) -> Reading:
 
 
 @lru_cache(maxsize=4)  # a step asks several times
-def _judged(
+def _decided(
     initial: StereoRig,
     using: tuple[float, ...],
     filtered: FilterEstimate,

@@ -36,10 +36,10 @@ def continued(state: State) -> tuple[State, list[Event]]:
         return state.but(job=None), [Event(state.frame, Kind.REJECTED, str(error))]
     if isinstance(ended, Progress):
         return state.but(job=replace(job, at=np.asarray(ended.rig.extrinsics, float), done=ended.done)), []
-    return _judged(state.but(job=None), ended)
+    return _after_solution(state.but(job=None), ended)
 
 
-def _judged(state: State, solution: Solution) -> tuple[State, list[Event]]:
+def _after_solution(state: State, solution: Solution) -> tuple[State, list[Event]]:
     if not solution.accepted or solution.covariance is None:
         return state, [_rejected(state, solution)]
     offset = state.offset_of(solution.rig)

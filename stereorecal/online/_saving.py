@@ -87,7 +87,7 @@ def load(path: str | Path, rig: StereoRig | None = None) -> State:
     """
     state = _loaded(path)
     if rig is not None and not any(
-        _alike(rig, known) for known in (state.initial, state.rig, *map(state.rig_at, state.previous))
+        _same_calibration(rig, known) for known in (state.initial, state.rig, *map(state.rig_at, state.previous))
     ):
         raise InputError(
             f"{path}: the state belongs to another calibration than the given one; name another file to start again "
@@ -96,7 +96,7 @@ def load(path: str | Path, rig: StereoRig | None = None) -> State:
     return state
 
 
-def _alike(one: StereoRig, other: StereoRig) -> bool:
+def _same_calibration(one: StereoRig, other: StereoRig) -> bool:
     """Whether two calibrations are one, which may have been written with some digits less."""
     lenses = [(rig.left.model, rig.right.model) for rig in (one, other)]
     return lenses[0] == lenses[1] and np.allclose(_numbers(one), _numbers(other), rtol=1e-6, atol=1e-6)

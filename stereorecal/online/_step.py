@@ -68,7 +68,7 @@ def step(state: State, pair: Pair | Images, seconds: float | None = None) -> tup
     until = None if seconds is None else time.monotonic() + seconds
     try:
         (pair,) = check_pairs(state.initial, [pair])
-        after, events = _seen(state, pair)
+        after, events = _after_pair(state, pair)
     except InputError as error:
         again = state.last is None and state.said is Kind.BAD_FRAME
         events = () if again else (Event(state.frame, Kind.BAD_FRAME, str(error)),)
@@ -102,7 +102,7 @@ def rollback(state: State, to: Offset | None = None) -> State:
     return freeze(switched(state, state.previous[numbers[-1]]).but(previous=kept))
 
 
-def _seen(state: State, pair: Pair) -> Outcome:
+def _after_pair(state: State, pair: Pair) -> Outcome:
     config, before, now = state.config, state.last, small(pair.left)
     state = state.later().but(last=now)
     if state.job is not None:
@@ -110,11 +110,11 @@ def _seen(state: State, pair: Pair) -> Outcome:
     if state.frame % config.every:
         return state, []
     state, told = moved(state, pair)
-    state, seen = _looked(state, pair, before, now)
+    state, seen = _after_look(state, pair, before, now)
     return state, [*told, *seen]
 
 
-def _looked(state: State, pair: Pair, before: Small | None, now: Small) -> Outcome:
+def _after_look(state: State, pair: Pair, before: Small | None, now: Small) -> Outcome:
     config = state.config
     matcher = state.matcher
     if matcher is None:

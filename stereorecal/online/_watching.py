@@ -45,7 +45,7 @@ def followed(state: State, measured: Measurement) -> tuple[State, list[Event]]:
         return standing(state)
     if state.suspect is None:
         return state.but(suspect=measured), []
-    changed = _explained(state, state.suspect, measured)
+    changed = _after_two_outliers(state, state.suspect, measured)
     if changed is None:
         odd = state.odd + 1
         state = state.but(suspect=measured, odd=odd)
@@ -62,7 +62,7 @@ def followed(state: State, measured: Measurement) -> tuple[State, list[Event]]:
     return state.but(said=Kind.KNOCK), [Event(state.frame, Kind.KNOCK, _change_text(facts["change"]), facts)]
 
 
-def _explained(state: State, first: Measurement, second: Measurement) -> tuple[FilterEstimate, bool] | None:
+def _after_two_outliers(state: State, first: Measurement, second: Measurement) -> tuple[FilterEstimate, bool] | None:
     """The estimate after two looks that agree with each other, and whether the rig was knocked; None if they do not.
     A delay explains with one number what a knock explains with five, so it is asked first."""
     if not state.config.synchronous:

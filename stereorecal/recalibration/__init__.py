@@ -29,13 +29,12 @@ from stereorecal.recalibration._many import (
     recalibrate_many as recalibrate_many,
     sharing as sharing,
 )
-from stereorecal.recalibration._path import Waypoint as Waypoint
+from stereorecal.recalibration._match_ranges import RangesSeen as RangesSeen, with_ranges as with_ranges
 from stereorecal.recalibration._prior_use import (
     PriorUse as PriorUse,
     load_prior as load_prior,
     saved_with as saved_with,
 )
-from stereorecal.recalibration._ranges import RangesSeen as RangesSeen, with_ranges as with_ranges
 from stereorecal.recalibration._recalibrate import (
     recalibrate as recalibrate,
     recalibrate_case as recalibrate_case,
@@ -55,6 +54,7 @@ from stereorecal.recalibration._schedule import (
     as_schedule as as_schedule,
     watching_scale as watching_scale,
 )
+from stereorecal.recalibration._search_path import Waypoint as Waypoint
 from stereorecal.recalibration._settings import (
     HealthOptions as HealthOptions,
     RepairOptions as RepairOptions,

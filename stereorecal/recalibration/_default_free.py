@@ -3,7 +3,7 @@
 from stereorecal.decision import Decision, Verdict, decide
 from stereorecal.estimation import Estimate
 from stereorecal.objectives import Parameters
-from stereorecal.recalibration._frames_left_out import borne_out
+from stereorecal.recalibration._cross_validated_decision import decided_by_cross_validation
 from stereorecal.recalibration._stages import Case
 from stereorecal.scoring import Correspondences
 
@@ -19,5 +19,5 @@ def decided(case: Case, found: Correspondences, seen: Estimate) -> tuple[Paramet
     if not case.free.widens or held.verdict is Verdict.GOOD or held.explains:
         return case.free, held
     free = case.free.widest(case.rig)
-    freed = borne_out(seen, found, case.rig, case.prior, free.names, case.tolerances)
+    freed = decided_by_cross_validation(seen, found, case.rig, case.prior, free.names, case.tolerances)
     return (case.free, held) if freed is None else (free, freed)

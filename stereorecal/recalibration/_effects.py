@@ -67,11 +67,11 @@ def rows_apart(
     to_left, to_right = rectifying_rotations(used.rotation, used.translation)
     in_view = np.meshgrid(columns, rows)
     shown = np.asarray(view.directions(*in_view, 0)) @ to_left
-    true = _reread(_seen(shown, used.left), used.left, better.left)
+    true = _reread(_nan_outside_image(shown, used.left), used.left, better.left)
     apart = []
     for distance in ROW_DISTANCES:
         from_right = true @ better.rotation.T + better.translation / (distance * float(better.baseline))
-        read = _reread(_seen(from_right, better.right), better.right, used.right) @ to_right.T
+        read = _reread(_nan_outside_image(from_right, better.right), better.right, used.right) @ to_right.T
         apart.append(in_view[1] - view.pixels(_at_depth_1(read), 1)[1])
     return np.stack(apart)
 
@@ -83,7 +83,7 @@ def _reread(rays: Float[AnyArray, "*n 3"], true: Camera, read: Camera) -> Float[
     return _within_lens(reread(_at_depth_1(rays), true, read), read)
 
 
-def _seen(rays: Float[AnyArray, "*n 3"], camera: Camera) -> Float[np.ndarray, "*n 3"]:
+def _nan_outside_image(rays: Float[AnyArray, "*n 3"], camera: Camera) -> Float[np.ndarray, "*n 3"]:
     """The rays, NaN where they miss the camera's image."""
     rays = _within_lens(_at_depth_1(rays), camera)
     pixels = camera.project(rays)

@@ -15,13 +15,13 @@ def chosen_frames(pairs: Sequence[Pair], most: int = MOST_FRAMES) -> tuple[Pair,
     """At most so many of the pairs, in order: of equal stretches, which are moments apart, the ones with the most
     texture; where pairs were taken soon after each other, of half as many, each with one a moment later: the rig's
     own motion tells depth."""
-    windows = most > 1 and any(starmap(_soon, pairwise(times_of(pairs))))
+    windows = most > 1 and any(starmap(_is_consecutive, pairwise(times_of(pairs))))
     return select_frames(pairs, most, a_moment_after if windows else None)
 
 
 def soon_after(first: Pair, second: Pair) -> bool:
     """Whether the times of two pairs say that one was taken soon after the other."""
-    return _soon(first.time, second.time)
+    return _is_consecutive(first.time, second.time)
 
 
 def a_moment_after(first: Pair, second: Pair) -> bool:
@@ -29,7 +29,7 @@ def a_moment_after(first: Pair, second: Pair) -> bool:
     return soon_after(first, second) and (second.time or 0.0) - (first.time or 0.0) >= _LEAST
 
 
-def _soon(first: float | None, second: float | None) -> bool:
+def _is_consecutive(first: float | None, second: float | None) -> bool:
     return first is not None and second is not None and 0.0 < second - first <= _SOON
 
 

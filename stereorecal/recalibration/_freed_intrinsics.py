@@ -59,7 +59,7 @@ class Intrinsics:
         """True if the calibration to use has them."""
         return self.outcome in (IntrinsicsOutcome.REFINED, IntrinsicsOutcome.NEEDED)
 
-    def not_here(self, why: Reason) -> "Intrinsics":
+    def not_applied(self, why: Reason) -> "Intrinsics":
         """The same for a recording whose calibration does without, where others took them."""
         return replace(self, outcome=IntrinsicsOutcome.NOT_HERE, refused=why) if self.taken else self
 

@@ -14,13 +14,13 @@ from stereorecal.estimation import check_prior, rig_parameters
 from stereorecal.geometry import StereoRig, View, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
 from stereorecal.recalibration._acceptance import FALSE, LEAST_COVERED, Reason, loses_regions
-from stereorecal.recalibration._answer import Answer, depth_by, look_at, rows_of
 from stereorecal.recalibration._as_dict import score_as_dict
 from stereorecal.recalibration._calibration_warnings import doubts
 from stereorecal.recalibration._correction import Correction, correction_of
+from stereorecal.recalibration._estimate_and_decide import Answer, depth_by, look_at, rows_of
 from stereorecal.recalibration._health_text import health_text
 from stereorecal.recalibration._interval import Interval
-from stereorecal.recalibration._prior_use import prior_for_look
+from stereorecal.recalibration._prior_use import prior_for_health
 from stereorecal.recalibration._settings import HealthOptions, as_settings
 from stereorecal.recalibration._stage_result import counts
 from stereorecal.recalibration._stages import Case
@@ -182,7 +182,7 @@ def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> He
     settings = as_settings(options, HealthOptions.__optional_keys__)
     images, doubtful = pyramid(rig, pairs, settings.view), doubts(rig)
     check_prior(settings.prior, rig_parameters(rig))
-    prior = prior_for_look(settings.prior, rig)
+    prior = prior_for_health(settings.prior, rig)
     check_motion(settings.motion, len(images.pairs), prior)
     windows = following(images.pairs, range(len(images.pairs)), settings.motion, prior)
     matcher, limits = with_measured_range(settings.matcher, images), settings.tolerances

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from stereorecal.recalibration._acceptance import Reason, verdict_on_count
-from stereorecal.recalibration._answer import answered, ended_by
+from stereorecal.recalibration._estimate_and_decide import answered, ended_by
 from stereorecal.recalibration._schedule import Schedule
 from stereorecal.recalibration._stage_result import Ending, counts
 from stereorecal.recalibration._stages import FEWEST, Case, StageRun

@@ -17,7 +17,7 @@ from stereorecal.estimation import EXACT
 from stereorecal.geometry import as_view, same_camera
 from stereorecal.objectives import Parameters
 from stereorecal.recalibration._frame_choice import selected_frames
-from stereorecal.recalibration._ranges import resolved_ranges
+from stereorecal.recalibration._match_ranges import resolved_ranges
 from stereorecal.recalibration._recalibrate import recalibrate
 from stereorecal.recalibration._repaired_recording import RepairedRecording
 from stereorecal.recalibration._schedule import Schedule, check_schedule
@@ -226,7 +226,9 @@ def _repaired_together(
 
     recordings = [
         RepairedRecording(pairs, solution, tuple(r for r in ranges if any(r.pair is p for p in pairs)))
-        for pairs, solution in ((_seen(scenes[index].pairs, solution), solution) for index, solution in solved)
+        for pairs, solution in (
+            (_selected_pairs(scenes[index].pairs, solution), solution) for index, solution in solved
+        )
     ]
     try:
         found = together(recordings, free, one=extrinsics == "one", each=each)
@@ -252,7 +254,7 @@ def _widens(scenes: Sequence[Scene], repairs: Sequence[Solution], free: Paramete
     return any(not repair.reason.healthy for repair in repairs)
 
 
-def _seen(pairs: Sequence[Pair], solution: Solution) -> tuple[Pair, ...]:
+def _selected_pairs(pairs: Sequence[Pair], solution: Solution) -> tuple[Pair, ...]:
     """Those that the repair looked at."""
     return tuple(pairs if solution.frames.selected is None else (pairs[number] for number in solution.frames.selected))
 

@@ -3,9 +3,9 @@
 from stereorecal.estimation import rig_parameters, with_boards
 from stereorecal.geometry import StereoRig
 from stereorecal.recalibration._frame_choice import selected_frames
-from stereorecal.recalibration._known_ranges import prior_of
+from stereorecal.recalibration._match_ranges import resolved_ranges
 from stereorecal.recalibration._prior_use import prior_use
-from stereorecal.recalibration._ranges import resolved_ranges
+from stereorecal.recalibration._ranges_of_case import prior_of
 from stereorecal.recalibration._schedule import check_schedule
 from stereorecal.recalibration._settings import Settings
 from stereorecal.recalibration._stages import Case

@@ -17,11 +17,11 @@ from stereorecal.estimation import (
     Estimate,
     Prior,
     SavedPrior,
-    around,
     as_mixture,
     as_prior,
     check_prior,
     is_exact,
+    recentred_posterior,
     rig_parameters,
 )
 from stereorecal.geometry import StereoRig
@@ -101,7 +101,7 @@ def prior_use(prior: Prior, rig: StereoRig, pairs: Sequence[Pair]) -> PriorUse:
     return PriorUse(DEFAULT if prior == DEFAULT else GIVEN, prior, images, every, note=note)
 
 
-def prior_for_look(prior: Prior, rig: StereoRig) -> Prior:
+def prior_for_health(prior: Prior, rig: StereoRig) -> Prior:
     """The prior of a look at images, from which nothing is learnt: the saved one, if none is named.
 
     Raises:
@@ -148,7 +148,7 @@ def known_after(
         return SavedPrior(rig, None)
     before = _before(use, initial)
     images = (*before.images, *(use.images[number] for number in kept), *use.beside)
-    known = around(seen.posterior, seen.chart.coordinates_of(rig))
+    known = recentred_posterior(seen.posterior, seen.chart.coordinates_of(rig))
     return SavedPrior(rig, known, tuple(dict.fromkeys(images)), before)
 
 

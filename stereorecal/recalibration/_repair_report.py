@@ -81,7 +81,7 @@ def report_of(
         frames=[*_frames(solution, pairs), *((frame, "not used", why) for frame, why in absent)],
         remarks=_remarks(solution) if telling else (),
         command=command,
-        settings={**_settings(solution), **settings},
+        settings={**_settings_and_outcome(solution), **settings},
         view=None if solution.view.projection == PINHOLE else str(solution.view),
         calibrations={"before": _calibration(solution.initial), after: _calibration(solution.candidate)},
     )
@@ -161,7 +161,7 @@ def _remarks(solution: AbstractResult) -> list[str]:
     return remarks
 
 
-def _settings(solution: AbstractResult) -> dict[str, Any]:
+def _settings_and_outcome(solution: AbstractResult) -> dict[str, Any]:
     """Of a solution that was asked for, and what the run made of it."""
     settings = solution.settings
     stages = [f"{name_of(run.stage.strategy)} at scale {run.scale:.3g}" for run in solution.stages]

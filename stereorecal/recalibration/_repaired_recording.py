@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from stereorecal.estimation import NO_WINDOWS, Windows
 from stereorecal.geometry import StereoRig
 from stereorecal.recalibration._acceptance import Reason
-from stereorecal.recalibration._match_task import MatchTask
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._stages import FEWEST
+from stereorecal.recalibration._worker_tasks import MatchTask
 from stereorecal.recordings import Pair, Range
 from stereorecal.scoring import Correspondences
 

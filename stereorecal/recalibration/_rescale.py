@@ -11,7 +11,7 @@ from stereorecal.estimation import Beams
 from stereorecal.geometry import StereoRig
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import BASELINE, Parameters, Reach, row_chart
-from stereorecal.recalibration._ranges import beams, resolved_ranges
+from stereorecal.recalibration._match_ranges import beams, resolved_ranges
 from stereorecal.recalibration._schedule import finest_scale
 from stereorecal.recalibration._uncertainty import NORMAL_95
 from stereorecal.recordings import Pairs, Range
@@ -70,13 +70,13 @@ def rescale_baseline(
         raise InputError(
             "no range lies on a pixel with a reliable match; give some on surfaces with texture, off edges."
         )
-    change, deviation, used = _solved(found, rig, yaw_sigma)
+    change, deviation, used = _solved_baseline(found, rig, yaw_sigma)
     extrinsics = np.array(rig.extrinsics, float)
     extrinsics[3:] *= 1.0 + change / 100.0
     return Rescaled(rig.with_extrinsics(extrinsics), change, NORMAL_95 * deviation, used)
 
 
-def _solved(found: Beams, rig: StereoRig, yaw_sigma: float) -> tuple[float, float, int]:
+def _solved_baseline(found: Beams, rig: StereoRig, yaw_sigma: float) -> tuple[float, float, int]:
     """The change of the length and its standard deviation, in percent, and how many ranges agree with it. Yaw is solved
     for beside it, and left as it was: rows know it better."""
     chart = row_chart(rig, Reach(), Parameters(("yaw", BASELINE), {"yaw": yaw_sigma, BASELINE: _LONGER}))

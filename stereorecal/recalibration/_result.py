@@ -14,17 +14,17 @@ from stereorecal.estimation import NO_BEAMS, Beams, Estimate, SavedPrior
 from stereorecal.geometry import StereoRig, View
 from stereorecal.matching import AbstractMatcher
 from stereorecal.recalibration._acceptance import Reason, RowErrors
-from stereorecal.recalibration._answer import expected_by
 from stereorecal.recalibration._calibration_warnings import doubts
 from stereorecal.recalibration._cost import Cost
 from stereorecal.recalibration._difference import Difference, difference
+from stereorecal.recalibration._estimate_and_decide import expected_by
 from stereorecal.recalibration._expected import Expected
 from stereorecal.recalibration._freed_intrinsics import Intrinsics
-from stereorecal.recalibration._path import Waypoint, path_of
+from stereorecal.recalibration._match_ranges import RangesSeen
 from stereorecal.recalibration._prior_use import PriorUse, known_after
-from stereorecal.recalibration._ranges import RangesSeen
 from stereorecal.recalibration._regional_misfit import Misfit
 from stereorecal.recalibration._row_evidence import TILES_OF_A_FRAME
+from stereorecal.recalibration._search_path import Waypoint, path_of
 from stereorecal.recalibration._settings import Settings
 from stereorecal.recalibration._stages import StageRun
 from stereorecal.recalibration._uncertainty import Uncertainty

@@ -10,7 +10,7 @@ from stereorecal.estimation import Prior, check_boards, check_prior
 from stereorecal.geometry import AnyView
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import Parameters, Reach, as_parameters, as_reach
-from stereorecal.recalibration._ranges import as_ranges, with_ranges
+from stereorecal.recalibration._match_ranges import as_ranges, with_ranges
 from stereorecal.recalibration._schedule import Schedule, as_schedule
 from stereorecal.recordings import Board, Odometer, Range
 from stereorecal.strategies import Budget, as_budget

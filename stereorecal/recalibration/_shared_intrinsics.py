@@ -6,21 +6,21 @@ from dataclasses import replace
 
 import numpy as np
 
-from stereorecal.decision import decide_together, do_as_well
+from stereorecal.decision import decide_together, fewer_parameters_suffice
 from stereorecal.estimation import NO_BEAMS
 from stereorecal.geometry import StereoRig
 from stereorecal.objectives import BASELINE, Parameters, row_chart
 from stereorecal.recalibration._acceptance import Reason
-from stereorecal.recalibration._answer import uncertainty_of
-from stereorecal.recalibration._common import Common, common
+from stereorecal.recalibration._estimate_and_decide import uncertainty_of
 from stereorecal.recalibration._freed_intrinsics import Intrinsics, IntrinsicsOutcome, intrinsics_of
-from stereorecal.recalibration._known_ranges import ranges_seen
-from stereorecal.recalibration._match_task import Each, counted
-from stereorecal.recalibration._ranges import RangesSeen
+from stereorecal.recalibration._joint_estimate import JointEstimate, common
+from stereorecal.recalibration._match_ranges import RangesSeen
+from stereorecal.recalibration._ranges_of_case import ranges_seen
 from stereorecal.recalibration._regional_misfit import misfit
 from stereorecal.recalibration._repaired_recording import RepairedRecording
 from stereorecal.recalibration._row_evidence import TILES_OF_A_FRAME
 from stereorecal.recalibration._solution import Solution
+from stereorecal.recalibration._worker_tasks import Each, counted
 from stereorecal.scoring.host import Score
 
 
@@ -51,7 +51,7 @@ def together(
     return tuple(
         next(results)
         if r.usable(lenses=lenses)
-        else r.repair.with_findings(intrinsics=seen and seen.not_here(r.repair.reason), ranges=_unmatched(r))
+        else r.repair.with_findings(intrinsics=seen and seen.not_applied(r.repair.reason), ranges=_unmatched(r))
         for r in recordings
     )
 
@@ -72,7 +72,7 @@ def _held(free: Parameters) -> Parameters:
     return Parameters(tuple(name for name in free.names if "." not in name), free.priors)
 
 
-def _answers(solved: Common, each: Each) -> list[Solution]:
+def _answers(solved: JointEstimate, each: Each) -> list[Solution]:
     """With the shared parameters taken, or found and not taken; where all have the same extrinsics, with one reason."""
     recordings = solved.recordings
     rigs = [solved.rig(index) for index in range(len(recordings))]
@@ -95,7 +95,7 @@ def _answers(solved: Common, each: Each) -> list[Solution]:
             estimate=seen,
             decision=decision,
             beams=seen.beams,
-            ranges=_ranges(solved, index, rig, reason),
+            ranges=_range_report(solved, index, rig, reason),
         )
         solution = replace(
             repair,
@@ -117,7 +117,7 @@ def _images_of_others(recordings: Sequence[RepairedRecording], index: int) -> tu
     )
 
 
-def _intrinsics(solved: Common, answers: Sequence[Solution], taken: IntrinsicsOutcome) -> Intrinsics:
+def _intrinsics(solved: JointEstimate, answers: Sequence[Solution], taken: IntrinsicsOutcome) -> Intrinsics:
     """The shared parameters, and whether they are taken: not where the others alone do as well.
 
     Args:
@@ -126,7 +126,7 @@ def _intrinsics(solved: Common, answers: Sequence[Solution], taken: IntrinsicsOu
     free, decisions = solved.free, solved.decisions
     held = decide_together(solved.estimates, _held(free).names, decisions[0].tolerances)
     outcome = taken if any(one.accepted for one in answers) else IntrinsicsOutcome.REFUSED
-    outcome = IntrinsicsOutcome.NO_GAIN if do_as_well(held, decisions) else outcome
+    outcome = IntrinsicsOutcome.NO_GAIN if fewer_parameters_suffice(held, decisions) else outcome
     fixed, freed = (
         float(np.mean([solved.rows(at, one)[1].after for at, one in enumerate(some)])) for some in (held, decisions)
     )
@@ -145,7 +145,9 @@ def _intrinsics(solved: Common, answers: Sequence[Solution], taken: IntrinsicsOu
     )
 
 
-def _solutions(solved: Common, answers: Sequence[Solution], seen: Intrinsics | None, each: Each) -> list[Solution]:
+def _solutions(
+    solved: JointEstimate, answers: Sequence[Solution], seen: Intrinsics | None, each: Each
+) -> list[Solution]:
     """Of each recording: what was found together, or what it has alone, with no more than the length of the baseline
     that the ranges of others tell."""
     told = BASELINE in solved.free.names and any(
@@ -164,9 +166,9 @@ def _solutions(solved: Common, answers: Sequence[Solution], seen: Intrinsics | N
             continue
         scaled = told and alone[index].reason.healthy and not solved.beams[index]
         own = _scaled(alone[index], answer) if scaled else alone[index]
-        of_ranges = _ranges(solved, index, own.rig, answer.reason)
+        of_ranges = _range_report(solved, index, own.rig, answer.reason)
         beams = NO_BEAMS if of_ranges is None else answer.findings.beams
-        here = seen and seen.not_here(answer.reason)
+        here = seen and seen.not_applied(answer.reason)
         found.append(own.with_findings(intrinsics=here, ranges=of_ranges, beams=beams))
     return found
 
@@ -188,7 +190,7 @@ def _length(rig: StereoRig) -> float:
     return abs(float(rig.extrinsics[3]))  # what only a change of the length moves
 
 
-def _ranges(solved: Common, index: int, used: StereoRig, said: Reason) -> RangesSeen | None:
+def _range_report(solved: JointEstimate, index: int, used: StereoRig, said: Reason) -> RangesSeen | None:
     """What became of the ranges of a recording, or of all where they have the same extrinsics, with the rig to use."""
     recordings = solved.recordings if solved.one else [solved.recordings[index]]
     seen, found = solved.estimates[solved.of(index)], solved.rig(index)

@@ -7,7 +7,7 @@ import numpy as np
 from stereorecal.estimation import NO_BEAMS
 from stereorecal.recalibration._acceptance import Reason
 from stereorecal.recalibration._cost import Cost
-from stereorecal.recalibration._known_ranges import ranges_seen
+from stereorecal.recalibration._ranges_of_case import ranges_seen
 from stereorecal.recalibration._result import Findings, FramesUsed, SearchRun
 from stereorecal.recalibration._settings import Settings
 from stereorecal.recalibration._solution import Solution

@@ -39,7 +39,7 @@ def comparison_page(data: Mapping[str, Any], profile: Sequence[Row] = (), pictur
         marks=_marks(data),
         best=_best(data),
         troubles=_troubles(data),
-        settings=_settings(data),
+        settings=_settings_rows(data),
         references=REFERENCES,
         schedules=schedules_legend(data),
         planned=len(data["scenes"]) * data["settings"]["draws"] * len(data["settings"]["entrants"]),
@@ -143,7 +143,7 @@ def _troubles(data: Mapping[str, Any]) -> dict[tuple[str, str, str], int]:
     return troubles
 
 
-def _settings(data: Mapping[str, Any]) -> list[tuple[str, str]]:
+def _settings_rows(data: Mapping[str, Any]) -> list[tuple[str, str]]:
     """By name, with the strategies of each entrant in full."""
     settings = dict(data["settings"])
     entrants = {

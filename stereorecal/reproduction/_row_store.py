@@ -34,7 +34,7 @@ class Store:
         if lock is not None:
             weakref.finalize(self, os.close, lock)
         _agree(folder, json_text(dict(settings), sort_keys=True))
-        self.rows = _read(self._path)
+        self.rows = _recovered_rows(self._path)
 
     def add(self, key: str, row: Mapping[str, Any]) -> dict[str, Any]:
         """Add a row under a new key; returns it as it will be read again."""
@@ -94,7 +94,7 @@ def _left_behind(path: Path) -> bool:
     return path.name == _LOCK or (path.name.startswith(".") and path.suffix == ".tmp")
 
 
-def _read(path: Path) -> dict[str, dict[str, Any]]:
+def _recovered_rows(path: Path) -> dict[str, dict[str, Any]]:
     """The rows of whole lines. A line that was cut off or damaged is dropped from the file: its task is done again."""
     if not path.exists():
         return {}

@@ -21,8 +21,8 @@ from stereorecal.synthetic.objects._boat import boat
 from stereorecal.synthetic.objects._car import car
 from stereorecal.synthetic.rendering._camera_rays import pixel_rays, world_rays
 from stereorecal.synthetic.rendering._patch import Patch
+from stereorecal.synthetic.rendering._patch_builder import Studio
 from stereorecal.synthetic.rendering._sensor import expose
-from stereorecal.synthetic.rendering._studio import Studio
 from stereorecal.synthetic.scenes import make_world
 from stereorecal.synthetic.surroundings._daylight import daylight
 from stereorecal.synthetic.world._raycast import radiance

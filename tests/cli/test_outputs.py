@@ -114,7 +114,7 @@ def test_a_file_that_another_run_has_written_meanwhile_stays(command, folder: Pa
     """The result is printed in place of being written."""
     from stereorecal.cli import _diff
 
-    target, spare = tmp_path / "out.json", _diff.spare
+    target, spare = tmp_path / "out.json", _diff.refuse_replacing_inputs
 
     def meanwhile(*arguments):
         spare(*arguments)
@@ -226,7 +226,7 @@ def test_the_rows_of_a_reproduction_are_inputs(tmp_path: Path):
 
     places = [_output_files.Place("--json", tmp_path / "rows.jsonl")]
     with pytest.raises(InputError, match="is read, and is not replaced"):
-        _output_files.spare(places, store_files(tmp_path))
+        _output_files.refuse_replacing_inputs(places, store_files(tmp_path))
 
 
 def test_the_folder_of_a_reproduction_takes_its_own_files_only(command, clean_scene: Path, tmp_path: Path):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from stereorecal.decision import LIMITS, Tolerances, Verdict, decide, decide_together, do_as_well, judged
+from stereorecal.decision import LIMITS, Tolerances, Verdict, decide, decide_together, fewer_parameters_suffice, judged
 from stereorecal.estimation import (
     NO_BEAMS,
     Beams,
@@ -15,10 +15,10 @@ from stereorecal.estimation import (
     Posterior,
     SavedPrior,
     Windows,
-    around,
     estimate,
     points_of_view,
     readings,
+    recentred_posterior,
 )
 from stereorecal.estimation._consequences import regions as regions_of
 from stereorecal.objectives import BASELINE
@@ -76,7 +76,9 @@ def test_what_did_not_drift_stays_or_gets_better(looks, rig):
 def test_other_images_of_what_was_repaired_ask_for_no_repair(drifted, rig, seen):
     for true, first in drifted:
         new = first.chart.rig_at(decide(first, AXES).theta)
-        known = SavedPrior(new, around(first.posterior, first.chart.coordinates_of(new)), (), Earlier(rig, "default"))
+        known = SavedPrior(
+            new, recentred_posterior(first.posterior, first.chart.coordinates_of(new)), (), Earlier(rig, "default")
+        )
         for prior in (known, None):
             assert decide(estimate(seen(new, true, 77, cells=900), new, prior), AXES).verdict is not Verdict.REPAIR
 
@@ -353,13 +355,13 @@ def test_several_share_what_is_no_drift(drifted, chart):
 
 def test_fewer_parameters_that_do_as_well(drifted):
     one = decide(drifted[0][1], AXES)
-    assert do_as_well([one], [one])
-    assert not do_as_well([replace(one, loss=one.loss + 1.5)], [one])
+    assert fewer_parameters_suffice([one], [one])
+    assert not fewer_parameters_suffice([replace(one, loss=one.loss + 1.5)], [one])
     rows = one.rows_px + np.array([[0.0], [0.1]])
-    assert not do_as_well([replace(one, rows_px=rows)], [one])  # whatever depth makes of the loss
+    assert not fewer_parameters_suffice([replace(one, rows_px=rows)], [one])  # whatever depth makes of the loss
     stays = replace(one, verdict=Verdict.GOOD)
-    assert not do_as_well([stays], [one])
-    assert do_as_well([one], [stays])
+    assert not fewer_parameters_suffice([stays], [one])
+    assert fewer_parameters_suffice([one], [stays])
 
 
 def test_images_must_bear_it_out(drifted):

@@ -6,7 +6,7 @@ from hypothesis import given, settings, strategies as st
 
 from stereorecal.estimation import CalibrationPrior, Normal
 from stereorecal.estimation._evidence import all_explained, explained, normal_of, without
-from stereorecal.estimation._knowledge import updated
+from stereorecal.estimation._prior_conversions import updated
 
 ROWS, DRIFTING = 14, 5
 

@@ -11,13 +11,13 @@ from stereorecal.estimation import (
     Earlier,
     Posterior,
     SavedPrior,
-    around,
     as_mixture,
     as_prior,
     calibration_prior,
     estimate,
     points_of_view,
     readings,
+    recentred_posterior,
     rig_parameters,
 )
 from stereorecal.objectives import EXTRINSICS
@@ -41,7 +41,7 @@ def same_prior(one, other) -> bool:
 
 def saved(seen, rig, *images: str, earlier: Earlier | None = None) -> SavedPrior:
     """After an estimate whose candidate has other extrinsics alone."""
-    return SavedPrior(rig, around(seen.posterior, seen.chart.coordinates_of(rig)), images, earlier)
+    return SavedPrior(rig, recentred_posterior(seen.posterior, seen.chart.coordinates_of(rig)), images, earlier)
 
 
 def repaired(seen) -> sr.StereoRig:
@@ -151,7 +151,7 @@ def test_what_is_known_does_not_change_with_the_rig_that_it_is_counted_from(rig,
     rows, nearness = readings(there, chart.rig_at(theta), points)
     assert np.abs(rows).max() < 1e-3
     assert np.abs(nearness).max() < 1e-4
-    known = around(as_mixture(before), used)
+    known = recentred_posterior(as_mixture(before), used)
     np.testing.assert_allclose(known.means[0] + used, before.weights @ before.means, atol=1e-12)
 
 

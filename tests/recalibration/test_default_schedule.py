@@ -10,7 +10,7 @@ from rich.console import Console
 from stereorecal.geometry import StereoRig
 from stereorecal.matching import SAD
 from stereorecal.recalibration import Reason, Repair, Schedule, Solution, _recalibrate, recalibrate
-from stereorecal.recalibration._answer import answered
+from stereorecal.recalibration._estimate_and_decide import answered
 from stereorecal.recordings import Pair
 from stereorecal.report.repair_tables import repairs_table
 from stereorecal.strategies import Budget, Status

@@ -6,8 +6,8 @@ import pytest
 
 import stereorecal as sr
 from stereorecal.estimation import Beams
-from stereorecal.recalibration._ranges import beams
-from stereorecal.recalibration._rescale import _YAW as YAW, _solved as lengthened
+from stereorecal.recalibration._match_ranges import beams
+from stereorecal.recalibration._rescale import _YAW as YAW, _solved_baseline as lengthened
 from stereorecal.scoring import pyramid
 from stereorecal.scoring.host import with_measured_range
 from stereorecal.synthetic import ranges as measured

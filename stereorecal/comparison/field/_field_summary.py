@@ -74,21 +74,27 @@ def _summary(judge: str, start: str, method: str, trials: list[FieldTrial]) -> F
         failed=number(FAILED),
         skipped=number(SKIPPED),
         harmful=sum(trial.harmful is True for trial in judged),
-        row_error_px={when: _median([row[when] for row in rows]) for when in ("start", "final")} if rows else None,
+        row_error_px={when: _upper_median([row[when] for row in rows]) for when in ("start", "final")}
+        if rows
+        else None,
         depth_error_percent={
-            when: {str(at): _median([abs(depth[when][str(at)]) for depth in depths]) for at in DISTANCES}
+            when: {str(at): _upper_median([abs(depth[when][str(at)]) for depth in depths]) for at in DISTANCES}
             for when in ("start", "final")
         }
         if depths
         else None,
-        rotation_error_deg={axis: _median([one[axis] for one in angles]) for axis in angles[0]} if angles else None,
+        rotation_error_deg={axis: _upper_median([one[axis] for one in angles]) for axis in angles[0]}
+        if angles
+        else None,
         stated=len(stated),
         covered=sum(stated),
-        seconds=_median([trial.seconds for trial in judged if trial.seconds is not None]) if judged else None,
-        memory_mib=_median(known) if (known := [t.memory_mib for t in judged if t.memory_mib is not None]) else None,
+        seconds=_upper_median([trial.seconds for trial in judged if trial.seconds is not None]) if judged else None,
+        memory_mib=_upper_median(known)
+        if (known := [t.memory_mib for t in judged if t.memory_mib is not None])
+        else None,
     )
 
 
-def _median(values: Sequence[float]) -> float:
+def _upper_median(values: Sequence[float]) -> float:
     """The upper one of two in the middle, so that infinite ones may be among them."""
     return float(np.sort(values)[len(values) // 2])

@@ -82,7 +82,7 @@ def run_field_trial(task: FieldTask) -> FieldTrial:
             began = time.perf_counter()
             answer = task.method.solve(case, task.matcher, task.reach, task.seed)
             seconds = time.perf_counter() - began
-        return _judged(task, case, answer, seconds, memory.mebibytes)
+        return _judged_answer(task, case, answer, seconds, memory.mebibytes)
     except NeedNotMet as error:
         return _without(task, SKIPPED, str(error))
     except Exception as error:
@@ -94,7 +94,7 @@ def failed(task: FieldTask, error: BaseException) -> FieldTrial:
     return _without(task, FAILED, str(error) or repr(error))
 
 
-def _judged(task: FieldTask, case: Case, answer: Answer, seconds: float, memory: float | None) -> FieldTrial:
+def _judged_answer(task: FieldTask, case: Case, answer: Answer, seconds: float, memory: float | None) -> FieldTrial:
     before = case.judge(case.start)
     after = case.judge(answer.rig) if answer.status == ACCEPTED else before
     both = {"start": before, "final": after}

@@ -2,18 +2,18 @@
 
 from stereorecal.comparison.judges._board_judge import ByBoards as ByBoards, by_boards as by_boards
 from stereorecal.comparison.judges._case import AbstractRecipe as AbstractRecipe, Case as Case, case_of as case_of
-from stereorecal.comparison.judges._drives import walked as walked
+from stereorecal.comparison.judges._drive_judges import walked as walked
 from stereorecal.comparison.judges._judgement import DISTANCES as DISTANCES, Judgement as Judgement
 from stereorecal.comparison.judges._judges import JUDGES as JUDGES, Draws as Draws, recipes_of as recipes_of
-from stereorecal.comparison.judges._lidar import (
-    BINS as BINS,
-    DepthByTruth as DepthByTruth,
-    depth_by_truth as depth_by_truth,
-    scene_with_truth as scene_with_truth,
-)
-from stereorecal.comparison.judges._product import (
+from stereorecal.comparison.judges._product_judge import (
     ByProduct as ByProduct,
     by_product as by_product,
     product_is_worse as product_is_worse,
 )
 from stereorecal.comparison.judges._rows import Rows as Rows, rows as rows
+from stereorecal.comparison.judges._true_disparity import (
+    BINS as BINS,
+    DepthByTruth as DepthByTruth,
+    depth_by_truth as depth_by_truth,
+    scene_with_truth as scene_with_truth,
+)

@@ -12,10 +12,10 @@ from stereorecal._errors import InputError
 from stereorecal.comparison.judges._board_judge import ROWS_WORSE, by_boards
 from stereorecal.comparison.judges._case import AbstractRecipe, Case, prior_of
 from stereorecal.comparison.judges._judgement import DISTANCES, Judgement
-from stereorecal.comparison.judges._lidar import depth_by_truth, scene_with_truth
 from stereorecal.comparison.judges._optics import check_lenses
 from stereorecal.comparison.judges._pose_judge import Travelled, depth_at, disparity_offset_px, travelled
 from stereorecal.comparison.judges._rows import rows
+from stereorecal.comparison.judges._true_disparity import depth_by_truth, scene_with_truth
 from stereorecal.geometry import StereoRig, same_rig
 from stereorecal.io import load_pairs, load_scene
 from stereorecal.recordings import Board, Scene, find_boards

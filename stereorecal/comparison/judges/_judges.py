@@ -7,7 +7,7 @@ from pathlib import Path
 from stereorecal._choices import checked_choice
 from stereorecal._errors import InputError
 from stereorecal.comparison.judges._case import AbstractRecipe
-from stereorecal.comparison.judges._drives import Ride, Walk
+from stereorecal.comparison.judges._drive_judges import Ride, Walk
 from stereorecal.comparison.judges._folders import (
     Boards,
     Driven,

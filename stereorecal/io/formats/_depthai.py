@@ -106,7 +106,7 @@ def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
     (document,) = target.documents
     content = document.content
     left, right = _pair(content)
-    socket, moved = _moved(content, left_to_right(rig))
+    socket, moved = _restated_pose(content, left_to_right(rig))
     place = ("cameraData", _index(content, socket), 1, "extrinsics")
     values: dict[Keys, Any] = {(*place, "rotationMatrix"): moved[:3, :3].tolist()}
     values |= {(*place, "translation", key): float(number) for key, number in zip("xyz", moved[:3, 3], strict=True)}
@@ -190,7 +190,7 @@ def _left_to_right(content: Mapping[str, Any]) -> Pose:
     )
 
 
-def _moved(content: Mapping[str, Any], motion: Pose) -> tuple[int, Pose]:
+def _restated_pose(content: Mapping[str, Any], motion: Pose) -> tuple[int, Pose]:
     """The camera whose stated pose changes, and that pose."""
     left, right, (from_left, left_pose), (from_right, _) = _links(content)
     if from_left == right:

@@ -10,7 +10,7 @@ from typing import Any
 
 from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig
-from stereorecal.io._atomic import FileTaken, take_after, write_bytes, write_files
+from stereorecal.io._atomic import FileTaken, copy_permissions, write_bytes, write_files
 from stereorecal.io._read_files import AnyPath
 from stereorecal.io._strict_json import parse_json
 from stereorecal.io.formats._file_units import warn_of_units
@@ -179,7 +179,7 @@ def back_up(path: AnyPath) -> Path:
         copy = next_copy(path)
         with suppress(FileTaken):  # by another run in the meantime
             write_bytes(copy, data, replace=False)
-            take_after(copy, path)
+            copy_permissions(copy, path)
             return copy
 
 

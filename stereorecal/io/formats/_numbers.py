@@ -30,9 +30,11 @@ def numbers(content: Mapping[str, Any], key: str, shape: tuple[int, ...]) -> Flo
     if len(shape) == 1:
         array = np.atleast_1d(array)
     if shape not in (array.shape, (-1,) * array.ndim):
-        expected = "one number" if shape == () else "a list of numbers" if -1 in shape else f"{_times(shape)} numbers"
+        expected = (
+            "one number" if shape == () else "a list of numbers" if -1 in shape else f"{_shape_text(shape)} numbers"
+        )
         raise InputError(
-            f"{key} must hold {expected}, not {_times(array.shape) or 'one'}; correct it, or copy the file again."
+            f"{key} must hold {expected}, not {_shape_text(array.shape) or 'one'}; correct it, or copy the file again."
         )
     return array
 
@@ -123,7 +125,7 @@ def _no_array(key: str) -> InputError:
     return InputError(f"{key} is not an array of numbers; correct it, or copy the file again.")
 
 
-def _times(shape: tuple[int, ...]) -> str:
+def _shape_text(shape: tuple[int, ...]) -> str:
     return "x".join(map(str, shape))
 
 

@@ -50,7 +50,7 @@ def read_files(
     if len(paths) == 1 and paths[0].is_dir() and paths[0].suffix.lower() not in _ENDINGS:
         documents = _in_folder(paths[0], chosen, hints)
     else:
-        documents = tuple(_read(path, chosen, if_missing) for path in paths)
+        documents = tuple(_parsed_file(path, chosen, if_missing) for path in paths)
     rig = rig_in(documents, chosen or _recognised(documents), unit, hints)
     return replace(rig, source=replace(rig.source, beside=read_beside(Path(documents[0].name))))
 
@@ -81,7 +81,7 @@ def rig_in(documents: Documents, format: Format, unit: str | None, hints: Hints)
     return replace(scaled(rig, METRES[used]), source=source)
 
 
-def _read(path: Path, format: Format | None, if_missing: str = "check the path.") -> Document:
+def _parsed_file(path: Path, format: Format | None, if_missing: str = "check the path.") -> Document:
     """A file, parsed as the format that was chosen is."""
     lines = format is None or bool({Syntax.COLONS, Syntax.EQUALS} & set(format.SYNTAX.values()))
     return read_document(path, _forced_syntax(format), if_missing, lines=lines)
@@ -182,7 +182,7 @@ def _documents_in(folder: Path, format: Format | None) -> Documents:
     documents = []
     for path in (*paths, *(path for path in cameras if path.is_file())):
         try:
-            documents.append(_read(path, format))
+            documents.append(_parsed_file(path, format))
         except InputError:
             continue  # something else that lies there
     return tuple(documents)

@@ -20,7 +20,7 @@ def pairs_by_time(left: FrameSource, right: FrameSource, tolerance: float | None
     Raises:
         InputError: if times are not known, the tolerance makes no sense, or no frame has a partner.
     """
-    first, second = (_times(source) for source in (left, right))
+    first, second = (_required_times(source) for source in (left, right))
     if tolerance is None:
         tolerance = _OF_INTERVAL * float(np.median(np.diff(first))) if len(first) > 1 else float("inf")
     if not tolerance >= 0.0:
@@ -40,7 +40,7 @@ def pairs_by_time(left: FrameSource, right: FrameSource, tolerance: float | None
     return found
 
 
-def _times(source: FrameSource) -> Float[np.ndarray, "n"]:
+def _required_times(source: FrameSource) -> Float[np.ndarray, "n"]:
     if source.times is None:
         raise InputError(f"{source.where}: these frames have no times; give the tolerance for frames that have.")
     return source.times

@@ -22,7 +22,7 @@ _GREY_BEFORE_COLOUR = (("image_0", "image_1"), ("image_2", "image_3"))
 
 def recognises(folder: Path) -> bool:
     """Whether the folder is KITTI odometry, or one of its sequences."""
-    return bool(_places(folder)) or _is_sequence(folder)
+    return bool(_sequence_folders(folder)) or _is_sequence(folder)
 
 
 def read(folder: Path, limit: int | None) -> Log:
@@ -31,7 +31,7 @@ def read(folder: Path, limit: int | None) -> Log:
     Raises:
         InputError: naming the file, if something is missing or damaged.
     """
-    places = [folder] if _is_sequence(folder) else _places(folder)
+    places = [folder] if _is_sequence(folder) else _sequence_folders(folder)
     return log_of(folder, (_sequence(place, limit) for place in places))
 
 
@@ -39,20 +39,20 @@ def _is_sequence(folder: Path) -> bool:
     return any((folder / side).is_dir() for sides in _GREY_BEFORE_COLOUR for side in sides)
 
 
-def _places(folder: Path) -> list[Path]:
+def _sequence_folders(folder: Path) -> list[Path]:
     return natural_order(path for path in (folder / _SEQUENCES).glob("*") if _is_sequence(path))
 
 
 def _sequence(folder: Path, limit: int | None) -> Sequence:
     left, right = sides_in(folder, _GREY_BEFORE_COLOUR)
     matched = match_equal(folder / left, folder / right)
-    pairs = load_matched(matched, limit, _times(folder / _TIMES, len(matched)))
+    pairs = load_matched(matched, limit, _read_times(folder / _TIMES, len(matched)))
     hints = Hints(size=pairs[0].size, cameras=(f"P{left[-1]}", f"P{right[-1]}"))
     rig = read_files([folder / _CALIBRATION], "kitti-odometry", hints=hints, if_missing=_IF_MISSING)
     return folder, rig, pairs
 
 
-def _times(path: Path, pairs: int) -> list[float] | None:
+def _read_times(path: Path, pairs: int) -> list[float] | None:
     """Seconds, a line for each image; None if the file is missing, or not of these images."""
     try:
         times = [float(line) for line in read_text(path).split()] if path.is_file() else []

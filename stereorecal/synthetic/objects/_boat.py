@@ -2,11 +2,11 @@
 
 import numpy as np
 
+from stereorecal.synthetic.objects._building_paints import plain, weathered
 from stereorecal.synthetic.objects._things import Things
-from stereorecal.synthetic.objects._walls import plain, weathered
 from stereorecal.synthetic.rendering._noise import Texture
 from stereorecal.synthetic.rendering._patch import Canvas, Opaque, Paint, Patch
-from stereorecal.synthetic.rendering._studio import Ground, Studio, footprint
+from stereorecal.synthetic.rendering._patch_builder import Ground, Studio, footprint
 from stereorecal.synthetic.surroundings._ground import Stain, mirrored
 
 

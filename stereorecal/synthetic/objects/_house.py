@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from stereorecal.synthetic.objects._walls import plain, tiles
+from stereorecal.synthetic.objects._building_paints import plain, tiles
 from stereorecal.synthetic.rendering._noise import Texture
 from stereorecal.synthetic.rendering._patch import Canvas, Paint, Patch
-from stereorecal.synthetic.rendering._studio import Ground, Studio
+from stereorecal.synthetic.rendering._patch_builder import Ground, Studio
 
 
 def house(

@@ -5,7 +5,7 @@ import numpy as np
 from stereorecal.synthetic.objects._things import Things
 from stereorecal.synthetic.rendering._noise import Texture, fractal
 from stereorecal.synthetic.rendering._patch import Canvas, Paint
-from stereorecal.synthetic.rendering._studio import Studio
+from stereorecal.synthetic.rendering._patch_builder import Studio
 from stereorecal.synthetic.surroundings._ground import Stain
 
 

@@ -2,12 +2,12 @@
 
 import numpy as np
 
+from stereorecal.synthetic.objects._building_paints import facade, plain
 from stereorecal.synthetic.objects._house import house
 from stereorecal.synthetic.objects._nature import cliff, hill
 from stereorecal.synthetic.objects._things import Things
-from stereorecal.synthetic.objects._walls import facade, plain
 from stereorecal.synthetic.rendering._patch import Patch
-from stereorecal.synthetic.rendering._studio import Studio
+from stereorecal.synthetic.rendering._patch_builder import Studio
 from stereorecal.synthetic.surroundings._ground import Stain, mirrored
 
 

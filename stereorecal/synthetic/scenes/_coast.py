@@ -7,7 +7,7 @@ from stereorecal.synthetic.objects._nature import cliff
 from stereorecal.synthetic.objects._shoreline import shoreline
 from stereorecal.synthetic.objects._things import Things
 from stereorecal.synthetic.rendering._patch import Patch
-from stereorecal.synthetic.rendering._studio import Studio
+from stereorecal.synthetic.rendering._patch_builder import Studio
 from stereorecal.synthetic.surroundings._daylight import daylight
 from stereorecal.synthetic.surroundings._ground import Stain, mirrored, shade_map
 from stereorecal.synthetic.surroundings._sky import make_sky

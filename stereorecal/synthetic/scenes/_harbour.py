@@ -5,13 +5,13 @@ from itertools import pairwise
 import numpy as np
 
 from stereorecal.synthetic.objects._boat import boat
+from stereorecal.synthetic.objects._building_paints import boards, corrugated, facade, masonry, paving, plain, quay
 from stereorecal.synthetic.objects._house import house
 from stereorecal.synthetic.objects._nature import crown
 from stereorecal.synthetic.objects._shoreline import shoreline
 from stereorecal.synthetic.objects._things import Things
-from stereorecal.synthetic.objects._walls import boards, corrugated, facade, masonry, paving, plain, quay
 from stereorecal.synthetic.rendering._patch import Patch
-from stereorecal.synthetic.rendering._studio import Studio
+from stereorecal.synthetic.rendering._patch_builder import Studio
 from stereorecal.synthetic.surroundings._daylight import daylight
 from stereorecal.synthetic.surroundings._ground import Stain, mirrored, shade_map
 from stereorecal.synthetic.surroundings._sky import make_sky

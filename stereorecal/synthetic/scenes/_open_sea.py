@@ -3,7 +3,7 @@
 import numpy as np
 
 from stereorecal.synthetic.objects._boat import boat
-from stereorecal.synthetic.rendering._studio import Studio
+from stereorecal.synthetic.rendering._patch_builder import Studio
 from stereorecal.synthetic.surroundings._daylight import daylight
 from stereorecal.synthetic.surroundings._ground import shade_map
 from stereorecal.synthetic.surroundings._sky import make_sky

@@ -2,13 +2,13 @@
 
 import numpy as np
 
+from stereorecal.synthetic.objects._building_paints import facade, masonry, plain
 from stereorecal.synthetic.objects._car import car
 from stereorecal.synthetic.objects._house import house
 from stereorecal.synthetic.objects._nature import hill, tree
 from stereorecal.synthetic.objects._things import Things
-from stereorecal.synthetic.objects._walls import facade, masonry, plain
 from stereorecal.synthetic.rendering._patch import Paint, Patch
-from stereorecal.synthetic.rendering._studio import Studio
+from stereorecal.synthetic.rendering._patch_builder import Studio
 from stereorecal.synthetic.surroundings._daylight import daylight
 from stereorecal.synthetic.surroundings._ground import Stain, shade_map
 from stereorecal.synthetic.surroundings._road import make_road
@@ -23,7 +23,7 @@ def street(rng: np.random.Generator) -> World:
     """Draw a street from `rng`."""
     studio = Studio(rng, daylight(rng), VAN_EYE)
     half, middle = float(rng.uniform(4.6, 5.6)), float(rng.uniform(0.4, 2.0))
-    patches, stains = _end(studio)
+    patches, stains = _far_end(studio)
     for side in (-1.0, 1.0):
         for part in (_houses(studio, side, middle, half), _kerbside(studio, side, middle, half)):
             patches, stains = patches + part[0], stains + part[1]
@@ -87,7 +87,7 @@ def _kerbside(studio: Studio, side: float, middle: float, half: float) -> Things
     return patches, stains
 
 
-def _end(studio: Studio) -> Things:
+def _far_end(studio: Studio) -> Things:
     """The far end of the view: houses across the street and a wood behind them."""
     rng = studio.rng
     patches = []

@@ -26,9 +26,9 @@ class Syntax(Enum):
 _Parsed = Callable[[str], dict[str, Any]]
 _Changed = Callable[[str, Values], str]
 _PARSERS: dict[Syntax, tuple[_Parsed, _Changed]] = {
-    Syntax.YAML: (_yaml.parsed, _yaml.changed),
-    Syntax.XML: (_xml.parsed, _xml.changed),
-    Syntax.JSON: (_json.parsed, _json.changed),
+    Syntax.YAML: (_yaml.parsed, _yaml.with_values),
+    Syntax.XML: (_xml.parsed, _xml.with_values),
+    Syntax.JSON: (_json.parsed, _json.with_values),
     Syntax.COLONS: (_lines.parsed_colons, _lines.changed_colons),
     Syntax.EQUALS: (_lines.parsed_equals, _lines.changed_equals),
 }

@@ -26,7 +26,7 @@ def parsed(text: str) -> dict[str, Any]:
     return content
 
 
-def changed(text: str, values: Values) -> str:
+def with_values(text: str, values: Values) -> str:
     """The text with other values: every character that is none of theirs stays. Where a key is new, the text is written
     again, with the same keys in the same order, and the same indentation."""
     tokens = _TOKEN.finditer(text)

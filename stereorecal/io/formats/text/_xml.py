@@ -27,7 +27,7 @@ def parsed(text: str) -> dict[str, Any]:
     return content
 
 
-def changed(text: str, values: Values) -> str:
+def with_values(text: str, values: Values) -> str:
     """The text with other values; comments stay.
 
     Raises:

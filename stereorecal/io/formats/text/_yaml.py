@@ -35,7 +35,7 @@ def parsed(text: str) -> dict[str, Any]:
     return content
 
 
-def changed(text: str, values: Values) -> str:
+def with_values(text: str, values: Values) -> str:
     """The text with other numbers. Lists may grow; every character that is no number of theirs stays.
 
     Raises:

@@ -13,7 +13,7 @@ from stereorecal.scoring import Correspondences
 _PARTS = 4  # of the places, each left out once
 
 
-def borne_out(
+def decided_by_cross_validation(
     seen: Estimate,
     found: Correspondences,
     rig: StereoRig,

@@ -23,19 +23,19 @@ from stereorecal.estimation import (
 from stereorecal.geometry import StereoRig
 from stereorecal.objectives import Parameters, read_by, row_chart
 from stereorecal.recalibration._acceptance import Reason, RowErrors, compared
-from stereorecal.recalibration._answer import reason_of
-from stereorecal.recalibration._frames_left_out import borne_out
-from stereorecal.recalibration._known_ranges import prior_of
-from stereorecal.recalibration._match_task import Each, beams_of, matched
+from stereorecal.recalibration._cross_validated_decision import decided_by_cross_validation
+from stereorecal.recalibration._estimate_and_decide import reason_of
+from stereorecal.recalibration._ranges_of_case import prior_of
 from stereorecal.recalibration._repaired_recording import RepairedRecording
 from stereorecal.recalibration._row_evidence import TILES_OF_A_FRAME, Evidence, evidence
 from stereorecal.recalibration._stages import FEWEST
 from stereorecal.recalibration._unmatched import MOST_APART
+from stereorecal.recalibration._worker_tasks import Each, matched, matched_beams
 from stereorecal.scoring import Correspondences
 
 
 @dataclass(frozen=True, eq=False)
-class Common:
+class JointEstimate:
     """What recordings say together.
 
     Attributes:
@@ -82,7 +82,7 @@ class Common:
         return reason_of(self.decisions[at], tiles)
 
 
-def common(recordings: Sequence[RepairedRecording], free: Parameters, *, one: bool, each: Each) -> Common:
+def common(recordings: Sequence[RepairedRecording], free: Parameters, *, one: bool, each: Each) -> JointEstimate:
     """Solved, matched again, solved again.
 
     Args:
@@ -93,22 +93,22 @@ def common(recordings: Sequence[RepairedRecording], free: Parameters, *, one: bo
     """
     beams = (NO_BEAMS,) * len(recordings)
     if any(r.ranges for r in recordings):
-        beams = tuple(each(beams_of, [r.task(r.repair.candidate, ranges=True) for r in recordings]))
+        beams = tuple(each(matched_beams, [r.task(r.repair.candidate, ranges=True) for r in recordings]))
     priors, shown = _priors(recordings, free), []
     for r, prior, some in zip(recordings, priors, beams, strict=True):
         start = _start(r, r.repair.candidate)
         shown.append(Recording(r.found, r.repair.initial, prior, start, some, r.windows, r.repair.view))
-    first = _solved(recordings, free, shown, beams, one=one, each=each)
+    first = _estimated_jointly(recordings, free, shown, beams, one=one, each=each)
     rigs = [first.rig(index) for index in range(len(recordings))]
     again = each(matched, [r.task(rig) for rig, r in zip(rigs, recordings, strict=True)])
     shown = [
-        replace(before, found=_read(found, rig, r), start=_start(r, rig))
+        replace(before, found=_as_initially_read(found, rig, r), start=_start(r, rig))
         for before, r, found, rig in zip(shown, recordings, again, rigs, strict=True)
     ]
-    return _solved(recordings, free, shown, beams, one=one, each=each)
+    return _estimated_jointly(recordings, free, shown, beams, one=one, each=each)
 
 
-def _solved(
+def _estimated_jointly(
     recordings: Sequence[RepairedRecording],
     free: Parameters,
     shown: Sequence[Recording],
@@ -116,16 +116,16 @@ def _solved(
     *,
     one: bool,
     each: Each,
-) -> Common:
+) -> JointEstimate:
     several = (_merged(shown),) if one else tuple(shown)
     estimates = tuple(estimate_together(several, each=each))
     limits = recordings[0].repair.tolerances
     decisions = tuple(decide_together(estimates, free.names, limits))
     if one and free.widens and decisions[0].verdict is not Verdict.GOOD and not decisions[0].explains:
         (every,), (seen,), wider = several, estimates, free.widest(several[0].rig)
-        freed = borne_out(seen, every.found, every.rig, every.prior, wider.names, limits)
+        freed = decided_by_cross_validation(seen, every.found, every.rig, every.prior, wider.names, limits)
         free, decisions = (free, decisions) if freed is None else (wider, (freed,))
-    return Common(recordings, free, several, estimates, decisions, beams)
+    return JointEstimate(recordings, free, several, estimates, decisions, beams)
 
 
 def _priors(recordings: Sequence[RepairedRecording], free: Parameters) -> list[CalibrationPrior]:
@@ -148,7 +148,7 @@ def _start(recording: RepairedRecording, near: StereoRig) -> Float[np.ndarray, "
     return rig_parameters(recording.repair.initial).coordinates_of(near)
 
 
-def _read(found: Correspondences, taken: StereoRig, recording: RepairedRecording) -> Correspondences:
+def _as_initially_read(found: Correspondences, taken: StereoRig, recording: RepairedRecording) -> Correspondences:
     """Correspondences of another rig as the initial one reads them; those from before, if they are too few."""
     return read_by(found, taken=taken, rig=recording.repair.initial) if found.found >= FEWEST else recording.found
 

@@ -10,7 +10,7 @@ from jaxtyping import Int
 from stereorecal.estimation import Beams
 from stereorecal.geometry import StereoRig, View, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
-from stereorecal.recalibration._ranges import beams
+from stereorecal.recalibration._match_ranges import beams
 from stereorecal.recordings import Pair, Range
 from stereorecal.scoring import Correspondences, pyramid
 from stereorecal.scoring.host import correspondences, counts_by_tile
@@ -41,7 +41,7 @@ def matched(task: MatchTask) -> Correspondences:
     return correspondences(data, with_unit_baseline(rig.extrinsics), task.matcher)
 
 
-def beams_of(task: MatchTask) -> Beams:
+def matched_beams(task: MatchTask) -> Beams:
     """The ranges, matched under the first rig."""
     rig = task.rigs[0]
     return beams(pyramid(rig, task.pairs, task.view).at(task.scale), rig, task.matcher, task.pairs, task.ranges)

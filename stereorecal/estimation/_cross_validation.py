@@ -16,7 +16,7 @@ def frames_by_place(shown: Groups) -> list[tuple[int, ...]]:
     disparity = np.stack([_disparities(shown.of(shown.frame == frame)) for frame in frames])
     found: list[list[int]] = []
     for index in range(len(frames)):
-        same = (place for place in found if any(_alike(disparity[index], disparity[other]) for other in place))
+        same = (place for place in found if any(_same_disparity(disparity[index], disparity[other]) for other in place))
         place = next(same, None)
         found.append([index]) if place is None else place.append(index)
     return [tuple(frames[place].tolist()) for place in found]
@@ -30,7 +30,7 @@ def _disparities(shown: Groups) -> Float[np.ndarray, "p"]:
     return np.where(number > 0, total / np.maximum(number, 1), np.nan)
 
 
-def _alike(one: Float[np.ndarray, "p"], other: Float[np.ndarray, "p"]) -> bool:
+def _same_disparity(one: Float[np.ndarray, "p"], other: Float[np.ndarray, "p"]) -> bool:
     both = np.isfinite(one) & np.isfinite(other)
     return bool(both.any()) and float(np.median(np.abs(one - other)[both])) < _SAME_PLACE
 

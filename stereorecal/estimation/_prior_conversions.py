@@ -12,7 +12,7 @@ from stereorecal.objectives import RigChart
 _YAW_UNKNOWN = 1.0  # degrees: what a repair that takes the intrinsics as exact may leave, which is all of depth
 
 
-def around(posterior: Posterior, used: Float[np.ndarray, "n"]) -> Posterior:
+def recentred_posterior(posterior: Posterior, used: Float[np.ndarray, "n"]) -> Posterior:
     """What a posterior says of changes from the rig at θ = used: one normal distribution, since six hold the truth no
     more often (two repairs in turn of 180 simulated rigs)."""
     covariance = 0.5 * (posterior.covariance + posterior.covariance.T)
@@ -31,7 +31,7 @@ def as_mixture(prior: CalibrationPrior) -> Posterior:
     return Posterior(prior.weights, prior.means, 0.5 * (covariances + covariances.swapaxes(1, 2)))
 
 
-def moved(prior: CalibrationPrior, used: Float[np.ndarray, "n"]) -> CalibrationPrior:
+def recentred_prior(prior: CalibrationPrior, used: Float[np.ndarray, "n"]) -> CalibrationPrior:
     """The same of changes from the rig at θ = used."""
     return CalibrationPrior(prior.roots, prior.weights, means=prior.means - used)
 

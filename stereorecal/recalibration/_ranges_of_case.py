@@ -6,7 +6,7 @@ from stereorecal.estimation import NO_BEAMS, Beams, Prior, as_prior, is_exact, r
 from stereorecal.geometry import StereoRig
 from stereorecal.objectives import BASELINE, EXTRINSICS, Parameters, Reach
 from stereorecal.recalibration._acceptance import Reason
-from stereorecal.recalibration._ranges import RangesSeen, beams
+from stereorecal.recalibration._match_ranges import RangesSeen, beams
 from stereorecal.recalibration._stages import Case
 from stereorecal.scoring import Correspondences
 

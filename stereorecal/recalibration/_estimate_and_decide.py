@@ -23,7 +23,7 @@ from stereorecal.recalibration._default_free import decided
 from stereorecal.recalibration._expected import Expected, expected
 from stereorecal.recalibration._freed_intrinsics import Intrinsics, IntrinsicsOutcome, intrinsics_of
 from stereorecal.recalibration._interval import Interval
-from stereorecal.recalibration._known_ranges import matched_ranges
+from stereorecal.recalibration._ranges_of_case import matched_ranges
 from stereorecal.recalibration._regional_misfit import misfit
 from stereorecal.recalibration._row_evidence import TILES_OF_A_FRAME, Evidence, evidence
 from stereorecal.recalibration._schedule import ScoreKind, Stage
@@ -63,7 +63,7 @@ class Answer:
     @property
     def enough(self) -> bool:
         """Whether enough of the images matches for a verdict: chance matches cover little, and few places."""
-        return self.found.covered >= LEAST_COVERED and len(_places(self.found)) >= FEWEST_PLACES
+        return self.found.covered >= LEAST_COVERED and len(_occupied_tiles(self.found)) >= FEWEST_PLACES
 
 
 def answered(case: Case, found: Correspondences, near: StereoRig, again_at: float | None = None) -> Answer:
@@ -245,7 +245,7 @@ def _intrinsics(
         outcome,
         fixed_px=float(np.mean(facts.medians(facts.residual))),
         freed_px=rows.after,
-        shown=len(_places(answer.found)) / TILES_OF_A_FRAME,
+        shown=len(_occupied_tiles(answer.found)) / TILES_OF_A_FRAME,
         expected_px=seen.row_error_px(theta)[10][0],
         refused=None if reason.accepted else reason,
     )
@@ -258,7 +258,7 @@ def rows_of(case: Case, answer: Answer) -> RowErrors:
     return compared(facts, facts.medians(facts.start_residual), facts.medians(facts.residual))
 
 
-def _places(found: Correspondences) -> Int[np.ndarray, "p"]:
+def _occupied_tiles(found: Correspondences) -> Int[np.ndarray, "p"]:
     """Numbers of the tiles of a frame that show something."""
     return np.unique(np.asarray(found.tile)[np.asarray(found.weight) > 0] % TILES_OF_A_FRAME)
 
