@@ -51,8 +51,8 @@ class CompareOptions(MatcherOptions, SearchOptions, BoardOptions, WorkerOptions,
     )
     full: bool = option("of --preset field: overnight", False)
     json: str | None = option(
-        "write everything as JSON, after each trial; with judges at the end or at Ctrl-C (meanwhile FILE.trials, next "
-        "to the file of --html, or else of --json, has the finished trials)",
+        "write the results as JSON, after each trial; with --judge at the end or on Ctrl-C (until then the finished "
+        "trials are in FILE.trials, beside the file of --html if there is one, else of --json)",
         metavar="FILE|-",
     )
     html: str | None = option("write one HTML page with tables and figures, to pass on", metavar="FILE")

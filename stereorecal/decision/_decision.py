@@ -1,4 +1,4 @@
-"""The rule: replace a calibration where that is better for sure, and hardly ever worse."""
+"""The rule: replace a calibration by one that is better with 99 %, and worse with less than 1 % probability."""
 
 import enum
 from collections.abc import Sequence
@@ -27,7 +27,7 @@ class Decision:
     """What to do with the calibration that an estimate started from.
 
     Attributes:
-        verdict: as it is.
+        verdict: what to do.
         theta: (n,) the candidate: that of least loss of those that may replace the calibration; if none may, of all.
         keeps_depth: whether the candidate was chosen to read depth as the calibration does.
         worse: probability that the candidate is worse than the calibration, in rows or in depth.

@@ -168,7 +168,10 @@ def _check_plausible(size: tuple[int, int], matrix: np.ndarray, distortion: np.n
             "calibration, or its image size."
         )
     if np.abs(distortion).max(initial=0.0) * min(1.0, across / focal.max()) ** 2 > _STRONGEST:
-        raise InputError("the distortion is not that of a lens; correct the calibration.")
+        raise InputError(
+            f"no lens distorts so much (coefficients up to {np.abs(distortion).max():.3g}); check their order and the "
+            "distortion model."
+        )
 
 
 def same_camera(one: Camera, other: Camera) -> bool:

@@ -33,13 +33,13 @@ class Reason(enum.Enum):
     OUT_OF_BUDGET = "the budget ended before the row error of a candidate could be judged; give a larger one"
     MISFIT = (
         "systematic epipolar residuals remain, which no rotation or shift of the cameras explains: the intrinsics "
-        "differ, or something moved between the two exposures; four scenes or more, with frames that move or ranges, "
-        "would determine the intrinsics too"
+        "differ, or something moved between the two exposures; four scenes or more, with ranges or frames taken while "
+        "the rig moves, would determine the intrinsics too"
     )
     FRAMES_DISAGREE = "the frames show different rigs; take them at rest, or check the synchronisation of the cameras"
     CANNOT_TELL = (
-        "no improvement is significant, and the initial calibration may be wrong; other scenes, frames that move, or "
-        "ranges would help"
+        "no improvement is significant, and the initial calibration may be wrong; other scenes, frames taken while "
+        "the rig moves, or ranges would help"
     )
     REACH_EDGE = (
         "the candidate lies at twice the reach: the drift is larger, so give a larger reach, or something moved "

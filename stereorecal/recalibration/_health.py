@@ -111,7 +111,7 @@ class Health:
         if decision.verdict is Verdict.REPAIR and self.loses:
             return Condition.CANNOT_TELL, Reason.FEWER_MATCHES.value
         if decision.verdict is Verdict.REPAIR:
-            kept = ", and depth keeps as it was calibrated" if decision.keeps_depth else ""
+            kept = "; depth stays as it was calibrated" if decision.keeps_depth else ""
             return Condition.REPAIR, f"{_listed(self.correction.main_axes)}{kept}"
         if decision.verdict is Verdict.GOOD and is_sparse(self.covered, self.shown.texture):
             return (

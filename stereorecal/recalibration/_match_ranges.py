@@ -117,8 +117,8 @@ def _resolved(one: Range, recordings: Sequence[tuple[str, Sequence[Pair]]]) -> R
             found = list(recordings[0][1][int(wanted) : int(wanted) + 1])
     if len(found) != 1:
         what = wanted.name if isinstance(wanted, Pair) else wanted
-        which = "which is not among those given" if not found else f"and {len(found)} have that name"
-        raise InputError(f'a range is of the pair {what!r}, {which}; name one, such as "{named[0][0]}".')
+        which = f"{len(found)} pairs have that name" if found else "no such pair was given"
+        raise InputError(f'a range of pair {what!r}: {which}; name one, such as "{named[0][0]}".')
     (pair,) = found
     if not all(0.0 <= at <= length - 1 for at, length in zip(one.left_pixel, pair.size, strict=True)):
         size = "x".join(map(str, pair.size))

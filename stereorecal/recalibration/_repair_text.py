@@ -14,7 +14,7 @@ from stereorecal.report.repair_report import Axis
 from stereorecal.report.repair_text import RepairText
 from stereorecal.report.short_list import short_list
 
-_WOULD_TELL = "four scenes or more, with frames that move or ranges, would determine them"
+_WOULD_TELL = "four scenes or more, with ranges or frames taken while the rig moves, would determine them"
 _SYSTEMATIC = 0.05  # pixels of radial misfit that regions share; right intrinsics leave 0.01
 
 
@@ -90,7 +90,8 @@ def _depth_before(solution: AbstractResult) -> tuple[str, str]:
             )
         return (
             "depth",
-            "stays as it was calibrated: the epipolar error does not determine it; frames that move, or ranges, would",
+            "stays as it was calibrated: the epipolar error does not determine it; frames taken while the rig moves, "
+            "or ranges, would",
         )
     if seen is None:
         return "", f"depth was off: {depths(solution.depth_error_percent)}"

@@ -29,8 +29,8 @@ def check_motion(motion: bool | None, pairs: int, prior: Prior) -> None:
         raise InputError(f"motion is {motion!r}; give True (the pairs are consecutive), False, or None.")
     if motion and pairs < 2:
         raise InputError(
-            "the rig's own motion needs two pairs or more, in the order in which they were taken; leave motion "
-            "(--motion) out."
+            "motion needs at least two consecutive pairs, in the order in which they were taken; give more, or leave "
+            "motion (--motion) out."
         )
     if motion and is_exact(prior):
         raise InputError('motion determines depth, which prior="exact" takes as known; leave one of them out.')

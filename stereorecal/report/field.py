@@ -11,17 +11,6 @@ from rich.text import Text
 from stereorecal.report.number_text import number
 
 Row = Mapping[str, Any]
-JUDGES = {
-    "rendered": "a drift of a rendered scene's rig, intrinsics exact; by the true rig",
-    "simulated": "a rig that OpenCV calibrated on simulated chessboards, and that drifted, in a rendered scene; by the "
-    "true rig",
-    "motion": "consecutive pairs; by the true rig where they are rendered, else by distances between a drive's poses",
-    "walk": "one pair of a drive on which every angle walks by up to 0.01° a pair (TESO's protocol), from the first "
-    "pair's calibration; by the true rig",
-    "lidar": "by depths that are known: lidar, or dense truth",
-    "boards": "by chessboards that the rig saw: epipolar error of their corners (RMS), and the length of squares",
-    "product": "by the epipolar error of scenes of the same rig that no method saw; depth is not judged",
-}
 
 
 def field_tables(data: Mapping[str, Any]) -> Group:
@@ -29,7 +18,7 @@ def field_tables(data: Mapping[str, Any]) -> Group:
     parts: list[Any] = []
     for panel in dict.fromkeys(map(panel_of, data["summary"])):
         rows = [row for row in data["summary"] if panel_of(row) == panel]
-        table = Table(title=f"{panel}: {JUDGES[rows[0]['judge']]}", title_justify="left", box=box.SIMPLE_HEAD)
+        table = Table(title=f"{panel}: {data['judges'][rows[0]['judge']]}", title_justify="left", box=box.SIMPLE_HEAD)
         table.add_column("method", no_wrap=True)
         for head in ("row error px", "10 B %", "30 B %", "covered", "harmful", "kept", "refused", "s", "MiB"):
             table.add_column(head, justify="right", no_wrap=True)

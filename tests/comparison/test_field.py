@@ -54,6 +54,7 @@ def judge_by_yaw(rig: sr.StereoRig) -> Judgement:
 @dataclass(frozen=True)
 class Made(AbstractRecipe):
     judge: ClassVar[str] = "rendered"
+    judged_by: ClassVar[str] = "by what the test says"
 
     def make(self) -> Case:
         return Case(turned(pitch=1, yaw=4), (PAIR,), "exact", judge_by_yaw)

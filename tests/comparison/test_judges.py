@@ -19,10 +19,10 @@ from stereorecal.comparison.judges import (
     recipes_of,
     scene_with_truth,
 )
-from stereorecal.comparison.judges._board_judge import ByBoards
+from stereorecal.comparison.judges._board_errors import ByBoards
+from stereorecal.comparison.judges._distance_travelled import Travelled, depth_at, disparity_offset_px, travelled
 from stereorecal.comparison.judges._optics import optics
-from stereorecal.comparison.judges._pose_judge import Travelled, depth_at, disparity_offset_px, travelled
-from stereorecal.comparison.judges._rendered import Rendered
+from stereorecal.comparison.judges._rendered_judge import Rendered
 from stereorecal.comparison.judges._simulated_calibration import calibrated, true_rig
 
 SIZE, FOCAL, BASELINE, SHIFT = (320, 240), 300.0, 0.3, 6.0

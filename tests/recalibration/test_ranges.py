@@ -244,7 +244,7 @@ def test_names_that_several_pairs_have(harbour):
         sr.Scene(s.name, longer(RIG, 2.0), tuple(sr.Pair(p.left, p.right, "left.png") for p in s.pairs))
         for s in (harbour, street)
     ]
-    with pytest.raises(sr.InputError, match="2 have that name"):
+    with pytest.raises(sr.InputError, match="2 pairs have that name"):
         sr.recalibrate_many(scenes, ranges=[sr.Range("left.png", (50.0, 50.0), 3.0)])
     with pytest.raises(sr.InputError, match="not among those given"):
         sr.recalibrate_many(scenes, ranges=[sr.Range(0, (50.0, 50.0), 3.0)])

@@ -48,13 +48,14 @@ def planned(
         "draws": asdict(draws),
         "reach": asdict(reach),
     }
+    judged_by = {recipe.judge: recipe.judged_by for recipe in recipes}
     about = tuple({"name": one.name, "changes": one.changes, "origin": one.origin} for one in methods)
     tasks = tuple(
         FieldTask(recipe, method, matcher, reach, draws.seed + (recipe.draw or 0))
         for recipe in recipes
         for method in methods
     )
-    return Field(settings, versions(), about, (), len(tasks)), tasks
+    return Field(settings, versions(), judged_by, about, (), len(tasks)), tasks
 
 
 def compare_field(

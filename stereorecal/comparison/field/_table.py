@@ -20,6 +20,7 @@ class Field:
     Attributes:
         settings: the arguments.
         versions: of Python, stereorecal and what it depends on.
+        judges: what each judges by, by name.
         methods: name, what each may change, and where it comes from.
         trials: the finished ones, in the order in which they were planned.
         planned: how many there are to be.
@@ -27,6 +28,7 @@ class Field:
 
     settings: dict[str, Any]
     versions: dict[str, str]
+    judges: dict[str, str]
     methods: tuple[dict[str, str], ...]
     trials: tuple[FieldTrial, ...]
     planned: int
@@ -50,6 +52,7 @@ class Field:
                 "settings": self.settings,
                 "interrupted": self.interrupted,
                 "planned": self.planned,
+                "judges": self.judges,
                 "methods": list(self.methods),
                 "trials": [asdict(trial) for trial in self.trials],
                 "summary": [asdict(row) for row in self.summary],

@@ -1,11 +1,11 @@
 """Judges of calibrations: what no method looks at says how good a rig is, but for rows of lidar and of given drives."""
 
-from stereorecal.comparison.judges._board_judge import ByBoards as ByBoards, by_boards as by_boards
+from stereorecal.comparison.judges._board_errors import ByBoards as ByBoards, by_boards as by_boards
 from stereorecal.comparison.judges._case import AbstractRecipe as AbstractRecipe, Case as Case, case_of as case_of
-from stereorecal.comparison.judges._drive_judges import walked as walked
+from stereorecal.comparison.judges._draws import Draws as Draws
 from stereorecal.comparison.judges._judgement import DISTANCES as DISTANCES, Judgement as Judgement
-from stereorecal.comparison.judges._judges import JUDGES as JUDGES, Draws as Draws, recipes_of as recipes_of
-from stereorecal.comparison.judges._product_judge import (
+from stereorecal.comparison.judges._judges import JUDGES as JUDGES, recipes_of as recipes_of
+from stereorecal.comparison.judges._product_errors import (
     ByProduct as ByProduct,
     by_product as by_product,
     product_is_worse as product_is_worse,
@@ -17,3 +17,4 @@ from stereorecal.comparison.judges._true_disparity import (
     depth_by_truth as depth_by_truth,
     scene_with_truth as scene_with_truth,
 )
+from stereorecal.comparison.judges._walk_judge import walked as walked

@@ -1,87 +1,97 @@
-"""A rig by chessboards that it saw: rows of their corners, and the length of their squares."""
+"""Chessboards that the rig saw as judge."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import ClassVar
 
-import numpy as np
-from jaxtyping import Float, Int
-
-from stereorecal.comparison.judges._judgement import DEPTH_WORSE
-from stereorecal.comparison.judges._optics import Pixels, optics
-from stereorecal.comparison.judges._rows import row_differences
+from stereorecal._errors import InputError
+from stereorecal.comparison.judges._board_errors import ROWS_WORSE, by_boards
+from stereorecal.comparison.judges._case import AbstractRecipe, Case, prior_of
+from stereorecal.comparison.judges._draws import Draws
+from stereorecal.comparison.judges._judgement import DISTANCES, Judgement
+from stereorecal.comparison.judges._scene_folders import (
+    check_rigs,
+    judged_rig,
+    name_of_scene,
+    scene_folders,
+    whole_scene,
+)
 from stereorecal.geometry import StereoRig
-from stereorecal.recordings import Board
-
-ROWS_WORSE = 0.05  # px: more than of other judges, since the stored rig was fitted to these very boards
-_FAR = 30  # baselines, at which depth is judged
-_SIDE = 1.001  # of the shortest distance on a board: longer ones are no side of a square
+from stereorecal.io import load_pairs
+from stereorecal.recordings import Board, find_boards
 
 
 @dataclass(frozen=True)
-class ByBoards:
-    """What a rig makes of the boards.
+class Boards(AbstractRecipe):
+    """A scene of a rig that saw chessboards.
 
     Attributes:
-        rows_rms_px, rows_mean_px: of all corners, row differences [px of the stored left camera].
-        squares_percent: median length of the sides of squares, relative to the true one.
-        squares_spread_percent: standard deviation over boards of each one's median.
-        baselines: median distance of the corners.
-        boards: how many there are.
+        folder: of the scene.
+        boards: folder of the boards' images.
+        corners: inside of the board, columns and rows.
+        square: its side [m].
     """
 
-    rows_rms_px: float
-    rows_mean_px: float
-    squares_percent: float
-    squares_spread_percent: float
-    baselines: float
-    boards: int
+    judge: ClassVar[str] = "boards"
+    judged_by: ClassVar[str] = (
+        "by chessboards that the rig saw: epipolar error of their corners (RMS), and the length of squares"
+    )
 
-    def worse_than(self, other: "ByBoards") -> bool:
-        """By more than the tolerance, in rows or in what the length of squares says of depth at 30 baselines."""
-        rows_worse = self.rows_rms_px > other.rows_rms_px + ROWS_WORSE
-        after, before = (abs(one.depth_error_percent(_FAR)) for one in (self, other))
-        return rows_worse or after > before + DEPTH_WORSE
+    folder: str
+    boards: str
+    corners: tuple[int, int]
+    square: float
 
-    def depth_error_percent(self, baselines: float) -> float:
-        """At a distance: what is wrong with squares, an offset of disparity, grows with it."""
-        return self.squares_percent * baselines / self.baselines
+    def make(self) -> Case:
+        scene = whole_scene(self.folder)
+        stored = judged_rig(scene)
+        seen = _boards(self.boards, self.corners, self.square)
+        return Case(self.drifted(stored), scene.pairs, prior_of(exact=False), _ByBoards(stored, seen))
 
 
-def by_boards(judged: StereoRig, stored: StereoRig, boards: Sequence[Board]) -> ByBoards:
-    """Rectify, triangulate, measure."""
-    made = optics(judged)
-    apart, lengths, far = [], [], []
-    for board in boards:
-        left, right = made.left(np.asarray(board.left)), made.right(np.asarray(board.right))
-        apart.append(row_differences(judged, stored, np.asarray(board.left), np.asarray(board.right)))
-        points = _triangulated(made.focal, made.at_infinity, made.focal_baseline, made.made.P1[:2, 2], left, right)
-        start, end = _sides(np.asarray(board.points))
-        length = np.linalg.norm(np.subtract(*np.asarray(board.points)[[start[0], end[0]]]))
-        lengths.append(np.linalg.norm(points[start] - points[end], axis=1) / length)
-        far.append(points[:, 2] / float(judged.baseline))
-    rows, each = np.concatenate(apart), [100 * (np.median(some) - 1) for some in lengths]
-    return ByBoards(
-        rows_rms_px=float(np.sqrt(np.mean(rows**2))),
-        rows_mean_px=float(rows.mean()),
-        squares_percent=float(100 * (np.median(np.concatenate(lengths)) - 1)),
-        squares_spread_percent=float(np.std(each, ddof=1)) if len(each) > 1 else 0.0,
-        baselines=float(np.median(np.concatenate(far))),
-        boards=len(boards),
+@dataclass(frozen=True, eq=False)
+class _ByBoards:
+    stored: StereoRig
+    boards: tuple[Board, ...]
+
+    def __call__(self, rig: StereoRig) -> Judgement:
+        seen = by_boards(rig, self.stored, self.boards)
+        depth = {distance: seen.depth_error_percent(distance) for distance in DISTANCES}
+        return Judgement(seen.rows_rms_px, depth, rows_worse_px=ROWS_WORSE)
+
+
+def board_recipes(place: str, draws: Draws) -> tuple[Boards, ...]:
+    """Of each scene in a folder, beside which the boards' images lie."""
+    folder = Path(place)
+    folders = scene_folders(folder)
+    check_rigs(folders)
+    if draws.square is None:
+        raise InputError("judge boards needs --square, the side of a square in metres, such as 0.03.")
+    how = str(_folder_of_boards(folder)), draws.corners, draws.square
+    _boards(*how)
+    return tuple(
+        Boards(name_of_scene(one, folder), draw, *draws.drift, str(one), *how)
+        for one in folders
+        for draw in draws.of_folders
     )
 
 
-def _triangulated(
-    focal: float, at_infinity: float, focal_baseline: float, centre: np.ndarray, left: Pixels, right: Pixels
-) -> Float[np.ndarray, "n 3"]:
-    z = focal_baseline / (left[:, 0] - right[:, 0] - at_infinity)
-    middle = np.column_stack([left[:, 0], (left[:, 1] + right[:, 1]) / 2]) - centre
-    return np.column_stack([middle / focal, np.ones(len(z))]) * z[:, None]
+def _folder_of_boards(folder: Path) -> Path:
+    """The folder of the boards' images in a folder of scenes: `boards`, or one whose name begins with calibration.
+
+    Raises:
+        InputError: if there is none, or several.
+    """
+    found = [one for one in sorted(folder.iterdir()) if one.is_dir() and one.name.startswith(("boards", "calibration"))]
+    if len(found) != 1:
+        raise InputError(
+            f"{folder}: {len(found)} folders are called boards… or calibration…; keep one, with images left*.* and "
+            "right*.* of the chessboards."
+        )
+    return found[0]
 
 
-def _sides(points: Float[np.ndarray, "n 3"]) -> tuple[Int[np.ndarray, "m"], Int[np.ndarray, "m"]]:
-    """The ends of the sides of squares: of the corners that are nearest to each other."""
-    apart = np.linalg.norm(points[:, None] - points, axis=-1)
-    start, end = np.triu_indices(len(points), 1)
-    shortest = apart[start, end].min()
-    near = apart[start, end] < _SIDE * shortest
-    return start[near], end[near]
+@lru_cache(maxsize=2)
+def _boards(folder: str, corners: tuple[int, int], square: float) -> tuple[Board, ...]:
+    return find_boards(load_pairs(Path(folder) / "left*", Path(folder) / "right*"), corners, square)

@@ -40,6 +40,7 @@ class AbstractRecipe(abc.ABC):
 
     Class attributes:
         judge: its kind.
+        judged_by: what it judges by, for tables.
 
     Attributes:
         scene: its name in tables.
@@ -49,6 +50,7 @@ class AbstractRecipe(abc.ABC):
     """
 
     judge: ClassVar[str]
+    judged_by: ClassVar[str]
 
     scene: str
     draw: int | None

@@ -1,35 +1,75 @@
-"""A product's rig by rows of its own scenes and of those that were not looked at. Depth is not judged."""
+"""Other scenes of the same rig as judge. Depth is not judged."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 
+from stereorecal._errors import InputError
+from stereorecal.comparison.judges._case import AbstractRecipe, Case, prior_of
+from stereorecal.comparison.judges._draws import Draws
+from stereorecal.comparison.judges._judgement import Judgement
 from stereorecal.comparison.judges._rows import rows
-from stereorecal.geometry import StereoRig
+from stereorecal.comparison.judges._scene_folders import judged_rig, name_of_scene, scene_folders, whole_scene
+from stereorecal.geometry import StereoRig, same_rig
+from stereorecal.io import load_scene
 from stereorecal.recordings import Scene
 
-_WORSE = 0.02  # px
+FEWEST_SCENES = 3  # one is looked at, the others judge
 
 
 @dataclass(frozen=True)
-class ByProduct:
-    """Median |row difference| of followed corners of each scene [px], under a rig and under the stored one."""
+class Product(AbstractRecipe):
+    """A scene of a rig of which there are others: rows of those that nobody looked at. Depth is not judged.
 
-    judged_px: tuple[float, ...]
-    stored_px: tuple[float, ...]
+    Attributes:
+        folder: of the scene.
+        others: folders of the other scenes.
+    """
 
-    @property
-    def against_stored_px(self) -> np.ndarray:
-        """How much farther apart rows are than under the stored rig, scene by scene."""
-        return np.subtract(self.judged_px, self.stored_px)
+    judge: ClassVar[str] = "product"
+    judged_by: ClassVar[str] = "by the epipolar error of scenes of the same rig that no method saw; depth is not judged"
+
+    folder: str
+    others: tuple[str, ...]
+
+    def make(self) -> Case:
+        scene = whole_scene(self.folder)
+        stored = judged_rig(scene)
+        others = tuple(whole_scene(other) for other in self.others)
+        return Case(self.drifted(stored), scene.pairs, prior_of(exact=False), _ByOthers(stored, others))
 
 
-def by_product(judged: StereoRig, stored: StereoRig, scenes: Sequence[Scene]) -> ByProduct:
-    """Judge a rig by scenes."""
-    return ByProduct(*(tuple(rows(rig, stored, scene).median_px for scene in scenes) for rig in (judged, stored)))
+@dataclass(frozen=True, eq=False)
+class _ByOthers:
+    stored: StereoRig
+    others: tuple[Scene, ...]
+
+    def __call__(self, rig: StereoRig) -> Judgement:
+        return Judgement(float(np.median([rows(rig, self.stored, other).median_px for other in self.others])))
 
 
-def product_is_worse(change: np.ndarray, unseen: slice) -> bool:
-    """Whether rows of the first scene, or of those that took no part in the middle, are farther apart than before."""
-    return bool(change[0] > _WORSE or np.median(change[unseen]) > _WORSE)
+def product_recipes(place: str, draws: Draws) -> tuple[Product, ...]:
+    """Of each scene in a folder, judged by the others."""
+    folder = Path(place)
+    folders = scene_folders(folder)
+    _check_one_rig(folders)
+    found = []
+    for one in folders:
+        others = tuple(str(other) for other in folders if other != one)
+        name = name_of_scene(one, folder)
+        found += [Product(name, draw, *draws.drift, str(one), others) for draw in draws.of_folders]
+    return tuple(found)
+
+
+def _check_one_rig(folders: list[Path]) -> None:
+    """Raises: InputError: if there are too few scenes, or of several rigs."""
+    if len(folders) < FEWEST_SCENES:
+        raise InputError(
+            f"{folders[0].parent}: {len(folders)} scenes; a product needs {FEWEST_SCENES} of one rig or more."
+        )
+    first, *others = (judged_rig(load_scene(folder, limit=1)) for folder in folders)
+    for folder, rig in zip(folders[1:], others, strict=True):
+        if not same_rig(first, rig):
+            raise InputError(f"{folder}: has another calibration than {folders[0]}; give scenes of one rig.")

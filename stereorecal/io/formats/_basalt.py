@@ -127,4 +127,4 @@ def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
             if kind == _RADTAN8:
                 params["rpmax"] = float(camera.lens_radius)
             values |= {("value0", "intrinsics", index, "intrinsics", key): number for key, number in params.items()}
-    return (document.changed(values),)
+    return (document.with_values(values),)

@@ -97,7 +97,7 @@ def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
     for side, camera, wanted in (("left", rig.left, target.left), ("right", rig.right, target.right)):
         if wanted:
             values.update(_camera_values(camera, side, document.content))
-    return (document.changed(values),)
+    return (document.with_values(values),)
 
 
 def _camera_values(camera: Camera, side: str, content: Mapping[str, Any]) -> dict[Keys, Any]:

@@ -125,7 +125,7 @@ def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
                 lens = coefficients(camera, [n for n in (4, 5, 8, 12, 14) if n >= least], "DepthAI", "opencv")
             values[(*at, "intrinsicMatrix")] = np.asarray(camera.resized(size).matrix).tolist()
             values[(*at, "distortionCoeff")] = lens.tolist()
-    return (document.changed(values),)
+    return (document.with_values(values),)
 
 
 def _pair(content: Mapping[str, Any]) -> tuple[int, int]:

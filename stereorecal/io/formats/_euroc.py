@@ -94,5 +94,5 @@ def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
             else:
                 lens = coefficients(camera, (4,), "EuRoC's radial-tangential model", "opencv, ros or depthai")
             values[("distortion_coefficients",)] = lens.tolist()
-        texts.append(document.changed(values))
+        texts.append(document.with_values(values))
     return tuple(texts)

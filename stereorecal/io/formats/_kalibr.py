@@ -127,7 +127,7 @@ def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
                 continue
             lens = coefficients(camera, (4,), "Kalibr's radtan", "opencv, ros or depthai")
             values.update(_radtan(content, key, lens))
-    return (document.changed(values),)
+    return (document.with_values(values),)
 
 
 def _radtan(content: Mapping[str, Any], key: str, lens: np.ndarray) -> dict[Keys, Any]:

@@ -51,4 +51,4 @@ def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
         if wanted:
             matrix = np.asarray(camera.matrix)
             values[(key,)] = np.column_stack([matrix, matrix @ shift]).ravel().tolist()
-    return (document.changed(values),)
+    return (document.with_values(values),)

@@ -80,7 +80,7 @@ def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
             lens = coefficients(camera, (5,), "KITTI's calibration", "opencv, ros or depthai")
             values |= _arrays(name, {"K": np.asarray(camera.matrix), "D": lens})
         values |= _arrays(name, {"R_rect": made[f"R{side}"], "P_rect": made[f"P{side}"]})
-    return (document.changed({keys: value for keys, value in values.items() if keys[0] in content}),)
+    return (document.with_values({keys: value for keys, value in values.items() if keys[0] in content}),)
 
 
 def _arrays(name: str, arrays: Mapping[str, np.ndarray]) -> dict[Keys, list[float]]:

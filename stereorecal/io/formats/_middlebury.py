@@ -52,4 +52,4 @@ def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
             values[(key,)] = matrix.tolist()
     if (target.left or target.right) and "doffs" in target.documents[0].content:
         values[("doffs",)] = [float(right[0, 2] - left[0, 2])]
-    return (target.documents[0].changed(values),)
+    return (target.documents[0].with_values(values),)

@@ -103,7 +103,7 @@ def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
     arrays: dict[str, Array] = {"R": np.asarray(rig.rotation), "T": np.asarray(rig.translation), **made, **regions}
     values.update(derived_values(content, arrays))
     return tuple(
-        document.changed({keys: value for keys, value in values.items() if keys[0] in document.content})
+        document.with_values({keys: value for keys, value in values.items() if keys[0] in document.content})
         for document in target.documents
     )
 

@@ -115,7 +115,7 @@ def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
                 values[("distortion_model",)] = model
         for key, array in arrays.items():
             values.update(matrix_values(document.content, (key,), array))
-        texts.append(document.changed(values))
+        texts.append(document.with_values(values))
     return tuple(texts)
 
 

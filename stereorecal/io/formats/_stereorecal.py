@@ -62,7 +62,7 @@ def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
     values: dict[Keys, Any] = {(key,): item for key, item in new.items() if key not in keep}
     if "reference" in document.content:
         values[("reference",)] = "stored"
-    return (document.changed(values),)
+    return (document.with_values(values),)
 
 
 def calibration_text(content: Mapping[str, Any]) -> str:

@@ -90,5 +90,5 @@ def with_prior(text: str, content: dict[str, Any] | None) -> str:
     old = document("calib.json", text, Syntax.JSON)
     if old.content.get(KEY) == content:
         return text
-    empty = old.changed({(KEY,): None})  # only this key may change how the text is laid out
-    return empty if content is None else document("calib.json", empty, Syntax.JSON).changed({(KEY,): content})
+    empty = old.with_values({(KEY,): None})  # only this key may change how the text is laid out
+    return empty if content is None else document("calib.json", empty, Syntax.JSON).with_values({(KEY,): content})

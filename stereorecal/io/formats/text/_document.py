@@ -53,7 +53,7 @@ class Document:
     syntax: Syntax
     content: Mapping[str, Any]
 
-    def changed(self, values: Values) -> str:
+    def with_values(self, values: Values) -> str:
         """The text with other values under some keys, and everything else as it was.
 
         Raises:

@@ -1,41 +1,15 @@
-"""Judges that are rendered: a scene whose true rig is known, and one whose calibration was made on chessboards."""
+"""A rig that was calibrated on simulated chessboards, and drifted since, as judge."""
 
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import ClassVar
 
+from stereorecal._choices import checked_choice
 from stereorecal.comparison.judges._case import AbstractRecipe, Case, prior_of
+from stereorecal.comparison.judges._draws import Draws
 from stereorecal.comparison.judges._simulated_calibration import calibrated, true_rig
 from stereorecal.comparison.judges._true_rig import ByTrueRig
 from stereorecal.geometry import view
-from stereorecal.recordings import Scene
-from stereorecal.synthetic import render
-
-
-@dataclass(frozen=True)
-class Rendered(AbstractRecipe):
-    """A drift of the rig of a rendered scene; intrinsics are exact.
-
-    Attributes:
-        kind: of scene.
-        frames: how many pairs.
-    """
-
-    judge: ClassVar[str] = "rendered"
-
-    kind: str
-    frames: int
-
-    def make(self) -> Case:
-        scene = _scene(self.kind, self.seed, self.frames)
-        assert scene.rig is not None
-        start = self.drifted(scene.rig)
-        return Case(start, scene.pairs, prior_of(exact=True), ByTrueRig(scene.rig, view(start)))
-
-
-@lru_cache(maxsize=2)
-def _scene(kind: str, seed: int, frames: int) -> Scene:
-    return render(kind, seed, frames=frames)
+from stereorecal.synthetic import KINDS, render
 
 
 @dataclass(frozen=True)
@@ -49,6 +23,9 @@ class Simulated(AbstractRecipe):
     """
 
     judge: ClassVar[str] = "simulated"
+    judged_by: ClassVar[str] = (
+        "a rig that OpenCV calibrated on simulated chessboards, and that drifted, in a rendered scene; by the true rig"
+    )
 
     kind: str
     frames: int
@@ -60,3 +37,9 @@ class Simulated(AbstractRecipe):
         truth = self.drifted(before)
         scene = render(self.kind, number, rig=truth, frames=self.frames)
         return Case(start, scene.pairs, prior_of(exact=False), ByTrueRig(truth, view(start)))
+
+
+def simulated_recipes(kind: str, draws: Draws) -> tuple[Simulated, ...]:
+    """Of drawn rigs, in scenes of a kind."""
+    kind = checked_choice(kind, list(KINDS), "kind of scene") if kind else draws.kinds[0]
+    return tuple(Simulated(kind, draw, *draws.drift, kind, draws.frames) for draw in range(draws.number))

@@ -1,47 +1,21 @@
-"""Judges that are rendered drives: a rig that moves, and one whose angles walk."""
+"""A rendered drive as judge, on which every angle walks."""
 
-from collections.abc import Iterator
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
 from typing import ClassVar
 
 import numpy as np
 
+from stereorecal._errors import InputError
 from stereorecal.comparison.judges._case import AbstractRecipe, Case, prior_of
+from stereorecal.comparison.judges._draws import Draws
 from stereorecal.comparison.judges._true_rig import ByTrueRig
 from stereorecal.geometry import Camera, StereoRig, view
-from stereorecal.recordings import Pair
 from stereorecal.synthetic import Drive, photographs, plan_drive
 
 SIZE, FIELD, BASELINE, STEP = (1024, 512), 70.0, 1.0, 0.01  # of the walk: degrees, metres, degrees a pair
-_EVERY = {"street": 3, "harbour": 6}  # frames from one pair to the next: about a baseline
-_SECONDS = 0.1  # from one pair to the next
 _STREAM = 61  # of random numbers
-
-
-@dataclass(frozen=True)
-class Ride(AbstractRecipe):
-    """Consecutive pairs of a rig that moves and has drifted. Methods are told that intrinsics are as a calibration
-    leaves them, so that depth is not known before.
-
-    Attributes:
-        tour: of the drive; the draw is its seed, too.
-        frames: how many pairs, about a baseline apart.
-    """
-
-    judge: ClassVar[str] = "motion"
-
-    tour: str
-    frames: int
-
-    def make(self) -> Case:
-        every, seed = _EVERY[self.tour], self.seed + (self.draw or 0)
-        number = (self.frames - 1) * every + 1
-        plan = plan_drive(self.tour, seed, number, weather=False)
-        pairs = tuple(_timed(islice(photographs(plan), 0, None, every)))
-        truth = plan.truth(number // 2)
-        start = self.drifted(truth)
-        return Case(start, pairs, prior_of(exact=False), ByTrueRig(truth, view(start)))
 
 
 @dataclass(frozen=True)
@@ -57,6 +31,10 @@ class Walk(AbstractRecipe):
     """
 
     judge: ClassVar[str] = "walk"
+    judged_by: ClassVar[str] = (
+        "one pair of a drive on which every angle walks by up to 0.01° a pair (TESO's protocol), from the first pair's "
+        "calibration; by the true rig"
+    )
 
     tour: str
     length: int
@@ -80,6 +58,14 @@ def walked(tour: str, seed: int, frames: int) -> Drive:
     return replace(plan, rig=rig, extrinsics=np.asarray(rig.extrinsics) + np.cumsum(steps, axis=0))
 
 
-def _timed(pairs: Iterator[Pair]) -> Iterator[Pair]:
-    for number, pair in enumerate(pairs):
-        yield replace(pair, time=number * _SECONDS)
+def walk_recipes(place: str, draws: Draws) -> tuple[Walk, ...]:
+    """Of pairs of one walk."""
+    if place:
+        raise InputError("judge walk is rendered and takes no folder; leave it out.")
+    moments = _moments(draws.walk, draws.number)
+    return tuple(Walk("street", moment, draws.seed, 0.0, 0.0, "street", draws.walk, moment) for moment in moments)
+
+
+def _moments(length: int, number: int) -> Sequence[int]:
+    """Evenly spread, the last pair among them."""
+    return sorted({round((index + 1) * (length - 1) / number) for index in range(number)})
