@@ -95,12 +95,12 @@ class Decision:
 
 
 def decide(
-    seen: Estimate,
+    estimate: Estimate,
     free: Sequence[str],
     tolerances: Tolerances | None = None,
     *,
     proven: bool = False,
-    depth_told: bool = False,
+    depth_observable: bool = False,
 ) -> Decision:
     """Choose between a calibration, and changes of its free parameters.
 
@@ -119,14 +119,14 @@ def decide(
     depth is not judged: no rig's rows know it.
 
     Args:
-        seen: what is known; its θ = 0 is the calibration.
+        estimate: what is known; its θ = 0 is the calibration.
         free: names of the parameters that may change.
         tolerances: default those of `Tolerances()`.
         proven: whether frames that took no part show, all over the view, that the free parameters may change.
-        depth_told: whether more than epipolar errors tells depth, though the estimate has no windows of motion: a
+        depth_observable: whether more than epipolar errors tells depth, though the estimate has no windows of motion: a
             filter that follows the rig.
     """
-    (found,) = decide_together([seen], free, tolerances, proven=proven, depth_told=depth_told)
+    (found,) = decide_together([estimate], free, tolerances, proven=proven, depth_observable=depth_observable)
     return found
 
 
@@ -136,28 +136,30 @@ def decide_together(
     tolerances: Tolerances | None = None,
     *,
     proven: bool = False,
-    depth_told: bool = False,
+    depth_observable: bool = False,
 ) -> list[Decision]:
     """The same for each of several calibrations whose free parameters are the same but for a drift: all candidates keep
     depth, or none, or change the length of the baseline alone; so that fewest are refused.
 
     Args:
         several: what is known, with the same parameters.
-        free, tolerances, proven, depth_told: as `decide` has them.
+        free, tolerances, proven, depth_observable: as `decide` has them.
     """
     limits = DEFAULT if tolerances is None else tolerances
-    several = [judged(seen, limits) for seen in several]
-    given = [_losses(seen, np.zeros(len(seen.names))) for seen in several]
+    several = [judged(estimate, limits) for estimate in several]
+    given = [_losses(estimate, np.zeros(len(estimate.names))) for estimate in several]
 
     def candidate(names: Sequence[str], *, keeps_depth: bool = False) -> _Candidate:
         thetas = with_free_together(several, names, keep_depth=keeps_depth)
-        after = [_losses(seen, theta) for seen, theta in zip(several, thetas, strict=True)]
+        after = [_losses(estimate, theta) for estimate, theta in zip(several, thetas, strict=True)]
         each = zip(several, thetas, given, after, strict=True)
-        decisions = [_decided(*one, keeps_depth, limits, proven, depth_told or bool(one[0].windows)) for one in each]
+        decisions = [
+            _decided(*one, keeps_depth, limits, proven, depth_observable or bool(one[0].windows)) for one in each
+        ]
         return _Candidate(decisions, [one.depth for one in after])
 
     others = [candidate(free)]
-    if BASELINE in free and any(seen.beams or seen.windows.measured for seen in several):
+    if BASELINE in free and any(estimate.beams or estimate.windows.measured for estimate in several):
         others.append(candidate((BASELINE,)))  # where rows are good, they stay
     keeps, changes = candidate(free, keeps_depth=True), min(others, key=lambda one: (one.refused, one.harms, one.loss))
     if keeps.refused == changes.refused:
@@ -170,16 +172,16 @@ def decide_together(
     return min(keeps, changes, key=lambda one: one.refused).decisions
 
 
-def judged(seen: Estimate, tolerances: Tolerances) -> Estimate:
+def judged(estimate: Estimate, tolerances: Tolerances) -> Estimate:
     """An estimate, to be judged at the distances that are asked for, and at the nearest that its images show, if that
     is nearer."""
-    near, distances = seen.nearest, tolerances.distances
+    near, distances = estimate.nearest, tolerances.distances
     judged_at = (near, *distances) if near < distances[0] else distances
-    return seen if seen.judged_at == judged_at else replace(seen, judged_at=judged_at)
+    return estimate if estimate.judged_at == judged_at else replace(estimate, judged_at=judged_at)
 
 
 def better_on_average(
-    seen: Estimate, free: Sequence[str], tolerances: Tolerances | None = None, *, harm: float
+    estimate: Estimate, free: Sequence[str], tolerances: Tolerances | None = None, *, harm: float
 ) -> Float[np.ndarray, "n"] | None:
     """The change of free parameters with the least expected loss, if that is by one unit of it, rows that a matcher
     notices or a point of depth, less than the calibration's; else None. Better on average, and not for sure: for those
@@ -190,22 +192,22 @@ def better_on_average(
             less.
     """
     limits = DEFAULT if tolerances is None else tolerances
-    seen = judged(seen, limits)
-    given, best = _losses(seen, np.zeros(len(seen.names))), None
+    estimate = judged(estimate, limits)
+    given, best = _losses(estimate, np.zeros(len(estimate.names))), None
     least = given.expected - 1.0
     for keep in (False, True):
-        (theta,) = with_free_together([seen], free, keep_depth=keep)
-        after = _losses(seen, theta)
+        (theta,) = with_free_together([estimate], free, keep_depth=keep)
+        after = _losses(estimate, theta)
         if after.expected < least and _chances_of_harm(given, after, limits)[1] <= harm:
             best, least = theta, after.expected
     return best
 
 
-def chance_of_harm(seen: Estimate, theta: Float[np.ndarray, "n"], tolerances: Tolerances | None = None) -> float:
+def chance_of_harm(estimate: Estimate, theta: Float[np.ndarray, "n"], tolerances: Tolerances | None = None) -> float:
     """Probability that a change makes rows or depth worse; of a calibration whose rows blind the matcher, rows."""
     limits = DEFAULT if tolerances is None else tolerances
-    seen = judged(seen, limits)
-    return _chances_of_harm(_losses(seen, np.zeros_like(theta)), _losses(seen, theta), limits)[1]
+    estimate = judged(estimate, limits)
+    return _chances_of_harm(_losses(estimate, np.zeros_like(theta)), _losses(estimate, theta), limits)[1]
 
 
 def fewer_parameters_suffice(held: Sequence[Decision], freed: Sequence[Decision]) -> bool:
@@ -294,39 +296,39 @@ class _Candidate:
         return bool(self.loss < other.loss and 0 < better >= limits.good_surely * (better + worse))
 
 
-def _losses(seen: Estimate, theta: Float[np.ndarray, "n"]) -> _Losses:
-    return _Losses(*seen.losses(theta), seen.rows_of_frames(theta))
+def _losses(estimate: Estimate, theta: Float[np.ndarray, "n"]) -> _Losses:
+    return _Losses(*estimate.losses(theta), estimate.rows_of_frames(theta))
 
 
 def _decided(
-    seen: Estimate,
+    estimate: Estimate,
     theta: Float[np.ndarray, "n"],
     given: _Losses,
     after: _Losses,
     keeps_depth: bool,
     limits: Tolerances,
     proven: bool,
-    depth_told: bool,
+    depth_observable: bool,
 ) -> Decision:
     """Between θ = 0, which loses what is given, and a candidate, which loses what comes after."""
     worse, counted = _chances_of_harm(given, after, limits)
     before, rows = given.mean_rows, after.mean_rows
     better = float(np.mean(rows < before - limits.gain_px))
     harmless = counted < limits.alpha
-    harmless = harmless and (proven or _is_blind(given, limits) or not _costs_a_region(seen, theta, limits))
-    ranges_agree = bool(seen.beams.fit_better(seen.chart.rig, seen.chart.rig_at(theta)))
+    harmless = harmless and (proven or _is_blind(given, limits) or not _costs_a_region(estimate, theta, limits))
+    ranges_agree = bool(estimate.beams.fit_better(estimate.chart.rig, estimate.chart.rig_at(theta)))
     nearer = float(np.mean(after.depth < given.depth - limits.worse_depth_points)) > 1.0 - limits.alpha
     # What most frames show bears it out: no posterior knows all ways in which lenses err, and where they do, one frame
     # gains what others lose.
     shown = float(np.median(after.shown - given.shown))
-    moved = depth_told and nearer
-    good = float(np.mean(before <= limits.good_rows_px)) >= limits.good_surely and not moved
-    asked = (ranges_agree or moved) and not shown > limits.worse_rows_px
-    said = np.percentile([before, rows], [50.0, 2.5, 97.5], axis=1).T
+    depth_improves = depth_observable and nearer
+    good = float(np.mean(before <= limits.good_rows_px)) >= limits.good_surely and not depth_improves
+    asked = (ranges_agree or depth_improves) and not shown > limits.worse_rows_px
+    rows_px = np.percentile([before, rows], [50.0, 2.5, 97.5], axis=1).T
     verdict = Verdict.GOOD if good else Verdict.CANNOT_TELL
-    loss, at = after.expected, seen.judged_at
-    stays = Decision(verdict, theta, keeps_depth, worse, better, loss, said, ranges_agree, limits, False, at)
-    borne_out = seen.shown is None or shown < 0.0  # an estimate without frames: others judge it by later ones
+    loss, at = after.expected, estimate.judged_at
+    stays = Decision(verdict, theta, keeps_depth, worse, better, loss, rows_px, ranges_agree, limits, False, at)
+    borne_out = estimate.shown is None or shown < 0.0  # an estimate without frames: others judge it by later ones
     by_rows = better > 1.0 - limits.alpha and borne_out and (stays.explains or stays.corrects_most)
     return replace(stays, verdict=Verdict.REPAIR, by_rows=by_rows) if harmless and (asked or by_rows) else stays
 
@@ -344,12 +346,12 @@ def _is_blind(given: _Losses, limits: Tolerances) -> bool:
     return float(np.mean(given.mean_rows > limits.blind_rows_px)) > 1.0 - limits.alpha
 
 
-def _costs_a_region(seen: Estimate, theta: Float[np.ndarray, "n"], limits: Tolerances) -> bool:
+def _costs_a_region(estimate: Estimate, theta: Float[np.ndarray, "n"], limits: Tolerances) -> bool:
     """Whether other intrinsics, which can follow what one part of the view shows, may cost another part rows that a
     matcher notices, and on average gain it none."""
-    if not any(value and "." in name for name, value in zip(seen.names, theta.tolist(), strict=True)):
+    if not any(value and "." in name for name, value in zip(estimate.names, theta.tolist(), strict=True)):
         return False
-    before, after = seen.rows_of_regions(np.zeros_like(theta)), seen.rows_of_regions(theta)
+    before, after = estimate.rows_of_regions(np.zeros_like(theta)), estimate.rows_of_regions(theta)
     loses = np.mean(~(after <= before + limits.gain_px), axis=0) > 1.0 - limits.good_surely
     gains = np.mean(before - after, axis=0) > limits.gain_px
     return bool(np.any(loses & ~gains))

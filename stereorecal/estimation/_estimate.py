@@ -278,7 +278,7 @@ def estimate(
             where a rig is estimated again.
         start: θ to begin at; default 0.
         beams: ranges of what was seen; they tell the length of the baseline, too, which the prior must know
-            (`told_length` of `as_prior`).
+            (`baseline_observable` of `as_prior`).
         windows: tracks of consecutive pairs; they tell depth from the rig's own motion.
         view: in which rows and depth are judged; default the rig's own.
     """

@@ -79,19 +79,19 @@ class CalibrationCovariance:
 Prior = str | Mapping[str, float | np.number] | CalibrationCovariance | SavedPrior | Earlier | CalibrationPrior | None
 
 
-def as_prior(prior: Prior, chart: RigChart, *, told_length: bool = False) -> CalibrationPrior:
+def as_prior(prior: Prior, chart: RigChart, *, baseline_observable: bool = False) -> CalibrationPrior:
     """The prior itself, for the rig of a chart.
 
     Args:
-        told_length: something will tell the length of the baseline; where the prior does not speak of it, that may be
-            wrong as the sizes of boards are.
+        baseline_observable: something determines the length of the baseline; where the prior does not speak of it,
+            that may be as wrong as the sizes of boards are.
 
     Raises:
         InputError: as `check_prior`.
     """
     found = _as_prior(prior, chart)
     given = prior.names if isinstance(prior, CalibrationCovariance) else prior if isinstance(prior, Mapping) else ()
-    return with_scaled_boards(found, chart) if told_length and BASELINE not in given else found
+    return with_scaled_boards(found, chart) if baseline_observable and BASELINE not in given else found
 
 
 def with_deviations(prior: CalibrationPrior, chart: RigChart, sigmas: Mapping[str, float]) -> CalibrationPrior:

@@ -35,31 +35,41 @@ def anchored(state: State, pair: Pair, look: PairEstimate) -> State:
     if not state.config.motion or state.corners is not None:
         return state
     found = corners(pair, look.matches, look.near, _MOST)
-    return state.but(corners=found, found_at=state.frame, since=pair.time) if len(found.left) >= _FEWEST else state
+    return (
+        state.replace(corners=found, corners_frame=state.frame, corners_time=pair.time)
+        if len(found.left) >= _FEWEST
+        else state
+    )
 
 
 def moved(state: State, pair: Pair) -> Outcome:
     """The state after a pair that may show corners again from elsewhere."""
-    if state.corners is None or state.frame - state.found_at < state.apart:
+    if state.corners is None or state.frame - state.corners_frame < state.tracked_pairs:
         return state, []
     with one_blas_thread():
         return _shown_again(state, state.corners, pair)
 
 
 def _shown_again(state: State, before: Corners, pair: Pair) -> Outcome:
-    pairs = state.frame - state.found_at
-    if not _within_tracking_time(state.since, pair.time, pairs):
-        return state.but(corners=None), []
-    if pair.readout and (state.since is None or pair.time is None):  # of how much of the motion, is not known
-        return state.but(corners=None), []
+    pairs = state.frame - state.corners_frame
+    if not _within_tracking_time(state.corners_time, pair.time, pairs):
+        return state.replace(corners=None), []
+    if pair.readout and (state.corners_time is None or pair.time is None):  # of how much of the motion, is not known
+        return state.replace(corners=None), []
     tracks, chart = shown_again(before, pair), rig_parameters(state.rig)
-    if pair.readout and state.since is not None and pair.time is not None:
-        tracks = replace(tracks, readout=pair.readout / (pair.time - state.since))
+    if pair.readout and state.corners_time is not None and pair.time is not None:
+        tracks = replace(tracks, readout=pair.readout / (pair.time - state.corners_time))
     seen = window(tracks, chart, np.zeros(chart.dim))
     lost = seen.motion is None or len(tracks) < _LEFT * len(before.left)
     near = seen.metres[0] < _AHEAD * float(state.rig.baseline)
-    apart = max(state.apart // 2, 1) if lost else min(2 * state.apart, _longest(state)) if near else state.apart
-    state = state.but(corners=None, apart=apart)
+    apart = (
+        max(state.tracked_pairs // 2, 1)
+        if lost
+        else min(2 * state.tracked_pairs, _longest(state))
+        if near
+        else state.tracked_pairs
+    )
+    state = state.replace(corners=None, tracked_pairs=apart)
     if seen.motion is None or not seen.informative:
         return state, []
     turned = np.degrees(vector_from_rotation(seen.motion.rotation)) / pairs
@@ -90,7 +100,7 @@ def _measurement(state: State, normal: Normal, turned: Float[np.ndarray, "3"]) -
     together = state.config.synchronous
     turn = np.zeros(SIZE) if together else np.concatenate([turned, np.zeros(SIZE - len(turned))])
     doubt = 0.0 if is_exact(state.config.prior) else OF_LENSES  # in all windows alike
-    return Measurement(state.found_at, offset, a / _WORSE**2, turn, False, doubt, together)
+    return Measurement(state.corners_frame, offset, a / _WORSE**2, turn, False, doubt, together)
 
 
 def _after_window(state: State, measured: Measurement) -> Outcome:
@@ -102,12 +112,12 @@ def _after_window(state: State, measured: Measurement) -> Outcome:
     ours, others = estimate.log_likelihood(measured), estimate.turned(_OWN_YAW).log_likelihood(measured)
     expected = _STAY * state.others + _COME * (1.0 - state.others)
     share = float(expit(np.log1p(-expected) - np.log(expected) + ours - others))
-    first, state = state.suspect_depth, state.but(others=1.0 - share, suspect_depth=None)
+    first, state = state.outlier_motion, state.replace(others=1.0 - share, outlier_motion=None)
     counted = measured.weighed(share)
     state = weighed(state.measured(counted), counted)
     if share >= 0.5:
         return standing(state)
-    state = state.but(suspect_depth=measured)
+    state = state.replace(outlier_motion=measured)
     if first is None:
         return standing(state)
     turned = estimate.mistaken(float(state.prior[1])).seen(first)
@@ -116,4 +126,4 @@ def _after_window(state: State, measured: Measurement) -> Outcome:
     turned = turned.seen(measured)
     if abs(turned.keystone) > abs(estimate.keystone):  # a boat tells the same yaw twice, too; rows know of none
         return standing(state)
-    return standing(state.standing_at(turned).but(suspect_depth=None, trial=None, others=_COME))
+    return standing(state.standing_at(turned).replace(outlier_motion=None, trial=None, others=_COME))

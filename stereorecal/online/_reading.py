@@ -131,8 +131,10 @@ def _decided(
     """Of a calibration in use the decision on what may be switched, whether it is shifted, which change is better, and
     its error of depth."""
     seen = known(initial, using, filtered, view)
-    found = decide(seen, free, limits, depth_told=True)
-    shifted = found.verdict is Verdict.CANNOT_TELL and not decide(seen, EXTRINSICS, limits, depth_told=True).refused
+    found = decide(seen, free, limits, depth_observable=True)
+    shifted = (
+        found.verdict is Verdict.CANNOT_TELL and not decide(seen, EXTRINSICS, limits, depth_observable=True).refused
+    )
     depth = {at: Interval(*ends) for at, ends in seen.depth_error_percent(np.zeros(len(seen.names))).items()}
     better = better_on_average(seen, free, limits, harm=harm) if found.refused else found.theta
     return found, shifted, None if better is None else better[:SIZE], depth

@@ -40,5 +40,5 @@ def recalibrate(state: State, pairs: Sequence[Pair | Images]) -> tuple[State, tu
     }
     facts = {"old": calibration_data(state, state.using), "new": calibration_data(state, offset), "proof": proof}
     estimate = state.estimate.moved(offset, solution.covariance + np.eye(SIZE) * AFTER_REPAIR**2)
-    state = switched(state.standing_at(estimate).but(suspect=None, odd=0, said=None), offset)
+    state = switched(state.standing_at(estimate).replace(outlier=None, outliers_in_a_row=0, reported=None), offset)
     return state, (Event(state.frame, Kind.RECALIBRATED, "", facts),)

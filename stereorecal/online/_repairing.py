@@ -20,7 +20,7 @@ from stereorecal.scoring import pyramid
 def begun(state: State, pairs: Sequence[Pair]) -> tuple[State, list[Event]]:
     """The state with a repair under way, on pairs that hardly match."""
     event = Event(state.frame, Kind.REPAIRING, f"from {len(pairs)} pairs")
-    return state.but(job=Job(tuple(pairs), np.asarray(state.rig.extrinsics, float))), [event]
+    return state.replace(job=Job(tuple(pairs), np.asarray(state.rig.extrinsics, float))), [event]
 
 
 def continued(state: State) -> tuple[State, list[Event]]:
@@ -33,10 +33,10 @@ def continued(state: State) -> tuple[State, list[Event]]:
         case = Case(pyramid(rig, job.pairs, state.config.view), matcher, Reach(), Parameters())
         ended = next_slice(case, Schedule.default(), Progress(rig.with_extrinsics(job.at), job.done))
     except InputError as error:  # such as: images that are exchanged
-        return state.but(job=None), [Event(state.frame, Kind.REJECTED, str(error))]
+        return state.replace(job=None), [Event(state.frame, Kind.REJECTED, str(error))]
     if isinstance(ended, Progress):
-        return state.but(job=replace(job, at=np.asarray(ended.rig.extrinsics, float), done=ended.done)), []
-    return _after_solution(state.but(job=None), ended)
+        return state.replace(job=replace(job, at=np.asarray(ended.rig.extrinsics, float), done=ended.done)), []
+    return _after_solution(state.replace(job=None), ended)
 
 
 def _after_solution(state: State, solution: Solution) -> tuple[State, list[Event]]:
@@ -45,8 +45,8 @@ def _after_solution(state: State, solution: Solution) -> tuple[State, list[Event
     offset = state.offset_of(solution.rig)
     change = dict(zip(state.chart.names, (offset - state.using).tolist(), strict=True))
     knock = Event(state.frame, Kind.KNOCK, "almost nothing matched", {"change": change})
-    events = [] if state.said is Kind.KNOCK else [knock]
-    return after_repair(state.but(said=Kind.KNOCK, ready=0), offset, solution.covariance), events
+    events = [] if state.reported is Kind.KNOCK else [knock]
+    return after_repair(state.replace(reported=Kind.KNOCK, ready=0), offset, solution.covariance), events
 
 
 def too_far(state: State) -> bool:

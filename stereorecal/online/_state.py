@@ -42,23 +42,23 @@ class State:
         row_error: of the last of them, pixels at full size; NaN before.
         last: the last left image, small; None after a pair that cannot be used.
         corners: that are followed until the rig has moved; None where there are none.
-        found_at: number of the pair that showed them first.
-        apart: pairs after which they are looked for again: as many as the rig needs to advance by a fraction of a
-            baseline.
-        since: time of the pair in which they were found; None if it is not known.
+        corners_frame: number of the pair that showed them first.
+        tracked_pairs: pairs after which they are looked for again: as many as the rig needs to advance by a fraction of
+            a baseline.
+        corners_time: time of the pair in which they were found; None if it is not known.
         others: probability that the last such look showed the motion of other things than the rig.
-        suspect_depth: what the rig's motion told and does not fit, until it tells more.
-        suspect: a look that does not fit, until the next one says what it was.
-        odd: consecutive looks that fit neither the estimate nor each other.
-        strange: the last pairs, one after the other, that hardly match, though they have light and texture, or do not
-            fit; up to three: what a repair after a knock rests on.
-        darkness: how many pairs hardly matched, one after the other.
+        outlier_motion: what the rig's motion told and does not fit, until it tells more.
+        outlier: a look that does not fit, until the next one says what it was.
+        outliers_in_a_row: consecutive looks that fit neither the estimate nor each other.
+        repair_pairs: the last pairs, one after the other, that hardly match, though they have light and texture, or do
+            not fit; up to three: what a repair after a knock rests on.
+        unmatched_in_a_row: how many pairs hardly matched, one after the other.
         attempt: at how many of them the next repair is tried.
         job: the repair under way.
         trial: the candidate on trial.
         ready: the pair from which on a candidate may be nominated.
         previous: offsets of calibrations that were in use before, the last one last.
-        said: the last standing event, so that each is said once.
+        reported: the last standing event, so that each is said once.
     """
 
     config: Config
@@ -73,26 +73,26 @@ class State:
     row_error: float = float("nan")
     last: Small | None = None
     corners: Corners | None = None
-    found_at: int = 0
-    apart: int = 2
-    since: float | None = None
+    corners_frame: int = 0
+    tracked_pairs: int = 2
+    corners_time: float | None = None
     others: float = 0.05
-    suspect_depth: Measurement | None = None
-    suspect: Measurement | None = None
-    odd: int = 0
-    strange: tuple[Pair, ...] = ()
-    darkness: int = 0
+    outlier_motion: Measurement | None = None
+    outlier: Measurement | None = None
+    outliers_in_a_row: int = 0
+    repair_pairs: tuple[Pair, ...] = ()
+    unmatched_in_a_row: int = 0
     attempt: int = 2
     job: Job | None = None
     trial: SequentialTest | None = None
     ready: int = 0
     previous: tuple[Offset, ...] = ()
-    said: Kind | None = None
+    reported: Kind | None = None
 
     def alone(self) -> "State":
         """Without what only a pair that comes at once could be compared with: the last image, the corners that are
         followed and the image that shows them, what they told and another look should say again."""
-        return self.but(last=None, corners=None, since=None, suspect_depth=None)
+        return self.replace(last=None, corners=None, corners_time=None, outlier_motion=None)
 
     @property
     def chart(self) -> RigChart:
@@ -118,9 +118,9 @@ class State:
         """Standard deviations of the drift that is thought possible."""
         return self.chart.units * self.chart.prior
 
-    def with_strange(self, pair: Pair) -> "State":
+    def with_repair_pair(self, pair: Pair) -> "State":
         """The state with one more pair that a repair may rest on."""
-        return replace(self, strange=(*self.strange, pair)[-_STRANGE:])
+        return replace(self, repair_pairs=(*self.repair_pairs, pair)[-_STRANGE:])
 
     def later(self) -> "State":
         """A pair later."""
@@ -142,13 +142,13 @@ class State:
         if config.synchronous == self.config.synchronous:
             return state
         state = state.standing_at(self.estimate.of_shutters(config.synchronous))
-        return replace(state, trial=None, suspect=None, said=None)
+        return replace(state, trial=None, outlier=None, reported=None)
 
     def using_now(self, offset: Offset) -> "State":
         """The state with another calibration in use."""
         return replace(self, using=offset)
 
-    def but(self, **changes) -> "State":
+    def replace(self, **changes) -> "State":
         """The same but for some of it."""
         return replace(self, **changes)
 

@@ -50,7 +50,7 @@ def init(rig: StereoRig, config: Config = Config()) -> State:  # noqa: B008  fro
     ) is not None:  # a rig that was calibrated: that it has turned, something shows
         prior[1], bent = left
     estimate = at_start(prior, config, bent)
-    return blank.but(estimate=estimate, pace=Pace.at(estimate), matcher=known, attempt=_FIRST)
+    return blank.replace(estimate=estimate, pace=Pace.at(estimate), matcher=known, attempt=_FIRST)
 
 
 def step(state: State, pair: Pair | Images, seconds: float | None = None) -> tuple[State, tuple[Event, ...]]:
@@ -70,18 +70,18 @@ def step(state: State, pair: Pair | Images, seconds: float | None = None) -> tup
         (pair,) = check_pairs(state.initial, [pair])
         after, events = _after_pair(state, pair)
     except InputError as error:
-        again = state.last is None and state.said is Kind.BAD_FRAME
+        again = state.last is None and state.reported is Kind.BAD_FRAME
         events = () if again else (Event(state.frame, Kind.BAD_FRAME, str(error)),)
-        return state.later().but(frame=state.frame + 1, last=None, corners=None, said=Kind.BAD_FRAME), events
+        return state.later().replace(frame=state.frame + 1, last=None, corners=None, reported=Kind.BAD_FRAME), events
     while until is not None and after.job is not None and time.monotonic() < until:
         after, more = continued(after)
         events += more
-    return after.but(frame=state.frame + 1), tuple(events)
+    return after.replace(frame=state.frame + 1), tuple(events)
 
 
 def freeze(state: State, frozen: bool = True) -> State:
     """The same state, in which nothing is switched any more; or, not `frozen`, in which it is again."""
-    return state.but(config=replace(state.config, repair=not frozen), job=None, trial=None)
+    return state.replace(config=replace(state.config, repair=not frozen), job=None, trial=None)
 
 
 def rollback(state: State, to: Offset | None = None) -> State:
@@ -99,12 +99,12 @@ def rollback(state: State, to: Offset | None = None) -> State:
     if not numbers:
         raise InputError("that calibration has not been in use, or too long ago; give one of state.previous.")
     kept = state.previous[: numbers[-1]]
-    return freeze(switched(state, state.previous[numbers[-1]]).but(previous=kept))
+    return freeze(switched(state, state.previous[numbers[-1]]).replace(previous=kept))
 
 
 def _after_pair(state: State, pair: Pair) -> Outcome:
     config, before, now = state.config, state.last, small(pair.left)
-    state = state.later().but(last=now)
+    state = state.later().replace(last=now)
     if state.job is not None:
         return continued(state)
     if state.frame % config.every:
@@ -121,26 +121,26 @@ def _after_look(state: State, pair: Pair, before: Small | None, now: Small) -> O
         if not image_quality(pair).enough:
             return _too_little(state)
         matcher = with_measured_range(config.matcher, pyramid(state.rig, [pair], state.view))
-        state = state.but(matcher=matcher)
+        state = state.replace(matcher=matcher)
     look = estimate_pair(state.rig, pair, state.view, matcher)
     if look.facts is None:
         return _blind(state, pair, look)
     turned = _turn(state, before, now)
     measured = measurement(state, look, turned)
-    state = state.but(
+    state = state.replace(
         seen=state.seen + 1,
         row_error=look.rows(state.rig),
-        darkness=0,
+        unmatched_in_a_row=0,
         attempt=_FIRST,
     )
     state = anchored(state, pair, look)
     state, events = followed(state, measured)
     knocked = any(event.kind is Kind.KNOCK for event in events)
-    state = state.with_strange(pair) if knocked or state.suspect is not None else state.but(strange=())
-    if knocked or state.suspect is not None:
-        state = state.but(corners=None, suspect_depth=None)
+    state = state.with_repair_pair(pair) if knocked or state.outlier is not None else state.replace(repair_pairs=())
+    if knocked or state.outlier is not None:
+        state = state.replace(corners=None, outlier_motion=None)
     if knocked and too_far(state):
-        state, more = begun(state, state.strange)
+        state, more = begun(state, state.repair_pairs)
         return state, [*events, *more]
     # How far a shutter could explain a look is not known where the rig's turn is not.
     state, more = (state, []) if turned is None else judged(state, state.estimate.of_rig(measured), look)
@@ -159,18 +159,18 @@ def _blind(state: State, pair: Pair, look: PairEstimate) -> Outcome:
     """A pair of which hardly anything matches: too little to see, or a rig that is far off."""
     if not image_quality(pair).enough:
         return _too_little(state)
-    state = state.with_strange(pair).but(darkness=state.darkness + 1)
+    state = state.with_repair_pair(pair).replace(unmatched_in_a_row=state.unmatched_in_a_row + 1)
     if state.trial is not None and state.trial.by == "looks":
-        state = state.but(trial=None)  # what it was fitted to is no longer to be seen
+        state = state.replace(trial=None)  # what it was fitted to is no longer to be seen
     if state.trial is not None:
         offset, matcher = state.trial.offset, state.matcher
         assert matcher is not None
         return matched(state, look.covered, lambda: estimate_pair(state.rig_at(offset), pair, state.view, matcher))
-    if state.darkness < state.attempt:
+    if state.unmatched_in_a_row < state.attempt:
         return state, []
-    return begun(state.but(attempt=_PATIENCE * state.darkness), state.strange)
+    return begun(state.replace(attempt=_PATIENCE * state.unmatched_in_a_row), state.repair_pairs)
 
 
 def _too_little(state: State) -> Outcome:
     kind = Kind.TOO_LITTLE_TEXTURE
-    return state.but(said=kind), [] if state.said is kind else [Event(state.frame, kind)]
+    return state.replace(reported=kind), [] if state.reported is kind else [Event(state.frame, kind)]

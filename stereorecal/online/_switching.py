@@ -22,22 +22,22 @@ AFTER_REPAIR = 0.1  # degrees and percent: how well a repair of few frames is tr
 def judged(state: State, measured: Measurement, look: PairEstimate) -> Outcome:
     """The trial after a look through the calibration in use; one that does not fit what is known takes no part."""
     trial = state.trial
-    if trial is None or measured.frame <= trial.since or state.suspect is not None:
+    if trial is None or measured.frame <= trial.since or state.outlier is not None:
         return state, []
     found = reading(state)
     if found.late or (found.shifted and trial.by == "looks"):  # what was measured may be the shutter's
-        return state.but(trial=None), []
+        return state.replace(trial=None), []
     after = look.rows(state.rig_at(trial.offset))
-    state = state.but(trial=trial.measured(state.using, measured, state.row_error, after))
+    state = state.replace(trial=trial.measured(state.using, measured, state.row_error, after))
     return decided(state)
 
 
 def weighed(state: State, measured: Measurement) -> State:
     """The trial after what the rig's motion told, which alone decides nothing: it shows no rows."""
     trial = state.trial
-    if trial is None or measured.frame <= trial.since or state.suspect is not None:
+    if trial is None or measured.frame <= trial.since or state.outlier is not None:
         return state
-    return state.but(trial=trial.moved(state.using, measured))
+    return state.replace(trial=trial.moved(state.using, measured))
 
 
 def matched(state: State, before: float, look: Callable[[], PairEstimate]) -> Outcome:
@@ -46,7 +46,7 @@ def matched(state: State, before: float, look: Callable[[], PairEstimate]) -> Ou
     if trial is None or state.frame <= trial.since:
         return state, []
     seen = look()
-    return decided(state.but(trial=trial.matched(before, seen.covered if seen.facts is not None else 0.0)))
+    return decided(state.replace(trial=trial.matched(before, seen.covered if seen.facts is not None else 0.0)))
 
 
 def decided(state: State) -> Outcome:
@@ -71,7 +71,7 @@ def decided(state: State) -> Outcome:
         state = switched(state, trial.offset)
         return state, [Event(state.frame, Kind.REPAIRED, "", facts)]
     facts = {"candidate": calibration_data(state, trial.offset), "proof": proof}
-    state = state.but(trial=None, ready=state.frame + state.config.rest)
+    state = state.replace(trial=None, ready=state.frame + state.config.rest)
     why = "it may harm" if won else "no better on later pairs"
     return state, [Event(state.frame, Kind.REJECTED, f"fitted by {trial.by}; {why}", facts)]
 
@@ -88,13 +88,13 @@ def _chance_of_harm(state: State, offset: Offset) -> float:
 def switched(state: State, offset: Offset) -> State:
     """Another calibration in use; the one before it is kept."""
     previous = (*state.previous, state.using)[-state.config.keep :]
-    return state.using_now(offset).but(
+    return state.using_now(offset).replace(
         previous=previous,
         ready=state.frame + state.config.rest,
         job=None,
         trial=None,
-        strange=(),
-        darkness=0,
+        repair_pairs=(),
+        unmatched_in_a_row=0,
         attempt=2,
     )
 
@@ -107,21 +107,21 @@ def nominated(state: State) -> Outcome:
     shift, and no look tells them apart. A repair of pairs that hardly match, which is judged by its own misfit, may
     change them.
     """
-    if not state.config.repair or state.trial is not None or state.suspect is not None:
+    if not state.config.repair or state.trial is not None or state.outlier is not None:
         return state, []
     if state.frame < state.ready:
         return state, []
     found = reading(state)
     if found.late or found.shifted or found.change is None:
         return state, []
-    return state.but(trial=SequentialTest(state.using + found.change, "looks", state.frame)), []
+    return state.replace(trial=SequentialTest(state.using + found.change, "looks", state.frame)), []
 
 
 def after_repair(state: State, offset: Offset, covariance: Float[np.ndarray, "5 5"]) -> State:
     """A candidate of a repair on trial, unless nothing is to be switched."""
     estimate = state.estimate.moved(offset, covariance + np.eye(SIZE) * AFTER_REPAIR**2)
     trial = SequentialTest(offset, "repair", state.frame) if state.config.repair else None
-    return state.standing_at(estimate).but(trial=trial, suspect=None)
+    return state.standing_at(estimate).replace(trial=trial, outlier=None)
 
 
 def calibration_data(state: State, offset: Offset) -> dict[str, list[float]]:

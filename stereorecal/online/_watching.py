@@ -41,25 +41,25 @@ def followed(state: State, measured: Measurement) -> tuple[State, list[Event]]:
     """The state after an informative look."""
     config = state.config
     if state.estimate.chance_of(measured) >= config.knock:
-        state = state.measured(measured, state.config.together).but(suspect=None, odd=0)
+        state = state.measured(measured, state.config.together).replace(outlier=None, outliers_in_a_row=0)
         return standing(state)
-    if state.suspect is None:
-        return state.but(suspect=measured), []
-    changed = _after_two_outliers(state, state.suspect, measured)
+    if state.outlier is None:
+        return state.replace(outlier=measured), []
+    changed = _after_two_outliers(state, state.outlier, measured)
     if changed is None:
-        odd = state.odd + 1
-        state = state.but(suspect=measured, odd=odd)
+        odd = state.outliers_in_a_row + 1
+        state = state.replace(outlier=measured, outliers_in_a_row=odd)
         return state, [Event(state.frame, Kind.FRAMES_DISAGREE)] if odd == _ODD else []
     estimate, knocked = changed
-    before, state = state.estimate, state.standing_at(estimate).but(suspect=None, odd=0)
+    before, state = state.estimate, state.standing_at(estimate).replace(outlier=None, outliers_in_a_row=0)
     moved = estimate.offset - before.offset
     if not knocked:
         return standing(state)
-    state = state.but(trial=None, ready=0)  # it was fitted to another rig
+    state = state.replace(trial=None, ready=0)  # it was fitted to another rig
     if not reading(state.using_now(before.offset)).matters:
         return standing(state)
     facts = {"change": dict(zip(state.chart.names, moved.tolist(), strict=True))}
-    return state.but(said=Kind.KNOCK), [Event(state.frame, Kind.KNOCK, _change_text(facts["change"]), facts)]
+    return state.replace(reported=Kind.KNOCK), [Event(state.frame, Kind.KNOCK, _change_text(facts["change"]), facts)]
 
 
 def _after_two_outliers(state: State, first: Measurement, second: Measurement) -> tuple[FilterEstimate, bool] | None:
@@ -82,9 +82,9 @@ def standing(state: State) -> tuple[State, list[Event]]:
     """How the rig stands: said when it changes."""
     found = reading(state)
     kind = _kind(found)
-    if kind is None or kind is state.said or (kind is Kind.DRIFTING and state.said is Kind.KNOCK):
+    if kind is None or kind is state.reported or (kind is Kind.DRIFTING and state.reported is Kind.KNOCK):
         return state, []
-    return state.but(said=kind), [Event(state.frame, kind, _why(kind, found), found.as_dict())]
+    return state.replace(reported=kind), [Event(state.frame, kind, _why(kind, found), found.as_dict())]
 
 
 def _why(kind: Kind, found: Reading) -> str:

@@ -225,11 +225,11 @@ def _set(state: State, now: State) -> State:
     if as_matcher(before.matcher) != as_matcher(config.matcher):
         matcher = as_matcher(config.matcher)
         known = matcher if matcher.num_disparities is not None else None
-        state = state.but(matcher=known, job=None, darkness=0, suspect=None)
+        state = state.replace(matcher=known, job=None, unmatched_in_a_row=0, outlier=None)
     if (before.view, before.prior or DEFAULT) != (config.view, config.prior or DEFAULT):
         first, estimate = init(state.initial, config), state.estimate
         wide = first.estimate.moved(estimate.offset, estimate.of_offset + first.estimate.of_offset)
-        state = state.standing_at(wide).but(view=first.view, trial=None, suspect=None)
+        state = state.standing_at(wide).replace(view=first.view, trial=None, outlier=None)
     return state
 
 

@@ -14,14 +14,14 @@ from stereorecal.scoring import Correspondences
 def prior_of(prior: Prior, free: Parameters, rig: StereoRig, reach: Reach, *, ranges: bool) -> Prior:
     """What is known of the calibration: the prior, with what `free` says of single parameters. Where all is exact, what
     is free and no drift moves is as uncertain as `free` has it."""
-    said = {name: sigma for name, sigma in free.priors.items() if name not in EXTRINSICS}
+    sigmas = {name: sigma for name, sigma in free.priors.items() if name not in EXTRINSICS}
     if exact := is_exact(prior):
-        said = {one.name: one.sigma for one in free.of(rig, reach) if one.name in free.shared}
-    told = ranges and not exact and BASELINE not in said
-    if not said and not told:
+        sigmas = {one.name: one.sigma for one in free.of(rig, reach) if one.name in free.shared}
+    baseline_observable = ranges and not exact and BASELINE not in sigmas
+    if not sigmas and not baseline_observable:
         return prior
     chart = rig_parameters(rig)
-    return with_deviations(as_prior(prior, chart, told_length=told), chart, said)
+    return with_deviations(as_prior(prior, chart, baseline_observable=baseline_observable), chart, sigmas)
 
 
 def matched_ranges(case: Case, found: Correspondences, near: StereoRig, apart: Sequence[int] = ()) -> Beams:
@@ -39,11 +39,11 @@ def matched_ranges(case: Case, found: Correspondences, near: StereoRig, apart: S
 
 
 def ranges_seen(
-    given: int, matched: Beams, initial: StereoRig, candidate: StereoRig, said: Reason
+    given: int, matched: Beams, initial: StereoRig, candidate: StereoRig, reason: Reason
 ) -> RangesSeen | None:
     """What became of so many ranges; None if there were none."""
     if not given:
         return None
-    used = candidate if said.accepted else initial
-    refused = None if said.accepted or not matched.fit_better(initial, candidate) else said
+    used = candidate if reason.accepted else initial
+    refused = None if reason.accepted or not matched.fit_better(initial, candidate) else reason
     return RangesSeen(given, len(matched.metres), int(matched.contradict(used).sum()), refused)

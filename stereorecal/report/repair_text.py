@@ -25,10 +25,10 @@ class RepairText:
     remarks: Sequence[tuple[str, str]]
 
 
-def repair_text(said: RepairText) -> str:
+def repair_text(text: RepairText) -> str:
     """The lines."""
-    headed = [("", said.verdict), ("search", said.search), ("before", said.before), ("after", said.after)]
-    lines = [*map(_line, headed), *map(_axis, said.axes), *map(_line, said.remarks)]
+    headed = [("", text.verdict), ("search", text.search), ("before", text.before), ("after", text.after)]
+    lines = [*map(_line, headed), *map(_axis, text.axes), *map(_line, text.remarks)]
     return "\n".join(lines)
 
 

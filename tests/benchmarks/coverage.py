@@ -40,7 +40,7 @@ MISS = 2.0 / 0.05  # what a miss costs in an interval score of 95 %
 def shown(rig: simulated_rigs.Simulated, frames: int, ranges: int, boards: bool, draw: int) -> Recording:
     """What a rig shows."""
     beams, chart = NO_BEAMS, rig_parameters(rig.calibrated)
-    prior = as_prior(with_boards(None, rig.boards if boards else None, chart), chart, told_length=ranges > 0)
+    prior = as_prior(with_boards(None, rig.boards if boards else None, chart), chart, baseline_observable=ranges > 0)
     if ranges:
         left, right, metres = rig.ranges(ranges, draw=draw)
         beams = Beams(left, right, metres, 0.01 * metres, np.full(len(metres), 0.15))

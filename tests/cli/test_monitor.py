@@ -162,7 +162,7 @@ def test_the_live_view_of_depth_beyond_infinity(drive: Ride, yaw: float):
     """A yaw of 2 degrees is the disparity of 30 baselines; and what is no number is drawn, too."""
     states = [stepped.state for stepped in run(drive.rig, drive.pairs[:2], Config())]
     far = np.array([0.0, yaw, 0.0, 0.0, 0.0])
-    states.append(states[-1].but(estimate=states[-1].estimate.moved(far, 1e-4 * np.eye(5))))
+    states.append(states[-1].replace(estimate=states[-1].estimate.moved(far, 1e-4 * np.eye(5))))
     console = Console(width=110, record=True, file=io.StringIO())
     console.print(view("ride", 2, [reading(state) for state in states], []))
     assert "depth at 30 B" in console.export_text()

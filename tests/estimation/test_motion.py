@@ -220,7 +220,7 @@ def test_a_known_way_tells_the_length_of_the_baseline(chart, share, heard):
     longer[3:] *= 1.05
     given = rig_parameters(true.with_extrinsics(longer))
     tracks = windows(true, 8).tracks
-    prior = as_prior(None, given, told_length=True)
+    prior = as_prior(None, given, baseline_observable=True)
     told = Windows(tracks, ((0, 1),) * 8, (1.0,) * 8, ways(true, share)).likelihoods(given, np.zeros(given.dim), prior)
     alone = Windows(tracks, ((0, 1),) * 8, (1.0,) * 8).likelihoods(given, np.zeros(given.dim), prior)
     (log, best), (other, without) = told[0], told[1]
@@ -245,7 +245,10 @@ def test_ways_of_a_vehicle_that_stands_are_left_out(chart):
     """Beside one that tells, and where none does."""
     theta, frames, seconds = np.zeros(chart.dim), ((0, 1),) * 2, (1.0,) * 2
     true = chart.rig_at(theta)
-    tracks, prior = (tracks_of(true), tracks_of(true, move=REST, seed=1)), as_prior(None, chart, told_length=True)
+    tracks, prior = (
+        (tracks_of(true), tracks_of(true, move=REST, seed=1)),
+        as_prior(None, chart, baseline_observable=True),
+    )
     (moving, *_), baseline = ways(true), float(true.baseline)
     alone = Windows(tracks, frames, seconds).likelihoods(chart, theta, prior)
     for still in ((0.0, 0.001), (0.09 * baseline, 0.001)):

@@ -15,7 +15,7 @@ def with_corners(state, pairs=5, since=None):
     grid = np.stack(np.meshgrid(np.arange(20.0, 300.0, 20.0), np.arange(20.0, 220.0, 40.0)), axis=-1).reshape(-1, 2)
     image = np.random.default_rng(0).integers(0, 255, (240, 320), dtype=np.uint8)
     corners = Corners(image, grid, grid - np.array([8.0, 0.0]))
-    return state.but(corners=corners, found_at=state.frame - pairs, since=since)
+    return state.replace(corners=corners, corners_frame=state.frame - pairs, corners_time=since)
 
 
 @pytest.mark.parametrize("time", [10.0, 9.0, 12.5, 10_000.0])
@@ -31,28 +31,28 @@ def test_times_that_stand_go_back_or_jump_end_it(ride, ridden, time):
 @pytest.mark.parametrize(("pairs", "soon"), [(16, True), (17, False), (500, False)])
 def test_where_times_are_not_known_sixteen_pairs_end_it(ride, ridden, since, time, pairs, soon):
     """As a repair takes, during which corners are not looked for."""
-    state = with_corners(ridden[-1].state, pairs, since).but(apart=4)
+    state = with_corners(ridden[-1].state, pairs, since).replace(tracked_pairs=4)
     after, events = moved(state, replace(ride.pairs[-1], time=time))
     assert (after.corners, events) == (None, [])
-    assert after.apart == (2 if soon else 4)  # looked for, and not seen again; or not asked
+    assert after.tracked_pairs == (2 if soon else 4)  # looked for, and not seen again; or not asked
     assert after.estimate is state.estimate
 
 
 def test_looks_that_are_far_apart_stay_within_sixteen_pairs(ridden):
     for every, longest in ((1, 16), (5, 15), (30, 1)):
         state = ridden[-1].state
-        assert _longest(state.but(config=replace(state.config, every=every))) == longest
+        assert _longest(state.replace(config=replace(state.config, every=every))) == longest
 
 
 def test_until_the_rig_may_have_moved_nothing_is_asked(ride, ridden):
-    state = with_corners(ridden[-1].state, pairs=1).but(apart=2)
+    state = with_corners(ridden[-1].state, pairs=1).replace(tracked_pairs=2)
     assert moved(state, ride.pairs[-1]) == (state, [])
 
 
 def test_corners_that_are_not_seen_again_are_looked_for_sooner(ride, ridden):
-    state = with_corners(ridden[-1].state).but(apart=4)
+    state = with_corners(ridden[-1].state).replace(tracked_pairs=4)
     after, events = moved(state, ride.pairs[-1])
-    assert (after.apart, after.corners, events) == (2, None, [])
+    assert (after.tracked_pairs, after.corners, events) == (2, None, [])
     assert after.estimate is state.estimate
 
 
@@ -62,7 +62,7 @@ def test_what_lenses_leave_of_the_yaw_is_in_common_to_all_windows(ridden):
     told = _measurement(state, Normal(info, np.zeros(5), 0.0), np.zeros(3))
     assert told.information[1, 1] == pytest.approx(1e6 / 9.0)
     assert told.doubt == 0.02
-    exact = state.but(config=replace(state.config, prior="exact"))
+    exact = state.replace(config=replace(state.config, prior="exact"))
     assert _measurement(exact, Normal(info, np.zeros(5), 0.0), np.zeros(3)).doubt == 0.0
 
 

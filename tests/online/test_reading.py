@@ -20,11 +20,11 @@ SIGMA = np.array([0.005, 0.02, 0.005, 0.2, 0.5])
 
 @pytest.fixture
 def healthy(ridden: list[Stepped]) -> State:
-    return ridden[-1].state.but(trial=None, ready=0)
+    return ridden[-1].state.replace(trial=None, ready=0)
 
 
 def off_by(state: State, *offset: float) -> State:
-    return state.but(estimate=state.estimate.moved(state.using + offset, np.diag(SIGMA**2)))
+    return state.replace(estimate=state.estimate.moved(state.using + offset, np.diag(SIGMA**2)))
 
 
 def read(state: State, *offset: float) -> Reading:
@@ -72,7 +72,7 @@ def test_a_trigger_leaves_no_shutter_that_a_shift_could_be(healthy):
 def test_a_repair_may_move_y_and_z(healthy, by):
     """It was judged by its own misfit; a candidate of looks is dropped."""
     state = off_by(healthy, 0.0, 0.0, 0.0, 4.0, -5.0)
-    state = state.but(trial=SequentialTest(state.estimate.offset, by, state.frame - 1))
+    state = state.replace(trial=SequentialTest(state.estimate.offset, by, state.frame - 1))
     look = PairEstimate(state.chart, 0.5)
     after, _ = judged(state, Measurement(state.frame, state.estimate.offset, np.diag(SIGMA**-2.0), np.zeros(5)), look)
     assert (after.trial is not None) is (by == "repair")
@@ -81,7 +81,7 @@ def test_a_repair_may_move_y_and_z(healthy, by):
 def unsure_of(state: State, offset: tuple[float, ...], **sigmas: float) -> State:
     """As `off_by`, with other standard deviations of some axes."""
     spread = np.array([sigmas.get(name, sigma) for name, sigma in zip(state.chart.names, SIGMA, strict=True)])
-    return state.but(estimate=state.estimate.moved(state.using + offset, np.diag(spread**2)))
+    return state.replace(estimate=state.estimate.moved(state.using + offset, np.diag(spread**2)))
 
 
 def depth_change_percent(state: State, offset: np.ndarray) -> float:
@@ -109,7 +109,7 @@ def test_what_is_better_on_average_and_may_well_harm_does_not(healthy):
     state = unsure_of(healthy, (0.0, 0.1, 0.0, 0.0, 0.0), yaw=0.1)
     assert reading(state).change is None
     assert nominated(state)[0].trial is None
-    braver = state.but(config=replace(state.config, harm=0.4))
+    braver = state.replace(config=replace(state.config, harm=0.4))
     assert nominated(braver)[0].trial is not None
 
 
@@ -119,7 +119,7 @@ def test_a_trial_that_is_won_needs_what_the_filter_knows(healthy, sigma, switche
     state = unsure_of(healthy, (0.0, 0.1, 0.0, 0.0, 0.0), yaw=sigma)
     won = SequentialTest(state.estimate.offset, "looks", state.frame - 1, looks=9, matches=20.0)
     assert won.won(state.config.switch)
-    after, events = decided(state.but(trial=won))
+    after, events = decided(state.replace(trial=won))
     (event,) = events
     assert event.kind is (Kind.REPAIRED if switches else Kind.REJECTED)
     assert (event.facts["proof"]["chance_of_harm"] <= state.config.harm) is switches
@@ -129,7 +129,7 @@ def test_a_trial_that_is_won_needs_what_the_filter_knows(healthy, sigma, switche
 def test_a_trial_on_what_is_no_number_switches_nothing(healthy):
     won = SequentialTest(healthy.using + 0.1, "repair", healthy.frame - 1, looks=9, matches=20.0)
     unknown = healthy.standing_at(replace(healthy.estimate, mean=np.full_like(healthy.estimate.mean, np.nan)))
-    after, events = decided(unknown.but(trial=won))
+    after, events = decided(unknown.replace(trial=won))
     assert [event.kind for event in events] == [Kind.REJECTED]
     assert np.array_equal(after.using, healthy.using)
 
@@ -187,22 +187,22 @@ def test_a_keystone_bends_rows_and_leaves_depth(healthy):
     known = healthy.estimate.moved(healthy.using, 1e-8 * np.eye(5))
     mean, covariance = known.mean.copy(), known.covariance.copy()
     mean[KEYSTONE], covariance[KEYSTONE], covariance[:, KEYSTONE] = 1.0, 0.0, 0.0
-    bent = reading(healthy.but(estimate=replace(known, mean=mean, covariance=covariance)))
+    bent = reading(healthy.replace(estimate=replace(known, mean=mean, covariance=covariance)))
     yaw = known.moved(healthy.using + np.array([0.0, 1.0, 0.0, 0.0, 0.0]), 1e-8 * np.eye(5))
-    turned = reading(healthy.but(estimate=yaw))
+    turned = reading(healthy.replace(estimate=yaw))
     assert abs(bent.depth_percent[FAR].value) < 1.0
     assert abs(turned.depth_percent[FAR].value) > 30.0
     assert bent.rows_px.value == pytest.approx(turned.rows_px.value, rel=0.2)
 
 
 def test_what_is_no_number_is_not_healthy(healthy):
-    broken = healthy.but(estimate=replace(healthy.estimate, mean=healthy.estimate.mean * np.nan))
+    broken = healthy.replace(estimate=replace(healthy.estimate, mean=healthy.estimate.mean * np.nan))
     assert reading(broken).condition is Condition.CANNOT_TELL
 
 
 def test_after_a_knock_nothing_that_came_before_is_on_trial(healthy):
     """Not even where too little is known to say that it was one."""
-    state = healthy.but(trial=SequentialTest(healthy.using + 0.01, "looks", 0), ready=99, suspect=None)
+    state = healthy.replace(trial=SequentialTest(healthy.using + 0.01, "looks", 0), ready=99, outlier=None)
     for frame in (1, 2):
         far = Measurement(frame, healthy.using + np.array([0.0, 2.0, 0.0, 0.0, 0.0]), np.diag(SIGMA**-2.0), np.zeros(5))
         state, _ = followed(state, far)

@@ -44,18 +44,20 @@ def test_the_images_of_corners_are_not_kept(tmp_path: Path):
     """Of two megabytes: a disk would wear."""
     place, image = tmp_path / "state", np.random.default_rng(0).integers(0, 255, (1080, 1920), np.uint8)
     none = np.zeros((0, 2))
-    state = init(default_rig()).but(corners=Corners(image, none, none), since=1.0, last=image[:180, :320])
+    state = init(default_rig()).replace(corners=Corners(image, none, none), corners_time=1.0, last=image[:180, :320])
     save(state, place)
     assert place.stat().st_size < 60_000
     again = load(place)
-    assert again.corners is again.last is again.since is None
+    assert again.corners is again.last is again.corners_time is None
 
 
 def test_pairs_that_wait_for_a_repair_are_kept(ride: Ride, tmp_path: Path):
-    state = init(ride.rig).but(strange=tuple(ride.pairs[:2]), darkness=2, matcher=sr.SAD(num_disparities=48))
+    state = init(ride.rig).replace(
+        repair_pairs=tuple(ride.pairs[:2]), unmatched_in_a_row=2, matcher=sr.SAD(num_disparities=48)
+    )
     save(state, tmp_path / "state")
     again = load(tmp_path / "state")
-    np.testing.assert_array_equal(again.strange[1].left, ride.pairs[1].left)
+    np.testing.assert_array_equal(again.repair_pairs[1].left, ride.pairs[1].left)
     assert again.matcher == state.matcher
     assert again.config == state.config
     assert np.isnan(again.row_error)
@@ -81,7 +83,7 @@ def test_what_is_no_state_is_refused(ride: Ride, tmp_path: Path):
     with pytest.raises(sr.InputError, match="no state"):
         load(path)
     with open(path, "wb") as file:
-        np.savez(file, content=np.frombuffer(json.dumps({"schema": "stereorecal.state/8"}).encode(), np.uint8))
+        np.savez(file, content=np.frombuffer(json.dumps({"schema": "stereorecal.state/9"}).encode(), np.uint8))
     with pytest.raises(sr.InputError, match="of version"):
         load(path)
 
@@ -91,7 +93,7 @@ def test_a_state_of_another_calibration_is_refused(ride: Ride, tmp_path: Path):
     path = tmp_path / "state"
     began = init(ride.rig)
     before = np.array([0.2, 0.0, 0.0, 0.0, 0.0])
-    save(began.using_now(np.array([0.3, 0.0, 0.0, 0.0, 0.0])).but(previous=(np.zeros(5), before)), path)
+    save(began.using_now(np.array([0.3, 0.0, 0.0, 0.0, 0.0])).replace(previous=(np.zeros(5), before)), path)
     used = load(path).rig
     assert not np.allclose(used.extrinsics, ride.rig.extrinsics)
     sr.io.save_rig(used, (tmp_path / "ros_left.yaml", tmp_path / "ros_right.yaml"), format="ros")

@@ -18,7 +18,7 @@ SLICES = 7  # the survey, the count, half scale, four rounds at full scale
 def lost(ride: Ride) -> State:
     """So far off that hardly anything matches."""
     off = np.radians([-1.5, 1.0, 2.0, 0.0, 0.0, 0.0])
-    return init(ride.rig.with_extrinsics(ride.rig.extrinsics + off)).but(matcher=sr.SAD(num_disparities=48))
+    return init(ride.rig.with_extrinsics(ride.rig.extrinsics + off)).replace(matcher=sr.SAD(num_disparities=48))
 
 
 def stepped(state: State, pairs: list[Pair], seconds: float | None = None) -> tuple[State, list[Kind]]:
@@ -43,7 +43,7 @@ def test_a_step_does_a_slice(ride: Ride, lost: State):
     assert done == list(range(SLICES))
     assert kinds == [Kind.REPAIRING, Kind.KNOCK]
     assert state.trial is not None
-    assert (error(state.but(using=state.trial.offset), ride.knocked) < [0.05, 0.2, 0.05]).all()
+    assert (error(state.replace(using=state.trial.offset), ride.knocked) < [0.05, 0.2, 0.05]).all()
 
 
 @pytest.mark.slow

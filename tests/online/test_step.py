@@ -86,7 +86,7 @@ def test_rollback_returns_and_stays(ride: Ride, ridden: list[Stepped]):
 
 def test_rollback_to_one_of_several(ride: Ride):
     one, two, three = (0.1 * number * np.eye(5)[0] for number in (1, 2, 3))
-    state = init(ride.rig).using_now(three).but(previous=(np.zeros(5), one, two))
+    state = init(ride.rig).using_now(three).replace(previous=(np.zeros(5), one, two))
     back = rollback(state, one)
     assert np.array_equal(back.using, one)
     assert np.array_equal(back.previous, [np.zeros(5)])
@@ -116,12 +116,12 @@ def test_a_bad_pair_is_an_event(ride: Ride, ridden: list[Stepped], what: str):
 def test_bad_pairs_in_a_row_are_said_once_and_end_what_is_followed(ride: Ride):
     black, good = (np.zeros((240, 320), np.uint8),) * 2, ride.pairs[0]
     grid = np.full((40, 2), 20.0)
-    state = init(ride.rig).but(corners=Corners(black[0], grid, grid))
+    state = init(ride.rig).replace(corners=Corners(black[0], grid, grid))
     state, first = step(state, black)
     assert state.corners is None
     state, second = step(state, black)
     assert [event.kind for event in (*first, *second)] == [Kind.BAD_FRAME]
-    state, events = step(state.but(last=small(good.left)), black)  # after a good one
+    state, events = step(state.replace(last=small(good.left)), black)  # after a good one
     assert [event.kind for event in events] == [Kind.BAD_FRAME]
 
 
@@ -157,7 +157,7 @@ def test_a_state_that_is_gone_on_with_a_trigger_knows_no_delay(ride: Ride):
 
 
 def test_a_look_that_fits_a_late_shutter_is_a_knock_of_cameras_with_a_trigger(ride: Ride, ridden: list[Stepped]):
-    state, told = ridden[BEFORE - 1].state.but(suspect=None), []
+    state, told = ridden[BEFORE - 1].state.replace(outlier=None), []
     turned = np.array([0.5, 0.0, 0.0, 0.0, 0.0])
     for synchronous in (False, True):
         now = state.configured(replace(state.config, synchronous=synchronous))

@@ -82,13 +82,13 @@ def told(beside: MonitorProcess, *kinds: Kind) -> list[Event]:
 
 
 def counted(state: State) -> tuple[State, tuple[Event, ...]]:
-    return state.but(frame=state.frame + 1), ()
+    return state.replace(frame=state.frame + 1), ()
 
 
 def test_changes_pairs_and_savings(ride: Ride, tmp_path: Path):
     """A change is made in the process, between pairs; a state is saved when something happens, and at the end."""
     noise, kept = np.random.default_rng(0).integers(0, 255, (2, 240, 320), np.uint8), tmp_path / "state"
-    state = init(ride.rig, Config(every=1000)).but(frame=1)  # so that no pair is looked at
+    state = init(ride.rig, Config(every=1000)).replace(frame=1)  # so that no pair is looked at
     with MonitorProcess(state, keep=kept, keep_every=math.inf) as beside:
         assert beside.ready
         beside.change(partial(seen, folder=tmp_path))
@@ -114,7 +114,7 @@ def test_changes_pairs_and_savings(ride: Ride, tmp_path: Path):
 
 def with_corners(state: State) -> tuple[State, tuple[Event, ...]]:
     none = np.zeros((0, 2))
-    return state.but(corners=Corners(np.zeros((240, 320), np.uint8), none, none)), ()
+    return state.replace(corners=Corners(np.zeros((240, 320), np.uint8), none, none)), ()
 
 
 def told_corners(state: State) -> tuple[State, tuple[Event, ...]]:
@@ -138,7 +138,7 @@ def test_the_times_of_pairs_reach_the_steps(ride: Ride, monkeypatch: pytest.Monk
     def stepped(state: State, pair: Pair | tuple, seconds: float | None):
         time = pair.time if isinstance(pair, Pair) else None
         answers.append((type(pair), time, state.last is None))
-        return state.but(last=noise[0]), ()
+        return state.replace(last=noise[0]), ()
 
     class Pipe:
         def __init__(self):
@@ -163,7 +163,7 @@ def test_the_settings_that_are_given_count_where_a_state_is_kept(ride: Ride, tmp
     place = tmp_path / "state"
     known = sr.SAD(num_disparities=48)
     narrow = init(ride.rig)
-    narrow = narrow.but(frame=7, matcher=known, estimate=narrow.estimate.moved(np.ones(5), 1e-6 * np.eye(5)))
+    narrow = narrow.replace(frame=7, matcher=known, estimate=narrow.estimate.moved(np.ones(5), 1e-6 * np.eye(5)))
 
     def went_on(state: State, *config: Config) -> State:
         save(state, place)
@@ -274,7 +274,7 @@ def test_the_last_state_is_saved_when_the_program_is_killed(tmp_path: Path):
         "def slow(state):\n"
         f"    Path({str(tmp_path / 'begun')!r}).touch()\n"
         "    time.sleep(1.0)\n"
-        "    return state.but(frame=7), ()\n"
+        "    return state.replace(frame=7), ()\n"
         "if __name__ == '__main__':\n"
         f"    beside = MonitorProcess(default_rig(), keep={str(place)!r}, keep_every=1e9)\n"
         "    beside.change(slow)\n"

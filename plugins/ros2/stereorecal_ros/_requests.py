@@ -17,6 +17,6 @@ def returned(state: State, offset: Offset) -> Outcome:
     """The calibration that is published again, and frozen, though the state may not know it (any more): it keeps fewer
     than have been published."""
     if not any(np.array_equal(offset, known) for known in state.previous):
-        state = state.but(previous=(*state.previous, offset))
+        state = state.replace(previous=(*state.previous, offset))
     state = rollback(state, offset)
     return state, (Event(state.frame, Kind.ROLLED_BACK),)

@@ -78,7 +78,7 @@ class Work:
     def accept(self, offset: np.ndarray) -> None:
         """As `stereorecal.online` does when a candidate has won."""
         state = self.state.using_now(offset)
-        self.state = state.but(previous=(*self.state.previous, self.state.using), frame=self.state.frame + 1)
+        self.state = state.replace(previous=(*self.state.previous, self.state.using), frame=self.state.frame + 1)
         self.events.append(Event(self.state.frame, Kind.REPAIRED))
 
     def _check(self) -> None:

@@ -95,7 +95,7 @@ def test_pairs_that_the_worker_cannot_use_are_told_once(robot):
     assert (
         "images that can be used (the pair cannot be used: left and right look swapped)" in one.watch.status().message
     )
-    one.work.state = one.work.state.but(seen=1)
+    one.work.state = one.work.state.replace(seen=1)
     one.see()
     assert one.watch.status().values["missing"] == "nothing"
 

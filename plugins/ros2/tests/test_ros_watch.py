@@ -86,7 +86,7 @@ def test_a_roll_back_beyond_what_the_state_keeps(robot):
     one.watch.apply()
     for _ in range(9):
         one.accept(BEST)
-    one.work.state = one.work.state.but(previous=one.work.state.previous[-8:])
+    one.work.state = one.work.state.replace(previous=one.work.state.previous[-8:])
     assert one.watch.roll_back()[0]
     one.see()
     np.testing.assert_array_equal(one.work.state.using, np.zeros(5))
