@@ -24,7 +24,8 @@ def taken(code: str) -> Iterator[tuple[str, str]]:
 def made(script: Path) -> set[str]:
     """The names that a script defines."""
     body = ast.parse(script.read_text()).body
-    assigned = (target for node in body if isinstance(node, ast.Assign) for target in node.targets)
+    assigned = [target for node in body if isinstance(node, ast.Assign) for target in node.targets]
+    assigned += [node.target for node in body if isinstance(node, ast.AnnAssign)]
     return {node.name for node in body if isinstance(node, ast.FunctionDef | ast.ClassDef)} | {
         name.id for target in assigned for name in ast.walk(target) if isinstance(name, ast.Name)
     }
