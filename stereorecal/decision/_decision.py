@@ -315,7 +315,9 @@ def _decided(
     before, rows = given.mean_rows, after.mean_rows
     better = float(np.mean(rows < before - limits.gain_px))
     harmless = counted < limits.alpha
-    harmless = harmless and (proven or _is_blind(given, limits) or not _costs_a_region(estimate, theta, limits))
+    harmless = harmless and (
+        proven or _is_beyond_matching(given, limits) or not _costs_a_region(estimate, theta, limits)
+    )
     ranges_agree = bool(estimate.beams.fit_better(estimate.chart.rig, estimate.chart.rig_at(theta)))
     nearer = float(np.mean(after.depth < given.depth - limits.worse_depth_points)) > 1.0 - limits.alpha
     # What most frames show bears it out: no posterior knows all ways in which lenses err, and where they do, one frame
@@ -339,10 +341,10 @@ def _chances_of_harm(given: _Losses, after: _Losses, limits: Tolerances) -> tupl
     lost = ~np.all(after.rows <= given.rows + limits.worse_rows_px, axis=0)
     farther = ~(after.depth <= given.depth + limits.worse_depth_points)
     worse = float(np.mean(lost | farther))
-    return worse, float(np.mean(lost)) if _is_blind(given, limits) else worse
+    return worse, float(np.mean(lost)) if _is_beyond_matching(given, limits) else worse
 
 
-def _is_blind(given: _Losses, limits: Tolerances) -> bool:
+def _is_beyond_matching(given: _Losses, limits: Tolerances) -> bool:
     return float(np.mean(given.mean_rows > limits.blind_rows_px)) > 1.0 - limits.alpha
 
 

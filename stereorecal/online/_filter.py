@@ -129,7 +129,7 @@ class FilterEstimate:
         kept[SIZE] = _DELAY / max(_DELAY, float(np.sqrt(covariance[SIZE, SIZE])))
         return FilterEstimate(onwards @ self.mean, covariance * np.outer(kept, kept))
 
-    def seen(self, measured: Measurement) -> "FilterEstimate":
+    def updated(self, measured: Measurement) -> "FilterEstimate":
         """With one more measurement."""
         design, information = measured.design, measured.information
         pull = design.T @ information @ (measured.offset - design @ self.mean)
@@ -174,7 +174,7 @@ class FilterEstimate:
         """After a shutter may have begun to be late, or ceased: the rig turns and travels while it is."""
         return self._widened([0.0, 0.0, 0.0, _TRAVEL, _TRAVEL, _DELAY])
 
-    def shaken(self, prior: Float[np.ndarray, "5"]) -> "FilterEstimate":
+    def after_knock(self, prior: Float[np.ndarray, "5"]) -> "FilterEstimate":
         """After a knock: as far away as the prior says."""
         return self._widened(prior)
 
@@ -189,7 +189,7 @@ class FilterEstimate:
         """After a yaw of so many degrees that is not the rig's: of other things that move."""
         return self._widened([0.0, yaw])
 
-    def mistaken(self, yaw: float) -> "FilterEstimate":
+    def with_yaw_of_others(self, yaw: float) -> "FilterEstimate":
         """After rows may have taken a yaw of so many degrees for the keystone: what they know of the sum stays."""
         both = np.zeros(len(self.mean))
         both[1], both[KEYSTONE] = yaw, -yaw

@@ -120,10 +120,10 @@ def _after_window(state: State, measured: Measurement) -> Outcome:
     state = state.replace(outlier_motion=measured)
     if first is None:
         return standing(state)
-    turned = estimate.mistaken(float(state.prior[1])).seen(first)
+    turned = estimate.with_yaw_of_others(float(state.prior[1])).updated(first)
     if turned.chance_of(measured) < _FITS:
         return standing(state)
-    turned = turned.seen(measured)
+    turned = turned.updated(measured)
     if abs(turned.keystone) > abs(estimate.keystone):  # a boat tells the same yaw twice, too; rows know of none
         return standing(state)
     return standing(state.standing_at(turned).replace(outlier_motion=None, trial=None, others=_COME))

@@ -55,11 +55,11 @@ class Pace:
             ),
         )
 
-    def seen(self, measured: Measurement) -> "Pace":
+    def updated(self, measured: Measurement) -> "Pace":
         """With one more measurement."""
         logs = np.array([one.log_likelihood(measured, _MOST) for one in self.several])
         logs = _USUAL + (1.0 - 1.0 / _MEMORY) * (self.logs - _USUAL) + logs
-        return Pace(tuple(one.seen(one.doubted(measured)) for one in self.several), logs - logs.max())
+        return Pace(tuple(one.updated(one.doubted(measured)) for one in self.several), logs - logs.max())
 
 
 def _scaled_rates(config: Config, times: Float[np.ndarray, "2"]) -> Config:

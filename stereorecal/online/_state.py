@@ -129,8 +129,8 @@ class State:
 
     def measured(self, seen: Measurement, together: int = 1) -> "State":
         """With a measurement, of which so many err together."""
-        estimate = self.estimate.seen(self.estimate.doubted(seen).weighed(1.0 / together))
-        return replace(self, estimate=estimate, pace=self.pace.seen(seen.weighed(together**-0.5)))
+        estimate = self.estimate.updated(self.estimate.doubted(seen).weighed(1.0 / together))
+        return replace(self, estimate=estimate, pace=self.pace.updated(seen.weighed(together**-0.5)))
 
     def standing_at(self, estimate: FilterEstimate) -> "State":
         """With another estimate."""

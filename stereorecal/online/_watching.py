@@ -69,13 +69,13 @@ def _after_two_outliers(state: State, first: Measurement, second: Measurement) -
         late = _with(state.estimate.late(), state, first)
         if state.estimate.late().chance_of(first) > _AGREE and late.chance_of(second) > _AGREE:
             return _with(late, state, second), False
-    knocked = _with(state.estimate.shaken(state.prior), state, first)
+    knocked = _with(state.estimate.after_knock(state.prior), state, first)
     return (_with(knocked, state, second), True) if knocked.chance_of(second) > _AGREE else None
 
 
 def _with(estimate: FilterEstimate, state: State, measured: Measurement) -> FilterEstimate:
     """The estimate with a look, of which a share counts: nothing votes twice. The turn errs in all looks alike, too."""
-    return estimate.seen(estimate.doubted(measured).weighed(1.0 / state.config.together))
+    return estimate.updated(estimate.doubted(measured).weighed(1.0 / state.config.together))
 
 
 def standing(state: State) -> tuple[State, list[Event]]:

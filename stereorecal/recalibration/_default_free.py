@@ -8,7 +8,7 @@ from stereorecal.recalibration._stages import Case
 from stereorecal.scoring import Correspondences
 
 
-def decided(case: Case, found: Correspondences, seen: Estimate) -> tuple[Parameters, Decision]:
+def free_and_decision(case: Case, found: Correspondences, seen: Estimate) -> tuple[Parameters, Decision]:
     """What may change, and the decision on it: as it is in the case; or everything, where that does not explain the
     rows of several places, and all parameters together do, also in frames that took no part.
 

@@ -19,7 +19,7 @@ from stereorecal.recalibration._acceptance import (
     compared,
     loses_regions,
 )
-from stereorecal.recalibration._default_free import decided
+from stereorecal.recalibration._default_free import free_and_decision
 from stereorecal.recalibration._expected import Expected, expected
 from stereorecal.recalibration._freed_intrinsics import Intrinsics, IntrinsicsOutcome, intrinsics_of
 from stereorecal.recalibration._interval import Interval
@@ -93,7 +93,7 @@ def answered(case: Case, found: Correspondences, near: StereoRig, again_at: floa
         seen = estimate(rest, case.rig, case.prior, start=start, beams=ranges, windows=windows, view=view)
     if again_at is not None and case.free.lenses:
         seen, rest = _matched_again(case, seen, rest, again_at)
-    free, decision = decided(case, rest, seen)
+    free, decision = free_and_decision(case, rest, seen)
     if again_at is not None and free.lenses and not case.free.lenses:
         seen, rest = _matched_again(case, seen, rest, again_at)
         decision = decide(seen, free.names, case.tolerances, proven=True)

@@ -118,7 +118,7 @@ def recalibrate_many(
         _check_in_order(free, executor)
         results = _in_order(scenes, alone)
     else:
-        results = run_all(partial(_repair, options=alone.options), scenes, executor)
+        results = run_all(partial(_repaired_or_fault, options=alone.options), scenes, executor)
     done: dict[int, Repair] = {}
     for index, found in results:
         done[index] = found if isinstance(found, Repair) else _failed(scenes[index].name, found)
@@ -149,7 +149,7 @@ def _in_order(scenes: Sequence[Scene], settings: Settings) -> Iterator[tuple[int
         settings = replace(settings, view=as_view(settings.view, first))
     rig = first
     for index, scene in enumerate(scenes):
-        done = _repair(replace(scene, rig=rig), settings.options)
+        done = _repaired_or_fault(replace(scene, rig=rig), settings.options)
         rig = rig if done.solution is None else done.solution.rig
         yield index, done
 
@@ -259,7 +259,7 @@ def _selected_pairs(pairs: Sequence[Pair], solution: Solution) -> tuple[Pair, ..
     return tuple(pairs if solution.frames.selected is None else (pairs[number] for number in solution.frames.selected))
 
 
-def _repair(scene: Scene, options: Mapping[str, Any]) -> Repair:
+def _repaired_or_fault(scene: Scene, options: Mapping[str, Any]) -> Repair:
     """Repair one recording, in a worker: whatever goes wrong comes back as text, which always pickles."""
     try:
         if scene.rig is None:

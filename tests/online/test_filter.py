@@ -26,7 +26,7 @@ def fused(frames: int, offset: np.ndarray, draw: np.random.Generator, late: floa
     estimate = at_start(PRIOR, STILL)
     for frame in range(frames):
         turn = float(np.sin(0.2 * frame))
-        estimate = estimate.later(STILL).seen(measured(frame, offset, draw, turn, late))
+        estimate = estimate.later(STILL).updated(measured(frame, offset, draw, turn, late))
     return estimate
 
 
@@ -54,7 +54,7 @@ def test_shutters_that_open_at_once_leave_the_yaw_of_a_rig_that_turns_evenly():
         config, draw = replace(STILL, synchronous=together), np.random.default_rng(1)
         estimate = at_start(PRIOR, config)
         for frame in range(30):
-            estimate = estimate.later(config).seen(measured(frame, np.zeros(5), draw, turn=0.5))
+            estimate = estimate.later(config).updated(measured(frame, np.zeros(5), draw, turn=0.5))
         spread[together] = float(np.sqrt(estimate.of_offset[1, 1]))
         assert bool(estimate.covariance[5, 5] == 0.0) is together
         assert (estimate.delay == 0.0) is together
@@ -72,7 +72,7 @@ def test_what_is_said_of_the_shutters_may_change():
     free = triggered.of_shutters(False)
     assert free.covariance[5, 5] == pytest.approx(at_start(PRIOR, STILL).covariance[5, 5])
     for frame in range(60):
-        free = free.later(STILL).seen(measured(frame, np.zeros(5), draw, float(np.sin(0.2 * frame)), 0.3))
+        free = free.later(STILL).updated(measured(frame, np.zeros(5), draw, float(np.sin(0.2 * frame)), 0.3))
     assert free.delay == pytest.approx(0.3, abs=0.06)
 
 
@@ -95,7 +95,7 @@ def test_false_alarms_are_as_rare_as_said():
         look = measured(frame, np.zeros(5), draw)
         estimate = estimate.later(shaking)
         rare.append(estimate.chance_of(look) < 0.01)
-        estimate = estimate.seen(look)
+        estimate = estimate.updated(look)
     assert np.mean(rare) == pytest.approx(0.01, abs=0.005)
 
 
@@ -107,7 +107,7 @@ def test_heat_is_followed_and_the_intervals_know_it():
         estimate = at_start(PRIOR, config)
         for frame, hot in enumerate(ramp):
             truth = np.array([2e-4, 8e-4, 2e-4, 0.0, 0.0]) * sides * hot
-            estimate = estimate.later(config).seen(measured(frame, truth, draw))
+            estimate = estimate.later(config).updated(measured(frame, truth, draw))
             if frame >= 50:
                 far.append(np.abs(estimate.offset - truth)[:3])
                 inside.append(far[-1] < 1.96 * np.sqrt(np.diag(estimate.of_offset))[:3])
@@ -138,11 +138,11 @@ def test_a_covariance_stays_one(seed, events):
         if event == "late":
             estimate = estimate.late()
         elif event == "knock":
-            estimate = estimate.shaken(PRIOR)
+            estimate = estimate.after_knock(PRIOR)
         elif event == "look":
             for _ in range(5):
                 look = measured(frame, np.zeros(5), draw, draw.uniform(0.5, 1.0), 0.3).weighed(0.125)
-                estimate = estimate.seen(estimate.doubted(look))
+                estimate = estimate.updated(estimate.doubted(look))
         spread = np.sqrt(np.diag(estimate.covariance))
         assert np.linalg.eigvalsh(estimate.covariance / np.outer(spread, spread))[0] > -1e-9
         assert estimate.later(config).covariance[5, 5] <= 0.25 + 1e-9
@@ -151,7 +151,7 @@ def test_a_covariance_stays_one(seed, events):
 def test_a_look_that_says_nothing_changes_nothing():
     estimate = at_start(PRIOR, STILL)
     nothing = Measurement(0, np.full(5, 9.0), np.zeros((5, 5)), np.zeros(5))
-    np.testing.assert_allclose(estimate.seen(nothing).mean, estimate.mean, atol=1e-12)
+    np.testing.assert_allclose(estimate.updated(nothing).mean, estimate.mean, atol=1e-12)
     assert estimate.chance_of(nothing) == 1.0
 
 
@@ -219,11 +219,11 @@ def test_a_keystone_of_the_lenses_is_no_yaw():
     bent = np.array([0.0, 0.5, 0.0, 0.0, 0.0])
     rows = at_start(np.array([1.0, 0.05, 1.0, 1.0, 1.0]), STILL, keystone=0.3)
     for frame in range(40):
-        rows = rows.later(STILL).seen(measured(frame, bent, draw))
+        rows = rows.later(STILL).updated(measured(frame, bent, draw))
     assert abs(rows.offset[1]) < 0.1 < 0.4 < rows.keystone
     told = rows
     for frame in range(40, 80):
-        told = told.later(STILL).seen(by_motion(frame, 0.0, draw)).seen(measured(frame, bent, draw))
+        told = told.later(STILL).updated(by_motion(frame, 0.0, draw)).updated(measured(frame, bent, draw))
     assert abs(told.offset[1]) < 0.02
     assert told.of_offset[1, 1] > 0.01**2
     assert told.keystone == pytest.approx(0.5, abs=0.05)
@@ -236,7 +236,7 @@ def test_what_the_lenses_leave_of_the_yaw_does_not_average_away():
     for config, least in ((STILL, 0.02), (replace(STILL, prior="exact"), 0.0)):
         estimate = at_start(PRIOR, config)
         for frame in range(400):
-            estimate = estimate.later(config).seen(by_motion(frame, 0.0, draw))
+            estimate = estimate.later(config).updated(by_motion(frame, 0.0, draw))
         spread = float(np.sqrt(estimate.of_offset[1, 1]))
         assert spread == pytest.approx(np.hypot(least, 0.03 / np.sqrt(400)), rel=0.02)
 
@@ -255,10 +255,10 @@ def test_looks_follow_a_yaw_once_the_keystone_is_known():
     draw, walking = np.random.default_rng(5), Config(wander=(0.01, 0.02, 0.01), heating=(0.0, 0.0, 0.0))
     estimate = at_start(np.array([1.0, 0.05, 1.0, 1.0, 1.0]), STILL, keystone=0.3)
     for frame in range(60):
-        estimate = estimate.later(STILL).seen(by_motion(frame, 0.0, draw))
-        estimate = estimate.seen(measured(frame, np.array([0.0, 0.4, 0.0, 0.0, 0.0]), draw))
+        estimate = estimate.later(STILL).updated(by_motion(frame, 0.0, draw))
+        estimate = estimate.updated(measured(frame, np.array([0.0, 0.4, 0.0, 0.0, 0.0]), draw))
     for frame in range(60, 160):
-        estimate = estimate.later(walking).seen(
+        estimate = estimate.later(walking).updated(
             measured(frame, np.array([0.0, 0.4 + 0.003 * (frame - 59), 0.0, 0.0, 0.0]), draw)
         )
     assert estimate.offset[1] == pytest.approx(0.3, abs=0.08)
@@ -268,7 +268,7 @@ def test_looks_follow_a_yaw_once_the_keystone_is_known():
 def test_exact_intrinsics_have_no_keystone():
     draw, estimate = np.random.default_rng(6), at_start(PRIOR, STILL)
     for frame in range(20):
-        estimate = estimate.later(STILL).seen(measured(frame, np.zeros(5), draw))
+        estimate = estimate.later(STILL).updated(measured(frame, np.zeros(5), draw))
     assert estimate.keystone == 0.0
     assert estimate.of_rig(measured(0, np.zeros(5), draw)).doubt == 0.0
 
@@ -279,7 +279,7 @@ def test_how_fast_a_rig_drifts_is_learnt(step, faster):
     pace = Pace.at(at_start(PRIOR, config))
     for frame in range(80):
         truth[:3] += step * draw.standard_normal(3)
-        pace = pace.later(config).seen(measured(frame, truth, draw))
+        pace = pace.later(config).updated(measured(frame, truth, draw))
     learnt = pace.config(config)
     assert (learnt.wander[0] > 5.0 * config.wander[0]) is faster
     again = pace.again(at_start(PRIOR, config))
