@@ -46,20 +46,20 @@ class Rival:
     Attributes:
         name: of its kind.
         of_rig: (n, q) what it adds to θ, per unit of each of its parameters.
-        of_places: (p, q) pixels of row at each place, likewise.
+        of_groups: (g, q) pixels of row of each group, likewise.
         sizes: (q,) standard deviations of these parameters.
         log_prior: natural logarithm of its probability.
     """
 
     name: str
     of_rig: Float[np.ndarray, "n q"]
-    of_places: Float[np.ndarray, "p q"]
+    of_groups: Float[np.ndarray, "g q"]
     sizes: Float[np.ndarray, "q"]
     log_prior: float
 
     def columns(self, rows: LinearGroups) -> Float[np.ndarray, "g q"]:
         """What each of its parameters does to rows."""
-        return rows.jacobian @ self.of_rig + self.of_places[rows.groups.place]
+        return rows.jacobian @ self.of_rig + self.of_groups
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +82,7 @@ def fits_with_rivals(
         alone: the rig alone, which rivals are weighed against.
     """
     best, kind = best_of(alone)
-    searched = [*_rolling(chart.dim), _late(chart.dim), *_regions(rows, prior, best.prior, kind)]
+    searched = [*_rolling(rows, chart), _late(rows), *_regions(rows, prior, best.prior, kind)]
     of_all = {d: _likelihoods(rows, searched, d) for d in DEVIATIONS}
     tried = []
     for index, rival in enumerate(searched):
@@ -156,22 +156,24 @@ def _with_rival(
     return explained_by(normals, likelihoods, prior, which, np.diag(rival.sizes), rival.log_prior)
 
 
-def _rolling(n: int) -> list[Rival]:
+def _rolling(rows: LinearGroups, chart: RigChart) -> list[Rival]:
     """One image is read row by row while its camera turns: rows move as far as they lie from the row that was taken
     with the other image, the first, middle or last. All rows by the same no shutter moves, but a rig that drifted."""
-    down = (np.arange(_N) // PLACES[0] + 0.5) / PLACES[1]
+    right, n = chart.rig.right, rows.jacobian.shape[1]
+    down = right.project(rows.groups.right)[:, 1] / right.size[1]
+    moved = -rows.jacobian[:, chart.names.index("right.cy")]  # by a pixel of the right image, as lenses bend it
     log_prior = float(np.log(_ROLLING / len(_TAKEN_TOGETHER)))
     return [
-        Rival("rolling", np.zeros((n, 1)), (down - row)[:, None], np.array([MOVED]), log_prior)
+        Rival("rolling", np.zeros((n, 1)), (moved * (down - row))[:, None], np.array([MOVED]), log_prior)
         for row in _TAKEN_TOGETHER
     ]
 
 
-def _late(n: int) -> Rival:
+def _late(rows: LinearGroups) -> Rival:
     """One image is late and its camera has moved: a drift of another size."""
-    angles = 3
+    angles, (g, n) = 3, rows.jacobian.shape
     sizes = np.r_[np.full(angles, _LATE_ANGLE), np.full(_DRIFTING - angles, _LATE_SHIFT)]
-    return Rival("late", np.eye(n, _DRIFTING), np.zeros((_N, _DRIFTING)), sizes, float(np.log(_LATE)))
+    return Rival("late", np.eye(n, _DRIFTING), np.zeros((g, _DRIFTING)), sizes, float(np.log(_LATE)))
 
 
 def _regions(rows: LinearGroups, prior: CalibrationPrior, which: int, kind: int) -> list[Rival]:
@@ -184,7 +186,7 @@ def _regions(rows: LinearGroups, prior: CalibrationPrior, which: int, kind: int)
         offsets.append(_offsets(of_places, np.column_stack([prior.roots[which], np.eye(n, _DRIFTING) * drift])))
     found = []
     for label, log_prior in outlines(offsets, np.any(places, axis=0)):
-        columns, size = label[:, None].astype(float), np.array([MOVED])
+        columns, size = label[rows.groups.place][:, None].astype(float), np.array([MOVED])
         found.append(Rival("region", np.zeros((n, 1)), columns, size, float(np.log(_REGION)) + log_prior))
     return found
 
