@@ -97,10 +97,10 @@ def answered(case: Case, found: Correspondences, near: StereoRig, again_at: floa
     if again_at is not None and free.lenses and not case.free.lenses:
         seen, rest = _matched_again(case, seen, rest, again_at)
         decision = decide(seen, free.names, case.tolerances, proven=True)
-    elif again_at is not None and not decision.refused and not decision.explains:
+    elif not decision.refused and not decision.explains:
         # Matches through a rig that leaves rows apart lean to the rows on which they were sought, which other lenses
         # explain better than a shutter that rolls.
-        seen, rest = _matched_again(case, seen, rest, again_at)
+        seen, rest = _matched_again(case, seen, rest, float(found.scale))
         free, decision = free_and_decision(case, rest, seen)
     answer = Answer(rest, seen, tuple(sorted(apart)), refused, free, decision)
     sparse = rest.covered < LIKELY and is_sparse(

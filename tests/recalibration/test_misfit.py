@@ -2,10 +2,12 @@
 
 from dataclasses import replace
 
+import cv2
 import numpy as np
 import pytest
 from spoiled_rows import X, nothing, seen
 
+import stereorecal as sr
 from stereorecal.recalibration._regional_misfit import Cause, misfit
 
 
@@ -62,3 +64,16 @@ def test_what_neighbours_share_is_told_from_what_each_region_errs_by():
 def place_of(x, y):
     """Which of 8 by 6 places a point lies in."""
     return (np.clip((y + 1) * 3, 0, 5).astype(int) * 8 + np.clip((x + 1) * 4, 0, 7).astype(int)).astype(int)
+
+
+@pytest.mark.slow(after=1)
+@pytest.mark.parametrize("kind", ["harbour", "coast", "street"])
+def test_a_shutter_that_rolls_replaces_no_calibration(scene, kind):
+    """Matches that lean to the rows on which they were sought are explained better by other lenses than by a shutter;
+    matched once more, they are not."""
+    true = scene(kind, 1, (640, 480))
+    pair = true.pairs[0]
+    height, width = pair.right.shape
+    x, y = np.meshgrid(np.arange(width, dtype=np.float32), np.arange(height, dtype=np.float32))
+    right = cv2.remap(pair.right, x, y + 3.0 * y / height, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REFLECT)
+    assert not sr.recalibrate(true.rig, sr.Pair(pair.left, right)).accepted

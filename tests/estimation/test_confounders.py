@@ -1,0 +1,46 @@
+"""What moves rows and is no rig: shutters that roll in one camera."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import stereorecal as sr
+from stereorecal.decision import decide
+from stereorecal.estimation import estimate
+from stereorecal.estimation._confounders import _rolling
+from stereorecal.estimation._groups import grouped
+from stereorecal.estimation._linear_groups import linear_groups
+from stereorecal.objectives import EXTRINSICS
+from stereorecal.scoring import Correspondences
+
+
+def rolled(found: Correspondences, rig: sr.StereoRig, rows: float, row: float = 0.0) -> Correspondences:
+    """As a shutter of the right camera shows them that rolls while the rig turns: by so many rows from the first image
+    row to the last, none at `row` of the height."""
+    pixels = rig.right.project(np.asarray(found.right, float))
+    pixels[..., 1] += rows * (pixels[..., 1] / rig.right.size[1] - row)
+    return replace(found, right=rig.right.rays(pixels).astype(np.float32))
+
+
+@pytest.mark.parametrize("taken", [0, 1, 2])
+def test_rows_move_as_the_lens_bends_them(rig, chart, prior, seen, taken):
+    """In rectified rows a shutter's are no straight line: where the lens bends them, a pixel is more or less."""
+    found = seen(rig, rig, noise=0.0)
+    zero = np.zeros(chart.dim)
+    rows = linear_groups(grouped(found, chart, zero), chart, zero, prior)
+    rival = _rolling(rows, chart)[taken]
+    moved = rolled(found, rig, 0.1, (0.0, 0.5, 1.0)[taken])
+    after = linear_groups(grouped(moved, chart, zero), chart, zero, prior)
+    assert len(after.groups) == len(rows.groups)
+    change = (after.at_zero - rows.at_zero) / 0.1
+    np.testing.assert_allclose(np.abs(change), np.abs(rival.of_groups[:, 0]), atol=0.03)
+    assert abs(np.corrcoef(change, rival.of_groups[:, 0])[0, 1]) > 0.999
+    assert np.ptp(rival.of_groups) > 1.0
+
+
+@pytest.mark.parametrize("rows", [2.0, 3.0])
+def test_a_shutter_that_rolls_is_no_drift(rig, seen, rows):
+    """Lenses that differ, as far as a hasty calibration may leave them, explain as much: it cannot be told."""
+    known = estimate(rolled(seen(rig, rig, cells=900), rig, rows), rig)
+    assert decide(known, EXTRINSICS).refused
