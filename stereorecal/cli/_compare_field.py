@@ -25,7 +25,7 @@ from stereorecal.cli._output_files import (
 from stereorecal.cli._streams import say
 from stereorecal.cli._terminal import progress_bar, table_console
 from stereorecal.comparison.field import FAILED, Field, compare_field, methods_of, planned
-from stereorecal.comparison.judges import Draws, recipes_of
+from stereorecal.comparison.judges import RENDERED, Draws, recipes_of
 from stereorecal.io import files_read
 from stereorecal.matching import as_matcher
 from stereorecal.objectives import Reach
@@ -33,7 +33,6 @@ from stereorecal.report.field import field_tables
 
 PRESETS = ("field",)
 _FRAMES = ("rendered", "simulated")  # judges that are told how many pairs
-_RENDERED = ("rendered", "simulated", "motion", "walk")
 _SPARING, _FULL = {"number": 10, "rides": 4}, {"number": 40, "rides": 20, "walk": 1000}
 _OTHERS = ("scene", "synthetic", "schedule", "scale", "budget")  # options of comparisons of strategies
 
@@ -41,7 +40,7 @@ _OTHERS = ("scene", "synthetic", "schedule", "scale", "budget")  # options of co
 def run(options: CompareOptions) -> int:
     """Compare, print, save; returns the exit code."""
     _check_options(options)
-    judges = [*(_RENDERED if options.preset else ()), *options.judge]
+    judges = [*(RENDERED if options.preset else ()), *options.judge]
     draws = _draws(options)
     reach = Reach(*_option_values.degrees_and_fraction(options.reach, "--reach")) if options.reach is not None else None
     matcher = as_matcher(options.matcher)

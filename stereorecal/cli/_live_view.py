@@ -55,17 +55,21 @@ def view(name: str, pairs: int, history: list[Reading], happened: list[str]) -> 
     for title in ("", "estimate", "95 % interval", "over time"):
         table.add_column(title, justify="left" if title in ("", "over time") else "right")
     for axis, found in now.axes.items():
-        table.add_row(axis, f"{found.value:+.3f} {_UNITS[axis]}", _ends(found), _curve([h.axes[axis] for h in history]))
-    table.add_row("row error", f"{now.rows_px.value:.3f} px", _ends(now.rows_px), _curve([h.rows_px for h in history]))
+        table.add_row(
+            axis, f"{found.value:+.3f} {_UNITS[axis]}", _interval(found), _curve([h.axes[axis] for h in history])
+        )
+    table.add_row(
+        "row error", f"{now.rows_px.value:.3f} px", _interval(now.rows_px), _curve([h.rows_px for h in history])
+    )
     depth = [h.depth_percent[FAR] for h in history]
-    table.add_row(f"depth at {FAR} B", f"{depth[-1].value:+.1f} %", _ends(depth[-1]), _curve(depth))
-    table.add_row("late by", f"{now.delay.value:+.2f} frames", _ends(now.delay), _curve([h.delay for h in history]))
+    table.add_row(f"depth at {FAR} B", f"{depth[-1].value:+.1f} %", _interval(depth[-1]), _curve(depth))
+    table.add_row("late by", f"{now.delay.value:+.2f} frames", _interval(now.delay), _curve([h.delay for h in history]))
     verdict = Text(f"{pairs} pairs: {now.condition.value}", style=f"bold {_COLOURS[now.condition]}")
     events = Text("\n".join(happened) or "nothing has happened yet", style="dim")
     return Panel(Group(verdict, table, Text(), events), title=name, title_align="left")
 
 
-def _ends(found: Interval) -> str:
+def _interval(found: Interval) -> str:
     return f"{found.low:+.3f} … {found.high:+.3f}"
 
 

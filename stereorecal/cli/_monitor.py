@@ -115,7 +115,7 @@ def _save_output(options: MonitorOptions, state: State, scene: Scene) -> None:
 
 def _summary(options: MonitorOptions, state: State) -> None:
     if options.prints:
-        print(f"{reading(state).condition.value}; {_about(options, state)}")
+        print(f"{reading(state).condition.value}; {_calibration_note(options, state)}")
 
 
 def _write_error(error: OSError, what: str, options: MonitorOptions) -> InputError:
@@ -145,7 +145,7 @@ def _start(options: MonitorOptions, scene: Scene) -> State:
     return init(scene.rig, replace(config, **shown))
 
 
-def _about(options: MonitorOptions, state: State) -> str:
+def _calibration_note(options: MonitorOptions, state: State) -> str:
     if not state.using.any():
         return "the calibration in use is the one that was given"
     if options.output is None:

@@ -18,7 +18,7 @@ from stereorecal.cli._exit_codes import BAD_INPUT, CANNOT_TELL, FAILURE, INTERRU
 from stereorecal.cli._html_page import check_page, write_report
 from stereorecal.cli._option_values import health_options
 from stereorecal.cli._output_files import deliver, named_inputs, write_json, written_or_printed
-from stereorecal.cli._recordings import recordings, without
+from stereorecal.cli._recordings import left_out_pairs, recordings
 from stereorecal.cli._repair_commands import RecalibrateOptions
 from stereorecal.cli._streams import say
 from stereorecal.cli._terminal import print_lines, progress_bar, table_console
@@ -71,7 +71,7 @@ def run(options: RecalibrateOptions) -> int:
             settings = replace(settings, free=replace(settings.free, widens=False))
         shared = sharing(found.scenes, settings.free, settings.ranges, options.extrinsics, settings.schedule)
         scenes, ranges = shared
-        absent = found.absent + without(found.scenes[0].pairs, scenes[0].pairs, "others show more texture")
+        absent = found.absent + left_out_pairs(found.scenes[0].pairs, scenes[0].pairs, "others show more texture")
         pairing = {"pairing": found.pairing} if found.pairing else {}
         del found
         others = {"boards": boards, "ranges": ranges, "extrinsics": options.extrinsics, "executor": pool}
@@ -81,7 +81,7 @@ def run(options: RecalibrateOptions) -> int:
         if any(repair.solution for repair in repairs):
             prior = options.prior or (SAVED if any(priors) else DEFAULT)
             content = _content(
-                scenes, repairs, {**_recorded(options, settings), "prior": prior}, interrupted=interrupted
+                scenes, repairs, {**_settings_json(options, settings), "prior": prior}, interrupted=interrupted
             )
             deliver(
                 lambda: _show(repairs, options),
@@ -145,7 +145,7 @@ def _schedule(options: RecalibrateOptions) -> Schedule:
     return Schedule.default() if chosen is None else Schedule.default().using(chosen)
 
 
-def _recorded(options: RecalibrateOptions, settings: Settings) -> dict[str, Any]:
+def _settings_json(options: RecalibrateOptions, settings: Settings) -> dict[str, Any]:
     """The settings in the JSON."""
     stages = [
         {

@@ -81,7 +81,7 @@ def watched(options: MonitorOptions) -> tuple[Scene, PairSequence]:
 
 
 def _recordings(options: RecordingOptions, select: _Select) -> Recordings:
-    found = _scenes(options, select) if options.scenes and not _loose(options) else _recorded(options, select)
+    found = _scenes(options, select) if options.scenes and not _loose(options) else _images_elsewhere(options, select)
     for scene in found.scenes:
         if scene.rig is None:
             raise InputError(
@@ -94,7 +94,7 @@ def _recordings(options: RecordingOptions, select: _Select) -> Recordings:
     return found
 
 
-def without(found: Sized, kept: Sized, why: str) -> tuple[tuple[str, str], ...]:
+def left_out_pairs(found: Sized, kept: Sized, why: str) -> tuple[tuple[str, str], ...]:
     """What to say of pairs that are not among those that are kept."""
     number = len(found) - len(kept)
     return ((f"{number} other {'pair' if number == 1 else 'pairs'}", why),) if number > 0 else ()
@@ -124,7 +124,7 @@ def _scenes(options: RecordingOptions, select: _Select) -> Recordings:
     return Recordings(found, tuple(absent))
 
 
-def _recorded(options: RecordingOptions, select: _Select) -> Recordings:
+def _images_elsewhere(options: RecordingOptions, select: _Select) -> Recordings:
     ways = (
         (options.left, options.right),
         (options.side_by_side,),
@@ -161,8 +161,10 @@ def _selected(
     limit = _option_values.limit(options.limit, MOST_FRAMES if few or stream or len(wanted) > _LONG else None)
     chosen = tuple(wanted) if limit is None else chosen_frames(wanted, limit)
     return chosen, (
-        *without(pairs, wanted, "outside of --from, --to, --every and --frames"),
-        *without(wanted, chosen, f"of {limit} stretches of equal length, the pair with the most texture is used"),
+        *left_out_pairs(pairs, wanted, "outside of --from, --to, --every and --frames"),
+        *left_out_pairs(
+            wanted, chosen, f"of {limit} stretches of equal length, the pair with the most texture is used"
+        ),
     )
 
 

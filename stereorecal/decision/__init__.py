@@ -11,7 +11,7 @@ from stereorecal.decision._decision import (
     decide as decide,
     decide_together as decide_together,
     fewer_parameters_suffice as fewer_parameters_suffice,
-    judged as judged,
+    with_nearest_distance as with_nearest_distance,
 )
 from stereorecal.decision._tolerances import (
     DEFAULT as DEFAULT,

@@ -146,7 +146,7 @@ def decide_together(
         free, tolerances, proven, depth_observable: as `decide` has them.
     """
     limits = DEFAULT if tolerances is None else tolerances
-    several = [judged(estimate, limits) for estimate in several]
+    several = [with_nearest_distance(estimate, limits) for estimate in several]
     given = [_losses(estimate, np.zeros(len(estimate.names))) for estimate in several]
 
     def candidate(names: Sequence[str], *, keeps_depth: bool = False) -> _Candidate:
@@ -172,7 +172,7 @@ def decide_together(
     return min(keeps, changes, key=lambda one: one.refused).decisions
 
 
-def judged(estimate: Estimate, tolerances: Tolerances) -> Estimate:
+def with_nearest_distance(estimate: Estimate, tolerances: Tolerances) -> Estimate:
     """An estimate, to be judged at the distances that are asked for, and at the nearest that its images show, if that
     is nearer."""
     near, distances = estimate.nearest, tolerances.distances
@@ -192,7 +192,7 @@ def better_on_average(
             less.
     """
     limits = DEFAULT if tolerances is None else tolerances
-    estimate = judged(estimate, limits)
+    estimate = with_nearest_distance(estimate, limits)
     given, best = _losses(estimate, np.zeros(len(estimate.names))), None
     least = given.expected - 1.0
     for keep in (False, True):
@@ -206,7 +206,7 @@ def better_on_average(
 def chance_of_harm(estimate: Estimate, theta: Float[np.ndarray, "n"], tolerances: Tolerances | None = None) -> float:
     """Probability that a change makes rows or depth worse; of a calibration whose rows blind the matcher, rows."""
     limits = DEFAULT if tolerances is None else tolerances
-    estimate = judged(estimate, limits)
+    estimate = with_nearest_distance(estimate, limits)
     return _chances_of_harm(_losses(estimate, np.zeros_like(theta)), _losses(estimate, theta), limits)[1]
 
 

@@ -43,7 +43,7 @@ def points_of_view(rig: StereoRig, distance: float, shown: View | None = None) -
         shown: the view; default the rig's own pinhole.
     """
     (width, height), pinhole = rig.left.size, shown is None or shown.projection == PINHOLE
-    rays = np.asarray(rig.left.rays(_grid(rig.left.size)))
+    rays = np.asarray(rig.left.rays(_pixel_grid(rig.left.size)))
     if rig.left.lens.WIDE or not pinhole or np.hypot(rays[:, 0], rays[:, 1]).max() > _FLAT:
         rays = _rays_of_view(rig, view(rig, projection=PINHOLE) if shown is None else shown)
     away = distance * float(rig.baseline)
@@ -57,7 +57,7 @@ def points_of_view(rig: StereoRig, distance: float, shown: View | None = None) -
     return points[by_both] if by_both.any() else points[ahead & inside]
 
 
-def _grid(size: tuple[int, int]) -> Float[np.ndarray, "p 2"]:
+def _pixel_grid(size: tuple[int, int]) -> Float[np.ndarray, "p 2"]:
     """Pixels over an image."""
     share = [np.linspace(_MARGIN, 1.0 - _MARGIN, n) for n in _GRID]
     return np.stack(np.meshgrid(*share), axis=-1).reshape(-1, 2) * [size[0] - 1, size[1] - 1]
@@ -90,7 +90,7 @@ def _share(rig: StereoRig, points: Float[np.ndarray, "p 3"]) -> Float[np.ndarray
 def _rays_of_view(rig: StereoRig, shown: View) -> Float[np.ndarray, "_ 3"]:
     """Of the left camera, at depth 1: the corners of a fisheye's image lie on no plane, and nobody rectifies them."""
     to_left, _ = rectifying_rotations(rig.rotation, rig.translation)
-    columns, rows = _grid(shown.size).T
+    columns, rows = _pixel_grid(shown.size).T
     rays = np.asarray(shown.directions(columns, rows, 0)) @ to_left
     rays = rays[rays[:, 2] > _AHEAD * np.linalg.norm(rays, axis=1)]
     pixels = rig.left.project(rays)

@@ -98,7 +98,7 @@ def beside_delay(
         )
         likelihoods = _delay_evidence(rows, chart, theta, near, ways, prior, size)
         late = replace(
-            _rows(rows, chart, theta, delay, _of_frames(windows, near, ways, rows.groups.frame)),
+            _rows_and_delay(rows, chart, theta, delay, _of_frames(windows, near, ways, rows.groups.frame)),
             likelihoods=likelihoods,
         )
         if round_:
@@ -117,7 +117,7 @@ def beside_delay(
     return Late(found, replace(rows, jacobian=late.jacobian[:, :-1], at_zero=moved, deviation=late.deviation))
 
 
-def _rows(
+def _rows_and_delay(
     rows: LinearGroups, chart: RigChart, theta: Float[np.ndarray, "n"], delay: float, ways: Float[np.ndarray, "g n"]
 ) -> LinearGroups:
     """Linear near a θ and a delay, with a column for that."""

@@ -58,7 +58,7 @@ def normal_of(
     return Normal(j.T @ j, -j.T @ r, float(r @ r + 2.0 * np.log(np.diag(lower)).sum()))
 
 
-def without(of_rows: Normal, nuisance: Float[np.ndarray, "q q"]) -> Normal:
+def marginal(of_rows: Normal, nuisance: Float[np.ndarray, "q q"]) -> Normal:
     """The likelihood of θ alone, the last parameters integrated.
 
     Args:

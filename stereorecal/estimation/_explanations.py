@@ -9,7 +9,7 @@ from jaxtyping import Float
 
 from stereorecal.estimation._calibration_prior import CalibrationPrior
 from stereorecal.estimation._drift import drift_sizes
-from stereorecal.estimation._evidence import Explained, Normal, all_explained, without
+from stereorecal.estimation._evidence import Explained, Normal, all_explained, marginal
 from stereorecal.estimation._groups import PLACES
 from stereorecal.estimation._linear_groups import LinearGroups
 from stereorecal.estimation._misfit import alike
@@ -54,7 +54,7 @@ def explanations(
     """
     whole = {misfit: rows.normal(misfit) for misfit in {of_a_frame for of_a_frame, _ in misfits}}
     if len(rows.frames) > 1:
-        normals = [without(whole[of_a_frame], common * _ROOT_OF_FIELD) for of_a_frame, common in misfits]
+        normals = [marginal(whole[of_a_frame], common * _ROOT_OF_FIELD) for of_a_frame, common in misfits]
     else:
         normals = [whole[of_a_frame] for of_a_frame, _ in misfits]
     return explained_by(dict(zip(misfits, normals, strict=True)), rows.likelihoods, prior, which, nuisance, log_prior)

@@ -111,8 +111,8 @@ def grouped(found: Correspondences, chart: RigChart, theta: Float[np.ndarray, "n
     keys, first, counts = np.unique(key[order], return_index=True, return_counts=True)
     number = np.repeat(np.arange(len(keys)), counts)
     rows, disparity, weight = rows[order], disparity[order], weight[order]
-    middle = _medians(rows, number, first, counts)
-    spread = 1.4826 * _medians(np.abs(rows - middle[number]), number, first, counts) + _LEAST_SPREAD
+    middle = _group_medians(rows, number, first, counts)
+    spread = 1.4826 * _group_medians(np.abs(rows - middle[number]), number, first, counts) + _LEAST_SPREAD
     kept = np.abs(rows - middle[number]) < _FAR_OFF * spread[number]
 
     def mean(values):
@@ -176,7 +176,7 @@ def places_of(pixels: Float[np.ndarray, "m 2"], size: tuple[int, int]) -> Int[np
     return row * PLACES[0] + column
 
 
-def _medians(values, number, first, counts) -> Float[np.ndarray, "g"]:
+def _group_medians(values, number, first, counts) -> Float[np.ndarray, "g"]:
     """The median of the values of each group; `number` runs up."""
     ordered = values[np.lexsort((values, number))]
     return 0.5 * (ordered[first + (counts - 1) // 2] + ordered[first + counts // 2])

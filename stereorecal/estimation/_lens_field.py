@@ -6,8 +6,7 @@ Wide lenses end: where the terms of one move far, its image may fold back before
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.geometry import StereoRig
-from stereorecal.objectives import SIDES, RigChart, read_by
+from stereorecal.objectives import RigChart, read_by
 from stereorecal.scoring import Correspondences
 
 _HALVINGS = 20
@@ -18,17 +17,13 @@ def within_field(
 ) -> Float[np.ndarray, "n"]:
     """The move from θ, halved until the lenses there have rays for all that was found; 0 if none does. Lenses that are
     not wide have no such end."""
-    if not _is_wide(chart.rig):
+    if not chart.rig.is_wide:
         return move
     for _ in range(_HALVINGS):
         if chart.stands_at(theta + move) and _has_rays(found, chart, theta + move):
             return move
         move = 0.5 * move
     return np.zeros_like(move)
-
-
-def _is_wide(rig: StereoRig) -> bool:
-    return any(getattr(rig, side).lens.WIDE for side in SIDES)
 
 
 def _has_rays(found: Correspondences, chart: RigChart, theta: Float[np.ndarray, "n"]) -> bool:

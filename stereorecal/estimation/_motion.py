@@ -15,7 +15,7 @@ from jaxtyping import Float
 
 from stereorecal.estimation._calibration_prior import CalibrationPrior
 from stereorecal.estimation._drift import drift_sizes
-from stereorecal.estimation._evidence import Normal, without
+from stereorecal.estimation._evidence import Normal, marginal
 from stereorecal.estimation._motion_window import Window, far_enough, window
 from stereorecal.estimation._rig_parameters import DRIFTING
 from stereorecal.objectives import RigChart
@@ -145,7 +145,7 @@ def together(several: Sequence[Normal], root: Float[np.ndarray, "n n"], mean: Fl
         scaled = Normal(
             total.a / worse**2, total.b / worse**2, total.c / worse**2 + 2.0 * n * len(counted) * np.log(worse)
         )
-        found.append((without(scaled.around(mean), root).c, scaled))
+        found.append((marginal(scaled.around(mean), root).c, scaled))
     return min(found, key=lambda one: one[0])[1]
 
 
@@ -154,4 +154,4 @@ def without_depth(normal: Normal) -> Normal:
     n = len(normal.b)
     axis = np.eye(n)[DRIFTING.index("yaw")]
     to = np.column_stack([np.eye(n), axis])
-    return without(Normal(to.T @ normal.a @ to, to.T @ normal.b, normal.c), np.array([[_OWN_YAW]]))
+    return marginal(Normal(to.T @ normal.a @ to, to.T @ normal.b, normal.c), np.array([[_OWN_YAW]]))

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
-from stereorecal.estimation._evidence import Normal, without
+from stereorecal.estimation._evidence import Normal, marginal
 from stereorecal.estimation._groups import PLACES, places_of
 from stereorecal.estimation._motion_residuals import (
     MOVES,
@@ -236,7 +236,7 @@ def _normal(total: Float[np.ndarray, "c c"], chart: RigChart) -> tuple[Normal, F
     pull, a = total[0, 1:], total[1:, 1:]
     # Of the m numbers of all tracks, those count that θ or the motion change.
     covariance = np.linalg.inv(a[n:, n:] + np.diag(_wide(chart)))[3:, 3:]
-    alone = without(Normal(a, -pull, _explained_fraction(total)), np.diag(_wide(chart) ** -0.5))
+    alone = marginal(Normal(a, -pull, _explained_fraction(total)), np.diag(_wide(chart) ** -0.5))
     return Normal(alone.a, alone.b, alone.c - _log_volume(a[n:, n:], chart)), covariance
 
 

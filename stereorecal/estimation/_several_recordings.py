@@ -18,7 +18,7 @@ from stereorecal.estimation._beams import NO_BEAMS, Beams
 from stereorecal.estimation._calibration_prior import CalibrationPrior
 from stereorecal.estimation._drift import drift_sizes
 from stereorecal.estimation._estimate import Estimate, solved
-from stereorecal.estimation._evidence import Normal, without
+from stereorecal.estimation._evidence import Normal, marginal
 from stereorecal.estimation._explanations import Explanation
 from stereorecal.estimation._motion import NO_WINDOWS, Windows
 from stereorecal.estimation._prior_conversions import updated
@@ -93,11 +93,11 @@ def _estimate_of_recording(task: tuple[Recording, CalibrationPrior]) -> tuple[Es
 def of_calibration(best: Explanation) -> Normal:
     """The likelihood of the calibration's error under an explanation, the drift integrated: normal, as large as all
     kinds of drift are on average, by their evidence."""
-    of_theta, log_evidence = without(best.of_rows, best.nuisance), best.found.log_evidence
+    of_theta, log_evidence = marginal(best.of_rows, best.nuisance), best.found.log_evidence
     weights = np.exp(log_evidence - np.logaddexp.reduce(log_evidence))
     axes, sizes = np.eye(len(of_theta.b)), np.sqrt(weights @ drift_sizes()[0] ** 2)
     to = np.column_stack([axes, axes[:, : len(DRIFTING)]])
-    return without(Normal(to.T @ of_theta.a @ to, to.T @ of_theta.b, of_theta.c), np.diag(sizes))
+    return marginal(Normal(to.T @ of_theta.a @ to, to.T @ of_theta.b, of_theta.c), np.diag(sizes))
 
 
 def after(prior: CalibrationPrior, known: Normal) -> CalibrationPrior:

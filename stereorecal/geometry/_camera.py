@@ -63,7 +63,7 @@ class Camera:
         lens = lens_model(self.model)
         if distortion.size not in lens.COUNTS:
             raise UnsupportedModelError(
-                f"a distortion of {distortion.size} coefficients is not supported; give those of {lens.ABOUT}."
+                f"a distortion has {distortion.size} coefficients; this lens model takes others: {lens.ABOUT}."
             )
         lens.check(distortion)
         object.__setattr__(self, "size", (int(self.size[0]), int(self.size[1])))

@@ -163,6 +163,11 @@ class StereoRig:
         xp = namespace(self.extrinsics)
         return xp.sqrt(xp.sum(self.extrinsics[3:] ** 2))
 
+    @property
+    def is_wide(self) -> bool:
+        """Whether a camera has a lens model for wide lenses."""
+        return self.left.lens.WIDE or self.right.lens.WIDE
+
     def with_extrinsics(self, extrinsics: Extrinsics) -> "StereoRig":
         """The same cameras with other extrinsics (6,), float64 kept exactly."""
         return replace(self, extrinsics=extrinsics)

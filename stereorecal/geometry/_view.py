@@ -240,7 +240,7 @@ def checked_view_arguments(given: Mapping[str, Any]) -> dict[str, Any]:
 
 def _usual_projection(rig: StereoRig, field: float | None) -> str:
     """A pinhole, unless a rig of wide lenses shows more than that can show."""
-    if not _is_wide(rig):
+    if not rig.is_wide:
         return PINHOLE
     if field is None:
         needed = _shown_focal(rig)
@@ -266,15 +266,11 @@ def _mean_focal(rig: StereoRig) -> float:
     return float(np.prod([rig.left.focal, rig.right.focal]) ** 0.25)
 
 
-def _is_wide(rig: StereoRig) -> bool:
-    return rig.left.lens.WIDE or rig.right.lens.WIDE
-
-
 def _shown_focal(rig: StereoRig) -> float:
     """Focal length of a pinhole that shows the images of both cameras; of wide lenses, what both cameras see: the
     narrower one decides beside a fisheye."""
     focals = [_edge_focal(camera) for camera in (rig.left, rig.right)]
-    return max(focals) if _is_wide(rig) else min(focals)
+    return max(focals) if rig.is_wide else min(focals)
 
 
 def _image_centre(camera: Camera) -> Float[np.ndarray, "2"]:

@@ -41,7 +41,7 @@ def load_ranges(path: str | Path) -> tuple[Range, ...]:
             continue
         try:
             pair, *cells = (cell.strip() for cell in line)
-            column, row, metres, sigma = (_number(cell) if cell else math.nan for cell in [*cells, ""][:4])
+            column, row, metres, sigma = (_parsed_number(cell) if cell else math.nan for cell in [*cells, ""][:4])
             if len(line) > len(header):
                 raise ValueError(f"there are {len(line)} cells under {len(header)} headings")
             sigma = None if len(cells) < 4 or not cells[3] else sigma
@@ -53,7 +53,7 @@ def load_ranges(path: str | Path) -> tuple[Range, ...]:
     return tuple(found)
 
 
-def _number(cell: str) -> float:
+def _parsed_number(cell: str) -> float:
     """A number as people write it; `inf`, but no overflow and none of Python's underscores."""
     value = float(cell)
     if "_" in cell or (math.isinf(value) and "inf" not in cell.lower()):

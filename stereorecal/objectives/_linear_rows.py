@@ -85,7 +85,7 @@ def linearised(found: Correspondences, chart: RigChart, z: Float[np.ndarray, "n"
     jacobian, rows, of_view = np.zeros((z.size, *shape)), np.zeros(shape), projection(found.projection)
     for side, sign in enumerate((1.0, -1.0)):
         rays, camera = np.asarray(getattr(found, SIDES[side]), float), getattr(rig, SIDES[side])
-        row, by_rotation = _rows(of_view, rays, here[side], slopes[:, side])
+        row, by_rotation = _rectified_rows(of_view, rays, here[side], slopes[:, side])
         rows += sign * row
         jacobian[outer] += sign * by_rotation
         own = [index for index, name in enumerate(chart.names) if name.startswith(SIDES[side])]
@@ -96,7 +96,7 @@ def linearised(found: Correspondences, chart: RigChart, z: Float[np.ndarray, "n"
     return LinearRows(z, focal * rows, focal * jacobian)
 
 
-def _rows(
+def _rectified_rows(
     of_view: Projection,
     rays: Float[np.ndarray, "k m 3"],
     rotation: Float[np.ndarray, "3 3"],

@@ -11,7 +11,7 @@ from stereorecal.geometry import vector_from_rotation
 from stereorecal.online._filter import OF_LENSES, SIZE, Measurement
 from stereorecal.online._pair_estimate import PairEstimate
 from stereorecal.online._state import State
-from stereorecal.online._switching import Outcome, weighed
+from stereorecal.online._switching import Outcome, trial_after_motion
 from stereorecal.online._watching import standing
 from stereorecal.recordings import Pair
 from stereorecal.scoring.host import Corners, corners, shown_again
@@ -114,7 +114,7 @@ def _after_window(state: State, measured: Measurement) -> Outcome:
     share = float(expit(np.log1p(-expected) - np.log(expected) + ours - others))
     first, state = state.outlier_motion, state.replace(others=1.0 - share, outlier_motion=None)
     counted = measured.weighed(share)
-    state = weighed(state.measured(counted), counted)
+    state = trial_after_motion(state.measured(counted), counted)
     if share >= 0.5:
         return standing(state)
     state = state.replace(outlier_motion=measured)

@@ -88,11 +88,11 @@ class Reading:
                 "shifted": self.shifted,
                 "probability_better": self.decision and self.decision.better,
                 "probability_worse": self.decision and self.decision.worse,
-                "axes": {name: _ends(axis) for name, axis in self.axes.items()},
+                "axes": {name: axis.as_dict() for name, axis in self.axes.items()},
                 "row_error_px": self.row_error,
-                "rows_px": _ends(self.rows_px),
-                "depth_percent": {distance: _ends(error) for distance, error in self.depth_percent.items()},
-                "delay_frames": _ends(self.delay),
+                "rows_px": self.rows_px.as_dict(),
+                "depth_percent": {distance: error.as_dict() for distance, error in self.depth_percent.items()},
+                "delay_frames": self.delay.as_dict(),
             }
         )
 
@@ -132,13 +132,8 @@ def _decided(
     its error of depth."""
     seen = known(initial, using, filtered, view)
     found = decide(seen, free, limits, depth_observable=True)
-    shifted = (
-        found.verdict is Verdict.CANNOT_TELL and not decide(seen, EXTRINSICS, limits, depth_observable=True).refused
-    )
+    beyond = free != EXTRINSICS and found.verdict is Verdict.CANNOT_TELL
+    shifted = beyond and not decide(seen, EXTRINSICS, limits, depth_observable=True).refused
     depth = {at: Interval(*ends) for at, ends in seen.depth_error_percent(np.zeros(len(seen.names))).items()}
     better = better_on_average(seen, free, limits, harm=harm) if found.refused else found.theta
     return found, shifted, None if better is None else better[:SIZE], depth
-
-
-def _ends(found: Interval) -> dict[str, float]:
-    return {"value": found.value, "low": found.low, "high": found.high}

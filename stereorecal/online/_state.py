@@ -19,7 +19,7 @@ from stereorecal.online._turning import Small
 from stereorecal.recordings import Pair
 from stereorecal.scoring.host import Corners
 
-_STRANGE = 3  # pairs
+_REPAIR_PAIRS = 3  # pairs
 
 Offset = Float[np.ndarray, "5"]
 """Of a calibration from the one that was given first: pitch, yaw, roll in degrees, y, z in percent of the baseline."""
@@ -120,7 +120,7 @@ class State:
 
     def with_repair_pair(self, pair: Pair) -> "State":
         """The state with one more pair that a repair may rest on."""
-        return replace(self, repair_pairs=(*self.repair_pairs, pair)[-_STRANGE:])
+        return replace(self, repair_pairs=(*self.repair_pairs, pair)[-_REPAIR_PAIRS:])
 
     def later(self) -> "State":
         """A pair later."""

@@ -18,7 +18,7 @@ from stereorecal.online._pace import Pace
 from stereorecal.online._pair_estimate import PairEstimate, estimate_pair
 from stereorecal.online._repairing import begun, continued, too_far
 from stereorecal.online._state import Offset, State
-from stereorecal.online._switching import Outcome, judged, matched, nominated, switched
+from stereorecal.online._switching import Outcome, nominated, switched, trial_after_look, trial_after_unmatched
 from stereorecal.online._turning import Small, small, turn
 from stereorecal.online._watching import followed, measurement
 from stereorecal.recalibration import Schedule
@@ -143,7 +143,7 @@ def _after_look(state: State, pair: Pair, before: Small | None, now: Small) -> O
         state, more = begun(state, state.repair_pairs)
         return state, [*events, *more]
     # How far a shutter could explain a look is not known where the rig's turn is not.
-    state, more = (state, []) if turned is None else judged(state, state.estimate.of_rig(measured), look)
+    state, more = (state, []) if turned is None else trial_after_look(state, state.estimate.of_rig(measured), look)
     state, put_up = nominated(state)
     return state, [*events, *more, *put_up]
 
@@ -165,7 +165,9 @@ def _blind(state: State, pair: Pair, look: PairEstimate) -> Outcome:
     if state.trial is not None:
         offset, matcher = state.trial.offset, state.matcher
         assert matcher is not None
-        return matched(state, look.covered, lambda: estimate_pair(state.rig_at(offset), pair, state.view, matcher))
+        return trial_after_unmatched(
+            state, look.covered, lambda: estimate_pair(state.rig_at(offset), pair, state.view, matcher)
+        )
     if state.unmatched_in_a_row < state.attempt:
         return state, []
     return begun(state.replace(attempt=_PATIENCE * state.unmatched_in_a_row), state.repair_pairs)

@@ -19,7 +19,7 @@ Outcome = tuple[State, list[Event]]
 AFTER_REPAIR = 0.1  # degrees and percent: how well a repair of few frames is trusted, beyond its own covariance
 
 
-def judged(state: State, measured: Measurement, look: PairEstimate) -> Outcome:
+def trial_after_look(state: State, measured: Measurement, look: PairEstimate) -> Outcome:
     """The trial after a look through the calibration in use; one that does not fit what is known takes no part."""
     trial = state.trial
     if trial is None or measured.frame <= trial.since or state.outlier is not None:
@@ -32,7 +32,7 @@ def judged(state: State, measured: Measurement, look: PairEstimate) -> Outcome:
     return decided(state)
 
 
-def weighed(state: State, measured: Measurement) -> State:
+def trial_after_motion(state: State, measured: Measurement) -> State:
     """The trial after what the rig's motion told, which alone decides nothing: it shows no rows."""
     trial = state.trial
     if trial is None or measured.frame <= trial.since or state.outlier is not None:
@@ -40,7 +40,7 @@ def weighed(state: State, measured: Measurement) -> State:
     return state.replace(trial=trial.moved(state.using, measured))
 
 
-def matched(state: State, before: float, look: Callable[[], PairEstimate]) -> Outcome:
+def trial_after_unmatched(state: State, before: float, look: Callable[[], PairEstimate]) -> Outcome:
     """The trial after a look through the calibration in use that showed hardly anything: `before` of the image."""
     trial = state.trial
     if trial is None or state.frame <= trial.since:

@@ -12,7 +12,7 @@ from stereorecal.online._state import State
 from stereorecal.recalibration import Condition
 
 _AGREE = 1e-3  # chance, of two looks after a knock
-_ODD = 4  # looks that fit nothing, until it is said
+_DISAGREEING = 4  # looks that fit nothing, until it is said
 
 
 def measurement(state: State, look: PairEstimate, turned: Float[np.ndarray, "3"] | None) -> Measurement:
@@ -47,9 +47,9 @@ def followed(state: State, measured: Measurement) -> tuple[State, list[Event]]:
         return state.replace(outlier=measured), []
     changed = _after_two_outliers(state, state.outlier, measured)
     if changed is None:
-        odd = state.outliers_in_a_row + 1
-        state = state.replace(outlier=measured, outliers_in_a_row=odd)
-        return state, [Event(state.frame, Kind.FRAMES_DISAGREE)] if odd == _ODD else []
+        in_a_row = state.outliers_in_a_row + 1
+        state = state.replace(outlier=measured, outliers_in_a_row=in_a_row)
+        return state, [Event(state.frame, Kind.FRAMES_DISAGREE)] if in_a_row == _DISAGREEING else []
     estimate, knocked = changed
     before, state = state.estimate, state.standing_at(estimate).replace(outlier=None, outliers_in_a_row=0)
     moved = estimate.offset - before.offset

@@ -113,7 +113,7 @@ class MonitorProcess:
             RuntimeError: if the worker process has exited.
         """
         self._check_alive()
-        sent = _plain(pair)
+        sent = _images_alone(pair)
         with self._there:
             dropped = self._waiting is not None
             self._waiting = sent
@@ -233,7 +233,7 @@ def _set(state: State, now: State) -> State:
     return state
 
 
-def _plain(pair: Pair | Images | Timed) -> Taken:
+def _images_alone(pair: Pair | Images | Timed) -> Taken:
     """Images, time and readout alone: a pair that came from a file would be read again."""
     if isinstance(pair, Pair):
         return pair.left, pair.right, pair.time, pair.readout

@@ -4,10 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stereorecal.decision import Decision, Tolerances, decide, judged
+from stereorecal.decision import Decision, Tolerances, decide, with_nearest_distance
 from stereorecal.estimation import Estimate, Prior, as_prior, estimate, frames_by_place, is_exact, largest_loss
 from stereorecal.geometry import StereoRig
-from stereorecal.recalibration._unmatched import without
+from stereorecal.recalibration._unmatched import without_frames_of
 from stereorecal.scoring import Correspondences
 
 _PARTS = 4  # of the places, each left out once
@@ -39,8 +39,8 @@ def decided_by_cross_validation(
     after = np.full_like(before, np.nan)
     for part in range(_PARTS):
         left_out = tuple(frame for place in places[part::_PARTS] for frame in place)
-        others = estimate(without(found, left_out), rig, known, start=seen.theta, view=seen.view)
-        theta = judged(others, tolerances).with_free(free, keep_depth=freed.keeps_depth)
+        others = estimate(without_frames_of(found, left_out), rig, known, start=seen.theta, view=seen.view)
+        theta = with_nearest_distance(others, tolerances).with_free(free, keep_depth=freed.keeps_depth)
         here = np.isin(shown.frame, left_out)
         after[here] = shown.differences(seen.chart, theta)[here]
     return freed if largest_loss(shown, before, after) <= tolerances.worse_rows_px else None

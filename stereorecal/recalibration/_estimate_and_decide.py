@@ -30,7 +30,7 @@ from stereorecal.recalibration._schedule import ScoreKind, Stage
 from stereorecal.recalibration._stage_result import Ending, counts
 from stereorecal.recalibration._stages import FEWEST, Case, StageRun, matched
 from stereorecal.recalibration._uncertainty import Uncertainty, uncertainty
-from stereorecal.recalibration._unmatched import LIKELY, MOST_APART, is_sparse, unmatched, without
+from stereorecal.recalibration._unmatched import LIKELY, MOST_APART, is_sparse, unmatched, without_frames_of
 from stereorecal.recalibration._windows import windows_of, without_frames
 from stereorecal.scoring import Correspondences, image_quality
 from stereorecal.scoring.host import refuse_swapped_images
@@ -66,22 +66,24 @@ class Answer:
         return self.found.covered >= LEAST_COVERED and len(_occupied_tiles(self.found)) >= FEWEST_PLACES
 
 
-def answered(case: Case, found: Correspondences, near: StereoRig, again_at: float | None = None) -> Answer:
-    """The answer of correspondences.
+def answered(case: Case, run: StageRun, near: StereoRig, *, corners: bool) -> Answer:
+    """The answer of a stage's correspondences.
 
     Args:
-        found: with the rays that the cameras of the case's rig give.
-        near: where the search ended, with those cameras.
-        again_at: the scale at which images are matched once more, through the rig that was found, where intrinsics may
-            change: towards the corners, windows meet other things under other lenses.
+        run: that found them.
+        near: where the search ended, with the cameras of the case's rig.
+        corners: whether images are matched once more, through the rig that was found, where intrinsics may change:
+            towards the corners, windows meet other things under other lenses.
     """
+    found = run.found
+    assert found is not None
     apart = unmatched(found, case.images.pairs) if len(found.weight) > 1 else ()
-    seeing = int(np.any(np.asarray(without(found, apart).weight) > 0, axis=1).sum())
+    seeing = int(np.any(np.asarray(without_frames_of(found, apart).weight) > 0, axis=1).sum())
     most = MOST_APART * (seeing + len(apart))
     start, tracks = rig_parameters(case.rig).coordinates_of(near), windows_of(case, found)
     view = case.images.view
     while True:
-        rest = without(found, apart)
+        rest = without_frames_of(found, apart)
         ranges, windows = matched_ranges(case, found, near, apart), without_frames(case, tracks, apart)
         seen = estimate(rest, case.rig, case.prior, start=start, beams=ranges, windows=windows, view=view)
         if not seen.other_rigs or len(apart) > most:
@@ -91,17 +93,12 @@ def answered(case: Case, found: Correspondences, near: StereoRig, again_at: floa
         rest = found
         ranges, windows = matched_ranges(case, found, near), without_frames(case, tracks, ())
         seen = estimate(rest, case.rig, case.prior, start=start, beams=ranges, windows=windows, view=view)
-    if again_at is not None and case.free.lenses:
-        seen, rest = _matched_again(case, seen, rest, again_at)
+    if corners and case.free.lenses:
+        seen, rest = _matched_again(case, seen, rest, run)
     free, decision = free_and_decision(case, rest, seen)
-    if again_at is not None and free.lenses and not case.free.lenses:
-        seen, rest = _matched_again(case, seen, rest, again_at)
+    if corners and free.lenses and not case.free.lenses:
+        seen, rest = _matched_again(case, seen, rest, run)
         decision = decide(seen, free.names, case.tolerances, proven=True)
-    elif not decision.refused and not decision.explains:
-        # Matches through a rig that leaves rows apart lean to the rows on which they were sought, which other lenses
-        # explain better than a shutter that rolls.
-        seen, rest = _matched_again(case, seen, rest, float(found.scale))
-        free, decision = free_and_decision(case, rest, seen)
     answer = Answer(rest, seen, tuple(sorted(apart)), refused, free, decision)
     sparse = rest.covered < LIKELY and is_sparse(
         rest.covered, max(image_quality(pair).texture for pair in case.images.pairs)
@@ -162,13 +159,14 @@ def look_at(case: Case, stage: Stage) -> Look | None:
     found = matched(data, chart, np.zeros(chart.dim), case.matcher)
     run = StageRun(stage, case.scale_of(stage), case.rig, case.rig, (), np.zeros((0, 7)), data.cost, found)
     few = found.found < FEWEST or found.covered < LEAST_COVERED
-    return Look(run, None if few else answered(case, found, case.rig))
+    return Look(run, None if few else answered(case, run, case.rig, corners=False))
 
 
 def _matched_again(
-    case: Case, seen: Estimate, found: Correspondences, scale: float
+    case: Case, seen: Estimate, found: Correspondences, run: StageRun
 ) -> tuple[Estimate, Correspondences]:
-    again = matched(case.images.at(scale), seen.chart, seen.theta, case.matcher)
+    """The estimate of correspondences through the rig that was estimated, in the images of a stage, and these."""
+    again = matched(case.images.at(run.scale, run.stage.frames), seen.chart, seen.theta, case.matcher)
     kept = np.any(np.asarray(found.weight) > 0, axis=1)
     again = replace(again, weight=np.asarray(again.weight) * kept[:, None])
     if again.found < FEWEST:

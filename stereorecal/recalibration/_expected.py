@@ -42,10 +42,7 @@ class Expected:
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data for JSON."""
-        depth = {
-            distance: {"value": error.value, "low": error.low, "high": error.high}
-            for distance, error in self.depth_percent.items()
-        }
+        depth = {distance: error.as_dict() for distance, error in self.depth_percent.items()}
         return json_data({"rows_px": self.rows_px, "depth_error_percent": depth})
 
 

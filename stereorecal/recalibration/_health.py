@@ -19,7 +19,6 @@ from stereorecal.recalibration._calibration_warnings import doubts
 from stereorecal.recalibration._correction import Correction, correction_of
 from stereorecal.recalibration._estimate_and_decide import Answer, depth_by, look_at, rows_of
 from stereorecal.recalibration._health_text import health_text
-from stereorecal.recalibration._interval import Interval
 from stereorecal.recalibration._prior_use import prior_for_health
 from stereorecal.recalibration._settings import HealthOptions, as_settings
 from stereorecal.recalibration._stage_result import counts
@@ -47,9 +46,9 @@ class Health:
 
     Attributes:
         score: the count, in the view that was looked through.
-        row_error: epipolar (row) error, as `RowErrors.before` measures it, of the matches found under the calibration
-            itself: the mean over tiles of a tile's median |row difference|, pixels at full size; NaN if hardly anything
-            matches, since false matches lie on the rows that they were searched on.
+        row_error: epipolar (row) error, as `RowErrors.before` measures it, of the matches: the mean over tiles of a
+            tile's median |row difference|, pixels at full size; NaN if hardly anything matches, since false matches lie
+            on the rows that they were searched on.
         covered: share of the image in which correspondences were found that are good to a fraction of a pixel, of the
             frame that shows most. False matches count as pixels, but hardly here.
         shown: light and texture of the images, of the frame that shows most.
@@ -148,13 +147,13 @@ class Health:
                 "axes": correction and (correction.main_axes if self.condition is Condition.REPAIR else ()),
                 "correction": correction
                 and {
-                    "rotation_deg": {name: _ends(correction.axes[name]) for name in ("pitch", "yaw", "roll")},
-                    "translation_percent": {name: _ends(correction.axes[name]) for name in ("y", "z")},
+                    "rotation_deg": {name: correction.axes[name].as_dict() for name in ("pitch", "yaw", "roll")},
+                    "translation_percent": {name: correction.axes[name].as_dict() for name in ("y", "z")},
                     "row_error_px": correction.row_error,
                 },
-                "rows_apart_px": correction and _ends(correction.rows_px),
+                "rows_apart_px": correction and correction.rows_px.as_dict(),
                 "depth_error_percent": correction
-                and {distance: _ends(error) for distance, error in correction.depth_percent.items()},
+                and {distance: error.as_dict() for distance, error in correction.depth_percent.items()},
             }
         )
 
@@ -225,7 +224,3 @@ def _score(images: Pyramid, matcher: AbstractMatcher) -> Score:
 
 def _listed(names: tuple[str, ...]) -> str:
     return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
-
-
-def _ends(found: Interval) -> dict[str, float]:
-    return {"value": found.value, "low": found.low, "high": found.high}

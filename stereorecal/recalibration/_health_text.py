@@ -26,8 +26,8 @@ def health_text(
         sure = f"matches that passed all checks cover {100 * covered:.0f} % of the image"
         return "\n".join([*lines, f"row error  not measured: {sure} (chance matches count as matched)"])
     by, rows = correction.axes, correction.rows_px
-    angles = ", ".join(f"{name} {_about(by[name], 3)}" for name in ("pitch", "yaw", "roll"))
-    shifts = ", ".join(f"{name} {_about(by[name], 2)}" for name in ("y", "z"))
+    angles = ", ".join(f"{name} {_plus_minus(by[name], 3)}" for name in ("pitch", "yaw", "roll"))
+    shifts = ", ".join(f"{name} {_plus_minus(by[name], 2)}" for name in ("y", "z"))
     errors = "; ".join(f"{_range(error)} at {distance} B" for distance, error in correction.depth_percent.items())
     return "\n".join(
         [
@@ -40,7 +40,7 @@ def health_text(
     )
 
 
-def _about(found: Interval, digits: int) -> str:
+def _plus_minus(found: Interval, digits: int) -> str:
     return f"{found.value:+z.{digits}f} ± {found.high - found.value:.{digits}f}"
 
 

@@ -1,6 +1,6 @@
 """An estimate with its 95 % interval."""
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 
 @dataclass(frozen=True)
@@ -10,6 +10,10 @@ class Interval:
     value: float
     low: float
     high: float
+
+    def as_dict(self) -> dict[str, float]:
+        """Plain data for JSON."""
+        return asdict(self)
 
     @property
     def farthest(self) -> float:

@@ -10,7 +10,7 @@ from stereorecal.recalibration._stages import FEWEST, Case, StageRun
 from stereorecal.strategies import Status
 
 
-def judged(case: Case, schedule: Schedule, stages: tuple[StageRun, ...]) -> Ending:
+def ending_of(case: Case, schedule: Schedule, stages: tuple[StageRun, ...]) -> Ending:
     """The candidate that the stages of a schedule come to, judged.
 
     Args:
@@ -28,13 +28,13 @@ def judged(case: Case, schedule: Schedule, stages: tuple[StageRun, ...]) -> Endi
 
 def _ended(case: Case, stages: tuple[StageRun, ...], *, cut: bool, signal: bool) -> Ending:
     near = stages[-1].ended if stages else case.rig
-    found = next((stage.found for stage in reversed(stages) if stage.found is not None), None)
-    if not cut and found is not None and found.found >= FEWEST:
-        return ended_by(case, answered(case, found, near, stages[-1].scale))
+    run = next((stage for stage in reversed(stages) if stage.found is not None), None)
+    if not cut and run is not None and run.found is not None and run.found.found >= FEWEST:
+        return ended_by(case, answered(case, run, near, corners=True))
     tiles = counts(case, near)
     if cut:
         return Ending(near, Reason.OUT_OF_BUDGET, tiles)  # the count alone hardly sees a wrong yaw
-    if found is not None:
+    if run is not None:
         return Ending(near, Reason.TOO_LITTLE_TEXTURE, tiles)
     before, after = tiles.sum(axis=(1, 2)).tolist()
     return Ending(near, verdict_on_count(before, after, signal=signal), tiles)

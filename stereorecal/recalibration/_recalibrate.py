@@ -9,7 +9,7 @@ from stereorecal.decision import Verdict
 from stereorecal.geometry import StereoRig
 from stereorecal.recalibration._acceptance import Reason
 from stereorecal.recalibration._estimate_and_decide import ended_by, look_at
-from stereorecal.recalibration._judge import judged
+from stereorecal.recalibration._judge import ending_of
 from stereorecal.recalibration._prepared_case import prepared
 from stereorecal.recalibration._search import run_schedule, started
 from stereorecal.recalibration._settings import RepairOptions, Settings, as_settings
@@ -71,7 +71,7 @@ def recalibrate_case(case: Case, settings: Settings, began: float | None = None)
     # Search; estimate and decide; the look, where that left doubt.
     case, stages = run_schedule(case, settings, start, began)
     final = replace(case, free=settings.free)
-    ending = judged(final, schedule, stages)
+    ending = ending_of(final, schedule, stages)
     explained = ending.reason.accepted and (ending.decision is None or ending.decision.explains)
     certain = explained or ending.reason is Reason.OUT_OF_BUDGET
     if not certain and look is not None and look.answer is not None and look.repairs:

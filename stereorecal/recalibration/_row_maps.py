@@ -29,8 +29,8 @@ def seen_rows(found: Correspondences, initial: StereoRig, candidate: StereoRig, 
     read = read_by(found, taken=initial, rig=candidate)
     before, after = _differences(found, initial), _differences(read, candidate)
     frame = _worst(after, here)
-    cells = _cells(read, candidate, view, here, frame)
-    first, second = (_medians(cells, rows[frame][here[frame]]) for rows in (before, after))
+    cells = _cells_of_matches(read, candidate, view, here, frame)
+    first, second = (_cell_medians(cells, rows[frame][here[frame]]) for rows in (before, after))
     return Rows(first, second, before[here], after[here]), frame
 
 
@@ -66,7 +66,7 @@ def _worst(after: Float[np.ndarray, "k m"], here: Bool[np.ndarray, "k m"]) -> in
     return int(np.argmax(spread))
 
 
-def _cells(
+def _cells_of_matches(
     found: Correspondences, candidate: StereoRig, view: View, here: Bool[np.ndarray, "k m"], frame: int
 ) -> Int[np.ndarray, "f"]:
     """The cell of the candidate's rectified left image in which each match of a frame lies."""
@@ -79,7 +79,7 @@ def _cells(
     return row * _CELLS[0] + column
 
 
-def _medians(cells: Int[np.ndarray, "f"], rows: Float[np.ndarray, "f"]) -> Float[np.ndarray, "h w"]:
+def _cell_medians(cells: Int[np.ndarray, "f"], rows: Float[np.ndarray, "f"]) -> Float[np.ndarray, "h w"]:
     field = np.full(_CELLS[0] * _CELLS[1], np.nan)
     for cell in np.unique(cells):
         inside = rows[cells == cell]

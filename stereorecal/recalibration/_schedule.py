@@ -175,5 +175,6 @@ def check_schedule(schedule: Schedule, free: Parameters) -> None:
     """
     if free.shared and schedule.stages[-1].score is not ScoreKind.EPIPOLAR:
         raise InputError(
-            "the count sees neither intrinsics nor ranges; use the default schedule, which ends on epipolar errors."
+            "a schedule that ends on the count estimates neither intrinsics nor the length of the baseline; use the "
+            "default schedule, or free only the extrinsics."
         )

@@ -13,7 +13,7 @@ _FEWER = 0.5  # of what the frame that matches most covers
 MOST_APART = 1.0 / 3.0  # of the frames; if more disagree, which of them are wrong cannot be told
 
 
-def without(found: Correspondences, frames: Sequence[int]) -> Correspondences:
+def without_frames_of(found: Correspondences, frames: Sequence[int]) -> Correspondences:
     """The correspondences of the other frames."""
     if not len(frames):
         return found

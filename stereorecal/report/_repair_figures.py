@@ -115,7 +115,7 @@ def expected_figure(expected: Map, image: Grey, larger: Sequence[int], unmeasure
         if shown:
             handles = [Patch(fc="#ffe9b8", ec="k", lw=0.0, hatch=hatch, label=name) for name, hatch in shown.items()]
             figure.legend(handles=handles, frameon=False, loc="outside lower left")
-        return svg(figure, "Map over the view: row errors to expect of the calibration to use.")
+        return svg(figure, "Map over the view: the row error to expect at each place, with the calibration to use.")
 
 
 def progress_figures(climbs: Sequence[Climb], way: Climb | None) -> list[str]:

@@ -106,7 +106,7 @@ def _least(columns: Sequence[Column]) -> int:
 def _trials_table(data: Mapping[str, Any], parts: Sequence[str], fold: int) -> Table:
     flagged_ratio = data["settings"]["thresholds"]["flagged_ratio"]
     table = _table("trials", data)
-    heads, about = _about(data, fold, short=True)
+    heads, about = _row_headings(data, fold, short=True)
     _add_columns(table, heads, parts, ["draw"], ["status"])
     for trial in data["trials"]:
         cells = [*about(trial), str(trial["draw"])]
@@ -129,7 +129,7 @@ def _summary_table(data: Mapping[str, Any], parts: Sequence[str], fold: int) -> 
     table = _table(f"medians over {draws}", data)
     evaluations = not several_schedules(data)  # those of different scores do not compare
     first = (["draws"] if unequal else []) + (["success"] if "errors" in parts else [])
-    heads, about = _about(data, fold)
+    heads, about = _row_headings(data, fold)
     _add_columns(table, heads, parts, first, ["evals", "s"] if evaluations else ["s"])
     for row in data["summary"]:
         cells = [*about(row), *([str(row["draws"])] if unequal else [])]
@@ -149,7 +149,7 @@ def _summary_table(data: Mapping[str, Any], parts: Sequence[str], fold: int) -> 
 def _truth_table(data: Mapping[str, Any], fold: int) -> list[Table]:
     """What the true rig says of rows and depth, where it is known."""
     table = _table("by the true rig", data)
-    heads, about = _about(data, fold)
+    heads, about = _row_headings(data, fold)
     for heading in heads:
         table.add_column(heading, overflow="fold", min_width=_LEAST.get(heading))
     for heading in ("px before", "px after", "10 B %", "30 B %", "harmful"):
@@ -254,7 +254,9 @@ def _table(title: str, data: Mapping[str, Any]) -> Table:
     return Table(box=box.SIMPLE_HEAD, title=text, title_justify="left", padding=(0, 1, 0, 0), pad_edge=False)
 
 
-def _about(data: Mapping[str, Any], fold: int, *, short: bool = False) -> tuple[list[str], Callable[[Row], list[str]]]:
+def _row_headings(
+    data: Mapping[str, Any], fold: int, *, short: bool = False
+) -> tuple[list[str], Callable[[Row], list[str]]]:
     """The heads of the columns that say what a row is about, and its cells: the scene and the schedule, where there are
     several, and the strategies that ran (`short`: not where the schedule says which)."""
     names = _short_names(data)

@@ -56,7 +56,7 @@ def disparity_figure(left: Image, disparities: Mapping[str, tuple[Image, Bool[np
 def _validity(rows: Sequence[Row]) -> Figure:
     """The counts of every pair under every calibration; a diamond at the highest (paper, figure 4)."""
     groups = grouped_by(rows, "sequence")
-    figure, axes = _grid(len(groups), 3.4, 2.6)
+    figure, axes = _axes_grid(len(groups), 3.4, 2.6)
     for axis, (sequence, group) in zip(axes, groups.items(), strict=False):
         names = list(group[0]["counts"])
         for index, row in enumerate(group):
@@ -81,7 +81,7 @@ def _sweeps(rows: Sequence[Row]) -> Figure:
     """The count along each axis, for each matcher, relative to its peak."""
     axes_names = list(dict.fromkeys(row["axis"] for row in rows))
     matchers = list(dict.fromkeys(row["matcher"] for row in rows))
-    figure, axes = _grid(len(axes_names), 3.0, 2.4, most=len(axes_names))
+    figure, axes = _axes_grid(len(axes_names), 3.0, 2.4, most=len(axes_names))
     for axis, name in zip(axes, axes_names, strict=True):
         for row in [row for row in rows if row["axis"] == name]:
             colour = _COLOURS[matchers.index(row["matcher"])]
@@ -99,7 +99,7 @@ def _generalise(rows: Sequence[Row]) -> Figure:
     """r of every other pair of the sequence, before (hollow) and after (filled), for each start (paper, figure 5)."""
     methods = grouped_by(rows, "schedule")
     starts = list(dict.fromkeys(row["calibration"] for row in rows))
-    figure, axes = _grid(len(methods), 4.6, 3.0, most=len(methods))
+    figure, axes = _axes_grid(len(methods), 4.6, 3.0, most=len(methods))
     for axis, (method, group) in zip(axes, methods.items(), strict=True):
         for row in group:
             others = {name: c for name, c in row["others"].items() if c["score_reference"]}
@@ -123,12 +123,12 @@ def _ex_nihilo(rows: Sequence[Row]) -> Figure:
     methods = grouped_by([row for row in rows if not row["starred"]] or rows, "schedule")
     figure = Figure(figsize=(4.6 * len(methods), 6.4), layout="constrained")
     axes = figure.subplots(3, len(methods), squeeze=False, sharex="col", sharey="row")
-    pairs = dict.fromkeys(_pair(row) for group in methods.values() for row in group)
+    pairs = dict.fromkeys(_pair_key(row) for group in methods.values() for row in group)
     colours = {pair: _COLOURS[index % len(_COLOURS)] for index, pair in enumerate(pairs)}
     labels = ("r = N / N_GT", "squared error of\nrotation [°²]", "squared error of\ntranslation [(% of B)²]")
     for column, (method, group) in enumerate(methods.items()):
         for row in group:
-            way, style = row["way"], {"color": colours[_pair(row)], "linewidth": 0.9}
+            way, style = row["way"], {"color": colours[_pair_key(row)], "linewidth": 0.9}
             cost = [point["cost"] for point in way]
             reference = max(row["score_reference"], 1)
             axes[0, column].step(cost, [p["count"] / reference for p in way], where="post", **style)
@@ -216,7 +216,7 @@ _FIGURES: dict[str, Callable[[Sequence[Row]], Figure]] = {
 }
 
 
-def _grid(number: int, width: float, height: float, most: int = 4) -> tuple[Figure, list[Axes]]:
+def _axes_grid(number: int, width: float, height: float, most: int = 4) -> tuple[Figure, list[Axes]]:
     columns = min(number, most)
     lines = -(-number // columns)
     figure = Figure(figsize=(width * columns, height * lines), layout="constrained")
@@ -247,5 +247,5 @@ def _title(schedule: str) -> str:
     return _METHOD.get(schedule, schedule)
 
 
-def _pair(row: Row) -> tuple[str, str]:
+def _pair_key(row: Row) -> tuple[str, str]:
     return row["sequence"], row["image"].rpartition(".")[0]

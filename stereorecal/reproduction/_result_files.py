@@ -34,7 +34,7 @@ def write_files(found: Reproduction, log: Log, folder: Path) -> list[Path]:
     for name, rows in data["rows"].items():
         alone = {**data, "summary": data["summary"].get(name), "rows": rows}
         texts[f"{name}.json"] = json_text(alone)
-        for stem, lines in _flat(name, rows).items():
+        for stem, lines in _flat_rows(name, rows).items():
             if lines:
                 texts[f"{stem}.csv"] = _csv(lines)
     figures = experiment_figures(data["rows"]) | _disparities(data, log, found.matcher)
@@ -73,19 +73,19 @@ def _disparities(data: Mapping[str, Any], log: Log, matcher: AbstractMatcher) ->
     return {"ex_nihilo_disparity": disparity_figure(left, panels)}
 
 
-def _flat(name: str, rows: Sequence[Row]) -> dict[str, list[dict[str, Any]]]:
+def _flat_rows(name: str, rows: Sequence[Row]) -> dict[str, list[dict[str, Any]]]:
     """Rows of plain cells by the stem of a file; the points of sweeps, ways and sequences have lines of their own."""
     if name == "sweeps":
         points = [
-            {**_cells(row), "offset": offset, "count": count}
+            {**_plain(row), "offset": offset, "count": count}
             for row in rows
             for offset, count in zip(row["offsets"], row["counts"], strict=True)
         ]
         return {name: points}
     if name == "sequential":
-        steps = [({**_cells(row), "step": index}, step) for row in rows for index, step in enumerate(row["steps"], 1)]
+        steps = [({**_plain(row), "step": index}, step) for row in rows for index, step in enumerate(row["steps"], 1)]
         return {
-            name: [{**about, **_cells(step)} for about, step in steps],
+            name: [{**about, **_plain(step)} for about, step in steps],
             f"{name}_way": [
                 {**about, "image": step["image"], **point} for about, step in steps for point in step["way"]
             ],
@@ -95,10 +95,10 @@ def _flat(name: str, rows: Sequence[Row]) -> dict[str, list[dict[str, Any]]]:
         for row in rows
         for point in row.get("way", ())
     ]
-    return {name: [_cells(row) for row in rows], f"{name}_way": ways}
+    return {name: [_plain(row) for row in rows], f"{name}_way": ways}
 
 
-def _cells(row: Row) -> dict[str, Any]:
+def _plain(row: Row) -> dict[str, Any]:
     """Numbers and words, those of mappings under "key.name"; lists are left out."""
     return dict(_pairs("", row))
 

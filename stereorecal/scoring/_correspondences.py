@@ -136,7 +136,7 @@ def refined(data: ScoringData, extrinsics: Extrinsics, found: Disparity) -> tupl
         left, right = rays(x, y, 0, to_left), rays(x - d, y + v, 1, to_right)
         if view.projection == PINHOLE and not (data.left_camera.lens.WIDE or data.right_camera.lens.WIDE):
             return left, right, weight
-        flat = _flat(left, data.left_camera) & _flat(right, data.right_camera)
+        flat = _within_lens_radius(left, data.left_camera) & _within_lens_radius(right, data.right_camera)
         ahead = jnp.asarray([0.0, 0.0, 1.0])  # for what has no ray (x/z, y/z, 1)
         left, right = (jnp.where(flat[:, None], ray, ahead) for ray in (left, right))
         return left, right, jnp.where(flat, weight, 0.0)
@@ -144,7 +144,7 @@ def refined(data: ScoringData, extrinsics: Extrinsics, found: Disparity) -> tupl
     return rectify_frames(data, extrinsics, frame, warp=cubic_warp, more=(found,))
 
 
-def _flat(rays: Float[jax.Array, "m 3"], camera: Camera) -> Bool[jax.Array, "m"]:
+def _within_lens_radius(rays: Float[jax.Array, "m 3"], camera: Camera) -> Bool[jax.Array, "m"]:
     """Whether rays are those that the estimate works with: (x/z, y/z, 1) within the lens radius."""
     return jnp.hypot(rays[:, 0], rays[:, 1]) < camera.lens_radius * rays[:, 2]
 

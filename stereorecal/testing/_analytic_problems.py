@@ -195,13 +195,13 @@ def nan_pocket(dim: int) -> Problem:
     return _problem(dim, _pocket, _pocket)
 
 
-def _flat(z: AnyArray) -> AnyArray:
+def _constant(z: AnyArray) -> AnyArray:
     return 1.0 + 0.0 * z.sum(-1)
 
 
 def flat(dim: int) -> Problem:
     """The same value everywhere."""
-    return _problem(dim, _flat, _flat)
+    return _problem(dim, _constant, _constant)
 
 
 def least_squares(residuals: Score, dim: int, meter: Meter | None = None) -> Problem:
@@ -236,5 +236,5 @@ def broken(z: AnyArray) -> AnyArray:
     return xp.where(z[..., :1] > 0.1, xp.nan, linear(z))
 
 
-_SOFT = (_bowl, _ridge, _cliff, _pocket, _flat)
+_SOFT = (_bowl, _ridge, _cliff, _pocket, _constant)
 _SQUARE = (linear, constant, broken)  # as many residuals as parameters

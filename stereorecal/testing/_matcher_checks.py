@@ -25,7 +25,7 @@ Check = Callable[[AbstractMatcher], None]
 
 def returns_values_and_validity(matcher: AbstractMatcher) -> None:
     """It returns values (h, w) float32 and validity (h, w) bool, and does not modify its inputs."""
-    left, right = _pair(5)
+    left, right = _shifted_wall(5)
     before = left.copy(), right.copy()
     found = matcher_at(matcher).match(left, right)
     shape = (_SIZE[1], _SIZE[0])
@@ -47,7 +47,7 @@ def searches_its_range(matcher: AbstractMatcher) -> None:
     for lowest, shift in ((-8, -4), (4, 9)):
         ranged = matcher_at(matcher, lowest, 24)
         _assert_finds(ranged, shift)
-        values = _values(ranged.match(*_pair(shift)))
+        values = _values(ranged.match(*_shifted_wall(shift)))
         assert values.min() > lowest - 1, f"it finds {values.min()} below min_disparity {lowest}"
         assert values.max() < lowest + 24, f"it finds {values.max()}, beyond its range"
 
@@ -63,7 +63,7 @@ def invents_nothing(matcher: AbstractMatcher) -> None:
 
 def loses_matches_when_rows_do_not_align(matcher: AbstractMatcher) -> None:
     """A vertical misalignment of six rows costs it a quarter of its matches: the count relies on this."""
-    left, right = _pair(6)
+    left, right = _shifted_wall(6)
     aligned = np.sum(matcher_at(matcher).match(left, right).valid)
     shifted = np.sum(matcher_at(matcher).match(left, np.roll(right, 6, axis=0)).valid)
     assert shifted < 0.75 * aligned, f"misaligned by 6 rows it still finds {shifted / aligned:.2f} of its matches"
@@ -71,7 +71,7 @@ def loses_matches_when_rows_do_not_align(matcher: AbstractMatcher) -> None:
 
 def is_deterministic(matcher: AbstractMatcher) -> None:
     """The same images give the same result."""
-    first, second = (matcher_at(matcher).match(*_pair(5)) for _ in range(2))
+    first, second = (matcher_at(matcher).match(*_shifted_wall(5)) for _ in range(2))
     same = np.array_equal(first.values, second.values) and np.array_equal(first.valid, second.valid)
     assert same, "two runs differ"
 
@@ -80,7 +80,7 @@ def asks_for_its_range(matcher: AbstractMatcher) -> None:
     """It raises InputError without `num_disparities`, or with more of them than the image has columns."""
     for count in (None, _SIZE[0] + 32):
         try:
-            replace(matcher, min_disparity=0, num_disparities=count).match(*_pair(5))
+            replace(matcher, min_disparity=0, num_disparities=count).match(*_shifted_wall(5))
         except InputError:
             continue
         raise AssertionError(f"it accepts num_disparities={count} for an image {_SIZE[0]} pixels wide")
@@ -94,7 +94,7 @@ def travels(matcher: AbstractMatcher) -> None:
 
 def can_be_traced(matcher: AbstractMatcher) -> None:
     """Under jit and vmap it finds what it finds eagerly."""
-    traced, (left, right) = matcher_at(matcher), _pair(5)
+    traced, (left, right) = matcher_at(matcher), _shifted_wall(5)
     expected = traced.match(left, right)
     compiled = jax.jit(traced.match)(left, right)
     both = jax.vmap(traced.match)(jnp.stack([left, left]), jnp.stack([right, right]))
@@ -106,7 +106,7 @@ def can_be_traced(matcher: AbstractMatcher) -> None:
 
 def looks_no_farther_than_its_halo(matcher: AbstractMatcher) -> None:
     """Given some rows with its halo around them, it finds in these rows what it finds in the whole image."""
-    ranged, (left, right), halo = matcher_at(matcher), _pair(5), matcher.halo
+    ranged, (left, right), halo = matcher_at(matcher), _shifted_wall(5), matcher.halo
     assert halo is not None
     whole = ranged.match(left, right)
     first, last = 40, 56
@@ -120,7 +120,7 @@ def looks_no_farther_than_its_halo(matcher: AbstractMatcher) -> None:
 
 def is_smooth(matcher: AbstractMatcher) -> None:
     """`soft_match` has confidences in [0, 1] that tend to `match`'s validity, and a finite gradient other than 0."""
-    smooth, (left, right) = matcher_at(matcher), _pair(5.5)
+    smooth, (left, right) = matcher_at(matcher), _shifted_wall(5.5)
     confidence = np.asarray(smooth.soft_match(left, right, 1e-4).confidence).sum(axis=0)
     assert confidence.min() >= 0.0, "a confidence is negative"
     assert confidence.max() <= 1.0 + 1e-4, "a confidence exceeds 1"
@@ -165,7 +165,7 @@ def _texture(seed: int, width: int = _SIZE[0]) -> Image:
     return np.clip(128.0 + 40.0 * smooth / smooth.std(), 0, 255).astype(np.float32)
 
 
-def _pair(shift: float) -> tuple[Image, Image]:
+def _shifted_wall(shift: float) -> tuple[Image, Image]:
     """Left and right image of a wall at disparity `shift`: what is at x in the left image is at x - shift in the right.
 
     Each image is shifted by half of it, so that interpolation blurs both alike.
@@ -186,7 +186,7 @@ def _values(found: Disparity) -> Float[np.ndarray, "n"]:
 
 
 def _assert_finds(matcher: AbstractMatcher, shift: float) -> None:
-    found = matcher.match(*_pair(shift))
+    found = matcher.match(*_shifted_wall(shift))
     inner = np.s_[_BORDER:-_BORDER, _BORDER + _COUNT : -_BORDER]
     valid, values = np.asarray(found.valid)[inner], np.asarray(found.values)[inner]
     assert valid.mean() > 0.7, f"at a shift of {shift} it finds {100 * valid.mean():.0f} % of the pixels, not 70 %"

@@ -108,7 +108,10 @@ SCENES: dict[str, tuple[Spoil, str]] = {
     "swapped calibration": (calibration(T=lambda t: [-v for v in t]), "left and right are swapped"),
     "swapped images": (swap_images, "look swapped"),
     "unknown lens": (calibration(distortion_model="fov"), "distortion model 'fov' is not supported"),
-    "odd coefficients": (calibration(D_left=[0.1, 0.2, 0.3]), "distortion of 3 coefficients is not supported"),
+    "odd coefficients": (
+        calibration(D_left=[0.1, 0.2, 0.3]),
+        "distortion has 3 coefficients; this lens model takes others",
+    ),
     "no calibration": (
         calibration(K_left=None, K_right=None, D_left=None, D_right=None, R=None, T=None),
         "the scene has no calibration",

@@ -213,7 +213,7 @@ def test_folders_that_do_not_hold_what_a_judge_needs(tmp_path):
     for asked, message in (
         (f"lidar={tmp_path / 'empty'}", "there is no scene folder"),
         (f"lidar={scene}", "no scene names a disparity_gt"),
-        (f"product={scene.parent}", "1 scenes; a product needs 3"),
+        (f"product={scene.parent}", "a product needs 3 scenes of one rig or more; 1 found"),
         (f"motion={scene}", r"poses\.txt: there is no such file"),
         (f"boards={scene.parent}", "needs --square"),
     ):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from simulated_rows import chart as chart, prior as prior, rig as rig, seen as seen
 
-from stereorecal.decision import Tolerances, judged
+from stereorecal.decision import Tolerances, with_nearest_distance
 from stereorecal.estimation import estimate
 
 
@@ -16,7 +16,7 @@ def looks(rig, chart, prior, seen):
         rng = np.random.default_rng(seed)
         drift = np.r_[rng.uniform(-degrees, degrees, 5) * [1, 1, 1, 0.6, 0.6], np.zeros(chart.dim - 5)]
         true = chart.rig_at(prior.roots[len(prior.roots) // 2] @ rng.normal(0, 1, chart.dim) + drift)
-        return true, judged(estimate(seen(rig, true, seed, cells=900), rig), Tolerances())
+        return true, with_nearest_distance(estimate(seen(rig, true, seed, cells=900), rig), Tolerances())
 
     return make
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from stereorecal.estimation import CalibrationPrior, Normal
-from stereorecal.estimation._evidence import all_explained, explained, normal_of, without
+from stereorecal.estimation._evidence import all_explained, explained, marginal, normal_of
 from stereorecal.estimation._prior_conversions import updated
 
 ROWS, DRIFTING = 14, 5
@@ -74,7 +74,7 @@ def test_what_is_integrated_is_noise_of_the_rows(seed, n, q, rank):
     pulls = problem.columns[:, n:] @ nuisance
     noise = np.linalg.cholesky(problem.noise + pulls @ pulls.T)
     expected = normal_of(noise, problem.columns[:, :n], problem.rows)
-    found = without(problem.normal, nuisance)
+    found = marginal(problem.normal, nuisance)
     np.testing.assert_allclose(found.a, expected.a, rtol=1e-6, atol=1e-8)
     np.testing.assert_allclose(found.b, expected.b, rtol=1e-6, atol=1e-8)
     assert found.c == pytest.approx(expected.c, rel=1e-9)
@@ -83,7 +83,7 @@ def test_what_is_integrated_is_noise_of_the_rows(seed, n, q, rank):
 def test_integrated_before_or_with_the_rest():
     problem = Problem(3)
     before = explained(
-        without(problem.normal, problem.nuisance),
+        marginal(problem.normal, problem.nuisance),
         problem.calibration,
         problem.given,
         np.zeros((0, 0)),

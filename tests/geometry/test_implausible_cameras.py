@@ -27,7 +27,7 @@ def test_centres(centre: float):
 def test_distortions(place: int):
     values = [0.0] * 5
     values[place] = 1e300
-    with pytest.raises(InputError, match="not that of a lens"):
+    with pytest.raises(InputError, match="no lens distorts so much"):
         camera(distortion=tuple(values))
 
 

@@ -178,7 +178,7 @@ def test_a_ray_at_depth_1_ends_where_directions_go_on():
 @pytest.mark.parametrize(
     ("model", "coefficients", "words"),
     [
-        ("equidistant", [0.1, 0.0], "2 coefficients is not supported; give those of Kannala-Brandt"),
+        ("equidistant", [0.1, 0.0], "2 coefficients; this lens model takes others: Kannala-Brandt"),
         ("equidistant", [-1e3, 0.0, 0.0, 0.0], "within 5 degrees"),
         ("equidistant", [np.nan, 0.0, 0.0, 0.0], "NaN"),
         ("ds", [-1.0, 0.5], "double sphere"),
@@ -186,7 +186,7 @@ def test_a_ray_at_depth_1_ends_where_directions_go_on():
         ("eucm", [0.5, 0.0], "extended unified"),
         ("omni", [-0.1, 0.0, 0.0, 0.0, 0.0], "omni model"),
         ("omni", [1.0, -1e3, 0.0, 0.0, 0.0], "omni model"),
-        ("omni", [1.0, 0.0], "2 coefficients is not supported; give those of unified sphere"),
+        ("omni", [1.0, 0.0], "2 coefficients; this lens model takes others: unified sphere"),
         ("fov", [0.9], "lens model 'fov' is not supported"),
     ],
 )

@@ -10,7 +10,7 @@ from stereorecal.online import FAR, Kind, Reading, State, Stepped, reading
 from stereorecal.online._filter import KEYSTONE, Measurement
 from stereorecal.online._pair_estimate import PairEstimate
 from stereorecal.online._sequential_test import SequentialTest
-from stereorecal.online._switching import decided, judged, nominated
+from stereorecal.online._switching import decided, nominated, trial_after_look
 from stereorecal.online._watching import followed, standing
 from stereorecal.recalibration import Condition
 
@@ -74,7 +74,9 @@ def test_a_repair_may_move_y_and_z(healthy, by):
     state = off_by(healthy, 0.0, 0.0, 0.0, 4.0, -5.0)
     state = state.replace(trial=SequentialTest(state.estimate.offset, by, state.frame - 1))
     look = PairEstimate(state.chart, 0.5)
-    after, _ = judged(state, Measurement(state.frame, state.estimate.offset, np.diag(SIGMA**-2.0), np.zeros(5)), look)
+    after, _ = trial_after_look(
+        state, Measurement(state.frame, state.estimate.offset, np.diag(SIGMA**-2.0), np.zeros(5)), look
+    )
     assert (after.trial is not None) is (by == "repair")
 
 

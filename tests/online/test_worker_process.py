@@ -142,7 +142,7 @@ def test_the_times_of_pairs_reach_the_steps(ride: Ride, monkeypatch: pytest.Monk
 
     class Pipe:
         def __init__(self):
-            self.waiting = [*map(_worker_process._plain, pairs), None]
+            self.waiting = [*map(_worker_process._images_alone, pairs), None]
 
         def recv(self):
             return self.waiting.pop(0)

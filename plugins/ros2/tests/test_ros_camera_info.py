@@ -114,7 +114,7 @@ def test_projections_that_no_view_has():
         ({"k": (0.0,) * 9}, "not calibrated"),
         ({"p": (0.0,) * 12}, "no projection matrix"),
         ({"distortion_model": "ftheta"}, "distortion model 'ftheta' is not supported"),
-        ({"d": (0.1, 0.2, 0.3)}, "3 coefficients is not supported"),
+        ({"d": (0.1, 0.2, 0.3)}, "3 coefficients; this lens model takes others"),
         ({"r": (float("nan"),) * 9}, "NaN"),
         ({"k": (float("nan"),) * 9}, "NaN"),
         ({"width": 0}, "image size"),

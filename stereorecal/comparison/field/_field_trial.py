@@ -151,12 +151,12 @@ def as_trial(row: dict[str, Any]) -> FieldTrial:
     return FieldTrial(
         **{
             **row,
-            "row_error_px": rows and {when: _number(value, np.nan) for when, value in rows.items()},
+            "row_error_px": rows and {when: _number_or(value, np.nan) for when, value in rows.items()},
             "depth_error_percent": depths
-            and {when: {at: _number(value, np.inf) for at, value in of.items()} for when, of in depths.items()},
+            and {when: {at: _number_or(value, np.inf) for at, value in of.items()} for when, of in depths.items()},
         }
     )
 
 
-def _number(value: Any, missing: float) -> float:
+def _number_or(value: Any, missing: float) -> float:
     return missing if value is None else float(value)

@@ -1,10 +1,13 @@
-"""Judges of calibrations: what no method looks at says how good a rig is, but for rows of lidar and of given drives."""
+"""Judges of calibrations: what no method looks at says how good a rig is, but for rows of lidar and of given drives.
+
+`_*_judge.py` are the judges, listed in `_judges.py`; the other modules are what they measure by.
+"""
 
 from stereorecal.comparison.judges._board_errors import ByBoards as ByBoards, by_boards as by_boards
 from stereorecal.comparison.judges._case import AbstractRecipe as AbstractRecipe, Case as Case, case_of as case_of
 from stereorecal.comparison.judges._draws import Draws as Draws
 from stereorecal.comparison.judges._judgement import DISTANCES as DISTANCES, Judgement as Judgement
-from stereorecal.comparison.judges._judges import JUDGES as JUDGES, recipes_of as recipes_of
+from stereorecal.comparison.judges._judges import JUDGES as JUDGES, RENDERED as RENDERED, recipes_of as recipes_of
 from stereorecal.comparison.judges._product_errors import (
     ByProduct as ByProduct,
     by_product as by_product,

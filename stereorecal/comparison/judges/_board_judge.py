@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import ClassVar
 
 from stereorecal._errors import InputError
-from stereorecal.comparison.judges._board_errors import ROWS_WORSE, by_boards
+from stereorecal.comparison.judges._board_errors import BOARD_ROWS_WORSE, by_boards
 from stereorecal.comparison.judges._case import AbstractRecipe, Case, prior_of
 from stereorecal.comparison.judges._draws import Draws
 from stereorecal.comparison.judges._judgement import DISTANCES, Judgement
@@ -58,7 +58,7 @@ class _ByBoards:
     def __call__(self, rig: StereoRig) -> Judgement:
         seen = by_boards(rig, self.stored, self.boards)
         depth = {distance: seen.depth_error_percent(distance) for distance in DISTANCES}
-        return Judgement(seen.rows_rms_px, depth, rows_worse_px=ROWS_WORSE)
+        return Judgement(seen.rows_rms_px, depth, rows_worse_px=BOARD_ROWS_WORSE)
 
 
 def board_recipes(place: str, draws: Draws) -> tuple[Boards, ...]:

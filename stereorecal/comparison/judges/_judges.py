@@ -12,14 +12,15 @@ from stereorecal.comparison.judges._rendered_judge import rendered_recipes
 from stereorecal.comparison.judges._simulated_judge import simulated_recipes
 from stereorecal.comparison.judges._walk_judge import walk_recipes
 
-_RENDERED = {
+_RENDERED = {  # without a folder: all that a preset has
     "rendered": rendered_recipes,
     "simulated": simulated_recipes,
     "motion": motion_recipes,  # may have a folder
     "walk": walk_recipes,
 }
 _OF_FOLDERS = {"lidar": lidar_recipes, "boards": board_recipes, "product": product_recipes}
-JUDGES = (*_RENDERED, *_OF_FOLDERS)
+RENDERED = tuple(_RENDERED)
+JUDGES = (*RENDERED, *_OF_FOLDERS)
 
 
 def recipes_of(asked: str, draws: Draws) -> tuple[AbstractRecipe, ...]:

@@ -5,11 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stereorecal.comparison.judges._judgement import ROWS_WORSE
 from stereorecal.comparison.judges._rows import rows
 from stereorecal.geometry import StereoRig
 from stereorecal.recordings import Scene
-
-_WORSE = 0.02  # px
 
 
 @dataclass(frozen=True)
@@ -32,4 +31,4 @@ def by_product(judged: StereoRig, stored: StereoRig, scenes: Sequence[Scene]) ->
 
 def product_is_worse(change: np.ndarray, unseen: slice) -> bool:
     """Whether rows of the first scene, or of those that took no part in the middle, are farther apart than before."""
-    return bool(change[0] > _WORSE or np.median(change[unseen]) > _WORSE)
+    return bool(change[0] > ROWS_WORSE or np.median(change[unseen]) > ROWS_WORSE)

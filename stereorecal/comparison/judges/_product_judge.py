@@ -54,7 +54,7 @@ def product_recipes(place: str, draws: Draws) -> tuple[Product, ...]:
     """Of each scene in a folder, judged by the others."""
     folder = Path(place)
     folders = scene_folders(folder)
-    _check_one_rig(folders)
+    _check_one_rig(folder, folders)
     found = []
     for one in folders:
         others = tuple(str(other) for other in folders if other != one)
@@ -63,13 +63,11 @@ def product_recipes(place: str, draws: Draws) -> tuple[Product, ...]:
     return tuple(found)
 
 
-def _check_one_rig(folders: list[Path]) -> None:
+def _check_one_rig(folder: Path, folders: list[Path]) -> None:
     """Raises: InputError: if there are too few scenes, or of several rigs."""
     if len(folders) < FEWEST_SCENES:
-        raise InputError(
-            f"{folders[0].parent}: {len(folders)} scenes; a product needs {FEWEST_SCENES} of one rig or more."
-        )
+        raise InputError(f"{folder}: a product needs {FEWEST_SCENES} scenes of one rig or more; {len(folders)} found.")
     first, *others = (judged_rig(load_scene(folder, limit=1)) for folder in folders)
-    for folder, rig in zip(folders[1:], others, strict=True):
+    for one, rig in zip(folders[1:], others, strict=True):
         if not same_rig(first, rig):
-            raise InputError(f"{folder}: has another calibration than {folders[0]}; give scenes of one rig.")
+            raise InputError(f"{one}: has another calibration than {folders[0]}; give scenes of one rig.")

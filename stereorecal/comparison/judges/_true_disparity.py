@@ -8,6 +8,7 @@ from jaxtyping import Float
 
 from stereorecal._cv2 import cv2
 from stereorecal._errors import InputError
+from stereorecal.comparison.judges._judgement import DEPTH_WORSE, ROWS_WORSE
 from stereorecal.comparison.judges._optics import optics, sgbm
 from stereorecal.comparison.judges._rows import followed, rows
 from stereorecal.geometry import StereoRig
@@ -21,7 +22,6 @@ _MARGIN = 40.0  # pixels of disparity beyond the true ones that are looked for, 
 _FEWEST = 200  # pixels of a bin, and of a scene
 ENCODINGS = ("uint16/256", "npz arr_0 float32")
 _MATCHED_WELL = 0.5  # of the pixels with truth
-_ROWS_WORSE, _DEPTH_WORSE = 0.02, 1.0  # px, percentage points
 
 
 @dataclass(frozen=True)
@@ -60,8 +60,8 @@ class DepthByTruth:
 
     def worse_than(self, other: "DepthByTruth") -> bool:
         """By more than the tolerance, in rows or in depth at 30 baselines."""
-        rows_worse = self.rows_px > other.rows_px + _ROWS_WORSE
-        return rows_worse or self.at_30_percent > other.at_30_percent + _DEPTH_WORSE
+        rows_worse = self.rows_px > other.rows_px + ROWS_WORSE
+        return rows_worse or self.at_30_percent > other.at_30_percent + DEPTH_WORSE
 
 
 def depth_by_truth(judged: StereoRig, stored: StereoRig, scene: Scene) -> DepthByTruth:

@@ -39,7 +39,7 @@ def read(documents: Documents, hints: Hints) -> StereoRig:
     """The calibrated translations, never those of the drawing (`specTranslation`). Images of another size, but of the
     same shape, are taken for resampled ones."""
     content = documents[0].content
-    left, right = (_camera(content, socket, hints) for socket in _pair(content))
+    left, right = (_camera(content, socket, hints) for socket in _sockets(content))
     return rig_of(left, right, _left_to_right(content))
 
 
@@ -105,7 +105,7 @@ def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
     """The pose that links the two cameras, and the rectifying rotations (as `cv2.stereoRectify`)."""
     (document,) = target.documents
     content = document.content
-    left, right = _pair(content)
+    left, right = _sockets(content)
     socket, moved = _restated_pose(content, left_to_right(rig))
     place = ("cameraData", _index(content, socket), 1, "extrinsics")
     values: dict[Keys, Any] = {(*place, "rotationMatrix"): moved[:3, :3].tolist()}
@@ -128,7 +128,7 @@ def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
     return (document.with_values(values),)
 
 
-def _pair(content: Mapping[str, Any]) -> tuple[int, int]:
+def _sockets(content: Mapping[str, Any]) -> tuple[int, int]:
     """The sockets of the left and the right camera."""
     stated = content.get(_STEREO) or {}
     left, right = (stated.get(key, usual) for key, usual in _SOCKETS.items())
@@ -173,7 +173,7 @@ def _link(content: Mapping[str, Any], socket: int) -> tuple[int, Pose]:
 
 
 def _links(content: Mapping[str, Any]) -> tuple[int, int, tuple[int, Pose], tuple[int, Pose]]:
-    left, right = _pair(content)
+    left, right = _sockets(content)
     return left, right, _link(content, left), _link(content, right)
 
 

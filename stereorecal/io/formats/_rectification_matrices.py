@@ -35,7 +35,7 @@ def options_of(rig: StereoRig, P1: Array, P2: Array, usual: RectifyOptions) -> R
     cropped images."""
     if P1.shape != (3, 4) or P2.shape != (3, 4) or not np.all(np.isfinite(P1)) or P1[0, 0] <= 0.0:
         return usual
-    if _is_wide(rig):
+    if rig.is_wide:
         return replace(usual, matrices=(P1[:, :3], P2[:, :3]))
     for flags in (cv2.CALIB_ZERO_DISPARITY, 0):
         seen, everything = (rectification_of(rig, RectifyOptions(alpha, flags))["P1"][0, 0] for alpha in (0.0, 1.0))
@@ -55,7 +55,7 @@ def rectification_of(rig: StereoRig, options: RectifyOptions) -> dict[str, Array
     left, right = rig.left, rig.right
     # OpenCV's own rotations forget turns below 1e-7; some formats have no other place for the extrinsics.
     R1, R2 = rectifying_rotations(rig.rotation, rig.translation)
-    if _is_wide(rig):
+    if rig.is_wide:
         return {"R1": np.asarray(R1), "R2": np.asarray(R2), **_projections(rig, options)}
     _, _, P1, P2, Q, roi1, roi2 = cv2.stereoRectify(
         np.asarray(left.matrix, float),
@@ -71,10 +71,6 @@ def rectification_of(rig: StereoRig, options: RectifyOptions) -> dict[str, Array
     regions = (np.array(region, float) for region in (roi1, roi2))
     names = ("R1", "R2", "P1", "P2", "Q", "roi1", "roi2")
     return dict(zip(names, (*map(np.asarray, (R1, R2, P1, P2, Q)), *regions), strict=True))
-
-
-def _is_wide(rig: StereoRig) -> bool:
-    return rig.left.lens.WIDE or rig.right.lens.WIDE
 
 
 def _projections(rig: StereoRig, options: RectifyOptions) -> dict[str, Array]:

@@ -44,14 +44,14 @@ def camera_pairs(names: Sequence[str], tolerance: float | None = None) -> Iterat
                     )
                 continue
             apart = 0
-            yield _pair([camera.image() for camera in cameras], f"{number:06d}", times[0] or None)
+            yield _split_images([camera.image() for camera in cameras], f"{number:06d}", times[0] or None)
             number += 1
     finally:
         for camera in cameras:
             camera.close()
 
 
-def _pair(images: Sequence[Image], name: str, time: float | None) -> Pair | Images:
+def _split_images(images: Sequence[Image], name: str, time: float | None) -> Pair | Images:
     if len(images) == 1:
         middle = images[0].shape[1] // 2
         images = (images[0][:, :middle], images[0][:, middle : 2 * middle])

@@ -94,7 +94,7 @@ def _opened(places: _Places) -> Recorded:
         raise InputError(f"{left}: this is a bag; say which topics are the left and the right images.")
     elif right is None:
         sources, stream = halves(_source(left)), is_video(left)
-        return _recorded(places, *sources, [(i, i) for i in range(len(sources[0].names))], stream)
+        return _with_counts(places, *sources, [(i, i) for i in range(len(sources[0].names))], stream)
     elif is_video(left) != is_video(Path(right)):
         raise InputError(f"{left} and {right}: one is a video and the other is not; give two of a kind.")
     elif is_video(left) or tolerance is not None:
@@ -103,10 +103,10 @@ def _opened(places: _Places) -> Recorded:
         found = find_partners(find_images(left), find_images(right))
         alone = tuple("/".join(path.parts[-2:]) for path in found.unmatched)  # with the folder, which tells whose it is
         return Recorded(load_matched(found.matched), alone, False, found.by_order)
-    return _recorded(places, *sources, pairs_by_time(*sources, tolerance), stream)
+    return _with_counts(places, *sources, pairs_by_time(*sources, tolerance), stream)
 
 
-def _recorded(
+def _with_counts(
     places: _Places, left: FrameSource, right: FrameSource, found: list[tuple[int, int]], stream: bool
 ) -> Recorded:
     with_partner = [{pair[side] for pair in found} for side in (0, 1)]

@@ -83,7 +83,7 @@ def survey(images: Pyramid, extrinsics: Extrinsics, reach: float = _DEFAULT_REAC
     scale = min(1.0, max(_COARSE_WIDTH / size[0], _COARSE_HEIGHT / size[1]))
     data = images.at(scale, _FRAMES)
     coarse = SAD(num_disparities=data.view.size[0] // 2, block_size=7)  # at the scale of the data
-    offsets = np.zeros((1, 6)) if aligned else _grid(data.view, reach)
+    offsets = np.zeros((1, 6)) if aligned else _offset_grid(data.view, reach)
     candidates = np.asarray(with_unit_baseline(extrinsics) + offsets, np.float32)
     runs, matched = 1, np.array([data.pixels])  # aligned: there is nothing to choose from
     if not aligned:
@@ -133,7 +133,7 @@ def with_disparity_range(
     return with_measured_range(matcher, pyramid(rig, pairs, view), reach)
 
 
-def _grid(view: View, reach: float) -> Float[np.ndarray, "n 6"]:
+def _offset_grid(view: View, reach: float) -> Float[np.ndarray, "n 6"]:
     """Offsets of the extrinsics, so dense that the coarse matcher finds matches at one of them."""
     pitch_step = 1.5 / float(view.focal)  # a row and a half
     roll_steps = max(1, round(reach / _DEFAULT_REACH))

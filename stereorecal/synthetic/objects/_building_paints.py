@@ -14,7 +14,7 @@ def weathered(canvas: Canvas, albedo: Texture, amount: float = 1.0) -> Texture:
     return albedo * np.exp(amount * (0.17 * blotches + 0.16 * streaks)) * foot
 
 
-def _cells(canvas: Canvas, width: float, height: float, joint: float, rows_shifted: bool):
+def _courses(canvas: Canvas, width: float, height: float, joint: float, rows_shifted: bool):
     """Courses of blocks: a random number 0..1 for each block (h, w), and the coverage 0..1 of the joints (h, w)."""
     row = np.floor(canvas.y / height)
     x = canvas.x / width + (0.5 * np.mod(row, 2) if rows_shifted else 0.0)
@@ -32,7 +32,7 @@ def masonry(albedo: float, width: float, height: float, joint: float = 0.012, co
     """Bricks or stone blocks of `width` by `height` [m]."""
 
     def paint(canvas: Canvas) -> Texture:
-        tint, joints = _cells(canvas, width, height, joint, rows_shifted=True)
+        tint, joints = _courses(canvas, width, height, joint, rows_shifted=True)
         stone = albedo * (1.0 + contrast * (tint - 0.5)) * (1.0 + 0.14 * canvas.noise(0.5 * height))
         return weathered(canvas, stone * (1.0 - 0.55 * joints))
 
@@ -60,7 +60,7 @@ def paving(albedo: float) -> Opaque:
     """Worn paving slabs."""
 
     def paint(canvas: Canvas) -> Texture:
-        tint, joints = _cells(canvas, 1.2, 0.8, 0.02, rows_shifted=True)
+        tint, joints = _courses(canvas, 1.2, 0.8, 0.02, rows_shifted=True)
         slab = albedo * (1.0 + 0.3 * (tint - 0.5)) * (1.0 - 0.4 * joints)
         return slab * np.exp(0.22 * canvas.noise(2.0))
 
@@ -169,7 +169,7 @@ def tiles(albedo: float) -> Opaque:
     """Roof tiles."""
 
     def paint(canvas: Canvas) -> Texture:
-        tint, joints = _cells(canvas, 0.25, 0.33, 0.03, rows_shifted=True)
+        tint, joints = _courses(canvas, 0.25, 0.33, 0.03, rows_shifted=True)
         image = albedo * (0.75 + 0.5 * tint) * (1.0 - 0.5 * joints)
         return image * np.exp(0.25 * canvas.noise(2.5, 1.5))
 

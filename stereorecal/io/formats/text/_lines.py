@@ -15,10 +15,10 @@ def _parsed_colons(text: str) -> dict[str, Any]:
 
 def _parsed_equals(text: str) -> dict[str, Any]:
     lines = (line.partition("=") for line in text.splitlines())
-    return {key.strip(): _rows(values) for key, _, values in lines}
+    return {key.strip(): _matrix_rows(values) for key, _, values in lines}
 
 
-def _rows(values: str) -> list[list[float | str]]:
+def _matrix_rows(values: str) -> list[list[float | str]]:
     """The rows of a matrix `[a b; c d]`; a number is a matrix of one."""
     return [[number_or_word(word) for word in row.split()] for row in values.strip(" []").split(";")]
 

@@ -21,7 +21,7 @@ def parsed(text: str) -> dict[str, Any]:
     Raises:
         InputError: if it is no XML.
     """
-    content = _plain(_root(text))
+    content = _plain_element(_root(text))
     if not isinstance(content, dict):
         raise InputError(_DAMAGED)
     return content
@@ -68,12 +68,12 @@ def _element(element: "ElementTree.Element", keys: Keys) -> "ElementTree.Element
     return element
 
 
-def _plain(element: "ElementTree.Element") -> Any:
+def _plain_element(element: "ElementTree.Element") -> Any:
     children = [child for child in element if isinstance(child.tag, str)]
     if children and all(child.tag == "_" for child in children):
-        return [_plain(child) for child in children]
+        return [_plain_element(child) for child in children]
     if children:
-        return {child.tag: _plain(child) for child in children}
+        return {child.tag: _plain_element(child) for child in children}
     text = (element.text or "").strip()
     if text.startswith('"'):
         return text.strip('"')

@@ -27,7 +27,7 @@ def parsed(text: str) -> dict[str, Any]:
         InputError: if it is no YAML, or no mapping.
     """
     try:
-        content = _plain(_composed(text))
+        content = _plain_node(_composed(text))
     except RecursionError:
         raise InputError(_DAMAGED) from None
     if not isinstance(content, dict):
@@ -83,11 +83,11 @@ def _count(node: Node, known: dict[int, float]) -> float:
     return known[id(node)]
 
 
-def _plain(node: Node) -> Any:
+def _plain_node(node: Node) -> Any:
     if isinstance(node, MappingNode):
-        return {key.value: _plain(value) for key, value in node.value if isinstance(key, ScalarNode)}
+        return {key.value: _plain_node(value) for key, value in node.value if isinstance(key, ScalarNode)}
     if isinstance(node, SequenceNode):
-        return [_plain(item) for item in node.value]
+        return [_plain_node(item) for item in node.value]
     return _scalar(node.value) if isinstance(node, ScalarNode) and not node.style else node.value
 
 
@@ -112,7 +112,7 @@ def _child(node: Node, key: str | int) -> Node:
 
 def _edits(text: str, node: Node, value: Any) -> Iterator[_Edit]:
     if isinstance(node, ScalarNode) and not isinstance(value, list):
-        if _plain(node) != value:
+        if _plain_node(node) != value:
             start, end = node.start_mark.index, node.end_mark.index
             yield start, end, " " * (start == end) + number_text(value)
     elif isinstance(node, SequenceNode) and not node.value and node.flow_style and isinstance(value, list):
