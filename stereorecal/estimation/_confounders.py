@@ -24,9 +24,9 @@ from stereorecal.estimation._outlines import Offsets, outlines
 from stereorecal.estimation._rig_parameters import DRIFTING
 from stereorecal.objectives import RigChart
 
-# Probabilities before any image is seen: of a hundred pairs some have something large that moves, and some are of one
-# camera that reads row by row; images that belong together by their names are late more rarely.
-_REGION, _ROLLING, _LATE = 0.05, 0.05, 0.005
+# Probabilities before any image is seen: of a hundred pairs some have something large that moves, and one is of cameras
+# that read row by row, and not in step; images that belong together by their names are late more rarely.
+_REGION, _ROLLING, _LATE = 0.05, 0.01, 0.005
 # Pixels of row: what moves between two exposures, or while one is read, moves by a row or two; more finds no match.
 MOVED = 1.5
 _TAKEN_TOGETHER = (0.0, 0.5, 1.0)  # rows of two images, as shares of their height
