@@ -120,7 +120,7 @@ def test_a_file_that_another_run_has_written_meanwhile_stays(command, folder: Pa
         spare(*arguments)
         target.write_text("theirs")
 
-    monkeypatch.setattr(_diff, "spare", meanwhile)
+    monkeypatch.setattr(_diff, "refuse_replacing_inputs", meanwhile)
     answer = command("diff", folder, folder, "--quiet", "--json", target)
     assert (answer.code, target.read_text()) == (2, "theirs")
     assert json.loads(answer.out)["schema"] == "stereorecal.difference/1"

@@ -103,7 +103,7 @@ def test_no_common_time(tmp_path: Path):
     [
         ("camera_model: pinhole", "camera_model: omni", "the camera model 'omni'"),
         ("radial-tangential", "fov", "distortion model 'fov'"),
-        ("-3.55590700e-05]", "-3.5e-05, 0, 0]", "distortion of 6 coefficients"),
+        ("-3.55590700e-05]", "-3.5e-05, 0, 0]", "distortion has 6 coefficients"),
     ],
 )
 def test_unsupported_models(tmp_path: Path, old: str, new: str, words: str):

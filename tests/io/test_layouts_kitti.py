@@ -208,7 +208,7 @@ def test_a_day_without_drives_or_calibration(tmp_path: Path):
         ("S_rect_00", "48 32", SYNC, "24x16, but the calibration is for 48x32"),
         ("K_01", None, EXTRACT, "'K_01' is missing"),
         ("D_01", "0.1 x", EXTRACT, "D_01 is not an array of numbers"),
-        ("D_01", "0.1 0.2", EXTRACT, "distortion of 2 coefficients"),
+        ("D_01", "0.1 0.2", EXTRACT, "distortion has 2 coefficients"),
         ("R_01", "1 0 0 0 1 0 0 0", EXTRACT, "R_01 must hold 9 numbers, not 8"),
         ("R_01", "1 0 0 0 1 0 0 0 -1", EXTRACT, "R is not a rotation"),
         ("T_01", "", EXTRACT, "T_01 must hold 3 numbers, not 0"),

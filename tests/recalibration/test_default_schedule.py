@@ -260,10 +260,10 @@ def test_a_look_decides_beside_a_search_in_doubt_only_if_its_rows_align(harbour,
     monkeypatch.setattr(_recalibrate, "look_at", look_at)
 
     def in_doubt(case, schedule, stages):
-        answer = answered(case, stages[-1].found, case.rig)
+        answer = answered(case, stages[-1], case.rig, corners=False)
         return replace(ended(case, answer), reason=Reason.CANNOT_TELL)
 
-    monkeypatch.setattr(_recalibrate, "judged", in_doubt)
+    monkeypatch.setattr(_recalibrate, "ending_of", in_doubt)
     start, schedule = drifted((0.2, -0.3, -0.2, 0.0, 0.0)), Schedule("rows", Schedule.default().stages[2:])
     solution = repair(start, harbour, schedule=schedule)
     assert solution.reason is reason

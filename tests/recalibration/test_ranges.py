@@ -264,7 +264,7 @@ def test_ranges_do_not_hide_frames_that_disagree(harbour):
 
 
 def test_the_count_sees_no_ranges(harbour):
-    with pytest.raises(sr.InputError, match="the count sees neither"):
+    with pytest.raises(sr.InputError, match="a schedule that ends on the count"):
         sr.recalibrate(RIG, harbour.pairs, schedule="count", ranges=some())
 
 

@@ -96,7 +96,7 @@ def test_what_cannot_move_is_refused():
     rig = sr.synthetic.default_rig().resized((320, 240))
     pairs = sr.synthetic.render("street", 3, rig=rig).pairs
     for options, said in (
-        ({"motion": True}, "two pairs"),
+        ({"motion": True}, "two consecutive pairs"),
         ({"motion": "yes"}, "motion is 'yes'"),
     ):
         with pytest.raises(sr.InputError, match=said):
