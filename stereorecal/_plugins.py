@@ -5,19 +5,15 @@ Strategies and matchers are registered in the same way; this module knows neithe
 
 import dataclasses
 import difflib
+import importlib.metadata
 import inspect
+import os
 import reprlib
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from importlib.metadata import (
-    EntryPoint,
-    EntryPoints,
-    PackageNotFoundError,
-    entry_points,
-    packages_distributions,
-    version,
-)
+from functools import lru_cache
+from importlib.metadata import EntryPoint, EntryPoints, PackageNotFoundError, packages_distributions, version
 from typing import Any, Generic, TypeVar
 
 from stereorecal._errors import InputError, PluginError
@@ -27,6 +23,23 @@ T = TypeVar("T")
 # importlib.metadata's; on Python 3.11 its backport's, once anything (Dask does) has imported that.
 _EntryPoint = Any
 _UNKNOWN_OWNER = ("unknown distribution", "")
+
+
+def entry_points(*, group: str) -> EntryPoints:
+    """Of a group, read from the metadata of all distributions, anew where something was installed or removed since."""
+    return _entry_points(group, tuple(map(_changed_at, sys.path)))
+
+
+@lru_cache(maxsize=8)
+def _entry_points(group: str, places: tuple[tuple[str, int], ...]) -> EntryPoints:
+    return importlib.metadata.entry_points(group=group)
+
+
+def _changed_at(place: str) -> tuple[str, int]:
+    try:
+        return place, os.stat(place or os.curdir).st_mtime_ns
+    except OSError:
+        return place, 0
 
 
 @dataclass(frozen=True)

@@ -66,7 +66,7 @@ def place_of(x, y):
     return (np.clip((y + 1) * 3, 0, 5).astype(int) * 8 + np.clip((x + 1) * 4, 0, 7).astype(int)).astype(int)
 
 
-@pytest.mark.slow(after=1)
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["harbour", "coast", "street"])
 def test_a_shutter_that_rolls_replaces_no_calibration(scene, kind):
     """Its rows are bent by the lens, and no rig's: a drift that explains half of them is none."""
