@@ -10,6 +10,7 @@ import inspect
 import os
 import reprlib
 import sys
+import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -25,9 +26,15 @@ _EntryPoint = Any
 _UNKNOWN_OWNER = ("unknown distribution", "")
 
 
+_AT_REST = 2e9  # nanoseconds without a change, after which an installation has ended
+
+
 def entry_points(*, group: str) -> EntryPoints:
-    """Of a group, read from the metadata of all distributions, anew where something was installed or removed since."""
-    return _entry_points(group, tuple(map(_changed_at, sys.path)))
+    """The entry points of a group, read anew where a folder of `sys.path` changed since, or just now."""
+    places = tuple(map(_changed_at, sys.path))
+    if max(changed for _, changed in places) > time.time_ns() - _AT_REST:
+        return importlib.metadata.entry_points(group=group)
+    return _entry_points(group, places)
 
 
 @lru_cache(maxsize=8)

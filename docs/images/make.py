@@ -221,7 +221,7 @@ def experiments() -> None:
 
 
 def field() -> None:
-    """The figures of the field's page, of what is rendered; within an hour on two cores."""
+    """The figures of the field's page, of what is rendered; half an hour on two cores."""
     with tempfile.TemporaryDirectory() as folder:
         target = Path(folder) / "field.json"
         words = ["compare", "--preset", "field", "--json", str(target), "--quiet"]

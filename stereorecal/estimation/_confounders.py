@@ -157,9 +157,10 @@ def _with_rival(
 
 
 def _rolling(rows: LinearGroups, chart: RigChart) -> list[Rival]:
-    """One image is read row by row while its camera turns: rows move as far as they lie from the row that was taken
-    with the other image, the first, middle or last. A shutter never moves all rows by as much; a drift does. By lenses
-    as they are near the rig that was fitted alone, also when a rival is fitted anew."""
+    """The right image is read row by row while its camera turns (a left one is nearly the negative): rows move as far
+    as they lie from the row that was taken with the other image, the first, middle or last. A shutter never moves all
+    rows by as much; a drift does. Derivatives are those near the rig that was fitted alone, also when a rival is fitted
+    anew."""
     right, n = chart.rig.right, rows.jacobian.shape[1]
     down = right.project(rows.groups.right)[:, 1] / right.size[1]
     moved = -rows.jacobian[:, chart.names.index("right.cy")]  # by a pixel of the right image, as lenses bend it

@@ -19,7 +19,7 @@ from stereorecal.online._turning import Small
 from stereorecal.recordings import Pair
 from stereorecal.scoring.host import Corners
 
-_REPAIR_PAIRS = 3  # pairs
+_REPAIR_PAIRS = 3  # of a repair after a knock
 
 Offset = Float[np.ndarray, "5"]
 """Of a calibration from the one that was given first: pitch, yaw, roll in degrees, y, z in percent of the baseline."""

@@ -18,7 +18,11 @@ def field_tables(data: Mapping[str, Any]) -> Group:
     parts: list[Any] = []
     for panel in dict.fromkeys(map(panel_of, data["summary"])):
         rows = [row for row in data["summary"] if panel_of(row) == panel]
-        table = Table(title=f"{panel}: {data['judges'][rows[0]['judge']]}", title_justify="left", box=box.SIMPLE_HEAD)
+        table = Table(
+            title=f"{panel}: {data.get('judges', {}).get(rows[0]['judge'], '')}",
+            title_justify="left",
+            box=box.SIMPLE_HEAD,
+        )
         table.add_column("method", no_wrap=True)
         for head in ("row error px", "10 B %", "30 B %", "covered", "harmful", "kept", "refused", "s", "MiB"):
             table.add_column(head, justify="right", no_wrap=True)

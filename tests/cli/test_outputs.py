@@ -114,10 +114,10 @@ def test_a_file_that_another_run_has_written_meanwhile_stays(command, folder: Pa
     """The result is printed in place of being written."""
     from stereorecal.cli import _diff
 
-    target, spare = tmp_path / "out.json", _diff.refuse_replacing_inputs
+    target, refuse = tmp_path / "out.json", _diff.refuse_replacing_inputs
 
     def meanwhile(*arguments):
-        spare(*arguments)
+        refuse(*arguments)
         target.write_text("theirs")
 
     monkeypatch.setattr(_diff, "refuse_replacing_inputs", meanwhile)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import stereorecal as sr
-from stereorecal.decision import decide
+from stereorecal.decision import Verdict, decide
 from stereorecal.estimation import estimate
 from stereorecal.estimation._confounders import _rolling
 from stereorecal.estimation._groups import grouped
@@ -34,13 +34,13 @@ def test_rows_move_as_the_lens_bends_them(rig, chart, prior, seen, taken):
     after = linear_groups(grouped(moved, chart, zero), chart, zero, prior)
     assert len(after.groups) == len(rows.groups)
     change = (after.at_zero - rows.at_zero) / 0.1
-    np.testing.assert_allclose(np.abs(change), np.abs(rival.of_groups[:, 0]), atol=0.03)
-    assert abs(np.corrcoef(change, rival.of_groups[:, 0])[0, 1]) > 0.999
+    np.testing.assert_allclose(change, rival.of_groups[:, 0], atol=0.005)
     assert np.ptp(rival.of_groups) > 1.0
 
 
-@pytest.mark.parametrize("rows", [2.0, 3.0])
-def test_a_shutter_that_rolls_is_no_drift(rig, seen, rows):
-    """Lenses that differ, as far as a hasty calibration may leave them, explain as much: it cannot be told."""
-    known = estimate(rolled(seen(rig, rig, cells=900), rig, rows), rig)
-    assert decide(known, EXTRINSICS).refused
+@pytest.mark.parametrize("rows", [1.5, 3.0])
+@pytest.mark.parametrize("prior", ["default", "exact"])
+def test_a_shutter_that_rolls_is_no_drift(rig, seen, rows, prior):
+    """The rig is good; without a shutter that may roll it could not be told, or, by exact intrinsics, be repaired."""
+    known = estimate(rolled(seen(rig, rig, cells=900), rig, rows), rig, prior)
+    assert decide(known, EXTRINSICS).verdict is Verdict.GOOD

@@ -1,9 +1,13 @@
 """Strategies by name: found lazily, refused with a sentence that helps."""
 
+import importlib.metadata
+import os
+import shutil
 import subprocess
 import sys
 from dataclasses import dataclass
 from importlib.metadata import EntryPoint, EntryPoints
+from pathlib import Path
 from types import ModuleType
 
 import pytest
@@ -318,3 +322,33 @@ def test_an_option_may_be_called_name(installed):
     installed(point("local", f"{__name__}:Local"))
     with pytest.raises(InputError, match="strategy local has no option 'name'; it has: step"):
         strategy("local", name="x")
+
+
+def test_metadata_is_read_again_where_something_was_installed_or_removed(tmp_path: Path, monkeypatch):
+    """And not otherwise: it takes milliseconds, many times in a repair."""
+    looks, look = [], importlib.metadata.entry_points
+    monkeypatch.setattr(_plugins.importlib.metadata, "entry_points", lambda **w: looks.append(w) or look(**w))
+    monkeypatch.syspath_prepend(tmp_path)
+
+    def names() -> set[str]:
+        os.utime(tmp_path, (1e9, 1e9))
+        _plugins.entry_points(group=GROUP)
+        before = len(looks)
+        found = {point.name for point in _plugins.entry_points(group=GROUP)}
+        assert len(looks) == before
+        return found
+
+    def changed() -> set[str]:
+        """At once, in the second of the change."""
+        os.utime(tmp_path)
+        return {point.name for point in _plugins.entry_points(group=GROUP)}
+
+    assert "zen" not in names()
+    info = tmp_path / "zen-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: zen\nVersion: 1.0\n")
+    assert "zen" not in changed()
+    (info / "entry_points.txt").write_text(f"[{GROUP}]\nzen = zen:Zen\n")
+    assert "zen" in changed()
+    shutil.rmtree(info)
+    assert "zen" not in changed()

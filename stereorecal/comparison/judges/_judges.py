@@ -12,7 +12,7 @@ from stereorecal.comparison.judges._rendered_judge import rendered_recipes
 from stereorecal.comparison.judges._simulated_judge import simulated_recipes
 from stereorecal.comparison.judges._walk_judge import walk_recipes
 
-_RENDERED = {  # without a folder: all that a preset has
+_RENDERED = {  # need no folder; `--preset field` has these
     "rendered": rendered_recipes,
     "simulated": simulated_recipes,
     "motion": motion_recipes,  # may have a folder

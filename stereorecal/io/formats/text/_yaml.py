@@ -17,6 +17,7 @@ _Edit = tuple[int, int, str]  # from, to, what stands there then
 _WORDS = {"true": True, "false": False, "null": None, "~": None, "": None}
 _NOT_FINITE = re.compile(r"([-+]?)\.(inf|nan)", re.IGNORECASE)
 _MAP = re.compile(r"\[[-+.\deEinfaN,\s]{16384,}\]")  # numbers, thousands of them
+_MARK = "\ufeff"  # of the order of bytes, which libyaml does not count among the characters
 _EXPANDED = 100_000  # nodes that aliases may add
 
 if yaml.__with_libyaml__:
@@ -43,7 +44,7 @@ def parsed(text: str) -> dict[str, Any]:
         InputError: if it is no YAML, or no mapping.
     """
     try:
-        content = _plain_node(_composed(text))
+        content = _plain_node(_composed(text.lstrip(_MARK)))
     except RecursionError:
         raise InputError(_DAMAGED) from None
     if not isinstance(content, dict):
@@ -57,6 +58,7 @@ def with_values(text: str, values: Values) -> str:
     Raises:
         InputError: if a value is of another kind than the text has there.
     """
+    head, text = text[: len(text) - len(text.lstrip(_MARK))], text.lstrip(_MARK)
     root = _composed(text)
     edits: set[_Edit] = set()
     for keys, value in values.items():
@@ -66,17 +68,18 @@ def with_values(text: str, values: Values) -> str:
         edits |= set(_edits(text, node, value))
     for start, end, new in sorted(edits, reverse=True):
         text = text[:start] + new + text[end:]
-    return text
+    return head + text
 
 
 def _composed(text: str) -> Node:
-    # OpenCV's first line is no directive of YAML; a comment of the same length leaves all places where they are.
-    text = re.sub(r"\A%(YAML:)", r"#\1", text)
+    # Directives say nothing of numbers, and OpenCV's is none of YAML; a comment of the same length leaves all places
+    # where they are.
+    text = re.sub(r"\A%", "#", text)
     # Maps for rectification take a parser minutes, and are not needed: they are read as empty lists, and stay.
     text = _MAP.sub(lambda found: f"[{' ' * (len(found[0]) - 2)}]", text)
     try:
         node = yaml.compose(text, _Loader)
-    except (yaml.YAMLError, RecursionError):
+    except (yaml.YAMLError, UnicodeError, RecursionError):
         node = None
     if node is None:
         raise InputError(_DAMAGED)

@@ -1,0 +1,54 @@
+"""YAML as text: read, and changed number by number, with libyaml and without it."""
+
+import pytest
+import yaml
+from hypothesis import given, settings, strategies as st
+
+from stereorecal import InputError
+from stereorecal.io.formats.text import _yaml
+
+LOADERS = [_yaml._Loader, yaml.SafeLoader]
+
+
+@pytest.fixture(params=LOADERS, ids=["usual", "pure Python"])
+def loader(request, monkeypatch):
+    monkeypatch.setattr(_yaml, "_Loader", request.param)
+
+
+@pytest.mark.usefixtures("loader")
+@pytest.mark.parametrize(
+    "head",
+    [
+        "",
+        "%YAML:1.0\n---\n",
+        "%YAML 1.0\n---\n",
+        "%YAML 1.2\n---\n",
+        "\ufeff",
+        "\ufeff\ufeff%YAML:1.0\n",
+        "# käse ü€ \U0001f600\n",
+    ],
+)
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+def test_only_the_number_changes(head, end):
+    text = f'{head}b: "ö"\na: [12, 3.5]\nm: !!opencv-matrix\n   data: [ 1., 2. ]\nc: 2\n'.replace("\n", end)
+    after = _yaml.with_values(text, {("a",): [7.5, 3.5, 1.0], ("m", "data"): [1.0, 4.0]})
+    assert after == text.replace("12, 3.5", "7.5, 3.5, 1.0").replace("1., 2. ]", "1., 4.0 ]")
+    assert _yaml.parsed(after) == {"b": "ö", "a": [7.5, 3.5, 1.0], "m": {"data": [1.0, 4.0]}, "c": 2}
+
+
+@pytest.mark.usefixtures("loader")
+@pytest.mark.parametrize("text", ["a: [1,\n b: ", "a: \ud800", "a: \x00", "[" * 50_000, "- 1", ""])
+def test_what_is_no_yaml_is_refused(text):
+    with pytest.raises(InputError, match="not a YAML file"):
+        _yaml.parsed(text)
+
+
+@settings(max_examples=50)
+@given(st.lists(st.floats(-1e6, 1e6), min_size=1, max_size=5), st.text("aö€\U0001f600 ", max_size=8))
+def test_both_change_the_same(values, word):
+    text, after = f"# {word}\nw: '{word}'\na: {[0.0] * len(values)}\n", []
+    for one in LOADERS:
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(_yaml, "_Loader", one)
+            after.append(_yaml.with_values(text, {("a",): values}))
+    assert after[0] == after[1]
