@@ -112,6 +112,6 @@ class TrialJournal:
 
     def _mismatch_error(self) -> InputError:
         return InputError(
-            f"{self.path}: is of a comparison with other settings or versions; remove it to begin anew, or choose "
+            f"{self.path} belongs to a comparison with other settings or versions; remove it to begin anew, or choose "
             "another file."
         )

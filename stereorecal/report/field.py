@@ -29,6 +29,8 @@ def field_tables(data: Mapping[str, Any]) -> Group:
         for row in rows:
             table.add_row(row["method"], *cells(row))
         parts.append(table)
+    matcher = data["settings"]["matcher"]
+    parts.append(Text(f"matcher {matcher['name']} of {matcher.get('origin', 'an unknown version')}"))
     parts += [
         Text(f"{method}, {status} {times}x: {message}") for (method, status, message), times in troubles(data).items()
     ]

@@ -72,7 +72,7 @@ def test_killed_and_resumed(command, folder, tmp_path, monkeypatch):
         file.write('{"key": "lidar | street | stor')  # cut short
     other = command(*words, "--seed", 5)
     assert other.code == 2
-    assert "is of a comparison with other settings or versions; remove it" in other.err
+    assert "belongs to a comparison with other settings or versions; remove it" in other.err
     answer = command(*words)
     assert answer.code == 0
     assert "1 of 4 trials were finished already; going on." in answer.err
@@ -118,7 +118,7 @@ def test_only_files_of_the_earlier_run_are_replaced(command, folder, tmp_path, m
 def test_a_journal_without_a_whole_first_line_is_none(tmp_path, text, anew):
     (tmp_path / "a.json.trials").write_text(text)
     if not anew:
-        with pytest.raises(sr.InputError, match="is of a comparison with other settings"):
+        with pytest.raises(sr.InputError, match="belongs to a comparison with other settings"):
             _journals.TrialJournal([tmp_path / "a.json"], {"schema": 1})
         return
     journal = _journals.TrialJournal([tmp_path / "a.json"], {"schema": 1})

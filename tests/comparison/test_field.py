@@ -141,6 +141,8 @@ def test_json_is_strict_and_comes_back(field):
     data = json.loads(json.dumps(field.as_dict(), allow_nan=False))
     assert data["schema"] == "stereorecal.field/1"
     assert data["methods"][0] == {"name": "right", "changes": "pitch, yaw, roll, y, z", "origin": "tests"}
+    assert data["judges"] == {"rendered": "by what the test says"}
+    assert data["settings"]["matcher"]["origin"].startswith("stereorecal ")  # another version begins anew
     assert [as_trial(row) for row in data["trials"]] == list(field.trials)
 
 

@@ -12,7 +12,7 @@ from stereorecal.comparison.field._field_trial import FieldTask, FieldTrial, fai
 from stereorecal.comparison.field._methods import AbstractMethod
 from stereorecal.comparison.field._table import Field
 from stereorecal.comparison.judges import AbstractRecipe, Draws
-from stereorecal.matching import AbstractMatcher, as_matcher, name_of
+from stereorecal.matching import AbstractMatcher, as_matcher, name_of, origin_of
 from stereorecal.objectives import Reach
 
 
@@ -44,7 +44,7 @@ def planned(
     settings = {
         "judges": list(judges),
         "methods": [method.name for method in methods],
-        "matcher": {"name": name_of(matcher), **asdict(matcher)},
+        "matcher": {"name": name_of(matcher), "origin": origin_of(matcher), **asdict(matcher)},
         "draws": asdict(draws),
         "reach": asdict(reach),
     }
