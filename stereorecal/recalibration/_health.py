@@ -46,9 +46,9 @@ class Health:
 
     Attributes:
         score: the count, in the view that was looked through.
-        row_error: epipolar (row) error, as `RowErrors.before` measures it, of the matches: the mean over tiles of a
-            tile's median |row difference|, pixels at full size; NaN if hardly anything matches, since false matches lie
-            on the rows that they were searched on.
+        row_error: epipolar (row) error, as `RowErrors.before` measures it, of the matches found under the calibration
+            itself: the mean over tiles of a tile's median |row difference|, pixels at full size; NaN if hardly anything
+            matches, since false matches lie on the rows that they were searched on.
         covered: share of the image in which correspondences were found that are good to a fraction of a pixel, of the
             frame that shows most. False matches count as pixels, but hardly here.
         shown: light and texture of the images, of the frame that shows most.

@@ -30,7 +30,7 @@ from stereorecal.recalibration._repaired_recording import RepairedRecording
 from stereorecal.recalibration._row_evidence import TILES_OF_A_FRAME, Evidence, evidence
 from stereorecal.recalibration._stages import FEWEST
 from stereorecal.recalibration._unmatched import MOST_APART
-from stereorecal.recalibration._worker_tasks import Each, matched, matched_beams
+from stereorecal.recalibration._worker_tasks import Each, matched, range_matches
 from stereorecal.scoring import Correspondences
 
 
@@ -82,7 +82,9 @@ class JointEstimate:
         return reason_of(self.decisions[at], tiles)
 
 
-def common(recordings: Sequence[RepairedRecording], free: Parameters, *, one: bool, each: Each) -> JointEstimate:
+def joint_estimate(
+    recordings: Sequence[RepairedRecording], free: Parameters, *, one: bool, each: Each
+) -> JointEstimate:
     """Solved, matched again, solved again.
 
     Args:
@@ -93,7 +95,7 @@ def common(recordings: Sequence[RepairedRecording], free: Parameters, *, one: bo
     """
     beams = (NO_BEAMS,) * len(recordings)
     if any(r.ranges for r in recordings):
-        beams = tuple(each(matched_beams, [r.task(r.repair.candidate, ranges=True) for r in recordings]))
+        beams = tuple(each(range_matches, [r.task(r.repair.candidate, ranges=True) for r in recordings]))
     priors, shown = _priors(recordings, free), []
     for r, prior, some in zip(recordings, priors, beams, strict=True):
         start = _start(r, r.repair.candidate)

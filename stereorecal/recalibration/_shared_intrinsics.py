@@ -13,7 +13,7 @@ from stereorecal.objectives import BASELINE, Parameters, row_chart
 from stereorecal.recalibration._acceptance import Reason
 from stereorecal.recalibration._estimate_and_decide import uncertainty_of
 from stereorecal.recalibration._freed_intrinsics import Intrinsics, IntrinsicsOutcome, intrinsics_of
-from stereorecal.recalibration._joint_estimate import JointEstimate, common
+from stereorecal.recalibration._joint_estimate import JointEstimate, joint_estimate
 from stereorecal.recalibration._match_ranges import RangesSeen
 from stereorecal.recalibration._ranges_of_case import ranges_seen
 from stereorecal.recalibration._regional_misfit import misfit
@@ -38,7 +38,7 @@ def together(
     part = [recording for recording in recordings if recording.usable(lenses=lenses)]
     if not part:
         return tuple(_unsolved(recording, free) for recording in recordings)
-    solved = common(part, free, one=one, each=each)
+    solved = joint_estimate(part, free, one=one, each=each)
     if free.widens and not solved.free.shared:
         return tuple(recording.repair for recording in recordings)
     answers, seen = _answers(solved, each), None

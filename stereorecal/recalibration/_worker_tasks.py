@@ -41,7 +41,7 @@ def matched(task: MatchTask) -> Correspondences:
     return correspondences(data, with_unit_baseline(rig.extrinsics), task.matcher)
 
 
-def matched_beams(task: MatchTask) -> Beams:
+def range_matches(task: MatchTask) -> Beams:
     """The ranges, matched under the first rig."""
     rig = task.rigs[0]
     return beams(pyramid(rig, task.pairs, task.view).at(task.scale), rig, task.matcher, task.pairs, task.ranges)

@@ -58,17 +58,17 @@ def with_values(text: str, values: Values) -> str:
     Raises:
         InputError: if a value is of another kind than the text has there.
     """
-    head, text = text[: len(text) - len(text.lstrip(_MARK))], text.lstrip(_MARK)
-    root = _composed(text)
+    body = text.lstrip(_MARK)
+    head, root = text[: len(text) - len(body)], _composed(body)
     edits: set[_Edit] = set()
     for keys, value in values.items():
         node = root
         for key in keys:
             node = _child(node, key)
-        edits |= set(_edits(text, node, value))
+        edits |= set(_edits(body, node, value))
     for start, end, new in sorted(edits, reverse=True):
-        text = text[:start] + new + text[end:]
-    return head + text
+        body = body[:start] + new + body[end:]
+    return head + body
 
 
 def _composed(text: str) -> Node:
