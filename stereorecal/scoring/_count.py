@@ -21,7 +21,7 @@ def count(data: ScoringData, extrinsics: Float[AnyArray, "6"], matcher: Abstract
     `jit` and `vmap` over the extrinsics; its derivative is 0 almost everywhere, see `soft_count`. On a CPU it is the
     host's count of the same float32 extrinsics, pixel for pixel, in whatever it is composed. `sr.score` and an
     objective's `value` come to these six numbers in float64, and may so differ by up to 2 pixels and one in 100 000.
-    What a GPU rounds otherwise was not measured.
+    A GPU rounds the warp otherwise: of 181 878 pixels up to 18 were seen to differ.
 
     Args:
         data: what `prepare` made.

@@ -1,6 +1,6 @@
 """How fast, beside OpenCV with the same settings and as many threads? Prints one table, in one run.
 
-    python tests/benchmarks/speed.py [--rounds N] [--json FILE]
+    python tests/benchmarks/speed.py [--rounds N] [--json FILE] [--part platforms]
 
 Each figure is timed on both sides in turn, and the medians are compared (repairs and the search: one call each). A
 process of its own is bound to as many cores as the threads that are stated; OpenCV is told the same number. Pairs: a
@@ -249,13 +249,36 @@ def growing(threads: int, rounds: int) -> Iterator[Figure]:
         yield Figure(name, threads, timed(rounds, lambda d=data, s=stacked, m=asked: counts(d, s, m))[0], None, "")
 
 
-def evaluations_per_second() -> None:
-    """Print the platform, and how many of 256 candidates at quarter scale it counts in a second."""
+def on_this_platform() -> None:
+    """Print the platform, and what it does to many candidates at once and in a repair."""
     scene = scene_of((741, 500))
     assert scene.rig is not None
+    full, quarter = (prepare(scene.rig, scene.pairs, sr.view(scene.rig), scale) for scale in (1.0, 0.25))
     stacked = np.stack([with_unit_baseline(c) for c in around(scene.rig, 256)])
-    data = prepare(scene.rig, scene.pairs, sr.view(scene.rig), 0.25)
-    print(json.dumps([jax.default_backend(), 256e3 / timed(5, lambda: counts(data, stacked, MATCHER))[0]]))
+    slope = jax.jit(jax.vmap(jax.grad(lambda e: sr.soft_count(quarter, e, MATCHER))))
+    few = jnp.asarray(stacked[:32], jnp.float32)
+
+    def per_second(number: int, work: Callable[[], object]) -> float:
+        return 1e3 * number / timed(5, work)[0]
+
+    print(
+        json.dumps(
+            [
+                jax.default_backend(),
+                {
+                    "256 candidates at quarter scale": per_second(256, lambda: counts(quarter, stacked, MATCHER)),
+                    "64 candidates at full scale": per_second(64, lambda: counts(full, stacked[:64], MATCHER)),
+                    "32 gradients of the soft count at quarter scale": per_second(
+                        32, lambda: slope(few).block_until_ready()
+                    ),
+                    "correspondences at full scale": per_second(
+                        1, lambda: jax.block_until_ready(sr.correspondences(full, stacked[0], MATCHER))
+                    ),
+                    "default repairs, 640x480": 1e3 / next(repairing(0, 1)).ours,
+                },
+            ]
+        )
+    )
 
 
 PARTS = {1: (matching, warping, counting, repairing, growing), 2: (matching, counting, repairing, growing)}
@@ -304,8 +327,15 @@ def in_a_process(part: str, cores: int, rounds: int, **environment: str) -> str:
     return run.stdout.splitlines()[-1]
 
 
-def show(figures: list[Figure], megabytes: float, per_second: list[tuple[str, float]]) -> None:
-    """Print the table."""
+def of_each_platform(rounds: int) -> dict[str, dict[str, float]]:
+    """What JAX's own platform and the CPU do in a second, on all cores: once where they are the same."""
+    everywhere = len(os.sched_getaffinity(0))
+    platforms = {}, {"JAX_PLATFORMS": "cpu"}
+    return dict(json.loads(in_a_process("platform", everywhere, rounds, **p)) for p in platforms)
+
+
+def show(figures: list[Figure], megabytes: float, per_second: dict[str, dict[str, float]]) -> None:
+    """Print the tables: beside OpenCV, and on each platform that JAX has."""
     shown = Table(title=f"{os.cpu_count()} cores, OpenCV {cv2.__version__}, JAX {jax.__version__}", box=None)
     for head in ("figure", "threads", "ours, ms", "OpenCV, ms", "ratio", "target"):
         shown.add_column(head, justify="left" if head == "figure" else "right")
@@ -313,10 +343,17 @@ def show(figures: list[Figure], megabytes: float, per_second: list[tuple[str, fl
         other, ratio = ("", "") if f.theirs is None else (f"{f.theirs:.2f}", f"{f.ours / f.theirs:.2f}")
         shown.add_row(f.name, f"{f.threads}", f"{f.ours:.2f}", other, ratio, f.target)
     shown.add_row("peak memory, 1280x720, 128 disparities", "1", f"{megabytes:.0f} MB", "", "", "50 MB")
-    for platform, speed in per_second:
-        target = "" if platform == "cpu" else "1000/s, 30 x the CPU"
-        shown.add_row(f"256 candidates at quarter scale, {platform}", "all", f"{speed:.0f}/s", "", "", target)
-    Console(width=120).print(shown)
+    Console(width=120).print(shown, on_platforms(per_second))
+
+
+def on_platforms(per_second: dict[str, dict[str, float]]) -> Table:
+    """The table of what each platform does in a second."""
+    shown = Table(title="in a second", box=None)
+    for head in ("figure", *per_second):
+        shown.add_column(head, justify="left" if head == "figure" else "right")
+    for name in next(iter(per_second.values())):
+        shown.add_row(name, *(f"{speeds[name]:.3g}" for speeds in per_second.values()))
+    return shown
 
 
 def main() -> None:
@@ -324,22 +361,20 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--rounds", type=int, default=15)
     parser.add_argument("--json", type=Path)
-    parser.add_argument("--part", help=argparse.SUPPRESS)
+    parser.add_argument("--part", help="platforms: only what JAX's own platform and the CPU do in a second")
     options = parser.parse_args()
     if options.part == "memory":
         peak_memory()
-    elif options.part == "candidates":
-        evaluations_per_second()
+    elif options.part == "platform":
+        on_this_platform()
+    elif options.part == "platforms":
+        Console(width=120).print(on_platforms(of_each_platform(options.rounds)))
     elif options.part:
         print(json.dumps([asdict(f) for f in measured(int(options.part), options.rounds)]))
     else:
         parts = [json.loads(in_a_process(str(threads), threads, options.rounds)) for threads in PARTS]
         figures = [Figure(**figure) for part in parts for figure in part]
-        everywhere = len(os.sched_getaffinity(0))
-        platforms = {}, {"JAX_PLATFORMS": "cpu"}
-        per_second = [json.loads(in_a_process("candidates", everywhere, options.rounds, **p)) for p in platforms]
-        per_second = list({platform: (platform, speed) for platform, speed in per_second}.values())
-        show(figures, float(in_a_process("memory", 1, options.rounds)), per_second)
+        show(figures, float(in_a_process("memory", 1, options.rounds)), of_each_platform(options.rounds))
         if options.json:
             options.json.write_text(json.dumps([asdict(f) for f in figures], indent=1))
 

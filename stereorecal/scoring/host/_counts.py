@@ -64,10 +64,12 @@ def counts_by_tile(
 def counts_at_once(
     data: ScoringData, candidates: Float[AnyArray, "n 6"], matcher: AbstractMatcher
 ) -> Int[np.ndarray, "n"]:
-    """`counts` in batches of one size, padded: one program, wide enough for a GPU."""
+    """`counts` in padded batches of at most four sizes: few programs, and wide enough for a GPU."""
     candidates, matcher = np.asarray(candidates, np.float32).reshape(-1, 6), matcher.scaled(data.scale)
     width, height = data.view.size
     size = max(1, min(_AT_ONCE, _PIXELS_AT_ONCE // (width * height)))
+    while size >= 4 * len(candidates) > 0:
+        size //= 4
     found = [np.zeros(0, np.int64)]
     for first in range(0, len(candidates), size):
         batch = candidates[first : first + size]
