@@ -58,16 +58,16 @@ def merged(posterior: Posterior, most: int) -> Posterior:
     features = np.concatenate([(means - posterior.mean) @ white.T, shapes], axis=1)
     size = np.sum(features**2, axis=1)
 
-    def apart(index: int) -> Float[np.ndarray, "m"]:
+    def distance_from(index: int) -> Float[np.ndarray, "m"]:
         squares = size + size[index]
         distance = squares - 2.0 * features @ features[index]
         return np.where(distance <= _ROUNDING * squares, 0.0, distance)  # the same, but for rounding, are one
 
     # One centre after the other where most weight is farthest from all others.
     heaviest = int(w.argmax())
-    nearest, group = apart(heaviest), np.zeros(len(w), int)
+    nearest, group = distance_from(heaviest), np.zeros(len(w), int)
     for number in range(1, most):
-        other = apart(index := int((w * nearest).argmax()))
+        other = distance_from(index := int((w * nearest).argmax()))
         other[index] = 0.0
         group, nearest = np.where(other < nearest, number, group), np.minimum(other, nearest)
     belongs = (group == np.unique(group)[:, None]) * w

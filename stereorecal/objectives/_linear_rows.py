@@ -41,11 +41,12 @@ class LinearRows:
         return replace(self, z=z, differences=differences_at(found, chart, z))
 
 
-def read_by(found: Correspondences, taken: StereoRig, rig: StereoRig) -> Correspondences:
-    """Correspondences found with the cameras of `taken`, with the rays that those of `rig` give to the same pixels."""
+def read_by(found: Correspondences, matched_rig: StereoRig, rig: StereoRig) -> Correspondences:
+    """Correspondences found with the cameras of `matched_rig`, with the rays that those of `rig` give to the same
+    pixels."""
 
     def rays(side: str) -> Float[np.ndarray, "k m 3"]:
-        true, read = getattr(taken, side), getattr(rig, side)
+        true, read = getattr(matched_rig, side), getattr(rig, side)
         given = np.asarray(getattr(found, side))
         return given if same_camera(true, read) else reread(given, true, read)
 

@@ -59,21 +59,21 @@ def _shown_again(state: State, before: Corners, pair: Pair) -> Outcome:
     tracks, chart = shown_again(before, pair), rig_parameters(state.rig)
     if pair.readout and state.corners_time is not None and pair.time is not None:
         tracks = replace(tracks, readout=pair.readout / (pair.time - state.corners_time))
-    seen = window(tracks, chart, np.zeros(chart.dim))
-    lost = seen.motion is None or len(tracks) < _LEFT * len(before.left)
-    near = seen.metres[0] < _AHEAD * float(state.rig.baseline)
-    apart = (
+    tracked = window(tracks, chart, np.zeros(chart.dim))
+    lost = tracked.motion is None or len(tracks) < _LEFT * len(before.left)
+    short_travel = tracked.metres[0] < _AHEAD * float(state.rig.baseline)
+    tracking_gap = (
         max(state.tracked_pairs // 2, 1)
         if lost
         else min(2 * state.tracked_pairs, _longest(state))
-        if near
+        if short_travel
         else state.tracked_pairs
     )
-    state = state.replace(corners=None, tracked_pairs=apart)
-    if seen.motion is None or not seen.informative:
+    state = state.replace(corners=None, tracked_pairs=tracking_gap)
+    if tracked.motion is None or not tracked.informative:
         return state, []
-    turned = np.degrees(vector_from_rotation(seen.motion.rotation)) / pairs
-    return _after_window(state, _measurement(state, seen.normal, turned))
+    turned = np.degrees(vector_from_rotation(tracked.motion.rotation)) / pairs
+    return _after_window(state, _measurement(state, tracked.normal, turned))
 
 
 def _within_tracking_time(first: float | None, second: float | None, pairs: int) -> bool:
@@ -109,9 +109,12 @@ def _after_window(state: State, measured: Measurement) -> Outcome:
     from scipy.special import expit  # a third of a second to import
 
     estimate = state.estimate
-    ours, others = estimate.log_likelihood(measured), estimate.turned(_OWN_YAW).log_likelihood(measured)
+    rig_likelihood, outlier_likelihood = (
+        estimate.log_likelihood(measured),
+        estimate.turned(_OWN_YAW).log_likelihood(measured),
+    )
     expected = _STAY * state.others + _COME * (1.0 - state.others)
-    share = float(expit(np.log1p(-expected) - np.log(expected) + ours - others))
+    share = float(expit(np.log1p(-expected) - np.log(expected) + rig_likelihood - outlier_likelihood))
     first, state = state.outlier_motion, state.replace(others=1.0 - share, outlier_motion=None)
     counted = measured.weighed(share)
     state = trial_after_motion(state.measured(counted), counted)

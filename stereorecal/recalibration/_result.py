@@ -10,7 +10,7 @@ from jaxtyping import Float
 
 from stereorecal._renamed import renamed_attributes
 from stereorecal.decision import Decision, Tolerances
-from stereorecal.estimation import NO_BEAMS, Beams, Estimate, SavedPrior
+from stereorecal.estimation import NO_RANGES, Estimate, MatchedRanges, SavedPrior
 from stereorecal.geometry import StereoRig, View
 from stereorecal.matching import AbstractMatcher
 from stereorecal.recalibration._acceptance import Reason, RowErrors
@@ -56,7 +56,7 @@ class Findings:
     misfit: Misfit | None = None
     intrinsics: Intrinsics | None = None
     ranges: RangesSeen | None = None
-    beams: Beams = NO_BEAMS
+    beams: MatchedRanges = NO_RANGES
     estimate: Estimate | None = None
     decision: Decision | None = None
 

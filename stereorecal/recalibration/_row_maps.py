@@ -26,7 +26,7 @@ def seen_rows(found: Correspondences, initial: StereoRig, candidate: StereoRig, 
         found: with the rays that the cameras of `initial` give, as all stages have them.
     """
     here = np.asarray(found.weight) > 0
-    read = read_by(found, taken=initial, rig=candidate)
+    read = read_by(found, matched_rig=initial, rig=candidate)
     before, after = _differences(found, initial), _differences(read, candidate)
     frame = _worst(after, here)
     cells = _cells_of_matches(read, candidate, view, here, frame)

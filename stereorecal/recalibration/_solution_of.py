@@ -4,7 +4,7 @@ import time
 
 import numpy as np
 
-from stereorecal.estimation import NO_BEAMS
+from stereorecal.estimation import NO_RANGES
 from stereorecal.recalibration._acceptance import Reason
 from stereorecal.recalibration._cost import Cost
 from stereorecal.recalibration._ranges_of_case import ranges_seen
@@ -34,9 +34,9 @@ def solution_of(
     kept = np.isin(np.arange(frames), ending.without, invert=True)
     pixels = whole.pixels * int(kept.sum()) // frames  # all of one size
     before, after = (Score(int(found.sum()), pixels) for found in ending.tiles[:, kept])
-    apart = tuple(case.images.pairs[frame].name for frame in ending.apart)
+    apart = tuple(case.images.pairs[frame].name for frame in ending.excluded)
     disagree = reason is Reason.FRAMES_DISAGREE
-    beams = NO_BEAMS if ending.estimate is None else ending.estimate.beams
+    beams = NO_RANGES if ending.estimate is None else ending.estimate.beams
     return Solution(
         initial=case.rig,
         candidate=ending.candidate,

@@ -1,4 +1,4 @@
-"""What users may say of their calibration: nothing, that its intrinsics are exact, deviations, or a covariance."""
+"""The priors that users may choose: the default, exact intrinsics, standard deviations, a covariance, a saved one."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -14,16 +14,13 @@ from stereorecal.estimation._calibration_prior import (
     CalibrationPrior,
     calibration_prior,
     exact_prior,
-    physical_prior,
     with_scaled_boards,
 )
 from stereorecal.estimation._posterior import Posterior, root
 from stereorecal.estimation._prior_conversions import as_prior_of, prior_without_depth, recentred_prior
-from stereorecal.estimation._prior_of_boards import prior_of_boards
 from stereorecal.estimation._rig_parameters import rig_parameters
 from stereorecal.estimation._saved_prior import Earlier, SavedPrior
 from stereorecal.objectives import BASELINE, RigChart
-from stereorecal.recordings import Board
 
 DEFAULT, EXACT, SAVED = "default", "exact", "saved"
 _TINY = 1e-300
@@ -127,23 +124,6 @@ def _as_prior(prior: Prior, chart: RigChart) -> CalibrationPrior:
     return _with_sigmas(calibration_prior(chart), chart, prior)
 
 
-def with_boards(prior: Prior, boards: Sequence[Board] | None, chart: RigChart) -> Prior:
-    """The prior, given the boards of the calibration, if there are any.
-
-    They take the place of the default, which stands for such boards; whatever else is said of the calibration counts
-    beside them.
-
-    Raises:
-        InputError: as `check_prior`, `check_boards` and `prior_of_boards`.
-    """
-    check_prior(prior, chart)
-    check_boards(boards, prior)
-    if boards is None:
-        return prior
-    known_before = physical_prior(chart) if prior is None or prior == DEFAULT else as_prior(prior, chart)
-    return prior_of_boards(chart, boards, known_before)
-
-
 def _known(known: Posterior | None, chart: RigChart) -> CalibrationPrior:
     return prior_without_depth(chart) if known is None else as_prior_of(known)
 
@@ -177,23 +157,6 @@ def check_prior(prior: Prior, chart: RigChart | None = None) -> None:
         number = isinstance(sigma, Real) and not isinstance(sigma, bool)
         if not (number and np.isfinite(sigma) and sigma > 0.0):
             raise InputError(f"the prior of {name} is {sigma!r}; give a positive standard deviation.")
-
-
-def check_boards(boards: Sequence[Board] | None, prior: Prior) -> None:
-    """Refuse what are no boards, and boards beside intrinsics that are exact.
-
-    Raises:
-        InputError: says what to do.
-    """
-    if boards is None:
-        return
-    if not isinstance(boards, Sequence) or not all(isinstance(board, Board) for board in boards):
-        raise InputError("boards holds something else than boards; give sr.find_boards(pairs), or a list of sr.Board.")
-    if is_exact(prior):
-        raise InputError(
-            'boards determine the errors that the calibration left, and prior="exact" says that there are none; '
-            "give one."
-        )
 
 
 def _with_sigmas(prior: CalibrationPrior, chart: RigChart, sigmas: Mapping[str, float | np.number]) -> CalibrationPrior:
