@@ -32,8 +32,8 @@ class Posterior:
     @cached_property
     def covariance(self) -> Float[np.ndarray, "n n"]:
         """Of θ, what the explanations differ by included."""
-        apart = self.means - self.mean
-        return np.einsum("m,mij->ij", self.weights, self.covariances) + (self.weights * apart.T) @ apart
+        deviations = self.means - self.mean
+        return np.einsum("m,mij->ij", self.weights, self.covariances) + (self.weights * deviations.T) @ deviations
 
     def samples(self, number: int, seed: int = 0) -> Float[np.ndarray, "s n"]:
         """θ drawn at random, the same for a seed; each explanation has its share of them, to one draw."""
@@ -42,8 +42,8 @@ class Posterior:
         normal = draw.standard_normal((number, self.means.shape[1]))
         found = np.empty_like(normal)
         for index in np.unique(chosen):
-            here = chosen == index
-            found[here] = self.means[index] + normal[here] @ root(self.covariances[index]).T
+            drawn = chosen == index
+            found[drawn] = self.means[index] + normal[drawn] @ root(self.covariances[index]).T
         return found
 
 

@@ -87,8 +87,8 @@ def as_prior(prior: Prior, chart: RigChart, *, baseline_observable: bool = False
         InputError: as `check_prior`.
     """
     found = _as_prior(prior, chart)
-    given = prior.names if isinstance(prior, CalibrationCovariance) else prior if isinstance(prior, Mapping) else ()
-    return with_scaled_boards(found, chart) if baseline_observable and BASELINE not in given else found
+    named = prior.names if isinstance(prior, CalibrationCovariance) else prior if isinstance(prior, Mapping) else ()
+    return with_scaled_boards(found, chart) if baseline_observable and BASELINE not in named else found
 
 
 def with_deviations(prior: CalibrationPrior, chart: RigChart, sigmas: Mapping[str, float]) -> CalibrationPrior:
@@ -165,18 +165,18 @@ def _with_sigmas(prior: CalibrationPrior, chart: RigChart, sigmas: Mapping[str, 
     if not sigmas:
         return prior
     named = np.array([chart.names.index(name) for name in sigmas])
-    rest, wanted = np.setdiff1d(np.arange(chart.dim), named), np.array([float(sigma) for sigma in sigmas.values()])
+    others, wanted = np.setdiff1d(np.arange(chart.dim), named), np.array([float(sigma) for sigma in sigmas.values()])
     roots = []
     for one in prior.roots:
         deviations = np.maximum(np.linalg.norm(one, axis=1), _TINY)  # of what is exact
         unit = one / deviations[:, None]
         both, scale = unit[named] @ unit[named].T, wanted / deviations[named]
-        follows = np.linalg.solve(both, unit[named] @ unit[rest].T).T
+        follows = np.linalg.solve(both, unit[named] @ unit[others].T).T
         # What is named, its change, and what of the rest does not follow it, are independent.
         known = np.zeros((chart.dim, len(named) + chart.dim))
         known[named, : len(named)] = scale[:, None] * np.linalg.cholesky(both)
-        known[rest, : len(named)] = follows @ known[named, : len(named)]
-        known[rest, len(named) :] = unit[rest] - follows @ unit[named]
+        known[others, : len(named)] = follows @ known[named, : len(named)]
+        known[others, len(named) :] = unit[others] - follows @ unit[named]
         roots.append(root(deviations[:, None] * (known @ known.T) * deviations))
     return CalibrationPrior(np.stack(roots), prior.weights, means=prior.means)
 

@@ -86,8 +86,8 @@ def _round(
 def _estimate_of_recording(task: tuple[Recording, CalibrationPrior]) -> tuple[Estimate, Normal]:
     """A recording with what is known before it, and what it shows of the calibration's error."""
     one, prior = task
-    seen, best = solved(one.found, rig_parameters(one.rig), prior, one.start, one.ranges, one.windows, one.view)
-    return seen, of_calibration(best)
+    estimated, best = solved(one.found, rig_parameters(one.rig), prior, one.start, one.ranges, one.windows, one.view)
+    return estimated, of_calibration(best)
 
 
 def of_calibration(best: Explanation) -> Normal:
@@ -103,5 +103,7 @@ def of_calibration(best: Explanation) -> Normal:
 def after(prior: CalibrationPrior, known: Normal) -> CalibrationPrior:
     """What is known of the calibration's error after something else has told of it."""
     every = updated(prior, known)
-    kept = every.weights > _LEAST
-    return CalibrationPrior(every.roots[kept], every.weights[kept] / every.weights[kept].sum(), means=every.means[kept])
+    likely = every.weights > _LEAST
+    return CalibrationPrior(
+        every.roots[likely], every.weights[likely] / every.weights[likely].sum(), means=every.means[likely]
+    )

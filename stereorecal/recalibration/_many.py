@@ -234,9 +234,9 @@ def _repaired_together(
         found = solve_jointly(recordings, free, one=extrinsics == "one", each=each)
     except Exception as error:
         failed = _failed("", error)
-        said = f"the joint solution failed; the separate repairs of the extrinsics are used: {failed.error}"
+        message = f"the joint solution failed; the separate repairs of the extrinsics are used: {failed.error}"
         return tuple(
-            replace(r, error=r.error or said, fault=r.fault or failed.fault, traceback=failed.traceback)
+            replace(r, error=r.error or message, fault=r.fault or failed.fault, traceback=failed.traceback)
             for r in repairs
         )
     answers = list(repairs)

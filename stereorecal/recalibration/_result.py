@@ -300,11 +300,11 @@ class AbstractResult:
     @property
     def found(self) -> Correspondences | None:
         """The last correspondences, of the pairs that are kept."""
-        found, kept = next((s.found for s in reversed(self.stages) if s.found is not None), None), self.frames.used
-        if found is None or len(kept) == len(found.weight):
+        found, used = next((s.found for s in reversed(self.stages) if s.found is not None), None), self.frames.used
+        if found is None or len(used) == len(found.weight):
             return found
-        parts = {name: np.asarray(getattr(found, name))[list(kept)] for name in ("left", "right", "weight")}
-        tile = np.asarray(found.tile)[list(kept)] % TILES_OF_A_FRAME
+        parts = {name: np.asarray(getattr(found, name))[list(used)] for name in ("left", "right", "weight")}
+        tile = np.asarray(found.tile)[list(used)] % TILES_OF_A_FRAME
         return replace(found, **parts, tile=tile + TILES_OF_A_FRAME * np.arange(len(tile), dtype=np.int32)[:, None])
 
     @property

@@ -31,10 +31,10 @@ def solution_of(
     if reason is Reason.TOO_LITTLE_TEXTURE and any(image_quality(pair).enough for pair in case.images.pairs):
         reason = Reason.NO_MATCHES
     frames, whole = len(case.images.pairs), case.images.at(1.0)
-    kept = np.isin(np.arange(frames), ending.without, invert=True)
-    pixels = whole.pixels * int(kept.sum()) // frames  # all of one size
-    before, after = (Score(int(found.sum()), pixels) for found in ending.tiles[:, kept])
-    apart = tuple(case.images.pairs[frame].name for frame in ending.excluded)
+    used = np.isin(np.arange(frames), ending.without, invert=True)
+    pixels = whole.pixels * int(used.sum()) // frames  # all of one size
+    before, after = (Score(int(found.sum()), pixels) for found in ending.tiles[:, used])
+    excluded = tuple(case.images.pairs[frame].name for frame in ending.excluded)
     disagree = reason is Reason.FRAMES_DISAGREE
     beams = NO_RANGES if ending.estimate is None else ending.estimate.beams
     return Solution(
@@ -55,9 +55,9 @@ def solution_of(
         ),
         frames=FramesUsed(
             selected=case.selected,
-            used=tuple(np.flatnonzero(kept).tolist()),
-            left_out=() if disagree else apart,
-            disagreeing=apart if disagree else (),
+            used=tuple(np.flatnonzero(used).tolist()),
+            left_out=() if disagree else excluded,
+            disagreeing=excluded if disagree else (),
         ),
         search=SearchRun(
             view=case.images.view,

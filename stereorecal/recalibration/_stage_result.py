@@ -57,5 +57,5 @@ def counts(case: Case, candidate: StereoRig) -> Int[np.ndarray, "2 k tiles"]:
     if same_camera(candidate.left, case.rig.left) and same_camera(candidate.right, case.rig.right):
         return host.counts_by_tile(data, extrinsics, case.matcher)
     through = zip(rigs, extrinsics, strict=True)
-    found = [host.counts_by_tile(data.through(rig), here[None], case.matcher) for rig, here in through]
+    found = [host.counts_by_tile(data.through(rig), of_rig[None], case.matcher) for rig, of_rig in through]
     return np.concatenate(found)

@@ -93,9 +93,9 @@ def check_lenses(rig: StereoRig) -> None:
 
 def _undistorted(pixels: Pixels, camera: Camera, turn: AnyArray, projection: AnyArray) -> Pixels:
     turn, projection = np.asarray(turn, float), np.asarray(projection, float)
-    given = np.ascontiguousarray(pixels, np.float64).reshape(-1, 1, 2)
+    points = np.ascontiguousarray(pixels, np.float64).reshape(-1, 1, 2)
     lens = np.asarray(camera.distortion, float) if np.size(camera.distortion) else np.zeros(4)
-    found = cv2.undistortPoints(given, np.asarray(camera.matrix), lens, None, turn, projection[:, :3], _ENOUGH)
+    found = cv2.undistortPoints(points, np.asarray(camera.matrix), lens, None, turn, projection[:, :3], _ENOUGH)
     return found.reshape(-1, 2)
 
 

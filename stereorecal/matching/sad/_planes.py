@@ -33,15 +33,15 @@ def winners(left: Num[jax.Array, "h w"], right: Num[jax.Array, "h w"], options: 
         return jnp.where(inside, (cost << bits) | index, NEVER)
 
     def better(best, index):
-        here, from_right = best
+        best_cost, from_right = best
         packed = packed_at(index)
-        met = jax.lax.dynamic_slice_in_dim(
+        right_packed = jax.lax.dynamic_slice_in_dim(
             jnp.pad(packed, ((0, 0), (count + abs(lowest),) * 2), constant_values=NEVER),
             count + abs(lowest) + lowest + index,
             packed.shape[1],
             axis=1,
         )
-        return (jnp.minimum(here, packed), jnp.minimum(from_right, met)), None
+        return (jnp.minimum(best_cost, packed), jnp.minimum(from_right, right_packed)), None
 
     nothing = jnp.full((height, width), NEVER, jnp.int32)
     indices = jnp.arange(count, dtype=jnp.int32)
