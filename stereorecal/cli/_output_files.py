@@ -84,7 +84,7 @@ def refuse_replacing_inputs(
     read = {_identity(path) for path in inputs}
     for place in places:
         if _identity(place.path) in read:
-            raise InputError(f"{place}: this file is read, and is not replaced; {instead}.")
+            raise InputError(f"{place}: this is an input file of the run and will not be overwritten; {instead}.")
 
 
 def named_inputs(*words: str | Path | Sequence[str] | None) -> list[Path]:

@@ -69,7 +69,7 @@ def _schedules(schedule: Any, *, given: bool) -> Sequence[str]:
     if isinstance(schedule, str) and schedule in SCHEDULES:
         return (schedule,)
     if isinstance(schedule, Schedule):
-        raise InputError("schedule is an sr.Schedule; compare takes a name (count or default), and the strategies.")
+        raise InputError("schedule is an sr.Schedule; give its name (count or default) and the strategies instead.")
     raise InputError(f"unknown schedule {schedule!r}; choose one of: {', '.join(SCHEDULES)}.")
 
 

@@ -105,7 +105,7 @@ def _log_evidence(one: Explanation) -> float:
 def _within_nats(
     tried: list[tuple[Explanation, Rival]], alone: Explanation, nats: float
 ) -> list[tuple[Explanation, Rival]]:
-    """Those at most so many nats below the best of all."""
+    """The explanations at most so many nats below the best of all."""
     least = max(_log_evidence(one) for one in (alone, *(one for one, _ in tried))) - nats
     return [(one, rival) for one, rival in tried if _log_evidence(one) > least]
 

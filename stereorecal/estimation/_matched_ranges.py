@@ -47,7 +47,7 @@ class MatchedRanges:
     def _disparity_errors(
         self, rig: StereoRig, left: Float[np.ndarray, "b 3"], right: Float[np.ndarray, "b 3"]
     ) -> Float[np.ndarray, "b"]:
-        """The same in pixels of the right camera, of pixels that have these rays."""
+        """The residuals in pixels of the right camera, of pixels with these rays."""
         _, to_right = rectifying_rotations(rig.rotation, rig.translation)
         direction = left / np.linalg.norm(left, axis=-1, keepdims=True)
         predicted = (direction @ rig.rotation.T + self._nearness[:, None] * rig.translation) @ to_right.T
@@ -129,7 +129,7 @@ class MatchedRanges:
 
     @staticmethod
     def of_all(several: Sequence["MatchedRanges"]) -> "MatchedRanges":
-        """Those of several recordings or frames."""
+        """The matched ranges of several recordings or frames as one."""
         every = (NO_RANGES, *several)
         return MatchedRanges(
             *(np.concatenate([getattr(one, part.name) for one in every]) for part in fields(MatchedRanges))

@@ -121,7 +121,7 @@ NO_WINDOWS = Windows()
 
 
 def windows_of_all(several: Sequence[Windows]) -> Windows:
-    """Those of several recordings, whose frames are numbered apart."""
+    """The windows of several recordings, no two of which have a frame number in common."""
     parts = [sum((getattr(one, name) for one in several), ()) for name in ("tracks", "frames", "seconds", "all_ways")]
     return Windows(*parts)
 
@@ -153,7 +153,7 @@ def together(several: Sequence[Normal], root: Float[np.ndarray, "n n"], mean: Fl
 
 
 def without_depth(normal: Normal) -> Normal:
-    """The same if the depth that all of them see is not that of the rig: with a yaw of its own."""
+    """The likelihood if the depth in all windows is not that of the rig: with a yaw of its own."""
     n = len(normal.b)
     axis = np.eye(n)[DRIFTING.index("yaw")]
     to = np.column_stack([np.eye(n), axis])

@@ -102,7 +102,7 @@ def track_readings(tracks: Tracks, rig: StereoRig) -> TrackReadings:
 
 
 def with_rays(tracks: Tracks, rig: StereoRig) -> Tracks:
-    """Those that the cameras of a rig see in front of them: a wide lens has no rays 90 degrees off its axis."""
+    """The tracks that the cameras of a rig see in front of them: a wide lens has no rays 90 degrees off its axis."""
     rays = np.stack([np.asarray(getattr(rig, side).rays(getattr(tracks, side)), float) for side in SIDES])
     return tracks.of(np.isfinite(rays).all(axis=(0, 1, 3)))
 

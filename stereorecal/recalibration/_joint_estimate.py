@@ -63,7 +63,7 @@ class JointEstimate:
         return 0 if len(self.estimated_from) == 1 else index
 
     def rig(self, index: int) -> StereoRig:
-        """That a recording is given."""
+        """The rig that a recording gets: at the candidate of its estimate."""
         at = self.of(index)
         return self.estimates[at].chart.rig_at(self.decisions[at].theta)
 

@@ -255,7 +255,7 @@ def _widens(scenes: Sequence[Scene], repairs: Sequence[Solution], free: Paramete
 
 
 def _selected_pairs(pairs: Sequence[Pair], solution: Solution) -> tuple[Pair, ...]:
-    """Those that the repair looked at."""
+    """The pairs that the repair looked at."""
     return tuple(pairs if solution.frames.selected is None else (pairs[number] for number in solution.frames.selected))
 
 

@@ -58,7 +58,7 @@ class Misfit:
 
     @property
     def rms_before(self) -> float:
-        """The same of `before`."""
+        """Root mean square of `before`, less what noise explains."""
         return _beyond_noise(self.before, self.error)
 
     @property

@@ -72,7 +72,7 @@ def _without_lenses(
 
 
 def _held(free: Parameters) -> Parameters:
-    """The same with the intrinsics as they were."""
+    """The free parameters without intrinsics."""
     return Parameters(tuple(name for name in free.names if "." not in name), free.priors)
 
 

@@ -172,7 +172,7 @@ def _unit(estimated: Estimate) -> str:
 
 
 def described(estimated: Estimate) -> str:
-    """The same in a line."""
+    """What the rig's own motion told, in a line."""
     summary = as_dict(estimated)
     if not summary["followed"]:
         return f"{summary['windows']} windows, too few points could be followed"

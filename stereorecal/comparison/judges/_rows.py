@@ -6,7 +6,8 @@ from functools import lru_cache
 import numpy as np
 
 from stereorecal._cv2 import cv2
-from stereorecal.comparison.judges._optics import Pixels, optics, sgbm
+from stereorecal.comparison.judges._optics import Pixels, optics
+from stereorecal.comparison.judges._sgbm import sgbm
 from stereorecal.geometry import StereoRig
 from stereorecal.recordings import Pair, Scene
 

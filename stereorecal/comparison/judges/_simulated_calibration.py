@@ -77,4 +77,4 @@ def _views(
         inside = [((pixels >= 0) & (pixels <= np.array(rig.left.size) - 1.0)).all() for pixels in corners]
         if all(inside):
             yield np.asarray(corners[0]), np.asarray(corners[1])
-    raise InputError("no view of a chessboard fits into both images of this rig.")
+    raise InputError("no view of a chessboard fits into both images of this rig; give a rig whose views overlap more.")

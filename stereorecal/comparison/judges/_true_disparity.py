@@ -9,8 +9,9 @@ from jaxtyping import Float
 from stereorecal._cv2 import cv2
 from stereorecal._errors import InputError
 from stereorecal.comparison.judges._judgement import DEPTH_WORSE, ROWS_WORSE
-from stereorecal.comparison.judges._optics import optics, sgbm
+from stereorecal.comparison.judges._optics import optics
 from stereorecal.comparison.judges._rows import followed, rows
+from stereorecal.comparison.judges._sgbm import sgbm
 from stereorecal.geometry import StereoRig
 from stereorecal.io import load_scene
 from stereorecal.recalibration import depth_error

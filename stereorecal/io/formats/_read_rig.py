@@ -56,7 +56,7 @@ def read_files(
 
 
 def rig_in(documents: Documents, format: Format, unit: str | None, hints: Hints) -> StereoRig:
-    """The rig that texts of a format describe, in metres.
+    """The rig described by the files of a format; lengths in metres.
 
     Raises:
         InputError, UnsupportedModelError: as `read_files`.
