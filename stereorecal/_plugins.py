@@ -155,8 +155,8 @@ class Registry(Generic[T]):
 
     def _points(self) -> EntryPoints:
         installed = entry_points(group=self.group)
-        there = {(point.name, point.value) for point in installed}
-        lacking = [EntryPoint(*own, self.group) for own in self.own.items() if own not in there]
+        known = {(point.name, point.value) for point in installed}
+        lacking = [EntryPoint(*own, self.group) for own in self.own.items() if own not in known]
         return EntryPoints((*installed, *lacking)) if lacking else installed
 
     def _owner(self, point: _EntryPoint) -> tuple[str, str]:

@@ -30,16 +30,16 @@ def run_all(
         yield from ((index, function(task)) for index, task in enumerate(tasks))
         return
     futures = {_submitted(executor, _Parcel(function, task)): index for index, task in enumerate(tasks)}
-    left = dict(futures)
+    unfinished = dict(futures)
     try:
         for future in as_completed(futures):
             found = _outcome(future)
             if isinstance(found, ForkedError):
                 raise found
             if isinstance(found, KeyboardInterrupt):
-                yield from _completed(left)
+                yield from _completed(unfinished)
                 raise found
-            yield left.pop(future), found
+            yield unfinished.pop(future), found
     finally:
         for future in futures:
             future.cancel()

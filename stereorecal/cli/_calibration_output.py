@@ -35,16 +35,16 @@ class Output:
         replaced: whether it is the calibration that the repair started from.
         maps: the file of rectifying maps, if they were asked for.
         unit: of lengths in the file, if it was said, and the format says none.
-        said: what to add of the unit once the file is written.
-        beside: the file for what is known of it, where its format has no place for that.
+        unit_note: what to add of the unit once the file is written.
+        prior_path: the file for what is known of it, where its format has no place for that.
     """
 
     place: CalibrationPath | None
     replaced: bool
     maps: Path | None
     unit: str | None = None
-    said: str = ""
-    beside: Path | None = None
+    unit_note: str = ""
+    prior_path: Path | None = None
 
     @property
     def files(self) -> list[Path]:
@@ -122,13 +122,13 @@ def output_of(
         place = calibration_path(options.output, "--output")
     else:
         return Output(None, False, maps)
-    unit, said = unit_written(rig, rig, place, options.output_format, options.unit)
+    unit, unit_note = unit_written(rig, rig, place, options.output_format, options.unit)
     check_savable(_probe_rig(rig, free), place, format=options.output_format, unit=unit)
-    beside = prior_beside(rig, place, format=options.output_format)
-    if beside is not None:
-        known = [Place("--in-place" if options.in_place else "--output", beside)]
+    prior_path = prior_beside(rig, place, format=options.output_format)
+    if prior_path is not None:
+        known = [Place("--in-place" if options.in_place else "--output", prior_path)]
         check_places([*known, *_output_places(options)], force=options.force or options.in_place)
-    return Output(place, options.in_place, maps, unit, said, beside)
+    return Output(place, options.in_place, maps, unit, unit_note, prior_path)
 
 
 def holds_all(output: Output, rig: StereoRig | None, options: RecalibrateOptions) -> bool:
@@ -147,13 +147,13 @@ def save(output: Output, solution: Solution, scene: Scene, options: RecalibrateO
     """Write the calibration and what is known of it; one that is replaced is kept beside it: where."""
     if output.place is None:
         return []
-    kept = [back_up(path) for path in output.files] if output.replaced else []
-    if output.replaced and output.beside is not None and output.beside.exists():
-        back_up(output.beside)
+    backups = [back_up(path) for path in output.files] if output.replaced else []
+    if output.replaced and output.prior_path is not None and output.prior_path.exists():
+        back_up(output.prior_path)
     rig = replace(solution.rig, source=None if scene.rig is None else scene.rig.source)
     how = {"format": options.output_format, "unit": output.unit, "prior": solution.prior}
     save_rig(rig, output.place, scene.info, output.replaced or options.force, **how)
-    return kept
+    return backups
 
 
 def _output_places(options: RecalibrateOptions) -> list[Place]:

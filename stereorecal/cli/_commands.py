@@ -53,10 +53,10 @@ def options_of(words: Sequence[str]) -> CommonOptions:
     Raises:
         SystemExit: of --help and --version; and with 2, once it is said, if the words make no sense.
     """
-    given = vars(parser(words).parse_args(words))
-    verb, kind = given.pop("command"), given.pop("kind")
-    used: Parser = given.pop("parser")
-    values = {name: tuple(value) if isinstance(value, list) else value for name, value in given.items()}
+    parsed = vars(parser(words).parse_args(words))
+    verb, kind = parsed.pop("command"), parsed.pop("kind")
+    used: Parser = parsed.pop("parser")
+    values = {name: tuple(value) if isinstance(value, list) else value for name, value in parsed.items()}
     try:
         return kind(verb=verb, words=tuple(words), **values)
     except InputError as error:

@@ -55,13 +55,13 @@ class _Processes(ProcessPoolExecutor):
 
 @contextmanager
 def _pool(pool: ThreadPoolExecutor | ProcessPoolExecutor) -> Iterator[Executor]:
-    others = set(active_children())
+    earlier_processes = set(active_children())
     try:
         yield pool
     finally:
         # Everything is saved. Who still works was interrupted: nobody waits for what he makes.
         pool.shutdown(wait=False, cancel_futures=True)
-        for worker in set(active_children()) - others:
+        for worker in set(active_children()) - earlier_processes:
             worker.terminate()
 
 

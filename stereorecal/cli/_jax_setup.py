@@ -28,11 +28,11 @@ def use_compile_cache() -> str | None:
     settings = jax.config.values
     if not settings["jax_enable_compilation_cache"]:
         return None
-    asked = settings["jax_compilation_cache_dir"]
-    if asked is not None and "://" in asked:  # the address of a bucket: JAX's own business
+    configured = settings["jax_compilation_cache_dir"]
+    if configured is not None and "://" in configured:  # the address of a bucket: JAX's own business
         return None
     try:
-        folder = user_cache_path("stereorecal") / "programs" if asked is None else Path(asked)
+        folder = user_cache_path("stereorecal") / "programs" if configured is None else Path(configured)
         folder.mkdir(parents=True, exist_ok=True)
         if not os.access(folder, os.W_OK):
             raise PermissionError(None, "not writable", str(folder))
@@ -40,7 +40,7 @@ def use_compile_cache() -> str | None:
         jax.config.update("jax_enable_compilation_cache", False)
         why = f"{error.filename}: {error.strerror}" if isinstance(error, OSError) else error
         return f"compiled programs cannot be cached ({why}); {_ELSEWHERE}."
-    if asked is None:
+    if configured is None:
         jax.config.update("jax_compilation_cache_dir", str(folder))
     if "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS" not in os.environ:
         jax.config.update("jax_persistent_cache_min_compile_time_secs", _LEAST_SECONDS)
@@ -55,13 +55,13 @@ def check_platform() -> None:
     Raises:
         InputError: says what to install.
     """
-    if not (asked := os.environ.get("JAX_PLATFORMS")):
+    if not (platforms := os.environ.get("JAX_PLATFORMS")):
         return
     try:
         jax.devices()
     except Exception as error:  # an AssertionError, a RuntimeError, whatever a plug-in of JAX raises
         why = str(error).partition("\n")[0] or "it is not there"
         raise InputError(
-            f"JAX_PLATFORMS is {asked!r}, which JAX cannot use here ({why}); leave it out, or install what it "
+            f"JAX_PLATFORMS is {platforms!r}, which JAX cannot use here ({why}); leave it out, or install what it "
             "needs, such as pip install 'jax[cuda12]' for NVIDIA's."
         ) from error

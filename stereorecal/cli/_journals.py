@@ -90,7 +90,7 @@ class TrialJournal:
 
     def _read(self, path: Path) -> None:
         try:
-            first, end, rest = path.read_text(encoding="utf-8").partition("\n")
+            first, end, lines = path.read_text(encoding="utf-8").partition("\n")
         except (OSError, ValueError):
             raise self._mismatch_error() from None
         if not first.strip() or (not end and first.startswith("{")):
@@ -103,7 +103,7 @@ class TrialJournal:
         if header != self._made_with:
             raise self._mismatch_error()
         self._written = [str(place) for place in written]
-        for line in rest.splitlines():
+        for line in lines.splitlines():
             try:
                 trial = as_trial(json.loads(line))
             except (ValueError, TypeError, KeyError, AttributeError):  # cut short when it was killed

@@ -50,21 +50,23 @@ def live(name: str) -> Iterator[Callable[[Stepped], None]]:
 
 def view(name: str, pairs: int, history: list[Reading], happened: list[str]) -> Panel:
     """The view after some pairs."""
-    now = history[-1]
+    last = history[-1]
     table = Table(box=None, padding=(0, 2))
     for title in ("", "estimate", "95 % interval", "over time"):
         table.add_column(title, justify="left" if title in ("", "over time") else "right")
-    for axis, found in now.axes.items():
+    for axis, found in last.axes.items():
         table.add_row(
             axis, f"{found.value:+.3f} {_UNITS[axis]}", _interval(found), _curve([h.axes[axis] for h in history])
         )
     table.add_row(
-        "row error", f"{now.rows_px.value:.3f} px", _interval(now.rows_px), _curve([h.rows_px for h in history])
+        "row error", f"{last.rows_px.value:.3f} px", _interval(last.rows_px), _curve([h.rows_px for h in history])
     )
     depth = [h.depth_percent[FAR] for h in history]
     table.add_row(f"depth at {FAR} B", f"{depth[-1].value:+.1f} %", _interval(depth[-1]), _curve(depth))
-    table.add_row("late by", f"{now.delay.value:+.2f} frames", _interval(now.delay), _curve([h.delay for h in history]))
-    verdict = Text(f"{pairs} pairs: {now.condition.value}", style=f"bold {_COLOURS[now.condition]}")
+    table.add_row(
+        "late by", f"{last.delay.value:+.2f} frames", _interval(last.delay), _curve([h.delay for h in history])
+    )
+    verdict = Text(f"{pairs} pairs: {last.condition.value}", style=f"bold {_COLOURS[last.condition]}")
     events = Text("\n".join(happened) or "nothing has happened yet", style="dim")
     return Panel(Group(verdict, table, Text(), events), title=name, title_align="left")
 

@@ -49,13 +49,13 @@ def _run(options: CommonOptions) -> int:
             return 0
         if options.traceback:
             traceback.print_exception(error)
-        code = _said(error)  # after a signal, perhaps since the terminal has gone
+        code = _report_error(error)  # after a signal, perhaps since the terminal has gone
         return INTERRUPTED if interrupted() else code
     except KeyboardInterrupt:
         return _say("interrupted", INTERRUPTED)
 
 
-def _said(error: Exception) -> int:
+def _report_error(error: Exception) -> int:
     """One sentence on stderr, and the exit code of an error."""
     match error:
         case InputError():

@@ -69,7 +69,7 @@ def run(options: MonitorOptions) -> int:
                 failed[what] = error if isinstance(error, InputError) else _write_error(error, what, options)
 
     try:
-        with _json_lines(options, appended) as log, _shown(options, scene) as show:
+        with _json_lines(options, appended) as log, _shown_steps(options, scene) as show:
             for stepped in steps(state, iter(pairs)):
                 state = stepped.state
                 attempt(partial(_keep, options, state), "--state")
@@ -129,7 +129,7 @@ def _raise(error: Exception) -> None:
 
 
 def _start(options: MonitorOptions, scene: Scene) -> State:
-    shown, limits = _option_values.view(options), _option_values.tolerances(options)
+    view_options, limits = _option_values.view(options), _option_values.tolerances(options)
     config = Config(
         matcher=as_matcher(options.matcher),
         synchronous=options.synchronous,
@@ -137,12 +137,12 @@ def _start(options: MonitorOptions, scene: Scene) -> State:
         tolerances=limits,
     )
     if options.state is not None and Path(options.state).exists():
-        kept = load(options.state, scene.rig)
-        if kept.config.view != kept.config.view | shown:
+        state = load(options.state, scene.rig)
+        if state.config.view != state.config.view | view_options:
             raise InputError(f"--view: the state in {options.state} was made with another view; leave --view out.")
-        return kept.configured(replace(config, matcher=kept.config.matcher, **kept.config.view))
+        return state.configured(replace(config, matcher=state.config.matcher, **state.config.view))
     assert scene.rig is not None
-    return init(scene.rig, replace(config, **shown))
+    return init(scene.rig, replace(config, **view_options))
 
 
 def _calibration_note(options: MonitorOptions, state: State) -> str:
@@ -206,7 +206,7 @@ def _json_lines(options: MonitorOptions, appended: bool) -> Iterator[IO[str] | N
 
 
 @contextmanager
-def _shown(options: MonitorOptions, scene: Scene):
+def _shown_steps(options: MonitorOptions, scene: Scene):
     """What is called with each step: a live view in a terminal, else events as lines."""
     if not options.prints:
         yield lambda stepped: None
@@ -223,7 +223,7 @@ def _check_places(options: MonitorOptions, appended: bool) -> list[Place]:
             raise InputError(f"--{option} -: {what} is written to a file; give the name of one.")
     going_on = ("state", "json") if appended else ("state",)
     replaced = places_of(options, *(name for name in ("json", "output") if name not in going_on))
-    kept = places_of(options, *going_on)
+    appended_to = places_of(options, *going_on)
     check_places(replaced, force=options.force)
-    check_places([*replaced, *kept], force=True)
-    return [*replaced, *kept]
+    check_places([*replaced, *appended_to], force=True)
+    return [*replaced, *appended_to]

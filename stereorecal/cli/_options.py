@@ -86,20 +86,20 @@ class Parser(argparse.ArgumentParser):
 
     def parse_known_args(self, args=None, namespace=None):  # pyright: ignore[reportIncompatibleMethodOverride]
         """What a command does not know is said by it, not by the parser of all commands."""
-        found, others = super().parse_known_args(args, namespace)
-        if others:
-            self.error(f"unrecognized arguments: {' '.join(others)}{self._hint(others)}")
-        return found, others
+        found, unknown = super().parse_known_args(args, namespace)
+        if unknown:
+            self.error(f"unrecognized arguments: {' '.join(unknown)}{self._hint(unknown)}")
+        return found, unknown
 
     def error(self, message: str) -> NoReturn:
         self.exit(BAD_INPUT, f"stereorecal: {message}; see {self.prog} --help\n")
 
-    def _hint(self, others: Sequence[str]) -> str:
+    def _hint(self, unknown: Sequence[str]) -> str:
         known = [name for action in self._actions for name in action.option_strings]
-        given = next((word.partition("=")[0] for word in others if word.startswith("-")), None)
-        if given is None:
+        flag = next((word.partition("=")[0] for word in unknown if word.startswith("-")), None)
+        if flag is None:
             return f" ({TWO_FILES})" if "--unit" in known else ""
-        close = get_close_matches(given, known, 1)
+        close = get_close_matches(flag, known, 1)
         return f" (did you mean {close[0]}?)" if close else ""
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:

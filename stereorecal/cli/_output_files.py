@@ -28,8 +28,8 @@ class Place:
 
 def places_of(options: CommonOptions, *names: str) -> list[Place]:
     """The files that these options name; stdout ("-") is none."""
-    given = [(f"--{name}", getattr(options, name, None)) for name in names]
-    return [Place(option, Path(text)) for option, text in given if text is not None and text != "-"]
+    named = [(f"--{name}", getattr(options, name, None)) for name in names]
+    return [Place(option, Path(text)) for option, text in named if text is not None and text != "-"]
 
 
 def check_places(places: Sequence[Place], *, force: bool) -> None:
@@ -41,14 +41,14 @@ def check_places(places: Sequence[Place], *, force: bool) -> None:
     Raises:
         InputError: if a file exists, two have one place, or a place cannot be written to.
     """
-    seen: dict[object, Place] = {}
+    by_identity: dict[object, Place] = {}
     for place in places:
         check_writable(place)
         if place.path.exists() and not place.path.is_file():
             continue
         if place.path.exists() and not force:
             raise InputError(f"{place}: the file exists already; choose another or add --force.")
-        other = seen.setdefault(_identity(place.path), place)
+        other = by_identity.setdefault(_identity(place.path), place)
         if other is not place:
             raise InputError(f"{other.option} and {place.option} name the same file; give two.")
 
@@ -84,7 +84,7 @@ def refuse_replacing_inputs(
     read = {_identity(path) for path in inputs}
     for place in places:
         if _identity(place.path) in read:
-            raise InputError(f"{place}: this file is read, and is not replaced; {instead}.")
+            raise InputError(f"{place}: this is an input file of the run and will not be overwritten; {instead}.")
 
 
 def named_inputs(*words: str | Path | Sequence[str] | None) -> list[Path]:

@@ -74,9 +74,9 @@ def run(options: RecalibrateOptions) -> int:
         absent = found.absent + left_out_pairs(found.scenes[0].pairs, scenes[0].pairs, "others show more texture")
         pairing = {"pairing": found.pairing} if found.pairing else {}
         del found
-        others = {"boards": boards, "ranges": ranges, "extrinsics": options.extrinsics, "executor": pool}
+        common = {"boards": boards, "ranges": ranges, "extrinsics": options.extrinsics, "executor": pool}
         with progress_bar(options.quiet) as progress:
-            repairs, interrupted = _recalibrated_all(scenes, progress, {**settings.options, **others})
+            repairs, interrupted = _recalibrated_all(scenes, progress, {**settings.options, **common})
         # Before the workers are waited for: a second Ctrl-C must find everything saved.
         if any(repair.solution for repair in repairs):
             prior = options.prior or (SAVED if any(priors) else DEFAULT)
@@ -108,13 +108,13 @@ def _recalibrated_all(
 ) -> tuple[tuple[Repair, ...], bool]:
     """All repairs, in the order of the scenes, and whether Ctrl-C came first: those that it has left are faults, and
     what recordings share is not solved then."""
-    left = Fault.INTERRUPTED
-    finished = [Repair(scene.name, error=left.value, fault=left) for scene in scenes]
+    interrupted = Fault.INTERRUPTED
+    finished = [Repair(scene.name, error=interrupted.value, fault=interrupted) for scene in scenes]
     try:
         found = recalibrate_many(scenes, finished=finished.__setitem__, progress=progress, **arguments)
         hold()
     except KeyboardInterrupt:
-        if all(repair.fault is not left for repair in finished):
+        if all(repair.fault is not interrupted for repair in finished):
             say("interrupted; what recordings share was not solved.")
         return tuple(finished), True
     return found, False
@@ -122,7 +122,7 @@ def _recalibrated_all(
 
 def _settings_from_options(options: RecalibrateOptions) -> Settings:
     """What the options come to, but for the boards, whose images are read later."""
-    given = {
+    values = {
         **health_options(options),
         "schedule": _schedule(options),
         "reach": _option_values.degrees_and_fraction(options.reach, "--reach"),
@@ -132,7 +132,7 @@ def _settings_from_options(options: RecalibrateOptions) -> Settings:
         "odometer": load_odometer(options.odometer) if options.odometer is not None else None,
         "free": _option_values.free(options.free),
     }
-    return as_settings(given)
+    return as_settings(values)
 
 
 def _schedule(options: RecalibrateOptions) -> Schedule:
@@ -180,9 +180,9 @@ def _settings_json(options: RecalibrateOptions, settings: Settings) -> dict[str,
 def _page_settings(options: RecalibrateOptions, free: Parameters) -> dict[str, Any]:
     """What a page says of the settings beside what its solution knows: a repair of extrinsics may know nothing of what
     was solved for afterwards."""
-    said = {"free": ", ".join(free.names), "extrinsics": options.extrinsics}
+    settings = {"free": ", ".join(free.names), "extrinsics": options.extrinsics}
     boards = " and ".join(options.boards) if options.boards else "none"
-    return {**said, "boards": boards, "ranges": options.ranges or "none"}
+    return {**settings, "boards": boards, "ranges": options.ranges or "none"}
 
 
 def _saving(
@@ -190,22 +190,22 @@ def _saving(
 ) -> list[Callable[[], None]]:
     """Steps that write the calibration and the maps, and say so."""
     first = repairs[0].solution
-    told = options.prints
+    prints = options.prints
 
     def step(names: Sequence[Path], wanted: bool, save: Callable[[Solution], list[Path]], note: str) -> None:
         """`save` returns the copies of what it replaced."""
         notes = [note] * len(names)
         if names and first is not None and wanted and not options.dry_run:
-            found, kept = first, []
-            written_or_printed(lambda: kept.extend(save(found)), lambda: calibration_json(found.rig, found.prior))
-            notes = [f"{note}; the old one is {copy}" for copy in kept] or notes
+            found, backups = first, []
+            written_or_printed(lambda: backups.extend(save(found)), lambda: calibration_json(found.rig, found.prior))
+            notes = [f"{note}; the old one is {copy}" for copy in backups] or notes
         elif options.dry_run and output.replaced and names == output.files:
             notes = [f"{note}; the old one would be kept as {next_copy(name)}" for name in names]
         done = "would be written" if options.dry_run else "written"
-        for name, more in zip(names, notes, strict=True) if told else ():
+        for name, more in zip(names, notes, strict=True) if prints else ():
             print(f"{name}: {done}{more}" if wanted else f"{name}: not written, since the initial calibration stays")
-        if told and wanted and output.beside is not None and names == output.files:
-            print(f"{output.beside}: {done}, what is known of it")
+        if prints and wanted and output.prior_path is not None and names == output.files:
+            print(f"{output.prior_path}: {done}, what is known of it")
 
     def maps(solution: Solution) -> list[Path]:
         for path in output.maps_files:
@@ -215,12 +215,12 @@ def _saving(
     def calibration(solution: Solution) -> list[Path]:
         return _calibration_output.save(output, solution, scenes[0], options)
 
-    if options.dry_run and told and not (output.files or output.maps_files):
+    if options.dry_run and prints and not (output.files or output.maps_files):
         return [lambda: print("no calibration would be written: no --output, --in-place or --maps names a place")]
     accepted, good = first is not None and first.accepted, first is not None and first.reason.healthy
     initial = "" if accepted else " for the initial calibration"
     return [
-        lambda: step(output.files, accepted, calibration, output.said),
+        lambda: step(output.files, accepted, calibration, output.unit_note),
         lambda: step(output.maps_files, good, maps, initial),
     ]
 

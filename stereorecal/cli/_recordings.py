@@ -94,9 +94,9 @@ def _recordings(options: RecordingOptions, select: _Select) -> Recordings:
     return found
 
 
-def left_out_pairs(found: Sized, kept: Sized, why: str) -> tuple[tuple[str, str], ...]:
+def left_out_pairs(found: Sized, used: Sized, why: str) -> tuple[tuple[str, str], ...]:
     """What to say of pairs that are not among those that are kept."""
-    number = len(found) - len(kept)
+    number = len(found) - len(used)
     return ((f"{number} other {'pair' if number == 1 else 'pairs'}", why),) if number > 0 else ()
 
 

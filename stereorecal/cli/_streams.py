@@ -51,9 +51,9 @@ def stdout_reader_closed() -> bool:
     """Whether it is stdout whose reader has gone: a BrokenPipeError does not say which pipe it is about."""
     if hasattr(select, "poll"):
         with suppress(OSError, ValueError):  # stdout is no file
-            asked = select.poll()
-            asked.register(sys.stdout.fileno(), 0)
-            return bool(asked.poll(0))
+            poll = select.poll()
+            poll.register(sys.stdout.fileno(), 0)
+            return bool(poll.poll(0))
     return True
 
 

@@ -41,7 +41,7 @@ def entrants_of(strategies: Any, schedule: Any, scale: float) -> tuple[Entrant, 
     """
     named = _by_name(strategies)
     return tuple(
-        _entrant(name, plugin, kind, scale, kept=strategies is None)
+        _entrant(name, plugin, kind, scale, own_strategies=strategies is None)
         for kind in _schedules(schedule, given=strategies is not None)
         for name, plugin in named.items()
     )
@@ -69,15 +69,15 @@ def _schedules(schedule: Any, *, given: bool) -> Sequence[str]:
     if isinstance(schedule, str) and schedule in SCHEDULES:
         return (schedule,)
     if isinstance(schedule, Schedule):
-        raise InputError("schedule is an sr.Schedule; compare takes a name (count or default), and the strategies.")
+        raise InputError("schedule is an sr.Schedule; give its name (count or default) and the strategies instead.")
     raise InputError(f"unknown schedule {schedule!r}; choose one of: {', '.join(SCHEDULES)}.")
 
 
-def _entrant(name: str, plugin: AbstractStrategy, kind: str, scale: float, *, kept: bool) -> Entrant:
-    """The entrant of a schedule; a schedule that is `kept` runs the strategies that it comes with."""
+def _entrant(name: str, plugin: AbstractStrategy, kind: str, scale: float, *, own_strategies: bool) -> Entrant:
+    """The entrant of a schedule; a schedule that is `own_strategies` runs the strategies that it comes with."""
     if kind == "count":
         return Entrant(name, Schedule.count(plugin, scale), {name: plugin})
-    schedule = Schedule.default() if kept else Schedule.default().using(plugin)
+    schedule = Schedule.default() if own_strategies else Schedule.default().using(plugin)
     running = {name if s.strategy is plugin else name_of(s.strategy): s.strategy for s in schedule.stages}
     return Entrant(name, schedule, running)
 

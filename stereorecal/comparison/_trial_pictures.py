@@ -39,10 +39,10 @@ def pictures_of(
     return tuple(found)
 
 
-def _picture(which: str, trial: Trial, shown: Shown, success: bool) -> TrialPicture:
+def _picture(which: str, trial: Trial, scene: Shown, success: bool) -> TrialPicture:
     assert trial.extrinsics is not None
-    rigs = [shown.rig.with_extrinsics(np.array(trial.extrinsics[when])) for when in ("start", "final")]
-    before, after = (disparity(rig, shown.pair, matcher=shown.matcher) for rig in rigs)
+    rigs = [scene.rig.with_extrinsics(np.array(trial.extrinsics[when])) for when in ("start", "final")]
+    before, after = (disparity(rig, scene.pair, matcher=scene.matcher) for rig in rigs)
     return TrialPicture(
         trial.scene,
         f"{which}: {trial.strategy}, schedule {trial.schedule}, draw {trial.draw}, r = {trial.ratio:.3f}, "

@@ -147,24 +147,27 @@ def decide_together(
     """
     limits = DEFAULT if tolerances is None else tolerances
     several = [with_nearest_distance(estimate, limits) for estimate in several]
-    given = [_losses(estimate, np.zeros(len(estimate.names))) for estimate in several]
+    initial = [_losses(estimate, np.zeros(len(estimate.names))) for estimate in several]
 
     def candidate(names: Sequence[str], *, keeps_depth: bool = False) -> _Candidate:
         thetas = with_free_together(several, names, keep_depth=keeps_depth)
         after = [_losses(estimate, theta) for estimate, theta in zip(several, thetas, strict=True)]
-        each = zip(several, thetas, given, after, strict=True)
+        each = zip(several, thetas, initial, after, strict=True)
         decisions = [
             _decided(*one, keeps_depth, limits, proven, depth_observable or bool(one[0].windows)) for one in each
         ]
         return _Candidate(decisions, [one.depth for one in after])
 
-    others = [candidate(free)]
+    depth_changing = [candidate(free)]
     if BASELINE in free and any(estimate.beams or estimate.windows.measured for estimate in several):
-        others.append(candidate((BASELINE,)))  # where rows are good, they stay
-    keeps, changes = candidate(free, keeps_depth=True), min(others, key=lambda one: (one.refused, one.harms, one.loss))
+        depth_changing.append(candidate((BASELINE,)))  # where rows are good, they stay
+    keeps, changes = (
+        candidate(free, keeps_depth=True),
+        min(depth_changing, key=lambda one: (one.refused, one.harms, one.loss)),
+    )
     if keeps.refused == changes.refused:
         worth_it = (
-            changes.asked_by_ranges > keeps.asked_by_ranges
+            changes.supported_by_ranges > keeps.supported_by_ranges
             or changes.reads_depth_better(keeps, limits)
             or changes.aligns_rows_better(keeps, limits)
         )
@@ -175,8 +178,8 @@ def decide_together(
 def with_nearest_distance(estimate: Estimate, tolerances: Tolerances) -> Estimate:
     """An estimate, to be judged at the distances that are asked for, and at the nearest that its images show, if that
     is nearer."""
-    near, distances = estimate.nearest, tolerances.distances
-    judged_at = (near, *distances) if near < distances[0] else distances
+    nearest, distances = estimate.nearest, tolerances.distances
+    judged_at = (nearest, *distances) if nearest < distances[0] else distances
     return estimate if estimate.judged_at == judged_at else replace(estimate, judged_at=judged_at)
 
 
@@ -193,12 +196,12 @@ def better_on_average(
     """
     limits = DEFAULT if tolerances is None else tolerances
     estimate = with_nearest_distance(estimate, limits)
-    given, best = _losses(estimate, np.zeros(len(estimate.names))), None
-    least = given.expected - 1.0
+    initial, best = _losses(estimate, np.zeros(len(estimate.names))), None
+    least = initial.expected - 1.0
     for keep in (False, True):
         (theta,) = with_free_together([estimate], free, keep_depth=keep)
         after = _losses(estimate, theta)
-        if after.expected < least and _chances_of_harm(given, after, limits)[1] <= harm:
+        if after.expected < least and _chances_of_harm(initial, after, limits)[1] <= harm:
             best, least = theta, after.expected
     return best
 
@@ -226,12 +229,12 @@ class _Losses:
     Attributes:
         rows: pixels, at each distance.
         depth: percent, at the farthest.
-        shown: |row difference| of what each frame shows, on average, pixels.
+        frame_rows_px: |row difference| of the matches of each frame, on average.
     """
 
     rows: Float[np.ndarray, "d s"]
     depth: Float[np.ndarray, "s"]
-    shown: Float[np.ndarray, "f"]
+    frame_rows_px: Float[np.ndarray, "f"]
 
     @property
     def expected(self) -> float:
@@ -272,8 +275,8 @@ class _Candidate:
         return float(np.mean([one.rows_px[1, 0] for one in self.decisions]))
 
     @property
-    def asked_by_ranges(self) -> int:
-        """How many ranges ask for it."""
+    def supported_by_ranges(self) -> int:
+        """For how many calibrations ranges agree with it."""
         return sum(one.ranges_agree and not one.refused for one in self.decisions)
 
     def deferring_to(self, other: "_Candidate") -> list[Decision]:
@@ -303,49 +306,55 @@ def _losses(estimate: Estimate, theta: Float[np.ndarray, "n"]) -> _Losses:
 def _decided(
     estimate: Estimate,
     theta: Float[np.ndarray, "n"],
-    given: _Losses,
+    initial: _Losses,
     after: _Losses,
     keeps_depth: bool,
     limits: Tolerances,
     proven: bool,
     depth_observable: bool,
 ) -> Decision:
-    """Between θ = 0, which loses what is given, and a candidate, which loses what comes after."""
-    worse, counted = _chances_of_harm(given, after, limits)
-    before, rows = given.mean_rows, after.mean_rows
+    """The decision between θ = 0, with the losses `initial`, and a candidate, with the losses `after`."""
+    worse, counted = _chances_of_harm(initial, after, limits)
+    before, rows = initial.mean_rows, after.mean_rows
     better = float(np.mean(rows < before - limits.gain_px))
     harmless = counted < limits.alpha
     harmless = harmless and (
-        proven or _is_beyond_matching(given, limits) or not _costs_a_region(estimate, theta, limits)
+        proven or _is_beyond_matching(initial, limits) or not _costs_a_region(estimate, theta, limits)
     )
     ranges_agree = bool(estimate.beams.fit_better(estimate.chart.rig, estimate.chart.rig_at(theta)))
-    nearer = float(np.mean(after.depth < given.depth - limits.worse_depth_points)) > 1.0 - limits.alpha
+    nearer = float(np.mean(after.depth < initial.depth - limits.worse_depth_points)) > 1.0 - limits.alpha
     # What most frames show bears it out: no posterior knows all ways in which lenses err, and where they do, one frame
     # gains what others lose.
-    shown = float(np.median(after.shown - given.shown))
+    median_frame_change_px = float(np.median(after.frame_rows_px - initial.frame_rows_px))
     depth_improves = depth_observable and nearer
     good = float(np.mean(before <= limits.good_rows_px)) >= limits.good_surely and not depth_improves
-    asked = (ranges_agree or depth_improves) and not shown > limits.worse_rows_px
+    depth_gain = (ranges_agree or depth_improves) and not median_frame_change_px > limits.worse_rows_px
     rows_px = np.percentile([before, rows], [50.0, 2.5, 97.5], axis=1).T
     verdict = Verdict.GOOD if good else Verdict.CANNOT_TELL
     loss, at = after.expected, estimate.judged_at
-    stays = Decision(verdict, theta, keeps_depth, worse, better, loss, rows_px, ranges_agree, limits, False, at)
-    borne_out = estimate.shown is None or shown < 0.0  # an estimate without frames: others judge it by later ones
-    by_rows = better > 1.0 - limits.alpha and borne_out and (stays.explains or stays.corrects_most)
-    return replace(stays, verdict=Verdict.REPAIR, by_rows=by_rows) if harmless and (asked or by_rows) else stays
+    no_repair = Decision(verdict, theta, keeps_depth, worse, better, loss, rows_px, ranges_agree, limits, False, at)
+    borne_out = (
+        estimate.shown is None or median_frame_change_px < 0.0
+    )  # an estimate without frames: others judge it by later ones
+    by_rows = better > 1.0 - limits.alpha and borne_out and (no_repair.explains or no_repair.corrects_most)
+    return (
+        replace(no_repair, verdict=Verdict.REPAIR, by_rows=by_rows)
+        if harmless and (depth_gain or by_rows)
+        else no_repair
+    )
 
 
-def _chances_of_harm(given: _Losses, after: _Losses, limits: Tolerances) -> tuple[float, float]:
+def _chances_of_harm(initial: _Losses, after: _Losses, limits: Tolerances) -> tuple[float, float]:
     """Probability that rows or depth become worse, and what counts of it: a rig that is blind has no depth to lose."""
     # NaN is no proof of harmlessness.
-    lost = ~np.all(after.rows <= given.rows + limits.worse_rows_px, axis=0)
-    farther = ~(after.depth <= given.depth + limits.worse_depth_points)
+    lost = ~np.all(after.rows <= initial.rows + limits.worse_rows_px, axis=0)
+    farther = ~(after.depth <= initial.depth + limits.worse_depth_points)
     worse = float(np.mean(lost | farther))
-    return worse, float(np.mean(lost)) if _is_beyond_matching(given, limits) else worse
+    return worse, float(np.mean(lost)) if _is_beyond_matching(initial, limits) else worse
 
 
-def _is_beyond_matching(given: _Losses, limits: Tolerances) -> bool:
-    return float(np.mean(given.mean_rows > limits.blind_rows_px)) > 1.0 - limits.alpha
+def _is_beyond_matching(initial: _Losses, limits: Tolerances) -> bool:
+    return float(np.mean(initial.mean_rows > limits.blind_rows_px)) > 1.0 - limits.alpha
 
 
 def _costs_a_region(estimate: Estimate, theta: Float[np.ndarray, "n"], limits: Tolerances) -> bool:

@@ -1,16 +1,16 @@
 """The estimate of a rig: all its parameters, the prior of what its calibration left, a drift, and rows, in one least
 squares; `docs/estimate.md` explains it.
 
-`_rig_parameters` names θ; `_calibration_prior` and `_drift` are its prior, `_prior_of_boards` that of a calibration
-whose boards are at hand (`_board_poses`: their rows). `_groups` has the rows as data, `_beams` ranges, `_motion` the
-rig's own motion (`_motion_window` two pairs, `_motion_residuals` what tracks should do), `_measured` both. `_misfit` is
-what no parameter explains, `_confounders` what else may, `_delay` a late shutter. `_evidence` integrates in closed
-form, `_explanations` compares, `_least_squares` solves, `_several_recordings` solves recordings of one rig;
-`_posterior` is the answer, `_consequences` what errors of a rig do to rows and depth, `_candidates` the rigs that may
-be written, `_saved_prior` what the next call begins with.
+`_rig_parameters` names θ; `_calibration_prior` and `_drift` are its prior, `_prior_choice` what users may choose
+instead, `_prior_of_boards` that of a calibration whose boards are at hand (`_board_poses`: their rows). `_groups` has
+the rows as data, `_matched_ranges` measured ranges, `_motion` the rig's own motion (`_motion_window` two pairs,
+`_motion_residuals` what tracks should do), `_measured` both. `_misfit` is what no parameter explains, `_confounders`
+what else may, `_delay` a late shutter. `_evidence` integrates in closed form, `_explanations` compares,
+`_least_squares` solves, `_several_recordings` solves recordings of one rig; `_posterior` is the answer, `_consequences`
+what errors of a rig do to rows and depth, `_candidates` the rigs that may be written, `_saved_prior` what the next call
+begins with.
 """
 
-from stereorecal.estimation._beams import NO_BEAMS as NO_BEAMS, Beams as Beams
 from stereorecal.estimation._calibration_prior import (
     CalibrationPrior as CalibrationPrior,
     calibration_prior as calibration_prior,
@@ -29,6 +29,7 @@ from stereorecal.estimation._estimate import (
     with_free_together as with_free_together,
 )
 from stereorecal.estimation._evidence import Normal as Normal
+from stereorecal.estimation._matched_ranges import NO_RANGES as NO_RANGES, MatchedRanges as MatchedRanges
 from stereorecal.estimation._motion import (
     NO_WINDOWS as NO_WINDOWS,
     Windows as Windows,
@@ -37,23 +38,22 @@ from stereorecal.estimation._motion import (
 from stereorecal.estimation._motion_window import far_enough as far_enough, window as window
 from stereorecal.estimation._one_thread import one_blas_thread as one_blas_thread
 from stereorecal.estimation._posterior import Posterior as Posterior
-from stereorecal.estimation._prior_conversions import (
-    as_mixture as as_mixture,
-    recentred_posterior as recentred_posterior,
-)
-from stereorecal.estimation._priors import (
+from stereorecal.estimation._prior_choice import (
     DEFAULT as DEFAULT,
     EXACT as EXACT,
     SAVED as SAVED,
     CalibrationCovariance as CalibrationCovariance,
     Prior as Prior,
     as_prior as as_prior,
-    check_boards as check_boards,
     check_prior as check_prior,
     is_exact as is_exact,
-    with_boards as with_boards,
     with_deviations as with_deviations,
 )
+from stereorecal.estimation._prior_conversions import (
+    as_mixture as as_mixture,
+    recentred_posterior as recentred_posterior,
+)
+from stereorecal.estimation._prior_of_boards import check_boards as check_boards, with_boards as with_boards
 from stereorecal.estimation._rig_parameters import rig_parameters as rig_parameters
 from stereorecal.estimation._saved_prior import (
     Earlier as Earlier,

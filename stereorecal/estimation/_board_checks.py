@@ -1,4 +1,4 @@
-"""Boards that the given rig has not seen are refused."""
+"""Refuses boards that do not fit the given rig, such as those of another one."""
 
 from collections.abc import Sequence
 
@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal._errors import InputError
-from stereorecal.estimation._board_noise import WIDTH, apart, kept
+from stereorecal.estimation._board_noise import WIDTH, corner_errors, inliers
 from stereorecal.estimation._board_poses import Posed
 from stereorecal.objectives import BASELINE, RigChart
 from stereorecal.recordings import Board
@@ -34,16 +34,16 @@ def check_inside(chart: RigChart, boards: Sequence[Board]) -> None:
             )
 
 
-def check_given(chart: RigChart, here: Posed) -> None:
+def check_given(chart: RigChart, posed_boards: Posed) -> None:
     """Refuse boards that are far from what the given rig sees, wherever they are.
 
     Raises:
         InputError: says how far.
     """
-    _check_median(apart(here.residual(chart.rig)), _GIVEN, chart)
+    _check_median(corner_errors(posed_boards.residual(chart.rig)), _GIVEN, chart)
 
 
-def check_fitted(chart: RigChart, here: Posed, theta: Float[np.ndarray, "n"], length: float) -> None:
+def check_fitted(chart: RigChart, posed_boards: Posed, theta: Float[np.ndarray, "n"], length: float) -> None:
     """Refuse boards that no rig near the given one sees like this.
 
     Args:
@@ -53,26 +53,26 @@ def check_fitted(chart: RigChart, here: Posed, theta: Float[np.ndarray, "n"], le
     Raises:
         InputError: says what does not fit.
     """
-    far = apart(here.residual(chart.rig_at(theta)))
-    _check_median(far, _FITTED, chart)
+    errors = corner_errors(posed_boards.residual(chart.rig_at(theta)))
+    _check_median(errors, _FITTED, chart)
     longer = float(theta[chart.names.index(BASELINE)])
     if abs(longer) > _LENGTH + 3.0 * length:
         raise InputError(
             f"by the boards the baseline is {abs(longer):.1f} % {'longer' if longer > 0 else 'shorter'} than the "
             "calibration says; give the length of a square with which it was calibrated."
         )
-    counted = kept(far, chart.rig.left.size[0])
-    for number in range(len(here.shifts)):
-        own = here.board == number
+    counted = inliers(errors, chart.rig.left.size[0])
+    for number in range(len(posed_boards.shifts)):
+        own = posed_boards.board == number
         if counted[own].mean() < _LEAST_KEPT:
             raise InputError(
-                f"board {number} does not fit the rig as the others do (its corners are {np.median(far[own]):.1f} px "
-                "off); check the order of its corners, or leave it out."
+                f"board {number} does not fit the rig as the others do (its corners are "
+                f"{np.median(errors[own]):.1f} px off); check the order of its corners, or leave it out."
             )
 
 
-def _check_median(far: Float[np.ndarray, "n"], limit: float, chart: RigChart) -> None:
-    middle = float(np.median(far))
+def _check_median(errors: Float[np.ndarray, "n"], limit: float, chart: RigChart) -> None:
+    middle = float(np.median(errors))
     if not middle <= limit * chart.rig.left.size[0] / WIDTH:
         raise InputError(
             f"the boards do not fit the calibration: half of their corners are {middle:.1f} px off and more; give "

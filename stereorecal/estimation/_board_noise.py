@@ -1,4 +1,4 @@
-"""How well corners are found, by what is left of them; and which were not found where they are."""
+"""How well corners of boards are found, by their reprojection errors; and which of them are outliers."""
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -12,19 +12,19 @@ _MEDIAN = 1.567  # standard deviations: of the larger one of two distances from 
 _FEW = 10.0  # numbers: from fewer no deviation is estimated
 
 
-def apart(residual: Float[np.ndarray, "n 4"]) -> Float[np.ndarray, "n"]:
-    """How far a corner is from where it should be, in the image where it is farther."""
+def corner_errors(residual: Float[np.ndarray, "n 4"]) -> Float[np.ndarray, "n"]:
+    """Reprojection error of each corner [px]: in the image where it is larger."""
     return np.linalg.norm(residual.reshape(-1, 2, 2), axis=-1).max(axis=1)
 
 
-def deviation(far: Float[np.ndarray, "n"], width: int) -> float:
-    """Of a coordinate of corners that are so far apart, whatever a few of them do."""
-    return max(float(np.median(far)) / _MEDIAN, _FLOOR * width / WIDTH)
+def deviation(errors: Float[np.ndarray, "n"], width: int) -> float:
+    """Standard deviation of a coordinate of corners with these errors, whatever a few of them do."""
+    return max(float(np.median(errors)) / _MEDIAN, _FLOOR * width / WIDTH)
 
 
-def kept(far: Float[np.ndarray, "n"], width: int) -> Bool[np.ndarray, "n"]:
-    """The corners that count."""
-    return far < _FAR_OFF * deviation(far, width)
+def inliers(errors: Float[np.ndarray, "n"], width: int) -> Bool[np.ndarray, "n"]:
+    """Which corners count: those within five standard deviations."""
+    return errors < _FAR_OFF * deviation(errors, width)
 
 
 def noise(rows: BoardRows, root: Float[np.ndarray, "m n"], before: float, width: int) -> float:
@@ -41,14 +41,14 @@ def noise(rows: BoardRows, root: Float[np.ndarray, "m n"], before: float, width:
     fitted = float(np.sum(values / (1.0 + values)))
     # What the best parameters leave, of linear rows.
     rows_and_prior = np.concatenate([white, np.eye(size)]), np.concatenate([rows.residual / before, np.zeros(size)])
-    left = rows.residual - before * white @ np.linalg.lstsq(*rows_and_prior, rcond=None)[0]
-    powers = [(float(left @ left), len(left) - 6 * rows.boards - fitted)]
-    by_board, told = 0.0, 0
+    unexplained = rows.residual - before * white @ np.linalg.lstsq(*rows_and_prior, rcond=None)[0]
+    powers = [(float(unexplained @ unexplained), len(unexplained) - 6 * rows.boards - fitted)]
+    by_board, degrees_of_freedom = 0.0, 0
     for number in np.unique(rows.board):
         which = rows.board == number
         axes, lengths, _ = np.linalg.svd(white[which], full_matrices=False)
-        of_rig = axes[:, lengths > 1.0].T @ left[which]
-        by_board, told = by_board + float(of_rig @ of_rig), told + len(of_rig)
-    powers.append((by_board, told - fitted))
+        of_rig = axes[:, lengths > 1.0].T @ unexplained[which]
+        by_board, degrees_of_freedom = by_board + float(of_rig @ of_rig), degrees_of_freedom + len(of_rig)
+    powers.append((by_board, degrees_of_freedom - fitted))
     found = [float(np.sqrt(power / freedom)) for power, freedom in powers if freedom >= _FEW]
     return max([_FLOOR * width / WIDTH, *found])

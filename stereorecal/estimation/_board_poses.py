@@ -55,16 +55,18 @@ class Posed:
     def by_pose(self, rig: StereoRig) -> Float[np.ndarray, "n 4 6"]:
         """Derivatives by a turn of its board about its middle, and by a shift as a share of the distance."""
         corners, arms = self._corners, self._arms
-        far = np.linalg.norm(self.shifts, axis=1)[self.board][:, None]
-        by_point = central_differences(lambda shift: pixels_of(rig, corners + far * shift), np.zeros(3), _POINT_STEP)
-        turns = np.stack([np.cross(axis, arms) for axis in np.eye(3)], axis=-1) / far[..., None]
+        distance = np.linalg.norm(self.shifts, axis=1)[self.board][:, None]
+        by_point = central_differences(
+            lambda shift: pixels_of(rig, corners + distance * shift), np.zeros(3), _POINT_STEP
+        )
+        turns = np.stack([np.cross(axis, arms) for axis in np.eye(3)], axis=-1) / distance[..., None]
         return np.concatenate([by_point @ turns, by_point], axis=-1)
 
     def moved(self, steps: Float[np.ndarray, "b 6"]) -> "Posed":
         """With the boards turned and shifted."""
         turns = np.stack([np.asarray(rotation_from_vector(step)) for step in steps[:, :3]])
-        far = np.linalg.norm(self.shifts, axis=1)[:, None]
-        return replace(self, rotations=turns @ self.rotations, shifts=self.shifts + far * steps[:, 3:])
+        distance = np.linalg.norm(self.shifts, axis=1)[:, None]
+        return replace(self, rotations=turns @ self.rotations, shifts=self.shifts + distance * steps[:, 3:])
 
 
 def posed(rig: StereoRig, boards: Sequence[Board]) -> Posed:
@@ -88,11 +90,11 @@ def _pose(
         for turn, shift in zip(found[1], found[2], strict=True)
     ]
 
-    def apart(pose) -> float:
+    def median_error(pose) -> float:
         at = pixels_of(rig, points @ pose[0].T + pose[1])
         return float(np.median(np.abs(at - pixels)))
 
-    return min(poses, key=apart)
+    return min(poses, key=median_error)
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,20 +118,20 @@ class BoardRows:
 
 
 def rows_without_poses(
-    here: Posed, rig: StereoRig, by_rig: Float[np.ndarray, "n 4 p"], kept: Bool[np.ndarray, "n"]
+    posed_boards: Posed, rig: StereoRig, by_rig: Float[np.ndarray, "n 4 p"], counted: Bool[np.ndarray, "n"]
 ) -> BoardRows:
     """The rows near a rig.
 
     Args:
         by_rig: derivatives of the residual.
-        kept: the corners that count; of a board with fewer than four of them, none does.
+        counted: the corners that count; of a board with fewer than four of them, none does.
     """
-    residual, by_pose = here.residual(rig), here.by_pose(rig)
-    boards, size = len(here.shifts), by_rig.shape[-1]
+    residual, by_pose = posed_boards.residual(rig), posed_boards.by_pose(rig)
+    boards, size = len(posed_boards.shifts), by_rig.shape[-1]
     steps, follows = np.zeros((boards, 6)), np.zeros((boards, 6, size))
-    left, numbers = [np.zeros((0, size + 1))], [np.zeros(0, int)]
+    unexplained, numbers = [np.zeros((0, size + 1))], [np.zeros(0, int)]
     for index in range(boards):
-        which = (here.board == index) & kept
+        which = (posed_boards.board == index) & counted
         if which.sum() < _FEWEST:
             continue
         rows = np.concatenate([by_rig[which], residual[which][..., None]], axis=-1).reshape(-1, size + 1)
@@ -137,7 +139,7 @@ def rows_without_poses(
         explained = axes.T @ rows
         solved = np.linalg.lstsq(upper, explained, rcond=None)[0]
         steps[index], follows[index] = -solved[:, -1], solved[:, :-1]
-        left.append(rows - axes @ explained)
+        unexplained.append(rows - axes @ explained)
         numbers.append(np.full(len(rows), index))
-    rows = np.concatenate(left)
-    return BoardRows(rows[:, :-1], rows[:, -1], np.concatenate(numbers), len(left) - 1, steps, follows)
+    rows = np.concatenate(unexplained)
+    return BoardRows(rows[:, :-1], rows[:, -1], np.concatenate(numbers), len(unexplained) - 1, steps, follows)

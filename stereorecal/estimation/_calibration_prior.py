@@ -32,14 +32,14 @@ class _Views(NamedTuple):
         boards: how many views.
         depths: nearest and farthest, baselines.
         tilt: at most, degrees.
-        beside: centre of the board from that of the image, at most, as a share of the image.
+        off_centre: centre of the board from that of the image, at most, as a share of the image.
         widths: smallest and largest, as a share of the image.
     """
 
     boards: int
     depths: tuple[float, float]
     tilt: float
-    beside: float
+    off_centre: float
     widths: tuple[float, float]
 
 
@@ -160,11 +160,11 @@ def _information(chart: RigChart, points: Float[np.ndarray, "b c 3"]) -> Float[n
     rig = chart.rig
     at = pixels_of(rig, points)
     width, height = rig.left.size
-    seen = ((at >= 0.0) & (at <= np.array([width, height, width, height]) - 1.0)).all(axis=-1)
-    seen &= _ahead(rig, points)
-    seen &= (seen.sum(axis=1) >= _FEWEST)[:, None]
+    visible = ((at >= 0.0) & (at <= np.array([width, height, width, height]) - 1.0)).all(axis=-1)
+    visible &= _ahead(rig, points)
+    visible &= (visible.sum(axis=1) >= _FEWEST)[:, None]
     by_rig, by_pose = slopes_of(chart, np.zeros(chart.dim), points), _by_pose(rig, points)
-    slopes = np.where(seen[..., None], np.concatenate([by_rig, by_pose]), 0.0)  # (n + 6, boards, corners, 4)
+    slopes = np.where(visible[..., None], np.concatenate([by_rig, by_pose]), 0.0)  # (n + 6, boards, corners, 4)
     boards = np.moveaxis(slopes, 1, 0).reshape(len(points), len(slopes), -1)
     normal, n = boards @ boards.swapaxes(1, 2), chart.dim
     cross, own = normal[:, n:, :n], normal[:, n:, n:]
@@ -189,7 +189,7 @@ def _boards(rig: StereoRig, views: _Views) -> Float[np.ndarray, "b c 3"]:
     for _ in range(views.boards):
         depth = baseline * farther * draw.uniform(*views.depths)
         square = depth * draw.uniform(*views.widths) * width / float(rig.left.focal[0]) / _CORNERS[0]
-        middle = (0.5 + draw.uniform(-views.beside, views.beside, 2)) * [width, height]
+        middle = (0.5 + draw.uniform(-views.off_centre, views.off_centre, 2)) * [width, height]
         tilt = rotation_from_vector(draw.uniform(-most, most, 3))
         corners = np.concatenate([square * flat, np.zeros((len(flat), 1))], axis=-1) @ np.asarray(tilt).T
         if rig.left.lens.WIDE:  # people turn the board to the camera, wherever it is in the image

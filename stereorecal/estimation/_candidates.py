@@ -19,18 +19,18 @@ _NEAR_MEAN = 0.1  # of what a matcher notices, for each deviation of a parameter
 
 
 def depth_kept(
-    chart: RigChart, mean: Float[np.ndarray, "n"], covariance: Float[np.ndarray, "n n"], shown: View | None = None
+    chart: RigChart, mean: Float[np.ndarray, "n"], covariance: Float[np.ndarray, "n n"], view: View | None = None
 ) -> Float[np.ndarray, "n"]:
     """The most probable θ whose disparities are those of the rig at θ = 0, on average over the view; Newton steps along
     the covariance."""
-    sets = [points_of_view(chart.rig, distance, shown) for distance in _KEPT_AT]
-    slopes = consequences(chart, mean, shown=shown).nearness[[DISTANCES.index(distance) for distance in _KEPT_AT], 0]
+    sets = [points_of_view(chart.rig, distance, view) for distance in _KEPT_AT]
+    slopes = consequences(chart, mean, view=view).nearness[[DISTANCES.index(distance) for distance in _KEPT_AT], 0]
     pull = covariance @ slopes.T
     theta = mean
     for _ in range(_STEPS):
-        _, here = readings_at(chart.rig_at(theta), chart.rig, sets, shown)
-        wanted = slopes @ (mean - theta) + here[:, 0]
-        theta = mean - pull @ np.linalg.lstsq(slopes @ pull, wanted, rcond=None)[0]
+        _, disparity_errors = readings_at(chart.rig_at(theta), chart.rig, sets, view)
+        target = slopes @ (mean - theta) + disparity_errors[:, 0]
+        theta = mean - pull @ np.linalg.lstsq(slopes @ pull, target, rcond=None)[0]
     return theta
 
 
@@ -40,22 +40,22 @@ class Known:
 
     Attributes:
         chart: from θ to rigs.
-        near: the linear maps at the mean.
+        maps: the linear maps at the mean.
         mean: of θ.
         deviations: of θ: what neither rows nor depth tell stays near the mean.
         nearness: (d, 2) relative disparity that a rig should read, less that of the rig at the mean, at each distance
             of the maps, on average over the view, and ahead.
         judged_at: those of the distances at which it counts, baselines.
-        shown: the view; None: the rig's own.
+        view: the view; None: the rig's own.
     """
 
     chart: RigChart
-    near: Consequences
+    maps: Consequences
     mean: Float[np.ndarray, "n"]
     deviations: Float[np.ndarray, "n"]
     nearness: Float[np.ndarray, "d 2"]
     judged_at: tuple[float, ...]
-    shown: View | None = None
+    view: View | None = None
 
 
 def least_loss(
@@ -100,13 +100,13 @@ def _loss(
     rows do: depth that is as it should be on average may be wrong everywhere. How they vary is the mean's, since that
     comes from lenses, of which rows tell."""
     maps, goal = [], []
-    for index, distance in enumerate(one.near.distances):
+    for index, distance in enumerate(one.maps.distances):
         if distance in one.judged_at:
-            points = np.sqrt(len(one.near.rows[index]))
-            rows = one.near.rows[index] / (_ROWS_MATTER * points * np.sqrt(len(one.judged_at)))
-            counts = depth_matters * np.sqrt(len(one.near.nearness[index]))
-            nearness = one.near.nearness[index] / counts
-            variation = one.near.variation[index] / (_DEPTH_MATTERS * points)
+            points = np.sqrt(len(one.maps.rows[index]))
+            rows = one.maps.rows[index] / (_ROWS_MATTER * points * np.sqrt(len(one.judged_at)))
+            counts = depth_matters * np.sqrt(len(one.maps.nearness[index]))
+            nearness = one.maps.nearness[index] / counts
+            variation = one.maps.variation[index] / (_DEPTH_MATTERS * points)
             maps += [rows, nearness, variation]
             goal += [
                 rows @ one.mean,
@@ -123,22 +123,21 @@ def least_loss_of_depth_kept(
     """The same of those that read depth as the rigs at θ = 0 do, on average over the view and ahead; Newton steps,
     since depth is not linear as far as a drift may reach."""
     means = [one.chart.rig_at(one.mean) for one in several]
-    wanted = [
-        readings_at(one.chart.rig, mean, one.near.points, one.shown)[1]
-        for one, mean in zip(several, means, strict=True)
+    target_nearness = [
+        readings_at(one.chart.rig, mean, one.maps.points, one.view)[1] for one, mean in zip(several, means, strict=True)
     ]
     best, least = [np.zeros_like(one.mean) for one in several], np.inf
     for _ in range(_STEPS):
-        asked = [replace(one, nearness=nearness) for one, nearness in zip(several, wanted, strict=True)]
-        thetas = least_loss(asked, free, shared, _DEPTH_KEPT)
+        retargeted = [replace(one, nearness=nearness) for one, nearness in zip(several, target_nearness, strict=True)]
+        thetas = least_loss(retargeted, free, shared, _DEPTH_KEPT)
         if not all(one.chart.stands_at(theta) for one, theta in zip(several, thetas, strict=True)):
             break
         off = [
-            readings_at(one.chart.rig_at(theta), one.chart.rig, one.near.points, one.shown)[1]
+            readings_at(one.chart.rig_at(theta), one.chart.rig, one.maps.points, one.view)[1]
             for one, theta in zip(several, thetas, strict=True)
         ]
         if not np.abs(off).max() < least:
             break
         best, least = thetas, float(np.abs(off).max())
-        wanted = [nearness - here for nearness, here in zip(wanted, off, strict=True)]
+        target_nearness = [nearness - error for nearness, error in zip(target_nearness, off, strict=True)]
     return best

@@ -103,24 +103,24 @@ def _log_evidence(one: Explanation) -> float:
 
 
 def _within_nats(
-    tried: list[tuple[Explanation, Rival]], alone: Explanation, far: float
+    tried: list[tuple[Explanation, Rival]], alone: Explanation, nats: float
 ) -> list[tuple[Explanation, Rival]]:
-    """Those at most so many nats below the best of all."""
-    least = max(_log_evidence(one) for one in (alone, *(one for one, _ in tried))) - far
+    """The explanations at most so many nats below the best of all."""
+    least = max(_log_evidence(one) for one in (alone, *(one for one, _ in tried))) - nats
     return [(one, rival) for one, rival in tried if _log_evidence(one) > least]
 
 
 def _fits_with_rival(
-    rows: LinearGroups, chart: RigChart, prior: CalibrationPrior, rival: Rival, near: Explanation
+    rows: LinearGroups, chart: RigChart, prior: CalibrationPrior, rival: Rival, best_with_rival: Explanation
 ) -> RivalFit:
     """All explanations beside a rival, linear near its own θ: the rig alone may be far away, and groups that err alone
     are others."""
-    kind = int(near.found.log_evidence.argmax())
-    theta, values = near.found.means[kind], near.found.nuisance[kind]
+    kind = int(best_with_rival.found.log_evidence.argmax())
+    theta, values = best_with_rival.found.means[kind], best_with_rival.found.nuisance[kind]
     rows = linear_groups(rows.groups, chart, theta, prior, rows.measured)
     moved = replace(rows, at_zero=rows.at_zero + rival.columns(rows) @ values)
-    rows = replace(rows, deviation=moved.robust(sum(near.misfit), theta))
-    at, common = DEVIATIONS.index(near.misfit[0]), near.misfit[1]
+    rows = replace(rows, deviation=moved.robust(sum(best_with_rival.misfit), theta))
+    at, common = DEVIATIONS.index(best_with_rival.misfit[0]), best_with_rival.misfit[1]
 
     def under(deviations: Sequence[float], which: Sequence[int]) -> list[Explanation]:
         normals = {(d, common): _likelihoods(rows, [rival], d)[0] for d in deviations}
@@ -129,8 +129,8 @@ def _fits_with_rival(
     found = under([DEVIATIONS[at]], range(len(prior.roots)))
     least = _log_evidence(best_of(found)[0]) - _FAR
     some = [one.prior for one in found if _log_evidence(one) > least]
-    beside = {max(at - 1, 0), min(at + 1, len(DEVIATIONS) - 1)} - {at}
-    return RivalFit(rival, found + under([DEVIATIONS[index] for index in sorted(beside)], some))
+    neighbouring = {max(at - 1, 0), min(at + 1, len(DEVIATIONS) - 1)} - {at}
+    return RivalFit(rival, found + under([DEVIATIONS[index] for index in sorted(neighbouring)], some))
 
 
 def _likelihoods(rows: LinearGroups, rivals: Sequence[Rival], misfit: float) -> list[Normal]:

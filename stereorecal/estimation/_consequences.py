@@ -20,7 +20,7 @@ from stereorecal.geometry import (
     rectifying_rotations,
     reread,
     same_camera,
-    view,
+    view as view_of,
 )
 from stereorecal.objectives import SIDES, RigChart
 
@@ -34,26 +34,26 @@ _MIDDLE = 0.5  # of the image, each way
 _REGIONS = 3  # each way
 
 
-def points_of_view(rig: StereoRig, distance: float, shown: View | None = None) -> Float[np.ndarray, "p 3"]:
+def points_of_view(rig: StereoRig, distance: float, view: View | None = None) -> Float[np.ndarray, "p 3"]:
     """Points over the left image, at a distance along its axis in baselines, that both cameras see, or, where that
     is too near for both, that the lens models reach; metres. Of a wide lens, of whatever model, or in a view that is no
     pinhole, over what the view shows of it; where that is no pinhole, at a distance from the left camera.
 
     Args:
-        shown: the view; default the rig's own pinhole.
+        view: the view; default the rig's own pinhole.
     """
-    (width, height), pinhole = rig.left.size, shown is None or shown.projection == PINHOLE
+    (width, height), pinhole = rig.left.size, view is None or view.projection == PINHOLE
     rays = np.asarray(rig.left.rays(_pixel_grid(rig.left.size)))
     if rig.left.lens.WIDE or not pinhole or np.hypot(rays[:, 0], rays[:, 1]).max() > _FLAT:
-        rays = _rays_of_view(rig, view(rig, projection=PINHOLE) if shown is None else shown)
+        rays = _rays_of_view(rig, view_of(rig, projection=PINHOLE) if view is None else view)
     away = distance * float(rig.baseline)
     points = rays * away if pinhole else rays * (away / np.linalg.norm(rays, axis=1))[:, None]
     right = points @ rig.rotation.T + rig.translation
     ahead = (right[:, 2] > 0.0) & (np.hypot(rays[:, 0], rays[:, 1]) < float(rig.left.lens_radius))
     at_1 = right / np.where(ahead, right[:, 2], 1.0)[:, None]
     inside = np.hypot(at_1[:, 0], at_1[:, 1]) < float(rig.right.lens_radius)
-    seen = np.asarray(rig.right.project(at_1))
-    by_both = ahead & inside & ((seen >= 0.0) & (seen <= np.array([width, height]) - 1.0)).all(axis=-1)
+    pixels = np.asarray(rig.right.project(at_1))
+    by_both = ahead & inside & ((pixels >= 0.0) & (pixels <= np.array([width, height]) - 1.0)).all(axis=-1)
     return points[by_both] if by_both.any() else points[ahead & inside]
 
 
@@ -63,17 +63,17 @@ def _pixel_grid(size: tuple[int, int]) -> Float[np.ndarray, "p 2"]:
     return np.stack(np.meshgrid(*share), axis=-1).reshape(-1, 2) * [size[0] - 1, size[1] - 1]
 
 
-def areas(rig: StereoRig, points: Float[np.ndarray, "p 3"], shown: View | None = None) -> Float[np.ndarray, "2 p"]:
+def areas(rig: StereoRig, points: Float[np.ndarray, "p 3"], view: View | None = None) -> Float[np.ndarray, "2 p"]:
     """Weights of points in a mean over the view, and over what lies ahead: the middle of the left image; over the view
     again where nothing does. In views that are no pinhole, points count by the squares of their disparities."""
     share = _share(rig, points)
     ahead = (np.abs(share - 0.5) <= 0.5 * _MIDDLE).all(axis=1)
     every = np.ones(len(points))
     weights = np.stack([every / len(points), ahead / ahead.sum() if ahead.any() else every / len(points)])
-    if shown is None or shown.projection == PINHOLE:
+    if view is None or view.projection == PINHOLE:
         return weights
-    told = _stretch(rig, points, shown) ** -2
-    return weights * told / (weights @ told)[:, None]
+    by_squared_disparity = _stretch(rig, points, view) ** -2
+    return weights * by_squared_disparity / (weights @ by_squared_disparity)[:, None]
 
 
 def regions(rig: StereoRig, points: Float[np.ndarray, "p 3"]) -> Int[np.ndarray, "p"]:
@@ -87,11 +87,11 @@ def _share(rig: StereoRig, points: Float[np.ndarray, "p 3"]) -> Float[np.ndarray
     return np.asarray(rig.left.project(points / points[:, 2:])) / np.array(rig.left.size)
 
 
-def _rays_of_view(rig: StereoRig, shown: View) -> Float[np.ndarray, "_ 3"]:
+def _rays_of_view(rig: StereoRig, view: View) -> Float[np.ndarray, "_ 3"]:
     """Of the left camera, at depth 1: the corners of a fisheye's image lie on no plane, and nobody rectifies them."""
     to_left, _ = rectifying_rotations(rig.rotation, rig.translation)
-    columns, rows = _pixel_grid(shown.size).T
-    rays = np.asarray(shown.directions(columns, rows, 0)) @ to_left
+    columns, rows = _pixel_grid(view.size).T
+    rays = np.asarray(view.directions(columns, rows, 0)) @ to_left
     rays = rays[rays[:, 2] > _AHEAD * np.linalg.norm(rays, axis=1)]
     pixels = rig.left.project(rays)
     inside = ((pixels >= 0.0) & (pixels <= np.array(rig.left.size) - 1.0)).all(axis=1)
@@ -99,32 +99,32 @@ def _rays_of_view(rig: StereoRig, shown: View) -> Float[np.ndarray, "_ 3"]:
 
 
 def readings(
-    used: StereoRig, true: StereoRig, points: Float[np.ndarray, "p 3"], shown: View | None = None
+    used: StereoRig, true: StereoRig, points: Float[np.ndarray, "p 3"], view: View | None = None
 ) -> tuple[Float[np.ndarray, "p"], Float[np.ndarray, "p"]]:
     """Row differences of points, and their relative errors of disparity (true depth over that read, less 1), as `used`
     reads the pixels in which `true` sees them; rows in pixels of the mean focal length of `used`, as wide as they are
     in the middle: where a view stretches rows, images are blurred by as much.
 
     Args:
-        shown: the view in which rows and disparities are read; default a pinhole.
+        view: the view in which rows and disparities are read; default a pinhole.
     """
     to_left, to_right = rectifying_rotations(used.rotation, used.translation)
 
     def read(ray: Float[np.ndarray, "p 3"], true_camera, used_camera, rotation) -> Float[np.ndarray, "p 3"]:
         at_1 = ray / ray[:, 2:]
-        seen = at_1 if same_camera(true_camera, used_camera) else reread(at_1, true_camera, used_camera)
-        return seen @ rotation.T
+        at_used_depth = at_1 if same_camera(true_camera, used_camera) else reread(at_1, true_camera, used_camera)
+        return at_used_depth @ rotation.T
 
     left = read(points, true.left, used.left, to_left)
     right = read(points @ true.rotation.T + true.translation, true.right, used.right, to_right)
-    rows, nearness = _rows_and_nearness(_formulas(shown), left, right)
-    return np.asarray(_focal(used) * rows / _stretch(used, points, shown)), points[:, 2] / float(
+    rows, nearness = _rows_and_nearness(_formulas(view), left, right)
+    return np.asarray(_focal(used) * rows / _stretch(used, points, view)), points[:, 2] / float(
         used.baseline
     ) * nearness - 1.0
 
 
-def _formulas(shown: View | None) -> Projection:
-    return projection(PINHOLE) if shown is None else shown.formulas
+def _formulas(view: View | None) -> Projection:
+    return projection(PINHOLE) if view is None else view.formulas
 
 
 def _rows_and_nearness(
@@ -136,20 +136,20 @@ def _rows_and_nearness(
     return row - other, formulas.nearness(u, v) * formulas.length(*np.moveaxis(left, -1, 0))
 
 
-def _stretch(used: StereoRig, points: Float[np.ndarray, "p 3"], shown: View | None) -> Float[np.ndarray, "p"]:
+def _stretch(used: StereoRig, points: Float[np.ndarray, "p 3"], view: View | None) -> Float[np.ndarray, "p"]:
     """By how much the view stretches the rows of points, of which disparities tell less by as much."""
     x, y, z = (points @ rectifying_rotations(used.rotation, used.translation)[0].T).T
-    return np.ones(len(points)) * _formulas(shown).stretch(y, z, np.sqrt(x * x + y * y + z * z))
+    return np.ones(len(points)) * _formulas(view).stretch(y, z, np.sqrt(x * x + y * y + z * z))
 
 
 def readings_at(
-    used: StereoRig, true: StereoRig, sets: Sequence[Float[np.ndarray, "_ 3"]], shown: View | None = None
+    used: StereoRig, true: StereoRig, sets: Sequence[Float[np.ndarray, "_ 3"]], view: View | None = None
 ) -> tuple[list[Float[np.ndarray, "_"]], Float[np.ndarray, "d 2"]]:
     """`readings` of several sets of points: the row differences of each, and the mean relative errors of its
     disparities over the view, and ahead."""
     ends = np.cumsum([len(points) for points in sets])[:-1]
-    rows, nearness = (np.split(found, ends) for found in readings(used, true, np.concatenate(sets), shown))
-    return rows, np.array([areas(true, points, shown) @ some for points, some in zip(sets, nearness, strict=True)])
+    rows, nearness = (np.split(found, ends) for found in readings(used, true, np.concatenate(sets), view))
+    return rows, np.array([areas(true, points, view) @ some for points, some in zip(sets, nearness, strict=True)])
 
 
 def _focal(used: StereoRig) -> float:
@@ -181,33 +181,36 @@ def consequences(
     chart: RigChart,
     theta: Float[np.ndarray, "n"],
     distances: tuple[float, ...] = DISTANCES,
-    shown: View | None = None,
+    view: View | None = None,
 ) -> Consequences:
     """The linear maps at the rig at θ, at distances in baselines, in a view as `points_of_view` and `readings` have
     it."""
     used = chart.rig_at(theta)
-    sets = [points_of_view(used, distance, shown) for distance in distances]
+    sets = [points_of_view(used, distance, view) for distance in distances]
     points = np.concatenate(sets)
     right = points @ used.rotation.T + used.translation
     # How the rays that the used cameras give move if the truth is another: those of pixels that stay, the other way.
     left_rays, right_rays = (np.zeros((chart.dim, *points.shape)) for _ in SIDES)
-    for side, seen, moved in zip(SIDES, (points, right), (left_rays, right_rays), strict=True):
+    for side, camera_points, moved in zip(SIDES, (points, right), (left_rays, right_rays), strict=True):
         own, names = lens_parameters(chart, side)
-        moved[own, :, :2] = chart.half_width[own, None, None] * ray_slopes(getattr(used, side), seen, names)
+        moved[own, :, :2] = chart.half_width[own, None, None] * ray_slopes(getattr(used, side), camera_points, names)
     outer, by_extrinsics = moved_by_extrinsics(chart, theta, points)
     right_rays[outer] = -(by_extrinsics - right / right[:, 2:] * by_extrinsics[..., 2:]) / right[:, 2:]
     to_left, to_right = rectifying_rotations(used.rotation, used.translation)
     # Complex steps (Squire & Trapp 1998): derivatives of all that `_read` says, exact.
     turned = (
-        (seen / seen[:, 2:] + _TINY * 1j * moved) @ np.asarray(rotation).T
-        for seen, moved, rotation in ((points, left_rays, to_left), (right, right_rays, to_right))
+        (camera_points / camera_points[:, 2:] + _TINY * 1j * moved) @ np.asarray(rotation).T
+        for camera_points, moved, rotation in ((points, left_rays, to_left), (right, right_rays, to_right))
     )
-    rows, near = _rows_and_nearness(_formulas(shown), *turned)
-    stretch = _stretch(used, points, shown)
-    rows, nearness = _focal(used) * np.imag(rows) / stretch / _TINY, np.imag(near) / np.real(near) / _TINY
+    rows, inverse_depth = _rows_and_nearness(_formulas(view), *turned)
+    stretch = _stretch(used, points, view)
+    rows, nearness = (
+        _focal(used) * np.imag(rows) / stretch / _TINY,
+        np.imag(inverse_depth) / np.real(inverse_depth) / _TINY,
+    )
     ends = np.cumsum([len(points) for points in sets])[:-1]
     by_distance = [part.T for part in np.split(nearness, ends, axis=1)]
-    means = np.stack([areas(used, points, shown) @ part for points, part in zip(sets, by_distance, strict=True)])
+    means = np.stack([areas(used, points, view) @ part for points, part in zip(sets, by_distance, strict=True)])
     roots = [np.sqrt(wide**-2 / np.mean(wide**-2))[:, None] for wide in np.split(stretch, ends)]
     variation = tuple(root * (part - mean) for root, part, (mean, _) in zip(roots, by_distance, means, strict=True))
     return Consequences(distances, tuple(sets), tuple(np.split(rows.T, ends)), means, variation)

@@ -65,10 +65,10 @@ class Late:
         return Delay(float(np.exp(np.logaddexp.reduce(evidence) - both)), float(weights @ values))
 
 
-def beside_delay(
+def fit_with_delay(
     rows: LinearGroups, chart: RigChart, prior: CalibrationPrior, alone: Sequence[Explanation]
 ) -> Late | None:
-    """θ beside a delay; None where that has no say.
+    """The fit of θ with a delay; None where that has no say.
 
     Args:
         rows: near the rig that was fitted alone, with windows.
@@ -84,21 +84,21 @@ def beside_delay(
     ways, late, found = np.zeros((len(windows.tracks), chart.dim)), rows, list(alone)
     for round_ in range(_ROUNDS):
         rig = chart.rig_at(theta)
-        near = [
+        windows_at_theta = [
             window(one, chart, theta + delay * way, travelled)
             for one, way, travelled in zip(windows.tracks, ways, windows.all_ways, strict=True)
         ]
-        if sum(one.motion is not None for one in near) < _FEWEST:
+        if sum(one.motion is not None for one in windows_at_theta) < _FEWEST:
             return None
         ways = np.stack(
             [
                 np.zeros(chart.dim) if one.motion is None else of_motion(chart, rig, one.motion) / seconds
-                for one, seconds in zip(near, windows.seconds, strict=True)
+                for one, seconds in zip(windows_at_theta, windows.seconds, strict=True)
             ]
         )
-        likelihoods = _delay_evidence(rows, chart, theta, near, ways, prior, size)
+        likelihoods = _delay_evidence(rows, chart, theta, windows_at_theta, ways, prior, size)
         late = replace(
-            _rows_and_delay(rows, chart, theta, delay, _of_frames(windows, near, ways, rows.groups.frame)),
+            _rows_and_delay(rows, chart, theta, delay, _of_frames(windows, windows_at_theta, ways, rows.groups.frame)),
             likelihoods=likelihoods,
         )
         if round_:
@@ -123,10 +123,10 @@ def _rows_and_delay(
     """Linear near a θ and a delay, with a column for that."""
     jacobian, at_zero = np.empty_like(rows.jacobian), np.empty_like(rows.at_zero)
     for groups in rows.frames:
-        there = theta + delay * ways[groups[0]]
-        here = rows.groups.of(groups).rows(chart, there)
-        jacobian[groups] = here.jacobian[:, 0].T
-        at_zero[groups] = here.differences[0] - jacobian[groups] @ there
+        theta_of_frame = theta + delay * ways[groups[0]]
+        linear = rows.groups.of(groups).rows(chart, theta_of_frame)
+        jacobian[groups] = linear.jacobian[:, 0].T
+        at_zero[groups] = linear.differences[0] - jacobian[groups] @ theta_of_frame
     column = np.einsum("gn,gn->g", jacobian, ways)
     return replace(rows, jacobian=np.column_stack([jacobian, column]), at_zero=at_zero)
 
@@ -135,7 +135,7 @@ def _delay_evidence(
     rows: LinearGroups,
     chart: RigChart,
     theta: Float[np.ndarray, "n"],
-    near: Sequence[Window],
+    windows_at_theta: Sequence[Window],
     ways: Float[np.ndarray, "w n"],
     prior: CalibrationPrior,
     size: float,
@@ -145,13 +145,13 @@ def _delay_evidence(
     wider = np.zeros((len(mean) + 1,) * 2)
     wider[:-1, :-1], wider[-1, -1] = root, size
 
-    several = [_with_way(one.normal, way) for one, way in zip(near, ways, strict=True)]
-    by_ways = [_with_way(one.with_way - one.normal, way) for one, way in zip(near, ways, strict=True)]
+    several = [_with_way(one.normal, way) for one, way in zip(windows_at_theta, ways, strict=True)]
+    by_ways = [_with_way(one.with_distance - one.normal, way) for one, way in zip(windows_at_theta, ways, strict=True)]
     alone = together(several, wider, np.append(mean, 0.0))
     of_windows = rows.measured.windows.explained(alone, reduce(add, by_ways), chart)
     return [
-        (log + other, of_beams.with_nuisance(1) + normal)
-        for log, of_beams in rows.measured.beams.likelihoods(chart, theta)
+        (log + other, of_ranges.with_nuisance(1) + normal)
+        for log, of_ranges in rows.measured.ranges.likelihoods(chart, theta)
         for other, normal in of_windows
     ]
 
@@ -163,18 +163,18 @@ def _with_way(normal: Normal, way: Float[np.ndarray, "n"]) -> Normal:
 
 
 def _of_frames(
-    windows: Windows, near: Sequence[Window], ways: Float[np.ndarray, "w n"], frames: Int[np.ndarray, "g"]
+    windows: Windows, windows_at_theta: Sequence[Window], ways: Float[np.ndarray, "w n"], frames: Int[np.ndarray, "g"]
 ) -> Float[np.ndarray, "g n"]:
     """Of some frames: the mean of its windows; of one that is in none, that of the nearest."""
     known = [
         (frame, way)
-        for pair, one, way in zip(windows.frames, near, ways, strict=True)
+        for pair, one, way in zip(windows.frames, windows_at_theta, ways, strict=True)
         for frame in pair
         if one.motion is not None
     ]
     numbers, of_each = np.array([frame for frame, _ in known]), np.stack([way for _, way in known])
-    apart = np.abs(frames[:, None] - numbers)
-    nearest = apart == apart.min(axis=1, keepdims=True)
+    frame_distance = np.abs(frames[:, None] - numbers)
+    nearest = frame_distance == frame_distance.min(axis=1, keepdims=True)
     return (nearest / nearest.sum(axis=1, keepdims=True)) @ of_each
 
 

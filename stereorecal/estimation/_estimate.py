@@ -9,7 +9,6 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal._choices import checked_choice
-from stereorecal.estimation._beams import NO_BEAMS, Beams
 from stereorecal.estimation._calibration_prior import CalibrationPrior
 from stereorecal.estimation._candidates import Known, depth_kept, least_loss, least_loss_of_depth_kept
 from stereorecal.estimation._consequences import (
@@ -24,12 +23,13 @@ from stereorecal.estimation._explanations import Explanation
 from stereorecal.estimation._frames import OtherRig, other_rigs
 from stereorecal.estimation._groups import Groups
 from stereorecal.estimation._least_squares import fit
+from stereorecal.estimation._matched_ranges import NO_RANGES, MatchedRanges
 from stereorecal.estimation._measured import Measured
 from stereorecal.estimation._motion import NO_WINDOWS, Windows
 from stereorecal.estimation._motion_window import Window
 from stereorecal.estimation._one_thread import one_blas_thread
 from stereorecal.estimation._posterior import Posterior
-from stereorecal.estimation._priors import Prior, as_prior
+from stereorecal.estimation._prior_choice import Prior, as_prior
 from stereorecal.estimation._rig_parameters import DRIFTING, rig_parameters
 from stereorecal.geometry import StereoRig, View
 from stereorecal.objectives import RigChart
@@ -70,7 +70,7 @@ class Estimate:
     residual_px: float
     prior_variance: Float[np.ndarray, "n"]
     other_rigs: tuple[OtherRig, ...] = ()
-    beams: Beams = NO_BEAMS
+    beams: MatchedRanges = NO_RANGES
     shown: Groups | None = None
     windows: Windows = NO_WINDOWS
     judged_at: tuple[float, ...] = JUDGED_AT
@@ -110,7 +110,7 @@ class Estimate:
     @one_blas_thread()
     def motions(self) -> tuple[Window, ...]:
         """Of the rig at the posterior's mean, in each window."""
-        return self.windows.near(self.chart, self.theta)
+        return self.windows.linear_at(self.chart, self.theta)
 
     @cached_property
     @one_blas_thread()
@@ -139,15 +139,15 @@ class Estimate:
             return float("inf")
         disparity, order = self.shown.disparity, np.argsort(-self.shown.disparity)
         share = np.cumsum(self.shown.count[order]) / np.sum(self.shown.count)
-        near = float(disparity[order][np.searchsorted(share, _NEAREST)])
-        return float(f"{max(self.shown.focal / near, 1.0):.2g}") if near > 0.0 else float("inf")
+        nearness = float(disparity[order][np.searchsorted(share, _NEAREST)])
+        return float(f"{max(self.shown.focal / nearness, 1.0):.2g}") if nearness > 0.0 else float("inf")
 
     @property
     def known(self) -> Known:
         """What candidates are chosen by."""
         deviations = np.sqrt(np.diag(self.posterior.covariance))
-        near, target = self._consequences, self._target_nearness
-        return Known(self.chart, near, self.theta, deviations, target, self.judged_at, self.view)
+        maps, target = self._consequences, self._target_nearness
+        return Known(self.chart, maps, self.theta, deviations, target, self.judged_at, self.view)
 
     @one_blas_thread()
     def losses(self, used: Float[np.ndarray, "n"]) -> tuple[Float[np.ndarray, "d s"], Float[np.ndarray, "s"]]:
@@ -155,9 +155,9 @@ class Estimate:
         [%], over the view or ahead, whichever is larger, of the rig at θ = used, for each of some rigs drawn from the
         posterior; always the same."""
         rows, nearness = self._read(used)
-        near = 1.0 + nearness[:, self._distances.index(max(self.judged_at))]
+        relative = 1.0 + nearness[:, self._distances.index(max(self.judged_at))]
         judged = rows[[self._distances.index(distance) for distance in self.judged_at]]
-        return judged, np.max(100.0 * np.abs(1.0 / np.maximum(near, _LEAST_NEARNESS) - 1.0), axis=1)
+        return judged, np.max(100.0 * np.abs(1.0 / np.maximum(relative, _LEAST_NEARNESS) - 1.0), axis=1)
 
     @one_blas_thread()
     def effects(self, change: Float[np.ndarray, "n"]) -> tuple[float, float]:
@@ -239,9 +239,9 @@ class Estimate:
     def depth_error_percent(self, used: Float[np.ndarray, "n"]) -> dict[int, tuple[float, float, float]]:
         """The error of depth of the rig at θ = used, at distances in baselines: median, and 95 % interval; positive: it
         reports too far; infinite where a point seems to lie at infinity or beyond. Over the view, on average."""
-        near = self._read(used)[1][..., 0]
+        nearness = self._read(used)[1][..., 0]
         found = {}
-        for distance, of_samples in zip(DISTANCES, near.T, strict=False):
+        for distance, of_samples in zip(DISTANCES, nearness.T, strict=False):
             middle, low, high = (
                 float("inf") if value < _LEAST_NEARNESS else 100.0 * (1.0 / value - 1.0)
                 for value in (1.0 + np.percentile(of_samples, [50.0, 97.5, 2.5])).tolist()
@@ -265,7 +265,7 @@ def estimate(
     rig: StereoRig,
     prior: Prior = None,
     start: Float[np.ndarray, "n"] | None = None,
-    beams: Beams = NO_BEAMS,
+    ranges: MatchedRanges = NO_RANGES,
     windows: Windows = NO_WINDOWS,
     view: View | None = None,
 ) -> Estimate:
@@ -277,13 +277,13 @@ def estimate(
         prior: of what it leaves; default that of a chessboard calibration. `as_prior` of it, made once, saves its time
             where a rig is estimated again.
         start: θ to begin at; default 0.
-        beams: ranges of what was seen; they tell the length of the baseline, too, which the prior must know
+        ranges: of what was seen; they tell the length of the baseline, too, which the prior must know
             (`baseline_observable` of `as_prior`).
         windows: tracks of consecutive pairs; they tell depth from the rig's own motion.
         view: in which rows and depth are judged; default the rig's own.
     """
     chart = rig_parameters(rig)
-    return solved(found, chart, as_prior(prior, chart), start, beams, windows, view)[0]
+    return solved(found, chart, as_prior(prior, chart), start, ranges, windows, view)[0]
 
 
 @one_blas_thread()
@@ -292,20 +292,20 @@ def solved(
     chart: RigChart,
     prior: CalibrationPrior,
     start: Float[np.ndarray, "n"] | None = None,
-    beams: Beams = NO_BEAMS,
+    ranges: MatchedRanges = NO_RANGES,
     windows: Windows = NO_WINDOWS,
     view: View | None = None,
 ) -> tuple[Estimate, Explanation]:
     """The estimate, and the most probable one of its explanations."""
-    end = fit(found, chart, prior, start, Measured(beams, windows))
+    end = fit(found, chart, prior, start, Measured(ranges, windows))
     mean, rows = end.posterior.mean, end.rows
-    told = {"beams": beams, "windows": windows, "view": view, "delay": end.delay}
-    seen = Estimate(chart, end.posterior, end.misfit, 0, float("nan"), end.prior_variance, **told)
+    measured = {"beams": ranges, "windows": windows, "view": view, "delay": end.delay}
+    estimated = Estimate(chart, end.posterior, end.misfit, 0, float("nan"), end.prior_variance, **measured)
     if rows is not None:
-        residual, others = rows.residual(mean), other_rigs(rows, sum(end.misfit), mean)
+        residual, disagreeing = rows.residual(mean), other_rigs(rows, sum(end.misfit), mean)
         rms = float(np.sqrt(np.mean(residual**2)))
-        seen = replace(seen, groups=len(residual), residual_px=rms, other_rigs=others, shown=rows.groups)
-    return seen, end.best
+        estimated = replace(estimated, groups=len(residual), residual_px=rms, other_rigs=disagreeing, shown=rows.groups)
+    return estimated, end.best
 
 
 @one_blas_thread()

@@ -101,7 +101,7 @@ class Explained:
     lower: Float[np.ndarray, "m m"]
 
     @cached_property
-    def _rest(self) -> Float[np.ndarray, "n n"]:
+    def _covariance_without_drift(self) -> Float[np.ndarray, "n n"]:
         """The covariance of θ if the drift were known."""
         n = len(self.calibration)
         half = np.linalg.solve(self.lower, np.eye(len(self.lower), n) @ self.calibration.T)
@@ -111,13 +111,13 @@ class Explained:
         """Of θ under one of them."""
         size = self.sizes[index]
         drift = size[:, None] * np.linalg.inv(np.eye(_DRIFTING) + size[:, None] * self.precision * size) * size
-        return self._rest + self.by_drift @ (0.5 * (drift + drift.T)) @ self.by_drift.T
+        return self._covariance_without_drift + self.by_drift @ (0.5 * (drift + drift.T)) @ self.by_drift.T
 
 
 def explained(
     of_rows: Normal,
     calibration: Float[np.ndarray, "n n"],
-    given: Float[np.ndarray, "n"],
+    prior_mean: Float[np.ndarray, "n"],
     nuisance: Float[np.ndarray, "q q"],
     sizes: Float[np.ndarray, "k 5"],
     log_weights: Float[np.ndarray, "k"],
@@ -127,19 +127,19 @@ def explained(
     Args:
         of_rows: of θ and q nuisance parameters.
         calibration: a root S of the covariance S Sᵀ of c.
-        given: its mean.
+        prior_mean: its mean.
         nuisance: a root of the covariance of the nuisance parameters.
         sizes: standard deviations of each kind of drift.
         log_weights: logarithms of their probabilities.
     """
-    (found,) = all_explained([of_rows], calibration[None], given[None], nuisance, sizes, log_weights[None])
+    (found,) = all_explained([of_rows], calibration[None], prior_mean[None], nuisance, sizes, log_weights[None])
     return found
 
 
 def all_explained(
     of_rows: Sequence[Normal],
     calibrations: Float[np.ndarray, "j n n"],
-    given: Float[np.ndarray, "j n"],
+    prior_mean: Float[np.ndarray, "j n"],
     nuisance: Float[np.ndarray, "q q"],
     sizes: Float[np.ndarray, "k 5"],
     log_weights: Float[np.ndarray, "j k"],
@@ -147,8 +147,8 @@ def all_explained(
     """`explained` for each of j likelihoods, or one that all have in common, and its calibration, at once."""
     n, q = calibrations.shape[1], len(nuisance)
     a, b, c = (np.stack([np.asarray(getattr(one, name)) for one in of_rows]) for name in "abc")
-    by_mean = (a[:, :, :n] @ given[:, :, None])[:, :, 0]
-    c = c - np.einsum("jn,jn->j", given, (2.0 * b - by_mean)[:, :n])
+    by_mean = (a[:, :, :n] @ prior_mean[:, :, None])[:, :, 0]
+    c = c - np.einsum("jn,jn->j", prior_mean, (2.0 * b - by_mean)[:, :n])
     b = b - by_mean
     # With θ and ν in units of their roots.
     roots = np.zeros((len(calibrations), n + q, n + q))
@@ -159,7 +159,7 @@ def all_explained(
     # Without a drift, and how that follows one.
     of_drift = by_root[:, :_DRIFTING]
     solved = np.linalg.solve(inner, np.concatenate([pulled, of_drift.swapaxes(1, 2)], axis=2))
-    at_rest, follows = roots @ solved[:, :, :1], -roots @ solved[:, :, 1:]
+    without_drift, drift_response = roots @ solved[:, :, :1], -roots @ solved[:, :, 1:]
     precision = a[:, :_DRIFTING, :_DRIFTING] - of_drift @ solved[:, :, 1:]
     precision = 0.5 * (precision + precision.swapaxes(1, 2))
     pull = b[:, :_DRIFTING] - (of_drift @ solved[:, :, :1])[:, :, 0]
@@ -167,9 +167,9 @@ def all_explained(
     at_zero = c - (pulled * solved[:, :, :1]).sum(axis=(1, 2))
     at_zero += 2.0 * np.log(np.diagonal(lower, axis1=1, axis2=2)).sum(axis=1)
     evidence = log_weights - 0.5 * (at_zero[:, None] + information - (drifts @ pull[:, :, None])[:, :, 0])
-    by_drift = follows[:, :n] + np.eye(n, _DRIFTING)
-    means = given[:, None] + at_rest[:, None, :n, 0] + drifts @ by_drift.swapaxes(1, 2)
-    of_nuisance = at_rest[:, None, n:, 0] + drifts @ follows[:, n:].swapaxes(1, 2)
+    by_drift = drift_response[:, :n] + np.eye(n, _DRIFTING)
+    means = prior_mean[:, None] + without_drift[:, None, :n, 0] + drifts @ by_drift.swapaxes(1, 2)
+    of_nuisance = without_drift[:, None, n:, 0] + drifts @ drift_response[:, n:].swapaxes(1, 2)
     of_each = zip(evidence, means, of_nuisance, by_drift, precision, calibrations, lower, strict=True)
     return [Explained(e, m, v, d, p, sizes, root, half) for e, m, v, d, p, root, half in of_each]
 
@@ -179,14 +179,14 @@ def _of_drifts(
 ) -> tuple[Float[np.ndarray, "j k 5"], Float[np.ndarray, "j k"]]:
     """The mean of the drift for each kind of it, and the logarithm of the determinant of 1 + s M s: elimination in all
     of these thousands of small matrices together. They are positive definite and 1 at least, so no pivot is small."""
-    left = np.moveaxis(precision, 0, -1)[..., None] * (sizes.T[:, None, None] * sizes.T[None, :, None])
-    left += np.eye(_DRIFTING)[:, :, None, None]  # (5, 5, j, k)
-    right = pull.T[:, :, None] * sizes.T[:, None]
+    matrix = np.moveaxis(precision, 0, -1)[..., None] * (sizes.T[:, None, None] * sizes.T[None, :, None])
+    matrix += np.eye(_DRIFTING)[:, :, None, None]  # (5, 5, j, k)
+    rhs = pull.T[:, :, None] * sizes.T[:, None]
     for p in range(_DRIFTING - 1):
-        share = left[p, p + 1 :] / left[p, p]  # symmetric
-        left[p + 1 :, p + 1 :] -= share[:, None] * left[p, p + 1 :]
-        right[p + 1 :] -= share * right[p]
-    logs = sum(np.log(left[p, p]) for p in range(_DRIFTING))
+        share = matrix[p, p + 1 :] / matrix[p, p]  # symmetric
+        matrix[p + 1 :, p + 1 :] -= share[:, None] * matrix[p, p + 1 :]
+        rhs[p + 1 :] -= share * rhs[p]
+    logs = sum(np.log(matrix[p, p]) for p in range(_DRIFTING))
     for p in reversed(range(_DRIFTING)):
-        right[p] = (right[p] - (left[p, p + 1 :] * right[p + 1 :]).sum(axis=0)) / left[p, p]
-    return np.moveaxis(right * sizes.T[:, None], 0, -1), np.asarray(logs)
+        rhs[p] = (rhs[p] - (matrix[p, p + 1 :] * rhs[p + 1 :]).sum(axis=0)) / matrix[p, p]
+    return np.moveaxis(rhs * sizes.T[:, None], 0, -1), np.asarray(logs)

@@ -44,9 +44,9 @@ def other_rigs(rows: LinearGroups, misfit: float, theta: Float[np.ndarray, "n"])
         slopes = rows.jacobian[f, :own]
         pull = slopes.T @ precision @ residual[f]
         move = np.linalg.solve(slopes.T @ precision @ slopes + np.diag(_OWN**-2.0), pull)
-        apart = float(np.sqrt(np.mean((slopes @ move) ** 2)))
-        if float(pull @ move) > limit and apart > ROWS_MATTER:
-            found.append(OtherRig(int(rows.groups.frame[f[0]]), apart))
+        rows_px = float(np.sqrt(np.mean((slopes @ move) ** 2)))
+        if float(pull @ move) > limit and rows_px > ROWS_MATTER:
+            found.append(OtherRig(int(rows.groups.frame[f[0]]), rows_px))
     return tuple(sorted(found, key=lambda one: -one.rows_px))
 
 

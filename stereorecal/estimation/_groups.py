@@ -95,12 +95,12 @@ def grouped(found: Correspondences, chart: RigChart, theta: Float[np.ndarray, "n
     """The groups of correspondences, whose rays the cameras of the chart's rig give; outliers are told from the others
     of their group under the rig at θ."""
     focal, scale = float(found.focal), float(found.scale)
-    seen = np.asarray(found.weight) > 0
-    frame = np.nonzero(seen)[0]
-    left, right, weight = (np.asarray(part, float)[seen] for part in (found.left, found.right, found.weight))
-    rows, disparity = _rectified(found, chart, theta, seen)
+    valid = np.asarray(found.weight) > 0
+    frame = np.nonzero(valid)[0]
+    left, right, weight = (np.asarray(part, float)[valid] for part in (found.left, found.right, found.weight))
+    rows, disparity = _rectified(found, chart, theta, valid)
     places = places_of(np.asarray(chart.rig.left.project(left)), chart.rig.left.size)
-    if not seen.any():
+    if not valid.any():
         nothing, numbers = np.zeros(0), np.zeros(0, int)
         return Groups(
             left, right, nothing, nothing, numbers, numbers, nothing, numbers, focal / scale, nothing, found.projection
@@ -113,13 +113,13 @@ def grouped(found: Correspondences, chart: RigChart, theta: Float[np.ndarray, "n
     rows, disparity, weight = rows[order], disparity[order], weight[order]
     middle = _group_medians(rows, number, first, counts)
     spread = 1.4826 * _group_medians(np.abs(rows - middle[number]), number, first, counts) + _LEAST_SPREAD
-    kept = np.abs(rows - middle[number]) < _FAR_OFF * spread[number]
+    inliers = np.abs(rows - middle[number]) < _FAR_OFF * spread[number]
 
     def mean(values):
-        return np.bincount(number, kept * weight * values, len(keys)) / np.maximum(total, 1e-300)
+        return np.bincount(number, inliers * weight * values, len(keys)) / np.maximum(total, 1e-300)
 
-    total = np.bincount(number, kept * weight, len(keys))
-    n = np.bincount(number, kept, len(keys)).astype(int)
+    total = np.bincount(number, inliers * weight, len(keys))
+    n = np.bincount(number, inliers, len(keys)).astype(int)
     means = {
         name: np.stack([mean(rays[order][:, axis]) for axis in range(3)], axis=-1)
         for name, rays in (("left", left), ("right", right))
@@ -148,7 +148,7 @@ def grouped(found: Correspondences, chart: RigChart, theta: Float[np.ndarray, "n
     return replace(groups, offset=(mean(rows) / scale)[n >= _FEWEST] - of_rays)
 
 
-def _rectified(found: Correspondences, chart: RigChart, theta: Float[np.ndarray, "n"], seen):
+def _rectified(found: Correspondences, chart: RigChart, theta: Float[np.ndarray, "n"], valid):
     """Row differences and disparities of what was found, in pixels of its scale, under the rig at θ."""
     rig = chart.rig_at(theta)
     read = read_by(found, chart.rig, rig)
@@ -156,17 +156,17 @@ def _rectified(found: Correspondences, chart: RigChart, theta: Float[np.ndarray,
     rotations = rectifying_rotations(rig.rotation, extrinsics[3:])
     of_view = projection(found.projection)
     (x, y), (u, v) = (
-        of_view.project(*(np.asarray(rays, float)[seen] @ rotation.T).T)
+        of_view.project(*(np.asarray(rays, float)[valid] @ rotation.T).T)
         for rays, rotation in zip((read.left, read.right), rotations, strict=True)
     )
     return float(found.focal) * (y - v), float(found.focal) * (x - u)
 
 
-def _resolution(rig: StereoRig, left: Float[np.ndarray, "g 3"], shown: str) -> Float[np.ndarray, "g"]:
+def _resolution(rig: StereoRig, left: Float[np.ndarray, "g 3"], projection_name: str) -> Float[np.ndarray, "g"]:
     """Pixels of the middle that a row of the view is wide, at rays."""
     to_left, _ = rectifying_rotations(rig.rotation, rig.translation)
     x, y, z = (left @ to_left.T).T
-    return np.ones(len(left)) / projection(shown).stretch(y, z, np.sqrt(x * x + y * y + z * z))
+    return np.ones(len(left)) / projection(projection_name).stretch(y, z, np.sqrt(x * x + y * y + z * z))
 
 
 def places_of(pixels: Float[np.ndarray, "m 2"], size: tuple[int, int]) -> Int[np.ndarray, "m"]:

@@ -19,9 +19,9 @@ def slopes_of(
     """Derivatives of `pixels_of` the rig at θ, by θ."""
     rig, found = chart.rig_at(theta), np.zeros((chart.dim, *points.shape[:-1], 4))
     right = points @ rig.rotation.T + rig.translation
-    for side, seen in zip(range(len(SIDES)), (points, right), strict=True):
+    for side, camera_points in zip(range(len(SIDES)), (points, right), strict=True):
         own, names = lens_parameters(chart, SIDES[side])
-        _, by_lens = pixel_slopes(getattr(rig, SIDES[side]), seen, names)
+        _, by_lens = pixel_slopes(getattr(rig, SIDES[side]), camera_points, names)
         by_unit = chart.half_width[own].reshape(-1, *[1] * points.ndim)
         found[own, ..., 2 * side : 2 * side + 2] = by_unit * by_lens
     outer, moved = moved_by_extrinsics(chart, theta, points)

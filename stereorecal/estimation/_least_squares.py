@@ -8,7 +8,7 @@ from jaxtyping import Float
 
 from stereorecal.estimation._calibration_prior import CalibrationPrior
 from stereorecal.estimation._confounders import fits_with_rivals
-from stereorecal.estimation._delay import Delay, beside_delay
+from stereorecal.estimation._delay import Delay, fit_with_delay
 from stereorecal.estimation._evidence import Normal
 from stereorecal.estimation._explanations import Explanation, best_of, explained_by, explanations
 from stereorecal.estimation._groups import grouped
@@ -69,7 +69,7 @@ def fit(
     misfit, which = (DEVIATIONS[2], 0.0), len(prior.roots) // 2
     groups = grouped(found, chart, theta)
     if len(groups) < _FEWEST:
-        return _nothing_seen(chart, prior, measured.likelihoods(chart, theta, prior))
+        return _fit_without_rows(chart, prior, measured.likelihoods(chart, theta, prior))
     rows = linear_groups(groups, chart, theta, prior, measured)
     step = np.zeros(chart.dim)
     for number in range(_ROUNDS):
@@ -86,12 +86,12 @@ def fit(
             groups = grouped(found, chart, theta)
         rows = linear_groups(groups, chart, theta, prior, measured, None if number < _REGROUPED else rows.likelihoods)
         rows = replace(rows, deviation=rows.robust(sum(misfit), theta))
-    near = _near(misfit, len(rows.frames) > 1)
-    several = explanations(rows, prior, range(len(prior.roots)), near)
+    misfits = _neighbouring_misfits(misfit, len(rows.frames) > 1)
+    several = explanations(rows, prior, range(len(prior.roots)), misfits)
     if len(rows.frames) == 1:  # what moves differs between frames, and they outvote it
-        several += [one for beside in fits_with_rivals(rows, chart, prior, several) for one in beside.several]
+        several += [one for rival_fit in fits_with_rivals(rows, chart, prior, several) for one in rival_fit.several]
     delay = None
-    if (late := beside_delay(rows, chart, prior, several)) is not None:
+    if (late := fit_with_delay(rows, chart, prior, several)) is not None:
         delay, several = late.delay(several), several + late.several
         if delay.probability > 0.5:
             rows, misfit = late.rows, best_of(late.several)[0].misfit
@@ -101,8 +101,8 @@ def fit(
     return Fit(mixture(several), rows, misfit, which, weights @ variances, best_of(several)[0], delay)
 
 
-def _nothing_seen(chart: RigChart, prior: CalibrationPrior, likelihoods: Sequence[tuple[float, Normal]]) -> Fit:
-    """The prior, and what is measured besides, where there are no rows."""
+def _fit_without_rows(chart: RigChart, prior: CalibrationPrior, likelihoods: Sequence[tuple[float, Normal]]) -> Fit:
+    """The fit where there are no rows: by the prior, and what is measured besides."""
     flat = Normal(np.zeros((chart.dim, chart.dim)), np.zeros(chart.dim), 0.0)
     several = explained_by({(0.0, 0.0): flat}, likelihoods, prior, range(len(prior.roots)))
     variances = prior.weights @ np.sum(prior.roots**2, axis=2)
@@ -115,20 +115,24 @@ def _searched(
     """The best misfit for a prior, then the best prior for that misfit."""
     found = explanations(rows, prior, [which], [(d, misfit[1]) for d in DEVIATIONS])
     if len(rows.frames) > 1:
-        here = best_of(found)[0].misfit[0]
-        found += explanations(rows, prior, [which], [(here, c) for c in COMMON])
+        deviation = best_of(found)[0].misfit[0]
+        found += explanations(rows, prior, [which], [(deviation, c) for c in COMMON])
     best = best_of(found)[0]
     return found + explanations(rows, prior, range(len(prior.roots)), [best.misfit])
 
 
-def _near(misfit: tuple[float, float], several: bool) -> list[tuple[float, float]]:
-    """Misfits that are mixed: the best one and its neighbours."""
+def _neighbouring_misfits(misfit: tuple[float, float], several: bool) -> list[tuple[float, float]]:
+    """The misfits whose fits are mixed: the best one and its neighbours."""
 
-    def beside(value: float, grid: tuple[float, ...]) -> tuple[float, ...]:
+    def neighbours(value: float, grid: tuple[float, ...]) -> tuple[float, ...]:
         at = grid.index(value)
         return grid[max(at - 1, 0) : at + 2]
 
-    return [(d, c) for d in beside(misfit[0], DEVIATIONS) for c in (beside(misfit[1], COMMON) if several else (0.0,))]
+    return [
+        (d, c)
+        for d in neighbours(misfit[0], DEVIATIONS)
+        for c in (neighbours(misfit[1], COMMON) if several else (0.0,))
+    ]
 
 
 def mixture(several: Sequence[Explanation]) -> Posterior:
@@ -136,11 +140,11 @@ def mixture(several: Sequence[Explanation]) -> Posterior:
     evidence = np.stack([one.found.log_evidence for one in several])
     weights = np.exp(evidence - evidence.max())
     weights /= weights.sum()
-    kept = np.argwhere(weights > _LEAST)
-    some = weights[tuple(kept.T)]
+    significant = np.argwhere(weights > _LEAST)
+    some = weights[tuple(significant.T)]
     whole = Posterior(
         some / some.sum(),
-        np.stack([several[i].found.means[k] for i, k in kept]),
-        np.stack([several[i].found.covariance(int(k)) for i, k in kept]),
+        np.stack([several[i].found.means[k] for i, k in significant]),
+        np.stack([several[i].found.covariance(int(k)) for i, k in significant]),
     )
     return merged(whole, _MOST)

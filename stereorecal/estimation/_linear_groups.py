@@ -59,11 +59,11 @@ class LinearGroups:
 
     def robust(self, misfit: float, theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "g"]:
         """The deviations that groups should have, if those that err alone at θ have a bounded say."""
-        apart, residual = np.zeros(len(self.at_zero)), self.residual(theta)
+        unexpected_errors, residual = np.zeros(len(self.at_zero)), self.residual(theta)
         for f in self.frames:
             covariance = covariance_of_rows(self.groups.place[f], self.groups.deviation[f], misfit)
-            apart[f] = unexpected(covariance, residual[f])
-        return self.groups.deviation * np.sqrt(1.0 + (apart / _BOUND) ** 2)
+            unexpected_errors[f] = unexpected(covariance, residual[f])
+        return self.groups.deviation * np.sqrt(1.0 + (unexpected_errors / _BOUND) ** 2)
 
 
 def linear_groups(

@@ -37,8 +37,8 @@ class Windows:
         tracks: of each.
         frames: numbers of the two pairs of each, as correspondences have them; empty where they are not known.
         seconds: from one pair to the other; those of all windows are 1 where times are not known.
-        ways: how far the rig travelled in each by something else, and the standard deviation of that, metres; None
-            where that is not known, empty where nothing is.
+        ways: the distance travelled in each from an odometer, and its standard deviation, metres; None where that is
+            not known, empty where no odometer was given.
     """
 
     tracks: tuple[Tracks, ...] = ()
@@ -46,14 +46,14 @@ class Windows:
     seconds: tuple[float, ...] = ()
     ways: tuple[tuple[float, float] | None, ...] = ()
 
-    def numbered(self, kept: Sequence[int], first: int = 0) -> "Windows":
-        """Those of the frames that are kept, which are numbered anew.
+    def numbered(self, used: Sequence[int], first: int = 0) -> "Windows":
+        """The windows of the frames that are used, which are numbered anew.
 
         Args:
-            kept: numbers of the frames, in their new order.
+            used: numbers of these frames, in their new order.
             first: number of the first of them.
         """
-        new = {frame: first + number for number, frame in enumerate(kept)}
+        new = {frame: first + number for number, frame in enumerate(used)}
         some = [number for number, frames in enumerate(self.frames) if all(frame in new for frame in frames)]
         return Windows(
             tuple(self.tracks[number] for number in some),
@@ -62,8 +62,8 @@ class Windows:
             tuple(self.ways[number] for number in some if self.ways),
         )
 
-    def near(self, chart: RigChart, theta: Float[np.ndarray, "n"]) -> tuple[Window, ...]:
-        """What each says, linear near θ."""
+    def linear_at(self, chart: RigChart, theta: Float[np.ndarray, "n"]) -> tuple[Window, ...]:
+        """The window of each pair of pairs, linear near θ."""
         return tuple(window(one, chart, theta, way) for one, way in zip(self.tracks, self.all_ways, strict=True))
 
     @property
@@ -73,7 +73,7 @@ class Windows:
 
     @property
     def measured(self) -> bool:
-        """Whether something else has told how far the rig travelled."""
+        """Whether an odometer measured the distance travelled in any of them."""
         return any(way is not None for way in self.ways)
 
     def __bool__(self) -> bool:
@@ -82,12 +82,12 @@ class Windows:
     def likelihoods(
         self, chart: RigChart, theta: Float[np.ndarray, "n"], prior: CalibrationPrior
     ) -> list[tuple[float, Normal]]:
-        """What they may tell of θ, near a θ: as `Beams.likelihoods`; that, or all but depth."""
+        """What the windows may tell of θ, near a θ, as `MatchedRanges.likelihoods`: all of it, or all but depth."""
         if not self:
             return [(0.0, Normal(np.zeros((chart.dim,) * 2), np.zeros(chart.dim), 0.0))]
         within = root_and_mean(prior)
-        near = self.near(chart, theta)
-        return self.explained(together([one.normal for one in near], *within), of_ways(near), chart)
+        windows = self.linear_at(chart, theta)
+        return self.explained(together([one.normal for one in windows], *within), of_ways(windows), chart)
 
     def explained(self, alone: Normal, by_ways: Normal, chart: RigChart) -> list[tuple[float, Normal]]:
         """What they may tell together, each with the logarithm of its probability: with the ways, if those are of this
@@ -98,27 +98,30 @@ class Windows:
             by_ways: what these add.
             chart: of the rig; ways of less than a tenth of its baseline do not count.
         """
-        told = [(float(np.log1p(-_OF_OTHER_THINGS)), alone), (float(np.log(_OF_OTHER_THINGS)), without_depth(alone))]
+        explanations = [
+            (float(np.log1p(-_OF_OTHER_THINGS)), alone),
+            (float(np.log(_OF_OTHER_THINGS)), without_depth(alone)),
+        ]
         ways = [way for way in self.ways if way is not None and far_enough(way[0], chart.rig)]
         if not ways:
-            return told
+            return explanations
         # Ways of anything else have any length: against that, their density counts, once, as all err alike.
         sigma = float(np.median([way[1] / way[0] for way in ways])) / np.sqrt(len(ways))
         narrower = float(np.log(_ANY_LENGTH / (sigma * np.sqrt(2.0 * np.pi))))
         own = float(np.log1p(-_OF_OTHER_THINGS) + np.log1p(-_OTHER_WAYS)) + narrower
-        return [(own, alone + by_ways), *((float(log + np.log(_OTHER_WAYS)), normal) for log, normal in told)]
+        return [(own, alone + by_ways), *((float(log + np.log(_OTHER_WAYS)), normal) for log, normal in explanations)]
 
 
-def of_ways(near: Sequence[Window]) -> Normal:
+def of_ways(windows: Sequence[Window]) -> Normal:
     """What ways add to windows: they err by themselves, however wrong the tracks are."""
-    return reduce(add, (one.with_way - one.normal for one in near))
+    return reduce(add, (one.with_distance - one.normal for one in windows))
 
 
 NO_WINDOWS = Windows()
 
 
 def windows_of_all(several: Sequence[Windows]) -> Windows:
-    """Those of several recordings, whose frames are numbered apart."""
+    """The windows of several recordings, no two of which have a frame number in common."""
     parts = [sum((getattr(one, name) for one in several), ()) for name in ("tracks", "frames", "seconds", "all_ways")]
     return Windows(*parts)
 
@@ -150,7 +153,7 @@ def together(several: Sequence[Normal], root: Float[np.ndarray, "n n"], mean: Fl
 
 
 def without_depth(normal: Normal) -> Normal:
-    """The same if the depth that all of them see is not that of the rig: with a yaw of its own."""
+    """The likelihood if the depth in all windows is not that of the rig: with a yaw of its own."""
     n = len(normal.b)
     axis = np.eye(n)[DRIFTING.index("yaw")]
     to = np.column_stack([np.eye(n), axis])

@@ -17,7 +17,7 @@ from stereorecal.geometry import StereoRig, euler_slopes, pixel_slopes, ray_slop
 from stereorecal.objectives import SIDES, RigChart
 from stereorecal.scoring import Tracks
 
-SEEN = 4  # numbers of a track: partner at first, column and row later, partner later
+PER_TRACK = 4  # numbers that are data: partner at first, column and row later, partner later
 MOVES = 6  # numbers of a motion: a rotation vector, applied after it [rad], and a translation [m]
 _PARTNERS = (0, 3)
 
@@ -36,8 +36,8 @@ class Motion:
 
 
 @dataclass(frozen=True, eq=False)
-class Seen:
-    """Tracks as the cameras of a rig read them.
+class TrackReadings:
+    """Tracks, with the rays that the cameras of a rig give to their pixels.
 
     Attributes:
         tracks: their pixels.
@@ -63,13 +63,13 @@ class Expected:
 
     Attributes:
         later: (m, 3) for the left camera.
-        met: (2, m, 3) for the left camera at the times of the right one.
+        at_partner_times: (2, m, 3) for the left camera at the times when the right one sees them.
         right: (2, m, 3) for the right camera at both times.
         along: (2, m, 2) unit vectors of the epipolar lines in the right image, towards nearer points.
     """
 
     later: Float[np.ndarray, "m 3"]
-    met: Float[np.ndarray, "2 m 3"]
+    at_partner_times: Float[np.ndarray, "2 m 3"]
     right: Float[np.ndarray, "2 m 3"]
     along: Float[np.ndarray, "2 m 2"]
 
@@ -91,107 +91,121 @@ class Residuals:
     along: Float[np.ndarray, "m 2"]
 
 
-def seen_by(tracks: Tracks, rig: StereoRig) -> Seen:
-    """By the cameras of a rig."""
+def track_readings(tracks: Tracks, rig: StereoRig) -> TrackReadings:
+    """Tracks as the cameras of a rig read them."""
     left, right = (np.asarray(getattr(rig, side).rays(getattr(tracks, side)), float) for side in SIDES)
     later, partners = pixel_slopes(rig.left, left[1], ())[0], pixel_slopes(rig.right, right, ())[0]
     down = tracks.readout / rig.left.size[1]
     rows = np.stack([tracks.left[1], *tracks.right])[..., 1] - tracks.left[0, :, 1]
     after = np.array([[1.0], [0.0], [1.0]]) + down * rows
-    return Seen(tracks, rig.left.size, left[0] / left[0, :, 2:], later, partners, after)
+    return TrackReadings(tracks, rig.left.size, left[0] / left[0, :, 2:], later, partners, after)
 
 
 def with_rays(tracks: Tracks, rig: StereoRig) -> Tracks:
-    """Those that the cameras of a rig see in front of them: a wide lens has no rays 90 degrees off its axis."""
+    """The tracks that the cameras of a rig see in front of them: a wide lens has no rays 90 degrees off its axis."""
     rays = np.stack([np.asarray(getattr(rig, side).rays(getattr(tracks, side)), float) for side in SIDES])
     return tracks.of(np.isfinite(rays).all(axis=(0, 1, 3)))
 
 
-def residuals(seen: Seen, rig: StereoRig, motion: Motion, nearness: Float[np.ndarray, "m"]) -> Residuals:
-    """Of points with these inverse depths [1 / m]."""
-    there = _expected(seen, rig, motion, nearness)
+def residuals(readings: TrackReadings, rig: StereoRig, motion: Motion, nearness: Float[np.ndarray, "m"]) -> Residuals:
+    """Residuals of the tracks of points with these inverse depths [1 / m]."""
+    predicted = _expected(readings, rig, motion, nearness)
     rotation, baseline, moved = rig.rotation, np.asarray(rig.translation), motion.translation
-    value = np.empty((len(nearness), SEEN))
+    value = np.empty((len(nearness), PER_TRACK))
     by_nearness, by_motion = np.empty_like(value), np.empty((*value.shape, MOVES))
-    moves = seen.after[..., None] * moved
+    moves = readings.after[..., None] * moved
 
     def by_move(point: Float[np.ndarray, "m 3"], number: int) -> Float[np.ndarray, "m 6 3"]:
         by_turn = _crossed(point - nearness[:, None] * moves[number])
         whole = np.concatenate([by_turn, nearness[:, None, None] * np.eye(3)], axis=2).swapaxes(1, 2)
-        return seen.after[number][:, None, None] * whole
+        return readings.after[number][:, None, None] * whole
 
-    value[:, 1:3] = seen.tracks.left[1] - rig.left.project(there.later)
-    by_nearness[:, 1:3] = -_pixels(seen.later, there.later, moves[0])
-    of_later = _pixels(seen.later[:, None], there.later[:, None], by_move(there.later, 0))
+    value[:, 1:3] = readings.tracks.left[1] - rig.left.project(predicted.later)
+    by_nearness[:, 1:3] = -_pixels(readings.later, predicted.later, moves[0])
+    of_later = _pixels(readings.later[:, None], predicted.later[:, None], by_move(predicted.later, 0))
     by_motion[:, 1:3] = -of_later.swapaxes(1, 2)
     for time, index in enumerate(_PARTNERS):
-        right, along, pixels = there.right[time], there.along[time], seen.partners[time]
-        value[:, index] = _dot(along, seen.tracks.right[time] - rig.right.project(right))
+        right, along, pixels = predicted.right[time], predicted.along[time], readings.partners[time]
+        value[:, index] = _dot(along, readings.tracks.right[time] - rig.right.project(right))
         shift = baseline + moves[1 + time] @ rotation.T
         by_nearness[:, index] = -_dot(along, _pixels(pixels, right, shift))
-        of_right = _pixels(pixels[:, None], right[:, None], by_move(there.met[time], 1 + time) @ rotation.T)
+        of_right = _pixels(
+            pixels[:, None], right[:, None], by_move(predicted.at_partner_times[time], 1 + time) @ rotation.T
+        )
         by_motion[:, index] = -_dot(along[:, None], of_right)
-    return Residuals(value, by_nearness, by_motion, there.along[1])
+    return Residuals(value, by_nearness, by_motion, predicted.along[1])
 
 
-def parallax(seen: Seen, motion: Motion, nearness: Float[np.ndarray, "m"]) -> Float[np.ndarray, "m"]:
+def parallax(readings: TrackReadings, motion: Motion, nearness: Float[np.ndarray, "m"]) -> Float[np.ndarray, "m"]:
     """How many pixels of the left camera's later image the translation moves each point, whatever the rotation."""
-    move = nearness[:, None] * seen.after[0][:, None] * motion.translation
-    turned = _turned(seen.rays, motion, seen.after[0])
-    return np.linalg.norm(_pixels(seen.later, turned + move, move), axis=1)
+    move = nearness[:, None] * readings.after[0][:, None] * motion.translation
+    turned = _turned(readings.rays, motion, readings.after[0])
+    return np.linalg.norm(_pixels(readings.later, turned + move, move), axis=1)
 
 
 def by_theta(
-    seen: Seen, chart: RigChart, theta: Float[np.ndarray, "n"], motion: Motion, nearness: Float[np.ndarray, "m"]
+    readings: TrackReadings,
+    chart: RigChart,
+    theta: Float[np.ndarray, "n"],
+    motion: Motion,
+    nearness: Float[np.ndarray, "m"],
 ) -> Float[np.ndarray, "m 4 n"]:
     """Derivatives of the residuals by θ; as seen by the cameras of the rig there. Pixels stay pixels: longer focal
     lengths do not make errors smaller."""
-    rig, found = chart.rig_at(theta), np.zeros((len(nearness), SEEN, chart.dim))
-    there = _expected(seen, rig, motion, nearness)
+    rig, found = chart.rig_at(theta), np.zeros((len(nearness), PER_TRACK, chart.dim))
+    predicted = _expected(readings, rig, motion, nearness)
     outer = [index for index, name in enumerate(chart.names) if "." not in name]
-    found[..., outer] = by_extrinsics(seen, rig, chart.extrinsic_slopes[outer], motion, nearness)
+    found[..., outer] = by_extrinsics(readings, rig, chart.extrinsic_slopes[outer], motion, nearness)
     # Intrinsics of the left camera move the ray, and with it all that is expected.
     own, names = lens_parameters(chart, SIDES[0])
     units = chart.half_width[own, None, None]
-    slopes = units * ray_slopes(rig.left, seen.rays, names)
+    slopes = units * ray_slopes(rig.left, readings.rays, names)
     rays = np.concatenate([slopes, np.zeros_like(slopes[..., :1])], axis=-1)
-    turned = [_turned(rays, motion, share) for share in seen.after]
-    of_pixels = units * pixel_slopes(rig.left, there.later, names)[1] + _pixels(seen.later, there.later, turned[0])
+    turned = [_turned(rays, motion, share) for share in readings.after]
+    of_pixels = units * pixel_slopes(rig.left, predicted.later, names)[1] + _pixels(
+        readings.later, predicted.later, turned[0]
+    )
     found[:, 1:3, own] = -np.moveaxis(of_pixels, 0, -1)
     for time, index in enumerate(_PARTNERS):
-        moved = _pixels(seen.partners[time], there.right[time], turned[1 + time] @ rig.rotation.T)
-        found[:, index, own] = -_dot(there.along[time], moved).T
+        moved = _pixels(readings.partners[time], predicted.right[time], turned[1 + time] @ rig.rotation.T)
+        found[:, index, own] = -_dot(predicted.along[time], moved).T
     own, names = lens_parameters(chart, SIDES[1])
     units = chart.half_width[own, None, None, None]
-    of_pixels = units * pixel_slopes(rig.right, there.right, names)[1]
+    of_pixels = units * pixel_slopes(rig.right, predicted.right, names)[1]
     for time, index in enumerate(_PARTNERS):
-        found[:, index, own] = -_dot(there.along[time], of_pixels[:, time]).T
+        found[:, index, own] = -_dot(predicted.along[time], of_pixels[:, time]).T
     return found
 
 
 def by_extrinsics(
-    seen: Seen, rig: StereoRig, slopes: Float[np.ndarray, "e 6"], motion: Motion, nearness: Float[np.ndarray, "m"]
+    readings: TrackReadings,
+    rig: StereoRig,
+    slopes: Float[np.ndarray, "e 6"],
+    motion: Motion,
+    nearness: Float[np.ndarray, "m"],
 ) -> Float[np.ndarray, "m 4 e"]:
     """Derivatives of the residuals by what moves the extrinsics of a rig, as `RigChart.extrinsic_slopes` has it: they
     move what the right camera sees."""
-    there = _expected(seen, rig, motion, nearness)
-    found = np.zeros((len(nearness), SEEN, len(slopes)))
+    predicted = _expected(readings, rig, motion, nearness)
+    found = np.zeros((len(nearness), PER_TRACK, len(slopes)))
     by_angles, by_shift = np.split(slopes, 2, axis=1)
     turns = np.tensordot(by_angles, euler_slopes(np.asarray(rig.extrinsics)[:3]), 1)
     for time, index in enumerate(_PARTNERS):
-        moved = there.met[time] @ turns.swapaxes(1, 2) + nearness[:, None] * by_shift[:, None]
-        found[:, index] = -_dot(there.along[time], _pixels(seen.partners[time], there.right[time], moved)).T
+        moved = predicted.at_partner_times[time] @ turns.swapaxes(1, 2) + nearness[:, None] * by_shift[:, None]
+        found[:, index] = -_dot(predicted.along[time], _pixels(readings.partners[time], predicted.right[time], moved)).T
     return found
 
 
-def _expected(seen: Seen, rig: StereoRig, motion: Motion, nearness: Float[np.ndarray, "m"]) -> Expected:
-    near, baseline = nearness[:, None], np.asarray(rig.translation)
-    turned = np.stack([_turned(seen.rays, motion, share) for share in seen.after])
-    points = turned + near * seen.after[..., None] * motion.translation
-    later, met = points[0], points[1:]
-    right = met @ rig.rotation.T + near * baseline
-    along = _pixels(seen.partners, right, baseline)
-    return Expected(later, met, right, along / np.maximum(np.linalg.norm(along, axis=-1, keepdims=True), 1e-30))
+def _expected(readings: TrackReadings, rig: StereoRig, motion: Motion, nearness: Float[np.ndarray, "m"]) -> Expected:
+    inverse_depth, baseline = nearness[:, None], np.asarray(rig.translation)
+    turned = np.stack([_turned(readings.rays, motion, share) for share in readings.after])
+    points = turned + inverse_depth * readings.after[..., None] * motion.translation
+    later, at_partner_times = points[0], points[1:]
+    right = at_partner_times @ rig.rotation.T + inverse_depth * baseline
+    along = _pixels(readings.partners, right, baseline)
+    return Expected(
+        later, at_partner_times, right, along / np.maximum(np.linalg.norm(along, axis=-1, keepdims=True), 1e-30)
+    )
 
 
 def _turned(

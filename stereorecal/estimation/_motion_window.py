@@ -13,14 +13,14 @@ from stereorecal.estimation._evidence import Normal, marginal
 from stereorecal.estimation._groups import PLACES, places_of
 from stereorecal.estimation._motion_residuals import (
     MOVES,
-    SEEN,
+    PER_TRACK,
     Motion,
-    Seen,
+    TrackReadings,
     by_extrinsics,
     by_theta,
     parallax,
     residuals,
-    seen_by,
+    track_readings,
     with_rays,
 )
 from stereorecal.estimation._motion_start import consensus
@@ -53,20 +53,21 @@ _TURN, _MOVE = 1.0, 100.0  # rad and baselines: motions of which nothing is know
 
 @dataclass(frozen=True, eq=False)
 class Window:
-    """What two consecutive pairs say.
+    """What the tracks between two consecutive pairs say of θ.
 
     Attributes:
         normal: the likelihood of θ; flat where the motion tells nothing: too few tracks, at rest, or turning only.
-        with_way: the same with how far something else says that the rig travelled, if that is far enough.
-        tracks: points that were followed, and whose rays both cameras have.
-        inliers: those that fit one motion of the rig, and one depth each.
-        motion: of the left camera, as the rig at θ has it; None if there are too few tracks.
-        metres: the distance travelled, and its standard deviation were θ known.
-        scale: of the errors of tracks, in those expected.
+        with_distance: the likelihood of θ, also given the distance travelled from an odometer, if that is a tenth of
+            the baseline or more.
+        tracks: number of points that were tracked, and whose rays both cameras have.
+        inliers: number of tracks that fit one motion of the rig, and one depth each.
+        motion: of the left camera, estimated with the rig at θ; None if there are too few tracks.
+        metres: the distance travelled, and its standard deviation if θ were known.
+        scale: ratio of the errors of tracks to the expected ones.
     """
 
     normal: Normal
-    with_way: Normal
+    with_distance: Normal
     tracks: int
     inliers: int
     motion: Motion | None
@@ -97,26 +98,26 @@ def window(
     itself.
 
     Args:
-        way: how far the rig travelled by something else, and the standard deviation of that, metres.
+        way: the distance travelled from an odometer, and its standard deviation, metres.
     """
     nothing = Normal(np.zeros((chart.dim,) * 2), np.zeros(chart.dim), 0.0)
     tracks = with_rays(tracks, chart.rig_at(theta))
     if len(tracks) < _FEWEST:
         return Window(nothing, nothing, len(tracks), 0, None, (0.0, np.inf), 1.0)
-    seen = seen_by(tracks, chart.rig_at(theta))
-    found = _motion(seen, chart, theta, _roughly(tracks, chart, theta))
+    readings = track_readings(tracks, chart.rig_at(theta))
+    found = _motion(readings, chart, theta, _roughly(tracks, chart, theta))
     inliers, metres = int((found.weight > 0.25).sum()), float(np.linalg.norm(found.motion.translation))
-    if np.median(parallax(seen, found.motion, found.nearness)) < _LEAST_PARALLAX:
+    if np.median(parallax(readings, found.motion, found.nearness)) < _LEAST_PARALLAX:
         return Window(nothing, nothing, len(tracks), inliers, found.motion, (metres, np.inf), found.scale)
-    near = theta + found.yaw * _yaw_axis(chart)
-    total = _products(seen, chart, near, found)
+    theta_refined = theta + found.yaw * _yaw_axis(chart)
+    total = _products(readings, chart, theta_refined, found)
     normal, covariance = _normal(total, chart)
-    with_way = normal
+    with_distance = normal
     if way is not None and far_enough(way[0], chart.rig):
-        with_way = _normal(total + _of_way(found.motion, way, chart.dim), chart)[0]
+        with_distance = _normal(total + _of_way(found.motion, way, chart.dim), chart)[0]
     ahead = found.motion.translation / max(metres, 1e-30)
     sigma = float(np.sqrt(max(ahead @ covariance @ ahead, 0.0)))
-    return Window(normal, with_way, len(tracks), inliers, found.motion, (metres, sigma), found.scale)
+    return Window(normal, with_distance, len(tracks), inliers, found.motion, (metres, sigma), found.scale)
 
 
 def far_enough(metres: float, rig: StereoRig) -> bool:
@@ -133,41 +134,45 @@ def _roughly(tracks: Tracks, chart: RigChart, theta: Float[np.ndarray, "n"]) -> 
     """By some of the tracks, since most of the rounds are far from the end: from what most of them agree on, and, if
     that does not end where they are expected, from rest, too; whichever ends nearer to them."""
     rig, some = chart.rig_at(theta), tracks.of(slice(None, None, max(1, len(tracks) // _SOME)))
-    seen, number = seen_by(some, rig), len(some)
+    readings, number = track_readings(some, rig), len(some)
 
     def ended(start: Motion, convex: int) -> _Solved:
-        return _motion(seen, chart, theta, _Solved(start, 0.0, np.zeros(number), 1.0, np.ones(number)), convex)
+        return _motion(readings, chart, theta, _Solved(start, 0.0, np.zeros(number), 1.0, np.ones(number)), convex)
 
-    agreed = ended(consensus(seen, rig), 0)
+    agreed = ended(consensus(readings, rig), 0)
     if agreed.scale < _EXPECTED:
         return agreed
     return min(agreed, ended(Motion(np.eye(3), np.zeros(3)), _CONVEX), key=lambda one: one.scale)
 
 
-def _motion(seen: Seen, chart: RigChart, theta: Float[np.ndarray, "n"], start: _Solved, convex: int = 0) -> _Solved:
+def _motion(
+    readings: TrackReadings, chart: RigChart, theta: Float[np.ndarray, "n"], start: _Solved, convex: int = 0
+) -> _Solved:
     """Gauss-Newton with redescending weights, from a motion and a yaw.
 
     Args:
         convex: rounds in which what is far still has some say.
     """
-    number, axis = len(seen.tracks), _yaw_axis(chart)
+    number, axis = len(readings.tracks), _yaw_axis(chart)
     motion, yaw, nearness, scale, weight = start.motion, start.yaw, np.zeros(number), 1.0, np.ones(number)
     prior = np.diag(np.r_[_wide(chart), _YAW**-2.0])
-    given, slopes = chart.rig_at(theta), chart.extrinsic_slopes[[DRIFTING.index("yaw")]]
+    start_rig, slopes = chart.rig_at(theta), chart.extrinsic_slopes[[DRIFTING.index("yaw")]]
     for round_ in range(_ROUNDS):
-        rig = given.with_extrinsics(chart.extrinsics(theta + yaw * axis))
-        here = residuals(seen, rig, motion, nearness)
+        rig = start_rig.with_extrinsics(chart.extrinsics(theta + yaw * axis))
+        linear = residuals(readings, rig, motion, nearness)
         if not round_:  # the first pair alone
-            nearness = nearness - here.value[:, 0] / here.by_nearness[:, 0]
+            nearness = nearness - linear.value[:, 0] / linear.by_nearness[:, 0]
             continue
-        of_yaw = by_extrinsics(seen, rig, slopes, motion, nearness)
-        columns = np.concatenate([here.value[..., None], here.by_motion, of_yaw], axis=2)
-        left, pulls, _ = _without_depth(_roots(here.along, _approach(motion, nearness)), here.by_nearness, columns)
-        apart = np.sqrt(np.mean(left[..., 0] ** 2, axis=1))
-        scale = max(float(np.median(apart)) / _MEDIAN, _LEAST_SCALE)
-        far = apart / (_REDESCENDS * scale)
-        weight = 1.0 / (1.0 + far**2) ** (1 if round_ < convex else 2)
-        j, r = left[..., 1:], left[..., 0]
+        of_yaw = by_extrinsics(readings, rig, slopes, motion, nearness)
+        columns = np.concatenate([linear.value[..., None], linear.by_motion, of_yaw], axis=2)
+        depth_eliminated, pulls, _ = _without_depth(
+            _roots(linear.along, _approach(motion, nearness)), linear.by_nearness, columns
+        )
+        track_rms = np.sqrt(np.mean(depth_eliminated[..., 0] ** 2, axis=1))
+        scale = max(float(np.median(track_rms)) / _MEDIAN, _LEAST_SCALE)
+        scaled_rms = track_rms / (_REDESCENDS * scale)
+        weight = 1.0 / (1.0 + scaled_rms**2) ** (1 if round_ < convex else 2)
+        j, r = depth_eliminated[..., 1:], depth_eliminated[..., 0]
         weighted = weight[:, None, None] * j
         a = np.tensordot(weighted, j, ([0, 1], [0, 1])) / scale**2 + prior
         b = -np.tensordot(weighted, r, ([0, 1], [0, 1])) / scale**2 - prior @ np.r_[np.zeros(MOVES), yaw]
@@ -196,7 +201,7 @@ def _approach(motion: Motion, nearness: Float[np.ndarray, "m"]) -> Float[np.ndar
 
 def _roots(along: Float[np.ndarray, "m 2"], approach: Float[np.ndarray, "m"]) -> Float[np.ndarray, "m 4 4"]:
     """What whitens the four numbers of each track: a partner later was looked for where the track was seen later."""
-    error = np.zeros((len(along), SEEN, SEEN + 1))
+    error = np.zeros((len(along), PER_TRACK, PER_TRACK + 1))
     error[:, 0, 0] = error[:, 3, 0] = _ALIKE
     error[:, 0, 1] = error[:, 3, 4] = _PARTNER
     error[:, 1, 2] = error[:, 2, 3] = _LATER
@@ -217,17 +222,19 @@ def _without_depth(
     return columns - by[..., None] * along[:, None], along / size, by
 
 
-def _products(seen: Seen, chart: RigChart, near: Float[np.ndarray, "n"], found: _Solved) -> Float[np.ndarray, "c c"]:
+def _products(
+    readings: TrackReadings, chart: RigChart, theta: Float[np.ndarray, "n"], found: _Solved
+) -> Float[np.ndarray, "c c"]:
     """Of the residuals at θ = 0 and their derivatives by θ and by the motion, linear there."""
-    n, rig = chart.dim, chart.rig_at(near)
-    here = residuals(seen, rig, found.motion, found.nearness)
-    by = by_theta(seen, chart, near, found.motion, found.nearness)
-    columns = np.concatenate([here.value[..., None], by, here.by_motion], axis=2)
-    white = _roots(here.along, _approach(found.motion, found.nearness))
-    left, _, taken = _without_depth(white, here.by_nearness, columns)
-    left[..., 0] -= left[..., 1 : 1 + n] @ near
-    place = places_of(seen.tracks.left[0], seen.size)
-    return _together_with_neighbours(left / found.scale, taken, found.weight, place)
+    n, rig = chart.dim, chart.rig_at(theta)
+    linear = residuals(readings, rig, found.motion, found.nearness)
+    by = by_theta(readings, chart, theta, found.motion, found.nearness)
+    columns = np.concatenate([linear.value[..., None], by, linear.by_motion], axis=2)
+    white = _roots(linear.along, _approach(found.motion, found.nearness))
+    depth_eliminated, _, depth_directions = _without_depth(white, linear.by_nearness, columns)
+    depth_eliminated[..., 0] -= depth_eliminated[..., 1 : 1 + n] @ theta
+    place = places_of(readings.tracks.left[0], readings.size)
+    return _products_with_shared_errors(depth_eliminated / found.scale, depth_directions, found.weight, place)
 
 
 def _normal(total: Float[np.ndarray, "c c"], chart: RigChart) -> tuple[Normal, Float[np.ndarray, "3 3"]]:
@@ -248,9 +255,9 @@ def _of_way(motion: Motion, way: tuple[float, float], n: int) -> Float[np.ndarra
     return np.outer(row, row)
 
 
-def _together_with_neighbours(
+def _products_with_shared_errors(
     rows: Float[np.ndarray, "m 4 c"],
-    taken: Float[np.ndarray, "m 4"],
+    depth_directions: Float[np.ndarray, "m 4"],
     weight: Float[np.ndarray, "m"],
     place: Int[np.ndarray, "m"],
 ) -> Float[np.ndarray, "c c"]:
@@ -258,16 +265,23 @@ def _together_with_neighbours(
     error in common besides their own: as large as the evidence says, and integrated.
 
     Args:
-        taken: directions that the depth of each took.
+        depth_directions: of each track, the direction of its residuals that its depth takes, of length 1.
     """
     own = np.sqrt(weight)[:, None, None] * rows
     plain = np.tensordot(own, own, ([0, 1], [0, 1]))
-    pulls, known = np.zeros((PLACES[0] * PLACES[1], *rows.shape[1:])), np.zeros((PLACES[0] * PLACES[1], SEEN, SEEN))
+    pulls, known = (
+        np.zeros((PLACES[0] * PLACES[1], *rows.shape[1:])),
+        np.zeros((PLACES[0] * PLACES[1], PER_TRACK, PER_TRACK)),
+    )
     np.add.at(pulls, place, weight[:, None, None] * rows)
-    np.add.at(known, place, weight[:, None, None] * (np.eye(SEEN) - taken[:, :, None] * taken[:, None]))
+    np.add.at(
+        known,
+        place,
+        weight[:, None, None] * (np.eye(PER_TRACK) - depth_directions[:, :, None] * depth_directions[:, None]),
+    )
     found = []
     for shared in _SHARED:
-        inner = np.eye(SEEN) + shared**2 * known
+        inner = np.eye(PER_TRACK) + shared**2 * known
         total = plain - shared**2 * np.tensordot(pulls, np.linalg.solve(inner, pulls), ([0, 1], [0, 1]))
         found.append((float(total[0, 0] - _explained_fraction(total) + np.linalg.slogdet(inner)[1].sum()), total))
     return min(found, key=lambda one: one[0])[1]

@@ -50,12 +50,12 @@ def outlines(several: Iterable[Offsets], present: Bool[np.ndarray, "p"]) -> list
         present: places that have rows.
     """
     found = sorted((one for offsets in several for one in _searched(offsets, present)), key=lambda one: -one[0])
-    kept = []
+    chosen = []
     for _, log_prior, label in found:
-        other = all((label != one)[present].mean() > _ALIKE for one, _ in kept)
+        other = all((label != one)[present].mean() > _ALIKE for one, _ in chosen)
         if other and label.sum() <= _MOST * present.sum():
-            kept.append((label, log_prior))
-    return kept[:_KEPT]
+            chosen.append((label, log_prior))
+    return chosen[:_KEPT]
 
 
 def _searched(offsets: Offsets, present: Bool[np.ndarray, "p"]) -> Iterator[tuple[float, float, Bool[np.ndarray, "p"]]]:
@@ -81,26 +81,26 @@ def _grown(
     offsets: Offsets, label: Bool[np.ndarray, "p"], present: Bool[np.ndarray, "p"]
 ) -> tuple[float, float, Bool[np.ndarray, "p"]]:
     """Single places change sides, the one that gains most first, while that helps."""
-    side, beside = label.astype(float), _neighbours() * present * present[:, None]
-    degree, own = beside.sum(axis=1), np.diag(offsets.a)
-    al, near = offsets.a @ side, beside @ side
-    pull, stiff, edges = float(offsets.b @ side), float(side @ al), float(side @ (degree - near))
-    now = -np.inf
+    side, adjacency = label.astype(float), _neighbours() * present * present[:, None]
+    degree, own = adjacency.sum(axis=1), np.diag(offsets.a)
+    al, neighbours_inside = offsets.a @ side, adjacency @ side
+    pull, stiff, edges = float(offsets.b @ side), float(side @ al), float(side @ (degree - neighbours_inside))
+    log_evidence = -np.inf
     for _ in range(_STEPS):
         sign = 1.0 - 2.0 * side
-        more = sign * (degree - 2.0 * near)
+        more = sign * (degree - 2.0 * neighbours_inside)
         gains = offsets.gain(pull + sign * offsets.b, stiff + 2.0 * sign * al + own) - _EDGE * (edges + more)
         number = side.sum() + sign
         gains[~present | (number < _FEWEST) | (number > present.sum() - _FEWEST)] = -np.inf
         p = int(gains.argmax())
-        if not gains[p] > now:
+        if not gains[p] > log_evidence:
             break
-        now = float(gains[p])
+        log_evidence = float(gains[p])
         pull, stiff, edges = pull + sign[p] * offsets.b[p], stiff + 2.0 * sign[p] * al[p] + own[p], edges + more[p]
-        al, near = al + sign[p] * offsets.a[:, p], near + sign[p] * beside[:, p]
+        al, neighbours_inside = al + sign[p] * offsets.a[:, p], neighbours_inside + sign[p] * adjacency[:, p]
         side[p] += sign[p]
     log_prior = -_EDGE * float(edges) - float(np.log(2.0))
-    return now - float(np.log(2.0)), log_prior, side > 0.5
+    return log_evidence - float(np.log(2.0)), log_prior, side > 0.5
 
 
 # All rectangles: of each span of rows, all spans of columns.

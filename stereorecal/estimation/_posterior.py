@@ -32,8 +32,8 @@ class Posterior:
     @cached_property
     def covariance(self) -> Float[np.ndarray, "n n"]:
         """Of θ, what the explanations differ by included."""
-        apart = self.means - self.mean
-        return np.einsum("m,mij->ij", self.weights, self.covariances) + (self.weights * apart.T) @ apart
+        deviations = self.means - self.mean
+        return np.einsum("m,mij->ij", self.weights, self.covariances) + (self.weights * deviations.T) @ deviations
 
     def samples(self, number: int, seed: int = 0) -> Float[np.ndarray, "s n"]:
         """θ drawn at random, the same for a seed; each explanation has its share of them, to one draw."""
@@ -42,8 +42,8 @@ class Posterior:
         normal = draw.standard_normal((number, self.means.shape[1]))
         found = np.empty_like(normal)
         for index in np.unique(chosen):
-            here = chosen == index
-            found[here] = self.means[index] + normal[here] @ root(self.covariances[index]).T
+            drawn = chosen == index
+            found[drawn] = self.means[index] + normal[drawn] @ root(self.covariances[index]).T
         return found
 
 
@@ -58,16 +58,16 @@ def merged(posterior: Posterior, most: int) -> Posterior:
     features = np.concatenate([(means - posterior.mean) @ white.T, shapes], axis=1)
     size = np.sum(features**2, axis=1)
 
-    def apart(index: int) -> Float[np.ndarray, "m"]:
+    def distance_from(index: int) -> Float[np.ndarray, "m"]:
         squares = size + size[index]
         distance = squares - 2.0 * features @ features[index]
         return np.where(distance <= _ROUNDING * squares, 0.0, distance)  # the same, but for rounding, are one
 
     # One centre after the other where most weight is farthest from all others.
     heaviest = int(w.argmax())
-    nearest, group = apart(heaviest), np.zeros(len(w), int)
+    nearest, group = distance_from(heaviest), np.zeros(len(w), int)
     for number in range(1, most):
-        other = apart(index := int((w * nearest).argmax()))
+        other = distance_from(index := int((w * nearest).argmax()))
         other[index] = 0.0
         group, nearest = np.where(other < nearest, number, group), np.minimum(other, nearest)
     belongs = (group == np.unique(group)[:, None]) * w

@@ -20,13 +20,13 @@ def recentred_posterior(posterior: Posterior, used: Float[np.ndarray, "n"]) -> P
 
 
 def as_prior_of(known: Posterior) -> CalibrationPrior:
-    """The same, as a prior."""
+    """A posterior as a prior."""
     roots = np.stack([root(covariance) for covariance in known.covariances])
     return CalibrationPrior(roots, known.weights, means=known.means)
 
 
 def as_mixture(prior: CalibrationPrior) -> Posterior:
-    """The same, as a mixture."""
+    """A prior as a mixture of normal distributions."""
     covariances = prior.roots @ prior.roots.swapaxes(1, 2)
     return Posterior(prior.weights, prior.means, 0.5 * (covariances + covariances.swapaxes(1, 2)))
 

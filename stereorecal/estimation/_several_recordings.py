@@ -14,12 +14,12 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.estimation._beams import NO_BEAMS, Beams
 from stereorecal.estimation._calibration_prior import CalibrationPrior
 from stereorecal.estimation._drift import drift_sizes
 from stereorecal.estimation._estimate import Estimate, solved
 from stereorecal.estimation._evidence import Normal, marginal
 from stereorecal.estimation._explanations import Explanation
+from stereorecal.estimation._matched_ranges import NO_RANGES, MatchedRanges
 from stereorecal.estimation._motion import NO_WINDOWS, Windows
 from stereorecal.estimation._prior_conversions import updated
 from stereorecal.estimation._rig_parameters import DRIFTING, rig_parameters
@@ -41,7 +41,7 @@ class Recording:
         rig: the calibration that it started from; those of several recordings have the same cameras.
         prior: of what that leaves; those of several recordings tell of the same error, and none of the others' images.
         start: (n,) θ to begin at; default 0.
-        beams: ranges of what it shows.
+        ranges: ranges of what it shows.
         windows: of its frames that follow each other.
         view: in which its rows and depth are judged; None: the rig's own.
     """
@@ -50,7 +50,7 @@ class Recording:
     rig: StereoRig
     prior: CalibrationPrior
     start: Float[np.ndarray, "n"] | None = None
-    beams: Beams = NO_BEAMS
+    ranges: MatchedRanges = NO_RANGES
     windows: Windows = NO_WINDOWS
     view: View | None = None
 
@@ -86,8 +86,8 @@ def _round(
 def _estimate_of_recording(task: tuple[Recording, CalibrationPrior]) -> tuple[Estimate, Normal]:
     """A recording with what is known before it, and what it shows of the calibration's error."""
     one, prior = task
-    seen, best = solved(one.found, rig_parameters(one.rig), prior, one.start, one.beams, one.windows, one.view)
-    return seen, of_calibration(best)
+    estimated, best = solved(one.found, rig_parameters(one.rig), prior, one.start, one.ranges, one.windows, one.view)
+    return estimated, of_calibration(best)
 
 
 def of_calibration(best: Explanation) -> Normal:
@@ -103,5 +103,7 @@ def of_calibration(best: Explanation) -> Normal:
 def after(prior: CalibrationPrior, known: Normal) -> CalibrationPrior:
     """What is known of the calibration's error after something else has told of it."""
     every = updated(prior, known)
-    kept = every.weights > _LEAST
-    return CalibrationPrior(every.roots[kept], every.weights[kept] / every.weights[kept].sum(), means=every.means[kept])
+    likely = every.weights > _LEAST
+    return CalibrationPrior(
+        every.roots[likely], every.weights[likely] / every.weights[likely].sum(), means=every.means[likely]
+    )

@@ -24,8 +24,8 @@ class AxisErrors:
 
 def axis_errors(rig: StereoRig, reference: StereoRig) -> AxisErrors:
     """The errors of `rig` when `reference` is right."""
-    apart = np.abs(axis_changes(reference, rig))
-    by_name = {str(name): float(value) for name, value in zip(AXES, apart, strict=True)}
+    errors = np.abs(axis_changes(reference, rig))
+    by_name = {str(name): float(value) for name, value in zip(AXES, errors, strict=True)}
     return AxisErrors(*({name: by_name[name] for name in names} for names in (AXES[:3], ("y", "z"))))
 
 

@@ -54,8 +54,10 @@ def camera_changes(camera: Camera, changed: Camera) -> dict[str, float]:
     ratios = np.log(np.diag(changed.matrix)[:2] / np.diag(camera.matrix)[:2])
     centre = np.asarray(changed.matrix)[:2, 2] - np.asarray(camera.matrix)[:2, 2]
     terms = camera.lens.TERMS
-    here, there = (_long_enough(camera.lens, np.array(one.distortion, float), terms) for one in (camera, changed))
-    coefficients = zip(terms, there - here, strict=False)
+    from_coefficients, to_coefficients = (
+        _long_enough(camera.lens, np.array(one.distortion, float), terms) for one in (camera, changed)
+    )
+    coefficients = zip(terms, to_coefficients - from_coefficients, strict=False)
     named = {"f": ratios[0], "aspect": ratios[1] - ratios[0], "cx": centre[0], "cy": centre[1], **dict(coefficients)}
     return {name: float(change) for name, change in named.items()}
 

@@ -86,8 +86,8 @@ class Rectification:
         disparity = _checked(disparity)
         if self.view.projection == PINHOLE:
             return self._over(np.asarray(self.view.nearness(np.zeros(()), disparity)))
-        far = self._over(self._nearness(disparity))
-        return np.where(np.isinf(far), np.inf, far * self._directions()[..., 2])
+        distance = self._over(self._nearness(disparity))
+        return np.where(np.isinf(distance), np.inf, distance * self._directions()[..., 2])
 
     def points(self, disparity: Num[np.ndarray, "h w"]) -> Float[np.ndarray, "h w 3"]:
         """Points (x, y, z) [m] of a disparity image, in the frame of the left camera as it stands on the rig; NaN where
@@ -98,8 +98,8 @@ class Rectification:
         Raises:
             InputError: if the disparities are integers, or the image has another size than the rectified ones.
         """
-        far = self._over(self._nearness(_checked(disparity)))
-        return (self._directions() * np.where(np.isfinite(far), far, np.nan)[..., None]) @ np.asarray(self.R1)
+        distance = self._over(self._nearness(_checked(disparity)))
+        return (self._directions() * np.where(np.isfinite(distance), distance, np.nan)[..., None]) @ np.asarray(self.R1)
 
     def _over(self, nearness: Float[np.ndarray, "*n"]) -> Float[np.ndarray, "*n"]:
         """Metres."""

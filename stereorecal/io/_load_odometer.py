@@ -26,8 +26,8 @@ def load_odometer(path: str | Path) -> Odometer:
         raise InputError(f"{path}: not a table ({error}); write one line for each time.") from None
     header = tuple(name.strip() for name in lines[0]) if lines else ()
     if header not in _KINDS:
-        said = " or ".join(",".join(names) for names in _KINDS)
-        raise InputError(f"{path}: the first line names none of what an odometer says; write {said}.")
+        headers = " or ".join(",".join(names) for names in _KINDS)
+        raise InputError(f"{path}: the first line names none of what an odometer says; write {headers}.")
     try:
         table = np.array([[float(cell) for cell in line] for line in lines[1:]], float).reshape(-1, len(header))
     except ValueError as error:

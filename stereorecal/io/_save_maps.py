@@ -21,8 +21,8 @@ def save_maps(rig: StereoRig, path: AnyPath, overwrite: bool = False, view: AnyV
     """
     made = rectification(rig, view)
     (left_x, left_y), (right_x, right_y) = made.maps
-    shown = made.view
-    arrays: dict[str, Any] = {"P1": made.P1, "P2": made.P2, "Q": made.Q} if shown.projection == PINHOLE else {}
+    used_view = made.view
+    arrays: dict[str, Any] = {"P1": made.P1, "P2": made.P2, "Q": made.Q} if used_view.projection == PINHOLE else {}
     file = io.BytesIO()
     np.savez_compressed(
         file,
@@ -33,11 +33,11 @@ def save_maps(rig: StereoRig, path: AnyPath, overwrite: bool = False, view: AnyV
         size=np.array(made.size),
         R1=made.R1,
         R2=made.R2,
-        projection=np.array(shown.projection),
-        focal=np.array(float(shown.focal)),
-        centre_left=np.array(float(shown.centre_left)),
-        centre_right=np.array(float(shown.centre_right)),
-        centre_row=np.array(float(shown.centre_row)),
+        projection=np.array(used_view.projection),
+        focal=np.array(float(used_view.focal)),
+        centre_left=np.array(float(used_view.centre_left)),
+        centre_right=np.array(float(used_view.centre_right)),
+        centre_row=np.array(float(used_view.centre_row)),
         **arrays,
     )
     write_bytes(path, file.getvalue(), replace=overwrite)

@@ -41,13 +41,14 @@ class LinearRows:
         return replace(self, z=z, differences=differences_at(found, chart, z))
 
 
-def read_by(found: Correspondences, taken: StereoRig, rig: StereoRig) -> Correspondences:
-    """Correspondences found with the cameras of `taken`, with the rays that those of `rig` give to the same pixels."""
+def read_by(found: Correspondences, matched_rig: StereoRig, rig: StereoRig) -> Correspondences:
+    """Correspondences found with the cameras of `matched_rig`, with the rays that those of `rig` give to the same
+    pixels."""
 
     def rays(side: str) -> Float[np.ndarray, "k m 3"]:
-        true, read = getattr(taken, side), getattr(rig, side)
-        given = np.asarray(getattr(found, side))
-        return given if same_camera(true, read) else reread(given, true, read)
+        true, read = getattr(matched_rig, side), getattr(rig, side)
+        found_rays = np.asarray(getattr(found, side))
+        return found_rays if same_camera(true, read) else reread(found_rays, true, read)
 
     return replace(found, left=rays("left"), right=rays("right"))
 
@@ -77,7 +78,7 @@ def linearised(found: Correspondences, chart: RigChart, z: Float[np.ndarray, "n"
     rig = chart.rig_at(z)
     found = read_by(found, chart.rig, rig)
     outer = [index for index, name in enumerate(chart.names) if "." not in name]
-    here = np.stack(rectifying_rotations(rig.rotation, with_unit_baseline(rig.extrinsics)[3:]))
+    rotations = np.stack(rectifying_rotations(rig.rotation, with_unit_baseline(rig.extrinsics)[3:]))
     by_angles, by_shift = np.split(chart.extrinsic_slopes[outer], 2, axis=1)
     by_rotation = np.tensordot(by_angles, euler_slopes(np.asarray(rig.extrinsics[:3])), 1)
     slopes = rectifying_slopes(np.asarray(rig.rotation), np.asarray(rig.translation), by_rotation, by_shift)
@@ -85,13 +86,13 @@ def linearised(found: Correspondences, chart: RigChart, z: Float[np.ndarray, "n"
     jacobian, rows, of_view = np.zeros((z.size, *shape)), np.zeros(shape), projection(found.projection)
     for side, sign in enumerate((1.0, -1.0)):
         rays, camera = np.asarray(getattr(found, SIDES[side]), float), getattr(rig, SIDES[side])
-        row, by_rotation = _rectified_rows(of_view, rays, here[side], slopes[:, side])
+        row, by_rotation = _rectified_rows(of_view, rays, rotations[side], slopes[:, side])
         rows += sign * row
         jacobian[outer] += sign * by_rotation
         own = [index for index, name in enumerate(chart.names) if name.startswith(SIDES[side])]
         if own:
             moved = ray_slopes(camera, rays, [chart.names[index].split(".")[1] for index in own])
-            jacobian[own] = sign * _by_rays(of_view, rays, here[side], moved) * chart.half_width[own, None, None]
+            jacobian[own] = sign * _by_rays(of_view, rays, rotations[side], moved) * chart.half_width[own, None, None]
     focal = float(found.focal)
     return LinearRows(z, focal * rows, focal * jacobian)
 

@@ -77,8 +77,8 @@ class Config:
             if np.shape(getattr(self, name)) != (3,):
                 raise InputError(f"{name} is {getattr(self, name)}; give three numbers, of pitch, yaw and roll.")
         for name in ("wander", "shift", "heating", "rest"):
-            given = np.asarray(getattr(self, name), float)
-            if not np.all((given >= 0) & np.isfinite(given)):
+            values = np.asarray(getattr(self, name), float)
+            if not np.all((values >= 0) & np.isfinite(values)):
                 raise InputError(f"{name} is {getattr(self, name)}; give 0 or more.")
         for name in ("knock", "switch", "harm"):
             if not 0.0 < getattr(self, name) < 1.0:

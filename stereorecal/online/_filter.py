@@ -125,9 +125,9 @@ class FilterEstimate:
         steps = np.array([*config.wander, config.shift, config.shift, delay, *rates, 0.0, 0.0]) ** 2
         covariance = onwards @ self.covariance @ onwards.T + np.diag(steps)
         # Row and column together: an element that is cut alone leaves what is no covariance.
-        kept = np.ones(len(self.mean))
-        kept[SIZE] = _DELAY / max(_DELAY, float(np.sqrt(covariance[SIZE, SIZE])))
-        return FilterEstimate(onwards @ self.mean, covariance * np.outer(kept, kept))
+        shrinkage = np.ones(len(self.mean))
+        shrinkage[SIZE] = _DELAY / max(_DELAY, float(np.sqrt(covariance[SIZE, SIZE])))
+        return FilterEstimate(onwards @ self.mean, covariance * np.outer(shrinkage, shrinkage))
 
     def updated(self, measured: Measurement) -> "FilterEstimate":
         """With one more measurement."""
@@ -142,25 +142,25 @@ class FilterEstimate:
         """Of a measurement as far from the estimate as this one, or farther (chi-square of the innovation)."""
         from scipy.special import chdtrc  # a third of a second to import
 
-        number, far, _ = self._innovation(measured)
-        return float(chdtrc(number, far)) if number else 1.0
+        number, squared_distance, _ = self._innovation(measured)
+        return float(chdtrc(number, squared_distance)) if number else 1.0
 
     def log_likelihood(self, measured: Measurement, most: float = np.inf) -> float:
         """Of a measurement, one that is farther away than so many squared standard deviations being as far."""
-        _, far, log_volume = self._innovation(measured)
-        return -0.5 * (min(far, most) + log_volume)
+        _, squared_distance, log_volume = self._innovation(measured)
+        return -0.5 * (min(squared_distance, most) + log_volume)
 
     def _innovation(self, measured: Measurement) -> tuple[int, float, float]:
         """How many numbers are measured, how far they are from the estimate, squared standard deviations, and the
         logarithm of the determinant of the covariance of that."""
         measured = self.doubted(measured)
         values, axes = np.linalg.eigh(measured.information)
-        kept = values > 1e-9 * max(float(values[-1]), 1e-12)
-        design = axes[:, kept].T @ measured.design
-        innovation = axes[:, kept].T @ measured.offset - design @ self.mean
-        spread = design @ self.covariance @ design.T + np.diag(1.0 / values[kept])
-        far = float(innovation @ np.linalg.solve(spread, innovation))
-        return int(kept.sum()), far, float(np.linalg.slogdet(spread)[1])
+        measured_axes = values > 1e-9 * max(float(values[-1]), 1e-12)
+        design = axes[:, measured_axes].T @ measured.design
+        innovation = axes[:, measured_axes].T @ measured.offset - design @ self.mean
+        spread = design @ self.covariance @ design.T + np.diag(1.0 / values[measured_axes])
+        squared_distance = float(innovation @ np.linalg.solve(spread, innovation))
+        return int(measured_axes.sum()), squared_distance, float(np.linalg.slogdet(spread)[1])
 
     def doubted(self, measured: Measurement) -> Measurement:
         """The measurement, less sure by what the delay makes of an error of the turn."""

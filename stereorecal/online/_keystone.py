@@ -13,18 +13,18 @@ _SHIFTS = np.array([index for index, name in enumerate(EXTRINSICS) if name != "y
 _YAW = EXTRINSICS.index("yaw")
 
 
-def left_of_yaw(rig: StereoRig, config: Config, shown: View | None = None) -> tuple[float, float] | None:
+def left_of_yaw(rig: StereoRig, config: Config, view: View | None = None) -> tuple[float, float] | None:
     """Standard deviations in degrees of the yaw with which depth is right, and of that with which rows lie straight
     less that; the mean over the calibrations that are thought possible. None if the intrinsics are right.
 
     Args:
-        shown: the view in which rows and depth are read; default the rig's own.
+        view: the view in which rows and depth are read; default the rig's own.
     """
     if is_exact(config.prior):
         return None
     chart = rig_parameters(rig)
-    near = consequences(chart, np.zeros(chart.dim), (_ROWS_AT, _DEPTH_AT), shown)
-    rows, depth, own = near.rows[0], near.nearness[1, 0], len(EXTRINSICS)  # over the view
+    consequences_at_rig = consequences(chart, np.zeros(chart.dim), (_ROWS_AT, _DEPTH_AT), view)
+    rows, depth, own = consequences_at_rig.rows[0], consequences_at_rig.nearness[1, 0], len(EXTRINSICS)  # over the view
     by_rows = np.linalg.lstsq(rows[:, :own], rows, rcond=None)[0]  # (5, n)
     by_depth = (depth - depth[_SHIFTS] @ by_rows[_SHIFTS]) / depth[_YAW]
     prior = as_prior(config.prior, chart)

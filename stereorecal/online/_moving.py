@@ -14,7 +14,7 @@ from stereorecal.online._state import State
 from stereorecal.online._switching import Outcome, trial_after_motion
 from stereorecal.online._watching import standing
 from stereorecal.recordings import Pair
-from stereorecal.scoring.host import Corners, corners, shown_again
+from stereorecal.scoring.host import Corners, corner_tracks, corners
 
 _MOST = 400  # corners
 _FEWEST = 30  # of them that are seen again
@@ -34,7 +34,7 @@ def anchored(state: State, pair: Pair, look: PairEstimate) -> State:
     """With the corners of a pair, where none are followed."""
     if not state.config.motion or state.corners is not None:
         return state
-    found = corners(pair, look.matches, look.near, _MOST)
+    found = corners(pair, look.matches, look.match_radius, _MOST)
     return (
         state.replace(corners=found, corners_frame=state.frame, corners_time=pair.time)
         if len(found.left) >= _FEWEST
@@ -47,33 +47,33 @@ def moved(state: State, pair: Pair) -> Outcome:
     if state.corners is None or state.frame - state.corners_frame < state.tracked_pairs:
         return state, []
     with one_blas_thread():
-        return _shown_again(state, state.corners, pair)
+        return _after_tracking(state, state.corners, pair)
 
 
-def _shown_again(state: State, before: Corners, pair: Pair) -> Outcome:
+def _after_tracking(state: State, before: Corners, pair: Pair) -> Outcome:
     pairs = state.frame - state.corners_frame
     if not _within_tracking_time(state.corners_time, pair.time, pairs):
         return state.replace(corners=None), []
     if pair.readout and (state.corners_time is None or pair.time is None):  # of how much of the motion, is not known
         return state.replace(corners=None), []
-    tracks, chart = shown_again(before, pair), rig_parameters(state.rig)
+    tracks, chart = corner_tracks(before, pair), rig_parameters(state.rig)
     if pair.readout and state.corners_time is not None and pair.time is not None:
         tracks = replace(tracks, readout=pair.readout / (pair.time - state.corners_time))
-    seen = window(tracks, chart, np.zeros(chart.dim))
-    lost = seen.motion is None or len(tracks) < _LEFT * len(before.left)
-    near = seen.metres[0] < _AHEAD * float(state.rig.baseline)
-    apart = (
+    tracked = window(tracks, chart, np.zeros(chart.dim))
+    lost = tracked.motion is None or len(tracks) < _LEFT * len(before.left)
+    short_travel = tracked.metres[0] < _AHEAD * float(state.rig.baseline)
+    tracking_gap = (
         max(state.tracked_pairs // 2, 1)
         if lost
         else min(2 * state.tracked_pairs, _longest(state))
-        if near
+        if short_travel
         else state.tracked_pairs
     )
-    state = state.replace(corners=None, tracked_pairs=apart)
-    if seen.motion is None or not seen.informative:
+    state = state.replace(corners=None, tracked_pairs=tracking_gap)
+    if tracked.motion is None or not tracked.informative:
         return state, []
-    turned = np.degrees(vector_from_rotation(seen.motion.rotation)) / pairs
-    return _after_window(state, _measurement(state, seen.normal, turned))
+    turned = np.degrees(vector_from_rotation(tracked.motion.rotation)) / pairs
+    return _after_window(state, _measurement(state, tracked.normal, turned))
 
 
 def _within_tracking_time(first: float | None, second: float | None, pairs: int) -> bool:
@@ -109,9 +109,12 @@ def _after_window(state: State, measured: Measurement) -> Outcome:
     from scipy.special import expit  # a third of a second to import
 
     estimate = state.estimate
-    ours, others = estimate.log_likelihood(measured), estimate.turned(_OWN_YAW).log_likelihood(measured)
+    rig_likelihood, outlier_likelihood = (
+        estimate.log_likelihood(measured),
+        estimate.turned(_OWN_YAW).log_likelihood(measured),
+    )
     expected = _STAY * state.others + _COME * (1.0 - state.others)
-    share = float(expit(np.log1p(-expected) - np.log(expected) + ours - others))
+    share = float(expit(np.log1p(-expected) - np.log(expected) + rig_likelihood - outlier_likelihood))
     first, state = state.outlier_motion, state.replace(others=1.0 - share, outlier_motion=None)
     counted = measured.weighed(share)
     state = trial_after_motion(state.measured(counted), counted)

@@ -27,23 +27,23 @@ _NEAR = 1.5  # cells of dense correspondences
 
 @dataclass(frozen=True, eq=False)
 class PairEstimate:
-    """What a look shows.
+    """The estimate of the rig by one pair.
 
     Attributes:
         chart: around the calibration that was looked through.
         covered: share of the image in which correspondences were found.
-        facts: what they say, at the offset `facts.z` to the true rig, in half widths of the chart's box; None if too
-            little matches, or what matches does so by chance.
+        evidence: what they say, at the offset `evidence.z` to the true rig, in half widths of the chart's box; None if
+            too little matches, or what matches does so by chance.
         found: the correspondences that they rest on.
     """
 
     chart: RigChart
     covered: float
-    facts: Evidence | None = None
+    evidence: Evidence | None = None
     found: Correspondences | None = None
 
     @property
-    def near(self) -> float:
+    def match_radius(self) -> float:
         """Pixels: what is farther from all correspondences is of something else."""
         assert self.found is not None
         width, height = self.chart.rig.left.size
@@ -53,17 +53,17 @@ class PairEstimate:
     def matches(self) -> host.Matches:
         """Pixels that correspond."""
         assert self.found is not None
-        rig, seen = self.chart.rig, np.asarray(self.found.weight[0]) > 0
-        left, right = (np.asarray(rays[0], float)[seen] for rays in (self.found.left, self.found.right))
+        rig, valid = self.chart.rig, np.asarray(self.found.weight[0]) > 0
+        left, right = (np.asarray(rays[0], float)[valid] for rays in (self.found.left, self.found.right))
         return host.Matches(np.asarray(rig.left.project(left)), np.asarray(rig.right.project(right)))
 
     def rows(self, rig: StereoRig) -> float:
         """|Row difference| under a rig, pixels at full size: the mean over the tiles of a tile's median."""
-        facts = self.facts
-        if facts is None:
+        evidence = self.evidence
+        if evidence is None:
             return float("nan")
         way = self.chart.coordinates(np.asarray(rig.extrinsics))
-        return float(np.mean(facts.medians(facts.start_residual + facts.jacobian @ way)))
+        return float(np.mean(evidence.medians(evidence.start_residual + evidence.jacobian @ way)))
 
 
 def estimate_pair(rig: StereoRig, pair: Pair, view: View, matcher: AbstractMatcher) -> PairEstimate:
@@ -78,13 +78,13 @@ def estimate_pair(rig: StereoRig, pair: Pair, view: View, matcher: AbstractMatch
     if found.found < FEWEST or found.covered < LEAST_COVERED:
         return PairEstimate(chart, found.covered)
     start = linearised(found, chart, np.zeros(chart.dim))
-    facts = evidence_of(found, _solved_robustly(found, start, chart.prior), start.differences, chart.prior)
-    if facts.places < FEWEST_PLACES or (
-        np.mean(facts.medians(facts.residual)) * facts.scale > FALSE
+    evidence = evidence_of(found, _solved_robustly(found, start, chart.prior), start.differences, chart.prior)
+    if evidence.places < FEWEST_PLACES or (
+        np.mean(evidence.medians(evidence.residual)) * evidence.scale > FALSE
         and is_sparse(found.covered, image_quality(pair).texture)
     ):
         return PairEstimate(chart, found.covered)
-    return PairEstimate(chart, found.covered, facts, found)
+    return PairEstimate(chart, found.covered, evidence, found)
 
 
 def _solved_robustly(found: Correspondences, start: LinearRows, prior: float) -> LinearRows:

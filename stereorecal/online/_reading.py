@@ -99,12 +99,12 @@ class Reading:
 
 def reading(state: State) -> Reading:
     """What a state says of the calibration in use."""
-    apart = state.estimate.offset - state.using
+    offset = state.estimate.offset - state.using
     widths = NORMAL_95 * np.sqrt(np.diag(state.estimate.covariance))
     delay = state.estimate.delay
     axes = {
         name: Interval(value, value - width, value + width)
-        for name, value, width in zip(state.chart.names, apart.tolist(), widths[:SIZE].tolist(), strict=True)
+        for name, value, width in zip(state.chart.names, offset.tolist(), widths[:SIZE].tolist(), strict=True)
     }
     late = Interval(delay, delay - float(widths[SIZE]), delay + float(widths[SIZE]))
     if not state.estimate.is_finite:
@@ -130,10 +130,10 @@ def _decided(
 ) -> tuple[Decision, bool, Float[np.ndarray, "5"] | None, Mapping[int, Interval]]:
     """Of a calibration in use the decision on what may be switched, whether it is shifted, which change is better, and
     its error of depth."""
-    seen = known(initial, using, filtered, view)
-    found = decide(seen, free, limits, depth_observable=True)
+    estimate = known(initial, using, filtered, view)
+    found = decide(estimate, free, limits, depth_observable=True)
     beyond = free != EXTRINSICS and found.verdict is Verdict.CANNOT_TELL
-    shifted = beyond and not decide(seen, EXTRINSICS, limits, depth_observable=True).refused
-    depth = {at: Interval(*ends) for at, ends in seen.depth_error_percent(np.zeros(len(seen.names))).items()}
-    better = better_on_average(seen, free, limits, harm=harm) if found.refused else found.theta
+    shifted = beyond and not decide(estimate, EXTRINSICS, limits, depth_observable=True).refused
+    depth = {at: Interval(*ends) for at, ends in estimate.depth_error_percent(np.zeros(len(estimate.names))).items()}
+    better = better_on_average(estimate, free, limits, harm=harm) if found.refused else found.theta
     return found, shifted, None if better is None else better[:SIZE], depth

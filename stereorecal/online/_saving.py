@@ -119,7 +119,7 @@ def _loaded(path: str | Path) -> State:
             arrays = {name: file[name] for name in file.files}
         content = json.loads(arrays["content"].tobytes())
         if content["schema"] == SCHEMA:
-            return _made(content["state"], arrays).alone()
+            return _decoded(content["state"], arrays).alone()
     except _NotInstalled as error:
         raise InputError(f"{path}: the matcher {error} is not installed; install it, or {_ANEW}.") from error
     except MatcherError:
@@ -153,24 +153,24 @@ def _encoded(value: Any, arrays: dict[str, np.ndarray]) -> Any:
 
 def _parts(value: Any, arrays: dict[str, np.ndarray]) -> dict[str, Any]:
     # Where pixels and calibrations came from is not kept: the files may be gone by then.
-    kept = [part.name for part in fields(value) if part.init and part.name not in ("origin", "source")]
-    return {name: _encoded(getattr(value, name), arrays) for name in kept}
+    names = [part.name for part in fields(value) if part.init and part.name not in ("origin", "source")]
+    return {name: _encoded(getattr(value, name), arrays) for name in names}
 
 
-def _made(told: Any, arrays: Mapping[str, np.ndarray]) -> Any:
-    if isinstance(told, list):
-        return tuple(_made(item, arrays) for item in told)
-    if not isinstance(told, dict):
-        return told
-    if "float" in told:
-        return float.fromhex(told["float"])
-    if "array" in told:
-        return arrays[told["array"]]
-    if "matcher" in told:
-        if told["matcher"] not in matchers():
-            raise _NotInstalled(told["matcher"])
-        return matcher(told["matcher"], **{name: _made(item, arrays) for name, item in told["with"].items()})
-    kind = _KNOWN[told["of"]]
-    if "name" in told:
-        return kind[told["name"]]
-    return kind(**{name: _made(item, arrays) for name, item in told["with"].items()})
+def _decoded(value: Any, arrays: Mapping[str, np.ndarray]) -> Any:
+    if isinstance(value, list):
+        return tuple(_decoded(item, arrays) for item in value)
+    if not isinstance(value, dict):
+        return value
+    if "float" in value:
+        return float.fromhex(value["float"])
+    if "array" in value:
+        return arrays[value["array"]]
+    if "matcher" in value:
+        if value["matcher"] not in matchers():
+            raise _NotInstalled(value["matcher"])
+        return matcher(value["matcher"], **{name: _decoded(item, arrays) for name, item in value["with"].items()})
+    kind = _KNOWN[value["of"]]
+    if "name" in value:
+        return kind[value["name"]]
+    return kind(**{name: _decoded(item, arrays) for name, item in value["with"].items()})

@@ -52,33 +52,33 @@ class SequentialTest:
     known: Float[np.ndarray, "4 4"] = field(default_factory=lambda: np.zeros((POSES, POSES)))
 
     def measured(
-        self, using: Float[np.ndarray, "5"], seen: Measurement, before: float, after: float
+        self, using: Float[np.ndarray, "5"], measurement: Measurement, before: float, after: float
     ) -> "SequentialTest":
         """With a look that both share, and their row errors in it."""
         return replace(
-            self.moved(using, seen),
+            self.moved(using, measurement),
             looks=self.looks + 1,
             rows_before=self.rows_before + before,
             rows_after=self.rows_after + after,
             compared=self.compared + 1,
         )
 
-    def moved(self, using: Float[np.ndarray, "5"], seen: Measurement) -> "SequentialTest":
+    def moved(self, using: Float[np.ndarray, "5"], measurement: Measurement) -> "SequentialTest":
         """With what the rig's motion tells, which shows no rows."""
-        added = self._with(using, seen)
+        added = self._with(using, measurement)
         while abs(added.evidence - self.evidence) > _MOST_OF_ONE:
-            seen = seen.weighed(0.5)
-            added = self._with(using, seen)
+            measurement = measurement.weighed(0.5)
+            added = self._with(using, measurement)
         return added
 
-    def _with(self, using: Float[np.ndarray, "5"], seen: Measurement) -> "SequentialTest":
-        off = seen.offset - np.stack([using, self.offset])
-        pulled = seen.information @ seen.poses
+    def _with(self, using: Float[np.ndarray, "5"], measurement: Measurement) -> "SequentialTest":
+        off = measurement.offset - np.stack([using, self.offset])
+        pulled = measurement.information @ measurement.poses
         return replace(
             self,
-            misses=self.misses + np.einsum("hi,ij,hj->h", off, seen.information, off),
+            misses=self.misses + np.einsum("hi,ij,hj->h", off, measurement.information, off),
             pulls=self.pulls + off @ pulled,
-            known=self.known + seen.poses.T @ pulled,
+            known=self.known + measurement.poses.T @ pulled,
         )
 
     @property

@@ -127,10 +127,10 @@ class State:
         estimate = self.estimate.later(self.pace.config(self.config))
         return replace(self, estimate=estimate, pace=self.pace.later(self.config))
 
-    def measured(self, seen: Measurement, together: int = 1) -> "State":
+    def measured(self, measurement: Measurement, together: int = 1) -> "State":
         """With a measurement, of which so many err together."""
-        estimate = self.estimate.updated(self.estimate.doubted(seen).weighed(1.0 / together))
-        return replace(self, estimate=estimate, pace=self.pace.updated(seen.weighed(together**-0.5)))
+        estimate = self.estimate.updated(self.estimate.doubted(measurement).weighed(1.0 / together))
+        return replace(self, estimate=estimate, pace=self.pace.updated(measurement.weighed(together**-0.5)))
 
     def standing_at(self, estimate: FilterEstimate) -> "State":
         """With another estimate."""

@@ -44,12 +44,12 @@ def init(rig: StereoRig, config: Config = Config()) -> State:  # noqa: B008  fro
     first = at_start(np.ones(SIZE), config)
     blank = State(config, rig, as_view(config.view, rig), np.zeros(SIZE), first, Pace.at(first))
     known = matcher if matcher.num_disparities is not None else None
-    prior, bent = blank.prior, 0.0
+    prior, keystone_sigma = blank.prior, 0.0
     if (
-        left := left_of_yaw(rig, config, blank.view)
+        yaw_deviations := left_of_yaw(rig, config, blank.view)
     ) is not None:  # a rig that was calibrated: that it has turned, something shows
-        prior[1], bent = left
-    estimate = at_start(prior, config, bent)
+        prior[1], keystone_sigma = yaw_deviations
+    estimate = at_start(prior, config, keystone_sigma)
     return blank.replace(estimate=estimate, pace=Pace.at(estimate), matcher=known, attempt=_FIRST)
 
 
@@ -98,23 +98,23 @@ def rollback(state: State, to: Offset | None = None) -> State:
     numbers = [number for number, offset in enumerate(state.previous) if to is None or np.array_equal(offset, to)]
     if not numbers:
         raise InputError("that calibration has not been in use, or too long ago; give one of state.previous.")
-    kept = state.previous[: numbers[-1]]
-    return freeze(switched(state, state.previous[numbers[-1]]).replace(previous=kept))
+    earlier = state.previous[: numbers[-1]]
+    return freeze(switched(state, state.previous[numbers[-1]]).replace(previous=earlier))
 
 
 def _after_pair(state: State, pair: Pair) -> Outcome:
-    config, before, now = state.config, state.last, small(pair.left)
-    state = state.later().replace(last=now)
+    config, before, current = state.config, state.last, small(pair.left)
+    state = state.later().replace(last=current)
     if state.job is not None:
         return continued(state)
     if state.frame % config.every:
         return state, []
-    state, told = moved(state, pair)
-    state, seen = _after_look(state, pair, before, now)
-    return state, [*told, *seen]
+    state, motion_events = moved(state, pair)
+    state, look_events = _after_look(state, pair, before, current)
+    return state, [*motion_events, *look_events]
 
 
-def _after_look(state: State, pair: Pair, before: Small | None, now: Small) -> Outcome:
+def _after_look(state: State, pair: Pair, before: Small | None, current: Small) -> Outcome:
     config = state.config
     matcher = state.matcher
     if matcher is None:
@@ -123,9 +123,9 @@ def _after_look(state: State, pair: Pair, before: Small | None, now: Small) -> O
         matcher = with_measured_range(config.matcher, pyramid(state.rig, [pair], state.view))
         state = state.replace(matcher=matcher)
     look = estimate_pair(state.rig, pair, state.view, matcher)
-    if look.facts is None:
-        return _blind(state, pair, look)
-    turned = _turn(state, before, now)
+    if look.evidence is None:
+        return _unmatched_pair(state, pair, look)
+    turned = _turn(state, before, current)
     measured = measurement(state, look, turned)
     state = state.replace(
         seen=state.seen + 1,
@@ -148,14 +148,14 @@ def _after_look(state: State, pair: Pair, before: Small | None, now: Small) -> O
     return state, [*events, *more, *put_up]
 
 
-def _turn(state: State, before: Small | None, now: Small) -> Float[np.ndarray, "3"] | None:
+def _turn(state: State, before: Small | None, current: Small) -> Float[np.ndarray, "3"] | None:
     """By which a late shutter would have turned the right image, in a frame; None if it is not known."""
     if state.config.synchronous:
         return np.zeros(3)
-    return None if before is None else turn(state.initial.left, before, now)
+    return None if before is None else turn(state.initial.left, before, current)
 
 
-def _blind(state: State, pair: Pair, look: PairEstimate) -> Outcome:
+def _unmatched_pair(state: State, pair: Pair, look: PairEstimate) -> Outcome:
     """A pair of which hardly anything matches: too little to see, or a rig that is far off."""
     if not image_quality(pair).enough:
         return _too_little(state)

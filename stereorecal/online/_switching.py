@@ -45,8 +45,12 @@ def trial_after_unmatched(state: State, before: float, look: Callable[[], PairEs
     trial = state.trial
     if trial is None or state.frame <= trial.since:
         return state, []
-    seen = look()
-    return decided(state.replace(trial=trial.matched(before, seen.covered if seen.facts is not None else 0.0)))
+    candidate_look = look()
+    return decided(
+        state.replace(
+            trial=trial.matched(before, candidate_look.covered if candidate_look.evidence is not None else 0.0)
+        )
+    )
 
 
 def decided(state: State) -> Outcome:
@@ -80,9 +84,9 @@ def _chance_of_harm(state: State, offset: Offset) -> float:
     """Of a switch, by what the filter knows; 1 if that is no number."""
     if not state.estimate.is_finite:
         return 1.0
-    seen = known(state.initial, tuple(state.using.tolist()), state.estimate, state.view)
-    change = seen.chart.coordinates(np.asarray(state.rig_at(offset).extrinsics, float))
-    return chance_of_harm(seen, change, state.config.tolerances)
+    estimate = known(state.initial, tuple(state.using.tolist()), state.estimate, state.view)
+    change = estimate.chart.coordinates(np.asarray(state.rig_at(offset).extrinsics, float))
+    return chance_of_harm(estimate, change, state.config.tolerances)
 
 
 def switched(state: State, offset: Offset) -> State:

@@ -22,30 +22,30 @@ def small(image: Float[np.ndarray, "h w"]) -> Small:
     return cv2.resize(image, size, interpolation=cv2.INTER_AREA).astype(np.uint8)
 
 
-def turn(camera: Camera, before: Small, now: Small) -> Float[np.ndarray, "3"] | None:
+def turn(camera: Camera, before: Small, after: Small) -> Float[np.ndarray, "3"] | None:
     """Rotation vector (3,) [rad] of x(now) = Q x(before) in the camera's frame; None if nothing can be followed.
 
     Corners are followed (Lucas & Kanade 1981) and the rotation solved for with Cauchy's weights, since what is near
     moves more than that when the rig travels.
     """
     corners = cv2.goodFeaturesToTrack(before, _CORNERS, 0.01, 6)
-    if corners is None or len(corners) < _FEWEST or before.shape != now.shape:
+    if corners is None or len(corners) < _FEWEST or before.shape != after.shape:
         return None
-    moved, followed, _ = cv2.calcOpticalFlowPyrLK(before, now, corners, np.zeros_like(corners))
-    kept = followed.reshape(-1) > 0
-    if kept.sum() < _FEWEST:
+    moved, followed, _ = cv2.calcOpticalFlowPyrLK(before, after, corners, np.zeros_like(corners))
+    tracked = followed.reshape(-1) > 0
+    if tracked.sum() < _FEWEST:
         return None
     zoom = camera.size[0] / before.shape[1]
-    first, second = ((zoom * (points.reshape(-1, 2)[kept] + 0.5) - 0.5).astype(float) for points in (corners, moved))
+    first, second = ((zoom * (points.reshape(-1, 2)[tracked] + 0.5) - 0.5).astype(float) for points in (corners, moved))
     design, wanted = (_on_sphere if camera.lens.WIDE else _on_plane)(camera, first, second)
     if len(wanted) < _FEWEST:
         return None
     weight, found = np.ones_like(wanted), np.zeros(3)
     for _ in range(_ROUNDS):
         found = np.linalg.lstsq(design * weight[:, None] ** 0.5, wanted * weight**0.5, rcond=None)[0]
-        left = wanted - design @ found
-        spread = max(1.4826 * float(np.median(np.abs(left))), 1e-5)
-        weight = 1.0 / (1.0 + (left / spread) ** 2)
+        residuals = wanted - design @ found
+        spread = max(1.4826 * float(np.median(np.abs(residuals))), 1e-5)
+        weight = 1.0 / (1.0 + (residuals / spread) ** 2)
     return found
 
 
@@ -70,8 +70,8 @@ def _on_sphere(
     the edge of the lens' own image does not move with the scene."""
     rays, moved = np.asarray(camera.directions(first)), np.asarray(camera.directions(second))
     around = camera.size[0] / _WIDTH * _BESIDE * np.array([[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]])
-    beside = np.asarray(camera.directions(first[:, None] + around)).sum(axis=1)
-    known = np.isfinite(rays + moved + beside).all(axis=1)
+    directions_around = np.asarray(camera.directions(first[:, None] + around)).sum(axis=1)
+    known = np.isfinite(rays + moved + directions_around).all(axis=1)
     rays, flow = rays[known], (moved - rays)[known]
     by_turn = np.cross(np.eye(3)[:, None], rays)  # (axis, k, 3)
     return by_turn.reshape(3, -1).T, flow.reshape(-1)

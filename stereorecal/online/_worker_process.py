@@ -204,20 +204,20 @@ class MonitorProcess:
                     pipe.send_bytes(sent)
                 else:
                     pipe.send(sent)
-                state, events, rest = pipe.recv()
+                state, events, pause = pipe.recv()
                 self._answered = True
                 with self._lock:
                     self._state, self._events = state, (*self._events, *events)
                 if sent is None:
                     break
                 with self._there:
-                    self._there.wait_for(lambda: self._closed, rest)
+                    self._there.wait_for(lambda: self._closed, pause)
                     self._working = False
 
 
-def _set(state: State, now: State) -> State:
+def _set(state: State, fresh: State) -> State:
     """A state with the settings of one that is made now; nothing that was frozen is thawed by them."""
-    before, config = state.config, now.config
+    before, config = state.config, fresh.config
     config = replace(config, repair=config.repair and before.repair)
     state = state.configured(config)
     if before.repair and not config.repair:

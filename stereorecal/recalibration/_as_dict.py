@@ -74,19 +74,19 @@ def score_as_dict(score: Score) -> dict[str, Any]:
     return {"count": score.count, "pixels": score.pixels, "fraction": score.fraction}
 
 
-def _estimate(seen: Estimate) -> dict[str, Any]:
+def _estimate(estimate: Estimate) -> dict[str, Any]:
     """All parameters of the rig, whatever was free: changes from the initial calibration."""
-    low, high = seen.intervals.T
+    low, high = estimate.intervals.T
     return {
-        "names": seen.names,
-        "units": seen.units,
-        "mean": seen.theta,
+        "names": estimate.names,
+        "units": estimate.units,
+        "mean": estimate.theta,
         "low_95": low,
         "high_95": high,
-        "covariance": seen.posterior.covariance,
-        "misfit_px": {"of_a_frame": seen.misfit[0], "common": seen.misfit[1]},
-        "residual_px": seen.residual_px,
-        "groups": seen.groups,
+        "covariance": estimate.posterior.covariance,
+        "misfit_px": {"of_a_frame": estimate.misfit[0], "common": estimate.misfit[1]},
+        "residual_px": estimate.residual_px,
+        "groups": estimate.groups,
     }
 
 

@@ -11,7 +11,7 @@ _BASELINE = (0.002, 5.0)  # metres
 def doubts(rig: StereoRig) -> tuple[str, ...]:
     """Sentences, each with what to check. Whether the rig is aligned is another question: rows know neither the length
     of the baseline nor, both changed alike, focal lengths."""
-    found = [said for side in ("left", "right") if (said := _of_field(side, getattr(rig, side))) is not None]
+    found = [sentence for side in ("left", "right") if (sentence := _of_field(side, getattr(rig, side))) is not None]
     baseline = float(rig.baseline)
     if not _BASELINE[0] <= baseline <= _BASELINE[1]:
         found.append(f"the cameras would be {baseline:.3g} m apart; check the unit of the translation")

@@ -33,34 +33,36 @@ class Correction:
     main_axes: tuple[str, ...]
 
 
-def correction_of(seen: Estimate, decision: Decision, depth: Mapping[int, Interval], row_error: float) -> Correction:
+def correction_of(
+    estimate: Estimate, decision: Decision, depth: Mapping[int, Interval], row_error: float
+) -> Correction:
     """The correction that an estimate asks for.
 
     Args:
         depth: error of the calibration's.
         row_error: that it would leave.
     """
-    widths = 0.5 * (seen.intervals[:, 1] - seen.intervals[:, 0])
+    widths = 0.5 * (estimate.intervals[:, 1] - estimate.intervals[:, 0])
     middle, low, high = decision.rows_px[0].tolist()
     return Correction(
         axes={
             name: Interval(value, value - width, value + width)
-            for name, value, width in zip(seen.names, decision.theta.tolist(), widths.tolist(), strict=True)
+            for name, value, width in zip(estimate.names, decision.theta.tolist(), widths.tolist(), strict=True)
             if name in EXTRINSICS
         },
         rows_px=Interval(middle, low, high),
         depth_percent=depth,
         row_error=row_error,
         decision=decision,
-        main_axes=_main_axes(seen, decision),
+        main_axes=_main_axes(estimate, decision),
     )
 
 
-def _main_axes(seen: Estimate, decision: Decision) -> tuple[str, ...]:
+def _main_axes(estimate: Estimate, decision: Decision) -> tuple[str, ...]:
     limits, losses = decision.tolerances, {}
-    for index, name in enumerate(seen.names):
+    for index, name in enumerate(estimate.names):
         if name in EXTRINSICS:
-            rows, depth = seen.effects(np.where(np.arange(len(seen.names)) == index, decision.theta, 0.0))
+            rows, depth = estimate.effects(np.where(np.arange(len(estimate.names)) == index, decision.theta, 0.0))
             losses[name] = rows / limits.gain_px + depth / limits.worse_depth_points
     most = sorted(losses, key=lambda name: -losses[name])
     return tuple(name for name in most if losses[name] > 1.0) or tuple(most[:1])

@@ -14,7 +14,7 @@ _PARTS = 4  # of the places, each left out once
 
 
 def decided_by_cross_validation(
-    seen: Estimate,
+    estimated: Estimate,
     found: Correspondences,
     rig: StereoRig,
     prior: Prior,
@@ -29,18 +29,20 @@ def decided_by_cross_validation(
         rig: the given one.
         free: names, with intrinsics among them.
     """
-    if seen.shown is None or is_exact(prior) or len(places := frames_by_place(seen.shown)) < _PARTS:
+    if estimated.shown is None or is_exact(prior) or len(places := frames_by_place(estimated.shown)) < _PARTS:
         return None
-    freed = decide(seen, free, tolerances, proven=True)
+    freed = decide(estimated, free, tolerances, proven=True)
     if freed.refused or not freed.explains:
         return None
-    shown, known = seen.shown, as_prior(prior, seen.chart)
-    before = shown.differences(seen.chart, np.zeros(seen.chart.dim))
+    groups, known = estimated.shown, as_prior(prior, estimated.chart)
+    before = groups.differences(estimated.chart, np.zeros(estimated.chart.dim))
     after = np.full_like(before, np.nan)
     for part in range(_PARTS):
         left_out = tuple(frame for place in places[part::_PARTS] for frame in place)
-        others = estimate(without_frames_of(found, left_out), rig, known, start=seen.theta, view=seen.view)
-        theta = with_nearest_distance(others, tolerances).with_free(free, keep_depth=freed.keeps_depth)
-        here = np.isin(shown.frame, left_out)
-        after[here] = shown.differences(seen.chart, theta)[here]
-    return freed if largest_loss(shown, before, after) <= tolerances.worse_rows_px else None
+        training_estimate = estimate(
+            without_frames_of(found, left_out), rig, known, start=estimated.theta, view=estimated.view
+        )
+        theta = with_nearest_distance(training_estimate, tolerances).with_free(free, keep_depth=freed.keeps_depth)
+        held_out = np.isin(groups.frame, left_out)
+        after[held_out] = groups.differences(estimated.chart, theta)[held_out]
+    return freed if largest_loss(groups, before, after) <= tolerances.worse_rows_px else None

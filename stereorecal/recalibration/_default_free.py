@@ -8,16 +8,16 @@ from stereorecal.recalibration._stages import Case
 from stereorecal.scoring import Correspondences
 
 
-def free_and_decision(case: Case, found: Correspondences, seen: Estimate) -> tuple[Parameters, Decision]:
+def free_and_decision(case: Case, found: Correspondences, estimate: Estimate) -> tuple[Parameters, Decision]:
     """What may change, and the decision on it: as it is in the case; or everything, where that does not explain the
     rows of several places, and all parameters together do, also in frames that took no part.
 
     Args:
         found: that the estimate rests on.
     """
-    held = decide(seen, case.free.names, case.tolerances)
+    held = decide(estimate, case.free.names, case.tolerances)
     if not case.free.widens or held.verdict is Verdict.GOOD or held.explains:
         return case.free, held
     free = case.free.widest(case.rig)
-    freed = decided_by_cross_validation(seen, found, case.rig, case.prior, free.names, case.tolerances)
+    freed = decided_by_cross_validation(estimate, found, case.rig, case.prior, free.names, case.tolerances)
     return (case.free, held) if freed is None else (free, freed)

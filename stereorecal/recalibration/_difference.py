@@ -11,7 +11,7 @@ from stereorecal._arrays import refuse_tracers
 from stereorecal._errors import InputError
 from stereorecal._json_data import json_data
 from stereorecal.geometry import AXES, AnyView, StereoRig, angle_between, as_view, axis_changes, same_camera
-from stereorecal.recalibration._effects import depth_errors, rows_apart
+from stereorecal.recalibration._effects import depth_errors, row_errors_of
 from stereorecal.report.number_text import change, depths
 
 _GRID = (32, 24)  # columns and rows: as many as show what a lens or a roll does
@@ -124,7 +124,7 @@ def difference(before: StereoRig, after: StereoRig, *, view: AnyView = None) -> 
         depth_error_percent=depth_errors(before, after),
         columns=columns,
         rows=rows,
-        row_differences=rows_apart(before, after, view, columns, rows),
+        row_differences=row_errors_of(before, after, view, columns, rows),
     )
 
 

@@ -51,7 +51,7 @@ def _nearness(used: StereoRig, better: StereoRig, depth: float) -> float:
     return float(depth * (left[0] - right[0]) / point[2])
 
 
-def rows_apart(
+def row_errors_of(
     used: StereoRig, better: StereoRig, view: View, columns: Float[np.ndarray, "w"], rows: Float[np.ndarray, "h"]
 ) -> Float[np.ndarray, "distances h w"]:
     """Row of a point in the left image rectified by `used` less its row in the right one, if `better` is right.
@@ -66,14 +66,14 @@ def rows_apart(
     """
     to_left, to_right = rectifying_rotations(used.rotation, used.translation)
     in_view = np.meshgrid(columns, rows)
-    shown = np.asarray(view.directions(*in_view, 0)) @ to_left
-    true = _reread(_nan_outside_image(shown, used.left), used.left, better.left)
-    apart = []
+    rays = np.asarray(view.directions(*in_view, 0)) @ to_left
+    true = _reread(_nan_outside_image(rays, used.left), used.left, better.left)
+    row_errors = []
     for distance in ROW_DISTANCES:
         from_right = true @ better.rotation.T + better.translation / (distance * float(better.baseline))
         read = _reread(_nan_outside_image(from_right, better.right), better.right, used.right) @ to_right.T
-        apart.append(in_view[1] - view.pixels(_at_depth_1(read), 1)[1])
-    return np.stack(apart)
+        row_errors.append(in_view[1] - view.pixels(_at_depth_1(read), 1)[1])
+    return np.stack(row_errors)
 
 
 def _reread(rays: Float[AnyArray, "*n 3"], true: Camera, read: Camera) -> Float[np.ndarray, "*n 3"]:

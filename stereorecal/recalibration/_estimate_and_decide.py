@@ -30,7 +30,7 @@ from stereorecal.recalibration._schedule import ScoreKind, Stage
 from stereorecal.recalibration._stage_result import Ending, counts
 from stereorecal.recalibration._stages import FEWEST, Case, StageRun, matched
 from stereorecal.recalibration._uncertainty import Uncertainty, uncertainty
-from stereorecal.recalibration._unmatched import LIKELY, MOST_APART, is_sparse, unmatched, without_frames_of
+from stereorecal.recalibration._unmatched import LIKELY, MOST_EXCLUDED, is_sparse, unmatched, without_frames_of
 from stereorecal.recalibration._windows import windows_of, without_frames
 from stereorecal.scoring import Correspondences, image_quality
 from stereorecal.scoring.host import refuse_swapped_images
@@ -43,7 +43,7 @@ class Answer:
     Attributes:
         found: of the frames that are kept.
         estimate: of the rig that they show.
-        apart: numbers of the frames that show another one.
+        excluded: numbers of the frames that show another rig.
         refused: they are too many to say which are wrong; all count then.
         free: what may change, if frames bear out that more must than the case has free.
         decision: on the initial calibration.
@@ -53,7 +53,7 @@ class Answer:
 
     found: Correspondences
     estimate: Estimate
-    apart: tuple[int, ...]
+    excluded: tuple[int, ...]
     refused: bool
     free: Parameters
     decision: Decision
@@ -66,42 +66,45 @@ class Answer:
         return self.found.covered >= LEAST_COVERED and len(_occupied_tiles(self.found)) >= FEWEST_PLACES
 
 
-def answered(case: Case, run: StageRun, near: StereoRig, *, corners: bool) -> Answer:
+def answered(case: Case, run: StageRun, end_rig: StereoRig, *, corners: bool) -> Answer:
     """The answer of a stage's correspondences.
 
     Args:
         run: that found them.
-        near: where the search ended, with the cameras of the case's rig.
+        end_rig: where the search ended, with the cameras of the case's rig.
         corners: whether images are matched once more, through the rig that was found, where intrinsics may change:
             towards the corners, windows meet other things under other lenses.
     """
     found = run.found
     assert found is not None
-    apart = unmatched(found, case.images.pairs) if len(found.weight) > 1 else ()
-    seeing = int(np.any(np.asarray(without_frames_of(found, apart).weight) > 0, axis=1).sum())
-    most = MOST_APART * (seeing + len(apart))
-    start, tracks = rig_parameters(case.rig).coordinates_of(near), windows_of(case, found)
+    excluded_frames = unmatched(found, case.images.pairs) if len(found.weight) > 1 else ()
+    seeing = int(np.any(np.asarray(without_frames_of(found, excluded_frames).weight) > 0, axis=1).sum())
+    most = MOST_EXCLUDED * (seeing + len(excluded_frames))
+    start, tracks = rig_parameters(case.rig).coordinates_of(end_rig), windows_of(case, found)
     view = case.images.view
     while True:
-        rest = without_frames_of(found, apart)
-        ranges, windows = matched_ranges(case, found, near, apart), without_frames(case, tracks, apart)
-        seen = estimate(rest, case.rig, case.prior, start=start, beams=ranges, windows=windows, view=view)
-        if not seen.other_rigs or len(apart) > most:
+        used_matches = without_frames_of(found, excluded_frames)
+        ranges, windows = (
+            matched_ranges(case, found, end_rig, excluded_frames),
+            without_frames(case, tracks, excluded_frames),
+        )
+        estimated = estimate(used_matches, case.rig, case.prior, start=start, ranges=ranges, windows=windows, view=view)
+        if not estimated.other_rigs or len(excluded_frames) > most:
             break
-        apart, start = (*apart, seen.other_rigs[0].frame), seen.theta
-    if refused := len(apart) > most:
-        rest = found
-        ranges, windows = matched_ranges(case, found, near), without_frames(case, tracks, ())
-        seen = estimate(rest, case.rig, case.prior, start=start, beams=ranges, windows=windows, view=view)
+        excluded_frames, start = (*excluded_frames, estimated.other_rigs[0].frame), estimated.theta
+    if refused := len(excluded_frames) > most:
+        used_matches = found
+        ranges, windows = matched_ranges(case, found, end_rig), without_frames(case, tracks, ())
+        estimated = estimate(used_matches, case.rig, case.prior, start=start, ranges=ranges, windows=windows, view=view)
     if corners and case.free.lenses:
-        seen, rest = _matched_again(case, seen, rest, run)
-    free, decision = free_and_decision(case, rest, seen)
+        estimated, used_matches = _rematched(case, estimated, used_matches, run)
+    free, decision = free_and_decision(case, used_matches, estimated)
     if corners and free.lenses and not case.free.lenses:
-        seen, rest = _matched_again(case, seen, rest, run)
-        decision = decide(seen, free.names, case.tolerances, proven=True)
-    answer = Answer(rest, seen, tuple(sorted(apart)), refused, free, decision)
-    sparse = rest.covered < LIKELY and is_sparse(
-        rest.covered, max(image_quality(pair).texture for pair in case.images.pairs)
+        estimated, used_matches = _rematched(case, estimated, used_matches, run)
+        decision = decide(estimated, free.names, case.tolerances, proven=True)
+    answer = Answer(used_matches, estimated, tuple(sorted(excluded_frames)), refused, free, decision)
+    sparse = used_matches.covered < LIKELY and is_sparse(
+        used_matches.covered, max(image_quality(pair).texture for pair in case.images.pairs)
     )
     return replace(answer, sparse=sparse, by_chance=sparse and rows_of(case, answer).after > FALSE)
 
@@ -143,8 +146,8 @@ class Look:
     def verdict(self) -> Verdict | None:
         """On the calibration; None if too little is seen for one."""
         answer = self.answer
-        seen = answer is not None and answer.enough and not answer.refused and not answer.sparse
-        return answer.decision.verdict if answer is not None and seen else None
+        conclusive = answer is not None and answer.enough and not answer.refused and not answer.sparse
+        return answer.decision.verdict if answer is not None and conclusive else None
 
 
 def look_at(case: Case, stage: Stage) -> Look | None:
@@ -162,48 +165,54 @@ def look_at(case: Case, stage: Stage) -> Look | None:
     return Look(run, None if few else answered(case, run, case.rig, corners=False))
 
 
-def _matched_again(
-    case: Case, seen: Estimate, found: Correspondences, run: StageRun
+def _rematched(
+    case: Case, estimated: Estimate, found: Correspondences, run: StageRun
 ) -> tuple[Estimate, Correspondences]:
-    """The estimate of correspondences through the rig that was estimated, in the images of a stage, and these."""
-    again = matched(case.images.at(run.scale, run.stage.frames), seen.chart, seen.theta, case.matcher)
-    kept = np.any(np.asarray(found.weight) > 0, axis=1)
-    again = replace(again, weight=np.asarray(again.weight) * kept[:, None])
-    if again.found < FEWEST:
-        return seen, found
-    seen = estimate(
-        again, case.rig, case.prior, start=seen.theta, beams=seen.beams, windows=seen.windows, view=seen.view
+    """The estimate by correspondences that are found once more, under the rig that was estimated, and these."""
+    rematched = matched(case.images.at(run.scale, run.stage.frames), estimated.chart, estimated.theta, case.matcher)
+    used_frames = np.any(np.asarray(found.weight) > 0, axis=1)
+    rematched = replace(rematched, weight=np.asarray(rematched.weight) * used_frames[:, None])
+    if rematched.found < FEWEST:
+        return estimated, found
+    estimated = estimate(
+        rematched,
+        case.rig,
+        case.prior,
+        start=estimated.theta,
+        ranges=estimated.beams,
+        windows=estimated.windows,
+        view=estimated.view,
     )
-    return seen, again
+    return estimated, rematched
 
 
 def ended_by(case: Case, answer: Answer) -> Ending:
     """The candidate of an answer, and the verdict on it."""
-    seen, decision, found = answer.estimate, answer.decision, answer.found
-    taken = IntrinsicsOutcome.NEEDED if case.free.widens else IntrinsicsOutcome.REFINED
+    estimated, decision, found = answer.estimate, answer.decision, answer.found
+    outcome_if_accepted = IntrinsicsOutcome.NEEDED if case.free.widens else IntrinsicsOutcome.REFINED
     case = replace(case, free=answer.free)
-    candidate = seen.chart.rig_at(decision.theta)
+    candidate = estimated.chart.rig_at(decision.theta)
     tiles = counts(case, candidate)
-    kept = np.isin(np.arange(len(found.weight)), () if answer.refused else answer.apart, invert=True)
-    reason = _reason(case, answer, tiles[:, kept], candidate)
-    facts, rows = _evidence_at(case, found, candidate), rows_of(case, answer)
+    used_frames = np.isin(np.arange(len(found.weight)), () if answer.refused else answer.excluded, invert=True)
+    reason = _reason(case, answer, tiles[:, used_frames], candidate)
+    evidence_at_candidate, rows = _evidence_at(case, found, candidate), rows_of(case, answer)
     return Ending(
         candidate,
         reason,
         tiles,
-        answer.apart,
+        answer.excluded,
         rows,
-        uncertainty_of(seen, candidate, case.chart),
-        misfit(facts),
-        _intrinsics(answer, case, rows, reason, taken),
-        seen,
+        uncertainty_of(estimated, candidate, case.chart),
+        misfit(evidence_at_candidate),
+        _intrinsics(answer, case, rows, reason, outcome_if_accepted),
+        estimated,
         decision,
     )
 
 
 def _reason(case: Case, answer: Answer, tiles: Int[np.ndarray, "2 k tiles"], candidate: StereoRig) -> Reason:
     if answer.refused:
-        refuse_swapped_images(case.images, answer.apart)
+        refuse_swapped_images(case.images, answer.excluded)
         return Reason.FRAMES_DISAGREE
     if not answer.enough:
         return Reason.TOO_LITTLE_TEXTURE
@@ -230,26 +239,28 @@ def reason_of(decision: Decision, tiles: Int[np.ndarray, "2 k tiles"]) -> Reason
 
 
 def _intrinsics(
-    answer: Answer, case: Case, rows: RowErrors, reason: Reason, taken: IntrinsicsOutcome
+    answer: Answer, case: Case, rows: RowErrors, reason: Reason, outcome_if_accepted: IntrinsicsOutcome
 ) -> Intrinsics | None:
     """What became of intrinsics that were free; None if none were."""
-    seen, theta = answer.estimate, answer.decision.theta
+    estimated, theta = answer.estimate, answer.decision.theta
     if not case.free.shared:
         return None
-    facts = _evidence_at(case.of_extrinsics, answer.found, seen.chart.rig_at(seen.with_free(case.free.axes)))
+    fixed_evidence = _evidence_at(
+        case.of_extrinsics, answer.found, estimated.chart.rig_at(estimated.with_free(case.free.axes))
+    )
     if reason.accepted:
-        outcome = taken if case.free.lenses else IntrinsicsOutcome.REFINED
+        outcome = outcome_if_accepted if case.free.lenses else IntrinsicsOutcome.REFINED
     else:
         outcome = IntrinsicsOutcome.REFUSED if answer.enough else IntrinsicsOutcome.NOT_SOLVED
     return intrinsics_of(
-        seen,
+        estimated,
         theta,
         case.free.shared,
         outcome,
-        fixed_px=float(np.mean(facts.medians(facts.residual))),
+        fixed_px=float(np.mean(fixed_evidence.medians(fixed_evidence.residual))),
         freed_px=rows.after,
         shown=len(_occupied_tiles(answer.found)) / TILES_OF_A_FRAME,
-        expected_px=seen.row_error_px(theta)[10][0],
+        expected_px=estimated.row_error_px(theta)[10][0],
         refused=None if reason.accepted else reason,
     )
 
@@ -257,8 +268,12 @@ def _intrinsics(
 def rows_of(case: Case, answer: Answer) -> RowErrors:
     """Row errors of the correspondences, under the initial calibration and the candidate."""
     case = replace(case, free=answer.free)
-    facts = _evidence_at(case, answer.found, answer.estimate.chart.rig_at(answer.decision.theta))
-    return compared(facts, facts.medians(facts.start_residual), facts.medians(facts.residual))
+    evidence_at_candidate = _evidence_at(case, answer.found, answer.estimate.chart.rig_at(answer.decision.theta))
+    return compared(
+        evidence_at_candidate,
+        evidence_at_candidate.medians(evidence_at_candidate.start_residual),
+        evidence_at_candidate.medians(evidence_at_candidate.residual),
+    )
 
 
 def _occupied_tiles(found: Correspondences) -> Int[np.ndarray, "p"]:
@@ -272,21 +287,21 @@ def _evidence_at(case: Case, found: Correspondences, candidate: StereoRig) -> Ev
     return evidence(chart, found, chart.coordinates_of(candidate))
 
 
-def uncertainty_of(seen: Estimate, candidate: StereoRig, chart: RigChart) -> Uncertainty:
+def uncertainty_of(estimated: Estimate, candidate: StereoRig, chart: RigChart) -> Uncertainty:
     """Of the parameters of a chart, around a candidate and marginal over all others: mean squares of what the truth may
     differ by."""
-    where = [seen.names.index(name) for name in chart.names]
-    apart = (seen.theta - seen.chart.coordinates_of(candidate))[where]
-    spread = seen.posterior.covariance[np.ix_(where, where)]
-    return uncertainty(chart.names, spread, apart, chart.prior * chart.units, seen.prior_variance[where])
+    where = [estimated.names.index(name) for name in chart.names]
+    offset = (estimated.theta - estimated.chart.coordinates_of(candidate))[where]
+    spread = estimated.posterior.covariance[np.ix_(where, where)]
+    return uncertainty(chart.names, spread, offset, chart.prior * chart.units, estimated.prior_variance[where])
 
 
-def expected_by(seen: Estimate, used: StereoRig, view: View, rows_px: float) -> Expected:
+def expected_by(estimated: Estimate, used: StereoRig, view: View, rows_px: float) -> Expected:
     """What to expect of a rig: rows over the view, which the decision tells, and depth with its 95 % interval."""
-    depth = depth_by(seen, seen.chart.coordinates_of(used))
-    return expected(used, seen.chart, seen.theta, seen.posterior.covariance, view, rows_px, depth)
+    depth = depth_by(estimated, estimated.chart.coordinates_of(used))
+    return expected(used, estimated.chart, estimated.theta, estimated.posterior.covariance, view, rows_px, depth)
 
 
-def depth_by(seen: Estimate, used: Float[np.ndarray, "n"]) -> dict[int, Interval]:
+def depth_by(estimated: Estimate, used: Float[np.ndarray, "n"]) -> dict[int, Interval]:
     """The error of depth of the rig at θ = used."""
-    return {distance: Interval(*ends) for distance, ends in seen.depth_error_percent(used).items()}
+    return {distance: Interval(*ends) for distance, ends in estimated.depth_error_percent(used).items()}

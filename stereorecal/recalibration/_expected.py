@@ -11,7 +11,7 @@ from stereorecal._central_difference import central_differences
 from stereorecal._json_data import json_data
 from stereorecal.geometry import StereoRig, View
 from stereorecal.objectives import RigChart
-from stereorecal.recalibration._effects import STEP, rows_apart
+from stereorecal.recalibration._effects import STEP, row_errors_of
 from stereorecal.recalibration._interval import Interval
 from stereorecal.report.number_text import change
 
@@ -64,9 +64,9 @@ def expected(
     width, height = view.size
     columns, rows = np.linspace(0, width - 1, _GRID[0]), np.linspace(0, height - 1, _GRID[1])
 
-    def apart(at: Float[np.ndarray, "n"]) -> Float[np.ndarray, "h w"]:
-        return rows_apart(used, chart.rig_at(at), view, columns, rows)[0]
+    def row_errors(at: Float[np.ndarray, "n"]) -> Float[np.ndarray, "h w"]:
+        return row_errors_of(used, chart.rig_at(at), view, columns, rows)[0]
 
-    slopes = central_differences(apart, z, STEP)
+    slopes = central_differences(row_errors, z, STEP)
     spread = np.sqrt(np.maximum(np.einsum("hwi,ij,hwj->hw", slopes, covariance, slopes), 0.0))
-    return Expected(apart(z), spread, rows_px, depth_percent)
+    return Expected(row_errors(z), spread, rows_px, depth_percent)

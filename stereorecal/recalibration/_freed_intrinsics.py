@@ -87,13 +87,13 @@ class Intrinsics:
         return any("." in name for name in self.names)
 
     @property
-    def _said(self) -> str:
+    def _outcome_text(self) -> str:
         return self.outcome.value + (f": {self.refused.value}" if self.refused else "")
 
     def __str__(self) -> str:
         lines = [
             *(
-                [f"{self._said} (epipolar error {self.fixed_px:.3f} px as given, {self.freed_px:.3f} px freed)"]
+                [f"{self._outcome_text} (epipolar error {self.fixed_px:.3f} px as given, {self.freed_px:.3f} px freed)"]
                 * self._of_lenses
             ),
             *(
@@ -108,7 +108,7 @@ class Intrinsics:
 
 
 def intrinsics_of(
-    seen: Estimate,
+    estimated: Estimate,
     theta: Float[np.ndarray, "n"],
     names: Sequence[str],
     outcome: IntrinsicsOutcome,
@@ -125,18 +125,20 @@ def intrinsics_of(
         theta: the candidate.
         others: of `Intrinsics`, by its names.
     """
-    where = [seen.names.index(name) for name in names]
-    (low, high), after = seen.intervals[where].T, np.diag(seen.posterior.covariance)[where]
+    where = [estimated.names.index(name) for name in names]
+    (low, high), after = estimated.intervals[where].T, np.diag(estimated.posterior.covariance)[where]
     return Intrinsics(
         outcome=outcome,
         names=tuple(names),
-        units=tuple(seen.units[index] for index in where),
+        units=tuple(estimated.units[index] for index in where),
         change=theta[where],
         interval=0.5 * (high - low),
         undetermined=tuple(
             name
-            for name, now, given in zip(names, after, seen.prior_variance[where], strict=True)
-            if now > OBSERVED**2 * given
+            for name, posterior_variance, prior_variance in zip(
+                names, after, estimated.prior_variance[where], strict=True
+            )
+            if posterior_variance > OBSERVED**2 * prior_variance
         ),
         fixed_px=fixed_px,
         freed_px=freed_px,

@@ -110,8 +110,8 @@ class Health:
         if decision.verdict is Verdict.REPAIR and self.loses:
             return Condition.CANNOT_TELL, Reason.FEWER_MATCHES.value
         if decision.verdict is Verdict.REPAIR:
-            kept = "; depth stays as it was calibrated" if decision.keeps_depth else ""
-            return Condition.REPAIR, f"{_listed(self.correction.main_axes)}{kept}"
+            depth_note = "; depth stays as it was calibrated" if decision.keeps_depth else ""
+            return Condition.REPAIR, f"{_listed(self.correction.main_axes)}{depth_note}"
         if decision.verdict is Verdict.GOOD and is_sparse(self.covered, self.shown.texture):
             return (
                 Condition.CANNOT_TELL,
@@ -188,33 +188,33 @@ def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> He
     case = Case(images, matcher, settings.reach, settings.free, prior, windows=windows, tolerances=limits)
     look = look_at(case, settings.schedule.stages[-1])
     score = _score(images, case.matcher)
-    shown = max((image_quality(pair) for pair in images.pairs), key=lambda one: one.texture)
+    quality = max((image_quality(pair) for pair in images.pairs), key=lambda one: one.texture)
     answer = look.answer if look is not None else None
 
     def unmeasured(covered: float, disagreeing: tuple[str, ...] = ()) -> Health:
-        return Health(score, float("nan"), covered, shown, None, disagreeing, doubtful, view=images.view)
+        return Health(score, float("nan"), covered, quality, None, disagreeing, doubtful, view=images.view)
 
     if answer is None:
         refuse_swapped_images(images)
         return unmeasured(0.0 if look is None else look.covered)
     covered = answer.found.covered
     if answer.refused:
-        refuse_swapped_images(images, answer.apart)
-        names = tuple(images.pairs[f].name for f in answer.apart)
+        refuse_swapped_images(images, answer.excluded)
+        names = tuple(images.pairs[f].name for f in answer.excluded)
         return unmeasured(covered, names)
     if not answer.enough or answer.by_chance:
         refuse_swapped_images(images)
         return unmeasured(covered)
-    seen, rows = answer.estimate, rows_of(case, answer)
-    depth = depth_by(seen, np.zeros(len(seen.names)))
-    correction = correction_of(seen, answer.decision, depth, rows.after)
+    estimated, rows = answer.estimate, rows_of(case, answer)
+    depth = depth_by(estimated, np.zeros(len(estimated.names)))
+    correction = correction_of(estimated, answer.decision, depth, rows.after)
     loses = not answer.decision.refused and _loses_regions(case, answer)
-    return Health(score, rows.before, covered, shown, correction, (), doubtful, loses, images.view)
+    return Health(score, rows.before, covered, quality, correction, (), doubtful, loses, images.view)
 
 
 def _loses_regions(case: Case, answer: Answer) -> bool:
     tiles = counts(case, answer.estimate.chart.rig_at(answer.decision.theta))
-    return loses_regions(np.delete(tiles, answer.apart, axis=1))
+    return loses_regions(np.delete(tiles, answer.excluded, axis=1))
 
 
 def _score(images: Pyramid, matcher: AbstractMatcher) -> Score:

@@ -7,12 +7,12 @@ from stereorecal.report.repair_report import Lens
 _CALLED = {"f": "focal length, f", "cx": "centre, cx", "cy": "centre, cy", "aspect": "aspect, fy / fx"}
 
 
-def lenses_of(seen: Intrinsics | None, initial: StereoRig, candidate: StereoRig) -> list[Lens]:
+def lenses_of(intrinsics: Intrinsics | None, initial: StereoRig, candidate: StereoRig) -> list[Lens]:
     """One row for each number, if they were taken; else none: then they stay, and are no answer."""
-    if seen is None or not seen.taken:
+    if intrinsics is None or not intrinsics.taken:
         return []
     found = []
-    for full, wide in zip(seen.names, seen.interval.tolist(), strict=True):
+    for full, wide in zip(intrinsics.names, intrinsics.interval.tolist(), strict=True):
         camera, _, name = full.partition(".")
         if not name:
             continue  # the baseline, which is an axis of the rig
@@ -20,6 +20,6 @@ def lenses_of(seen: Intrinsics | None, initial: StereoRig, candidate: StereoRig)
         half_width = wide / 100.0 * after if name in ("f", "aspect") else wide
         pixels = name in ("f", "cx", "cy")
         unit, digits = ("px", 2) if pixels else ("", 5)
-        observed = full not in seen.undetermined
+        observed = full not in intrinsics.undetermined
         found.append(Lens(camera, _CALLED.get(name, name), unit, digits, before, after, half_width, observed))
     return found

@@ -8,11 +8,11 @@ from jaxtyping import Float, Int
 
 from stereorecal.decision import Decision, Verdict, decide_together
 from stereorecal.estimation import (
-    NO_BEAMS,
-    Beams,
+    NO_RANGES,
     CalibrationPrior,
     Earlier,
     Estimate,
+    MatchedRanges,
     Recording,
     SavedPrior,
     as_prior,
@@ -29,7 +29,7 @@ from stereorecal.recalibration._ranges_of_case import prior_of
 from stereorecal.recalibration._repaired_recording import RepairedRecording
 from stereorecal.recalibration._row_evidence import TILES_OF_A_FRAME, Evidence, evidence
 from stereorecal.recalibration._stages import FEWEST
-from stereorecal.recalibration._unmatched import MOST_APART
+from stereorecal.recalibration._unmatched import MOST_EXCLUDED
 from stereorecal.recalibration._worker_tasks import Each, matched, range_matches
 from stereorecal.scoring import Correspondences
 
@@ -41,43 +41,49 @@ class JointEstimate:
     Attributes:
         recordings: those that take part.
         free: own and shared parameters.
-        shown: what each shows, or all where they have the same extrinsics.
+        estimated_from: the matches of each recording, or of all where they have the same extrinsics.
         estimates, decisions: one for each of these; candidates have the same shared parameters.
-        beams: the ranges of each recording that have a sure match.
+        ranges: the ranges of each recording that have a reliable match.
     """
 
     recordings: Sequence[RepairedRecording]
     free: Parameters
-    shown: tuple[Recording, ...]
+    estimated_from: tuple[Recording, ...]
     estimates: tuple[Estimate, ...]
     decisions: tuple[Decision, ...]
-    beams: tuple[Beams, ...]
+    ranges: tuple[MatchedRanges, ...]
 
     @property
     def one(self) -> bool:
         """Whether several recordings have the same extrinsics."""
-        return len(self.shown) < len(self.recordings)
+        return len(self.estimated_from) < len(self.recordings)
 
     def of(self, index: int) -> int:
         """Which of the estimates is a recording's."""
-        return 0 if len(self.shown) == 1 else index
+        return 0 if len(self.estimated_from) == 1 else index
 
     def rig(self, index: int) -> StereoRig:
-        """That a recording is given."""
+        """The rig that a recording gets: at the candidate of its estimate."""
         at = self.of(index)
         return self.estimates[at].chart.rig_at(self.decisions[at].theta)
 
     def rows(self, at: int, decision: Decision) -> tuple[Evidence, RowErrors]:
         """What is left at the candidate of a decision on an estimate, and its row errors against those of the initial
         rig."""
-        repair, seen = self.recordings[at].repair, self.estimates[at]
+        repair, estimated = self.recordings[at].repair, self.estimates[at]
         chart = row_chart(repair.initial, repair.settings.reach, self.free)
-        facts = evidence(chart, self.shown[at].found, chart.coordinates_of(seen.chart.rig_at(decision.theta)))
-        return facts, compared(facts, facts.medians(facts.start_residual), facts.medians(facts.residual))
+        evidence_at_candidate = evidence(
+            chart, self.estimated_from[at].found, chart.coordinates_of(estimated.chart.rig_at(decision.theta))
+        )
+        return evidence_at_candidate, compared(
+            evidence_at_candidate,
+            evidence_at_candidate.medians(evidence_at_candidate.start_residual),
+            evidence_at_candidate.medians(evidence_at_candidate.residual),
+        )
 
     def reason(self, at: int, tiles: Int[np.ndarray, "2 k tiles"]) -> Reason:
         """What is said of the rig of an estimate; its tiles have these counts before and after."""
-        if len(self.estimates[at].other_rigs) > MOST_APART * len(self.shown[at].found.weight):
+        if len(self.estimates[at].other_rigs) > MOST_EXCLUDED * len(self.estimated_from[at].found.weight):
             return Reason.FRAMES_DISAGREE
         return reason_of(self.decisions[at], tiles)
 
@@ -85,7 +91,7 @@ class JointEstimate:
 def joint_estimate(
     recordings: Sequence[RepairedRecording], free: Parameters, *, one: bool, each: Each
 ) -> JointEstimate:
-    """Solved, matched again, solved again.
+    """The joint estimate of recordings: solved, matched again, solved again.
 
     Args:
         free: where nothing was said, and all have the same extrinsics, everything, if recordings that are left out
@@ -93,46 +99,45 @@ def joint_estimate(
         one: all recordings have the same extrinsics.
         each: runs a task for each recording.
     """
-    beams = (NO_BEAMS,) * len(recordings)
+    ranges = (NO_RANGES,) * len(recordings)
     if any(r.ranges for r in recordings):
-        beams = tuple(each(range_matches, [r.task(r.repair.candidate, ranges=True) for r in recordings]))
-    priors, shown = _priors(recordings, free), []
-    for r, prior, some in zip(recordings, priors, beams, strict=True):
+        ranges = tuple(each(range_matches, [r.task(r.repair.candidate, ranges=True) for r in recordings]))
+    priors, estimated_from = _priors(recordings, free), []
+    for r, prior, some in zip(recordings, priors, ranges, strict=True):
         start = _start(r, r.repair.candidate)
-        shown.append(Recording(r.found, r.repair.initial, prior, start, some, r.windows, r.repair.view))
-    first = _estimated_jointly(recordings, free, shown, beams, one=one, each=each)
+        estimated_from.append(Recording(r.found, r.repair.initial, prior, start, some, r.windows, r.repair.view))
+    first = _estimated_jointly(recordings, free, estimated_from, ranges, one=one, each=each)
     rigs = [first.rig(index) for index in range(len(recordings))]
     again = each(matched, [r.task(rig) for rig, r in zip(rigs, recordings, strict=True)])
-    shown = [
+    estimated_from = [
         replace(before, found=_as_initially_read(found, rig, r), start=_start(r, rig))
-        for before, r, found, rig in zip(shown, recordings, again, rigs, strict=True)
+        for before, r, found, rig in zip(estimated_from, recordings, again, rigs, strict=True)
     ]
-    return _estimated_jointly(recordings, free, shown, beams, one=one, each=each)
+    return _estimated_jointly(recordings, free, estimated_from, ranges, one=one, each=each)
 
 
 def _estimated_jointly(
     recordings: Sequence[RepairedRecording],
     free: Parameters,
-    shown: Sequence[Recording],
-    beams: tuple[Beams, ...],
+    estimated_from: Sequence[Recording],
+    ranges: tuple[MatchedRanges, ...],
     *,
     one: bool,
     each: Each,
 ) -> JointEstimate:
-    several = (_merged(shown),) if one else tuple(shown)
+    several = (_merged(estimated_from),) if one else tuple(estimated_from)
     estimates = tuple(estimate_together(several, each=each))
     limits = recordings[0].repair.tolerances
     decisions = tuple(decide_together(estimates, free.names, limits))
     if one and free.widens and decisions[0].verdict is not Verdict.GOOD and not decisions[0].explains:
-        (every,), (seen,), wider = several, estimates, free.widest(several[0].rig)
-        freed = decided_by_cross_validation(seen, every.found, every.rig, every.prior, wider.names, limits)
+        (merged,), (joint,), wider = several, estimates, free.widest(several[0].rig)
+        freed = decided_by_cross_validation(joint, merged.found, merged.rig, merged.prior, wider.names, limits)
         free, decisions = (free, decisions) if freed is None else (wider, (freed,))
-    return JointEstimate(recordings, free, several, estimates, decisions, beams)
+    return JointEstimate(recordings, free, several, estimates, decisions, ranges)
 
 
 def _priors(recordings: Sequence[RepairedRecording], free: Parameters) -> list[CalibrationPrior]:
-    """Of each recording: what was saved with its calibration, or what is known of the calibration that all have in
-    common."""
+    """The prior of each recording of a joint estimate: the saved one of its calibration, or the common one."""
     ranges, common, found = any(r.ranges or r.windows.measured for r in recordings), None, []
     for repair in (recording.repair for recording in recordings):
         prior = None if repair.prior_use is None else repair.prior_use.prior
@@ -146,13 +151,17 @@ def _priors(recordings: Sequence[RepairedRecording], free: Parameters) -> list[C
     return found
 
 
-def _start(recording: RepairedRecording, near: StereoRig) -> Float[np.ndarray, "n"]:
-    return rig_parameters(recording.repair.initial).coordinates_of(near)
+def _start(recording: RepairedRecording, rig: StereoRig) -> Float[np.ndarray, "n"]:
+    return rig_parameters(recording.repair.initial).coordinates_of(rig)
 
 
-def _as_initially_read(found: Correspondences, taken: StereoRig, recording: RepairedRecording) -> Correspondences:
+def _as_initially_read(found: Correspondences, matched_rig: StereoRig, recording: RepairedRecording) -> Correspondences:
     """Correspondences of another rig as the initial one reads them; those from before, if they are too few."""
-    return read_by(found, taken=taken, rig=recording.repair.initial) if found.found >= FEWEST else recording.found
+    return (
+        read_by(found, matched_rig=matched_rig, rig=recording.repair.initial)
+        if found.found >= FEWEST
+        else recording.found
+    )
 
 
 def _merged(several: Sequence[Recording]) -> Recording:
@@ -173,5 +182,5 @@ def _merged(several: Sequence[Recording]) -> Recording:
             for one, before in zip(several, first, strict=False)
         ]
     )
-    beams = Beams.of_all([one.beams for one in several])
-    return replace(several[0], found=every, start=middle, beams=beams, windows=windows)
+    ranges = MatchedRanges.of_all([one.ranges for one in several])
+    return replace(several[0], found=every, start=middle, ranges=ranges, windows=windows)

@@ -22,7 +22,7 @@ from stereorecal.recalibration._recalibrate import recalibrate
 from stereorecal.recalibration._repaired_recording import RepairedRecording
 from stereorecal.recalibration._schedule import Schedule, check_schedule
 from stereorecal.recalibration._settings import RepairOptions, Settings, as_settings
-from stereorecal.recalibration._shared_intrinsics import together
+from stereorecal.recalibration._shared_intrinsics import solve_jointly
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recordings import Pair, Range, Scene
 
@@ -231,12 +231,12 @@ def _repaired_together(
         )
     ]
     try:
-        found = together(recordings, free, one=extrinsics == "one", each=each)
+        found = solve_jointly(recordings, free, one=extrinsics == "one", each=each)
     except Exception as error:
         failed = _failed("", error)
-        said = f"the joint solution failed; the separate repairs of the extrinsics are used: {failed.error}"
+        message = f"the joint solution failed; the separate repairs of the extrinsics are used: {failed.error}"
         return tuple(
-            replace(r, error=r.error or said, fault=r.fault or failed.fault, traceback=failed.traceback)
+            replace(r, error=r.error or message, fault=r.fault or failed.fault, traceback=failed.traceback)
             for r in repairs
         )
     answers = list(repairs)
@@ -255,7 +255,7 @@ def _widens(scenes: Sequence[Scene], repairs: Sequence[Solution], free: Paramete
 
 
 def _selected_pairs(pairs: Sequence[Pair], solution: Solution) -> tuple[Pair, ...]:
-    """Those that the repair looked at."""
+    """The pairs that the repair looked at."""
     return tuple(pairs if solution.frames.selected is None else (pairs[number] for number in solution.frames.selected))
 
 

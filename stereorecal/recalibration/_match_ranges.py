@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from stereorecal._errors import InputError
-from stereorecal.estimation import NO_BEAMS, Beams
+from stereorecal.estimation import NO_RANGES, MatchedRanges
 from stereorecal.geometry import StereoRig
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import BASELINE, Parameters
@@ -18,13 +18,13 @@ from stereorecal.scoring import ScoringData, host
 
 @dataclass(frozen=True)
 class RangesSeen:
-    """What became of ranges.
+    """What became of the ranges that were given.
 
     Attributes:
         given: how many there were.
-        matched: how many of them lie on a sure match.
-        contradict: how many of those the calibration to use does not explain.
-        refused: why the calibration that was found with them is not used, where there is one.
+        matched: how many of them have a reliable match.
+        contradict: how many matched ranges disagree with the rig in use.
+        refused: why the candidate estimated with the ranges was rejected; None if it was accepted, or there is none.
     """
 
     given: int
@@ -42,34 +42,34 @@ class RangesSeen:
             return (
                 f"{self.given} given, 0 matched: give some on surfaces with texture, off edges, in frames that are used"
             )
-        said = f"{self.matched - self.contradict} of {self.matched} agree ({self.given} given)"
+        text = f"{self.matched - self.contradict} of {self.matched} agree ({self.given} given)"
         if 2 * self.contradict >= self.matched:
-            said += (
+            text += (
                 ": most do not fit this calibration; check their units, pixels and pairs, and whether they are along "
                 "the ray or the optical axis"
             )
-        return said + (f"; what was found with them is not used: {self.refused.value}" if self.refused else "")
+        return text + (f"; what was found with them is not used: {self.refused.value}" if self.refused else "")
 
 
-def beams(
+def match_ranges(
     data: ScoringData, rig: StereoRig, matcher: AbstractMatcher, pairs: Sequence[Pair], ranges: Sequence[Range]
-) -> Beams:
+) -> MatchedRanges:
     """The resolved ranges of these pairs, matched under `rig`; those without a sure match are left out."""
     by_frame = [[one for one in ranges if one.pair is pair] for pair in pairs]
     pixels = [np.array([one.left_pixel for one in some], float).reshape(-1, 2) for some in by_frame]
     partners = host.match_pixels(data, rig, matcher, pixels)
-    right = np.concatenate([NO_BEAMS.right, *(some.pixels for some in partners)])
+    right = np.concatenate([NO_RANGES.right, *(some.pixels for some in partners)])
     every = [one for some in by_frame for one in some]
     slant = np.array([_slant(rig, one) for one in every])
     metres = slant * np.array([one.metres for one in every], float)
     sigma = slant * np.array([0.01 * one.metres if one.sigma is None else one.sigma for one in every], float)
     found = np.isfinite(right).all(axis=-1)
-    return Beams(
-        np.concatenate([NO_BEAMS.left, *pixels])[found],
+    return MatchedRanges(
+        np.concatenate([NO_RANGES.left, *pixels])[found],
         right[found],
         metres[found],
         sigma[found],
-        np.concatenate([NO_BEAMS.matching, *(some.deviation for some in partners)])[found],
+        np.concatenate([NO_RANGES.matching, *(some.deviation for some in partners)])[found],
     )
 
 

@@ -45,7 +45,7 @@ class PriorUse:
         numbers: of the pairs that count.
         saved: what was saved with the calibration, or given as such.
         note: what else is to be said, or None.
-        beside: fingerprints of pairs of other recordings that told of the same calibration.
+        other_images: fingerprints of the pairs of other recordings that the same estimate rests on.
     """
 
     name: str
@@ -54,7 +54,7 @@ class PriorUse:
     numbers: tuple[int, ...]
     saved: SavedPrior | None = None
     note: str | None = None
-    beside: tuple[str, ...] = ()
+    other_images: tuple[str, ...] = ()
 
     @property
     def dropped(self) -> int:
@@ -66,14 +66,14 @@ class PriorUse:
         return {"name": self.name, "pairs_that_count": len(self.numbers), "not_again": self.dropped, "note": self.note}
 
     def __str__(self) -> str:
-        said = [self.name]
+        parts = [self.name]
         if self.dropped:
             one = self.dropped == 1
-            said.append(
+            parts.append(
                 f"{self.dropped} of {len(self.images)} pairs {'was' if one else 'were'} used before and "
                 f"{'does' if one else 'do'} not count again"
             )
-        return "; ".join([*said, *([self.note] if self.note else [])])
+        return "; ".join([*parts, *([self.note] if self.note else [])])
 
 
 def prior_use(prior: Prior, rig: StereoRig, pairs: Sequence[Pair]) -> PriorUse:
@@ -97,7 +97,7 @@ def prior_use(prior: Prior, rig: StereoRig, pairs: Sequence[Pair]) -> PriorUse:
             raise InputError(note or NO_SAVED)
         prior = found or DEFAULT
     if isinstance(prior, SavedPrior):
-        return _again(prior, images)
+        return _without_used_images(prior, images)
     return PriorUse(DEFAULT if prior == DEFAULT else GIVEN, prior, images, every, note=note)
 
 
@@ -115,7 +115,7 @@ def prior_for_health(prior: Prior, rig: StereoRig) -> Prior:
     return found
 
 
-def _again(saved: SavedPrior, images: tuple[str, ...]) -> PriorUse:
+def _without_used_images(saved: SavedPrior, images: tuple[str, ...]) -> PriorUse:
     """Pairs that a prior rests on do not count; where it rests on all of them, what was known before stands in."""
     numbers = _fresh(images, saved.images)
     if numbers or not images:
@@ -132,23 +132,23 @@ def _fresh(images: Sequence[str], used: Sequence[str]) -> tuple[int, ...]:
 
 
 def known_after(
-    use: PriorUse, seen: Estimate | None, initial: StereoRig, rig: StereoRig, kept: Sequence[int], *, good: bool
+    use: PriorUse, estimated: Estimate | None, initial: StereoRig, rig: StereoRig, used: Sequence[int], *, good: bool
 ) -> SavedPrior | None:
     """What is known of the rig to use; None: no more than of any calibration.
 
     Args:
-        seen: None where nothing was found.
-        kept: numbers of the pairs that it rests on.
+        estimated: None where nothing was found.
+        used: numbers of the pairs that it rests on.
         good: whether the rig to use is good; else the images do not fit any rig, and nothing is learnt from them.
     """
-    rows_alone = seen is None or is_exact(use.prior)
+    rows_alone = estimated is None or is_exact(use.prior)
     if not good or (rows_alone and rig is initial):
         return use.saved
-    if seen is None or rows_alone:
+    if estimated is None or rows_alone:
         return SavedPrior(rig, None)
     before = _before(use, initial)
-    images = (*before.images, *(use.images[number] for number in kept), *use.beside)
-    known = recentred_posterior(seen.posterior, seen.chart.coordinates_of(rig))
+    images = (*before.images, *(use.images[number] for number in used), *use.other_images)
+    known = recentred_posterior(estimated.posterior, estimated.chart.coordinates_of(rig))
     return SavedPrior(rig, known, tuple(dict.fromkeys(images)), before)
 
 

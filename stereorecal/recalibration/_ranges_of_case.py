@@ -2,11 +2,11 @@
 
 from collections.abc import Sequence
 
-from stereorecal.estimation import NO_BEAMS, Beams, Prior, as_prior, is_exact, rig_parameters, with_deviations
+from stereorecal.estimation import NO_RANGES, MatchedRanges, Prior, as_prior, is_exact, rig_parameters, with_deviations
 from stereorecal.geometry import StereoRig
 from stereorecal.objectives import BASELINE, EXTRINSICS, Parameters, Reach
 from stereorecal.recalibration._acceptance import Reason
-from stereorecal.recalibration._match_ranges import RangesSeen, beams
+from stereorecal.recalibration._match_ranges import RangesSeen, match_ranges
 from stereorecal.recalibration._stages import Case
 from stereorecal.scoring import Correspondences
 
@@ -24,22 +24,24 @@ def prior_of(prior: Prior, free: Parameters, rig: StereoRig, reach: Reach, *, ra
     return with_deviations(as_prior(prior, chart, baseline_observable=baseline_observable), chart, sigmas)
 
 
-def matched_ranges(case: Case, found: Correspondences, near: StereoRig, apart: Sequence[int] = ()) -> Beams:
+def matched_ranges(
+    case: Case, found: Correspondences, end_rig: StereoRig, excluded: Sequence[int] = ()
+) -> MatchedRanges:
     """The ranges of a case that have a sure match, without those of some frames.
 
     Args:
         found: the correspondences beside which they are matched.
-        near: where the search ended, with the cameras of the case's rig.
+        end_rig: where the search ended, with the cameras of the case's rig.
     """
-    away = [case.images.pairs[frame] for frame in apart]
+    away = [case.images.pairs[frame] for frame in excluded]
     ranges = [one for one in case.ranges if not any(one.pair is pair for pair in away)]
     if not ranges:
-        return NO_BEAMS
-    return beams(case.images.at(float(found.scale)), near, case.matcher, case.images.pairs, ranges)
+        return NO_RANGES
+    return match_ranges(case.images.at(float(found.scale)), end_rig, case.matcher, case.images.pairs, ranges)
 
 
 def ranges_seen(
-    given: int, matched: Beams, initial: StereoRig, candidate: StereoRig, reason: Reason
+    given: int, matched: MatchedRanges, initial: StereoRig, candidate: StereoRig, reason: Reason
 ) -> RangesSeen | None:
     """What became of so many ranges; None if there were none."""
     if not given:

@@ -8,8 +8,8 @@ from stereorecal._arrays import refuse_tracers
 from stereorecal.decision import Verdict
 from stereorecal.geometry import StereoRig
 from stereorecal.recalibration._acceptance import Reason
+from stereorecal.recalibration._ending_of_search import ending_of
 from stereorecal.recalibration._estimate_and_decide import ended_by, look_at
-from stereorecal.recalibration._judge import ending_of
 from stereorecal.recalibration._prepared_case import prepared
 from stereorecal.recalibration._search import run_schedule, started
 from stereorecal.recalibration._settings import RepairOptions, Settings, as_settings

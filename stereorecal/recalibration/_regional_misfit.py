@@ -58,7 +58,7 @@ class Misfit:
 
     @property
     def rms_before(self) -> float:
-        """The same of `before`."""
+        """Root mean square of `before`, less what noise explains."""
         return _beyond_noise(self.before, self.error)
 
     @property
@@ -67,16 +67,16 @@ class Misfit:
         regions err each for itself, as windows on slants do, it is near 0."""
         grids = np.full((int(self.frame.max(initial=-1)) + 1, TILES[1], TILES[0]), np.nan)
         grids[self.frame, self.place // TILES[0], self.place % TILES[0]] = self.after
-        beside = [grids[:, 1:] * grids[:, :-1], grids[:, :, 1:] * grids[:, :, :-1]]
-        products = np.concatenate([product[np.isfinite(product)] for product in beside])
+        neighbour_products = [grids[:, 1:] * grids[:, :-1], grids[:, :, 1:] * grids[:, :, :-1]]
+        products = np.concatenate([product[np.isfinite(product)] for product in neighbour_products])
         shared = float(np.sqrt(max(float(products.mean()), 0.0))) if products.size else self.rms
         return min(shared, self.rms)
 
     @property
     def high(self) -> float:
         """The 90th percentile of |after|, less a standard error each."""
-        apart = np.maximum(np.abs(self.after) - self.error, 0.0)
-        return float(np.quantile(apart, 0.9)) if apart.size else 0.0
+        excess = np.maximum(np.abs(self.after) - self.error, 0.0)
+        return float(np.quantile(excess, 0.9)) if excess.size else 0.0
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data for JSON."""
@@ -94,9 +94,9 @@ def misfit(found: Evidence) -> Misfit:
     regions = []
     for tile, number in zip(tiles, counts, strict=True):
         if number >= _FEWEST:
-            here = found.tile == tile
-            before, after = (float(np.median(r[here])) for r in (found.start_residual, found.residual))
-            spread = float(np.median(np.abs(found.residual[here] - after)))
+            in_tile = found.tile == tile
+            before, after = (float(np.median(r[in_tile])) for r in (found.start_residual, found.residual))
+            spread = float(np.median(np.abs(found.residual[in_tile] - after)))
             error = _OF_A_MEDIAN * spread / float(number * found.independent) ** 0.5
             regions.append((*divmod(int(tile), TILES_OF_A_FRAME), before, after, error))
     frame, place, *medians = np.array(regions, float).reshape(-1, 5).T
@@ -117,9 +117,9 @@ def _cause(place: Int[np.ndarray, "r"], after: Float[np.ndarray, "r"]) -> Cause:
         return Cause.REGIONS
     x, y = _centres(place)
     rotations = [np.ones_like(x), x, x * y, y * y]  # pitch, roll, yaw: what they may leave of themselves
-    left = max(_unexplained(after, rotations), 1e-12)
-    of_rows = 1.0 - _unexplained(after, [*rotations, y]) / left
-    of_lens = 1.0 - _unexplained(after, [*rotations, y, (x * x + y * y) * y]) / left
+    unexplained = max(_unexplained(after, rotations), 1e-12)
+    of_rows = 1.0 - _unexplained(after, [*rotations, y]) / unexplained
+    of_lens = 1.0 - _unexplained(after, [*rotations, y, (x * x + y * y) * y]) / unexplained
     if of_lens < _EXPLAINS:
         return Cause.REGIONS
     return Cause.ROWS if of_rows >= _NEARLY * of_lens else Cause.RADIAL

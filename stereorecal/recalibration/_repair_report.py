@@ -14,7 +14,7 @@ from stereorecal.recalibration._intrinsics_table import lenses_of
 from stereorecal.recalibration._regional_misfit import WORTH_SAYING
 from stereorecal.recalibration._repair_text import axes_of
 from stereorecal.recalibration._result import AbstractResult
-from stereorecal.recalibration._row_maps import climbs_of, seen_rows, way_of
+from stereorecal.recalibration._row_maps import climbs_of, row_map, way_of
 from stereorecal.recalibration._settings_text import matcher_as_text, origins_of, settings_as_text
 from stereorecal.recalibration._uncertainty import NORMAL_95
 from stereorecal.recalibration._windows import described
@@ -54,7 +54,7 @@ def report_of(
     found, rows, frame, way = solution.found, None, 0, None
     telling = solution.reason not in _SAYS_NOTHING
     if found is not None and found.found and telling:
-        rows, frame = seen_rows(found, solution.initial, solution.candidate, solution.view)
+        rows, frame = row_map(found, solution.initial, solution.candidate, solution.view)
         way = way_of(found, solution.path)
     pair = pairs[solution.frames.used[frame] if solution.frames.used else 0]
     expected = solution.expected
@@ -138,22 +138,22 @@ def _frames(solution: AbstractResult, pairs: Sequence[Pair]) -> list[tuple[str, 
 
 
 def _remarks(solution: AbstractResult) -> list[str]:
-    known, left, seen = solution.uncertainty, solution.misfit, solution.intrinsics
+    known, misfit, intrinsics = solution.uncertainty, solution.misfit, solution.intrinsics
     whose = "Misfit" if solution.accepted else "Misfit of the candidate, which was not taken:"
     remarks = []
     if solution.left_out:
         out = len(solution.left_out)
         remarks.append(f"{out} {'frame was' if out == 1 else 'frames were'} left out: see Frames below.")
-    if left is not None and (solution.reason is Reason.MISFIT or left.high > WORTH_SAYING):
-        remarks.append(f"{whose} {number(left.high, 2)} px in the worst tenth of the regions; {left.cause.value}.")
+    if misfit is not None and (solution.reason is Reason.MISFIT or misfit.high > WORTH_SAYING):
+        remarks.append(f"{whose} {number(misfit.high, 2)} px in the worst tenth of the regions; {misfit.cause.value}.")
     if known is not None and known.undetermined:
         open_ = short_list(known.undetermined, "; ")
         remarks.append(
             f"Not determined by these images: {open_}. Their values are mostly assumed: that they changed little."
         )
-    if seen is not None:
-        said = str(seen).splitlines()[0]
-        remarks.append(f"{said[:1].upper()}{said[1:]}.")
+    if intrinsics is not None:
+        sentence = str(intrinsics).splitlines()[0]
+        remarks.append(f"{sentence[:1].upper()}{sentence[1:]}.")
     if solution.ranges is not None:
         remarks.append(f"Ranges: {solution.ranges}.")
     if solution.estimate is not None and solution.estimate.windows:

@@ -52,38 +52,38 @@ def axes_of(solution: AbstractResult) -> list[Axis]:
 
 
 def _remarks(solution: AbstractResult) -> list[tuple[str, str]]:
-    said, seen, use, known = [], solution.estimate, solution.prior_use, solution.uncertainty
+    lines, estimate, use, known = [], solution.estimate, solution.prior_use, solution.uncertainty
     if solution.view.projection != PINHOLE:
-        said.append(("view", str(solution.view)))
-    said += [("check", doubt) for doubt in solution.doubts]
+        lines.append(("view", str(solution.view)))
+    lines += [("check", doubt) for doubt in solution.doubts]
     if use is not None and str(use) not in (DEFAULT, EXACT):
-        said.append(("prior", str(use)))
-    if solution.misfit is not None and (left := _misfit(solution, solution.misfit)):
-        said.append(("misfit", left))
+        lines.append(("prior", str(use)))
+    if solution.misfit is not None and (misfit := _misfit(solution, solution.misfit)):
+        lines.append(("misfit", misfit))
     if solution.intrinsics is not None:
-        said.append(("", str(solution.intrinsics)))
+        lines.append(("", str(solution.intrinsics)))
     if solution.ranges is not None:
-        said.append(("ranges", str(solution.ranges)))
-    if seen is not None and seen.windows:
-        said.append(("motion", described(seen)))
+        lines.append(("ranges", str(solution.ranges)))
+    if estimate is not None and estimate.windows:
+        lines.append(("motion", described(estimate)))
     if solution.left_out:
-        said.append(("", f"left out, since they disagree with the others: {', '.join(solution.left_out)}"))
+        lines.append(("", f"left out, since they disagree with the others: {', '.join(solution.left_out)}"))
     if solution.disagreeing:
-        said.append(("", f"these disagree with others: {', '.join(solution.disagreeing)}"))
+        lines.append(("", f"these disagree with others: {', '.join(solution.disagreeing)}"))
     if known is not None and known.undetermined:
-        said.append(("", f"not determined by these images: {short_list(known.undetermined, '; ')}"))
+        lines.append(("", f"not determined by these images: {short_list(known.undetermined, '; ')}"))
     if solution.expected is not None:
-        said.append(("expect", str(solution.expected)))
+        lines.append(("expect", str(solution.expected)))
     if solution.accepted:
-        said.append(_depth_before(solution))
-    return said
+        lines.append(_depth_before(solution))
+    return lines
 
 
 def _depth_before(solution: AbstractResult) -> tuple[str, str]:
     """What the repair says of the depth of the initial calibration."""
-    seen = solution.estimate
+    estimate = solution.estimate
     if solution.decision is not None and solution.decision.keeps_depth:
-        if seen is not None and seen.windows:
+        if estimate is not None and estimate.windows:
             return (
                 "depth",
                 "stays as it was calibrated: neither the epipolar error nor the rig's motion determine it better",
@@ -93,18 +93,18 @@ def _depth_before(solution: AbstractResult) -> tuple[str, str]:
             "stays as it was calibrated: the epipolar error does not determine it; frames taken while the rig moves, "
             "or ranges, would",
         )
-    if seen is None:
+    if estimate is None:
         return "", f"depth was off: {depths(solution.depth_error_percent)}"
-    errors = seen.depth_error_percent(np.zeros(len(seen.names)))
+    errors = estimate.depth_error_percent(np.zeros(len(estimate.names)))
     ends = {d: dict.fromkeys(change(end, "far") for end in (low, high)) for d, (_, low, high) in errors.items()}
     return "", "depth was off: " + ", ".join(f"{' to '.join(both)} at {d} B" for d, both in ends.items())
 
 
-def _misfit(solution: AbstractResult, left: Misfit) -> str | None:
+def _misfit(solution: AbstractResult, misfit: Misfit) -> str | None:
     """What is worth saying of the misfit."""
-    if left.cause is Cause.RADIAL and left.alike > _SYSTEMATIC:
-        said = f"the intrinsics do not fit: {left.alike:.2f} px of the epipolar error are systematic"
-        return said if solution.intrinsics is not None else f"{said}; {_WOULD_TELL}"
-    if left.high > WORTH_SAYING or solution.reason is Reason.MISFIT:
-        return f"{left.high:.2f} px in the worst tenth of the regions; {left.cause.value}"
+    if misfit.cause is Cause.RADIAL and misfit.alike > _SYSTEMATIC:
+        sentence = f"the intrinsics do not fit: {misfit.alike:.2f} px of the epipolar error are systematic"
+        return sentence if solution.intrinsics is not None else f"{sentence}; {_WOULD_TELL}"
+    if misfit.high > WORTH_SAYING or solution.reason is Reason.MISFIT:
+        return f"{misfit.high:.2f} px in the worst tenth of the regions; {misfit.cause.value}"
     return None

@@ -43,8 +43,8 @@ class RepairedRecording:
     @property
     def windows(self) -> Windows:
         """Of the kept pairs that follow each other, numbered as these."""
-        seen = self.repair.estimate
-        return NO_WINDOWS if seen is None else seen.windows.numbered(self.repair.frames.used)
+        estimate = self.repair.estimate
+        return NO_WINDOWS if estimate is None else estimate.windows.numbered(self.repair.frames.used)
 
     def usable(self, *, lenses: bool) -> bool:
         """Whether it can take part: where lenses are free, frames may disagree by theirs; that is judged at the end."""

@@ -7,11 +7,11 @@ import numpy as np
 
 from stereorecal._arrays import refuse_tracers
 from stereorecal._errors import InputError
-from stereorecal.estimation import Beams
+from stereorecal.estimation import MatchedRanges
 from stereorecal.geometry import StereoRig
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import BASELINE, Parameters, Reach, row_chart
-from stereorecal.recalibration._match_ranges import beams, resolved_ranges
+from stereorecal.recalibration._match_ranges import match_ranges, resolved_ranges
 from stereorecal.recalibration._schedule import finest_scale
 from stereorecal.recalibration._uncertainty import NORMAL_95
 from stereorecal.recordings import Pairs, Range
@@ -65,7 +65,7 @@ def rescale_baseline(
     images = pyramid(rig, pairs)
     ranges = resolved_ranges(ranges, [("", images.pairs)])
     data = images.at(finest_scale(rig.left.size))
-    found = beams(data, rig, with_measured_range(matcher, images), images.pairs, ranges)
+    found = match_ranges(data, rig, with_measured_range(matcher, images), images.pairs, ranges)
     if not found:
         raise InputError(
             "no range lies on a pixel with a reliable match; give some on surfaces with texture, off edges."
@@ -76,7 +76,7 @@ def rescale_baseline(
     return Rescaled(rig.with_extrinsics(extrinsics), change, NORMAL_95 * deviation, used)
 
 
-def _solved_baseline(found: Beams, rig: StereoRig, yaw_sigma: float) -> tuple[float, float, int]:
+def _solved_baseline(found: MatchedRanges, rig: StereoRig, yaw_sigma: float) -> tuple[float, float, int]:
     """The change of the length and its standard deviation, in percent, and how many ranges agree with it. Yaw is solved
     for beside it, and left as it was: rows know it better."""
     chart = row_chart(rig, Reach(), Parameters(("yaw", BASELINE), {"yaw": yaw_sigma, BASELINE: _LONGER}))

@@ -10,7 +10,7 @@ from jaxtyping import Float
 
 from stereorecal._renamed import renamed_attributes
 from stereorecal.decision import Decision, Tolerances
-from stereorecal.estimation import NO_BEAMS, Beams, Estimate, SavedPrior
+from stereorecal.estimation import NO_RANGES, Estimate, MatchedRanges, SavedPrior
 from stereorecal.geometry import StereoRig, View
 from stereorecal.matching import AbstractMatcher
 from stereorecal.recalibration._acceptance import Reason, RowErrors
@@ -56,7 +56,7 @@ class Findings:
     misfit: Misfit | None = None
     intrinsics: Intrinsics | None = None
     ranges: RangesSeen | None = None
-    beams: Beams = NO_BEAMS
+    beams: MatchedRanges = NO_RANGES
     estimate: Estimate | None = None
     decision: Decision | None = None
 
@@ -300,11 +300,11 @@ class AbstractResult:
     @property
     def found(self) -> Correspondences | None:
         """The last correspondences, of the pairs that are kept."""
-        found, kept = next((s.found for s in reversed(self.stages) if s.found is not None), None), self.frames.used
-        if found is None or len(kept) == len(found.weight):
+        found, used = next((s.found for s in reversed(self.stages) if s.found is not None), None), self.frames.used
+        if found is None or len(used) == len(found.weight):
             return found
-        parts = {name: np.asarray(getattr(found, name))[list(kept)] for name in ("left", "right", "weight")}
-        tile = np.asarray(found.tile)[list(kept)] % TILES_OF_A_FRAME
+        parts = {name: np.asarray(getattr(found, name))[list(used)] for name in ("left", "right", "weight")}
+        tile = np.asarray(found.tile)[list(used)] % TILES_OF_A_FRAME
         return replace(found, **parts, tile=tile + TILES_OF_A_FRAME * np.arange(len(tile), dtype=np.int32)[:, None])
 
     @property

@@ -138,16 +138,16 @@ def evidence_of(found: Correspondences, rows: LinearRows, start: Float[np.ndarra
     Args:
         start: row differences under the initial calibration.
     """
-    here, scale = np.asarray(found.weight) > 0, float(found.scale)
-    weight = precisions(found, rows.differences, Loss.WELSCH)[here] * scale**2
+    valid, scale = np.asarray(found.weight) > 0, float(found.scale)
+    weight = precisions(found, rows.differences, Loss.WELSCH)[valid] * scale**2
     return Evidence(
         z=rows.z,
-        jacobian=rows.jacobian[:, here].T / scale,
-        residual=rows.differences[here] / scale,
-        start_residual=start[here] / scale,
+        jacobian=rows.jacobian[:, valid].T / scale,
+        residual=rows.differences[valid] / scale,
+        start_residual=start[valid] / scale,
         weight=weight,
-        curvature=curvatures(found, rows.differences)[here] * scale**2,
-        tile=np.asarray(found.tile)[here],
+        curvature=curvatures(found, rows.differences)[valid] * scale**2,
+        tile=np.asarray(found.tile)[valid],
         prior=prior,
         scale=scale,
         independent=float(found.independent),

@@ -18,20 +18,20 @@ _FEWEST = 3  # matches in a cell
 _ENOUGH = 0.5  # of the matches of the frame that has most: below that a frame is not the one to show
 
 
-def seen_rows(found: Correspondences, initial: StereoRig, candidate: StereoRig, view: View) -> tuple[Rows, int]:
+def row_map(found: Correspondences, initial: StereoRig, candidate: StereoRig, view: View) -> tuple[Rows, int]:
     """Row differences in pixels at full size, and the number of the frame that is shown: the one whose rows lie
     farthest apart under the candidate, of those that match well.
 
     Args:
         found: with the rays that the cameras of `initial` give, as all stages have them.
     """
-    here = np.asarray(found.weight) > 0
-    read = read_by(found, taken=initial, rig=candidate)
+    valid = np.asarray(found.weight) > 0
+    read = read_by(found, matched_rig=initial, rig=candidate)
     before, after = _differences(found, initial), _differences(read, candidate)
-    frame = _worst(after, here)
-    cells = _cells_of_matches(read, candidate, view, here, frame)
-    first, second = (_cell_medians(cells, rows[frame][here[frame]]) for rows in (before, after))
-    return Rows(first, second, before[here], after[here]), frame
+    frame = _worst(after, valid)
+    cells = _cells_of_matches(read, candidate, view, valid, frame)
+    first, second = (_cell_medians(cells, rows[frame][valid[frame]]) for rows in (before, after))
+    return Rows(first, second, before[valid], after[valid]), frame
 
 
 def climbs_of(stages: Sequence[StageRun]) -> tuple[Climb, ...]:
@@ -39,8 +39,8 @@ def climbs_of(stages: Sequence[StageRun]) -> tuple[Climb, ...]:
     found = []
     for stage in stages:
         for run in stage.runs if stage.stage.score is ScoreKind.COUNT else ():
-            here = np.isfinite(run.trace.values)
-            cost, values = run.trace.cost[here], run.trace.values[here]
+            finite = np.isfinite(run.trace.values)
+            cost, values = run.trace.cost[finite], run.trace.values[finite]
             label = f"best count at scale {stage.scale:.2g}"
             found.append(Climb(label, np.concatenate([[0.0], cost]), np.maximum.accumulate([run.start_value, *values])))
     return tuple(found)
@@ -57,22 +57,22 @@ def _differences(found: Correspondences, rig: StereoRig) -> Float[np.ndarray, "k
     return np.asarray(row_differences(found, with_unit_baseline(rig.extrinsics))) / float(found.scale)
 
 
-def _worst(after: Float[np.ndarray, "k m"], here: Bool[np.ndarray, "k m"]) -> int:
-    numbers = here.sum(axis=1)
+def _worst(after: Float[np.ndarray, "k m"], valid: Bool[np.ndarray, "k m"]) -> int:
+    numbers = valid.sum(axis=1)
     spread = [
         float(np.quantile(np.abs(rows[found]), 0.9)) if found.sum() >= _ENOUGH * numbers.max() and found.any() else -1.0
-        for rows, found in zip(after, here, strict=True)
+        for rows, found in zip(after, valid, strict=True)
     ]
     return int(np.argmax(spread))
 
 
 def _cells_of_matches(
-    found: Correspondences, candidate: StereoRig, view: View, here: Bool[np.ndarray, "k m"], frame: int
+    found: Correspondences, candidate: StereoRig, view: View, valid: Bool[np.ndarray, "k m"], frame: int
 ) -> Int[np.ndarray, "f"]:
     """The cell of the candidate's rectified left image in which each match of a frame lies."""
     width, height = view.size
     turn, _ = rectifying_rotations(candidate.rotation, candidate.translation)
-    rays = np.asarray(found.left, float)[frame][here[frame]] @ np.asarray(turn).T
+    rays = np.asarray(found.left, float)[frame][valid[frame]] @ np.asarray(turn).T
     x, y = view.pixels(rays, 0)
     column = np.clip((x / width * _CELLS[0]).astype(int), 0, _CELLS[0] - 1)
     row = np.clip((y / height * _CELLS[1]).astype(int), 0, _CELLS[1] - 1)

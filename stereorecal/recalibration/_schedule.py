@@ -149,8 +149,8 @@ def as_schedule(schedule: Any) -> Schedule:
         return schedule
     if isinstance(schedule, AbstractStrategy):
         raise InputError(f"schedule is the strategy {name_of(schedule)}; give sr.Schedule.count(strategy, scale=1.0).")
-    given = repr(schedule) if isinstance(schedule, str) else f"a {type(schedule).__name__}"
-    raise InputError(f"unknown schedule {given}; choose one of: {', '.join(SCHEDULES)}, or give an sr.Schedule.")
+    described = repr(schedule) if isinstance(schedule, str) else f"a {type(schedule).__name__}"
+    raise InputError(f"unknown schedule {described}; choose one of: {', '.join(SCHEDULES)}, or give an sr.Schedule.")
 
 
 def as_strategy(strategy: AbstractStrategy | str) -> AbstractStrategy:
@@ -162,8 +162,8 @@ def as_strategy(strategy: AbstractStrategy | str) -> AbstractStrategy:
     if isinstance(strategy, str):
         return named_strategy(strategy)
     if not isinstance(strategy, AbstractStrategy):
-        given = f"the class {strategy.__name__}" if isinstance(strategy, type) else f"a {type(strategy).__name__}"
-        raise InputError(f"the strategy is {given}; give a name, or make one: sr.strategy('compass', step=0.25).")
+        described = f"the class {strategy.__name__}" if isinstance(strategy, type) else f"a {type(strategy).__name__}"
+        raise InputError(f"the strategy is {described}; give a name, or make one: sr.strategy('compass', step=0.25).")
     return strategy
 
 

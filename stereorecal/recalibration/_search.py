@@ -17,12 +17,12 @@ _YAW_LEFT = np.radians(0.25)  # what an epipolar stage leaves, where yaw is obse
 
 def started(case: Case, schedule: Schedule) -> tuple[Case, StereoRig, Cost]:
     """What comes before the first stage: the case with a disparity range, where the stage begins, and what it took."""
-    asked, offset, of_survey = case.matcher, np.zeros(6), 0.0
-    if schedule.survey or asked.num_disparities is None:
+    matcher, offset, of_survey = case.matcher, np.zeros(6), 0.0
+    if schedule.survey or matcher.num_disparities is None:
         radians = float(np.radians(case.reach.degrees))
-        seen = survey(case.images, case.rig.extrinsics, radians)
-        case, of_survey = case.with_matcher(seen.with_range(asked, radians)), seen.cost
-        offset = seen.offset if schedule.survey else offset
+        surveyed = survey(case.images, case.rig.extrinsics, radians)
+        case, of_survey = case.with_matcher(surveyed.with_range(matcher, radians)), surveyed.cost
+        offset = surveyed.offset if schedule.survey else offset
     # The images belong together, so most repairs come to these.
     later = [case.scale_of(stage) for stage in schedule.stages if stage.score is ScoreKind.EPIPOLAR]
     for scale in dict.fromkeys(later):
@@ -40,10 +40,10 @@ def run_schedule(case: Case, settings: Settings, start: StereoRig, began: float)
     schedule, measured = settings.schedule, settings.matcher.num_disparities is None
     widest, best, stages = case, start, []
     for stage in schedule.stages:
-        left = remaining(settings.budget, sum(done.cost for done in stages), began)
-        if left is None:
+        budget_left = remaining(settings.budget, sum(done.cost for done in stages), began)
+        if budget_left is None:
             break
-        done = run_stage(case, stage, best, left, settings.seed)
+        done = run_stage(case, stage, best, budget_left, settings.seed)
         best = done.ended
         if len(schedule.stages) > 1 and measured:
             yaw_left = float(_YAW_LEFT if stage.score is ScoreKind.EPIPOLAR else np.radians(case.reach.degrees))

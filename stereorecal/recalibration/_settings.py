@@ -104,38 +104,38 @@ class Settings:
         return {field.name: getattr(self, field.name) for field in fields(self)}
 
 
-def as_settings(given: Mapping[str, Any], names: Collection[str] = RepairOptions.__optional_keys__) -> Settings:
+def as_settings(options: Mapping[str, Any], names: Collection[str] = RepairOptions.__optional_keys__) -> Settings:
     """The settings that options come to.
 
     Args:
-        given: by name.
+        options: by name.
         names: that there are.
 
     Raises:
         TypeError: if there is no option of a name; it names the nearest one.
         InputError: if a value makes no sense, or a strategy of the schedule is not installed.
     """
-    for name in given:
+    for name in options:
         if name not in names:
-            near = get_close_matches(name, names, 1)
-            meant = f"did you mean {near[0]}?" if near else f"there are: {', '.join(sorted(names))}."
+            closest = get_close_matches(name, names, 1)
+            meant = f"did you mean {closest[0]}?" if closest else f"there are: {', '.join(sorted(names))}."
             raise TypeError(f"there is no option {name!r}; {meant}")
-    prior, boards, odometer = given.get("prior"), given.get("boards"), given.get("odometer")
+    prior, boards, odometer = options.get("prior"), options.get("boards"), options.get("odometer")
     check_prior(prior)
     check_boards(boards, prior)
-    ranges = as_ranges(given.get("ranges", ()))
+    ranges = as_ranges(options.get("ranges", ()))
     return Settings(
-        matcher=as_matcher(given.get("matcher")),
-        schedule=as_schedule(given.get("schedule")),
-        reach=as_reach(given.get("reach")),
-        budget=as_budget(given.get("budget")),
-        view=given.get("view"),
-        seed=given.get("seed", 0),
-        free=with_ranges(as_parameters(given.get("free")), ranges, odometer),
+        matcher=as_matcher(options.get("matcher")),
+        schedule=as_schedule(options.get("schedule")),
+        reach=as_reach(options.get("reach")),
+        budget=as_budget(options.get("budget")),
+        view=options.get("view"),
+        seed=options.get("seed", 0),
+        free=with_ranges(as_parameters(options.get("free")), ranges, odometer),
         ranges=ranges,
         prior=prior,
         boards=boards,
-        motion=given.get("motion"),
-        tolerances=as_tolerances(given.get("tolerances")),
+        motion=options.get("motion"),
+        tolerances=as_tolerances(options.get("tolerances")),
         odometer=odometer,
     )

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from stereorecal.decision import decide_together, fewer_parameters_suffice
-from stereorecal.estimation import NO_BEAMS
+from stereorecal.estimation import NO_RANGES
 from stereorecal.geometry import StereoRig
 from stereorecal.objectives import BASELINE, Parameters, row_chart
 from stereorecal.recalibration._acceptance import Reason
@@ -24,7 +24,7 @@ from stereorecal.recalibration._worker_tasks import Each, counted
 from stereorecal.scoring.host import Score
 
 
-def together(
+def solve_jointly(
     recordings: Sequence[RepairedRecording], free: Parameters, *, one: bool, each: Each
 ) -> tuple[Solution, ...]:
     """The repairs with what the recordings share freed as well, or, where that is not taken, as they were. Ranges say
@@ -41,17 +41,21 @@ def together(
     solved = joint_estimate(part, free, one=one, each=each)
     if free.widens and not solved.free.shared:
         return tuple(recording.repair for recording in recordings)
-    answers, seen = _answers(solved, each), None
+    answers, intrinsics = _answers(solved, each), None
     if solved.free.lenses:
-        seen = _intrinsics(solved, answers, IntrinsicsOutcome.NEEDED if free.widens else IntrinsicsOutcome.REFINED)
-        if not seen.taken:
-            rest = _without_lenses(recordings, free, one=one, each=each)
-            return tuple(solution.with_findings(intrinsics=seen) for solution in rest)
-    results = iter(_solutions(solved, answers, seen, each))
+        intrinsics = _intrinsics(
+            solved, answers, IntrinsicsOutcome.NEEDED if free.widens else IntrinsicsOutcome.REFINED
+        )
+        if not intrinsics.taken:
+            solutions = _without_lenses(recordings, free, one=one, each=each)
+            return tuple(solution.with_findings(intrinsics=intrinsics) for solution in solutions)
+    results = iter(_solutions(solved, answers, intrinsics, each))
     return tuple(
         next(results)
         if r.usable(lenses=lenses)
-        else r.repair.with_findings(intrinsics=seen and seen.not_applied(r.repair.reason), ranges=_unmatched(r))
+        else r.repair.with_findings(
+            intrinsics=intrinsics and intrinsics.not_applied(r.repair.reason), ranges=_unmatched(r)
+        )
         for r in recordings
     )
 
@@ -59,16 +63,16 @@ def together(
 def _without_lenses(
     recordings: Sequence[RepairedRecording], free: Parameters, *, one: bool, each: Each
 ) -> tuple[Solution, ...]:
-    rest = _held(free)
-    if free.widens and not rest.shared:
+    held = _held(free)
+    if free.widens and not held.shared:
         return tuple(recording.repair for recording in recordings)
-    if rest.shared or (one and len(recordings) > 1):
-        return together(recordings, rest, one=one, each=each)
+    if held.shared or (one and len(recordings) > 1):
+        return solve_jointly(recordings, held, one=one, each=each)
     return tuple(recording.repair for recording in recordings)
 
 
 def _held(free: Parameters) -> Parameters:
-    """The same with the intrinsics as they were."""
+    """The free parameters without intrinsics."""
     return Parameters(tuple(name for name in free.names if "." not in name), free.priors)
 
 
@@ -79,22 +83,22 @@ def _answers(solved: JointEstimate, each: Each) -> list[Solution]:
     counts = each(counted, [r.task(r.repair.initial, g) for g, r in zip(rigs, recordings, strict=True)])
     joined = [np.concatenate(counts, axis=1)] if solved.one else counts
     reasons = [solved.reason(at, tiles) for at, tiles in enumerate(joined)]
-    left = [solved.rows(at, decision) for at, decision in enumerate(solved.decisions)]
+    rows_by_solution = [solved.rows(at, decision) for at, decision in enumerate(solved.decisions)]
     found = []
     for index, (rig, recording, tiles) in enumerate(zip(rigs, recordings, counts, strict=True)):
         repair, at = recording.repair, solved.of(index)
-        seen, decision, reason = solved.estimates[at], solved.decisions[at], reasons[at]
-        facts, rows = left[at]
-        said_before = repair.frames.disagreeing if reason is Reason.FRAMES_DISAGREE else ()
+        estimated, decision, reason = solved.estimates[at], solved.decisions[at], reasons[at]
+        evidence_at_candidate, rows = rows_by_solution[at]
+        disagreeing = repair.frames.disagreeing if reason is Reason.FRAMES_DISAGREE else ()
         findings = replace(
             repair.findings,
             score_after=Score(int(tiles[1].sum()), repair.score_before.pixels),
             row_errors=rows,
-            misfit=misfit(facts),
-            uncertainty=uncertainty_of(seen, rig, row_chart(repair.initial, repair.settings.reach, solved.free)),
-            estimate=seen,
+            misfit=misfit(evidence_at_candidate),
+            uncertainty=uncertainty_of(estimated, rig, row_chart(repair.initial, repair.settings.reach, solved.free)),
+            estimate=estimated,
             decision=decision,
-            beams=seen.beams,
+            beams=estimated.beams,
             ranges=_range_report(solved, index, rig, reason),
         )
         solution = replace(
@@ -102,9 +106,9 @@ def _answers(solved: JointEstimate, each: Each) -> list[Solution]:
             candidate=rig,
             reason=reason,
             findings=findings,
-            frames=replace(repair.frames, disagreeing=said_before),
+            frames=replace(repair.frames, disagreeing=disagreeing),
             settings=replace(repair.settings, free=solved.free),
-            prior_use=repair.prior_use and replace(repair.prior_use, beside=_images_of_others(recordings, index)),
+            prior_use=repair.prior_use and replace(repair.prior_use, other_images=_images_of_others(recordings, index)),
         )
         found.append(solution)
     return found
@@ -117,21 +121,27 @@ def _images_of_others(recordings: Sequence[RepairedRecording], index: int) -> tu
     )
 
 
-def _intrinsics(solved: JointEstimate, answers: Sequence[Solution], taken: IntrinsicsOutcome) -> Intrinsics:
+def _intrinsics(
+    solved: JointEstimate, answers: Sequence[Solution], outcome_if_accepted: IntrinsicsOutcome
+) -> Intrinsics:
     """The shared parameters, and whether they are taken: not where the others alone do as well.
 
     Args:
-        taken: what is said if they are.
+        outcome_if_accepted: what is said if they are.
     """
     free, decisions = solved.free, solved.decisions
     held = decide_together(solved.estimates, _held(free).names, decisions[0].tolerances)
-    outcome = taken if any(one.accepted for one in answers) else IntrinsicsOutcome.REFUSED
+    outcome = outcome_if_accepted if any(one.accepted for one in answers) else IntrinsicsOutcome.REFUSED
     outcome = IntrinsicsOutcome.NO_GAIN if fewer_parameters_suffice(held, decisions) else outcome
     fixed, freed = (
         float(np.mean([solved.rows(at, one)[1].after for at, one in enumerate(some)])) for some in (held, decisions)
     )
-    tiles = [np.asarray(one.found.tile)[np.asarray(one.found.weight) > 0] % TILES_OF_A_FRAME for one in solved.shown]
-    expected = [seen.row_error_px(one.theta)[10][0] for seen, one in zip(solved.estimates, decisions, strict=True)]
+    tiles = [
+        np.asarray(one.found.tile)[np.asarray(one.found.weight) > 0] % TILES_OF_A_FRAME for one in solved.estimated_from
+    ]
+    expected = [
+        estimated.row_error_px(one.theta)[10][0] for estimated, one in zip(solved.estimates, decisions, strict=True)
+    ]
     return intrinsics_of(
         solved.estimates[0],
         decisions[0].theta,
@@ -146,30 +156,30 @@ def _intrinsics(solved: JointEstimate, answers: Sequence[Solution], taken: Intri
 
 
 def _solutions(
-    solved: JointEstimate, answers: Sequence[Solution], seen: Intrinsics | None, each: Each
+    solved: JointEstimate, answers: Sequence[Solution], intrinsics: Intrinsics | None, each: Each
 ) -> list[Solution]:
     """Of each recording: what was found together, or what it has alone, with no more than the length of the baseline
     that the ranges of others tell."""
-    told = BASELINE in solved.free.names and any(
+    baseline_measured = BASELINE in solved.free.names and any(
         answer.accepted and (some.agree(answer.rig) or recording.windows.measured)
-        for answer, some, recording in zip(answers, solved.beams, solved.recordings, strict=True)
+        for answer, some, recording in zip(answers, solved.ranges, solved.recordings, strict=True)
     )
     if solved.one and solved.free.shared and not answers[0].accepted:
-        rest = [replace(recording, ranges=()) for recording in solved.recordings]
-        alone = together(rest, solved.free.extrinsics, one=True, each=each)
+        without_ranges = [replace(recording, ranges=()) for recording in solved.recordings]
+        alone = solve_jointly(without_ranges, solved.free.extrinsics, one=True, each=each)
     else:
         alone = tuple(recording.repair for recording in solved.recordings)
     found = []
     for index, answer in enumerate(answers):
         if answer.accepted or not solved.free.shared:
-            found.append(answer.with_findings(intrinsics=seen))
+            found.append(answer.with_findings(intrinsics=intrinsics))
             continue
-        scaled = told and alone[index].reason.healthy and not solved.beams[index]
+        scaled = baseline_measured and alone[index].reason.healthy and not solved.ranges[index]
         own = _scaled(alone[index], answer) if scaled else alone[index]
         of_ranges = _range_report(solved, index, own.rig, answer.reason)
-        beams = NO_BEAMS if of_ranges is None else answer.findings.beams
-        here = seen and seen.not_applied(answer.reason)
-        found.append(own.with_findings(intrinsics=here, ranges=of_ranges, beams=beams))
+        beams = NO_RANGES if of_ranges is None else answer.findings.beams
+        own_intrinsics = intrinsics and intrinsics.not_applied(answer.reason)
+        found.append(own.with_findings(intrinsics=own_intrinsics, ranges=of_ranges, beams=beams))
     return found
 
 
@@ -190,18 +200,20 @@ def _length(rig: StereoRig) -> float:
     return abs(float(rig.extrinsics[3]))  # what only a change of the length moves
 
 
-def _range_report(solved: JointEstimate, index: int, used: StereoRig, said: Reason) -> RangesSeen | None:
+def _range_report(solved: JointEstimate, index: int, used: StereoRig, reason: Reason) -> RangesSeen | None:
     """What became of the ranges of a recording, or of all where they have the same extrinsics, with the rig to use."""
     recordings = solved.recordings if solved.one else [solved.recordings[index]]
-    seen, found = solved.estimates[solved.of(index)], solved.rig(index)
-    seen_with = ranges_seen(sum(len(one.ranges) for one in recordings), seen.beams, seen.chart.rig, found, said)
-    return seen_with and replace(seen_with, contradict=int(seen.beams.contradict(used).sum()))
+    estimated, found = solved.estimates[solved.of(index)], solved.rig(index)
+    report = ranges_seen(
+        sum(len(one.ranges) for one in recordings), estimated.beams, estimated.chart.rig, found, reason
+    )
+    return report and replace(report, contradict=int(estimated.beams.contradict(used).sum()))
 
 
 def _unsolved(recording: RepairedRecording, free: Parameters) -> Solution:
     """The repair of a recording where nothing that is shared could be solved for."""
-    seen = _not_solved(recording.repair, free) if free.lenses else None
-    return recording.repair.with_findings(intrinsics=seen, ranges=_unmatched(recording))
+    intrinsics = _not_solved(recording.repair, free) if free.lenses else None
+    return recording.repair.with_findings(intrinsics=intrinsics, ranges=_unmatched(recording))
 
 
 def _unmatched(recording: RepairedRecording) -> RangesSeen | None:

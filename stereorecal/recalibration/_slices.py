@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 from stereorecal.geometry import StereoRig
 from stereorecal.recalibration._cost import Cost
-from stereorecal.recalibration._judge import ending_of
+from stereorecal.recalibration._ending_of_search import ending_of
 from stereorecal.recalibration._schedule import Schedule, ScoreKind, Stage
 from stereorecal.recalibration._search import started
 from stereorecal.recalibration._settings import as_settings

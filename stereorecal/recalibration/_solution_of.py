@@ -4,7 +4,7 @@ import time
 
 import numpy as np
 
-from stereorecal.estimation import NO_BEAMS
+from stereorecal.estimation import NO_RANGES
 from stereorecal.recalibration._acceptance import Reason
 from stereorecal.recalibration._cost import Cost
 from stereorecal.recalibration._ranges_of_case import ranges_seen
@@ -31,12 +31,12 @@ def solution_of(
     if reason is Reason.TOO_LITTLE_TEXTURE and any(image_quality(pair).enough for pair in case.images.pairs):
         reason = Reason.NO_MATCHES
     frames, whole = len(case.images.pairs), case.images.at(1.0)
-    kept = np.isin(np.arange(frames), ending.without, invert=True)
-    pixels = whole.pixels * int(kept.sum()) // frames  # all of one size
-    before, after = (Score(int(found.sum()), pixels) for found in ending.tiles[:, kept])
-    apart = tuple(case.images.pairs[frame].name for frame in ending.apart)
+    used = np.isin(np.arange(frames), ending.without, invert=True)
+    pixels = whole.pixels * int(used.sum()) // frames  # all of one size
+    before, after = (Score(int(found.sum()), pixels) for found in ending.tiles[:, used])
+    excluded = tuple(case.images.pairs[frame].name for frame in ending.excluded)
     disagree = reason is Reason.FRAMES_DISAGREE
-    beams = NO_BEAMS if ending.estimate is None else ending.estimate.beams
+    beams = NO_RANGES if ending.estimate is None else ending.estimate.beams
     return Solution(
         initial=case.rig,
         candidate=ending.candidate,
@@ -55,9 +55,9 @@ def solution_of(
         ),
         frames=FramesUsed(
             selected=case.selected,
-            used=tuple(np.flatnonzero(kept).tolist()),
-            left_out=() if disagree else apart,
-            disagreeing=apart if disagree else (),
+            used=tuple(np.flatnonzero(used).tolist()),
+            left_out=() if disagree else excluded,
+            disagreeing=excluded if disagree else (),
         ),
         search=SearchRun(
             view=case.images.view,

@@ -25,7 +25,7 @@ class Ending:
         candidate: accepted or not.
         reason: the verdict.
         tiles: counts at full scale of all frames, under the initial calibration and the candidate.
-        apart: numbers of the frames that show another rig than the others; all of them count all the same where they
+        excluded: numbers of the frames that show another rig than the others; all of them count all the same where they
             are too many to say which are wrong.
         status, message: how the search ended, or that none was needed.
         others: of `Findings`, by its names.
@@ -34,7 +34,7 @@ class Ending:
     candidate: StereoRig
     reason: Reason
     tiles: Int[np.ndarray, "2 k tiles"]
-    apart: tuple[int, ...] = ()
+    excluded: tuple[int, ...] = ()
     row_errors: RowErrors | None = None
     uncertainty: Uncertainty | None = None
     misfit: Misfit | None = None
@@ -47,7 +47,7 @@ class Ending:
     @property
     def without(self) -> tuple[int, ...]:
         """The frames that the candidate does without."""
-        return () if self.reason is Reason.FRAMES_DISAGREE else self.apart
+        return () if self.reason is Reason.FRAMES_DISAGREE else self.excluded
 
 
 def counts(case: Case, candidate: StereoRig) -> Int[np.ndarray, "2 k tiles"]:
@@ -57,5 +57,5 @@ def counts(case: Case, candidate: StereoRig) -> Int[np.ndarray, "2 k tiles"]:
     if same_camera(candidate.left, case.rig.left) and same_camera(candidate.right, case.rig.right):
         return host.counts_by_tile(data, extrinsics, case.matcher)
     through = zip(rigs, extrinsics, strict=True)
-    found = [host.counts_by_tile(data.through(rig), here[None], case.matcher) for rig, here in through]
+    found = [host.counts_by_tile(data.through(rig), of_rig[None], case.matcher) for rig, of_rig in through]
     return np.concatenate(found)

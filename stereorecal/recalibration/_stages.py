@@ -168,11 +168,13 @@ def better_start(case: Case, stage: Stage, offset: Extrinsics) -> tuple[StereoRi
     initial = np.asarray(case.rig.extrinsics, float)
     if not offset.any():
         return case.rig, 0.0
-    asked = _count_objective(case, stage, Budget())
-    chart = asked.images.chart
+    objective = _count_objective(case, stage, Budget())
+    chart = objective.images.chart
     moved = chart.inside(initial + offset)
-    here, there = asked.problem.values(np.stack([chart.inside(initial), moved]))
-    return (case.rig.with_extrinsics(chart.extrinsics(moved)) if there > here else case.rig), 2 * asked.cost
+    initial_count, moved_count = objective.problem.values(np.stack([chart.inside(initial), moved]))
+    return (
+        case.rig.with_extrinsics(chart.extrinsics(moved)) if moved_count > initial_count else case.rig
+    ), 2 * objective.cost
 
 
 def _count_objective(case: Case, stage: Stage, budget: Budget) -> Objective:
@@ -188,9 +190,9 @@ def _options(case: Case, stage: Stage, budget: Budget) -> dict[str, Any]:
 def _count_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, seed: int) -> StageRun:
     if case.free.shared:
         return _rig_count_stage(case, stage, start, budget, seed)
-    scale, asked = case.scale_of(stage), _count_objective(case, stage, budget)
-    chart = asked.images.chart
-    run = run_strategy(stage.strategy, asked, chart.inside(np.asarray(start.extrinsics)), seed)
+    scale, objective = case.scale_of(stage), _count_objective(case, stage, budget)
+    chart = objective.images.chart
+    run = run_strategy(stage.strategy, objective, chart.inside(np.asarray(start.extrinsics)), seed)
     ended = case.rig.with_extrinsics(chart.extrinsics(run.best))
     return StageRun(stage, scale, start, ended, (run,), _climb(run, chart.extrinsics))
 
@@ -198,8 +200,8 @@ def _count_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, see
 def _rig_count_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, seed: int) -> StageRun:
     """Over all that is free."""
     chart = reach_chart(case.rig, case.reach, case.free)
-    asked = rig_count_objective(case.images, case.matcher, chart, **_options(case, stage, budget))
-    run = run_strategy(stage.strategy, asked, np.clip(chart.coordinates_of(start), -1.0, 1.0), seed)
+    objective = rig_count_objective(case.images, case.matcher, chart, **_options(case, stage, budget))
+    run = run_strategy(stage.strategy, objective, np.clip(chart.coordinates_of(start), -1.0, 1.0), seed)
 
     def extrinsics(points: Float[np.ndarray, "m n"]) -> Float[np.ndarray, "m 6"]:
         return np.array([chart.extrinsics(z) for z in points]).reshape(-1, 6)
@@ -227,13 +229,13 @@ def _epipolar_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, 
     scale, chart = case.scale_of(stage), case.chart
     data = case.images.at(scale, stage.frames)
     began, found, cut = time.perf_counter(), None, False
-    best, runs, rounds, near = chart.coordinates_of(start), [], 0, 0
+    best, runs, rounds, settled_rounds = chart.coordinates_of(start), [], 0, 0
 
-    def left() -> Budget | None:
+    def budget_left() -> Budget | None:
         return remaining(budget, rounds * data.cost + sum(run.trace.total_cost for run in runs), began)
 
     for losses in (_FIRST, *[_AGAIN] * (stage.rounds - 1)):
-        allowed = left()
+        allowed = budget_left()
         if allowed is None or (allowed.evaluations is not None and allowed.evaluations < data.cost):
             cut = found is None
             break
@@ -243,18 +245,18 @@ def _epipolar_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, 
             break
         at_start = rows = linearised(found, chart, best)
         for loss in losses:
-            allowed = left()
+            allowed = budget_left()
             if allowed is None:
                 break
-            asked = epipolar_objective(rows, precisions(found, rows.differences, loss), chart.prior, allowed)
-            runs.append(run_strategy(stage.strategy, asked, rows.z, seed))
+            objective = epipolar_objective(rows, precisions(found, rows.differences, loss), chart.prior, allowed)
+            runs.append(run_strategy(stage.strategy, objective, rows.z, seed))
             rows = rows.moved(found, chart, runs[-1].best)
-        way = np.abs(rows.differences - at_start.differences)[np.asarray(found.weight) > 0]
-        moved = float(np.median(way))
-        near = near + 1 if moved < _FAR else 0
-        best = best + (rows.z - best) / max(near, 1)
+        row_displacement = np.abs(rows.differences - at_start.differences)[np.asarray(found.weight) > 0]
+        moved = float(np.median(row_displacement))
+        settled_rounds = settled_rounds + 1 if moved < _FAR else 0
+        best = best + (rows.z - best) / max(settled_rounds, 1)
         cut = allowed is None or runs[-1].status is Status.BUDGET
-        if cut or (near and moved / near < _SETTLED):
+        if cut or (settled_rounds and moved / settled_rounds < _SETTLED):
             break
     nothing = np.zeros((0, 7))
     return StageRun(stage, scale, start, chart.rig_at(best), tuple(runs), nothing, rounds * data.cost, found, cut)
@@ -266,7 +268,7 @@ def matched(data: ScoringData, chart: RigChart, z: Float[np.ndarray, "n"], match
     rig, extrinsics = chart.rig_at(z), with_unit_baseline(chart.extrinsics(z))
     if same_camera(rig.left, chart.rig.left) and same_camera(rig.right, chart.rig.right):
         return host.correspondences(data, extrinsics, matcher)
-    return read_by(host.correspondences(data.through(rig), extrinsics, matcher), taken=rig, rig=chart.rig)
+    return read_by(host.correspondences(data.through(rig), extrinsics, matcher), matched_rig=rig, rig=chart.rig)
 
 
 def remaining(budget: Budget, cost: float, began: float) -> Budget | None:

@@ -41,27 +41,27 @@ class Uncertainty:
     @property
     def unobserved(self) -> tuple[str, ...]:
         """Names of the parameters that the data do not determine."""
-        return tuple(name for name, seen in zip(self.names, self.observed, strict=True) if not seen)
+        return tuple(name for name, observed in zip(self.names, self.observed, strict=True) if not observed)
 
 
 def uncertainty(
     names: tuple[str, ...],
     posterior: Float[np.ndarray, "n n"],
-    way: Float[np.ndarray, "n"],
+    offset: Float[np.ndarray, "n"],
     drift: Float[np.ndarray, "n"],
-    left: Float[np.ndarray, "n"] | float = 0.0,
+    calibration_variance: Float[np.ndarray, "n"] | float = 0.0,
 ) -> Uncertainty:
     """The uncertainty of a candidate.
 
     Args:
         posterior: its covariance.
-        way: from the candidate to its mean.
+        offset: from the candidate to its mean.
         drift: standard deviations of the drift, before anything was seen.
-        left: variances of what the calibration left.
+        calibration_variance: variances of what the calibration left.
     """
-    observed = np.diag(posterior) < OBSERVED**2 * (drift**2 + left)
+    observed = np.diag(posterior) < OBSERVED**2 * (drift**2 + calibration_variance)
     weak = directions(posterior / drift[:, None] / drift, names)
-    return Uncertainty(names, posterior + np.outer(way, way), posterior, observed, weak)
+    return Uncertainty(names, posterior + np.outer(offset, offset), posterior, observed, weak)
 
 
 def directions(covariance: Float[np.ndarray, "n n"], free: tuple[str, ...]) -> tuple[str, ...]:

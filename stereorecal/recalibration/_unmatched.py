@@ -10,15 +10,15 @@ from stereorecal.scoring import Correspondences, image_quality
 
 LIKELY = 0.25  # of what has texture; aligned rigs cover a half of it and more, rigs a degree out a fifth at most
 _FEWER = 0.5  # of what the frame that matches most covers
-MOST_APART = 1.0 / 3.0  # of the frames; if more disagree, which of them are wrong cannot be told
+MOST_EXCLUDED = 1.0 / 3.0  # of the frames; if more disagree, which of them are wrong cannot be told
 
 
 def without_frames_of(found: Correspondences, frames: Sequence[int]) -> Correspondences:
     """The correspondences of the other frames."""
     if not len(frames):
         return found
-    kept = np.isin(np.arange(len(found.weight)), frames, invert=True)
-    return replace(found, weight=np.asarray(found.weight) * kept[:, None])
+    used = np.isin(np.arange(len(found.weight)), frames, invert=True)
+    return replace(found, weight=np.asarray(found.weight) * used[:, None])
 
 
 def is_sparse(covered: float, texture: float) -> bool:
@@ -34,5 +34,5 @@ def unmatched(found: Correspondences, pairs: Sequence[Pair]) -> tuple[int, ...]:
     fewer = [index for index, share in enumerate(covered) if share < _FEWER * covered[best]]
     if not fewer or is_sparse(covered[best], image_quality(pairs[best]).texture):
         return ()
-    shown = {index: image_quality(pairs[index]) for index in fewer}
-    return tuple(i for i in fewer if shown[i].enough and is_sparse(covered[i], shown[i].texture))
+    quality = {index: image_quality(pairs[index]) for index in fewer}
+    return tuple(i for i in fewer if quality[i].enough and is_sparse(covered[i], quality[i].texture))

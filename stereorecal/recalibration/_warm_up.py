@@ -43,11 +43,11 @@ def warm_up(
     Raises:
         InputError: if a range is none of those, or wider than the images; or as `recalibrate`.
     """
-    asked, pair = as_matcher(matcher), _noise(rig.left.size)
-    if asked.num_disparities is None and (unknown := [n for n in disparities if n not in RANGES]):
+    chosen, pair = as_matcher(matcher), _noise(rig.left.size)
+    if chosen.num_disparities is None and (unknown := [n for n in disparities if n not in RANGES]):
         raise InputError(f"disparities {unknown[0]} is not one of the measured ranges; choose from {RANGES}.")
-    for number in disparities if asked.num_disparities is None else (asked.num_disparities,):
-        recalibrate(rig, [pair], matcher=replace(asked, num_disparities=number), schedule=schedule, view=view)
+    for number in disparities if chosen.num_disparities is None else (chosen.num_disparities,):
+        recalibrate(rig, [pair], matcher=replace(chosen, num_disparities=number), schedule=schedule, view=view)
 
 
 def _noise(size: tuple[int, int]) -> Pair:

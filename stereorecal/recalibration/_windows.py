@@ -85,27 +85,35 @@ def windows_of(case: Case, found: Correspondences) -> dict[tuple[int, int], Any]
     pairs = case.images.pairs
     matches = {frame: _matches(case, found, frame) for window in case.windows for frame in window}
     width, height = case.rig.left.size
-    near = _NEAR * float(np.sqrt(width * height / found.weight.shape[1]))
-    found_again = {(a, b): tracked(pairs[a], pairs[b], (matches[a], matches[b]), near) for a, b in case.windows}
+    search_radius = _NEAR * float(np.sqrt(width * height / found.weight.shape[1]))
+    found_again = {
+        (a, b): tracked(pairs[a], pairs[b], (matches[a], matches[b]), search_radius) for a, b in case.windows
+    }
     return {(a, b): replace(one, readout=share_of(pairs[a], pairs[b])) for (a, b), one in found_again.items()}
 
 
-def without_frames(case: Case, tracks: dict[tuple[int, int], Any], apart: Sequence[int]) -> Windows:
-    """Those windows whose pairs both count."""
-    kept = [window for window in tracks if not set(window) & set(apart)]
-    times = [[case.images.pairs[frame].time for frame in window] for window in kept]
+def without_frames(case: Case, tracks: dict[tuple[int, int], Any], excluded: Sequence[int]) -> Windows:
+    """The windows of a case, but for those with an excluded pair.
+
+    Args:
+        excluded: numbers of pairs.
+    """
+    used_windows = [window for window in tracks if not set(window) & set(excluded)]
+    times = [[case.images.pairs[frame].time for frame in window] for window in used_windows]
     seconds = [second - first for first, second in times if first is not None and second is not None]
-    if len(seconds) < len(kept) or min(seconds, default=1.0) <= 0.0:
-        seconds = [1.0] * len(kept)
-    if not kept:
+    if len(seconds) < len(used_windows) or min(seconds, default=1.0) <= 0.0:
+        seconds = [1.0] * len(used_windows)
+    if not used_windows:
         return NO_WINDOWS
-    return Windows(tuple(tracks[window] for window in kept), tuple(kept), tuple(seconds), _ways(case, kept))
+    return Windows(
+        tuple(tracks[window] for window in used_windows), tuple(used_windows), tuple(seconds), _ways(case, used_windows)
+    )
 
 
-def _ways(case: Case, kept: Sequence[tuple[int, int]]) -> tuple[tuple[float, float] | None, ...]:
+def _ways(case: Case, used_windows: Sequence[tuple[int, int]]) -> tuple[tuple[float, float] | None, ...]:
     """How far the rig travelled in windows. An odometer errs alike in all of them, but for noise: together they say
     no more than it knows."""
-    ways = _travelled(case.odometer, case.images.pairs, kept) if case.odometer else []
+    ways = _travelled(case.odometer, case.images.pairs, used_windows) if case.odometer else []
     metres = [None if way is None or not far_enough(way, case.rig) else way for way in ways]
     known = sum(some is not None for some in metres)
     if case.odometer is None or not known:
@@ -132,46 +140,50 @@ def check_odometer(odometer: Odometer | None, pairs: Sequence[Pair], windows: Wi
         )
     if all(way is None for way in _travelled(odometer, pairs, windows)):
         times = [pair.time for pair in pairs if pair.time is not None]
-        said = f"{min(times):g} to {max(times):g}" if times else "not known"
+        pair_times = f"{min(times):g} to {max(times):g}" if times else "not known"
         raise InputError(
-            f"the odometer's times are {odometer.times[0]:g} to {odometer.times[-1]:g} s, those of the pairs {said} s; "
-            f"give both in seconds of one clock, without gaps of more than {LONGEST_GAP:g} s."
+            f"the odometer's times are {odometer.times[0]:g} to {odometer.times[-1]:g} s, those of the pairs "
+            f"{pair_times} s; give both in seconds of one clock, without gaps of more than {LONGEST_GAP:g} s."
         )
 
 
-def as_dict(seen: Estimate) -> dict[str, Any]:
+def as_dict(estimated: Estimate) -> dict[str, Any]:
     """What the rig's own motion told, as plain data: how many windows, points that were followed, those that fit the
     motion of the rig, the median of its way from one pair to the next, NaN if too few could be followed, in how many
     windows it hardly moved or only turned, which tells nothing of depth, and by how much the right shutter may be late,
     None if it is not."""
-    several = [one for one in seen.motions if one.motion is not None]
+    several = [one for one in estimated.motions if one.motion is not None]
     inliers, tracks = (sum(getattr(one, name) for one in several) for name in ("inliers", "tracks"))
     way = float(np.median([one.metres[0] for one in several])) if several else float("nan")
     still = sum(not one.informative for one in several)
-    told = {"windows": len(seen.windows.tracks), "followed": tracks, "fitting": inliers, "metres": way}
-    told |= {"without_parallax": still}
-    delay = seen.delay and {"probability": seen.delay.probability, "value": seen.delay.seconds, "unit": _unit(seen)}
-    return told | {"delay": delay}
+    summary = {"windows": len(estimated.windows.tracks), "followed": tracks, "fitting": inliers, "metres": way}
+    summary |= {"without_parallax": still}
+    delay = estimated.delay and {
+        "probability": estimated.delay.probability,
+        "value": estimated.delay.seconds,
+        "unit": _unit(estimated),
+    }
+    return summary | {"delay": delay}
 
 
-def _unit(seen: Estimate) -> str:
+def _unit(estimated: Estimate) -> str:
     """Of a delay: where times are not known, all windows last 1, and no two pairs of known times are so far apart."""
-    return "pairs" if set(seen.windows.seconds) == {1.0} else "s"
+    return "pairs" if set(estimated.windows.seconds) == {1.0} else "s"
 
 
-def described(seen: Estimate) -> str:
-    """The same in a line."""
-    told = as_dict(seen)
-    if not told["followed"]:
-        return f"{told['windows']} windows, too few points could be followed"
+def described(estimated: Estimate) -> str:
+    """What the rig's own motion told, in a line."""
+    summary = as_dict(estimated)
+    if not summary["followed"]:
+        return f"{summary['windows']} windows, too few points could be followed"
     return (
-        f"{told['windows']} windows, {told['fitting']} of {told['followed']} points fit the motion of the rig, "
-        f"{told['metres']:.3g} m from one pair to the next (median)" + _still(told) + _late(told["delay"])
+        f"{summary['windows']} windows, {summary['fitting']} of {summary['followed']} points fit the motion of the "
+        f"rig, {summary['metres']:.3g} m from one pair to the next (median)" + _still(summary) + _late(summary["delay"])
     )
 
 
-def _still(told: dict[str, Any]) -> str:
-    some = told["without_parallax"]
+def _still(summary: dict[str, Any]) -> str:
+    some = summary["without_parallax"]
     return f"; in {some} of them the rig only turned or stood still, which tells nothing of depth" if some else ""
 
 
@@ -183,6 +195,6 @@ def _late(delay: dict[str, Any] | None) -> str:
 
 
 def _matches(case: Case, found: Correspondences, frame: int) -> Matches:
-    seen = np.asarray(found.weight[frame]) > 0
-    left, right = (np.asarray(rays[frame], float)[seen] for rays in (found.left, found.right))
+    valid = np.asarray(found.weight[frame]) > 0
+    left, right = (np.asarray(rays[frame], float)[valid] for rays in (found.left, found.right))
     return Matches(np.asarray(case.rig.left.project(left)), np.asarray(case.rig.right.project(right)))

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 from jaxtyping import Int
 
-from stereorecal.estimation import Beams
+from stereorecal.estimation import MatchedRanges
 from stereorecal.geometry import StereoRig, View, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
-from stereorecal.recalibration._match_ranges import beams
+from stereorecal.recalibration._match_ranges import match_ranges
 from stereorecal.recordings import Pair, Range
 from stereorecal.scoring import Correspondences, pyramid
 from stereorecal.scoring.host import correspondences, counts_by_tile
@@ -41,10 +41,10 @@ def matched(task: MatchTask) -> Correspondences:
     return correspondences(data, with_unit_baseline(rig.extrinsics), task.matcher)
 
 
-def range_matches(task: MatchTask) -> Beams:
+def range_matches(task: MatchTask) -> MatchedRanges:
     """The ranges, matched under the first rig."""
     rig = task.rigs[0]
-    return beams(pyramid(rig, task.pairs, task.view).at(task.scale), rig, task.matcher, task.pairs, task.ranges)
+    return match_ranges(pyramid(rig, task.pairs, task.view).at(task.scale), rig, task.matcher, task.pairs, task.ranges)
 
 
 def counted(task: MatchTask) -> Int[np.ndarray, "rigs k tiles"]:

@@ -52,8 +52,8 @@ def find_boards(pairs: Pairs, corners: tuple[int, int] = (9, 6), square: float =
 def _corners(image: Float[np.ndarray, "h w"], columns: int, rows: int) -> Float[np.ndarray, "rows columns 2"] | None:
     grey = np.clip(np.rint(image), 0, 255).astype(np.uint8)
     flags = cv2.CALIB_CB_EXHAUSTIVE | cv2.CALIB_CB_ACCURACY
-    there, found = cv2.findChessboardCornersSB(grey, (columns, rows), flags=flags)
-    if not there:
+    complete, found = cv2.findChessboardCornersSB(grey, (columns, rows), flags=flags)
+    if not complete:
         return None
     # At the rim of a board OpenCV's finder is off by up to half a pixel.
     rough = np.asarray(found, np.float32).reshape(rows, columns, 2)

@@ -89,12 +89,12 @@ class Odometer:
         Raises:
             InputError: as `Odometer`.
         """
-        there = np.asarray(positions, float)
-        if there.ndim != 2 or len(there) != np.size(times):
-            raise InputError(f"there are {np.size(times)} times and positions of shape {there.shape}; give one each.")
-        steps = np.linalg.norm(np.diff(there, axis=0), axis=1)
+        places = np.asarray(positions, float)
+        if places.ndim != 2 or len(places) != np.size(times):
+            raise InputError(f"there are {np.size(times)} times and positions of shape {places.shape}; give one each.")
+        steps = np.linalg.norm(np.diff(places, axis=0), axis=1)
         metres = np.concatenate([[0.0], np.cumsum(steps)])
-        return Odometer(np.asarray(times, float), metres, sigma, there, noise)
+        return Odometer(np.asarray(times, float), metres, sigma, places, noise)
 
     def between(self, first: float, second: float) -> float | None:
         """Metres travelled from one time to another; None if it was not running, or has a gap there."""

@@ -26,11 +26,11 @@ def where(report: RepairReport) -> list[str]:
     """Where the epipolar error is too large: of the calibration to use, and of a candidate that was refused."""
     if report.misfit is None:
         return [_NOT_MEASURED] if report.conclusion in (Conclusion.REPAIRED, Conclusion.GOOD) else []
-    said = [
+    sentences = [
         misfit_sentence(report.misfit, report.when, "" if report.accepted else "With the calibration that you keep")
     ]
     if report.conclusion is Conclusion.REFUSED:
-        said.append(
+        sentences.append(
             misfit_sentence(report.misfit, "after", "With the candidate, which was rejected", "it does not fit there")
         )
-    return [*said, *filter(None, [coverage_sentence(report.misfit)])]
+    return [*sentences, *filter(None, [coverage_sentence(report.misfit)])]

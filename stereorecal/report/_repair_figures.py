@@ -111,9 +111,9 @@ def expected_figure(expected: Map, image: Grey, larger: Sequence[int], unmeasure
                 row, column = divmod(place, GRID[0])
                 corner = column / GRID[0], row / GRID[1]
                 axis.add_patch(Rectangle(corner, 1 / GRID[0], 1 / GRID[1], fill=False, hatch=hatch, ec="k", lw=0.0))
-        shown = {name: hatch for name, (hatch, places) in marks.items() if places}
-        if shown:
-            handles = [Patch(fc="#ffe9b8", ec="k", lw=0.0, hatch=hatch, label=name) for name, hatch in shown.items()]
+        hatches = {name: hatch for name, (hatch, places) in marks.items() if places}
+        if hatches:
+            handles = [Patch(fc="#ffe9b8", ec="k", lw=0.0, hatch=hatch, label=name) for name, hatch in hatches.items()]
             figure.legend(handles=handles, frameon=False, loc="outside lower left")
         return svg(figure, "Map over the view: the row error to expect at each place, with the calibration to use.")
 
@@ -192,5 +192,5 @@ def _scale(*values: Float[np.ndarray, "..."]) -> float:
 
 
 def _ticks(largest: float) -> list[float]:
-    shown = [tick for tick in _TICKS if tick <= largest]
-    return [*(-tick for tick in reversed(shown)), 0.0, *shown]
+    positive = [tick for tick in _TICKS if tick <= largest]
+    return [*(-tick for tick in reversed(positive)), 0.0, *positive]

@@ -12,18 +12,18 @@ Valid = Bool[np.ndarray, "h w"]
 _INVALID = "#202020"
 
 
-def largest_disparity(shown: Iterable[tuple[Values, Valid]]) -> float:
+def largest_disparity(maps: Iterable[tuple[Values, Valid]]) -> float:
     """Upper end of the colour scale: the 99th percentile of the map with the most valid pixels.
 
     False matches under a wrong calibration spread over the whole range, so the maximum over all maps would not do.
     """
-    fullest, valid = max(shown, key=lambda one: int(one[1].sum()))
+    fullest, valid = max(maps, key=lambda one: int(one[1].sum()))
     return float(np.quantile(fullest[valid], 0.99)) if valid.any() else 1.0
 
 
-def colour_range(shown: Iterable[tuple[Values, Valid]]) -> tuple[float, float]:
+def colour_range(maps: Iterable[tuple[Values, Valid]]) -> tuple[float, float]:
     """Both ends of a colour scale: the 1st and the 99th percentile of the map with the most valid pixels."""
-    fullest, valid = max(shown, key=lambda one: int(one[1].sum()))
+    fullest, valid = max(maps, key=lambda one: int(one[1].sum()))
     if not valid.any():
         return 0.0, 1.0
     least, largest = np.quantile(fullest[valid], (0.01, 0.99)).tolist()

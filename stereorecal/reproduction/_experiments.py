@@ -160,8 +160,8 @@ def validity(setting: Setting) -> Iterator[Task]:
 def sweeps(setting: Setting) -> Iterator[Task]:
     """One pair of some sequences along every axis, with every matcher (section 4.1); closer steps near the middle."""
     extent, chosen = setting.extent, setting.matcher
-    there = any(type(matcher) is type(chosen) for matcher in extent.matchers)
-    named = [(name_of(matcher), matcher) for matcher in (*extent.matchers, *([] if there else [chosen]))]
+    listed = any(type(matcher) is type(chosen) for matcher in extent.matchers)
+    named = [(name_of(matcher), matcher) for matcher in (*extent.matchers, *([] if listed else [chosen]))]
     even = np.linspace(-1.0, 1.0, extent.points)
     offsets = tuple((_FAR * np.sign(even) * even**2).tolist())
     for mission in setting.missions[: extent.sweeps]:

@@ -39,17 +39,17 @@ def disparity_figure(left: Image, disparities: Mapping[str, tuple[Image, Bool[np
     axes = figure.subplots(2, columns, squeeze=False).ravel()
     axes[0].imshow(left, cmap="gray", vmin=0, vmax=255)
     axes[0].set_title("left image", fontsize=9, loc="left")
-    shown = None
+    image = None
     for axis, (name, (values, found)) in zip(axes[1:], disparities.items(), strict=False):
-        shown = draw_disparity(axis, values, found, largest)
+        image = draw_disparity(axis, values, found, largest)
         axis.set_title(f"{name}: {100 * found.mean():.0f} % of the pixels", fontsize=9, loc="left")
     for axis in axes:
         axis.set_xticks([])
         axis.set_yticks([])
     for axis in axes[1 + len(disparities) :]:
         axis.set_visible(False)
-    if shown is not None:
-        figure.colorbar(shown, ax=list(axes), label="disparity [px]", fraction=0.03)
+    if image is not None:
+        figure.colorbar(image, ax=list(axes), label="disparity [px]", fraction=0.03)
     return figure
 
 
@@ -175,9 +175,9 @@ def _sequential(rows: Sequence[Row]) -> Figure:
         axis.set_xlabel(_COST, fontsize=8)
     for axis in axes[:, 0]:
         axis.set_ylabel("r on this pair", fontsize=8)
-    now = Line2D([], [], color="#D55E00", label="r = N / N_GT of the current pair")
+    current = Line2D([], [], color="#D55E00", label="r = N / N_GT of the current pair")
     then = Line2D([], [], color="0.4", label="the next pair begins")
-    _legend_below(figure, [now, then, Patch(color="0.9", label="starred: little to match")])
+    _legend_below(figure, [current, then, Patch(color="0.9", label="starred: little to match")])
     _small_ticks(axes.ravel())
     return figure
 

@@ -61,11 +61,11 @@ def _disparities(data: Mapping[str, Any], log: Log, matcher: AbstractMatcher) ->
     mission = next(mission for mission in log.missions if mission.name == first["sequence"])
     pair = mission.pairs[names_of(mission.pairs).index(first["image"])]
     counter = counter_of(log, mission, Reach(**data["settings"]["reach"]), matcher)
-    shown = {"from nothing": first["extrinsics"]["start"]}
-    shown |= {f"after, {row['schedule']}": row["extrinsics"]["found"] for row in same}
-    shown |= {"manual": counter.rig.extrinsics}
+    calibrations = {"from nothing": first["extrinsics"]["start"]}
+    calibrations |= {f"after, {row['schedule']}": row["extrinsics"]["found"] for row in same}
+    calibrations |= {"manual": counter.rig.extrinsics}
     panels = {}
-    for name, extrinsics in shown.items():
+    for name, extrinsics in calibrations.items():
         rig = counter.rig.with_extrinsics(np.array(extrinsics))
         found = disparity(rig, pair, matcher=counter.matcher, view=counter.view)
         panels[name] = np.asarray(found.values), np.asarray(found.valid)

@@ -49,11 +49,14 @@ class ImageQuality:
 def image_quality(pair: Pair) -> ImageQuality:
     """The quality of a pair's images."""
     images = [np.asarray(image, np.float32) for image in (pair.left, pair.right)]
-    each = [_shown(_small(image)) for image in images]
-    shown, brightness = min(each), min(float(image.mean()) / share for image, share in zip(images, each, strict=True))
+    each = [_image_circle_share(_small(image)) for image in images]
+    share_shown, brightness = (
+        min(each),
+        min(float(image.mean()) / share for image, share in zip(images, each, strict=True)),
+    )
     texture = min(float((np.abs(x_slopes(image)) > _TEXTURED_SLOPE).mean()) for image in images)
-    noise = texture >= _TEXTURED * shown and any(_is_noise(image) for image in images)
-    return ImageQuality(brightness, texture, noise, shown)
+    noise = texture >= _TEXTURED * share_shown and any(_is_noise(image) for image in images)
+    return ImageQuality(brightness, texture, noise, share_shown)
 
 
 def x_slopes(image: Float[np.ndarray, "h w"]) -> Float[np.ndarray, "rows columns"]:
@@ -66,7 +69,7 @@ def _small(image: Float[np.ndarray, "h w"]) -> Float[np.ndarray, "rows columns"]
     return _resized(image, _WIDTH, max(1, height * _WIDTH // width))
 
 
-def _shown(image: Float[np.ndarray, "h w"]) -> float:
+def _image_circle_share(image: Float[np.ndarray, "h w"]) -> float:
     """The share of an image that its lens shows: less than 1 where darkness that reaches from all four corners leaves
     a disc, or as much of one as fits."""
     height, width = image.shape

@@ -21,8 +21,8 @@ class Loss(enum.Enum):
 
 def robust_spread(found: Correspondences, differences: Float[np.ndarray, "k m"]) -> float:
     """Robust standard deviation of the row differences about zero, in pixels (1.4826 times the median)."""
-    here = np.asarray(found.weight) > 0
-    median = float(np.median(np.abs(differences[here]))) if here.any() else 0.0
+    valid = np.asarray(found.weight) > 0
+    median = float(np.median(np.abs(differences[valid]))) if valid.any() else 0.0
     return max(SMALLEST_SPREAD, 1.4826 * median)
 
 

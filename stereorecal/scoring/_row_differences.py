@@ -49,6 +49,6 @@ _compiled = jax.jit(jax.checkpoint(differences_of))
 
 def median_row_error(found: Correspondences, extrinsics: Extrinsics) -> float:
     """Median |row difference| in pixels at full size; NaN if nothing was found."""
-    here = np.asarray(found.weight) > 0
+    valid = np.asarray(found.weight) > 0
     differences = row_differences(found, extrinsics)
-    return float(np.median(np.abs(differences[here])) / float(found.scale)) if here.any() else float("nan")
+    return float(np.median(np.abs(differences[valid])) / float(found.scale)) if valid.any() else float("nan")

@@ -44,14 +44,14 @@ def ground_truth(
     directions = rectified @ left_turn
     pose, focal = world.motion.pose(frame), float(view.focal)
     rays = world_rays(pose, rig, 0, directions.astype(np.float32), focal)
-    far = depth(world, rays)  # in lengths of the directions
-    nearness = float(rig.baseline) / far.astype(float)
+    distance = depth(world, rays)  # in lengths of the directions
+    nearness = float(rig.baseline) / distance.astype(float)
     in_right = rectified - nearness[..., None] * [1.0, 0.0, 0.0]
     disparity = np.asarray(view.pixels(rectified, 0)[0] - view.pixels(in_right, 1)[0])
 
     # Occlusion: cast the ray from the right camera to each point. The sky, put at 1e5 m, is hidden by what stands
     # before it as well; half a percent of the depth is tolerated for rounding.
-    points = directions * np.where(np.isfinite(far), far, 1e5)[..., None]
+    points = directions * np.where(np.isfinite(distance), distance, 1e5)[..., None]
     in_right = points @ rig.rotation.T + rig.translation
     away = np.linalg.norm(in_right, axis=-1)
     back = in_right / away[..., None]

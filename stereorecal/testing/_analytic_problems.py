@@ -148,7 +148,7 @@ def bowl(dim: int, meter: Meter | None = None) -> Problem:
 
 
 def staircase(dim: int) -> Problem:
-    """The bowl in steps of 1/64: piecewise constant, as a count is. Its soft count is the bowl."""
+    """The bowl in steps of 1/64: piecewise constant, as a count is. Its smooth score is the bowl itself."""
     return _problem(dim, lambda points: np.floor(64.0 * _bowl(points)) / 64.0, _bowl)
 
 

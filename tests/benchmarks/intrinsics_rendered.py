@@ -10,7 +10,7 @@ import numpy as np
 import stereorecal as sr
 from stereorecal.geometry import Camera, changed_camera, view
 from stereorecal.objectives import Parameters
-from stereorecal.recalibration._effects import depth_errors, rows_apart
+from stereorecal.recalibration._effects import depth_errors, row_errors_of
 from stereorecal.recalibration._uncertainty import NORMAL_95
 
 BOTH = ("extrinsics", "intrinsics")
@@ -44,7 +44,7 @@ def wrong(seed: int) -> sr.StereoRig:
 
 def rows(rig: sr.StereoRig) -> float:
     """Root mean square over the view, pixels."""
-    apart = rows_apart(rig, TRUE, view(rig), np.linspace(0, 639, 33), np.linspace(0, 479, 25))[0]
+    apart = row_errors_of(rig, TRUE, view(rig), np.linspace(0, 639, 33), np.linspace(0, 479, 25))[0]
     return float(np.sqrt(np.nanmean(apart**2)))
 
 
@@ -192,7 +192,7 @@ def came_true(solution: sr.Solution) -> tuple[bool, bool, float]:
     height, width = said.rows.shape
     size = solution.view.size
     columns, lines = np.linspace(0, size[0] - 1, width), np.linspace(0, size[1] - 1, height)
-    apart = rows_apart(solution.rig, TRUE, solution.view, columns, lines)[0]
+    apart = row_errors_of(solution.rig, TRUE, solution.view, columns, lines)[0]
     seen = np.isfinite(apart) & np.isfinite(said.rows)
     within = np.abs(apart - said.rows) <= NORMAL_95 * said.rows_deviation
     return near, far, float(within[seen].mean())

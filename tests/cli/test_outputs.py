@@ -56,7 +56,7 @@ def test_no_input_is_replaced(command, folder: Path, tmp_path: Path, verb: str, 
     answer = command(*words(verb, folder, tmp_path / "made"), option, folder / name, *(["--force"] if force else []))
     assert answer.code == 2, answer.err
     assert answer.err.count("\n") == 1
-    said = "cannot be written there" if name == "own" else "is read, and is not replaced" if force else "--force"
+    said = "cannot be written there" if name == "own" else "will not be overwritten" if force else "--force"
     assert said in answer.err or "maps are written as .npz" in answer.err
     assert {path: data for path, data in state(tmp_path).items() if "made" not in path.parts} == before
 
@@ -106,7 +106,7 @@ def test_all_files_of_a_bag_are_inputs(command, clean_scene: Path, tmp_path: Pat
     about = ("--bag", bag, "--left-topic", "/left", "--right-topic", "/right", "--calibration", clean_scene)
     for path in before:
         answer = command("score", *about, "--json", path, "--force")
-        assert (answer.code, "is read, and is not replaced" in answer.err) == (2, True), answer.err
+        assert (answer.code, "will not be overwritten" in answer.err) == (2, True), answer.err
     assert state(bag) == before
 
 
@@ -225,7 +225,7 @@ def test_the_rows_of_a_reproduction_are_inputs(tmp_path: Path):
     from stereorecal.reproduction import store_files
 
     places = [_output_files.Place("--json", tmp_path / "rows.jsonl")]
-    with pytest.raises(InputError, match="is read, and is not replaced"):
+    with pytest.raises(InputError, match="will not be overwritten"):
         _output_files.refuse_replacing_inputs(places, store_files(tmp_path))
 
 

@@ -372,7 +372,7 @@ def test_the_calibration_in_use_is_replaced_in_place_only(command, drifted_scene
         answer = command("recalibrate", folder, *COUNT, *words)
         assert (answer.code, answer.out) == (2, "")
         assert (folder / "calib.json").read_bytes() == old
-    assert "this file is read, and is not replaced; replace it with --in-place" in answer.err
+    assert "this is an input file of the run and will not be overwritten; replace it with --in-place" in answer.err
     answer = command("recalibrate", folder, *COUNT, "--in-place", "--dry-run")
     assert re.search(r"calib.json: would be written; the old one would be kept as .*calib.json.bak\n$", answer.out)
     answer = command("recalibrate", folder, *COUNT, "--dry-run")

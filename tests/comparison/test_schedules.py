@@ -144,7 +144,7 @@ REFUSED = {
     "a text": ({"strategies": "compass"}, r"strategies is the text 'compass'; give a list of names"),
     "a strategy": ({"strategies": strategy("compass")}, "strategies is one strategy; give a mapping"),
     "a list of strategies": ({"strategies": [strategy("compass")]}, "give names, or a mapping"),
-    "a schedule": ({"schedule": Schedule.count()}, "schedule is an sr.Schedule; compare takes a name"),
+    "a schedule": ({"schedule": Schedule.count()}, "schedule is an sr.Schedule; give its name"),
     "an unknown schedule": ({"schedule": "fast"}, "unknown schedule 'fast'; choose one of: count, default"),
     "a number": ({"schedule": 1}, "unknown schedule 1; choose one of"),
 }

@@ -7,9 +7,9 @@ import pytest
 
 from stereorecal.decision import LIMITS, Verdict, decide
 from stereorecal.estimation import (
-    NO_BEAMS,
-    Beams,
+    NO_RANGES,
     Estimate,
+    MatchedRanges,
     Posterior,
     Windows,
     points_of_view,
@@ -83,7 +83,7 @@ def test_a_depth_that_motion_contradicts_is_not_good(drifted, shown, verdict):
     assert decide(Torn(**{**seen.__getstate__(), "windows": windows}), AXES).verdict is verdict
 
 
-def known_length(chart, percent: float, deviation: float, beams: Beams = NO_BEAMS) -> Estimate:
+def known_length(chart, percent: float, deviation: float, beams: MatchedRanges = NO_RANGES) -> Estimate:
     """Of a rig whose baseline is so much longer, and all else as it was calibrated."""
     length = np.eye(chart.dim)[chart.names.index("baseline")]
     covariance = np.diag(1e-12 + (deviation * length) ** 2)
@@ -91,17 +91,17 @@ def known_length(chart, percent: float, deviation: float, beams: Beams = NO_BEAM
     return Estimate(chart, posterior, (0.0, 0.0), 100, 0.0, np.diag(covariance), beams=beams)
 
 
-def ranges_of(true) -> Beams:
+def ranges_of(true) -> MatchedRanges:
     points = np.random.default_rng(0).uniform([-1, -1, 2], [1, 1, 4], (40, 3))
     pixels = true.left.project(points), true.right.project(points @ true.rotation.T + true.translation)
     metres = np.linalg.norm(points, axis=1)
-    return Beams(*pixels, metres, 0.01 * metres, np.full(40, 0.1))
+    return MatchedRanges(*pixels, metres, 0.01 * metres, np.full(40, 0.1))
 
 
 def test_ranges_are_a_reason_where_rows_are_none(chart):
     """Rows do not see the length of the baseline."""
     true, free = chart.rig_at(known_length(chart, 3.0, 0.1).theta), (*AXES, "baseline")
-    alone, told = (decide(known_length(chart, 3.0, 0.1, beams), free) for beams in (NO_BEAMS, ranges_of(true)))
+    alone, told = (decide(known_length(chart, 3.0, 0.1, beams), free) for beams in (NO_RANGES, ranges_of(true)))
     assert alone.verdict is Verdict.GOOD
     assert (told.verdict, told.by_ranges) == (Verdict.REPAIR, True)
     assert abs(chart.rig_at(told.theta).baseline / true.baseline - 1) < 1e-3
@@ -126,7 +126,7 @@ def test_ranges_are_heard_although_depth_could_be_kept(chart):
         np.asarray(true.right.project(points @ true.rotation.T + true.translation)),
     ]
     metres = np.linalg.norm(points, axis=1)
-    beams = Beams(*pixels, metres, 0.002 * metres, np.full(len(metres), 0.02))
+    beams = MatchedRanges(*pixels, metres, 0.002 * metres, np.full(len(metres), 0.02))
     seen = Estimate(chart, posterior, (0.05, 0.0), 0, float("nan"), sigma**2, beams=beams)
 
     class Aligned(Estimate):

@@ -18,7 +18,7 @@ from stereorecal.estimation import (
     window,
     windows_of_all,
 )
-from stereorecal.estimation._motion_residuals import Motion, by_theta, residuals, seen_by
+from stereorecal.estimation._motion_residuals import Motion, by_theta, residuals, track_readings
 from stereorecal.geometry import rotation_from_vector
 from stereorecal.recalibration._windows import described
 from stereorecal.scoring import Tracks
@@ -71,7 +71,7 @@ def test_slopes_are_those_of_the_residuals(chart, steps):
 
     def at(theta, motion=motion, near=near):
         rig = chart.rig_at(theta)
-        return residuals(seen_by(tracks, rig), rig, motion, near)
+        return residuals(track_readings(tracks, rig), rig, motion, near)
 
     def check(exact, ends, step):
         found = (ends[0].value - ends[1].value) / (2.0 * step)
@@ -79,7 +79,7 @@ def test_slopes_are_those_of_the_residuals(chart, steps):
 
     here = at(theta)
     np.testing.assert_allclose(here.value, 0.0, atol=1e-6)
-    exact = by_theta(seen_by(tracks, true), chart, theta, motion, near)
+    exact = by_theta(track_readings(tracks, true), chart, theta, motion, near)
     for index, step in enumerate(np.diag(steps)):
         check(exact[..., index], [at(theta + sign * step) for sign in (1, -1)], steps[index])
     for index, step in enumerate(1e-6 * np.eye(6)):
@@ -294,13 +294,13 @@ def test_slopes_beside_a_rolling_shutter(rig, chart, steps):
 
     def at(theta, motion=motion, near=near):
         rig = chart.rig_at(theta)
-        return residuals(seen_by(tracks, rig), rig, motion, near)
+        return residuals(track_readings(tracks, rig), rig, motion, near)
 
     for _ in range(3):
         here = at(np.zeros(chart.dim), near=near)
         near = near - here.value[:, 0] / here.by_nearness[:, 0]
     np.testing.assert_allclose(at(np.zeros(chart.dim), near=near).value, 0.0, atol=1e-4)
-    exact = by_theta(seen_by(tracks, rig), chart, np.zeros(chart.dim), motion, near)
+    exact = by_theta(track_readings(tracks, rig), chart, np.zeros(chart.dim), motion, near)
     for index, step in enumerate(np.diag(steps)):
         one, other = (at(sign * step, near=near).value for sign in (1, -1))
         found = (one - other) / (2.0 * steps[index])

@@ -77,7 +77,7 @@ def test_consequences_by_theta_whatever_the_lens_and_the_view(rig, coefficients,
     steps = np.array([{"%": 1e-2, "px": 1e-2, "deg": 1e-3, "": 1e-5}[p.unit] for p in chart.parameters])
     theta = somewhere(chart, 1)
     used, shown = chart.rig_at(theta), sr.view(chart.rig, projection=projection)
-    found = consequences(chart, theta, shown=shown)
+    found = consequences(chart, theta, view=shown)
     for index, distance in enumerate(DISTANCES):
         points = points_of_view(used, distance, shown)
         assert len(points) > 20

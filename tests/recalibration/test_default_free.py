@@ -10,7 +10,7 @@ from stereorecal.estimation import frames_by_place, largest_loss
 from stereorecal.estimation._groups import PLACES
 from stereorecal.geometry import changed_camera, same_camera, view
 from stereorecal.recalibration import IntrinsicsOutcome, Reason
-from stereorecal.recalibration._effects import rows_apart
+from stereorecal.recalibration._effects import row_errors_of
 
 TRUE = sr.synthetic.default_rig().resized((320, 240))
 WRONG = replace(  # lenses that no extrinsics make up for
@@ -22,7 +22,7 @@ WRONG = replace(  # lenses that no extrinsics make up for
 
 def over_the_view(rig: sr.StereoRig) -> float:
     """Root mean square of the rows of points at ten baselines, pixels."""
-    apart = rows_apart(rig, TRUE, view(rig), np.linspace(0, 319, 17), np.linspace(0, 239, 13))[0]
+    apart = row_errors_of(rig, TRUE, view(rig), np.linspace(0, 319, 17), np.linspace(0, 239, 13))[0]
     return float(np.sqrt(np.nanmean(apart**2)))
 
 

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 import stereorecal as sr
-from stereorecal.estimation import Beams
-from stereorecal.recalibration._match_ranges import beams
+from stereorecal.estimation import MatchedRanges
+from stereorecal.recalibration._match_ranges import match_ranges
 from stereorecal.recalibration._rescale import _YAW as YAW, _solved_baseline as lengthened
 from stereorecal.scoring import pyramid
 from stereorecal.scoring.host import with_measured_range
@@ -51,7 +51,7 @@ def test_disparities_err_as_their_deviations_say(harbour):
     pixels, metres = measured("harbour", 2, number=200, noise=0.0)
     images = pyramid(RIG, harbour.pairs)
     ranges = [sr.Range(images.pairs[0], tuple(p), far, 1e-9) for p, far in zip(pixels.tolist(), metres, strict=True)]
-    seen = beams(images.at(1.0), RIG, with_measured_range(None, images), images.pairs, ranges)
+    seen = match_ranges(images.at(1.0), RIG, with_measured_range(None, images), images.pairs, ranges)
     assert len(seen.metres) > 0.5 * len(ranges)
     apart = np.abs(seen.residuals(RIG))  # in deviations of the disparity, nothing else being uncertain
     surer = seen.matching < np.median(seen.matching)
@@ -68,7 +68,7 @@ def test_depth_along_the_axis_is_that_of_the_same_points_along_the_ray(harbour):
     def matched(metres, along):
         given = zip(pixels.tolist(), metres.tolist(), strict=True)
         ranges = [sr.Range(images.pairs[0], tuple(p), far, along=along) for p, far in given]
-        return beams(images.at(1.0), RIG, with_measured_range(None, images), images.pairs, ranges)
+        return match_ranges(images.at(1.0), RIG, with_measured_range(None, images), images.pairs, ranges)
 
     by_ray, by_axis = matched(metres, "ray"), matched(metres / slant, "axis")
     assert slant.max() > 1.1
@@ -216,7 +216,7 @@ def test_the_interval_of_the_length_admits_what_repairs_leave_of_yaw():
         right = RIG.right.project(points @ RIG.rotation.T + RIG.translation) + rng.normal(0, 0.1, (60, 2))
         metres = metres * (1 + 0.01 * rng.normal(size=60))
         off = RIG.with_extrinsics(RIG.extrinsics + np.array([0, np.radians(0.06 * rng.normal()), 0, 0, 0, 0]))
-        found = Beams(left, right, metres, 0.01 * metres, np.full(60, 0.1))
+        found = MatchedRanges(left, right, metres, 0.01 * metres, np.full(60, 0.1))
         change, deviation, _ = lengthened(found, off, YAW)
         hits.append(abs(change) < 1.96 * deviation)
     assert np.mean(hits) >= 0.85

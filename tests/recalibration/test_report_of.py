@@ -10,7 +10,7 @@ from stereorecal.geometry import changed_camera
 from stereorecal.recalibration import Intrinsics, IntrinsicsOutcome, Reason
 from stereorecal.recalibration._intrinsics_table import lenses_of
 from stereorecal.recalibration._repair_report import conclusion_of, report_of
-from stereorecal.recalibration._row_maps import seen_rows
+from stereorecal.recalibration._row_maps import row_map
 from stereorecal.report.repair_report import Conclusion, RepairReport
 
 RIG = sr.synthetic.default_rig().resized((320, 240))
@@ -129,7 +129,7 @@ def test_rows_under_other_lenses(repaired):
     """Matches are what the initial cameras saw: under them the true rig's rows agree, under others they do not."""
     lenses = replace(RIG, right=changed_camera(RIG.right, {"f": 0.02, "cy": 2.0}))
     initial, other = (rig.with_extrinsics(repaired.rig.extrinsics) for rig in (RIG, lenses))
-    rows, _ = seen_rows(repaired.found, initial, other, repaired.view)
+    rows, _ = row_map(repaired.found, initial, other, repaired.view)
     assert np.median(np.abs(rows.all_before)) < 0.2
     assert np.median(np.abs(rows.all_after)) > 1.5
 

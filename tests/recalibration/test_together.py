@@ -13,7 +13,7 @@ from stereorecal.estimation import Windows, windows_of_all
 from stereorecal.geometry import changed_camera, view
 from stereorecal.objectives import Parameters
 from stereorecal.recalibration import IntrinsicsOutcome, chosen_frames, sharing
-from stereorecal.recalibration._effects import rows_apart
+from stereorecal.recalibration._effects import row_errors_of
 from stereorecal.recalibration._frame_choice import MOST_FRAMES
 from stereorecal.recalibration._prior_use import fingerprint
 from stereorecal.scoring import Tracks
@@ -31,7 +31,7 @@ BOTH = ("extrinsics", "intrinsics")
 
 def over_the_view(rig: sr.StereoRig) -> float:
     """Root mean square of the rows of points at ten baselines, pixels."""
-    apart = rows_apart(rig, TRUE, view(rig), np.linspace(0, 319, 17), np.linspace(0, 239, 13))[0]
+    apart = row_errors_of(rig, TRUE, view(rig), np.linspace(0, 319, 17), np.linspace(0, 239, 13))[0]
     return float(np.sqrt(np.nanmean(apart**2)))
 
 

@@ -29,7 +29,7 @@ def test_the_tracker_follows_shifts_to_a_twentieth_of_a_pixel():
     first, second = sr.make_pair(moved(0, 0), moved(-9.25, 0.5)), sr.make_pair(moved(3.5, -2.25), moved(-6.75, -1.75))
     grid = np.stack(np.meshgrid(np.arange(20, 240, 5.0), np.arange(20, 180, 5.0)), axis=-1).reshape(-1, 2)
     matches = Matches(grid, grid - np.array([9.0, 0.0])), Matches(grid, grid - np.array([10.0, 0.0]))
-    seen = tracked(first, second, matches, near=5.0)
+    seen = tracked(first, second, matches, radius=5.0)
     assert len(seen) > 30
     for found, expected in (
         (seen.left[1] - seen.left[0], (3.5, -2.25)),
@@ -41,7 +41,7 @@ def test_the_tracker_follows_shifts_to_a_twentieth_of_a_pixel():
 
 def test_without_matches_nothing_is_tracked():
     pair, none = sr.make_pair(moved(0, 0), moved(-9, 0)), Matches(np.zeros((0, 2)), np.zeros((0, 2)))
-    assert len(tracked(pair, pair, (none, none), near=5.0)) == 0
+    assert len(tracked(pair, pair, (none, none), radius=5.0)) == 0
 
 
 def taken(*times: float | None) -> list[sr.Pair]:

@@ -80,19 +80,19 @@ def compare_field(
         on_loss: called once, with the reason, when the executor has lost trials.
     """
     found = {key: trial for key, trial in (done or {}).items() if key in {task.key for task in tasks}}
-    left = [task for task in tasks if task.key not in found]
+    unfinished = [task for task in tasks if task.key not in found]
     lost = False
     try:
         if progress is not None:
             progress(len(found), len(tasks))
-        for index, trial in run_all(run_field_trial, left, executor):
+        for index, trial in run_all(run_field_trial, unfinished, executor):
             if isinstance(trial, BrokenExecutor | CancelledError):
                 if on_loss is not None and not lost:
                     on_loss(trial)
                 lost = True
                 continue
-            key = left[index].key
-            found[key] = trial if isinstance(trial, FieldTrial) else failed(left[index], trial)
+            key = unfinished[index].key
+            found[key] = trial if isinstance(trial, FieldTrial) else failed(unfinished[index], trial)
             if on_trial is not None:
                 on_trial(found[key])
             if progress is not None:

@@ -50,22 +50,22 @@ class ByBoards:
 def by_boards(judged: StereoRig, stored: StereoRig, boards: Sequence[Board]) -> ByBoards:
     """Rectify, triangulate, measure."""
     made = optics(judged)
-    apart, lengths, far = [], [], []
+    row_errors, lengths, depths = [], [], []
     for board in boards:
         left, right = made.left(np.asarray(board.left)), made.right(np.asarray(board.right))
-        apart.append(row_differences(judged, stored, np.asarray(board.left), np.asarray(board.right)))
+        row_errors.append(row_differences(judged, stored, np.asarray(board.left), np.asarray(board.right)))
         points = _triangulated(made.focal, made.at_infinity, made.focal_baseline, made.made.P1[:2, 2], left, right)
         start, end = _sides(np.asarray(board.points))
         length = np.linalg.norm(np.subtract(*np.asarray(board.points)[[start[0], end[0]]]))
         lengths.append(np.linalg.norm(points[start] - points[end], axis=1) / length)
-        far.append(points[:, 2] / float(judged.baseline))
-    rows, each = np.concatenate(apart), [100 * (np.median(some) - 1) for some in lengths]
+        depths.append(points[:, 2] / float(judged.baseline))
+    rows, each = np.concatenate(row_errors), [100 * (np.median(some) - 1) for some in lengths]
     return ByBoards(
         rows_rms_px=float(np.sqrt(np.mean(rows**2))),
         rows_mean_px=float(rows.mean()),
         squares_percent=float(100 * (np.median(np.concatenate(lengths)) - 1)),
         squares_spread_percent=float(np.std(each, ddof=1)) if len(each) > 1 else 0.0,
-        baselines=float(np.median(np.concatenate(far))),
+        baselines=float(np.median(np.concatenate(depths))),
         boards=len(boards),
     )
 
@@ -80,8 +80,8 @@ def _triangulated(
 
 def _sides(points: Float[np.ndarray, "n 3"]) -> tuple[Int[np.ndarray, "m"], Int[np.ndarray, "m"]]:
     """The ends of the sides of squares: of the corners that are nearest to each other."""
-    apart = np.linalg.norm(points[:, None] - points, axis=-1)
+    distances = np.linalg.norm(points[:, None] - points, axis=-1)
     start, end = np.triu_indices(len(points), 1)
-    shortest = apart[start, end].min()
-    near = apart[start, end] < _SIDE * shortest
-    return start[near], end[near]
+    shortest = distances[start, end].min()
+    adjacent = distances[start, end] < _SIDE * shortest
+    return start[adjacent], end[adjacent]

@@ -46,8 +46,8 @@ class Boards(AbstractRecipe):
     def make(self) -> Case:
         scene = whole_scene(self.folder)
         stored = judged_rig(scene)
-        seen = _boards(self.boards, self.corners, self.square)
-        return Case(self.drifted(stored), scene.pairs, prior_of(exact=False), _ByBoards(stored, seen))
+        boards = _boards(self.boards, self.corners, self.square)
+        return Case(self.drifted(stored), scene.pairs, prior_of(exact=False), _ByBoards(stored, boards))
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,9 +56,9 @@ class _ByBoards:
     boards: tuple[Board, ...]
 
     def __call__(self, rig: StereoRig) -> Judgement:
-        seen = by_boards(rig, self.stored, self.boards)
-        depth = {distance: seen.depth_error_percent(distance) for distance in DISTANCES}
-        return Judgement(seen.rows_rms_px, depth, rows_worse_px=BOARD_ROWS_WORSE)
+        errors = by_boards(rig, self.stored, self.boards)
+        depth = {distance: errors.depth_error_percent(distance) for distance in DISTANCES}
+        return Judgement(errors.rows_rms_px, depth, rows_worse_px=BOARD_ROWS_WORSE)
 
 
 def board_recipes(place: str, draws: Draws) -> tuple[Boards, ...]:

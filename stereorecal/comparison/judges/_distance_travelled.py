@@ -65,11 +65,11 @@ def travelled(rig: StereoRig, pairs: Sequence[Pair], centres: Float[np.ndarray, 
     return Travelled(left, right, depth, len(found))
 
 
-def disparity_offset_px(judged: StereoRig, stored: StereoRig, seen: Travelled) -> float:
+def disparity_offset_px(judged: StereoRig, stored: StereoRig, points: Travelled) -> float:
     """Median disparity of the points less the one that the rig would have to show [px of the stored left camera]."""
     made = optics(judged)
-    due = made.focal_baseline / made.rectified_depth(seen.left, seen.depth) + made.at_infinity
-    offset = float(np.median(made.left(seen.left)[:, 0] - made.right(seen.right)[:, 0] - due))
+    due = made.focal_baseline / made.rectified_depth(points.left, points.depth) + made.at_infinity
+    offset = float(np.median(made.left(points.left)[:, 0] - made.right(points.right)[:, 0] - due))
     return offset * float(stored.left.matrix[0, 0]) / made.focal
 
 
@@ -85,22 +85,22 @@ def _triangulated(
     left, right = followed(rig, pair)
     moved, good = _tracked(pair.left, later.left, left)
     left, right, moved = left[good], right[good], moved[good]
-    rays, others = (_rays(rig.left, pixels) for pixels in (left, moved))
+    rays, later_rays = (_rays(rig.left, pixels) for pixels in (left, moved))
     if len(left) < _FEWEST:
         return left[:0], right[:0], np.zeros(0)
     # As pixels of a pinhole camera: MAGSAC's scale of noise is made for pixels.
     focal = float(rig.left.matrix[0, 0])
-    pinhole, first, second = np.diag([focal, focal, 1.0]), focal * rays, focal * others
+    pinhole, first, second = np.diag([focal, focal, 1.0]), focal * rays, focal * later_rays
     essential, agree = cv2.findEssentialMat(first, second, pinhole, method=cv2.USAC_MAGSAC, prob=0.9999, threshold=_FIT)
     if essential is None or essential.shape != (3, 3):
         return left[:0], right[:0], np.zeros(0)
-    _, turn, direction, ahead = cv2.recoverPose(essential, rays, others, np.eye(3), mask=agree.copy())
-    a, b = (np.column_stack([r, np.ones(len(r))]) for r in (rays, others))
-    there = a @ turn.T
+    _, turn, direction, ahead = cv2.recoverPose(essential, rays, later_rays, np.eye(3), mask=agree.copy())
+    a, b = (np.column_stack([r, np.ones(len(r))]) for r in (rays, later_rays))
+    turned_rays = a @ turn.T
     # depth a: z (R a) + t lies along b, by least squares of the cross product.
-    cross, shift = np.cross(b, there), np.cross(b, step * direction.ravel())
+    cross, shift = np.cross(b, turned_rays), np.cross(b, step * direction.ravel())
     depth = -(cross * shift).sum(axis=1) / np.maximum((cross**2).sum(axis=1), 1e-18)
-    norms = np.linalg.norm(b, axis=1) * np.linalg.norm(there, axis=1)
+    norms = np.linalg.norm(b, axis=1) * np.linalg.norm(turned_rays, axis=1)
     parallax = np.linalg.norm(cross, axis=1) / norms
     good = (agree.ravel() > 0) & (ahead.ravel() > 0) & (parallax > _PARALLAX)
     good &= (depth > 0) & (depth < _FARTHEST * float(rig.baseline))
@@ -110,22 +110,22 @@ def _triangulated(
 def _tracked(image: np.ndarray, later: np.ndarray, pixels: Pixels) -> tuple[Pixels, Bool[np.ndarray, "n"]]:
     """Where corners are in a later image, and whether they come back."""
     first, second = (np.clip(np.rint(one), 0, 255).astype(np.uint8) for one in (image, later))
-    begun = pixels.astype(np.float32).reshape(-1, 1, 2)
-    if not len(begun):
+    start = pixels.astype(np.float32).reshape(-1, 1, 2)
+    if not len(start):
         return pixels, np.zeros(0, bool)
-    found, there = _flow(first, second, begun)
-    back, here = _flow(second, first, found)
-    good = (there.ravel() > 0) & (here.ravel() > 0)
-    good &= np.linalg.norm(back - begun, axis=-1).ravel() < _RETURN
+    found, forward_ok = _flow(first, second, start)
+    back, backward_ok = _flow(second, first, found)
+    good = (forward_ok.ravel() > 0) & (backward_ok.ravel() > 0)
+    good &= np.linalg.norm(back - start, axis=-1).ravel() < _RETURN
     return found.reshape(-1, 2).astype(float), good
 
 
 def _flow(image, other, points):
     """Where windows around points (n, 1, 2) of an image lie in another one, and whether they do."""
-    found, there, _ = cv2.calcOpticalFlowPyrLK(
+    found, found_ok, _ = cv2.calcOpticalFlowPyrLK(
         image, other, points, points.copy(), winSize=_WINDOW, maxLevel=_LEVELS, criteria=_UNTIL
     )
-    return found, there
+    return found, found_ok
 
 
 def _rays(camera: Camera, pixels: Pixels) -> Pixels:

@@ -23,17 +23,17 @@ RENDERED = tuple(_RENDERED)
 JUDGES = (*RENDERED, *_OF_FOLDERS)
 
 
-def recipes_of(asked: str, draws: Draws) -> tuple[AbstractRecipe, ...]:
+def recipes_of(text: str, draws: Draws) -> tuple[AbstractRecipe, ...]:
     """The cases of a judge.
 
     Args:
-        asked: NAME, or NAME=FOLDER: its name, and the folder that it looks into; `rendered=KIND`, `simulated=KIND` name
+        text: NAME, or NAME=FOLDER: its name, and the folder that it looks into; `rendered=KIND`, `simulated=KIND` name
             a kind of scene instead.
 
     Raises:
         InputError: if there is no such judge, or its folder does not hold what it needs.
     """
-    name, _, place = asked.partition("=")
+    name, _, place = text.partition("=")
     name = checked_choice(name.strip(), list(JUDGES), "judge")
     if name in _OF_FOLDERS and not place:
         raise InputError(f"judge {name} needs a folder; give {name}=FOLDER (docs/data.md says what is in it).")

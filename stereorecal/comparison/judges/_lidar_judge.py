@@ -41,8 +41,8 @@ class _ByLidar:
     scene: Scene
 
     def __call__(self, rig: StereoRig) -> Judgement:
-        seen = depth_by_truth(rig, self.stored, self.scene)
-        return Judgement(seen.rows_px, {distance: seen.depth_error_percent(distance) for distance in DISTANCES})
+        errors = depth_by_truth(rig, self.stored, self.scene)
+        return Judgement(errors.rows_px, {distance: errors.depth_error_percent(distance) for distance in DISTANCES})
 
 
 def lidar_recipes(place: str, draws: Draws) -> tuple[Lidar, ...]:

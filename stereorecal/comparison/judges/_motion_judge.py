@@ -78,9 +78,9 @@ class Driven(AbstractRecipe):
     def make(self) -> Case:
         scene = whole_scene(self.folder)
         stored = judged_rig(scene)
-        seen = _travelled(self.folder)
+        points = _travelled(self.folder)
         return Case(
-            self.drifted(stored), scene.pairs[: self.frames], prior_of(exact=False), _ByPoses(stored, scene, seen)
+            self.drifted(stored), scene.pairs[: self.frames], prior_of(exact=False), _ByPoses(stored, scene, points)
         )
 
 

@@ -1,4 +1,4 @@
-"""How a rig to judge rectifies pixels and images: its geometry, and nothing of what finds or judges calibrations."""
+"""How a rig to judge rectifies pixels and images: geometry alone."""
 
 from dataclasses import dataclass
 
@@ -68,7 +68,7 @@ class Optics:
 
 
 def optics(rig: StereoRig) -> Optics:
-    """Of a rig, in its own view.
+    """The optics of a rig, in its own view.
 
     Raises:
         InputError: if its lenses are none that judges of folders know.
@@ -93,9 +93,9 @@ def check_lenses(rig: StereoRig) -> None:
 
 def _undistorted(pixels: Pixels, camera: Camera, turn: AnyArray, projection: AnyArray) -> Pixels:
     turn, projection = np.asarray(turn, float), np.asarray(projection, float)
-    given = np.ascontiguousarray(pixels, np.float64).reshape(-1, 1, 2)
+    points = np.ascontiguousarray(pixels, np.float64).reshape(-1, 1, 2)
     lens = np.asarray(camera.distortion, float) if np.size(camera.distortion) else np.zeros(4)
-    found = cv2.undistortPoints(given, np.asarray(camera.matrix), lens, None, turn, projection[:, :3], _ENOUGH)
+    found = cv2.undistortPoints(points, np.asarray(camera.matrix), lens, None, turn, projection[:, :3], _ENOUGH)
     return found.reshape(-1, 2)
 
 
@@ -104,15 +104,3 @@ def _distorted(pixels: Pixels, camera: Camera, turn: AnyArray, projection: AnyAr
     rays = np.column_stack([pixels, np.ones(len(pixels))]) @ np.linalg.inv(projection[:, :3]).T @ turn
     lens = np.asarray(camera.distortion, float) if np.size(camera.distortion) else np.zeros(4)
     return cv2.projectPoints(rays, np.zeros(3), np.zeros(3), np.asarray(camera.matrix), lens)[0].reshape(-1, 2)
-
-
-def sgbm(images: tuple[np.ndarray, np.ndarray], least: int, most: float) -> np.ndarray:
-    """OpenCV's disparities (h, w) in pixels, NaN where there is none.
-
-    Paths from all eight sides: with the default five, disparities of roads lag behind by 0.3 px.
-    """
-    count = int(np.ceil((most - least) / 16) * 16)
-    matcher = cv2.StereoSGBM.create(least, count, 5, 200, 800, 1, 63, 10, 100, 2, cv2.STEREO_SGBM_MODE_HH)
-    disparity = matcher.compute(*images).astype(np.float32) / 16.0
-    disparity[disparity < least] = np.nan
-    return disparity

@@ -6,7 +6,8 @@ from functools import lru_cache
 import numpy as np
 
 from stereorecal._cv2 import cv2
-from stereorecal.comparison.judges._optics import Pixels, optics, sgbm
+from stereorecal.comparison.judges._optics import Pixels, optics
+from stereorecal.comparison.judges._sgbm import sgbm
 from stereorecal.geometry import StereoRig
 from stereorecal.recordings import Pair, Scene
 
@@ -29,8 +30,8 @@ class Rows:
 def rows(judged: StereoRig, stored: StereoRig, scene: Scene) -> Rows:
     """Of the corners of a scene. They are followed once, in images that the stored rig rectifies, and taken back to raw
     pixels: every rig is judged by the same ones."""
-    apart = np.concatenate([row_differences(judged, stored, *followed(stored, pair)) for pair in scene.pairs])
-    return Rows(float(np.median(np.abs(apart))), float(np.median(apart)), len(apart))
+    differences = np.concatenate([row_differences(judged, stored, *followed(stored, pair)) for pair in scene.pairs])
+    return Rows(float(np.median(np.abs(differences))), float(np.median(differences)), len(differences))
 
 
 def row_differences(judged: StereoRig, stored: StereoRig, left: Pixels, right: Pixels) -> np.ndarray:
@@ -49,13 +50,13 @@ def followed(rig: StereoRig, pair: Pair) -> tuple[Pixels, Pixels]:
     images = made.images(pair)
     disparity = sgbm(images, -16, _NEAREST * images[0].shape[1])
     corners = cv2.goodFeaturesToTrack(images[0], 6000, 0.003, 5).reshape(-1, 2)
-    begun = disparity[tuple(np.rint(corners[:, ::-1]).astype(int).T)]
-    corners, begun = corners[np.isfinite(begun)], begun[np.isfinite(begun)]
-    guess = (corners - np.column_stack([begun, 0 * begun])).astype(np.float32)
-    found, there = _flow(images[0], images[1], corners, guess)
-    back, here = _flow(images[1], images[0], found, corners)
-    good = (there.ravel() > 0) & (here.ravel() > 0) & (np.linalg.norm(back - corners, axis=1) < _RETURN)
-    good &= np.abs(corners[:, 0] - found[:, 0] - begun) < _MOST_ALONG
+    disparity_guess = disparity[tuple(np.rint(corners[:, ::-1]).astype(int).T)]
+    corners, disparity_guess = corners[np.isfinite(disparity_guess)], disparity_guess[np.isfinite(disparity_guess)]
+    guess = (corners - np.column_stack([disparity_guess, 0 * disparity_guess])).astype(np.float32)
+    found, forward_ok = _flow(images[0], images[1], corners, guess)
+    back, backward_ok = _flow(images[1], images[0], found, corners)
+    good = (forward_ok.ravel() > 0) & (backward_ok.ravel() > 0) & (np.linalg.norm(back - corners, axis=1) < _RETURN)
+    good &= np.abs(corners[:, 0] - found[:, 0] - disparity_guess) < _MOST_ALONG
     good &= np.abs(corners[:, 1] - found[:, 1]) < _MOST_ROWS
     return made.raw(corners[good].astype(float), found[good].astype(float))
 
@@ -63,5 +64,5 @@ def followed(rig: StereoRig, pair: Pair) -> tuple[Pixels, Pixels]:
 def _flow(image, other, points, guess):
     """Where windows around points (n, 1, 2) of an image lie in another one, begun at a guess, and whether they do."""
     how = {"winSize": _WINDOW, "criteria": _UNTIL, "flags": cv2.OPTFLOW_USE_INITIAL_FLOW}
-    found, there, _ = cv2.calcOpticalFlowPyrLK(image, other, points, guess.copy(), maxLevel=1, **how)
-    return found, there
+    found, found_ok, _ = cv2.calcOpticalFlowPyrLK(image, other, points, guess.copy(), maxLevel=1, **how)
+    return found, found_ok

@@ -71,8 +71,10 @@ def _views(
         middle = draw.uniform(-0.35, 0.35, 2) * [width, height] / focal * depth
         points = board @ turn.T + np.array([middle[0] + 0.5 * float(rig.baseline), middle[1], depth])
         sides = points, points @ rig.rotation.T + rig.translation
-        seen = [camera.project(side / side[:, 2:]) for camera, side in zip((rig.left, rig.right), sides, strict=True)]
-        inside = [((pixels >= 0) & (pixels <= np.array(rig.left.size) - 1.0)).all() for pixels in seen]
+        corners = [
+            camera.project(side / side[:, 2:]) for camera, side in zip((rig.left, rig.right), sides, strict=True)
+        ]
+        inside = [((pixels >= 0) & (pixels <= np.array(rig.left.size) - 1.0)).all() for pixels in corners]
         if all(inside):
-            yield np.asarray(seen[0]), np.asarray(seen[1])
-    raise InputError("no view of a chessboard fits into both images of this rig.")
+            yield np.asarray(corners[0]), np.asarray(corners[1])
+    raise InputError("no view of a chessboard fits into both images of this rig; give a rig whose views overlap more.")

@@ -9,8 +9,9 @@ from jaxtyping import Float
 from stereorecal._cv2 import cv2
 from stereorecal._errors import InputError
 from stereorecal.comparison.judges._judgement import DEPTH_WORSE, ROWS_WORSE
-from stereorecal.comparison.judges._optics import optics, sgbm
+from stereorecal.comparison.judges._optics import optics
 from stereorecal.comparison.judges._rows import followed, rows
+from stereorecal.comparison.judges._sgbm import sgbm
 from stereorecal.geometry import StereoRig
 from stereorecal.io import load_scene
 from stereorecal.recalibration import depth_error
@@ -80,14 +81,14 @@ def depth_by_truth(judged: StereoRig, stored: StereoRig, scene: Scene) -> DepthB
     height, width = found.shape
     column, row = np.rint(made.left(pixels)).astype(int).T
     inside = (column >= 0) & (column < width) & (row >= 0) & (row < height)
-    seen = np.full(len(pixels), np.nan)
-    seen[inside] = found[row[inside], column[inside]]
-    known = np.isfinite(seen)
-    due, seen, far = due[known], seen[known] - made.at_infinity, depth[known] / baseline
+    matched = np.full(len(pixels), np.nan)
+    matched[inside] = found[row[inside], column[inside]]
+    known = np.isfinite(matched)
+    due, matched, baselines_away = due[known], matched[known] - made.at_infinity, depth[known] / baseline
     due = due - made.at_infinity
-    ratio = np.where(seen > 0, due / np.where(seen > 0, seen, 1.0), np.inf)
-    bins = [ratio[(far >= low) & (far < high)] for low, high in BINS]
-    offset = float(np.median(seen - due))
+    ratio = np.where(matched > 0, due / np.where(matched > 0, matched, 1.0), np.inf)
+    bins = [ratio[(baselines_away >= low) & (baselines_away < high)] for low, high in BINS]
+    offset = float(np.median(matched - due))
     scale = float(stored.left.matrix[0, 0]) / made.focal
     by_corners = scale * corners_offset(judged, stored, scene)
     matched_well = known.mean() > _MATCHED_WELL
@@ -155,17 +156,19 @@ def true_disparity(file: Path, encoding: str) -> Float[np.ndarray, "h w"]:
             raise InputError(f"{file}: no grey image of true disparities; check calib.json's disparity_gt.")
         return np.where(image > 0, image / 256.0, np.nan)
     try:
-        given = np.load(file)["arr_0"]
+        disparity = np.load(file)["arr_0"]
     except (OSError, ValueError, KeyError, TypeError, IndexError):
         raise InputError(f"{file}: no true disparities (npz, arr_0); check calib.json's disparity_gt.") from None
-    return np.where(np.isfinite(given), given, np.nan)
+    return np.where(np.isfinite(disparity), disparity, np.nan)
 
 
 def _is_rectified(rig: StereoRig) -> bool:
     lenses = (np.asarray(camera.distortion) for camera in (rig.left, rig.right))
     level = np.allclose(np.asarray(rig.extrinsics)[[0, 1, 2]], 0.0, atol=1e-6)
-    beside = np.abs(rig.translation[1:]).max() < 0.01 * float(rig.baseline)  # KITTI's colour cameras: 3 mm of 54 cm
-    return bool(level and beside and not any(np.any(lens) for lens in lenses))
+    side_by_side = np.abs(rig.translation[1:]).max() < 0.01 * float(
+        rig.baseline
+    )  # KITTI's colour cameras: 3 mm of 54 cm
+    return bool(level and side_by_side and not any(np.any(lens) for lens in lenses))
 
 
 def depth_of(stored: StereoRig, disparity: Float[np.ndarray, "*n"]) -> Float[np.ndarray, "*n"]:

@@ -71,21 +71,23 @@ def unproject(
     x, y = points[..., 0], points[..., 1]
     squared = x * x + y * y
     off_axis = squared > 0.0
-    far = xp.sqrt(xp.where(off_axis, squared, 1.0))
+    radius = xp.sqrt(xp.where(off_axis, squared, 1.0))
     angle = (
-        _angles_on_host(np.asarray(far), np.asarray(coefficients, float)) if xp is np else _angles(far, coefficients)
+        _angles_on_host(np.asarray(radius), np.asarray(coefficients, float))
+        if xp is np
+        else _angles(radius, coefficients)
     )
-    sine = xp.where(off_axis, xp.sin(angle) / far, 1.0)
+    sine = xp.where(off_axis, xp.sin(angle) / radius, 1.0)
     return xp.stack([x * sine, y * sine, xp.where(off_axis, xp.cos(angle), 1.0)], axis=-1)
 
 
-def _angles_on_host(far: Float[np.ndarray, "*n"], coefficients: Float[np.ndarray, "4"]) -> Float[np.ndarray, "*n"]:
+def _angles_on_host(radius: Float[np.ndarray, "*n"], coefficients: Float[np.ndarray, "4"]) -> Float[np.ndarray, "*n"]:
     """Newton's method between bounds, halving them where it would leave them."""
     most = field(coefficients)
-    low, high = np.zeros_like(far), np.full_like(far, most)
-    angle = np.asarray(np.minimum(far, most))
+    low, high = np.zeros_like(radius), np.full_like(radius, most)
+    angle = np.asarray(np.minimum(radius, most))
     for _ in range(_ROUNDS):
-        error = _grown(angle, coefficients) - far
+        error = _grown(angle, coefficients) - radius
         low, high = np.where(error < 0.0, angle, low), np.where(error < 0.0, high, angle)
         with np.errstate(divide="ignore", invalid="ignore"):
             new = angle - error / _growth(angle, coefficients)
@@ -93,19 +95,19 @@ def _angles_on_host(far: Float[np.ndarray, "*n"], coefficients: Float[np.ndarray
         moved, angle = np.abs(new - angle), new
         if not (moved > _SETTLED * (1.0 + angle)).any():
             break
-    return np.asarray(np.where(far <= _grown(most, coefficients), angle, np.nan))
+    return np.asarray(np.where(radius <= _grown(most, coefficients), angle, np.nan))
 
 
-def _angles(far: jax.Array, coefficients: Any) -> jax.Array:
+def _angles(radius: jax.Array, coefficients: Any) -> jax.Array:
     """Newton's method in float32, from below, where a model without a fold comes in from one side."""
 
     def step(_: Any, angle: jax.Array) -> jax.Array:
-        change = (_grown(angle, coefficients) - far) / jnp.maximum(_growth(angle, coefficients), 1e-3)
+        change = (_grown(angle, coefficients) - radius) / jnp.maximum(_growth(angle, coefficients), 1e-3)
         return jnp.clip(angle - jnp.clip(change, -0.25, 0.25), 0.0, np.pi)
 
-    angle = jax.lax.fori_loop(0, 20, step, jnp.minimum(far, 1.0))
-    met = (jnp.abs(_grown(angle, coefficients) - far) < 1e-4) & (_growth(angle, coefficients) > 0.0)
-    return jnp.where(met, angle, jnp.nan)
+    angle = jax.lax.fori_loop(0, 20, step, jnp.minimum(radius, 1.0))
+    converged = (jnp.abs(_grown(angle, coefficients) - radius) < 1e-4) & (_growth(angle, coefficients) > 0.0)
+    return jnp.where(converged, angle, jnp.nan)
 
 
 def magnification(coefficients: Float[np.ndarray, "4"]) -> float:

@@ -52,14 +52,14 @@ def unproject(
     """Unit vectors; NaN beyond the field."""
     xp, points = in_kind(points, coefficients)
     xi, distortion = coefficients[0], coefficients[1:]
-    seen = undistort(points, distortion)
-    x, y = seen[..., 0], seen[..., 1]
+    undistorted = undistort(points, distortion)
+    x, y = undistorted[..., 0], undistorted[..., 1]
     squared = x * x + y * y
     root = 1.0 + (1.0 - xi * xi) * squared
-    apart = xp.abs(distort(seen, distortion) - points).max(axis=-1)
-    met = (root >= 0.0) & (squared <= _fold(distortion)) & (apart <= _MET * (1.0 + xp.sqrt(squared)))
-    ahead = (xi + xp.sqrt(xp.where(met, root, 1.0))) / (1.0 + squared)
-    return unit(ahead * x, ahead * y, ahead - xi, met)
+    error = xp.abs(distort(undistorted, distortion) - points).max(axis=-1)
+    converged = (root >= 0.0) & (squared <= _fold(distortion)) & (error <= _MET * (1.0 + xp.sqrt(squared)))
+    ahead = (xi + xp.sqrt(xp.where(converged, root, 1.0))) / (1.0 + squared)
+    return unit(ahead * x, ahead * y, ahead - xi, converged)
 
 
 def _fold(distortion: Any) -> Any:

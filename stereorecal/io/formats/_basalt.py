@@ -54,7 +54,7 @@ def can_read(documents: Documents) -> bool:
 
 
 def read(documents: Documents, hints: Hints) -> StereoRig:
-    """Left to right is inv(T_imu_cam[1]) T_imu_cam[0]."""
+    """The rig of a Basalt file: left to right is inv(T_imu_cam[1]) T_imu_cam[0]."""
     content = documents[0].content["value0"]
     with about("value0"):
         left, right = (_camera(content, index) for index in (0, 1))
@@ -107,7 +107,7 @@ def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:
 
 
 def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
-    """The right camera's pose on the IMU moves, the left one's stays."""
+    """A Basalt file: the right camera's pose on the IMU changes, the left one's stays."""
     (document,) = target.documents
     content = document.content["value0"]
     moved = _pose(content, 0) @ inverse(left_to_right(rig))

@@ -50,7 +50,7 @@ def can_read(documents: Documents) -> bool:
 
 
 def read(documents: Documents, hints: Hints) -> StereoRig:
-    """The stated pose is turned round."""
+    """The rig of a BoofCV file, whose pose, from right to left, is inverted."""
     content = documents[0].content
     left, right = (_camera(content, side) for side in ("left", "right"))
     with about("rightToLeft"):
@@ -89,7 +89,7 @@ def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:
 
 
 def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
-    """rightToLeft, and the cameras that are wanted."""
+    """A BoofCV file: rightToLeft, and the intrinsics of the cameras of the target."""
     (document,) = target.documents
     back = inverse(left_to_right(rig))
     values: dict[Keys, Any] = matrix_values(document.content, ("rightToLeft", "rotation"), back[:3, :3])

@@ -36,8 +36,8 @@ def can_read(documents: Documents) -> bool:
 
 
 def read(documents: Documents, hints: Hints) -> StereoRig:
-    """The calibrated translations, never those of the drawing (`specTranslation`). Images of another size, but of the
-    same shape, are taken for resampled ones."""
+    """The rig of a DepthAI file, by its calibrated translations, never those of the drawing (`specTranslation`). Images
+    of another size, but of the same shape, are taken for resampled ones."""
     content = documents[0].content
     left, right = (_camera(content, socket, hints) for socket in _sockets(content))
     return rig_of(left, right, _left_to_right(content))
@@ -102,7 +102,7 @@ def _blank_extrinsics(to_socket: int, nominal: Mapping[str, float]) -> dict[str,
 
 
 def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
-    """The pose that links the two cameras, and the rectifying rotations (as `cv2.stereoRectify`)."""
+    """A DepthAI file: the pose that links its two cameras, and the rectifying rotations (as `cv2.stereoRectify`)."""
     (document,) = target.documents
     content = document.content
     left, right = _sockets(content)

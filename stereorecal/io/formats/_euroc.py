@@ -47,7 +47,8 @@ def can_read(documents: Documents) -> bool:
 
 
 def read(documents: Documents, hints: Hints) -> StereoRig:
-    """Each has the pose T_BS of its camera, x_body = R_i x_i + T_i: left to right is inv(T_BS1) T_BS0."""
+    """The rig of two EuRoC files, each with the pose T_BS of its camera, x_body = R_i x_i + T_i: left to right is
+    inv(T_BS1) T_BS0."""
     (left, left_pose), (right, right_pose) = (_camera(document) for document in documents)
     with about(f"{documents[0].name} and {documents[1].name}"):
         return rig_of(left, right, inverse(right_pose) @ left_pose)
@@ -80,7 +81,7 @@ def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:
 
 
 def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
-    """The right camera's pose on the body moves, the left one's stays."""
+    """Two EuRoC files: the right camera's pose on the body changes, the left one's stays."""
     left, right = target.documents
     poses = (None, _pose(left.content) @ inverse(left_to_right(rig)))
     sides = ((left, rig.left, target.left), (right, rig.right, target.right))

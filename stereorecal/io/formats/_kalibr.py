@@ -51,7 +51,7 @@ def can_read(documents: Documents) -> bool:
 
 
 def read(documents: Documents, hints: Hints) -> StereoRig:
-    """T_cn_cnm1 of cam1 takes points of cam0 to cam1."""
+    """The rig of a Kalibr camchain: T_cn_cnm1 of cam1 takes points of cam0 to cam1."""
     content = documents[0].content
     for key in ("cam0", "cam1"):
         if key not in content:
@@ -103,7 +103,8 @@ def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:
 
 
 def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
-    """T_cn_cnm1 of cam1; T_cam_imu of cam1 and of what follows it in the chain, from that of cam0."""
+    """A Kalibr camchain: T_cn_cnm1 of cam1; T_cam_imu of cam1 and of what follows it in the chain, from that of
+    cam0."""
     (document,) = target.documents
     content, motion = document.content, left_to_right(rig)
     values: dict[Keys, Any] = matrix_values(content, ("cam1", _FROM_LAST), motion)

@@ -26,7 +26,8 @@ def can_read(documents: Documents) -> bool:
 
 
 def read(documents: Documents, hints: Hints) -> StereoRig:
-    """The grey cameras P0 and P1, unless the hints name others; the file has no image size."""
+    """The rig of a KITTI odometry file: the grey cameras P0 and P1, unless the hints name others; the file has no image
+    size."""
     if hints.size is None:
         raise InputError("the file has no image size; give size=(width, height), on the command line --size WxH.")
     return rectified_rig(documents[0].content, hints.cameras or _GREY, hints.size)
@@ -38,7 +39,7 @@ def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:
 
 
 def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
-    """The right camera moves."""
+    """A KITTI odometry file: the projection matrix of the right camera changes."""
     check_straight(is_turned(rig) or has_lens(rig), "KITTI's calib.txt")
     (document,), keys = target.documents, target.hints.cameras or _GREY
     fresh = target.left and target.right and not any(np.any(document.content[key]) for key in keys)

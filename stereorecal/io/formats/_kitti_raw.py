@@ -35,7 +35,8 @@ def can_read(documents: Documents) -> bool:
 
 
 def read(documents: Documents, hints: Hints) -> StereoRig:
-    """The cameras as they are; or, if the images have the size of the rectified ones and not of these, as rectified."""
+    """The rig of a KITTI raw calibration: the cameras as they are; or, if the images have the size of the rectified
+    ones and not of these, as rectified."""
     content, cameras = documents[0].content, _cameras(documents, hints)
     if _is_rectified(content, cameras, hints):
         return rectified_rig(content, _keys("P_rect", cameras), image_size(content, f"S_rect_{cameras[0]}"))
@@ -51,7 +52,8 @@ def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:
 
 
 def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
-    """R and T of the right camera; R_rect and P_rect (alpha 0) of both, where the file has those of no other camera."""
+    """A KITTI raw calibration: R and T of the right camera; R_rect and P_rect (alpha 0) of both, where the file has
+    those of no other camera."""
     (document,), cameras = target.documents, _cameras(target.documents, target.hints)
     content = document.content
     if _is_rectified(content, cameras, target.hints):

@@ -101,20 +101,20 @@ def save_rig(
     if template is None:
         source = file_of(rig)
     else:
-        like = _read_template(template, unit, rig)
-        source = file_of(like)
-        warn_of_units(str(template), like)
+        template_rig = _read_template(template, unit, rig)
+        source = file_of(template_rig)
+        warn_of_units(str(template), template_rig)
     texts = list(texts_of(rig, paths, source, format, unit))
     if prior is not None:
         prior.check(rig)
     known = own_prior(rig) if prior is None else prior.as_dict()
     name = chosen_format(paths, source, format).NAME
-    beside = prior_place(paths, name)
+    prior_path = prior_place(paths, name)
     if name == "stereorecal":
         texts[0] = with_prior(_with_info(texts[0], info or {}), known)
     contents = dict(zip(paths, texts, strict=True))
-    if known is not None and beside is not None:
-        contents[beside] = prior_text(known)
+    if known is not None and prior_path is not None:
+        contents[prior_path] = prior_text(known)
     for place in paths:
         if not place.parent.is_dir():  # before the first of two is written
             raise InputError(f"{place}: cannot be written, there is no such folder; choose another place.")
@@ -203,11 +203,11 @@ def _paths(path: AnyPath | Sequence[AnyPath]) -> list[Path]:
 def _read_template(template: AnyPath | Sequence[AnyPath], unit: str | None, rig: StereoRig) -> StereoRig:
     """The rig in a template; lengths in one that says no unit are as in the rig's own file of that format."""
     paths, hints, own = _paths(template), Hints(size=rig.left.size), file_of(rig)
-    like = read_files(paths, unit=unit, hints=hints)
-    found = file_of(like)
+    template_rig = read_files(paths, unit=unit, hints=hints)
+    found = file_of(template_rig)
     if own is not None and found is not None and found.inferred and found.format == own.format:
         return read_files(paths, unit=own.unit, hints=hints)
-    return like
+    return template_rig
 
 
 def _with_info(text: str, info: Mapping[str, Any]) -> str:

@@ -27,7 +27,8 @@ def can_read(documents: Documents) -> bool:
 
 
 def read(documents: Documents, hints: Hints) -> StereoRig:
-    """The cameras have the same orientation; their principal points differ in x, by `doffs`."""
+    """The rig of a Middlebury calib.txt: the cameras have the same orientation; their principal points differ in x, by
+    `doffs`."""
     content = documents[0].content
     size = pixels(content, "width"), pixels(content, "height")
     left, right = (Camera(size, numbers(content, key, (3, 3))) for key in ("cam0", "cam1"))
@@ -41,7 +42,7 @@ def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:
 
 
 def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
-    """The baseline, and doffs; nothing else can change in rectified images."""
+    """A Middlebury calib.txt: the baseline, and doffs; nothing else can change in rectified images."""
     aside = np.abs(np.asarray(rig.translation)[1:]).max() > ROUNDING * float(rig.baseline)
     off_line = is_turned(rig) or aside or rig.left.size != rig.right.size
     check_straight(off_line or has_lens(rig), "Middlebury's calib.txt")

@@ -48,7 +48,8 @@ def can_read(documents: Documents) -> bool:
 
 
 def read(documents: Documents, hints: Hints) -> StereoRig:
-    """The rig; image size as in the file, else that of the hints, since OpenCV's own files have none."""
+    """The rig of OpenCV's files; image size as in the file, else that of the hints, since OpenCV's own programs
+    write none."""
     content = _content(documents)
     _check_both_parts(content)
     matrix, distortion = _name(content, _MATRICES), _name(content, _DISTORTIONS)
@@ -92,7 +93,8 @@ def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:
 
 
 def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
-    """R and T; what the file has of R1, R2, P1, P2, Q (with its own options, or those of stereo_calib), E and F."""
+    """OpenCV's files: R and T; what the file has of R1, R2, P1, P2, Q (with its own options, or those of stereo_calib),
+    E and F."""
     if rig.left.size != rig.right.size:
         raise InputError("the cameras have images of different sizes; write the rig as kalibr, ros or basalt instead.")
     content = _content(target.documents)

@@ -17,7 +17,7 @@ from stereorecal.io.formats._format import Documents, Format, Hints
 from stereorecal.io.formats._format_list import half_of, named, recognised, unknown
 from stereorecal.io.formats._lens_numbers import trimmed
 from stereorecal.io.formats._rig_file import RigFile
-from stereorecal.io.formats._stored_prior import ENDING, read_beside
+from stereorecal.io.formats._stored_prior import ENDING, read_stored_prior
 from stereorecal.io.formats.text._document import Document, Syntax, read_document
 
 _ENDINGS = (".yaml", ".yml", ".xml", ".json", ".txt")
@@ -52,11 +52,11 @@ def read_files(
     else:
         documents = tuple(_parsed_file(path, chosen, if_missing) for path in paths)
     rig = rig_in(documents, chosen or _recognised(documents), unit, hints)
-    return replace(rig, source=replace(rig.source, beside=read_beside(Path(documents[0].name))))
+    return replace(rig, source=replace(rig.source, stored_prior=read_stored_prior(Path(documents[0].name))))
 
 
 def rig_in(documents: Documents, format: Format, unit: str | None, hints: Hints) -> StereoRig:
-    """The rig that texts of a format describe, in metres.
+    """The rig described by the files of a format; lengths in metres.
 
     Raises:
         InputError, UnsupportedModelError: as `read_files`.

@@ -17,7 +17,7 @@ class RigFile:
         hints: with which they were read.
         unit: of lengths in the file.
         inferred: whether the unit was inferred from the baseline.
-        beside: the prior in the file beside it, as `stored_prior` gives it.
+        stored_prior: the prior in the file beside it, as `stored_prior` gives it.
     """
 
     format: str
@@ -25,7 +25,7 @@ class RigFile:
     hints: Hints
     unit: str
     inferred: bool = False
-    beside: StoredPrior | None = None
+    stored_prior: StoredPrior | None = None
 
 
 def file_of(rig: StereoRig) -> RigFile | None:

@@ -11,17 +11,17 @@ Pose = Float[np.ndarray, "4 4"]
 
 
 def pose(rotation: Mat3, translation: Vec3) -> Pose:
-    """x -> R x + T."""
+    """The rigid motion x -> R x + T as a matrix (4, 4)."""
     made = np.eye(4)
     made[:3, :3], made[:3, 3] = rotation, translation
     return made
 
 
 def inverse(motion: Pose) -> Pose:
-    """The way back.
+    """The inverse of a rigid motion (4, 4).
 
     Raises:
-        InputError: if there is none.
+        InputError: if it has none.
     """
     try:
         return np.linalg.inv(motion)

@@ -54,7 +54,8 @@ def can_read(documents: Documents) -> bool:
 
 
 def read(documents: Documents, hints: Hints) -> StereoRig:
-    """R = R_right^T R_left, and T = R_right^T (t, 0, 0), t = P[0, 3] / P[0, 0], right less left."""
+    """The rig of ROS camera_info files: R = R_right^T R_left, and T = R_right^T (t, 0, 0), t = P[0, 3] / P[0, 0], right
+    less left."""
     (left, to_left, left_shift), (right, to_right, shift) = (_camera(document) for document in documents)
     with about(f"{documents[0].name} and {documents[1].name}"):
         if shift[0] == 0.0 and left_shift[0] < 0.0:
@@ -96,7 +97,8 @@ def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:
 
 
 def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
-    """Rectification and projection matrices, with the files' own options; camera matrices where they are wanted."""
+    """ROS camera_info files: rectification and projection matrices, with the files' own options; intrinsics of the
+    cameras of the target."""
     P1, P2 = (numbers(document.content, "projection_matrix", (3, 4)) for document in target.documents)
     options = options_of(read(target.documents, target.hints), P1, P2, _RECTIFY) if np.any(P1) else _RECTIFY
     made = rectification_of(rig, options)

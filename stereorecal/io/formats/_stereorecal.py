@@ -36,7 +36,7 @@ def can_read(documents: Documents) -> bool:
 
 
 def read(documents: Documents, hints: Hints) -> StereoRig:
-    """The rig."""
+    """The rig of a calib.json."""
     rig = rig_from(documents[0].content)
     if rig is None:
         raise InputError(_NO_RIG)
@@ -49,7 +49,8 @@ def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:
 
 
 def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
-    """R, T and the baseline, and the cameras that are wanted; what has changed is no truth."""
+    """A calib.json: R, T and the baseline, and the intrinsics of the cameras of the target; a changed rig is no ground
+    truth."""
     if rig.left.size != rig.right.size:
         raise InputError(
             f"the cameras have images of {_size(rig.left)} and {_size(rig.right)}, but a calib.json has one size for "

@@ -38,7 +38,7 @@ def prior_file(path: Path) -> Path:
     return path.with_name(path.name + ENDING)
 
 
-def read_beside(path: Path) -> StoredPrior | None:
+def read_stored_prior(path: Path) -> StoredPrior | None:
     """The file beside a calibration, if there is one."""
     place = prior_file(path)
     try:
@@ -57,7 +57,7 @@ def stored_prior(rig: StereoRig) -> StoredPrior | None:
     """The prior in the file that a rig came from; None if there is none."""
     source = file_of(rig)
     if source is None or source.format != _stereorecal.NAME:
-        return None if source is None else source.beside
+        return None if source is None else source.stored_prior
     content = source.documents[0].content.get(KEY)
     return None if content is None else StoredPrior(f"{source.documents[0].name}, {KEY!r}", content)
 

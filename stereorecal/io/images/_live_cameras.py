@@ -31,19 +31,19 @@ def camera_pairs(names: Sequence[str], tolerance: float | None = None) -> Iterat
     """
     cameras = [_Camera(name) for name in names]
     try:
-        number = apart = 0
+        number = unsynchronised = 0
         while all(camera.grab() for camera in cameras):
             times = [camera.time for camera in cameras]
             off = abs(times[0] - times[-1])
             if tolerance is not None and off > tolerance:
-                apart += 1
-                if apart == _MOST_APART:
+                unsynchronised += 1
+                if unsynchronised == _MOST_APART:
                     raise InputError(
                         f"cameras {' and '.join(names)}: their frames are {off:.3f} s apart, the tolerance is "
                         f"{tolerance:g} s; synchronise them, or give a larger --tolerance."
                     )
                 continue
-            apart = 0
+            unsynchronised = 0
             yield _split_images([camera.image() for camera in cameras], f"{number:06d}", times[0] or None)
             number += 1
     finally:

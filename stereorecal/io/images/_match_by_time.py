@@ -25,17 +25,17 @@ def pairs_by_time(left: FrameSource, right: FrameSource, tolerance: float | None
         tolerance = _OF_INTERVAL * float(np.median(np.diff(first))) if len(first) > 1 else float("inf")
     if not tolerance >= 0.0:
         raise InputError(f"a tolerance of {tolerance} s makes no sense; give seconds, such as 0.005.")
-    there, back = _nearest(first, second), _nearest(second, first)
+    partners, back = _nearest(first, second), _nearest(second, first)
     found = [
         (index, int(partner))
-        for index, partner in enumerate(there)
+        for index, partner in enumerate(partners)
         if back[partner] == index and abs(first[index] - second[partner]) <= tolerance + _EXACT
     ]
     if not found:
-        apart = float(np.min(np.abs(first - second[there])))
+        gap = float(np.min(np.abs(first - second[partners])))
         raise InputError(
             f"{left.where} and {right.where}: no two frames lie within {tolerance:.4g} s of each other, the nearest "
-            f"{apart:.4g} s apart; check the clocks, or give a larger tolerance."
+            f"{gap:.4g} s apart; check the clocks, or give a larger tolerance."
         )
     return found
 

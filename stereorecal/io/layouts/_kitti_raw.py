@@ -75,9 +75,9 @@ def _match_by_time(left: Path, right: Path) -> Matched:
     (left_files, left_times), (right_files, right_times) = _shots(left), _shots(right)
     matched: list[tuple[Path, Path]] = []
     for path, time in zip(left_files, left_times, strict=True):
-        apart = np.abs(right_times - time)
-        if apart.min() < _SAME_SHOT:
-            matched.append((path, right_files[int(apart.argmin())]))
+        gaps = np.abs(right_times - time)
+        if gaps.min() < _SAME_SHOT:
+            matched.append((path, right_files[int(gaps.argmin())]))
     if not matched:
         raise InputError(f"{left}: no image in there was taken together with one of {right.name}; check {_TIMES}.")
     return matched

@@ -30,8 +30,8 @@ from stereorecal.scoring.host._swapped_images import refuse_swapped_images as re
 from stereorecal.scoring.host._tracking import (
     Corners as Corners,
     Matches as Matches,
+    corner_tracks as corner_tracks,
     corners as corners,
-    shown_again as shown_again,
     tracked as tracked,
 )
 

@@ -73,11 +73,11 @@ def blocks(height: int, matcher: AbstractMatcher) -> list[Block]:
     halo = max(matcher.halo, matcher.block_size // 2 + 1)  # the core's texture check needs that many rows
     number = max(1, min(cores(), int(_LARGEST_HALO * height) // (2 * halo)))
     rows = -(-height // number)
-    given = min(height, rows + 2 * halo)
+    rows_given = min(height, rows + 2 * halo)
 
     def block(i: int) -> Block:
-        first = min(max(0, i * rows - halo), height - given)
-        return Block(slice(first, first + given), slice(i * rows - first, min(height, (i + 1) * rows) - first))
+        first = min(max(0, i * rows - halo), height - rows_given)
+        return Block(slice(first, first + rows_given), slice(i * rows - first, min(height, (i + 1) * rows) - first))
 
     return [block(i) for i in range(number)]
 

@@ -77,9 +77,9 @@ def _right_pixels(
     (d, v), deviation = _planes_at(np.stack([disparity, row]), good > 0, column, line)
     sure = np.isfinite(deviation)
     turned = np.asarray(view.directions(column - d, line + v, 1))
-    seen = np.asarray(rig.right.project(np.where(sure[:, None], turned, [0.0, 0.0, 1.0]) @ to_right))
+    in_right = np.asarray(rig.right.project(np.where(sure[:, None], turned, [0.0, 0.0, 1.0]) @ to_right))
     # Of the view at its scale, as an angle, in pixels of the right camera.
-    return PixelMatches(np.where(sure[:, None], seen, np.nan), deviation / view.focal * float(rig.right.focal[0]))
+    return PixelMatches(np.where(sure[:, None], in_right, np.nan), deviation / view.focal * float(rig.right.focal[0]))
 
 
 def _planes_at(
@@ -97,12 +97,12 @@ def _planes_at(
     inside = (columns >= 0) & (rows >= 0) & (columns < width) & (rows < height)
     at = np.clip(rows, 0, height - 1), np.clip(columns, 0, width - 1)
     use = inside & good[at]
-    there = np.where(use, fields[:, *at], 0.0)
+    values = np.where(use, fields[:, *at], 0.0)
     places = np.stack([np.ones(use.shape), columns - x[:, None], rows - y[:, None]], -1) * use[..., None]
     normal = np.einsum("nki,nkj->nij", places, places) + 1e-6 * np.eye(3)
-    planes = np.linalg.solve(normal, np.einsum("nki,cnk->nic", places, there))
-    left = np.where(use, there[0] - np.einsum("nki,ni->nk", places, planes[..., 0]), 0.0)
+    planes = np.linalg.solve(normal, np.einsum("nki,cnk->nic", places, values))
+    residuals = np.where(use, values[0] - np.einsum("nki,ni->nk", places, planes[..., 0]), 0.0)
     number = use.sum(axis=1)
-    spread = np.sqrt((left**2).sum(axis=1) / np.maximum(number, 1))
+    spread = np.sqrt((residuals**2).sum(axis=1) / np.maximum(number, 1))
     deviation = np.maximum(spread, SMALLEST_SPREAD) * np.sqrt(number * np.linalg.inv(normal)[:, 0, 0])
     return planes[:, 0].T, np.where((number > _COVERED * len(step)) & (spread < _FLAT), deviation, np.nan)

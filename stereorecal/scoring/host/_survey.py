@@ -90,10 +90,10 @@ def survey(images: Pyramid, extrinsics: Extrinsics, reach: float = _DEFAULT_REAC
         matched = map_candidates(_disparity_of_frame, data.frames, candidates, coarse, _matched).sum(axis=0)
         runs += len(candidates)
     winner = int(np.argmax(matched))
-    seen = map_candidates(_disparity_of_frame, data.frames, candidates[winner], coarse)[:, 0]
+    surveyed = map_candidates(_disparity_of_frame, data.frames, candidates[winner], coarse)[:, 0]
     if matched[winner] < _SURELY_RIGHT * data.pixels:
         refuse_swapped_images(images)
-    return Survey(offsets[winner], _surfaces(seen), data.view, scale, runs * data.cost)
+    return Survey(offsets[winner], _surfaces(surveyed), data.view, scale, runs * data.cost)
 
 
 def with_measured_range(

@@ -75,15 +75,17 @@ def _mistake_in(rig: StereoRig, pair: Pair) -> str | None:
         return "the left and right images show different things; give images that both cameras took at the same time."
     if agree.sum() < _ENOUGH_AGREE or agree.mean() < _MOST:
         return None
-    given = np.asarray(rotation_from_euler(np.asarray(rig.extrinsics[:3], float)))
-    if _angle(turned @ np.diag([-1.0, -1.0, 1.0]), given) < _NEAR:
+    calibrated = np.asarray(rotation_from_euler(np.asarray(rig.extrinsics[:3], float)))
+    if _angle(turned @ np.diag([-1.0, -1.0, 1.0]), calibrated) < _NEAR:
         return "one of the two images is upside down; turn it by 180 degrees."
-    if _angle(given, np.eye(3)) > _TRANSPOSED and _angle(turned, given.T) < 0.5 * _angle(given, np.eye(3)):
+    if _angle(calibrated, np.eye(3)) > _TRANSPOSED and _angle(turned, calibrated.T) < 0.5 * _angle(
+        calibrated, np.eye(3)
+    ):
         return (
             "the rotation between the cameras looks inverted (transposed): it must turn points of the left camera into "
             "the right one; transpose it."
         )
-    if _angle(turned, given) > _NEAR:
+    if _angle(turned, calibrated) > _NEAR:
         return None
     towards = np.asarray(rig.translation, float) / float(rig.baseline)
     first, second = (found[agree] for found in rays)
@@ -104,8 +106,8 @@ def _rays_of_matches(
     right: tuple[Float[np.ndarray, "m 2"], Float[np.ndarray, "m c"]],
 ) -> tuple[Float[np.ndarray, "p 3"], Float[np.ndarray, "p 3"]]:
     """Rays at depth 1 of the features (pixels, descriptors) of both images that are mutual nearest neighbours."""
-    here, there = _mutual_matches(left[1], right[1])
-    first, second = np.asarray(rig.left.rays(left[0][here])), np.asarray(rig.right.rays(right[0][there]))
+    left_index, right_index = _mutual_matches(left[1], right[1])
+    first, second = np.asarray(rig.left.rays(left[0][left_index])), np.asarray(rig.right.rays(right[0][right_index]))
     return _at_depth_1(first), _at_depth_1(second)
 
 
@@ -134,23 +136,23 @@ def _mutual_matches(
     first: Float[np.ndarray, "n c"], second: Float[np.ndarray, "m c"]
 ) -> tuple[Int[np.ndarray, "p"], Int[np.ndarray, "p"]]:
     """Indices of mutual nearest neighbours that pass the ratio test."""
-    apart = (first**2).sum(1)[:, None] + (second**2).sum(1) - 2.0 * first @ second.T
-    of_first, of_second = apart.argmin(axis=1), apart.argmin(axis=0)
-    here = np.arange(len(first))
-    best = apart[here, of_first]
-    clear = best < _RATIO**2 * np.minimum(_second_best(apart, 1)[here], _second_best(apart, 0)[of_first])
-    chosen = here[clear & (of_second[of_first] == here)]
+    distances = (first**2).sum(1)[:, None] + (second**2).sum(1) - 2.0 * first @ second.T
+    of_first, of_second = distances.argmin(axis=1), distances.argmin(axis=0)
+    indices = np.arange(len(first))
+    best = distances[indices, of_first]
+    clear = best < _RATIO**2 * np.minimum(_second_best(distances, 1)[indices], _second_best(distances, 0)[of_first])
+    chosen = indices[clear & (of_second[of_first] == indices)]
     return chosen, of_first[chosen]
 
 
 def _distinct(descriptors: Float[np.ndarray, "n c"]) -> bool:
     """Whether most features of an image differ from all others of it."""
-    apart = (descriptors**2).sum(1)[:, None] + (descriptors**2).sum(1) - 2.0 * descriptors @ descriptors.T
-    return float(np.median(_second_best(apart, 1))) > _DISTINCT**2
+    distances = (descriptors**2).sum(1)[:, None] + (descriptors**2).sum(1) - 2.0 * descriptors @ descriptors.T
+    return float(np.median(_second_best(distances, 1))) > _DISTINCT**2
 
 
-def _second_best(apart: Float[np.ndarray, "n m"], axis: int) -> Float[np.ndarray, "k"]:
-    return np.partition(apart, 1, axis=axis).take(1, axis=axis)
+def _second_best(distances: Float[np.ndarray, "n m"], axis: int) -> Float[np.ndarray, "k"]:
+    return np.partition(distances, 1, axis=axis).take(1, axis=axis)
 
 
 def _rotation(
@@ -160,11 +162,11 @@ def _rotation(
     none = np.eye(3), np.zeros(len(left), bool)
     if len(left) < _CHANCE:
         return none
-    here, there = (np.ascontiguousarray(rays[:, :2]) for rays in (left, right))
-    essential, agree = cv2.findEssentialMat(here, there, np.eye(3), cv2.RANSAC, 0.999, tolerance)
+    left_points, right_points = (np.ascontiguousarray(rays[:, :2]) for rays in (left, right))
+    essential, agree = cv2.findEssentialMat(left_points, right_points, np.eye(3), cv2.RANSAC, 0.999, tolerance)
     if essential is None or essential.shape != (3, 3):
         return none
-    return cv2.recoverPose(essential, here, there, np.eye(3), mask=agree.copy())[1], agree.reshape(-1) > 0
+    return cv2.recoverPose(essential, left_points, right_points, np.eye(3), mask=agree.copy())[1], agree.reshape(-1) > 0
 
 
 def _aligned(

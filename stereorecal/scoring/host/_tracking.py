@@ -53,8 +53,8 @@ class Corners:
     right: Float[np.ndarray, "m 2"]
 
 
-def corners(pair: Pair, matches: Matches, near: float, most: int) -> Corners:
-    """At most so many corners that both images of a pair show; `near` as `tracked` has it."""
+def corners(pair: Pair, matches: Matches, radius: float, most: int) -> Corners:
+    """At most so many corners that both images of a pair show; `radius` as `tracked` has it."""
     left, right = _eight_bit(pair.left), _eight_bit(pair.right)
     found = cv2.goodFeaturesToTrack(left, most, _QUALITY, _APART) if len(matches.left) else None
     if found is None:
@@ -62,11 +62,11 @@ def corners(pair: Pair, matches: Matches, near: float, most: int) -> Corners:
     start = found.reshape(-1, 2)
     guess, away = matches.partners(start)
     partner, good = _followed(left, right, start, guess.astype(np.float32), 1)
-    good &= (away < near) & (np.linalg.norm(partner - guess, axis=1) < _FROM_GUESS)
+    good &= (away < radius) & (np.linalg.norm(partner - guess, axis=1) < _FROM_GUESS)
     return Corners(left, start[good].astype(float), partner[good].astype(float))
 
 
-def shown_again(before: Corners, pair: Pair) -> Tracks:
+def corner_tracks(before: Corners, pair: Pair) -> Tracks:
     """Corners that both images of a later pair show again, whose disparities are about as they were."""
     if not len(before.left) or before.image.shape != pair.left.shape:
         return Tracks(np.zeros((2, 0, 2)), np.zeros((2, 0, 2)))
@@ -79,12 +79,12 @@ def shown_again(before: Corners, pair: Pair) -> Tracks:
     return tracks.of(good & found)
 
 
-def tracked(first: Pair, second: Pair, matches: tuple[Matches, Matches], near: float) -> Tracks:
+def tracked(first: Pair, second: Pair, matches: tuple[Matches, Matches], radius: float) -> Tracks:
     """Corners that all four images of two consecutive pairs show.
 
     Args:
         matches: of each pair.
-        near: pixels: corners that are farther from all matches are left out.
+        radius: pixels: corners that are farther from all matches are left out.
     """
     left, right = ([_eight_bit(getattr(pair, side)) for pair in (first, second)] for side in ("left", "right"))
     nothing = Tracks(np.zeros((2, 0, 2)), np.zeros((2, 0, 2)))
@@ -99,7 +99,7 @@ def tracked(first: Pair, second: Pair, matches: tuple[Matches, Matches], near: f
     for frame, corner in enumerate((start, later)):
         guess, away = matches[frame].partners(corner)
         partner, found = _followed(left[frame], right[frame], corner, guess.astype(np.float32), 1)
-        good &= found & (away < near) & (np.linalg.norm(partner - guess, axis=1) < _FROM_GUESS)
+        good &= found & (away < radius) & (np.linalg.norm(partner - guess, axis=1) < _FROM_GUESS)
         partners.append(partner)
     return Tracks(np.stack([start, later]).astype(float), np.stack(partners).astype(float)).of(good)
 
@@ -109,10 +109,10 @@ def _followed(
 ) -> tuple[np.ndarray, Bool[np.ndarray, "n"]]:
     """Pixels of one image in another one, and whether the way back ends where it began."""
 
-    def follow(here, there, start, expected):
+    def follow(one, other, start, expected):
         found, status, _ = cv2.calcOpticalFlowPyrLK(
-            here,
-            there,
+            one,
+            other,
             start,
             expected.copy(),
             winSize=(_WINDOW, _WINDOW),
@@ -122,12 +122,12 @@ def _followed(
         )
         return found, status.ravel() > 0
 
-    there, found = follow(one, other, pixels, guess)
-    back, again = follow(other, one, there, pixels)
+    moved, found = follow(one, other, pixels, guess)
+    back, again = follow(other, one, moved, pixels)
     closed = np.linalg.norm(back - pixels, axis=1) < _CLOSED
     height, width = one.shape
-    inside = ((there >= 0.0) & (there <= [width - 1, height - 1])).all(axis=1)
-    return there, found & again & closed & inside
+    inside = ((moved >= 0.0) & (moved <= [width - 1, height - 1])).all(axis=1)
+    return moved, found & again & closed & inside
 
 
 def _eight_bit(image: Float[np.ndarray, "h w"]) -> np.ndarray:

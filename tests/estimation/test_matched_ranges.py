@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from scipy.stats import norm
 
-from stereorecal.estimation import Beams, CalibrationPrior, estimate, points_of_view, readings
+from stereorecal.estimation import CalibrationPrior, MatchedRanges, estimate, points_of_view, readings
 from stereorecal.estimation._calibration_prior import with_scaled_boards
 
 METRES = np.array([0.5, 5.0])  # of a baseline of 0.12
@@ -19,7 +19,7 @@ def scaled(chart, prior) -> CalibrationPrior:
     return with_scaled_boards(prior, chart)
 
 
-def beams_of(true, seed=0, number=40, noise=0.1, relative=0.01) -> Beams:
+def ranges_of(true, seed=0, number=40, noise=0.1, relative=0.01) -> MatchedRanges:
     """Of points that a rig sees, in pixels with an error."""
     rng = np.random.default_rng(seed)
     left = rng.uniform([40, 40], [600, 440], (number, 2))
@@ -27,7 +27,7 @@ def beams_of(true, seed=0, number=40, noise=0.1, relative=0.01) -> Beams:
     points = rays / np.linalg.norm(rays, axis=-1, keepdims=True) * metres[:, None]
     right = true.right.project(points @ true.rotation.T + true.translation) + noise * rng.normal(size=left.shape)
     told = metres * (1.0 + relative * rng.normal(size=number))
-    return Beams(left, right, told, np.maximum(relative, 0.01) * told, np.full(number, 0.1))
+    return MatchedRanges(left, right, told, np.maximum(relative, 0.01) * told, np.full(number, 0.1))
 
 
 def nearness(used, true) -> float:
@@ -44,7 +44,7 @@ def longer(chart, percent) -> np.ndarray:
 def test_exact_ones_have_no_residual_and_pull_nowhere(chart, seed, percent):
     theta = longer(chart, percent)
     true = chart.rig_at(theta)
-    seen = beams_of(true, seed, noise=0.0, relative=0.0)
+    seen = ranges_of(true, seed, noise=0.0, relative=0.0)
     seen.metres[:3] = np.inf  # the horizon, of pixels that see it
     far = np.asarray(true.left.rays(seen.left[:3])) @ true.rotation.T
     seen.right[:3] = true.right.project(far)
@@ -57,7 +57,7 @@ def test_exact_ones_have_no_residual_and_pull_nowhere(chart, seed, percent):
 
 def test_slopes_are_those_of_the_residuals(chart, steps):
     theta = np.random.default_rng(0).normal(size=chart.dim) * 10 * steps
-    seen = beams_of(chart.rig_at(theta), noise=0.0, relative=0.0)
+    seen = ranges_of(chart.rig_at(theta), noise=0.0, relative=0.0)
     ends = [[seen.residuals(chart.rig_at(theta + sign * step)) for sign in (1, -1)] for step in np.diag(steps)]
     slopes = np.stack([(more - less) / (2 * step) for (more, less), step in zip(ends, steps, strict=True)], axis=-1)
     np.testing.assert_allclose(seen._jacobian(chart, theta) / steps, slopes / steps, rtol=1e-3, atol=1e-3)
@@ -68,7 +68,7 @@ def test_they_tell_depth(rig, chart, scaled, seen, percent):
     """Of a rig that has drifted, whose boards may have been of another size."""
     true = chart.rig_at(np.r_[0.3, 0.2, -0.4, 0.2, -0.3, np.zeros(chart.dim - 5)] + longer(chart, percent))
     found = seen(rig, true, cells=700)
-    alone, told = estimate(found, rig, scaled), estimate(found, rig, scaled, beams=beams_of(true))
+    alone, told = estimate(found, rig, scaled), estimate(found, rig, scaled, ranges=ranges_of(true))
     zero = np.zeros(chart.dim)
     widths = [low - high for _, low, high in (one.depth_error_percent(zero)[30] for one in (alone, told))]
     assert widths[1] / widths[0] < 0.5
@@ -78,18 +78,18 @@ def test_they_tell_depth(rig, chart, scaled, seen, percent):
 @pytest.mark.parametrize(("times", "number"), [(3.2808, 40), (0.001, 1)])
 def test_ranges_in_other_units_tell_nothing(rig, chart, scaled, seen, times, number):
     true = chart.rig_at(np.r_[0.3, 0.2, -0.4, 0.2, -0.3, np.zeros(chart.dim - 5)])
-    found, right = seen(rig, true, cells=700), beams_of(true, number=number)
-    wrong = Beams(right.left, right.right, times * right.metres, times * right.sigma, right.matching)
-    alone, told = estimate(found, rig, scaled), estimate(found, rig, scaled, beams=wrong)
+    found, right = seen(rig, true, cells=700), ranges_of(true, number=number)
+    wrong = MatchedRanges(right.left, right.right, times * right.metres, times * right.sigma, right.matching)
+    alone, told = estimate(found, rig, scaled), estimate(found, rig, scaled, ranges=wrong)
     sigmas = np.sqrt(np.diag(alone.posterior.covariance))
     assert (np.abs(told.theta - alone.theta) < 0.3 * sigmas).all()
 
 
 def test_a_fifth_of_other_things_has_hardly_a_say(rig, chart, scaled, seen):
     true = chart.rig_at(longer(chart, 2.0))
-    mixed = beams_of(true)
+    mixed = ranges_of(true)
     mixed.metres[::5] *= 2.5
-    told = estimate(seen(rig, true, cells=700), rig, scaled, beams=mixed)
+    told = estimate(seen(rig, true, cells=700), rig, scaled, ranges=mixed)
     assert abs(nearness(told.mean_rig, true)) < 0.012
     assert told.beams.contradict(told.mean_rig)[::5].all()
 
@@ -97,7 +97,7 @@ def test_a_fifth_of_other_things_has_hardly_a_say(rig, chart, scaled, seen):
 def test_the_deviation_of_a_disparity_is_what_the_error_of_its_range_makes(chart):
     """Ahead, where the distance is the depth: the range a little farther, and the disparity that it then asks for."""
     rig = chart.rig
-    seen = replace(beams_of(rig, noise=0.0, relative=0.0), matching=np.full(40, 1e-9))
+    seen = replace(ranges_of(rig, noise=0.0, relative=0.0), matching=np.full(40, 1e-9))
     seen = replace(seen, left=np.array(rig.left.matrix)[:2, 2] + 0.01 * (seen.left - seen.left.mean(axis=0)))
     ahead = replace(seen, sigma=1e-4 * seen.metres)
     farther = replace(ahead, metres=ahead.metres + ahead.sigma)
@@ -109,7 +109,7 @@ def test_the_deviation_of_a_disparity_is_what_the_error_of_its_range_makes(chart
 def test_their_likelihood_is_that_of_normal_disparities_against_any(chart, off):
     """One that is far from the others has a wider normal distribution, not only a smaller residual."""
     theta = np.zeros(chart.dim)
-    seen = beams_of(chart.rig, noise=0.0, relative=0.0)
+    seen = ranges_of(chart.rig, noise=0.0, relative=0.0)
     seen.right[0, 0] += off * 10.0 * seen.deviations(chart.rig)[0]
     residuals, deviations = seen.residuals(chart.rig), seen.deviations(chart.rig)
     wide = deviations * np.hypot(1.0, residuals / 3.0)

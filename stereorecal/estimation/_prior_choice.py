@@ -1,4 +1,4 @@
-"""What users may say of their calibration: nothing, that its intrinsics are exact, deviations, or a covariance."""
+"""The priors that users may choose: the default, exact intrinsics, standard deviations, a covariance, a saved one."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -14,16 +14,13 @@ from stereorecal.estimation._calibration_prior import (
     CalibrationPrior,
     calibration_prior,
     exact_prior,
-    physical_prior,
     with_scaled_boards,
 )
 from stereorecal.estimation._posterior import Posterior, root
 from stereorecal.estimation._prior_conversions import as_prior_of, prior_without_depth, recentred_prior
-from stereorecal.estimation._prior_of_boards import prior_of_boards
 from stereorecal.estimation._rig_parameters import rig_parameters
 from stereorecal.estimation._saved_prior import Earlier, SavedPrior
 from stereorecal.objectives import BASELINE, RigChart
-from stereorecal.recordings import Board
 
 DEFAULT, EXACT, SAVED = "default", "exact", "saved"
 _TINY = 1e-300
@@ -90,8 +87,8 @@ def as_prior(prior: Prior, chart: RigChart, *, baseline_observable: bool = False
         InputError: as `check_prior`.
     """
     found = _as_prior(prior, chart)
-    given = prior.names if isinstance(prior, CalibrationCovariance) else prior if isinstance(prior, Mapping) else ()
-    return with_scaled_boards(found, chart) if baseline_observable and BASELINE not in given else found
+    named = prior.names if isinstance(prior, CalibrationCovariance) else prior if isinstance(prior, Mapping) else ()
+    return with_scaled_boards(found, chart) if baseline_observable and BASELINE not in named else found
 
 
 def with_deviations(prior: CalibrationPrior, chart: RigChart, sigmas: Mapping[str, float]) -> CalibrationPrior:
@@ -125,23 +122,6 @@ def _as_prior(prior: Prior, chart: RigChart) -> CalibrationPrior:
         covariance[np.ix_(where, where)], mean[where] = prior.covariance, prior.mean
         return CalibrationPrior(root(covariance)[None], np.ones(1), means=mean[None])
     return _with_sigmas(calibration_prior(chart), chart, prior)
-
-
-def with_boards(prior: Prior, boards: Sequence[Board] | None, chart: RigChart) -> Prior:
-    """The prior, given the boards of the calibration, if there are any.
-
-    They take the place of the default, which stands for such boards; whatever else is said of the calibration counts
-    beside them.
-
-    Raises:
-        InputError: as `check_prior`, `check_boards` and `prior_of_boards`.
-    """
-    check_prior(prior, chart)
-    check_boards(boards, prior)
-    if boards is None:
-        return prior
-    known_before = physical_prior(chart) if prior is None or prior == DEFAULT else as_prior(prior, chart)
-    return prior_of_boards(chart, boards, known_before)
 
 
 def _known(known: Posterior | None, chart: RigChart) -> CalibrationPrior:
@@ -179,41 +159,24 @@ def check_prior(prior: Prior, chart: RigChart | None = None) -> None:
             raise InputError(f"the prior of {name} is {sigma!r}; give a positive standard deviation.")
 
 
-def check_boards(boards: Sequence[Board] | None, prior: Prior) -> None:
-    """Refuse what are no boards, and boards beside intrinsics that are exact.
-
-    Raises:
-        InputError: says what to do.
-    """
-    if boards is None:
-        return
-    if not isinstance(boards, Sequence) or not all(isinstance(board, Board) for board in boards):
-        raise InputError("boards holds something else than boards; give sr.find_boards(pairs), or a list of sr.Board.")
-    if is_exact(prior):
-        raise InputError(
-            'boards determine the errors that the calibration left, and prior="exact" says that there are none; '
-            "give one."
-        )
-
-
 def _with_sigmas(prior: CalibrationPrior, chart: RigChart, sigmas: Mapping[str, float | np.number]) -> CalibrationPrior:
     """The prior where these standard deviations are known: what is named keeps its correlations, and what is not
     follows it as it did before."""
     if not sigmas:
         return prior
     named = np.array([chart.names.index(name) for name in sigmas])
-    rest, wanted = np.setdiff1d(np.arange(chart.dim), named), np.array([float(sigma) for sigma in sigmas.values()])
+    others, wanted = np.setdiff1d(np.arange(chart.dim), named), np.array([float(sigma) for sigma in sigmas.values()])
     roots = []
     for one in prior.roots:
         deviations = np.maximum(np.linalg.norm(one, axis=1), _TINY)  # of what is exact
         unit = one / deviations[:, None]
         both, scale = unit[named] @ unit[named].T, wanted / deviations[named]
-        follows = np.linalg.solve(both, unit[named] @ unit[rest].T).T
+        follows = np.linalg.solve(both, unit[named] @ unit[others].T).T
         # What is named, its change, and what of the rest does not follow it, are independent.
         known = np.zeros((chart.dim, len(named) + chart.dim))
         known[named, : len(named)] = scale[:, None] * np.linalg.cholesky(both)
-        known[rest, : len(named)] = follows @ known[named, : len(named)]
-        known[rest, len(named) :] = unit[rest] - follows @ unit[named]
+        known[others, : len(named)] = follows @ known[named, : len(named)]
+        known[others, len(named) :] = unit[others] - follows @ unit[named]
         roots.append(root(deviations[:, None] * (known @ known.T) * deviations))
     return CalibrationPrior(np.stack(roots), prior.weights, means=prior.means)
 

@@ -1,4 +1,5 @@
-"""The verdict on the end of a search: by the estimate, or, where there are no rows, by the count."""
+"""The ending of a search: its candidate, and the verdict on it by the estimate, or, where there are no rows, by the
+count."""
 
 from dataclasses import replace
 
@@ -27,14 +28,14 @@ def ending_of(case: Case, schedule: Schedule, stages: tuple[StageRun, ...]) -> E
 
 
 def _ended(case: Case, stages: tuple[StageRun, ...], *, cut: bool, signal: bool) -> Ending:
-    near = stages[-1].ended if stages else case.rig
+    end_rig = stages[-1].ended if stages else case.rig
     run = next((stage for stage in reversed(stages) if stage.found is not None), None)
     if not cut and run is not None and run.found is not None and run.found.found >= FEWEST:
-        return ended_by(case, answered(case, run, near, corners=True))
-    tiles = counts(case, near)
+        return ended_by(case, answered(case, run, end_rig, corners=True))
+    tiles = counts(case, end_rig)
     if cut:
-        return Ending(near, Reason.OUT_OF_BUDGET, tiles)  # the count alone hardly sees a wrong yaw
+        return Ending(end_rig, Reason.OUT_OF_BUDGET, tiles)  # the count alone hardly sees a wrong yaw
     if run is not None:
-        return Ending(near, Reason.TOO_LITTLE_TEXTURE, tiles)
+        return Ending(end_rig, Reason.TOO_LITTLE_TEXTURE, tiles)
     before, after = tiles.sum(axis=(1, 2)).tolist()
-    return Ending(near, verdict_on_count(before, after, signal=signal), tiles)
+    return Ending(end_rig, verdict_on_count(before, after, signal=signal), tiles)

@@ -1,5 +1,8 @@
-"""Ranges as data: distances that something else measured, of pixels that were found in both images. They fix what rows
-cannot see: the length of the baseline, and the one offset of disparity that yaw, centres and focal lengths share."""
+"""Matched ranges: distances measured by another sensor, of pixels that were found in both images.
+
+They determine what epipolar errors do not: the length of the baseline, and the one offset of disparity that yaw,
+principal points and focal lengths share.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
@@ -19,8 +22,8 @@ _ANYWHERE = 0.1  # of the image's width, within which the disparities of other t
 
 
 @dataclass(frozen=True, eq=False)
-class Beams:
-    """Ranges whose pixels were found in the right image.
+class MatchedRanges:
+    """Measured distances of pixels of the left image, with their matches in the right one.
 
     Attributes:
         left, right: (b, 2) pixels as the cameras took them, at full size.
@@ -36,20 +39,20 @@ class Beams:
 
     def residuals(self, rig: StereoRig) -> Float[np.ndarray, "b"]:
         """Disparity that the distance asks for less the one that was found, in standard deviations."""
-        return self._apart(rig, *self._rays(rig)) / self.deviations(rig)
+        return self._disparity_errors(rig, *self._rays(rig)) / self.deviations(rig)
 
     def _rays(self, rig: StereoRig) -> tuple[Float[np.ndarray, "b 3"], Float[np.ndarray, "b 3"]]:
         return np.asarray(rig.left.rays(self.left)), np.asarray(rig.right.rays(self.right))
 
-    def _apart(
+    def _disparity_errors(
         self, rig: StereoRig, left: Float[np.ndarray, "b 3"], right: Float[np.ndarray, "b 3"]
     ) -> Float[np.ndarray, "b"]:
-        """The same in pixels of the right camera, of pixels that have these rays."""
+        """The residuals in pixels of the right camera, of pixels with these rays."""
         _, to_right = rectifying_rotations(rig.rotation, rig.translation)
         direction = left / np.linalg.norm(left, axis=-1, keepdims=True)
-        asked = (direction @ rig.rotation.T + self._nearness[:, None] * rig.translation) @ to_right.T
-        seen = right @ to_right.T
-        return float(rig.right.focal[0]) * (seen[:, 0] / seen[:, 2] - asked[:, 0] / asked[:, 2])
+        predicted = (direction @ rig.rotation.T + self._nearness[:, None] * rig.translation) @ to_right.T
+        observed = right @ to_right.T
+        return float(rig.right.focal[0]) * (observed[:, 0] / observed[:, 2] - predicted[:, 0] / predicted[:, 2])
 
     def _jacobian(self, chart: RigChart, theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "b n"]:
         """Of the residuals; the deviations stay as they are. Central differences: extrinsics move the rotations,
@@ -60,10 +63,10 @@ class Beams:
         for index, axis in enumerate(np.eye(chart.dim)):
             if "." not in chart.names[index]:
 
-                def apart(h: float, axis: Float[np.ndarray, "n"] = axis) -> Float[np.ndarray, "b"]:
-                    return self._apart(rig.with_extrinsics(chart.extrinsics(theta + h * axis)), *rays)
+                def errors(h: float, axis: Float[np.ndarray, "n"] = axis) -> Float[np.ndarray, "b"]:
+                    return self._disparity_errors(rig.with_extrinsics(chart.extrinsics(theta + h * axis)), *rays)
 
-                found[:, index] = central_difference(apart, _STEP)
+                found[:, index] = central_difference(errors, _STEP)
         for side, name in enumerate(SIDES):
             own = [index for index, parameter in enumerate(chart.names) if parameter.startswith(name)]
             if not own:
@@ -72,7 +75,9 @@ class Beams:
             for index, slope in zip(own, slopes * chart.half_width[own, None, None], strict=True):
                 by = np.zeros_like(rays)
                 by[side][:, :2] = slope
-                found[:, index] = central_difference(lambda h, by=by: self._apart(rig, *(rays + h * by)), _STEP)
+                found[:, index] = central_difference(
+                    lambda h, by=by: self._disparity_errors(rig, *(rays + h * by)), _STEP
+                )
         return found / self.deviations(rig)[:, None]
 
     def deviations(self, rig: StereoRig) -> Float[np.ndarray, "b"]:
@@ -88,9 +93,9 @@ class Beams:
         """The likelihood of θ, linear near a θ, against that of ranges of other things, which is 1; one that is far
         from the others there has hardly a say (Cauchy)."""
         rig = chart.rig_at(theta)
-        here, jacobian = self.residuals(rig), self._jacobian(chart, theta)
-        grown = np.hypot(1.0, here / self._scale(here))
-        at_zero, jacobian = (here - jacobian @ theta) / grown, jacobian / grown[:, None]
+        residuals, jacobian = self.residuals(rig), self._jacobian(chart, theta)
+        grown = np.hypot(1.0, residuals / self._scale(residuals))
+        at_zero, jacobian = (residuals - jacobian @ theta) / grown, jacobian / grown[:, None]
         density = grown * self.deviations(rig) * np.sqrt(2.0 * np.pi) / (_ANYWHERE * rig.right.size[0])
         c = float(at_zero @ at_zero + 2.0 * np.log(density).sum())
         return Normal(jacobian.T @ jacobian, -jacobian.T @ at_zero, c)
@@ -123,10 +128,12 @@ class Beams:
         return bounded[0] - bounded[1] > _FAR**2 and self.agree(after)
 
     @staticmethod
-    def of_all(several: Sequence["Beams"]) -> "Beams":
-        """Those of several recordings or frames."""
-        every = (NO_BEAMS, *several)
-        return Beams(*(np.concatenate([getattr(one, part.name) for one in every]) for part in fields(Beams)))
+    def of_all(several: Sequence["MatchedRanges"]) -> "MatchedRanges":
+        """The matched ranges of several recordings or frames as one."""
+        every = (NO_RANGES, *several)
+        return MatchedRanges(
+            *(np.concatenate([getattr(one, part.name) for one in every]) for part in fields(MatchedRanges))
+        )
 
     @staticmethod
     def _scale(residuals: Float[np.ndarray, "b"]) -> float:
@@ -134,4 +141,4 @@ class Beams:
         return max(_FAR, 2.0 * float(np.median(np.abs(residuals))))
 
 
-NO_BEAMS = Beams(np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0), np.zeros(0), np.zeros(0))
+NO_RANGES = MatchedRanges(np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0), np.zeros(0), np.zeros(0))
