@@ -17,7 +17,9 @@ from stereorecal.recordings import Scene
 from stereorecal.synthetic import default_rig, render
 
 _CACHE = "STEREORECAL_TEST_CACHE"
-_COMPILED_FAST = "--xla_backend_optimization_level=1 --xla_cpu_use_fusion_emitters=false"
+_COMPILED_FAST = (
+    "--xla_backend_optimization_level=1 --xla_cpu_use_fusion_emitters=false --xla_cpu_parallel_codegen_split_count=1"
+)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -41,6 +43,9 @@ def pytest_configure(config: pytest.Config) -> None:
     if not config.option.slow:
         # Half of the quick suite's time went by in XLA. With --slow, programs are those that users have.
         os.environ.setdefault("XLA_FLAGS", _COMPILED_FAST)
+    if not _is_worker(config):
+        # Each core has a worker of its own: threads of BLAS would only wait for each other.
+        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     config.pluginmanager.register(typechecking)  # whose tests may lie outside this folder
     jax.config.update("jax_compilation_cache_dir", folder)
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.1)

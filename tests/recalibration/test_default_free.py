@@ -27,9 +27,9 @@ def over_the_view(rig: sr.StereoRig) -> float:
 
 
 @pytest.fixture(scope="module")
-def places() -> list[sr.Pair]:
+def places(scene) -> list[sr.Pair]:
     kinds = [("harbour", 1), ("harbour", 2), ("coast", 1), ("street", 1), ("street", 2)]
-    return [sr.synthetic.render(kind, seed, rig=TRUE).pairs[0] for kind, seed in kinds]
+    return [scene(kind, seed, TRUE.left.size).pairs[0] for kind, seed in kinds]
 
 
 @pytest.fixture(scope="module")

@@ -14,7 +14,7 @@ from stereorecal.recalibration._estimate_and_decide import answered
 from stereorecal.recordings import Pair
 from stereorecal.report.repair_tables import repairs_table
 from stereorecal.strategies import Budget, Status
-from stereorecal.synthetic import default_rig, render
+from stereorecal.synthetic import default_rig
 
 SAD_64 = SAD(num_disparities=64)  # what the drifted harbour measures: compiled once
 RIG = default_rig().resized((320, 240))
@@ -49,8 +49,8 @@ def assert_harmless(solution: Solution):
 
 
 @pytest.fixture(scope="module")
-def harbour():
-    return render("harbour", 0, rig=RIG).pairs
+def harbour(scene):
+    return scene("harbour", 0, RIG.left.size).pairs
 
 
 @pytest.fixture(scope="module")
@@ -182,8 +182,8 @@ def test_what_was_repaired_is_left_alone(harbour, repaired):
 @pytest.mark.slow(after=1)
 @pytest.mark.parametrize("drift", [DRIFT, (0.0, 1.5, 0.0, 0.0, 0.0)])
 @pytest.mark.parametrize("seed", [0, 1])
-def test_the_open_sea_never_does_harm(drift, seed):
-    assert_harmless(repair(drifted(drift), render("open-sea", seed, rig=RIG).pairs))
+def test_the_open_sea_never_does_harm(scene, drift, seed):
+    assert_harmless(repair(drifted(drift), scene("open-sea", seed, RIG.left.size).pairs))
 
 
 def test_fog():
@@ -221,9 +221,9 @@ def test_a_budget_is_kept(harbour, repaired, limit):
     assert len(solution.stages) <= 3
 
 
-def test_a_cut_budget_does_not_fall_back_on_the_count():
+def test_a_cut_budget_does_not_fall_back_on_the_count(scene):
     """The count gains a lot, but it knows too little of yaw to be trusted alone."""
-    rig, street = drifted((0.3, 0.0, 0.0, 0.0, 0.0)), render("street", 0, rig=RIG).pairs
+    rig, street = drifted((0.3, 0.0, 0.0, 0.0, 0.0)), scene("street", 0, RIG.left.size).pairs
     solution = repair(rig, street, budget=Budget(evaluations=5))
     assert solution.score_after.count > 1.02 * solution.score_before.count
     assert solution.reason is Reason.OUT_OF_BUDGET
@@ -231,10 +231,10 @@ def test_a_cut_budget_does_not_fall_back_on_the_count():
     assert not solution.reason.healthy
 
 
-def test_frames_are_repaired_jointly_and_fog_among_them_does_not_matter(harbour):
+def test_frames_are_repaired_jointly_and_fog_among_them_does_not_matter(scene, harbour):
     """Two frames of the rig, or one and another that shows nothing. From near by, and one stage: less to compile."""
     schedule = Schedule("rows", Schedule.default().stages[2:])
-    for pairs in ([*harbour, *render("harbour", 1, rig=RIG).pairs], [*harbour, fog()]):
+    for pairs in ([*harbour, *scene("harbour", 1, RIG.left.size).pairs], [*harbour, fog()]):
         solution = repair(drifted((0.2, -0.3, -0.2, 0.0, 0.0)), pairs, schedule=schedule)
         assert solution.reason is Reason.IMPROVED
         assert solution.stages[-1].found.weight.shape[0] == 2

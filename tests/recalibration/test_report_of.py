@@ -19,8 +19,8 @@ DRIFTED = RIG.with_extrinsics(RIG.extrinsics + np.radians([0.6, -0.3, 0.5, 0.0, 
 
 
 @pytest.fixture(scope="module")
-def harbour() -> tuple[sr.Pair, ...]:
-    return sr.synthetic.render("harbour", 0, rig=RIG).pairs
+def harbour(scene) -> tuple[sr.Pair, ...]:
+    return scene("harbour", 0, RIG.left.size).pairs
 
 
 @pytest.fixture(scope="module")
