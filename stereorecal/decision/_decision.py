@@ -107,16 +107,17 @@ def decide(
     There are two candidates: the one with the least expected loss in rows and depth, and the one with the least loss in
     rows of those that read depth as the calibration does; with ranges, also the one that changes only the length of the
     baseline. A candidate replaces the calibration if its rows are better for sure, also on average those that most
-    frames show, and if it explains them, or corrects more than it leaves; or if ranges agree with it and not with the
-    calibration; or if the rig's own motion tells that its depth is better; and the probability is below 1 % that rows,
-    of near or far things, or depth, over the view or ahead, are worse. One that changes intrinsics must, with 95 %,
-    cost no region of the view rows that a matcher notices, but one that gains them on average, unless frames that took
-    no part prove it. Of several, the
-    one that keeps depth is taken, unless that costs rows that a matcher notices, ranges ask for another, or another's
-    depth is surely the better one: of the rigs for which it matters, in 95 %. Where none is so harmless, and the rows
-    of the calibration blind the matcher, which leaves it no depth to lose, it is enough that its rows are hardly ever
-    worse. Otherwise the calibration is good if its rows are, with 95 %, and motion tells no better depth. Absolute
-    depth is not judged: no rig's rows know it.
+    frames show, and if it explains them, or corrects more than it leaves, or the estimate explains them, with
+    intrinsics that may not change; or if ranges agree with it and not with the calibration; or if the rig's own motion
+    tells that its depth is better; and the probability is below 1 % that rows, of near or far things, or depth, over
+    the view or ahead, are worse. One that changes intrinsics must, with 95 %, cost no region of the view rows that a
+    matcher notices, but one that gains them on average, unless frames that took no part prove it.
+
+    Of several, the one that keeps depth is taken, unless that costs rows that a matcher notices, ranges ask for
+    another, or another's depth is surely the better one: of the rigs for which it matters, in 95 %. Where none is so
+    harmless, and the rows of the calibration blind the matcher, which leaves it no depth to lose, it is enough that its
+    rows are hardly ever worse. Otherwise the calibration is good if its rows are, with 95 %, and motion tells no better
+    depth. Absolute depth is not judged: no rig's rows know it.
 
     Args:
         estimate: what is known; its θ = 0 is the calibration.
@@ -333,15 +334,13 @@ def _decided(
     verdict = Verdict.GOOD if good else Verdict.CANNOT_TELL
     loss, at = after.expected, estimate.judged_at
     no_repair = Decision(verdict, theta, keeps_depth, worse, better, loss, rows_px, ranges_agree, limits, False, at)
-    borne_out = (
-        estimate.shown is None or median_frame_change_px < 0.0
-    )  # an estimate without frames: others judge it by later ones
-    by_rows = better > 1.0 - limits.alpha and borne_out and (no_repair.explains or no_repair.corrects_most)
-    return (
-        replace(no_repair, verdict=Verdict.REPAIR, by_rows=by_rows)
-        if harmless and (depth_gain or by_rows)
-        else no_repair
-    )
+    # An estimate without frames: others judge it by later ones.
+    borne_out = estimate.shown is None or median_frame_change_px < 0.0
+    understood = no_repair.explains or no_repair.corrects_most or _some_rig_explains(estimate, limits)
+    by_rows = better > 1.0 - limits.alpha and borne_out and understood
+    if harmless and (depth_gain or by_rows):
+        return replace(no_repair, verdict=Verdict.REPAIR, by_rows=by_rows)
+    return no_repair
 
 
 def _chances_of_harm(initial: _Losses, after: _Losses, limits: Tolerances) -> tuple[float, float]:
@@ -366,3 +365,8 @@ def _costs_a_region(estimate: Estimate, theta: Float[np.ndarray, "n"], limits: T
     loses = np.mean(~(after <= before + limits.gain_px), axis=0) > 1.0 - limits.good_surely
     gains = np.mean(before - after, axis=0) > limits.gain_px
     return bool(np.any(loses & ~gains))
+
+
+def _some_rig_explains(estimate: Estimate, limits: Tolerances) -> bool:
+    """Whether the rows are those of a rig, as likely as not: what a candidate leaves of them, intrinsics explain."""
+    return float(np.median(_losses(estimate, estimate.theta).mean_rows)) <= limits.good_rows_px

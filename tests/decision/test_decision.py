@@ -118,6 +118,21 @@ def test_a_repair_explains_the_rows_or_corrects_more_than_it_leaves(drifted, bef
     assert (said.explains or said.corrects_most) is repaired
 
 
+@pytest.mark.parametrize(("intrinsics_leave", "repaired"), [(0.1, True), (0.5, False)])
+def test_what_a_repair_leaves_may_be_explained_by_intrinsics(drifted, intrinsics_leave, repaired):
+    _, seen = drifted[0]
+
+    class Leaving(type(seen)):
+        def losses(self, used):
+            rows = 0.7 if not np.any(used) else intrinsics_leave if np.array_equal(used, seen.theta) else 0.5
+            return np.full((3, 1000), rows), np.full(1000, 1.0)
+
+    found = decide(Leaving(**seen.__getstate__()), AXES)
+    assert not found.explains
+    assert not found.corrects_most
+    assert (found.verdict is Verdict.REPAIR) is repaired
+
+
 @pytest.mark.parametrize("what", ["rows", "depth"])
 def test_what_is_no_number_is_not_harmless(drifted, what):
     _, seen = drifted[0]
