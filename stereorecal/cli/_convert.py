@@ -21,13 +21,13 @@ def run(options: ConvertOptions) -> int:
     check_places(places, force=options.force)
     # Without --to the name alone decides, whatever the calibration was read from.
     written = rig if options.to else replace(rig, source=None)
-    unit, said = unit_written(rig, written, target, options.to, options.unit)
+    unit, unit_text = unit_written(rig, written, target, options.to, options.unit)
 
     def save() -> None:
         how = {"format": options.to, "overwrite": options.force, "unit": unit}
         written_or_printed(lambda: save_rig(written, target, **how), lambda: calibration_json(written))
         if not options.quiet:
-            print(f"{options.target}: written{said}")
+            print(f"{options.target}: written{unit_text}")
 
     check_savable(written, target, format=options.to, unit=unit)
     deliver(save)

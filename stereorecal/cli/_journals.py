@@ -49,8 +49,8 @@ class TrialJournal:
     """
 
     def __init__(self, places: Sequence[Path], made_with: Mapping[str, Any]) -> None:
-        beside = [Path(f"{place}{_SUFFIX}") for place in places]
-        self.path = next((path for path in beside if path.exists()), beside[0] if beside else None)
+        journals = [Path(f"{place}{_SUFFIX}") for place in places]
+        self.path = next((path for path in journals if path.exists()), journals[0] if journals else None)
         self.done: dict[str, FieldTrial] = {}
         self._made_with = json.loads(json_line(made_with))
         self._places: list[str] = [str(place.resolve()) for place in places]

@@ -47,9 +47,9 @@ def run_schedule(case: Case, settings: Settings, start: StereoRig, began: float)
         best = done.ended
         if len(schedule.stages) > 1 and measured:
             yaw_left = float(_YAW_LEFT if stage.score is ScoreKind.EPIPOLAR else np.radians(case.reach.degrees))
-            seen = survey(case.images, done.best, yaw_left, aligned=True)
-            done = replace(done, survey_cost=seen.cost)
-            case = case.with_matcher(seen.with_range(settings.matcher, yaw_left))
+            surveyed = survey(case.images, done.best, yaw_left, aligned=True)
+            done = replace(done, survey_cost=surveyed.cost)
+            case = case.with_matcher(surveyed.with_range(settings.matcher, yaw_left))
             widest = max(widest, case, key=lambda c: c.matcher.num_disparities or 0)
         stages.append(done)
     return widest, tuple(stages)

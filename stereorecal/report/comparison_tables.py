@@ -57,11 +57,11 @@ def comparison_tables(data: Mapping[str, Any], width: int) -> Group:
         table, dropped = _narrowed(table, width)
         tables.append(table)
         missed += [f"{', '.join(dropped)} of the errors by the true rig"] * bool(dropped)
-    said = f"left out in {width} columns: {'; '.join(missed)}.\n" if missed else ""
+    omissions = f"left out in {width} columns: {'; '.join(missed)}.\n" if missed else ""
     leaders = _leaders_table(data)
     if len(data["settings"]["strategies"]) > 1 and leaders.row_count:
         tables.append(leaders)
-    return Group(*tables, Text(said + _legend(data) + _troubles(data)))
+    return Group(*tables, Text(omissions + _legend(data) + _troubles(data)))
 
 
 def _fitted(make: _Make, data: Mapping[str, Any], width: int) -> Sequence[Table]:

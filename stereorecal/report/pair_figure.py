@@ -38,18 +38,18 @@ def repair_figure(panels: Sequence[Panel]) -> Figure:
     height, width = panels[0].left.shape
     figure = Figure(figsize=(11.0, 5.3 * len(panels) * height / width + 0.5), layout="constrained")
     axes = figure.subplots(len(panels), 2, squeeze=False)
-    shown = None
+    disparity_image = None
     for (overlay, depth), panel in zip(axes, panels, strict=True):
         overlay.imshow(np.stack([panel.left, panel.right, panel.right], axis=-1).clip(0, 255).astype(np.uint8))
         overlay.set_title(f"{panel.title}: left (red), right (cyan)", fontsize=10, loc="left")
-        shown = draw_disparity(depth, panel.disparity, panel.valid, largest)
+        disparity_image = draw_disparity(depth, panel.disparity, panel.valid, largest)
         share = 100.0 * float(panel.valid.mean())
         depth.set_title(f"{panel.title}: disparity, {share:.0f} % of the pixels valid", fontsize=10, loc="left")
         for axis in (overlay, depth):
             axis.set_xticks([])
             axis.set_yticks([])
-    if shown is not None:
-        figure.colorbar(shown, ax=axes[:, 1], label="disparity [px]", fraction=0.04)
+    if disparity_image is not None:
+        figure.colorbar(disparity_image, ax=axes[:, 1], label="disparity [px]", fraction=0.04)
     return figure
 
 

@@ -100,8 +100,8 @@ def _judge(objective: Objective, trace: Trace, start: np.ndarray, outcome: Outco
     judging_cost = (len(judged) - len(known)) * objective.cost
     values = [judged[p.tobytes()] for p in candidates]
     winner = int(np.argmax(np.where(np.isfinite(values), values, -np.inf)))  # the start wins ties
-    seen = [value for value in judged.values() if np.isfinite(value)]
-    status = Status.NO_SIGNAL if len(seen) > 2 and len(set(seen)) == 1 else outcome.status
+    finite = [value for value in judged.values() if np.isfinite(value)]
+    status = Status.NO_SIGNAL if len(finite) > 2 and len(set(finite)) == 1 else outcome.status
     return Run(
         candidates[winner], values[winner], values[0], status, outcome.message or status.value, trace, judging_cost
     )

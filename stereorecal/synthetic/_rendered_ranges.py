@@ -36,8 +36,8 @@ def ranges(
     size = np.array(rig.left.size, float)
     pixels = random.uniform(_BORDER * size, (1 - _BORDER) * size, (_TRIES * number, 2)).round()
     directions = np.asarray(rig.left.rays(pixels))[None]
-    seen = depth(world, world_rays(world.motion.pose(0), rig, 0, directions.astype(np.float32), 600.0))[0]
-    metres = np.linalg.norm(directions[0], axis=-1) * seen
+    depths = depth(world, world_rays(world.motion.pose(0), rig, 0, directions.astype(np.float32), 600.0))[0]
+    metres = np.linalg.norm(directions[0], axis=-1) * depths
     baseline = float(rig.baseline)
     within = np.flatnonzero((metres > _NEAREST * baseline) & (metres < _FARTHEST * baseline))[:number]
     return pixels[within], metres[within] * (1.0 + noise * random.normal(size=within.size))

@@ -143,8 +143,8 @@ def keeps_any_budget(strategy: AbstractStrategy) -> None:
         assert watched.spent >= used - 1e-6, f"it declares {watched.spent:g} evaluations, but makes {used:g}"
         assert watched.exhaustions <= 64, "it goes on evaluating after BudgetExhausted"
         run = run_strategy(strategy, Objective(_bowl(strategy, dim), limit), np.zeros(dim))
-        seen = np.nanmax(np.append(run.trace.values, run.start_value))
-        assert run.value >= seen, "the best point seen is lost"
+        best_evaluated = np.nanmax(np.append(run.trace.values, run.start_value))
+        assert run.value >= best_evaluated, "the best point evaluated is lost"
 
 
 @_check_for(*_ANALYTIC)
@@ -153,9 +153,9 @@ def is_honest(strategy: AbstractStrategy) -> None:
     problem = _bowl(strategy, _at_least(strategy, 3))
     objective = Objective(problem, _PLENTY)
     outcome = _outcome(strategy, objective)
-    seen = objective.trace.points
+    evaluated = objective.trace.points
     value = float(problem.values(outcome.best[None])[0])
-    best = problem.values(seen).max() if len(seen) else -np.inf
+    best = problem.values(evaluated).max() if len(evaluated) else -np.inf
     assert value >= best - 1e-6, f"it nominates a point of value {value} although it evaluated one of {best}"
 
 

@@ -40,10 +40,10 @@ def winners(left: Num[jax.Array, "h w"], right: Num[jax.Array, "h w"], options: 
         return jax.lax.dynamic_slice_in_dim(padded, border + lowest + index, width, axis=1)
 
     def better(best, group):
-        here, from_right = best
+        best_cost, from_right = best
         packed = jax.vmap(packed_at)(group)
-        met = jax.vmap(from_the_right)(packed, group)
-        return (jnp.minimum(here, packed.min(axis=0)), jnp.minimum(from_right, met.min(axis=0))), None
+        right_packed = jax.vmap(from_the_right)(packed, group)
+        return (jnp.minimum(best_cost, packed.min(axis=0)), jnp.minimum(from_right, right_packed.min(axis=0))), None
 
     nothing = jnp.full((height, width), NEVER, jnp.int32)
     groups = jnp.arange(-(-count // _GROUP) * _GROUP, dtype=jnp.int32).reshape(-1, _GROUP)

@@ -20,11 +20,11 @@ def radiance(world: World, rays: Rays, time: float) -> Texture:
     if dark.any():
         somewhere = np.where(dark[..., None], np.array([0.0, 0.0, 1.0], np.float32), rays.directions)
         return np.where(dark, np.float32(0.0), radiance(world, replace(rays, directions=somewhere), time))
-    met, seen = trace(world.patches, rays)
+    hit_distance, colour = trace(world.patches, rays)
     lengths = np.sqrt(np.einsum("ijk,ijk->ij", rays.directions, rays.directions))
-    solid = np.isfinite(met)
-    seen = _hazy(world, seen, np.where(solid, met, 0.0) * lengths)
-    flat_seen, flat_lengths = seen.reshape(-1), lengths.reshape(-1)
+    solid = np.isfinite(hit_distance)
+    colour = _hazy(world, colour, np.where(solid, hit_distance, 0.0) * lengths)
+    flat_colour, flat_lengths = colour.reshape(-1), lengths.reshape(-1)
     flat_directions = rays.directions.reshape(-1, 3)
     falling = rays.directions[..., 1] < -1e-5
     for ground, where in ((True, falling & ~solid), (False, ~falling & ~solid)):
@@ -34,8 +34,8 @@ def radiance(world: World, rays: Rays, time: float) -> Texture:
             # A rectangle, because OpenCV's remap takes no row this long; the last ray is repeated to fill it.
             index = np.pad(index, (0, -index.size % _ROW), mode="edge").reshape(-1, _ROW)
             direction = flat_directions[index] / flat_lengths[index][..., None]
-            flat_seen[index] = _ground(world, rays, direction, time) if ground else world.sky.radiance(direction)
-    return seen
+            flat_colour[index] = _ground(world, rays, direction, time) if ground else world.sky.radiance(direction)
+    return colour
 
 
 def depth(world: World, rays: Rays) -> Texture:
