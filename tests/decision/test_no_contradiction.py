@@ -49,11 +49,12 @@ def test_chance_matches_make_no_rig_good(data_dir, prior):
     assert np.abs(np.degrees(done.rig.extrinsics - scene.rig.extrinsics)[[0, 2]]).max() < 0.1
 
 
-@settings(max_examples=4, deadline=None)
+@pytest.mark.slow(after=1)
+@pytest.mark.parametrize("kind", ["street", "harbour"])
+@settings(max_examples=3, deadline=None)
 @given(
     degrees=st.sampled_from([0.0, 0.02, 0.05, 0.1, 0.3, 1.0]),
     axis=st.tuples(*[st.floats(-1.0, 1.0)] * 3).filter(lambda axis: np.linalg.norm(axis) > 0.1),
-    kind=st.sampled_from(["street", "harbour"]),
 )
 def test_rendered_scenes(scene, degrees, axis, kind):
     shown = scene(kind, 2, (320, 240))

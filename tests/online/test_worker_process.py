@@ -165,22 +165,22 @@ def test_the_settings_that_are_given_count_where_a_state_is_kept(ride: Ride, tmp
     narrow = init(ride.rig)
     narrow = narrow.replace(frame=7, matcher=known, estimate=narrow.estimate.moved(np.ones(5), 1e-6 * np.eye(5)))
 
-    def went_on(state: State, *config: Config) -> State:
+    def settled(state: State, config: Config) -> State:
         save(state, place)
-        with MonitorProcess(ride.rig, *config, keep=place) as beside:
-            return beside.latest()[0]
+        return _worker_process._set(load(place, ride.rig), init(ride.rig, config))
 
-    same = went_on(narrow)
+    same = settled(narrow, Config())
     assert same.matcher == known
     np.testing.assert_array_equal(same.estimate.covariance, narrow.estimate.covariance)
-    other = went_on(narrow, Config(matcher=sr.SAD(block_size=9), every=3, prior="exact"))
+    with MonitorProcess(ride.rig, Config(matcher=sr.SAD(block_size=9), every=3, prior="exact"), keep=place) as beside:
+        other = beside.latest()[0]
     assert other.config.every == 3
     assert other.frame == 7
     assert other.matcher is None
     assert not np.any(other.estimate.covariance[-2:, -2:])  # of what lenses leave
     assert other.estimate.of_offset[0, 0] > 0.01
     np.testing.assert_array_equal(other.estimate.offset, np.ones(5))
-    assert not went_on(freeze(narrow), Config(every=2)).config.repair
+    assert not settled(freeze(narrow), Config(every=2)).config.repair
 
 
 def test_what_cannot_be_sent_is_refused_where_it_is_given(ride: Ride):

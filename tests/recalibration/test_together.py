@@ -36,9 +36,9 @@ def over_the_view(rig: sr.StereoRig) -> float:
 
 
 @pytest.fixture(scope="module")
-def scenes() -> list[sr.Scene]:
-    kinds = [("harbour", 3), ("coast", 4), ("street", 5), ("harbour", 6), ("street", 7)]
-    return [sr.synthetic.render(kind, seed, rig=TRUE) for kind, seed in kinds]
+def scenes(scene) -> list[sr.Scene]:
+    kinds = [("harbour", 2), ("coast", 1), ("street", 1), ("harbour", 1), ("street", 2)]
+    return [scene(kind, seed, SIZE) for kind, seed in kinds]
 
 
 @pytest.fixture(scope="module")

@@ -12,8 +12,11 @@ from stereorecal.testing import StrategyConformance
 CLASSES = [value for value in vars(stereorecal_nlopt).values() if isinstance(value, type)]
 NAMES = [name for name in strategies() if describe(name).distribution == "stereorecal-nlopt"]
 
+# These differ from another one in nothing but NLopt's name of the method.
+ALIKE = ("Cobyla", "Sbplx", "Lbfgs", "Ccsaq", "Mma", "TNewton", "Var2", "Direct", "DirectLRand", "Esch")
+
 CONFORMANCE = {f"Test{c.__name__}": type(c.__name__, (StrategyConformance,), {"strategy": c()}) for c in CLASSES}
-globals().update(CONFORMANCE)
+globals().update({name: pytest.mark.slow(c) if c.__name__ in ALIKE else c for name, c in CONFORMANCE.items()})
 
 
 def test_every_strategy_is_registered():

@@ -11,10 +11,14 @@ from stereorecal.testing import StrategyConformance
 
 POINTS = [p for p in distribution("stereorecal-optimistix").entry_points if p.group == "stereorecal.strategies"]
 
+# These differ from BFGS or LevenbergMarquardt in nothing but Optimistix's solver.
+ALIKE = ("LBFGS", "NonlinearCG", "GradientDescent", "GaussNewton", "Dogleg")
+
 for point in POINTS:
     cls = point.load()
     name = f"Test{cls.__name__}"
-    globals()[name] = type(name, (StrategyConformance,), {"strategy": cls()})
+    made = type(name, (StrategyConformance,), {"strategy": cls()})
+    globals()[name] = pytest.mark.slow(made) if cls.__name__ in ALIKE else made
 
 
 def test_every_public_class_is_registered():
