@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from bags import write_bag
 
-from stereorecal._errors import InputError
+from stereorecal import InputError
 from stereorecal.cli import _output_files, _streams, main
 from stereorecal.io import back_up, save_rig
 from stereorecal.synthetic import default_rig

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from stereorecal._errors import InputError
+from stereorecal import InputError
 from stereorecal.cli._commands import options_of
 from stereorecal.cli._recordings import recordings
 from stereorecal.io import save_scene

@@ -12,8 +12,7 @@ from pathlib import Path
 import pytest
 from slow import terminal
 
-from stereorecal import _signals
-from stereorecal._errors import InputError
+from stereorecal import InputError, _signals
 from stereorecal._run_all import run_all
 from stereorecal.reproduction._row_store import Store
 

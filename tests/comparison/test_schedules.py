@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stereorecal._errors import InputError
+from stereorecal import InputError
 from stereorecal.comparison import Drift, compare, compare_scenes
 from stereorecal.comparison._entrants import entrants_of
 from stereorecal.geometry import axis_errors, view

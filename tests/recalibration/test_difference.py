@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from stereorecal import Difference, difference
-from stereorecal._errors import InputError
+from stereorecal import Difference, InputError, difference
 from stereorecal.geometry import Camera, StereoRig, axis_errors, view
 from stereorecal.recalibration._effects import ROW_DISTANCES
 

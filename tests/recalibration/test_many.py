@@ -14,8 +14,7 @@ import numpy as np
 import pytest
 
 import stereorecal as sr
-from stereorecal import _plugins
-from stereorecal._errors import InputError
+from stereorecal import InputError, _plugins
 from stereorecal.io import load_scene, save_scene
 from stereorecal.objectives import Reach
 from stereorecal.recalibration import Fault, recalibrate_many

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from stereorecal import _plugins
-from stereorecal._errors import InputError
+from stereorecal import InputError, _plugins
 from stereorecal.recalibration import Schedule, ScoreKind, Stage
 from stereorecal.strategies import AbstractStrategy, Need, strategy
 

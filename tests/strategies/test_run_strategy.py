@@ -7,8 +7,17 @@ import numpy as np
 import pytest
 
 from stereorecal import StrategyError
-from stereorecal._errors import NeedNotMet
-from stereorecal.strategies import AbstractStrategy, Budget, Need, Objective, Outcome, Problem, Status, run_strategy
+from stereorecal.strategies import (
+    AbstractStrategy,
+    Budget,
+    Need,
+    NeedNotMet,
+    Objective,
+    Outcome,
+    Problem,
+    Status,
+    run_strategy,
+)
 
 
 @dataclass(frozen=True)

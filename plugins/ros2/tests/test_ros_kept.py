@@ -6,8 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from robots import BEST, BETTER, SIZE, Robot
-from stereorecal_ros import Level, corrected
-from stereorecal_ros._applied import Applied
+from stereorecal_ros import Applied, Level, corrected
 from stereorecal_ros._camera_info_files import infos_in
 from stereorecal_ros._log import numbers
 from stereorecal_ros._worker import _RETRY
