@@ -43,3 +43,9 @@ def cores(number: int) -> Any:
     if hasattr(os, "sched_getaffinity"):
         return patch("os.sched_getaffinity", lambda _: set(range(number)))
     return patch("os.cpu_count", lambda: number)
+
+
+def write_protected(name: str) -> Any:
+    """Files of this name may not be written, whoever asks: root may write everything."""
+    access = os.access
+    return patch("os.access", lambda path, mode: os.path.basename(path) != name and access(path, mode))

@@ -6,6 +6,7 @@ import os
 import shutil
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -363,21 +364,28 @@ def test_control_characters_in_names_are_spelt(command, tmp_path: Path):
     assert r"a\x1b[31m\nb" in answer.err
 
 
-def test_a_terminal_that_writes_ascii_only(monkeypatch: pytest.MonkeyPatch):
-    stream = io.TextIOWrapper(io.BytesIO(), "ascii")
-    monkeypatch.setattr(sys, "stdout", stream)
+@pytest.fixture
+def ascii_only(monkeypatch: pytest.MonkeyPatch) -> Callable[[], io.BytesIO]:
+    """ascii_only(): what a terminal gets that writes ASCII only."""
+
+    def set_up() -> io.BytesIO:
+        monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(io.BytesIO(), "ascii", write_through=True))
+        return sys.stdout.buffer  # pyright: ignore[reportReturnType]
+
+    return set_up
+
+
+def test_a_terminal_that_writes_ascii_only(ascii_only):
+    told = ascii_only()
     _streams.spell_out()
     print("0.1° ± 0.02 ☃")
-    stream.flush()
-    assert stream.buffer.getvalue() == b"0.1 deg +- 0.02 ?\n"  # pyright: ignore[reportAttributeAccessIssue]
+    assert told.getvalue() == b"0.1 deg +- 0.02 ?\n"
 
 
-def test_a_table_on_such_a_terminal(clean_scene: Path, drifted_scene: Path, monkeypatch: pytest.MonkeyPatch):
-    stream = io.TextIOWrapper(io.BytesIO(), "ascii")
-    monkeypatch.setattr(sys, "stdout", stream)
+def test_a_table_on_such_a_terminal(ascii_only, clean_scene: Path, drifted_scene: Path):
+    told = ascii_only()
     assert main(["score", str(clean_scene), str(drifted_scene)]) in (1, 4)
-    stream.flush()
-    assert b"drifted" in stream.buffer.getvalue()  # pyright: ignore[reportAttributeAccessIssue]
+    assert b"drifted" in told.getvalue()
 
 
 @pytest.mark.slow(after=1)
