@@ -6,7 +6,7 @@ import os
 import re
 
 import stereorecal
-from stereorecal.cli._commands import parser
+from stereorecal.cli import parser
 
 os.environ["COLUMNS"] = "88"  # of what `--help` says
 project = "stereorecal"

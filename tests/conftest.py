@@ -1,19 +1,24 @@
 """What all tests share."""
 
+import importlib.metadata
 import os
 import shutil
+import sys
 import tempfile
 from collections import Counter
 from collections.abc import Callable
 from functools import cache
+from importlib.metadata import EntryPoints
 from pathlib import Path
 
 import jax
 import pytest
 import typechecking
 from hypothesis import settings
+from moody import Moody
 
 from stereorecal.recordings import Scene
+from stereorecal.reproduction import _synthetic_log
 from stereorecal.synthetic import default_rig, render
 
 _CACHE = "STEREORECAL_TEST_CACHE"
@@ -109,3 +114,69 @@ def scene() -> Callable[..., Scene]:
         return render(kind, seed, rig=default_rig().resized(size), frames=frames)
 
     return make
+
+
+@pytest.fixture
+def install(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
+    """install(group, {name: "module:Class"}, distribution): a distribution (of version 1.2) more, by its metadata in a
+    folder of sys.path, as pip leaves it."""
+
+    def one_more(group: str, plugins: dict[str, str], distribution: str = "plug-in") -> None:
+        folder = tmp_path_factory.mktemp("site-packages")
+        info = folder / f"{distribution.replace('-', '_')}-1.2.dist-info"
+        info.mkdir()
+        (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {distribution}\nVersion: 1.2\n")
+        lines = (f"{name} = {value}\n" for name, value in plugins.items())
+        (info / "entry_points.txt").write_text(f"[{group}]\n{''.join(lines)}")
+        monkeypatch.syspath_prepend(folder)
+
+    return one_more
+
+
+@pytest.fixture
+def nothing_installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[dict[str, str]]:
+    """No plug-in but those that `install` adds from now on, and what lies in `tmp_path`; and each look at them."""
+    before, looks = set(sys.path), []
+
+    def of_others(**wanted: str) -> EntryPoints:
+        looks.append(wanted)
+        places = [place for place in sys.path if place not in before]
+        found = importlib.metadata.distributions(path=places)
+        return EntryPoints(point for one in found for point in one.entry_points).select(**wanted)
+
+    monkeypatch.syspath_prepend(tmp_path)  # what was read of the path as it was does not count
+    monkeypatch.setattr(importlib.metadata, "entry_points", of_others)
+    return looks
+
+
+@pytest.fixture
+def terminal(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
+    """terminal(stream): this standard stream is a terminal from now on, or is none."""
+
+    def set_up(stream: str, there: bool = True) -> None:
+        monkeypatch.setenv("TERM", "xterm")
+        monkeypatch.setattr(getattr(sys, stream), "isatty", lambda: there)
+
+    return set_up
+
+
+@pytest.fixture
+def moody(install) -> Callable[..., list[int]]:
+    """moody(mood): what the installed strategy "moody" does from now on, told the number of its run; and the seeds of
+    its runs. Without a mood it stays where it starts."""
+    install("stereorecal.strategies", {"moody": "moody:Moody"})
+
+    def set_up(mood: Callable[[int], None] = lambda run: None) -> list[int]:
+        Moody.runs.clear()
+        Moody.mood = mood
+        return Moody.runs
+
+    set_up()
+    return set_up
+
+
+@pytest.fixture
+def small_synthetic_log(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One pair of 160x120 in each of its missions."""
+    monkeypatch.setattr(_synthetic_log, "_QUICK_SIZE", (160, 120))
+    monkeypatch.setattr(_synthetic_log, "_QUICK_PAIRS", 1)

@@ -29,10 +29,25 @@ def program(a, b, *, matcher=None, times: int = 1):
 
 
 @pytest.fixture
-def folder(tmp_path, monkeypatch):
+def configured():
+    """configured(name=value...): settings of JAX for the time of a test."""
+    before = {name: getattr(jax.config, name) for name in ("jax_compilation_cache_dir", "jax_enable_compilation_cache")}
+
+    def set_up(**settings):
+        for name, value in settings.items():
+            jax.config.update(name, value)
+
+    yield set_up
+    set_up(**before)
+
+
+@pytest.fixture
+def folder(tmp_path, configured):
+    """Where programs are kept that were traced; what JAX itself keeps stays where it was."""
+    jax.jit(lambda x: x + 1.0)(1.0)  # its cache is opened once
     TRACES.clear()
-    monkeypatch.setattr(_compile_cache, "_folder", lambda: tmp_path / "cache")
-    return tmp_path / "cache"
+    configured(jax_compilation_cache_dir=str(tmp_path / "cache"))
+    return tmp_path / "cache" / "stereorecal-traced"
 
 
 def result(fresh=None, value: float = 1.0, **static):
@@ -81,9 +96,9 @@ def test_other_versions_and_other_files_are_other_programs(folder, monkeypatch):
     assert len(TRACES) == len(list(folder.iterdir())) == 2
 
 
-def test_a_place_that_takes_nothing_is_no_reason_to_fail(tmp_path, monkeypatch):
+def test_a_place_that_takes_nothing_is_no_reason_to_fail(folder, configured, tmp_path):
     (tmp_path / "file").write_text("no folder")
-    monkeypatch.setattr(_compile_cache, "_folder", lambda: tmp_path / "file" / "cache")
+    configured(jax_compilation_cache_dir=str(tmp_path / "file" / "cache"))
     np.testing.assert_array_equal(result()[0], [3, 3, 3])
 
 
@@ -96,12 +111,13 @@ def test_a_program_with_code_of_others_is_not_cached(folder):
     assert not folder.exists()
 
 
-def test_off_where_jax_keeps_nothing(monkeypatch, tmp_path):
-    for name, value in (("jax_compilation_cache_dir", None), ("jax_enable_compilation_cache", False)):
-        settings = dict(jax.config.values) | {"jax_compilation_cache_dir": str(tmp_path), name: value}
-        monkeypatch.setattr(type(jax.config), "values", settings)
-        assert _compile_cache._folder() is None
-        monkeypatch.undo()
+@pytest.mark.parametrize(
+    "off", [{"jax_compilation_cache_dir": None}, {"jax_enable_compilation_cache": False}], ids=list
+)
+def test_off_where_jax_keeps_nothing(folder, configured, off):
+    configured(**off)
+    np.testing.assert_array_equal(result()[0], [3, 3, 3])
+    assert not folder.exists()
 
 
 def test_compiled_in_the_background_is_compiled_once(folder):
@@ -153,9 +169,8 @@ def test_what_fails_in_the_background_fails_when_it_is_called(folder):
     assert TRACES == ["traced"]  # by the thread, which has survived
 
 
-def test_compiled_in_the_background_without_a_cache(monkeypatch):
-    TRACES.clear()
-    monkeypatch.setattr(_compile_cache, "_folder", lambda: None)
+def test_compiled_in_the_background_without_a_cache(folder, configured):
+    configured(jax_enable_compilation_cache=False)
     call = cached_program(program, static=("times",))
     call.compile_in_background({"x": jnp.full(3, 1.0)}, np.float32(2.0), times=3)
     np.testing.assert_array_equal(call({"x": jnp.full(3, 1.0)}, np.float32(2.0), times=3)[0], [9, 9, 9])

@@ -7,8 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from stereorecal.cli import _exit_codes
-from stereorecal.cli._commands import parser
+from stereorecal.cli import _exit_codes, parser
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"

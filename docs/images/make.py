@@ -14,8 +14,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import stereorecal as sr
-from stereorecal.estimation import readings
-from stereorecal.estimation._consequences import points_of_view
+from stereorecal.estimation import points_of_view, readings
 from stereorecal.geometry import changed_camera
 from stereorecal.report._field_figures import coverage, error_against_seconds, harm
 from stereorecal.report.pair_figure import Panel, repair_figure, save

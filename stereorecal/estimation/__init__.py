@@ -13,6 +13,7 @@ begins with.
 
 from stereorecal.estimation._calibration_prior import (
     CalibrationPrior as CalibrationPrior,
+    calibration_covariances as calibration_covariances,
     calibration_prior as calibration_prior,
     exact_prior as exact_prior,
 )
@@ -20,6 +21,7 @@ from stereorecal.estimation._consequences import (
     consequences as consequences,
     points_of_view as points_of_view,
     readings as readings,
+    regions as regions,
 )
 from stereorecal.estimation._cross_validation import frames_by_place as frames_by_place, largest_loss as largest_loss
 from stereorecal.estimation._estimate import (
@@ -29,6 +31,7 @@ from stereorecal.estimation._estimate import (
     with_free_together as with_free_together,
 )
 from stereorecal.estimation._evidence import Normal as Normal
+from stereorecal.estimation._groups import PLACES as PLACES
 from stereorecal.estimation._matched_ranges import NO_RANGES as NO_RANGES, MatchedRanges as MatchedRanges
 from stereorecal.estimation._motion import (
     NO_WINDOWS as NO_WINDOWS,

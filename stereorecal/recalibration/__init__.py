@@ -12,7 +12,10 @@ from stereorecal.recalibration._cost import Cost as Cost
 from stereorecal.recalibration._difference import Difference as Difference, difference as difference
 from stereorecal.recalibration._effects import (
     DISTANCES as DISTANCES,
+    ROW_DISTANCES as ROW_DISTANCES,
     depth_error as depth_error,
+    depth_errors as depth_errors,
+    row_errors_of as row_errors_of,
 )
 from stereorecal.recalibration._frame_choice import MOST_FRAMES as MOST_FRAMES, chosen_frames as chosen_frames
 from stereorecal.recalibration._freed_intrinsics import Intrinsics as Intrinsics, IntrinsicsOutcome as IntrinsicsOutcome

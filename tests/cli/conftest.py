@@ -5,13 +5,11 @@ import signal
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from importlib.metadata import EntryPoint, EntryPoints
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from stereorecal import _plugins
 from stereorecal.cli import main
 from stereorecal.io import save_scene
 from stereorecal.strategies import AbstractStrategy
@@ -52,16 +50,11 @@ class Crashing(AbstractStrategy):
 
 
 @pytest.fixture
-def crashing(monkeypatch: pytest.MonkeyPatch) -> None:
+def crashing(nothing_installed, install, monkeypatch: pytest.MonkeyPatch) -> None:
     """A strategy "crashing" beside compass, and no other."""
-    points = EntryPoints(
-        [
-            EntryPoint("compass", "stereorecal_compass:Compass", "stereorecal.strategies"),
-            EntryPoint("crashing", f"{__name__}:Crashing", "stereorecal.strategies"),
-        ]
-    )
+    plugins = {"compass": "stereorecal_compass:Compass", "crashing": f"{__name__}:Crashing"}
+    install("stereorecal.strategies", plugins)
     monkeypatch.setitem(sys.modules, __name__, sys.modules[Crashing.__module__])
-    monkeypatch.setattr(_plugins, "entry_points", lambda **wanted: points.select(**wanted))
 
 
 @pytest.fixture(scope="session")

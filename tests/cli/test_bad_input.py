@@ -10,8 +10,6 @@ import cv2
 import numpy as np
 import pytest
 
-from stereorecal import _plugins
-
 Spoil = Callable[[Path], Any]
 
 
@@ -282,10 +280,7 @@ def test_commands(command, words: list[str]):
     refused(command(*words), "compass" if len(words) == 3 else "")
 
 
-def test_missing_compass_gives_the_install_line(command, clean_scene: Path, monkeypatch: pytest.MonkeyPatch):
-    from importlib.metadata import EntryPoints
-
-    monkeypatch.setattr(_plugins, "entry_points", lambda **_: EntryPoints())
+def test_missing_compass_gives_the_install_line(command, clean_scene: Path, nothing_installed):
     refused(command("compare", "--scene", clean_scene), "pip install 'stereorecal[default]'")
     refused(command("compare", "--scene", clean_scene, "--strategies", "all"), "pip install 'stereorecal[default]'")
     refused(command("recalibrate", clean_scene), "pip install 'stereorecal[default]'")

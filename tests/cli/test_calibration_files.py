@@ -1,14 +1,13 @@
 """Calibration files on the command line: convert, diff, score and recalibrate take every format, and give it back."""
 
 import json
-import os
 from pathlib import Path
 
 import numpy as np
 import pytest
+from machine import write_protected
 
 import stereorecal as sr
-from stereorecal.cli import _recalibrate
 from stereorecal.cli._shared_options import FORMATS
 from stereorecal.io import load_rig, load_scene, save_rig
 from stereorecal.io.formats._format_list import NAMES
@@ -39,9 +38,10 @@ def sides(drifted_scene: Path) -> tuple[object, ...]:
 
 
 @pytest.fixture
-def unworked(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Whatever is refused is refused before the work."""
-    monkeypatch.setattr(_recalibrate, "recalibrate_many", lambda *_, **__: pytest.fail("worked before it looked"))
+def unworked(moody) -> tuple[object, ...]:
+    """COUNT with a strategy that fails if it has work: whatever is refused is refused before."""
+    moody(lambda run: pytest.fail("worked before it looked"))
+    return *COUNT, "--strategy", "moody"
 
 
 def refused(answer, *words: str) -> None:
@@ -216,17 +216,16 @@ def test_places_that_make_no_sense(command, rig: sr.StereoRig, sides, tmp_path: 
     (tmp_path / "old.npz").write_text("precious")
     before = {path: path.read_bytes() for path in tmp_path.iterdir()}
     options = [word.format(tmp=tmp_path) for word in words]
-    refused(command("recalibrate", *sides, "--calibration", tmp_path / "a.yaml", *COUNT, *options), said)
+    refused(command("recalibrate", *sides, "--calibration", tmp_path / "a.yaml", *unworked, *options), said)
     assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before
 
 
-def test_a_write_protected_file_is_not_replaced(
-    command, rig: sr.StereoRig, sides, tmp_path: Path, unworked, monkeypatch: pytest.MonkeyPatch
-):
+def test_a_write_protected_file_is_not_replaced(command, rig: sr.StereoRig, sides, tmp_path: Path, unworked):
     save_rig(short(rig), tmp_path / "a.yaml", format="kalibr")
-    monkeypatch.setattr(os, "access", lambda path, mode: Path(path).name != "a.yaml")  # root may write everything
-    words = ("recalibrate", *sides, "--calibration", tmp_path / "a.yaml", *COUNT, "--in-place")
-    refused(command(*words), "the file is write-protected")
+    words = ("recalibrate", *sides, "--calibration", tmp_path / "a.yaml", *unworked, "--in-place")
+    with write_protected("a.yaml"):
+        answer = command(*words)
+    refused(answer, "the file is write-protected")
 
 
 def test_dry_run_and_then_another_format_and_unit(command, rig: sr.StereoRig, drifted_scene: Path, tmp_path: Path):

@@ -1,7 +1,6 @@
 """`compare` on a small scene: exit codes, what goes to stdout, to stderr and to the file."""
 
 import json
-import sys
 from pathlib import Path
 
 import pytest
@@ -112,18 +111,17 @@ def test_threads(command, clean_scene: Path):
     assert [t["score_final"] for t in threads["trials"]] == [t["score_final"] for t in plain["trials"]]
 
 
-@pytest.mark.parametrize("terminal", [False, True])
-def test_progress_only_on_a_terminal(command, clean_scene: Path, monkeypatch: pytest.MonkeyPatch, terminal: bool):
-    monkeypatch.setenv("TERM", "xterm")
-    monkeypatch.setattr(sys.stderr, "isatty", lambda: terminal)
+@pytest.mark.parametrize("there", [False, True])
+def test_progress_only_on_a_terminal(command, clean_scene: Path, terminal, there: bool):
+    terminal("stderr", there)
     answer = command("compare", "--scene", clean_scene, *SMALL)
-    assert ("repairing" in answer.err) == terminal
-    assert (answer.err == "") == (not terminal)
+    assert ("repairing" in answer.err) == there
+    assert (answer.err == "") == (not there)
     assert "repairing" not in answer.out
 
 
-def test_quiet_has_no_progress_on_a_terminal_either(command, clean_scene: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+def test_quiet_has_no_progress_on_a_terminal_either(command, clean_scene: Path, terminal):
+    terminal("stderr")
     assert command("compare", "--scene", clean_scene, *SMALL, "--quiet").err == ""
 
 

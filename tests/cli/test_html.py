@@ -8,20 +8,16 @@ import sys
 from pathlib import Path
 
 import pytest
-
-from stereorecal.cli import _compare, _recalibrate
+from machine import at_call
 
 SMALL = ("--schedule", "count", "--draws", 2, "--scale", 0.5, "--budget", 5)
 
 
 @pytest.fixture
-def no_work(monkeypatch: pytest.MonkeyPatch):
-    """Fails if any is done."""
-
-    def work(*scenes, **options):
-        pytest.fail("work was done")
-
-    monkeypatch.setattr(_compare, "compare_scenes", work)
+def no_work(moody) -> tuple[str, ...]:
+    """The option of a strategy that fails if it has work."""
+    moody(lambda run: pytest.fail("work was done"))
+    return "--strategies", "moody"
 
 
 def test_page_beside_table_and_json(command, clean_scene: Path, tmp_path: Path):
@@ -35,17 +31,14 @@ def test_page_beside_table_and_json(command, clean_scene: Path, tmp_path: Path):
     assert page.rstrip().endswith("</html>")
 
 
-def test_an_interrupted_comparison_is_written(command, clean_scene: Path, tmp_path: Path, monkeypatch):
-    compare_scenes = _compare.compare_scenes
+def test_an_interrupted_comparison_is_written(command, clean_scene: Path, tmp_path: Path, moody):
+    def interrupted(run):
+        if run == 2:
+            raise KeyboardInterrupt
 
-    def interrupt(finished, total):
-        raise KeyboardInterrupt
-
-    def interrupted(scenes, **options):
-        return compare_scenes(scenes, **{**options, "progress": interrupt})
-
-    monkeypatch.setattr(_compare, "compare_scenes", interrupted)
-    answer = command("compare", "--scene", clean_scene, *SMALL, "--html", tmp_path / "out.html")
+    moody(interrupted)
+    words = ("--scene", clean_scene, *SMALL, "--strategies", "moody")
+    answer = command("compare", *words, "--html", tmp_path / "out.html")
     assert answer.code == 130
     assert "1 trial was finished of 2." in (tmp_path / "out.html").read_text(encoding="utf-8")
 
@@ -54,19 +47,13 @@ def test_an_interrupted_comparison_is_written(command, clean_scene: Path, tmp_pa
 @pytest.mark.parametrize("force", [False, True])
 @pytest.mark.parametrize("verb", ["compare", "recalibrate"])
 def test_a_page_that_another_run_has_written_meanwhile(
-    command, clean_scene: Path, tmp_path: Path, monkeypatch, verb: str, force: bool
+    command, clean_scene: Path, tmp_path: Path, verb: str, force: bool
 ):
     """It stays, and the rest of the result is not lost; with --force it is replaced."""
-    target, module = tmp_path / "out.html", {"compare": _compare, "recalibrate": _recalibrate}[verb]
-    deliver = module.deliver
-
-    def meanwhile(*steps):
-        target.write_text("theirs")
-        deliver(*steps)
-
-    monkeypatch.setattr(module, "deliver", meanwhile)
+    target = tmp_path / "out.html"
     words = ["--scene", clean_scene, *SMALL] if verb == "compare" else [clean_scene, "--dry-run", "--budget", 5]
-    answer = command(verb, *words, "--html", target, *(["--force"] if force else []))
+    with at_call("fsync", lambda _: target.write_text("theirs")):
+        answer = command(verb, *words, "--html", target, *(["--force"] if force else []))
     assert {"compare": "compass", "recalibrate": "before  "}[verb] in answer.out
     if force:
         assert target.read_text(encoding="utf-8").rstrip().endswith("</html>")
@@ -87,7 +74,7 @@ def test_a_page_that_another_run_has_written_meanwhile(
 def test_places_that_are_refused(command, no_work, clean_scene: Path, tmp_path: Path, words: list[str], said: str):
     (tmp_path / "in").mkdir()
     places = [word.replace("{}/../{}", f"{tmp_path}/in/..").replace("{}", str(tmp_path)) for word in words]
-    answer = command("compare", "--scene", clean_scene, *SMALL, *places)
+    answer = command("compare", "--scene", clean_scene, *SMALL, *no_work, *places)
     assert (answer.code, answer.out) == (2, "")
     assert said in answer.err
     assert answer.err.count("\n") == 1
@@ -100,7 +87,7 @@ def test_without_the_extra(command, no_work, clean_scene: Path, tmp_path: Path, 
         monkeypatch.setitem(sys.modules, name, None)
     for name in [name for name in sys.modules if name.startswith("stereorecal.report.")]:
         monkeypatch.delitem(sys.modules, name)
-    answer = command("compare", "--scene", clean_scene, *SMALL, "--html", tmp_path / "out.html")
+    answer = command("compare", "--scene", clean_scene, *SMALL, *no_work, "--html", tmp_path / "out.html")
     assert (answer.code, answer.out) == (2, "")
     install = "run: pip install 'stereorecal[figures]'"
     assert answer.err == f"stereorecal: --html needs {missing[0]}, which is not installed; {install}\n"

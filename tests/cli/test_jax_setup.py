@@ -7,8 +7,6 @@ from pathlib import Path
 
 import pytest
 
-from stereorecal.cli import _jax_setup
-
 WHERE = """
 import jax
 from stereorecal.cli._jax_setup import use_compile_cache
@@ -54,19 +52,18 @@ def test_every_command_does_so(tmp_path: Path):
     assert [folder.name for folder in tmp_path.iterdir()] == ["stereorecal"]
 
 
-def test_a_user_without_a_home(monkeypatch: pytest.MonkeyPatch):
-    def lost(*_):
-        raise RuntimeError("Could not determine home directory.")
-
-    told: list[tuple[str, object]] = []
-    monkeypatch.setattr(_jax_setup, "user_cache_path", lost)
-    monkeypatch.setattr(_jax_setup.jax.config, "update", lambda *what: told.append(what))
-    settings = {"jax_enable_compilation_cache": True, "jax_compilation_cache_dir": None}
-    monkeypatch.setattr(type(_jax_setup.jax.config), "values", dict(_jax_setup.jax.config.values) | settings)
-    trouble = _jax_setup.use_compile_cache()
-    assert trouble is not None
-    assert "Could not determine home directory" in trouble
-    assert told == [("jax_enable_compilation_cache", False)]
+@linux_only
+def test_a_user_without_a_home():
+    """Whom the machine does not know: as a container runs with a number of nobody's."""
+    nobody = "import pwd, sys\npwd.getpwuid = {}.__getitem__\nfrom stereorecal.__main__ import run\nsys.exit(run())"
+    plain = {k: v for k, v in os.environ.items() if not k.startswith(("JAX_", "HOME", "XDG_"))}
+    words = [sys.executable, "-c", nobody, "score", "nowhere"]
+    answer = subprocess.run(words, env=plain, capture_output=True, text=True, check=False)
+    first, second = answer.stderr.splitlines()
+    assert first.startswith("stereorecal: compiled programs cannot be cached (")
+    assert "home directory" in first
+    assert second.endswith("there is no such folder; check the path.")
+    assert answer.returncode == 2
 
 
 def test_nowhere_to_write_to(tmp_path: Path):

@@ -8,7 +8,7 @@ import pytest
 from json_page import differences, listed, matched, paths
 
 import stereorecal as sr
-from stereorecal.comparison._truth import errors_by_truth
+from stereorecal.comparison import errors_by_truth
 from stereorecal.estimation import Estimate, Posterior, rig_parameters
 from stereorecal.recalibration import RangesSeen
 from stereorecal.recalibration._windows import as_dict as motion_as_dict

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from stereorecal._errors import InputError
+from stereorecal import InputError
 from stereorecal.cli import _score
 
 

@@ -2,14 +2,12 @@
 
 import sys
 from dataclasses import dataclass, replace
-from importlib.metadata import EntryPoint, EntryPoints
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import stereorecal as sr
-from stereorecal import _plugins
 from stereorecal.matching import BM, AbstractMatcher, Disparity
 
 
@@ -35,17 +33,11 @@ class Crashing(AbstractMatcher):
 
 
 @pytest.fixture
-def plugins(monkeypatch: pytest.MonkeyPatch) -> None:
+def plugins(install, monkeypatch: pytest.MonkeyPatch) -> None:
     """Matchers of somebody else's, beside all strategies that are installed."""
     names = {"mine": "Mine", "blind": "Blind", "crashing": "Crashing", "shaky": "Missing"}
-    points = [EntryPoint(name, f"{__name__}:{cls}", "stereorecal.matchers") for name, cls in names.items()]
-    look = _plugins.entry_points
-
-    def found(group: str) -> EntryPoints:
-        return EntryPoints([*look(group=group), *points]).select(group=group)
-
+    install("stereorecal.matchers", {name: f"{__name__}:{cls}" for name, cls in names.items()})
     monkeypatch.setitem(sys.modules, __name__, sys.modules[Mine.__module__])
-    monkeypatch.setattr(_plugins, "entry_points", found)
 
 
 def test_list(command, plugins):
@@ -82,7 +74,7 @@ def test_a_comparison_names_it(plugins, clean_scene: Path):
     scene, mine = replace(sr.io.load_scene(clean_scene), reference="truth"), sr.matcher("mine", num_disparities=32)
     table = sr.compare_scenes([scene], strategies=["compass"], matcher=mine, draws=1, scale=0.25, budget=0.5)
     assert table.settings["matcher"]["name"] == table.trials[0].matcher == "mine"
-    assert table.versions["matcher mine"] == __name__
+    assert table.versions["matcher mine"] == "plug-in 1.2"
     assert table.trials[0].score_final is not None
 
 
@@ -90,7 +82,7 @@ def test_a_comparison_names_it(plugins, clean_scene: Path):
 def test_a_broken_one_is_a_sentence_wherever_it_is_named(command, plugins, clean_scene: Path, verb: str):
     answer = command(*verb.split(), clean_scene, "--matcher", "shaky")
     assert (answer.code, answer.out) == (3, "")
-    assert "matcher shaky of unknown distribution" in answer.err
+    assert "matcher shaky of plug-in 1.2 cannot be loaded" in answer.err
     assert answer.err.count("\n") == 1
 
 

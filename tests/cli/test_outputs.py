@@ -6,13 +6,15 @@ import os
 import shutil
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 from bags import write_bag
+from machine import at_call, full_disk
 
-from stereorecal._errors import InputError
+from stereorecal import InputError
 from stereorecal.cli import _output_files, _streams, main
 from stereorecal.io import back_up, save_rig
 from stereorecal.synthetic import default_rig
@@ -110,36 +112,27 @@ def test_all_files_of_a_bag_are_inputs(command, clean_scene: Path, tmp_path: Pat
     assert state(bag) == before
 
 
-def test_a_file_that_another_run_has_written_meanwhile_stays(command, folder: Path, tmp_path: Path, monkeypatch):
+def test_a_file_that_another_run_has_written_meanwhile_stays(command, folder: Path, tmp_path: Path):
     """The result is printed in place of being written."""
-    from stereorecal.cli import _diff
-
-    target, refuse = tmp_path / "out.json", _diff.refuse_replacing_inputs
-
-    def meanwhile(*arguments):
-        refuse(*arguments)
-        target.write_text("theirs")
-
-    monkeypatch.setattr(_diff, "refuse_replacing_inputs", meanwhile)
-    answer = command("diff", folder, folder, "--quiet", "--json", target)
+    target = tmp_path / "out.json"
+    with at_call("fsync", lambda _: target.write_text("theirs")):
+        answer = command("diff", folder, folder, "--quiet", "--json", target)
     assert (answer.code, target.read_text()) == (2, "theirs")
     assert json.loads(answer.out)["schema"] == "stereorecal.difference/1"
     assert "exists already" in answer.err
 
 
-def test_two_runs_that_keep_a_copy_at_once(tmp_path: Path, monkeypatch):
+def test_two_runs_that_keep_a_copy_at_once(tmp_path: Path):
     """Another run keeps its copy, and repairs, when this one has found a name for its own."""
-    path, fsync = tmp_path / "calib.json", os.fsync
+    path = tmp_path / "calib.json"
     path.write_text("original")
 
-    def meanwhile(file: int) -> None:
-        fsync(file)
-        monkeypatch.setattr(os, "fsync", fsync)
+    def meanwhile(_: int) -> None:
         back_up(path)
         path.write_text("repaired")
 
-    monkeypatch.setattr(os, "fsync", meanwhile)
-    assert back_up(path).name == "calib.json.bak2"
+    with at_call("fsync", meanwhile, 1):
+        assert back_up(path).name == "calib.json.bak2"
     assert [(tmp_path / f"calib.json.bak{number}").read_text() for number in ("", "2")] == ["original"] * 2
 
 
@@ -274,15 +267,12 @@ def test_a_watch_goes_on_when_its_log_finds_no_room(command, clean_scene: Path, 
     assert state.exists()
 
 
-def test_a_quiet_run_prints_what_it_cannot_write(command, clean_scene: Path, tmp_path: Path, monkeypatch):
-    from stereorecal.cli import _output_files
-
-    def fail(*_, **__):
-        raise InputError("no room")
-
-    monkeypatch.setattr(_output_files, "write_text", fail)
-    answer = command("diff", clean_scene, clean_scene, "--quiet", "--json", tmp_path / "out.json")
-    assert (answer.code, answer.err) == (2, "stereorecal: no room\n")
+def test_a_quiet_run_prints_what_it_cannot_write(command, clean_scene: Path, tmp_path: Path):
+    target = tmp_path / "out.json"
+    with full_disk():
+        answer = command("diff", clean_scene, clean_scene, "--quiet", "--json", target)
+    said = f"stereorecal: {target}: cannot be written (No space left on device); choose another place or make room.\n"
+    assert (answer.code, answer.err) == (2, said)
     assert json.loads(answer.out)["schema"] == "stereorecal.difference/1"
 
 
@@ -374,21 +364,28 @@ def test_control_characters_in_names_are_spelt(command, tmp_path: Path):
     assert r"a\x1b[31m\nb" in answer.err
 
 
-def test_a_terminal_that_writes_ascii_only(monkeypatch: pytest.MonkeyPatch):
-    stream = io.TextIOWrapper(io.BytesIO(), "ascii")
-    monkeypatch.setattr(sys, "stdout", stream)
+@pytest.fixture
+def ascii_only(monkeypatch: pytest.MonkeyPatch) -> Callable[[], io.BytesIO]:
+    """ascii_only(): what a terminal gets that writes ASCII only."""
+
+    def set_up() -> io.BytesIO:
+        monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(io.BytesIO(), "ascii", write_through=True))
+        return sys.stdout.buffer  # pyright: ignore[reportReturnType]
+
+    return set_up
+
+
+def test_a_terminal_that_writes_ascii_only(ascii_only):
+    told = ascii_only()
     _streams.spell_out()
     print("0.1° ± 0.02 ☃")
-    stream.flush()
-    assert stream.buffer.getvalue() == b"0.1 deg +- 0.02 ?\n"  # pyright: ignore[reportAttributeAccessIssue]
+    assert told.getvalue() == b"0.1 deg +- 0.02 ?\n"
 
 
-def test_a_table_on_such_a_terminal(clean_scene: Path, drifted_scene: Path, monkeypatch: pytest.MonkeyPatch):
-    stream = io.TextIOWrapper(io.BytesIO(), "ascii")
-    monkeypatch.setattr(sys, "stdout", stream)
+def test_a_table_on_such_a_terminal(ascii_only, clean_scene: Path, drifted_scene: Path):
+    told = ascii_only()
     assert main(["score", str(clean_scene), str(drifted_scene)]) in (1, 4)
-    stream.flush()
-    assert b"drifted" in stream.buffer.getvalue()  # pyright: ignore[reportAttributeAccessIssue]
+    assert b"drifted" in told.getvalue()
 
 
 @pytest.mark.slow(after=1)

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from stereorecal._errors import InputError
-from stereorecal.cli._commands import options_of
+from stereorecal import InputError
+from stereorecal.cli import options_of
 from stereorecal.cli._recordings import recordings
 from stereorecal.io import save_scene
 from stereorecal.synthetic import default_rig, render

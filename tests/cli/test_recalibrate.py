@@ -3,13 +3,13 @@
 import json
 import re
 import shutil
-import sys
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from machine import at_call
 
 import stereorecal as sr
 from stereorecal.cli import _recalibrate
@@ -332,15 +332,10 @@ def test_nothing_is_overwritten_without_force(command, drifted_scene: Path, tmp_
     assert list(tmp_path.iterdir()) == [target]
 
 
-def test_a_file_that_appears_meanwhile_is_not_overwritten(command, drifted_scene: Path, tmp_path: Path, monkeypatch):
-    target, original = tmp_path / "repaired.json", _recalibrate.recalibrate_many
-
-    def meanwhile(*arguments, **options):
-        target.write_text("precious")
-        return original(*arguments, **options)
-
-    monkeypatch.setattr(_recalibrate, "recalibrate_many", meanwhile)
-    answer = command("recalibrate", drifted_scene, *COUNT, "--output", target)
+def test_a_file_that_appears_meanwhile_is_not_overwritten(command, drifted_scene: Path, tmp_path: Path):
+    target = tmp_path / "repaired.json"
+    with at_call("fsync", lambda _: target.write_text("precious")):
+        answer = command("recalibrate", drifted_scene, *COUNT, "--output", target)
     assert answer.code == 2
     assert "the file exists already" in answer.err
     assert target.read_text() == "precious"
@@ -393,21 +388,20 @@ def test_json_on_stdout_and_nothing_else(command, drifted_scene: Path):
 
 
 @pytest.mark.parametrize("count", [1, 2])
-def test_quiet(command, drifted_scene: Path, tmp_path: Path, count: int, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+def test_quiet(command, drifted_scene: Path, tmp_path: Path, count: int, terminal):
+    terminal("stderr")
     target = tmp_path / "out.json"
     answer = command("recalibrate", *[drifted_scene] * count, *COUNT, "--quiet", "--json", target)
     assert (answer.code, answer.out, answer.err) == (0, "", "")
     assert len(json.loads(target.read_text())["repairs"]) == count
 
 
-@pytest.mark.parametrize("terminal", [False, True])
-def test_progress_only_on_a_terminal(command, drifted_scene: Path, monkeypatch: pytest.MonkeyPatch, terminal: bool):
-    monkeypatch.setenv("TERM", "xterm")
-    monkeypatch.setattr(sys.stderr, "isatty", lambda: terminal)
+@pytest.mark.parametrize("there", [False, True])
+def test_progress_only_on_a_terminal(command, drifted_scene: Path, terminal, there: bool):
+    terminal("stderr", there)
     answer = command("recalibrate", drifted_scene, *COUNT)
-    assert ("repairing" in answer.err) == terminal
-    assert (answer.err == "") == (not terminal)
+    assert ("repairing" in answer.err) == there
+    assert (answer.err == "") == (not there)
     assert "repairing" not in answer.out
 
 

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from machine import raising
 
 from stereorecal.io import save_calibrations, save_mission
 from stereorecal.recordings import Mission
-from stereorecal.reproduction import _reproduce, _synthetic_log
-from stereorecal.reproduction._experiment_tasks import PairCounts, PairRepair
+from stereorecal.reproduction._experiment_tasks import PairCounts
 from stereorecal.synthetic import default_rig, render
 
 
@@ -45,11 +45,13 @@ def test_tables_and_files(command, words, tmp_path: Path):
 
 
 @pytest.mark.slow
-def test_a_second_run_repeats_nothing(command, words, tmp_path: Path, monkeypatch):
+def test_a_second_run_repeats_nothing(command, words, tmp_path: Path, moody):
+    words, runs = [*words, "--strategy", "moody"], moody()
     first = command("reproduce", "ex-nihilo", *words, "--json", tmp_path / "one.json")
-    monkeypatch.setattr(_reproduce, "run_task", lambda task: "was run again")
+    assert runs
+    moody(raising(RuntimeError("was run again")))
     again = command("reproduce", "ex-nihilo", *words, "--json", tmp_path / "two.json")
-    assert (first.code, again.code) == (0, 0)
+    assert (first.code, again.code, runs) == (0, 0, [])
     assert first.out == again.out
     assert (tmp_path / "one.json").read_text() == (tmp_path / "two.json").read_text()
 
@@ -75,19 +77,19 @@ def test_interrupted(command, words, monkeypatch):
     assert found.code == 130
     assert "run it again" in found.err
     assert "own is highest" in found.out
-    monkeypatch.setattr(PairCounts, "run", real)
+    monkeypatch.undo()
     assert command("reproduce", "validity", *words).code == 0
 
 
 @pytest.mark.slow
-def test_failures_are_named(command, words, monkeypatch):
-    def broken(task):
-        raise RuntimeError("the disk is on fire")
-
-    monkeypatch.setattr(PairRepair, "run", broken)
+def test_failures_are_named(command, words, moody):
+    words = [*words, "--strategy", "moody"]
+    moody(raising(RuntimeError("the disk is on fire")))
     found = command("reproduce", "ex-nihilo", *words)
     assert found.code == 3
-    assert "ex_nihilo:2020-01-02-quay/0.png/none/count: the disk is on fire" in found.err
+    assert "ex_nihilo:2020-01-02-quay/0.png/none/count: strategy moody" in found.err
+    assert "the disk is on fire" in found.err
+    moody()
     assert command("reproduce", "ex-nihilo", "validity", *words).code == 0
 
 
@@ -131,9 +133,7 @@ def test_results_of_another_run_are_left_alone(command, words):
 
 
 @pytest.mark.slow
-def test_without_a_log_one_is_rendered_once(command, tmp_path: Path, monkeypatch):
-    monkeypatch.setattr(_synthetic_log, "_QUICK_SIZE", (160, 120))
-    monkeypatch.setattr(_synthetic_log, "_QUICK_PAIRS", 1)
+def test_without_a_log_one_is_rendered_once(command, tmp_path: Path, small_synthetic_log, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     options = ["--quick", "--schedule", "count", "--output", tmp_path / "out"]
     found = command("reproduce", "validity", *options)

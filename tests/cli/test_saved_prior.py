@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
+from machine import full_disk
 
 COUNT = ("--schedule", "count", "--scale", 0.5, "--budget", 40)
 
@@ -112,13 +113,11 @@ def test_in_place_keeps_both_old_ones(command, sides, drifted_scene: Path, repai
     assert beside.read_bytes() != old
 
 
-def test_nothing_is_lost_where_it_cannot_be_written(command, drifted_scene: Path, tmp_path: Path, monkeypatch):
+def test_nothing_is_lost_where_it_cannot_be_written(command, drifted_scene: Path, tmp_path: Path):
     """A disk that is full once the repair is done: both are printed, none is written."""
-    import os
-
-    monkeypatch.setattr(os, "fsync", lambda *_: (_ for _ in ()).throw(OSError(28, "No space left on device")))
     words = ("--output", tmp_path / "new.yaml", "--output-format", "opencv", "--quiet")
-    answer = command("recalibrate", drifted_scene, *COUNT, *words)
+    with full_disk():
+        answer = command("recalibrate", drifted_scene, *COUNT, *words)
     assert answer.code == 2
     assert json.loads(answer.out)["prior"]["schema"] == "stereorecal.prior/1"
     assert list(tmp_path.iterdir()) == []

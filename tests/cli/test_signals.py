@@ -10,10 +10,10 @@ from multiprocessing import get_context
 from pathlib import Path
 
 import pytest
+from machine import full_disk
 from slow import terminal
 
-from stereorecal import _signals
-from stereorecal._errors import InputError
+from stereorecal import InputError, _signals
 from stereorecal._run_all import run_all
 from stereorecal.reproduction._row_store import Store
 
@@ -195,14 +195,9 @@ def test_what_a_killed_run_has_left_is_no_obstacle(tmp_path: Path):
     assert Store(tmp_path, {"a": 1}).rows == {"k": {"v": 1}}
 
 
-def test_a_full_disk_stops_a_reproduction_in_a_sentence(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_a_full_disk_stops_a_reproduction_in_a_sentence(tmp_path: Path):
     store = Store(tmp_path, {})
-
-    def full(_):
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(os, "fsync", full)
-    with pytest.raises(InputError, match="No space left on device"):
+    with full_disk(), pytest.raises(InputError, match="No space left on device"):
         store.add("k", {"v": 1})
 
 

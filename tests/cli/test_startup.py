@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-from stereorecal.cli._commands import options_of
+from stereorecal.cli import options_of
 from stereorecal.recalibration import HEALTH_LIMITS, SCHEDULES
 from stereorecal.reproduction import EXPERIMENTS
 from stereorecal.synthetic import KINDS

@@ -1,10 +1,6 @@
 """`strategies` lists what is installed, and checks one."""
 
-from importlib.metadata import EntryPoint, EntryPoints, version
-
-import pytest
-
-from stereorecal import _plugins
+from importlib.metadata import version
 
 
 def test_list(command):
@@ -26,14 +22,8 @@ def test_check(command):
     assert all(line.startswith("pass  ") for line in lines)
 
 
-def test_a_broken_one_is_listed_with_the_reason(command, monkeypatch: pytest.MonkeyPatch):
-    points = EntryPoints(
-        [
-            EntryPoint("compass", "stereorecal_compass:Compass", "stereorecal.strategies"),
-            EntryPoint("shaky", "no_such_module:Thing", "stereorecal.strategies"),
-        ]
-    )
-    monkeypatch.setattr(_plugins, "entry_points", lambda **wanted: points.select(**wanted))
+def test_a_broken_one_is_listed_with_the_reason(command, install):
+    install("stereorecal.strategies", {"shaky": "no_such_module:Thing"})
     answer = command("strategies")
     assert answer.code == 3
     assert "Compass (pattern) search" in answer.out
@@ -44,15 +34,8 @@ def test_a_broken_one_is_listed_with_the_reason(command, monkeypatch: pytest.Mon
     assert "cannot be loaded" in answer.err
 
 
-def test_a_failing_check_is_1(command, monkeypatch: pytest.MonkeyPatch):
-    import stereorecal_compass
-
-    from stereorecal.strategies import Outcome, Status
-
-    monkeypatch.setattr(
-        stereorecal_compass.Compass, "run", lambda self, objective, start, *_: Outcome(start, Status.STALLED)
-    )
-    answer = command("strategies", "check", "compass")
+def test_a_failing_check_is_1(command, moody):
+    answer = command("strategies", "check", "moody")
     assert answer.code == 1
     assert "FAIL  climbs a smooth bowl: " in answer.out
     assert "pass  travels" in answer.out

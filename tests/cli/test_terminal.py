@@ -1,7 +1,5 @@
 """Lines on a terminal: none too long, none cut; whole ones elsewhere."""
 
-import sys
-
 import pytest
 
 from stereorecal.cli._terminal import print_lines
@@ -11,8 +9,8 @@ TEXT = f"accepted: better\n{LONG}\n\nx       -356.000 ->  -356.000 mm  changed b
 
 
 @pytest.mark.parametrize("width", [60, 80])
-def test_long_lines_are_folded_on_a_terminal(monkeypatch, capsys, width: int):
-    monkeypatch.setattr(sys.stdout, "isatty", lambda: True)
+def test_long_lines_are_folded_on_a_terminal(monkeypatch, capsys, terminal, width: int):
+    terminal("stdout")
     monkeypatch.setenv("COLUMNS", str(width))
     print_lines(TEXT)
     lines = capsys.readouterr().out.splitlines()

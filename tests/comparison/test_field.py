@@ -13,10 +13,24 @@ import numpy as np
 import pytest
 
 import stereorecal as sr
-from stereorecal.comparison.field import Field, FieldTrial, _field_trial, as_trial, compare_field, methods_of, planned
+from stereorecal.comparison.field import (
+    ACCEPTED,
+    GOOD,
+    REFUSED,
+    AbstractMethod,
+    Answer,
+    Field,
+    FieldTrial,
+    Library,
+    Strategy,
+    _field_trial,
+    as_trial,
+    compare_field,
+    methods_of,
+    planned,
+)
 from stereorecal.comparison.field._field_trial import FieldTask, run_field_trial
 from stereorecal.comparison.field._memory import PeakMemory
-from stereorecal.comparison.field._methods import ACCEPTED, GOOD, REFUSED, AbstractMethod, Answer, Library, Strategy
 from stereorecal.comparison.judges import AbstractRecipe, Case, Draws, Judgement
 from stereorecal.strategies import AbstractStrategy, Need, NeedNotMet, Outcome, Status
 

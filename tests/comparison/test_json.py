@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import pytest
 
-from stereorecal._errors import InputError
+from stereorecal import InputError
 from stereorecal.comparison import Drift, compare, compare_scenes
 from stereorecal.matching import SAD
 from stereorecal.objectives import Reach

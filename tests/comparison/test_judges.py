@@ -11,6 +11,7 @@ from lenses import WIDE_LENSES
 
 import stereorecal as sr
 from stereorecal.comparison.judges import (
+    ByBoards,
     Draws,
     Judgement,
     by_boards,
@@ -19,7 +20,6 @@ from stereorecal.comparison.judges import (
     recipes_of,
     scene_with_truth,
 )
-from stereorecal.comparison.judges._board_errors import ByBoards
 from stereorecal.comparison.judges._distance_travelled import Travelled, depth_at, disparity_offset_px, travelled
 from stereorecal.comparison.judges._optics import optics
 from stereorecal.comparison.judges._rendered_judge import Rendered

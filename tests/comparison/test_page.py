@@ -7,10 +7,10 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from stereorecal._json_data import json_data
 from stereorecal.comparison import Comparison, compare_scenes
 from stereorecal.comparison._profiles import solved_at
 from stereorecal.comparison._trial_pictures import pictures_of
+from stereorecal.io import json_data
 from stereorecal.matching import SAD
 from stereorecal.report.comparison_page import comparison_page
 from stereorecal.strategies import AbstractStrategy, Budget, strategy

@@ -1,11 +1,9 @@
 """Whatever a strategy does becomes a row; no table is lost."""
 
 from dataclasses import dataclass, replace
-from importlib.metadata import EntryPoint, EntryPoints
 
 import pytest
 
-from stereorecal import _plugins
 from stereorecal.comparison import _trial, compare_scenes
 from stereorecal.matching import SAD
 from stereorecal.recalibration import recalibrate_case
@@ -136,12 +134,8 @@ def test_progress_counts_up(scene):
     assert calls == [(1, 3), (2, 3), (3, 3)]
 
 
-def test_a_broken_installed_strategy_fails_and_the_others_live(scene, monkeypatch):
-    points = [
-        EntryPoint("compass", "stereorecal_compass:Compass", "stereorecal.strategies"),
-        EntryPoint("shaky", "no_such_module:Thing", "stereorecal.strategies"),
-    ]
-    monkeypatch.setattr(_plugins, "entry_points", lambda **wanted: EntryPoints(points).select(**wanted))
+def test_a_broken_installed_strategy_fails_and_the_others_live(scene, install):
+    install("stereorecal.strategies", {"shaky": "no_such_module:Thing"})
     table = run(scene, ["shaky", "compass"])
     rows = {name: [t for t in table.trials if t.strategy == name] for name in ("shaky", "compass")}
     assert {t.status for t in rows["shaky"]} == {"FAILED"}

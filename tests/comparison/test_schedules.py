@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stereorecal._errors import InputError
+from stereorecal import InputError
 from stereorecal.comparison import Drift, compare, compare_scenes
 from stereorecal.comparison._entrants import entrants_of
 from stereorecal.geometry import axis_errors, view
@@ -65,11 +65,8 @@ def test_counts_and_errors_have_one_reference(table, scene):
         assert trial.rotation_error_deg == pytest.approx(axis_errors(final, reference).rotation_deg)
 
 
-def test_without_the_default_strategies_errors_are_against_the_stored_calibration(scene, monkeypatch):
-    def missing():
-        raise InputError("optimistix is not installed")
-
-    monkeypatch.setattr(Schedule, "default", missing)
+def test_without_the_default_strategies_errors_are_against_the_stored_calibration(scene, nothing_installed, install):
+    install("stereorecal.strategies", {"compass": "stereorecal_compass:Compass"})
     given_scene = scene()
     options = {"matcher": SAD(num_disparities=24), "schedule": "count", "draws": 1, "budget": Budget(evaluations=2)}
     comparison = compare(given_scene.rig, given_scene.pairs, **options)

@@ -5,9 +5,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 import stereorecal as sr
-from stereorecal.comparison._summary import Thresholds, summarise
-from stereorecal.comparison._trial import Trial
-from stereorecal.comparison._truth import errors_by_truth, is_harmful
+from stereorecal.comparison import Thresholds, Trial, errors_by_truth, is_harmful, summarise
 
 RIG = sr.synthetic.default_rig()
 LIMITS = Thresholds().harmful_rows_px, Thresholds().harmful_depth_percent

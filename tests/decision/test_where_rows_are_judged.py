@@ -9,8 +9,8 @@ from stereorecal.decision import Tolerances, Verdict, decide
 from stereorecal.estimation import (
     estimate,
     points_of_view,
+    regions as regions_of,
 )
-from stereorecal.estimation._consequences import regions as regions_of
 
 AXES = ("pitch", "yaw", "roll", "y", "z")
 AWAY = (5, 10, 30)

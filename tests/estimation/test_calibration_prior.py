@@ -9,12 +9,13 @@ from stereorecal.estimation import (
     CalibrationCovariance,
     _calibration_prior as of_boards,
     as_prior,
+    calibration_covariances,
     exact_prior,
     points_of_view,
     readings,
     rig_parameters,
 )
-from stereorecal.estimation._calibration_prior import KAPPAS, calibration_covariances
+from stereorecal.estimation._calibration_prior import KAPPAS
 from stereorecal.estimation._jacobian import pixels_of
 from stereorecal.geometry import rotation_from_vector
 

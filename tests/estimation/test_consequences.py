@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from stereorecal.estimation import consequences, points_of_view, readings
+from stereorecal.estimation import consequences, points_of_view, readings, regions
 from stereorecal.estimation._candidates import Known, depth_kept, least_loss, least_loss_of_depth_kept
-from stereorecal.estimation._consequences import DISTANCES, areas, readings_at, regions
+from stereorecal.estimation._consequences import DISTANCES, areas, readings_at
 from stereorecal.geometry import Camera, StereoRig, rectifying_rotations, view
 
 SIZES = {"deg": 0.2, "%": 0.3, "px": 2.0, "": 1e-3}

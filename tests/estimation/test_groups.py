@@ -6,8 +6,8 @@ import jax.numpy as jnp
 import numpy as np
 from hypothesis import given, settings, strategies as st
 
-from stereorecal.estimation import rig_parameters
-from stereorecal.estimation._groups import FLOOR, PLACES, grouped
+from stereorecal.estimation import PLACES, rig_parameters
+from stereorecal.estimation._groups import FLOOR, grouped
 from stereorecal.geometry import Camera, StereoRig, rectifying_rotations
 
 COLUMNS, ROWS = 14, 9

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from stereorecal.estimation._groups import PLACES
+from stereorecal.estimation import PLACES
 from stereorecal.estimation._misfit import alike, covariance_of_rows, unexpected
 
 EVERY = np.arange(PLACES[0] * PLACES[1])

@@ -3,7 +3,7 @@
 import numpy as np
 from hypothesis import given, settings, strategies as st
 
-from stereorecal.estimation._groups import PLACES
+from stereorecal.estimation import PLACES
 from stereorecal.estimation._outlines import Offsets, _rectangle, _squares, _sums, outlines
 
 N = PLACES[0] * PLACES[1]

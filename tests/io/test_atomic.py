@@ -1,13 +1,14 @@
 """Writing files whole or not at all."""
 
 import os
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
+from machine import at_call, raising
 
 from stereorecal import InputError
 from stereorecal.io import make_folder, write_bytes, write_files, write_text
-from stereorecal.io._atomic import FileTaken
 
 
 def test_writes_and_replaces(tmp_path: Path):
@@ -21,32 +22,28 @@ def test_writes_and_replaces(tmp_path: Path):
 
 @pytest.mark.parametrize("function", ["fsync", "replace"])
 @pytest.mark.parametrize("error", [KeyboardInterrupt, SystemExit, OSError(28, "No space left on device")])
-def test_an_interrupted_write_leaves_the_old_file(tmp_path: Path, monkeypatch, function: str, error):
+def test_an_interrupted_write_leaves_the_old_file(tmp_path: Path, function: str, error):
     path = tmp_path / "a.json"
     path.write_text("old")
-
-    def fail(*_):
-        raise error
-
-    monkeypatch.setattr(os, function, fail)
-    with pytest.raises(InputError if isinstance(error, OSError) else error):
+    with at_call(function, raising(error)), pytest.raises(InputError if isinstance(error, OSError) else error):
         write_text(path, "new")
     assert path.read_text() == "old"
     assert os.listdir(tmp_path) == ["a.json"]
 
 
-def test_the_new_file_is_complete_before_it_gets_its_name(tmp_path: Path, monkeypatch):
-    path, replace = tmp_path / "a.json", os.replace
+def test_the_new_file_is_complete_before_it_gets_its_name(tmp_path: Path):
+    path, seen = tmp_path / "a.json", []
 
     def check(source, target):
         assert Path(source).read_text() == "new"
         assert Path(source).parent == tmp_path
         assert not path.exists()
-        replace(source, target)
+        seen.append(target)
 
-    monkeypatch.setattr(os, "replace", check)
-    write_text(path, "new")
+    with at_call("replace", check):
+        write_text(path, "new")
     assert path.read_text() == "new"
+    assert len(seen) == 1
 
 
 def test_permissions_are_those_of_any_new_file(tmp_path: Path):
@@ -80,24 +77,18 @@ def test_bad_places(tmp_path: Path):
 
 
 @pytest.mark.parametrize("links", [True, False])
-def test_a_file_that_somebody_else_makes_meanwhile(tmp_path: Path, monkeypatch, links: bool):
+def test_a_file_that_somebody_else_makes_meanwhile(tmp_path: Path, links: bool):
     """It stays, also where the file system has no links; without it the file is written."""
-    path, fsync = tmp_path / "a.json", os.fsync
-
-    def meanwhile(file: int) -> None:
-        fsync(file)
-        path.write_text("theirs")
-
-    def none(*_):
-        raise PermissionError(1, "Operation not permitted")
-
-    if not links:
-        monkeypatch.setattr(os, "link", none)
-    write_text(tmp_path / "b.json", "mine", replace=False)
-    assert (tmp_path / "b.json").read_text() == "mine"
-    monkeypatch.setattr(os, "fsync", meanwhile)
-    with pytest.raises(FileTaken, match=r"a\.json: the file exists already"):
-        write_text(path, "mine", replace=False)
+    path = tmp_path / "a.json"
+    none = raising(PermissionError(1, "Operation not permitted"))
+    with nullcontext() if links else at_call("link", none):
+        write_text(tmp_path / "b.json", "mine", replace=False)
+        assert (tmp_path / "b.json").read_text() == "mine"
+        with (
+            at_call("fsync", lambda _: path.write_text("theirs")),
+            pytest.raises(InputError, match=r"a\.json: the file exists already"),
+        ):
+            write_text(path, "mine", replace=False)
     assert path.read_text() == "theirs"
     assert sorted(os.listdir(tmp_path)) == ["a.json", "b.json"]
 
@@ -114,17 +105,15 @@ def test_names_that_are_no_text(tmp_path: Path):
     assert (tmp_path / "a").read_text() == "bad\\udcff"
 
 
-def test_a_signal_between_two_files_that_belong_together(tmp_path: Path, monkeypatch):
-    left, right, replace = tmp_path / "left", tmp_path / "right", os.replace
+def test_a_signal_between_two_files_that_belong_together(tmp_path: Path):
+    left, right = tmp_path / "left", tmp_path / "right"
     left.write_text("old")
 
     def interrupted(source, target):
         if Path(target) == right:
             raise KeyboardInterrupt
-        replace(source, target)
 
-    monkeypatch.setattr(os, "replace", interrupted)
-    with pytest.raises(KeyboardInterrupt):
+    with at_call("replace", interrupted), pytest.raises(KeyboardInterrupt):
         write_files({left: b"new", right: b"new"})
     assert (left.read_text(), os.listdir(tmp_path)) == ("old", ["left"])
 

@@ -9,8 +9,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from stereorecal import InputError
-from stereorecal._json_data import json_data
-from stereorecal.io import json_line, json_text, parse_json, read_json, write_json
+from stereorecal.io import json_data, json_line, json_text, parse_json, read_json, write_json
 from stereorecal.io.formats._stereorecal import calibration_text
 
 leaves = st.none() | st.booleans() | st.integers(-(10**308), 10**308) | st.floats() | st.text(max_size=5)

@@ -2,7 +2,6 @@
 
 import dataclasses
 import json
-import os
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +9,7 @@ import cv2
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
+from machine import at_call, raising
 from trees import SIZE, refused_scene, texture
 
 from stereorecal import InputError
@@ -150,17 +150,8 @@ def test_scenes_that_cannot_be_written_leave_nothing(tmp_path: Path):
         save_scene(scene_of(), tmp_path / "file")
 
 
-def test_an_interrupted_save_leaves_whole_files_and_no_scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    replace, calls = os.replace, []
-
-    def interrupt(source, target):
-        calls.append(target)
-        if len(calls) == 3:
-            raise KeyboardInterrupt
-        replace(source, target)
-
-    monkeypatch.setattr(os, "replace", interrupt)
-    with pytest.raises(KeyboardInterrupt):
+def test_an_interrupted_save_leaves_whole_files_and_no_scene(tmp_path: Path):
+    with at_call("replace", raising(KeyboardInterrupt), 3), pytest.raises(KeyboardInterrupt):
         save_scene(scene_of(2), tmp_path)
     assert len(files_in(tmp_path)) == 2
     assert all(cv2.imread(str(tmp_path / name)) is not None for name in files_in(tmp_path))

@@ -1,17 +1,17 @@
 """Matchers as plug-ins: through the door of strategies, with the core's own behind it too."""
 
+import os
 import subprocess
 import sys
 import tomllib
 from dataclasses import dataclass
-from importlib.metadata import EntryPoint, EntryPoints
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import stereorecal as sr
-from stereorecal import _plugins
 from stereorecal.matching import (
     AbstractMatcher,
     Disparity,
@@ -45,28 +45,11 @@ class Traced(Nothing):
     traceable = True
 
 
-class Distribution:
-    """As much of a distribution as an entry point shows."""
-
-    def __init__(self, name: str) -> None:
-        self.name, self.version = name, "1.2"
-
-
-def point(name: str, value: str = f"{__name__}:Nothing", distribution: str = "plug-in"):
-    made = EntryPoint(name, value, GROUP)
-    vars(made)["dist"] = Distribution(distribution)
-    return made
-
-
 @pytest.fixture
-def installed(monkeypatch):
-    """installed(points...): what is installed from now on."""
+def installed(nothing_installed, install, monkeypatch):
+    """installed(names and values): matchers of the distribution plug-in, and no other."""
     monkeypatch.setitem(sys.modules, __name__, sys.modules[Nothing.__module__])
-
-    def install(*points: EntryPoint) -> None:
-        monkeypatch.setattr(_plugins, "entry_points", lambda **wanted: EntryPoints(points).select(**wanted))
-
-    return install
+    return partial(install, GROUP)
 
 
 def test_ours_come_through_the_door_as_declared():
@@ -78,7 +61,7 @@ def test_ours_come_through_the_door_as_declared():
 
 @pytest.mark.parametrize("metadata", [(), ("sad",), ("sad", "bm", "sgbm")], ids=len)
 def test_ours_are_there_whatever_the_metadata_says(installed, metadata):
-    installed(*(point(name, OWN[name], "stereorecal") for name in metadata))
+    installed({name: OWN[name] for name in metadata}, "stereorecal")
     assert sr.matchers() == ("bm", "sad", "sgbm")
     assert sr.matcher("sgbm", num_disparities=32) == sr.SGBM(num_disparities=32)
     found = overview()
@@ -88,7 +71,7 @@ def test_ours_are_there_whatever_the_metadata_says(installed, metadata):
 
 
 def test_a_plugin_is_one_of_them(installed):
-    installed(point("nothing"), point("traced", f"{__name__}:Traced"))
+    installed({"nothing": f"{__name__}:Nothing", "traced": f"{__name__}:Traced"})
     assert sr.matchers() == ("bm", "nothing", "sad", "sgbm", "traced")
     made = sr.matcher("nothing", patience=2.0, num_disparities=16)
     assert made == Nothing(patience=2.0, num_disparities=16)
@@ -102,7 +85,7 @@ def test_a_plugin_is_one_of_them(installed):
 
 
 def test_a_name_of_ours_that_somebody_else_claims(installed):
-    installed(point("sad"))
+    installed({"sad": f"{__name__}:Nothing"})
     with pytest.raises(sr.InputError, match="matcher sad is claimed by plug-in and stereorecal; uninstall all but one"):
         sr.matcher("sad")
 
@@ -116,7 +99,7 @@ def test_a_name_of_ours_that_somebody_else_claims(installed):
     ],
 )
 def test_a_broken_one_is_told_and_hides_no_other(installed, value, said):
-    installed(point("shaky", value))
+    installed({"shaky": value})
     with pytest.raises(sr.MatcherError) as error:
         sr.matcher("shaky")
     assert str(error.value).startswith(said)
@@ -134,7 +117,7 @@ def test_a_broken_one_is_told_and_hides_no_other(installed, value, said):
     ],
 )
 def test_what_does_not_fit_is_one_sentence(installed, name, options, said):
-    installed(point("nothing"))
+    installed({"nothing": f"{__name__}:Nothing"})
     with pytest.raises(sr.InputError) as refusal:
         sr.matcher(name, **options)
     assert str(refusal.value).startswith(said)
@@ -154,18 +137,22 @@ class Crashing(AbstractMatcher):
 
 
 def test_one_that_crashes_is_named(installed):
-    installed(point("crashing", f"{__name__}:Crashing"))
+    installed({"crashing": f"{__name__}:Crashing"})
     texture = np.random.default_rng(0).uniform(0, 255, (96, 128)).astype(np.float32)
     rig = sr.synthetic.default_rig().resized((128, 96))
     with pytest.raises(sr.MatcherError, match=r"matcher crashing \(plug-in 1\.2\) crashed: KeyError\('a bug'\)"):
         sr.score(rig, [sr.Pair(texture, texture[::-1].copy())], matcher=Crashing(num_disparities=16))
 
 
-def test_listing_imports_none():
-    code = (
-        "import sys; from importlib.metadata import EntryPoint, EntryPoints; from stereorecal import _plugins; "
-        "_plugins.entry_points = lambda group: EntryPoints([EntryPoint('zen', 'this:Zen', group)]); "
-        "import stereorecal as sr; assert 'zen' in sr.matchers(); assert 'this' not in sys.modules"
+def test_listing_imports_none(install):
+    install(GROUP, {"zen": "this:Zen"})
+    code = "import sys, stereorecal as sr; assert 'zen' in sr.matchers(); assert 'this' not in sys.modules"
+    python_path = os.pathsep.join(place for place in sys.path if place)
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        env=os.environ | {"PYTHONPATH": python_path},
+        capture_output=True,
+        text=True,
+        check=False,
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr

@@ -5,9 +5,8 @@ import pytest
 from hypothesis import given, strategies as st
 
 from stereorecal import make_pair, recalibrate
-from stereorecal.recalibration import Condition, Reason, RowErrors, health
+from stereorecal.recalibration import Condition, Evidence, Reason, RowErrors, health
 from stereorecal.recalibration._acceptance import compared, loses_regions, verdict_on_count
-from stereorecal.recalibration._row_evidence import Evidence
 
 PRIOR = 0.2
 

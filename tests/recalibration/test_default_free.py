@@ -6,11 +6,9 @@ import numpy as np
 import pytest
 
 import stereorecal as sr
-from stereorecal.estimation import frames_by_place, largest_loss
-from stereorecal.estimation._groups import PLACES
+from stereorecal.estimation import PLACES, frames_by_place, largest_loss
 from stereorecal.geometry import changed_camera, same_camera, view
-from stereorecal.recalibration import IntrinsicsOutcome, Reason
-from stereorecal.recalibration._effects import row_errors_of
+from stereorecal.recalibration import IntrinsicsOutcome, Reason, row_errors_of
 
 TRUE = sr.synthetic.default_rig().resized((320, 240))
 WRONG = replace(  # lenses that no extrinsics make up for

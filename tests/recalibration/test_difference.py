@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from stereorecal import Difference, difference
-from stereorecal._errors import InputError
+from stereorecal import Difference, InputError, difference
 from stereorecal.geometry import Camera, StereoRig, axis_errors, view
-from stereorecal.recalibration._effects import ROW_DISTANCES
+from stereorecal.recalibration import ROW_DISTANCES
 
 MATRIX = np.array([[500.0, 0, 322], [0, 505.0, 237], [0, 0, 1]])
 LENS = np.array([-0.21, 0.06, 0.001, -0.002, 0.01])

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from stereorecal.geometry import Camera, StereoRig
-from stereorecal.recalibration._effects import DISTANCES, depth_errors
+from stereorecal.recalibration import DISTANCES, depth_errors
 
 CAMERA = Camera((640, 480), np.array([[500.0, 0, 320], [0, 500.0, 240], [0, 0, 1]]))
 

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from stereorecal.recalibration import _row_evidence
+from stereorecal.recalibration import Evidence, _row_evidence
 from stereorecal.recalibration._acceptance import compared
-from stereorecal.recalibration._row_evidence import Evidence
 
 PRIOR = np.eye(5) * 36.0  # 1 / (a sixth of the box)²: a drift of a third of the reach, in a box of two
 TILES = 48

@@ -88,7 +88,7 @@ def test_lens_terms_are_named_and_held_to_the_model(scene):
 @pytest.mark.parametrize("field", [130.0, 190.0])
 def test_what_a_calibration_leaves_is_made_through_the_lens(field: float):
     """Each of the angles of a wide rig is known to a part of a degree: boards fill its image."""
-    from stereorecal.estimation._calibration_prior import calibration_covariances
+    from stereorecal.estimation import calibration_covariances
 
     chart = sr.estimation.rig_parameters(rig_of(field))
     for covariance in calibration_covariances(chart):

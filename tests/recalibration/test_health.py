@@ -10,9 +10,8 @@ from stereorecal import recalibrate
 from stereorecal.decision import Decision, Verdict
 from stereorecal.geometry import Camera
 from stereorecal.matching import SAD, SGBM
-from stereorecal.recalibration import Condition, Health, health
+from stereorecal.recalibration import Condition, Health, Interval, health
 from stereorecal.recalibration._correction import Correction
-from stereorecal.recalibration._interval import Interval
 from stereorecal.recordings import Pair, make_pair
 from stereorecal.scoring import ImageQuality
 from stereorecal.scoring.host import Score, score

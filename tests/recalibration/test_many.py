@@ -6,7 +6,6 @@ import pickle
 import re
 from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from importlib.metadata import EntryPoints
 from multiprocessing import get_context
 from threading import Event
 
@@ -14,8 +13,7 @@ import numpy as np
 import pytest
 
 import stereorecal as sr
-from stereorecal import _plugins
-from stereorecal._errors import InputError
+from stereorecal import InputError
 from stereorecal.io import load_scene, save_scene
 from stereorecal.objectives import Reach
 from stereorecal.recalibration import Fault, recalibrate_many
@@ -210,18 +208,18 @@ def test_an_option_that_is_typed_wrongly_is_named(scenes, name, said):
         sr.health(scenes[0].rig, scenes[0].pairs, budget=3)
 
 
-def test_ctrl_c_cancels_what_waits(scenes, monkeypatch):
+def test_ctrl_c_cancels_what_waits(scenes):
     """The second task begins as the first ends; the third must not."""
     begun, interrupted = [], Event()
 
-    def run(*arguments):
-        begun.append(1)
-        if len(begun) > 1:
-            assert interrupted.wait(60)
-        raise KeyError("a bug")
+    class Waiting(Crashing):
+        def run(self, objective, start, seed):
+            begun.append(1)
+            if len(begun) > 1:
+                assert interrupted.wait(60)
+            return super().run(objective, start, seed)
 
-    monkeypatch.setattr(Crashing, "run", run)
-    options = {**OPTIONS, "schedule": sr.Schedule.count(Crashing())}
+    options = {**OPTIONS, "schedule": sr.Schedule.count(Waiting())}
     with ThreadPoolExecutor(1) as pool:
         with pytest.raises(KeyboardInterrupt):
             recalibrate_many(scenes, executor=pool, progress=stop_after(1), **options)
@@ -240,8 +238,7 @@ def test_nothing_to_repair():
         recalibrate_many([])
 
 
-def test_a_missing_strategy_is_said_once_and_before_any_work(scenes, monkeypatch):
-    monkeypatch.setattr(_plugins, "entry_points", lambda **_: EntryPoints())
+def test_a_missing_strategy_is_said_once_and_before_any_work(scenes, nothing_installed):
     with pytest.raises(InputError, match="pip install"):
         sr.recalibrate_many(scenes)
 

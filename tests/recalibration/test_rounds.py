@@ -7,9 +7,8 @@ import pytest
 
 from stereorecal.matching import SAD
 from stereorecal.objectives import Parameters, Reach
-from stereorecal.recalibration import _stages
-from stereorecal.recalibration._schedule import ScoreKind, Stage
-from stereorecal.recalibration._stages import Case, run_stage
+from stereorecal.recalibration import Case, ScoreKind, Stage, _stages
+from stereorecal.recalibration._stages import run_stage
 from stereorecal.scoring import Correspondences, pyramid
 from stereorecal.strategies import Budget, Objective, Problem, Run, Status, strategy
 from stereorecal.synthetic import default_rig, render

@@ -1,13 +1,10 @@
 """Stages and schedules: what they refuse, at which scale they look, whose strategy they take."""
 
-from importlib.metadata import EntryPoints
-
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from stereorecal import _plugins
-from stereorecal._errors import InputError
+from stereorecal import InputError
 from stereorecal.recalibration import Schedule, ScoreKind, Stage
 from stereorecal.strategies import AbstractStrategy, Need, strategy
 
@@ -89,9 +86,8 @@ def test_default():
     assert schedule == Schedule.default()
 
 
-def test_default_without_its_plugins(monkeypatch):
+def test_default_without_its_plugins(nothing_installed):
     """One sentence that says what to install."""
-    monkeypatch.setattr(_plugins, "entry_points", lambda **wanted: EntryPoints().select(**wanted))
     with pytest.raises(InputError, match="strategy compass is not installed; run: pip install"):
         Schedule.default()
 

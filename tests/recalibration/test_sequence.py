@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import stereorecal as sr
-from stereorecal._errors import InputError
+from stereorecal import InputError
 from stereorecal.objectives import Reach
 from stereorecal.strategies import Budget, strategy
 

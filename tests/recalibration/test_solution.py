@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stereorecal._errors import InputError
+from stereorecal import InputError
 from stereorecal.geometry import view
 from stereorecal.matching import SAD
 from stereorecal.objectives import Reach

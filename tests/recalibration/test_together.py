@@ -12,9 +12,7 @@ import stereorecal as sr
 from stereorecal.estimation import Windows, windows_of_all
 from stereorecal.geometry import changed_camera, view
 from stereorecal.objectives import Parameters
-from stereorecal.recalibration import IntrinsicsOutcome, chosen_frames, sharing
-from stereorecal.recalibration._effects import row_errors_of
-from stereorecal.recalibration._frame_choice import MOST_FRAMES
+from stereorecal.recalibration import MOST_FRAMES, IntrinsicsOutcome, chosen_frames, row_errors_of, sharing
 from stereorecal.recalibration._prior_use import fingerprint
 from stereorecal.scoring import Tracks
 from stereorecal.synthetic import photographs, plan_drive

@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given, strategies as st
 
 from stereorecal.objectives import EXTRINSICS, Reach, row_chart
-from stereorecal.recalibration._uncertainty import Uncertainty, uncertainty
+from stereorecal.recalibration import Uncertainty
+from stereorecal.recalibration._uncertainty import uncertainty
 from stereorecal.synthetic import default_rig
 
 RIG = default_rig()

@@ -8,7 +8,7 @@ import pytest
 from scipy.ndimage import fourier_shift
 
 import stereorecal as sr
-from stereorecal._errors import InputError
+from stereorecal import InputError
 from stereorecal.recalibration import chosen_frames
 from stereorecal.recalibration._windows import MOST_WINDOWS, check_odometer, following
 from stereorecal.recordings import share_of

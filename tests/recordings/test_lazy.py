@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from stereorecal import InputError
-from stereorecal.cli._commands import options_of
+from stereorecal.cli import options_of
 from stereorecal.cli._recordings import recordings
 from stereorecal.io import files_read, load_log, load_scene, open_pairs, save_scene
 from stereorecal.io.images import _load_pairs

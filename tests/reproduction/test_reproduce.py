@@ -16,13 +16,10 @@ from stereorecal.recordings import Log, Mission
 from stereorecal.reproduction import (
     EXPERIMENTS,
     Extent,
-    _reproduce as module,
-    _synthetic_log,
     methods,
     reproduce,
     write_files,
 )
-from stereorecal.reproduction._experiment_tasks import PairRepair
 from stereorecal.reproduction._figures import experiment_figures
 from stereorecal.reproduction._pixel_counter import counter_of
 
@@ -153,32 +150,26 @@ def test_any_executor_gives_the_same_rows(log, serial):
 
 
 @pytest.mark.slow
-def test_an_interrupted_run_continues(log, serial, tmp_path, monkeypatch):
-    real, done = module.run_task, []
+def test_an_interrupted_run_continues(log, serial, tmp_path):
+    done = []
 
-    def stop_after_two(task):
+    def stop_after_two(*numbers):
+        done.append(numbers)
         if len(done) == 2:
             raise KeyboardInterrupt
-        done.append(task.key)
-        return real(task)
 
-    monkeypatch.setattr(module, "run_task", stop_after_two)
     options = {**COUNT, "output": tmp_path / "out"}
-    cut = reproduce(log, ["ex-nihilo", "repair"], **options)
+    cut = reproduce(log, ["ex-nihilo", "repair"], **options, progress=stop_after_two)
     assert cut.unfinished == 2
     assert sum(map(len, cut.rows.values())) == 2
     rows = tmp_path / "out" / "rows.jsonl"
     with open(rows, "a") as file:
         file.write('{"key": "repair:half a li')  # the machine stopped while it wrote
 
-    def count(task):
-        done.append(task.key)
-        return real(task)
-
-    monkeypatch.setattr(module, "run_task", count)
+    options["progress"] = lambda *numbers: done.append(numbers)
     whole = reproduce(log, ["ex-nihilo", "repair"], **options)
     assert whole.unfinished == 0
-    assert len(done) == len(set(done)) == 4  # nothing was done twice
+    assert done == [(1, 4), (2, 4), (3, 4), (4, 4)]  # nothing was done twice
     mine = timeless(whole)
     assert mine == {name: timeless(serial)[name] for name in mine}
     assert len(rows.read_text().splitlines()) == 4
@@ -271,9 +262,7 @@ def test_a_log_of_rectified_images_gets_wrong_calibrations_too(log):
 
 
 @pytest.mark.slow
-def test_a_rendered_log_does_not_mix_with_another(tmp_path, monkeypatch):
-    monkeypatch.setattr(_synthetic_log, "_QUICK_SIZE", (160, 120))
-    monkeypatch.setattr(_synthetic_log, "_QUICK_PAIRS", 1)
+def test_a_rendered_log_does_not_mix_with_another(tmp_path, small_synthetic_log):
     log = sr.synthetic_log(0, quick=True, folder=tmp_path / "log")
     assert [len(mission.pairs) for mission in log.missions] == [1, 1]
     before = sorted(path.stat().st_mtime_ns for path in (tmp_path / "log").rglob("*.png"))
@@ -284,20 +273,19 @@ def test_a_rendered_log_does_not_mix_with_another(tmp_path, monkeypatch):
             sr.synthetic_log(**other, folder=tmp_path / "log")
 
 
-def test_a_task_that_fails_is_said_and_tried_again(log, tmp_path, monkeypatch):
-    real = PairRepair.run
-
-    def broken(task):
-        if task.logged_pair.sequence == "2020-01-02-a":
+def test_a_task_that_fails_is_said_and_tried_again(log, tmp_path, moody):
+    def at_first(run):
+        if run == 1:
             raise RuntimeError("the disk is on fire")
-        return real(task)
 
-    monkeypatch.setattr(PairRepair, "run", broken)
-    found = reproduce(log, ["ex-nihilo"], **COUNT, output=tmp_path / "out")
-    assert list(found.errors.values()) == ["the disk is on fire"]
-    assert len(found.rows["ex_nihilo"]) == 1
-    monkeypatch.setattr(PairRepair, "run", real)
-    again = reproduce(log, ["ex-nihilo"], **COUNT, output=tmp_path / "out")
+    moody(at_first)
+    options = {**COUNT, "strategy": "moody", "output": tmp_path / "out"}
+    found = reproduce(log, ["ex-nihilo"], **options)
+    assert len(found.rows["ex_nihilo"]) == len(found.errors) == 1
+    (said,) = found.errors.values()
+    assert "the disk is on fire" in said
+    moody()
+    again = reproduce(log, ["ex-nihilo"], **options)
     assert again.errors == {}
     assert len(again.rows["ex_nihilo"]) == 2
 

@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 from typing import ClassVar
-from unittest import mock
 
+import machine
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
@@ -11,8 +11,7 @@ from hypothesis import given, settings, strategies as st
 from stereorecal.geometry import view, with_unit_baseline
 from stereorecal.matching import BM, SAD
 from stereorecal.scoring import prepare
-from stereorecal.scoring.host import _counts, _disparities, counts, counts_by_tile, disparities
-from stereorecal.scoring.host._counts import counts_at_once
+from stereorecal.scoring.host import _counts, _disparities, counts, counts_at_once, counts_by_tile, disparities
 
 SAD_24, SAD_32 = SAD(num_disparities=24), SAD(num_disparities=32)
 SMALL, LARGE = ((160, 120), SAD_24), ((320, 240), SAD_32)
@@ -75,7 +74,7 @@ def test_all_at_once_as_one_by_one(scene, monkeypatch):
 @given(height=st.integers(16, 2000), cores=st.integers(1, 64), block_size=st.sampled_from([3, 11, 31]))
 def test_blocks_cover_every_row_once_with_their_halo(height, cores, block_size):
     matcher = SAD(block_size=block_size)
-    with mock.patch.object(_disparities, "cores", return_value=cores):
+    with machine.cores(cores):
         blocks = _disparities.blocks(height, matcher)
     rows = [np.arange(height)[block.given] for block in blocks]
     assert len({len(seen) for seen in rows}) == 1  # one program for all
@@ -94,14 +93,14 @@ class RowByRow(SAD):
 
 
 def test_the_texture_check_needs_its_window_whatever_the_matcher_needs():
-    with mock.patch.object(_disparities, "cores", return_value=2):
+    with machine.cores(2):
         first, second = _disparities.blocks(480, RowByRow(block_size=11))
     assert first.given == slice(0, 252)
     assert second.used == slice(12, 252)
 
 
 def test_a_matcher_that_looks_everywhere_sees_the_frame_whole():
-    with mock.patch.object(_disparities, "cores", return_value=8):
+    with machine.cores(8):
         assert len(_disparities.blocks(2000, BM())) == 1
 
 
@@ -113,7 +112,7 @@ def test_blocks_change_nothing(scene):
     extrinsics = with_unit_baseline(given_scene.rig.extrinsics)
     found = []
     for number in (1, 3):
-        with mock.patch.object(_disparities, "cores", return_value=number):
+        with machine.cores(number):
             assert len(_disparities.blocks(480, SAD_32)) == number
             found += disparities(prepared, extrinsics, SAD_32)
     for name in ("values", "valid"):

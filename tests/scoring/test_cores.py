@@ -3,16 +3,17 @@
 import threading
 
 import pytest
+from machine import cores
 
 from stereorecal.scoring.host import _cores
 from stereorecal.scoring.host._cores import on_all_cores
 
 
 @pytest.fixture(autouse=True)
-def two_cores(monkeypatch):
-    monkeypatch.setattr(_cores, "cores", lambda: 2)
+def two_cores():
     _cores._workers.cache_clear()
-    yield
+    with cores(2):
+        yield
     _cores._workers.cache_clear()
 
 
@@ -43,7 +44,7 @@ def test_errors_come_through():
     assert on_all_cores(lambda i: i, range(3)) == [0, 1, 2]
 
 
-def test_one_item_and_one_core_need_no_thread(monkeypatch):
+def test_one_item_and_one_core_need_no_thread():
     assert on_all_cores(lambda _: threading.current_thread(), [0]) == [threading.main_thread()]
-    monkeypatch.setattr(_cores, "cores", lambda: 1)
-    assert set(on_all_cores(lambda _: threading.current_thread(), [0, 1])) == {threading.main_thread()}
+    with cores(1):
+        assert set(on_all_cores(lambda _: threading.current_thread(), [0, 1])) == {threading.main_thread()}

@@ -4,11 +4,12 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
+from machine import cores
 
 from stereorecal.geometry import view, with_unit_baseline
 from stereorecal.matching import SAD
 from stereorecal.scoring import prepare
-from stereorecal.scoring.host import _cores, _map_candidates, counts, counts_one_by_one, disparities
+from stereorecal.scoring.host import _map_candidates, counts, counts_one_by_one, disparities
 from stereorecal.scoring.host._map_candidates import map_candidates
 
 SAD_24 = SAD(num_disparities=24)
@@ -24,10 +25,9 @@ def first_two(frame, extrinsics, matcher):
 
 
 @pytest.fixture(params=[1, 2, 5])
-def some_cores(request, monkeypatch):
-    for module in (_cores, _map_candidates):
-        monkeypatch.setattr(module, "cores", lambda: request.param)
-    return request.param
+def some_cores(request):
+    with cores(request.param):
+        yield request.param
 
 
 @pytest.mark.parametrize("number", [0, 1, 2, 31, 64, 65, 200])

@@ -8,12 +8,11 @@ import numpy as np
 import pytest
 
 from stereorecal import InputError
-from stereorecal._errors import NeedNotMet
 from stereorecal.matching import BM, SAD
 from stereorecal.objectives import Reach, objective
 from stereorecal.scoring import forward_gradient
 from stereorecal.scoring._soft_count import _soft_area
-from stereorecal.strategies import AbstractStrategy, Need, run_strategy
+from stereorecal.strategies import AbstractStrategy, Need, NeedNotMet, run_strategy
 
 REACH = Reach(1.0, 0.01)
 value = jax.jit(lambda score, z: score(z))

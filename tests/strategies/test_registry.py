@@ -1,18 +1,17 @@
 """Strategies by name: found lazily, refused with a sentence that helps."""
 
-import importlib.metadata
 import os
 import shutil
 import subprocess
 import sys
 from dataclasses import dataclass
-from importlib.metadata import EntryPoint, EntryPoints
 from pathlib import Path
 from types import ModuleType
+from typing import NamedTuple
 
 import pytest
 
-from stereorecal import InputError, StrategyError, _plugins
+from stereorecal import InputError, StrategyError
 from stereorecal.strategies import (
     AbstractStrategy,
     describe,
@@ -22,30 +21,27 @@ from stereorecal.strategies import (
     strategies,
     strategy,
 )
-from stereorecal.strategies._strategy_registry import GROUP
+
+GROUP = "stereorecal.strategies"
 
 
-class Distribution:
-    """As much of a distribution as an entry point shows."""
+class Point(NamedTuple):
+    """An entry point, and the distribution that has it."""
 
-    def __init__(self, name: str, version: str = "1.2") -> None:
-        self.name, self.version = name, version
-
-
-def point(name: str, value: str = "stereorecal_compass:Compass", distribution: str = "stereorecal-compass"):
-    made = EntryPoint(name, value, GROUP)
-    vars(made)["dist"] = Distribution(distribution)
-    return made
+    name: str
+    value: str = "stereorecal_compass:Compass"
+    distribution: str = "stereorecal-compass"
 
 
 @pytest.fixture
-def installed(monkeypatch):
-    """installed(points...): what is installed from now on."""
+def installed(nothing_installed, install):
+    """installed(points...): strategies that are installed, and no other."""
 
-    def install(*points: EntryPoint) -> None:
-        monkeypatch.setattr(_plugins, "entry_points", lambda **wanted: EntryPoints(points).select(**wanted))
+    def installed(*points: Point) -> None:
+        for name, value, distribution in points:
+            install(GROUP, {name: value}, distribution)
 
-    return install
+    return installed
 
 
 def test_what_is_installed():
@@ -98,7 +94,7 @@ def test_a_missing_one_of_ours_gives_the_install_line(installed, name: str, what
 
 
 def test_doubled_name_says_both_distributions(installed):
-    installed(point("compass", distribution="one"), point("compass", "other:Compass", "two"))
+    installed(Point("compass", distribution="one"), Point("compass", "other:Compass", "two"))
     assert strategies() == ("compass",)
     with pytest.raises(InputError, match="compass is claimed by one and two; uninstall all but one"):
         strategy("compass")
@@ -106,42 +102,40 @@ def test_doubled_name_says_both_distributions(installed):
 
 def test_the_same_distribution_found_twice_is_no_conflict(installed):
     """An editable install beside a stale one, both on the path."""
-    installed(point("compass"), point("compass"))
+    installed(Point("compass"), Point("compass"))
     assert type(strategy("compass")).__name__ == "Compass"
 
 
 @pytest.mark.parametrize("value", ["no_such_module:Thing", "stereorecal_compass:NoSuchThing"])
 def test_broken_entry_point(installed, value):
-    installed(point("shaky", value, "shaky-plugin"))
+    installed(Point("shaky", value, "shaky-plugin"))
     with pytest.raises(StrategyError, match=r"shaky of shaky-plugin 1\.2 cannot be loaded .*reinstall or remove it"):
         strategy("shaky")
 
 
 @pytest.mark.parametrize("value", ["json:dumps", "json:JSONDecoder"])
 def test_entry_point_that_is_no_strategy(installed, value):
-    installed(point("odd", value, "odd-plugin"))
+    installed(Point("odd", value, "odd-plugin"))
     with pytest.raises(StrategyError, match=r"entry point odd of odd-plugin 1\.2 is not a strategy class"):
         strategy("odd")
 
 
 def test_a_broken_one_does_not_hide_the_others(installed):
-    installed(point("compass"), point("shaky", "no_such_module:Thing", "shaky-plugin"))
+    installed(Point("compass"), Point("shaky", "no_such_module:Thing", "shaky-plugin"))
     assert strategies() == ("compass", "shaky")
     assert type(strategy("compass")).__name__ == "Compass"
 
 
-def test_an_overview_has_each_description_or_its_error(installed, monkeypatch):
+def test_an_overview_has_each_description_or_its_error(installed, nothing_installed):
     """And looks up once what is installed."""
     installed(
-        point("compass"),
-        point("shaky", "no_such_module:Thing", "shaky-plugin"),
-        point("twice", distribution="one"),
-        point("twice", distribution="two"),
+        Point("compass"),
+        Point("shaky", "no_such_module:Thing", "shaky-plugin"),
+        Point("twice", distribution="one"),
+        Point("twice", distribution="two"),
     )
-    looks, look = [], _plugins.entry_points
-    monkeypatch.setattr(_plugins, "entry_points", lambda **wanted: looks.append(wanted) or look(**wanted))
     found = overview()
-    assert len(looks) == 1
+    assert len(nothing_installed) == 1
     assert list(found) == ["compass", "shaky", "twice"]
     assert found["compass"] == describe("compass")
     for name, kind in (("shaky", StrategyError), ("twice", InputError)):
@@ -200,7 +194,7 @@ def test_a_subclass_of_a_registered_class_is_another_strategy():
 
 
 def test_the_name_of_a_class_inside_a_class(installed):
-    installed(point("local", f"{__name__}:Local"), point("inner", f"{__name__}:Local.Inner"))
+    installed(Point("local", f"{__name__}:Local"), Point("inner", f"{__name__}:Local.Inner"))
     assert name_of(Local()) == "local"
     assert name_of(Local.Inner()) == "inner"
 
@@ -210,14 +204,14 @@ def test_the_name_of_a_class_that_is_registered_through_another_module(installed
     facade.Exported = Local
     monkeypatch.setitem(sys.modules, "facade", facade)
     installed(
-        point("other", "facade:Missing"), point("exported", "facade:Exported"), point("deep", "facade:Exported.Inner")
+        Point("other", "facade:Missing"), Point("exported", "facade:Exported"), Point("deep", "facade:Exported.Inner")
     )
     assert name_of(Local()) == "exported"
     assert name_of(Local.Inner()) == "deep"
 
 
 def test_of_two_names_it_is_the_first(installed):
-    installed(point("zebra", f"{__name__}:Local"), point("ant", f"{__name__}:Local"))
+    installed(Point("zebra", f"{__name__}:Local"), Point("ant", f"{__name__}:Local"))
     assert name_of(Local()) == "ant"
 
 
@@ -231,10 +225,10 @@ def test_finding_a_name_imports_nothing(installed, monkeypatch):
     lazy.__getattr__ = attribute
     monkeypatch.setitem(sys.modules, "lazy", lazy)
     installed(
-        point("absent", "no_such_module:Thing"),
-        point("lazy", "lazy:Local"),
-        point("whole", "lazy"),
-        point("stdlib", "this:Zen"),
+        Point("absent", "no_such_module:Thing"),
+        Point("lazy", "lazy:Local"),
+        Point("whole", "lazy"),
+        Point("stdlib", "this:Zen"),
     )
     assert name_of(Local()) == "Local"
     assert "Local" not in asked
@@ -245,7 +239,7 @@ def test_finding_a_name_imports_nothing(installed, monkeypatch):
     "value", ["", ":", "no colon at all", "a-b:c", __name__, f"{__name__}:", f"{__name__}:Local:Inner"]
 )
 def test_a_malformed_entry_point_hides_no_name(installed, value):
-    installed(point("bad", value), point("local", f"{__name__}:Local [extra]"))
+    installed(Point("bad", value), Point("local", f"{__name__}:Local [extra]"))
     assert name_of(Local()) == "local"
     assert origin_of(Local()) in ("stereorecal-compass 1.2", __name__)
 
@@ -309,7 +303,7 @@ class Wanting(AbstractStrategy):
 
 
 def test_what_a_strategy_does_with_its_options(installed):
-    installed(point("wanting", f"{__name__}:Wanting"))
+    installed(Point("wanting", f"{__name__}:Wanting"))
     with pytest.raises(InputError, match=r"^strategy wanting needs the option 'step'; give it\.$"):
         strategy("wanting")
     with pytest.raises(InputError, match=r"^strategy wanting: ValueError\(\)\.$"):
@@ -319,29 +313,26 @@ def test_what_a_strategy_does_with_its_options(installed):
 
 
 def test_an_option_may_be_called_name(installed):
-    installed(point("local", f"{__name__}:Local"))
+    installed(Point("local", f"{__name__}:Local"))
     with pytest.raises(InputError, match="strategy local has no option 'name'; it has: step"):
         strategy("local", name="x")
 
 
-def test_metadata_is_read_again_where_something_was_installed_or_removed(tmp_path: Path, monkeypatch):
+def test_metadata_is_read_again_where_something_was_installed_or_removed(tmp_path: Path, nothing_installed):
     """And not otherwise: it takes milliseconds, many times in a repair."""
-    looks, look = [], importlib.metadata.entry_points
-    monkeypatch.setattr(_plugins.importlib.metadata, "entry_points", lambda **w: looks.append(w) or look(**w))
-    monkeypatch.syspath_prepend(tmp_path)
 
-    def names() -> set[str]:
+    def names() -> tuple[str, ...]:
         os.utime(tmp_path, (1e9, 1e9))
-        _plugins.entry_points(group=GROUP)
-        before = len(looks)
-        found = {point.name for point in _plugins.entry_points(group=GROUP)}
-        assert len(looks) == before
+        strategies()
+        before = len(nothing_installed)
+        found = strategies()
+        assert len(nothing_installed) == before
         return found
 
-    def changed() -> set[str]:
+    def changed() -> tuple[str, ...]:
         """At once, in the second of the change."""
         os.utime(tmp_path)
-        return {point.name for point in _plugins.entry_points(group=GROUP)}
+        return strategies()
 
     assert "zen" not in names()
     info = tmp_path / "zen-1.0.dist-info"

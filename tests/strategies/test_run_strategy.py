@@ -7,8 +7,17 @@ import numpy as np
 import pytest
 
 from stereorecal import StrategyError
-from stereorecal._errors import NeedNotMet
-from stereorecal.strategies import AbstractStrategy, Budget, Need, Objective, Outcome, Problem, Status, run_strategy
+from stereorecal.strategies import (
+    AbstractStrategy,
+    Budget,
+    Need,
+    NeedNotMet,
+    Objective,
+    Outcome,
+    Problem,
+    Status,
+    run_strategy,
+)
 
 
 @dataclass(frozen=True)
@@ -180,18 +189,10 @@ def test_a_crash_names_the_module_of_a_local_strategy():
     assert isinstance(caught.value.__cause__, KeyError)
 
 
-def test_a_crash_names_distribution_and_version_of_an_installed_strategy(monkeypatch):
-    from importlib.metadata import version
-
-    import stereorecal_compass
-
-    def crash(*_):
-        raise KeyError("a bug")
-
-    monkeypatch.setattr(stereorecal_compass.Compass, "run", crash)
-    installed = f"stereorecal-compass {version('stereorecal-compass')}"
-    with pytest.raises(StrategyError, match=rf"compass \({installed}\) crashed: KeyError\('a bug'\)"):
-        judged(stereorecal_compass.Compass())
+def test_a_crash_names_distribution_and_version_of_an_installed_strategy(install):
+    install("stereorecal.strategies", {"clumsy": f"{Crashing.__module__}:Crashing"})
+    with pytest.raises(StrategyError, match=r"clumsy \(plug-in 1\.2\) crashed: KeyError\('a bug'\)"):
+        judged(Crashing())
 
 
 def test_ctrl_c_is_no_crash():

@@ -14,10 +14,15 @@
 """
 
 from stereorecal_ros._applied import Applied as Applied
-from stereorecal_ros._camera_info import CameraInfo as CameraInfo, corrected as corrected, rig_of as rig_of
+from stereorecal_ros._camera_info import (
+    CameraInfo as CameraInfo,
+    corrected as corrected,
+    rig_of as rig_of,
+    view_of as view_of,
+)
 from stereorecal_ros._kept import Kept as Kept
 from stereorecal_ros._log import Level as Level
-from stereorecal_ros._pairing import Pairing as Pairing
+from stereorecal_ros._pairing import LEFT as LEFT, MOST as MOST, RIGHT as RIGHT, Pairing as Pairing
 from stereorecal_ros._settings import Settings as Settings
 from stereorecal_ros._status import Status as Status
 from stereorecal_ros._watch import Watch as Watch

@@ -8,8 +8,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-from stereorecal_ros import CameraInfo, Kept, Level, Settings, Watch, corrected
-from stereorecal_ros._pairing import LEFT, RIGHT
+from stereorecal_ros import LEFT, RIGHT, CameraInfo, Kept, Level, Settings, Watch, corrected
 
 from stereorecal import StereoRig
 from stereorecal.online import Config, Event, Kind, State, init, load, save

@@ -6,8 +6,7 @@ import cv2
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
-from stereorecal_ros import CameraInfo, corrected, rig_of
-from stereorecal_ros._camera_info import view_of
+from stereorecal_ros import CameraInfo, corrected, rig_of, view_of
 from stereorecal_ros._quaternion import quaternion
 
 from stereorecal import Camera, InputError, StereoRig, UnsupportedModelError

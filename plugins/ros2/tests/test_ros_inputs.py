@@ -6,8 +6,7 @@ import cv2
 import numpy as np
 import pytest
 from robots import SIZE, image, message_of
-from stereorecal_ros import Level, corrected
-from stereorecal_ros._pairing import LEFT, RIGHT
+from stereorecal_ros import LEFT, RIGHT, Level, corrected
 
 from stereorecal.online import Event, Kind
 

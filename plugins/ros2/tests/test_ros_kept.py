@@ -5,9 +5,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from machine import full_disk
 from robots import BEST, BETTER, SIZE, Robot
-from stereorecal_ros import Level, corrected
-from stereorecal_ros._applied import Applied
+from stereorecal_ros import Applied, Level, corrected
 from stereorecal_ros._camera_info_files import infos_in
 from stereorecal_ros._log import numbers
 from stereorecal_ros._worker import _RETRY
@@ -122,13 +122,13 @@ def test_a_correction_is_of_one_calibration_with_all_that_it_consists_of(robot):
     assert two.turned() == pytest.approx(0.0, abs=1e-9)
 
 
-def test_what_was_applied_outlives_a_worker_though_no_file_could_hold_it(robot, monkeypatch: pytest.MonkeyPatch):
+def test_what_was_applied_outlives_a_worker_though_no_file_could_hold_it(robot):
     one = robot()
     one.calibrate()
     one.see()
     one.accept(BETTER)
-    monkeypatch.setattr("stereorecal_ros._applied.write_json", lambda *_: (_ for _ in ()).throw(InputError("full")))
-    one.watch.apply()
+    with full_disk():
+        one.watch.apply()
     one.work.exited = True
     one.see()
     one.now += _RETRY

@@ -1,8 +1,7 @@
 """Pairs by stamps: bounded, counted, and the same as a search of all stamps would find."""
 
 from hypothesis import given, strategies as st
-from stereorecal_ros import Pairing
-from stereorecal_ros._pairing import LEFT, MOST, RIGHT
+from stereorecal_ros import LEFT, MOST, RIGHT, Pairing
 
 MS = 1_000_000
 SECOND = 1000 * MS

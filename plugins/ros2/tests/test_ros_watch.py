@@ -6,8 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from robots import BEST, BETTER, AtOnce
-from stereorecal_ros import Level, corrected
-from stereorecal_ros._pairing import LEFT, RIGHT
+from stereorecal_ros import LEFT, RIGHT, Level, corrected
 from stereorecal_ros._worker import _RETRY
 
 from stereorecal.online import Event, Kind

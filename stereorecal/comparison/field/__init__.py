@@ -2,5 +2,15 @@
 
 from stereorecal.comparison.field._field import compare_field as compare_field, planned as planned
 from stereorecal.comparison.field._field_trial import FAILED as FAILED, FieldTrial as FieldTrial, as_trial as as_trial
-from stereorecal.comparison.field._methods import METHODS as METHODS, methods_of as methods_of
+from stereorecal.comparison.field._methods import (
+    ACCEPTED as ACCEPTED,
+    GOOD as GOOD,
+    METHODS as METHODS,
+    REFUSED as REFUSED,
+    AbstractMethod as AbstractMethod,
+    Answer as Answer,
+    Library as Library,
+    Strategy as Strategy,
+    methods_of as methods_of,
+)
 from stereorecal.comparison.field._table import SCHEMA as SCHEMA, Field as Field

@@ -3,6 +3,7 @@
 from stereorecal._renamed import renamed
 from stereorecal.scoring.host._counts import (
     counts as counts,
+    counts_at_once as counts_at_once,
     counts_by_tile as counts_by_tile,
     counts_one_by_one as counts_one_by_one,
 )

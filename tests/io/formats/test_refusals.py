@@ -1,6 +1,5 @@
 """What is refused, in one sentence that says what to do; nothing is written then."""
 
-import os
 from dataclasses import replace
 from pathlib import Path
 
@@ -8,6 +7,7 @@ import numpy as np
 import pytest
 import samples
 from every import SAMPLES
+from machine import full_disk
 
 from stereorecal import CalibrationWarning, InputError, UnsupportedModelError
 from stereorecal.geometry import Camera, StereoRig
@@ -236,19 +236,12 @@ def test_two_files_or_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
         refused(lambda: save_rig(moved, (left, full), format="ros", overwrite=True), "/dev/full: cannot be written")
     refused(lambda: save_rig(moved, (left, tmp_path / "." / left.name), overwrite=True), "give two names")
     assert left.read_bytes() == before[0]
-    replace_file, calls = os.replace, []
-
-    def second_fails(*names):
-        calls.append(names)
-        if len(calls) == 2:
-            raise OSError(28, "No space left on device")
-        replace_file(*names)
-
-    monkeypatch.setattr(os, "replace", second_fails)
-    refused(lambda: save_rig(moved, (left, right), overwrite=True), f"{right}: cannot be written")
+    with full_disk("replace", 2):
+        refused(lambda: save_rig(moved, (left, right), overwrite=True), f"{right}: cannot be written")
     assert [path.read_bytes() for path in (left, right)] == before
-    calls.clear()
-    refused(lambda: save_rig(moved, (tmp_path / "a.yaml", tmp_path / "b.yaml"), overwrite=True), "cannot be written")
+    new = (tmp_path / "a.yaml", tmp_path / "b.yaml")
+    with full_disk("replace", 2):
+        refused(lambda: save_rig(moved, new, overwrite=True), "cannot be written")
     assert sorted(tmp_path.iterdir()) == [left, right]
 
 
