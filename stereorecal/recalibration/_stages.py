@@ -20,14 +20,13 @@ from stereorecal.objectives import (
     epipolar_objective,
     linearised,
     reach_chart,
-    read_by,
     rig_count_objective,
     row_chart,
 )
 from stereorecal.recalibration._prior_use import PriorUse
 from stereorecal.recalibration._schedule import ScoreKind, Stage
 from stereorecal.recordings import Odometer, Range
-from stereorecal.scoring import Correspondences, Loss, Pyramid, ScoringData, host, precisions
+from stereorecal.scoring import Correspondences, Loss, Pyramid, ScoringData, host, precisions, with_rays_of
 from stereorecal.strategies import Budget, Objective, Run, Status, run_strategy
 
 FEWEST = 60  # correspondences; five parameters from fewer would be guessing
@@ -268,7 +267,7 @@ def matched(data: ScoringData, chart: RigChart, z: Float[np.ndarray, "n"], match
     rig, extrinsics = chart.rig_at(z), with_unit_baseline(chart.extrinsics(z))
     if same_camera(rig.left, chart.rig.left) and same_camera(rig.right, chart.rig.right):
         return host.correspondences(data, extrinsics, matcher)
-    return read_by(host.correspondences(data.through(rig), extrinsics, matcher), matched_rig=rig, rig=chart.rig)
+    return with_rays_of(chart.rig, host.correspondences(data.through(rig), extrinsics, matcher), matched_rig=rig)
 
 
 def remaining(budget: Budget, cost: float, began: float) -> Budget | None:
