@@ -69,7 +69,7 @@ def directions(covariance: Float[np.ndarray, "n n"], free: tuple[str, ...]) -> t
     where as many directions as axes share the same ones.
 
     Args:
-        covariance: in standard deviations of the prior.
+        covariance: each axis scaled by the prior's standard deviation.
     """
     variances, axes = np.linalg.eigh(covariance)
     found: dict[frozenset[str], list[list[str]]] = {}
