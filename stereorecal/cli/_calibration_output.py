@@ -131,8 +131,8 @@ def output_of(
     return Output(place, options.in_place, maps, unit, unit_note, prior_path)
 
 
-def holds_all(output: Output, rig: StereoRig | None, options: RecalibrateOptions) -> bool:
-    """Whether the calibration's file, if there is one, holds a rig all of whose parameters have moved."""
+def can_hold_all(output: Output, rig: StereoRig | None, options: RecalibrateOptions) -> bool:
+    """Whether the output format can hold every parameter that may move."""
     if rig is None or output.place is None:
         return True
     moved = _probe_rig(rig, Parameters().widest(rig).names)

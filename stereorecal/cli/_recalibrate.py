@@ -67,7 +67,7 @@ def run(options: RecalibrateOptions) -> int:
         read |= set(named_inputs(options.ranges, options.odometer))
         priors = [None if scene.rig is None or options.prior else saved_with(scene.rig)[0] for scene in found.scenes]
         output = _calibration_output.output_of(options, found.scenes, settings.free.names, read)
-        if not _calibration_output.holds_all(output, found.scenes[0].rig, options):
+        if not _calibration_output.can_hold_all(output, found.scenes[0].rig, options):
             settings = replace(settings, free=replace(settings.free, widens=False))
         shared = sharing(found.scenes, settings.free, settings.ranges, options.extrinsics, settings.schedule)
         scenes, ranges = shared

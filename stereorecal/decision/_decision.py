@@ -49,7 +49,7 @@ class Decision:
     rows_px: Float[np.ndarray, "2 3"]
     ranges_agree: bool = False
     tolerances: Tolerances = DEFAULT
-    by_rows: bool = True
+    by_rows: bool = False
     judged_at: tuple[float, ...] = DEFAULT.distances
 
     @property
@@ -64,8 +64,8 @@ class Decision:
 
     @property
     def by_motion(self) -> bool:
-        """Whether it is the rig's own motion that asks for the candidate: its depth is better for sure, its rows are
-        not."""
+        """Whether it is the rig's own motion that asks for the candidate: its depth is better for sure. A repair that
+        neither rows nor ranges ask for leaves only motion."""
         return not self.refused and not self.by_rows and not self.ranges_agree
 
     def as_dict(self) -> dict[str, Any]:
@@ -104,20 +104,27 @@ def decide(
 ) -> Decision:
     """Choose between a calibration, and changes of its free parameters.
 
-    There are two candidates: the one with the least expected loss in rows and depth, and the one with the least loss in
-    rows of those that read depth as the calibration does; with ranges, also the one that changes only the length of the
-    baseline. A candidate replaces the calibration if its rows are better for sure, also on average those that most
-    frames show, and if it explains them, or corrects more than it leaves, or the estimate explains them, with
-    intrinsics that may not change; or if ranges agree with it and not with the calibration; or if the rig's own motion
-    tells that its depth is better; and the probability is below 1 % that rows, of near or far things, or depth, over
-    the view or ahead, are worse. One that changes intrinsics must, with 95 %, cost no region of the view rows that a
-    matcher notices, but one that gains them on average, unless frames that took no part prove it.
+    1. Candidates: the one with the least expected loss in rows and depth; the one with the least loss in rows of those
+       that read depth as the calibration does; with ranges or a measured way, also the one that changes only the length
+       of the baseline.
+    2. A candidate may replace the calibration if one of these asks for it:
 
-    Of several, the one that keeps depth is taken, unless that costs rows that a matcher notices, ranges ask for
-    another, or another's depth is surely the better one: of the rigs for which it matters, in 95 %. Where none is so
-    harmless, and the rows of the calibration blind the matcher, which leaves it no depth to lose, it is enough that its
-    rows are hardly ever worse. Otherwise the calibration is good if its rows are, with 95 %, and motion tells no better
-    depth. Absolute depth is not judged: no rig's rows know it.
+       - rows: they are better for sure, also on average those that most frames show, and the candidate explains them,
+         or corrects more than it leaves, or the estimate explains them, with intrinsics that may not change;
+       - ranges: they agree with it and not with the calibration;
+       - the rig's own motion: it tells that depth is better;
+
+       and if it is harmless: the probability is below 1 % that rows, of near or far things, or depth, over the view or
+       ahead, are worse. Where the rows of the calibration blind the matcher, which leaves it no depth to lose, rows
+       alone count. One that changes intrinsics must, with 95 %, cost no region of the view rows that a matcher notices,
+       but one that gains them on average, unless frames that took no part prove it, or the calibration blinds the
+       matcher.
+    3. Of several, the one that keeps depth is taken, unless that costs rows that a matcher notices, ranges ask for
+       another, or another's depth is surely the better one: of the rigs for which it matters, in 95 %.
+    4. If none may replace it, the calibration is good if its rows are, with 95 %, and motion tells no better depth;
+       else this cannot be told.
+
+    Absolute depth is not judged: no rig's rows know it.
 
     Args:
         estimate: what is known; its θ = 0 is the calibration.
@@ -155,25 +162,33 @@ def decide_together(
         after = [_losses(estimate, theta) for estimate, theta in zip(several, thetas, strict=True)]
         each = zip(several, thetas, initial, after, strict=True)
         decisions = [
-            _decided(*one, keeps_depth, limits, proven, depth_observable or bool(one[0].windows)) for one in each
+            _decided(
+                estimate,
+                theta,
+                before=before,
+                after=of_candidate,
+                keeps_depth=keeps_depth,
+                limits=limits,
+                proven=proven,
+                depth_observable=depth_observable or bool(estimate.windows),
+            )
+            for estimate, theta, before, of_candidate in each
         ]
         return _Candidate(decisions, [one.depth for one in after])
 
-    depth_changing = [candidate(free)]
+    changes = [candidate(free)]
     if BASELINE in free and any(estimate.beams or estimate.windows.measured for estimate in several):
-        depth_changing.append(candidate((BASELINE,)))  # where rows are good, they stay
-    keeps, changes = (
-        candidate(free, keeps_depth=True),
-        min(depth_changing, key=lambda one: (one.refused, one.harms, one.loss)),
-    )
-    if keeps.refused == changes.refused:
+        changes.append(candidate((BASELINE,)))  # where rows are good, they stay
+    depth_changing = min(changes, key=lambda one: (one.refused, one.harms, one.loss))
+    depth_keeping = candidate(free, keeps_depth=True)
+    if depth_keeping.refused == depth_changing.refused:
         worth_it = (
-            changes.supported_by_ranges > keeps.supported_by_ranges
-            or changes.reads_depth_better(keeps, limits)
-            or changes.aligns_rows_better(keeps, limits)
+            depth_changing.supported_by_ranges > depth_keeping.supported_by_ranges
+            or depth_changing.reads_depth_better(depth_keeping, limits)
+            or depth_changing.aligns_rows_better(depth_keeping, limits)
         )
-        return changes.decisions if worth_it else keeps.deferring_to(changes)
-    return min(keeps, changes, key=lambda one: one.refused).decisions
+        return depth_changing.decisions if worth_it else depth_keeping.deferring_to(depth_changing)
+    return min(depth_keeping, depth_changing, key=lambda one: one.refused).decisions
 
 
 def with_nearest_distance(estimate: Estimate, tolerances: Tolerances) -> Estimate:
@@ -296,8 +311,10 @@ class _Candidate:
         """Whether it is worth it to change what depth reads: it loses less, and of the rigs for which the two differ by
         what counts, depth is the better one in 95 %."""
         gains = np.concatenate(other.depth) - np.concatenate(self.depth)
-        better, worse = (np.count_nonzero(sign * gains > limits.worse_depth_points) for sign in (1.0, -1.0))
-        return bool(self.loss < other.loss and 0 < better >= limits.good_surely * (better + worse))
+        better_count = np.count_nonzero(gains > limits.worse_depth_points)
+        worse_count = np.count_nonzero(-gains > limits.worse_depth_points)
+        surely = 0 < better_count >= limits.good_surely * (better_count + worse_count)
+        return bool(self.loss < other.loss and surely)
 
 
 def _losses(estimate: Estimate, theta: Float[np.ndarray, "n"]) -> _Losses:
@@ -307,33 +324,41 @@ def _losses(estimate: Estimate, theta: Float[np.ndarray, "n"]) -> _Losses:
 def _decided(
     estimate: Estimate,
     theta: Float[np.ndarray, "n"],
-    initial: _Losses,
+    *,
+    before: _Losses,
     after: _Losses,
     keeps_depth: bool,
     limits: Tolerances,
     proven: bool,
     depth_observable: bool,
 ) -> Decision:
-    """The decision between θ = 0, with the losses `initial`, and a candidate, with the losses `after`."""
-    worse, counted = _chances_of_harm(initial, after, limits)
-    before, rows = initial.mean_rows, after.mean_rows
-    better = float(np.mean(rows < before - limits.gain_px))
-    harmless = counted < limits.alpha
-    harmless = harmless and (
-        proven or _is_beyond_matching(initial, limits) or not _costs_a_region(estimate, theta, limits)
+    """The decision between θ = 0, with the losses `before`, and a candidate, with the losses `after`."""
+    worse, counted_harm = _chances_of_harm(before, after, limits)
+    rows_before, rows_after = before.mean_rows, after.mean_rows
+    better = float(np.mean(rows_after < rows_before - limits.gain_px))
+    harmless = counted_harm < limits.alpha and (
+        proven or _is_beyond_matching(before, limits) or not _costs_a_region(estimate, theta, limits)
     )
     ranges_agree = bool(estimate.beams.fit_better(estimate.chart.rig, estimate.chart.rig_at(theta)))
-    nearer = float(np.mean(after.depth < initial.depth - limits.worse_depth_points)) > 1.0 - limits.alpha
+    nearer = float(np.mean(after.depth < before.depth - limits.worse_depth_points)) > 1.0 - limits.alpha
     # What most frames show bears it out: no posterior knows all ways in which lenses err, and where they do, one frame
     # gains what others lose.
-    median_frame_change_px = float(np.median(after.frame_rows_px - initial.frame_rows_px))
+    median_frame_change_px = float(np.median(after.frame_rows_px - before.frame_rows_px))
     depth_improves = depth_observable and nearer
-    good = float(np.mean(before <= limits.good_rows_px)) >= limits.good_surely and not depth_improves
+    good = float(np.mean(rows_before <= limits.good_rows_px)) >= limits.good_surely and not depth_improves
     depth_gain = (ranges_agree or depth_improves) and not median_frame_change_px > limits.worse_rows_px
-    rows_px = np.percentile([before, rows], [50.0, 2.5, 97.5], axis=1).T
-    verdict = Verdict.GOOD if good else Verdict.CANNOT_TELL
-    loss, at = after.expected, estimate.judged_at
-    no_repair = Decision(verdict, theta, keeps_depth, worse, better, loss, rows_px, ranges_agree, limits, False, at)
+    no_repair = Decision(
+        verdict=Verdict.GOOD if good else Verdict.CANNOT_TELL,
+        theta=theta,
+        keeps_depth=keeps_depth,
+        worse=worse,
+        better=better,
+        loss=after.expected,
+        rows_px=np.percentile([rows_before, rows_after], [50.0, 2.5, 97.5], axis=1).T,
+        ranges_agree=ranges_agree,
+        tolerances=limits,
+        judged_at=estimate.judged_at,
+    )
     # An estimate without frames: others judge it by later ones.
     borne_out = estimate.shown is None or median_frame_change_px < 0.0
     understood = no_repair.explains or no_repair.corrects_most or _some_rig_explains(estimate, limits)
@@ -344,7 +369,8 @@ def _decided(
 
 
 def _chances_of_harm(initial: _Losses, after: _Losses, limits: Tolerances) -> tuple[float, float]:
-    """Probability that rows or depth become worse, and what counts of it: a rig that is blind has no depth to lose."""
+    """Probability that rows or depth become worse, and the harm that counts: a rig that is blind has no depth to
+    lose."""
     # NaN is no proof of harmlessness.
     lost = ~np.all(after.rows <= initial.rows + limits.worse_rows_px, axis=0)
     farther = ~(after.depth <= initial.depth + limits.worse_depth_points)

@@ -11,8 +11,8 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from stereorecal.geometry import PINHOLE, StereoRig, projection, rectifying_rotations, with_unit_baseline
-from stereorecal.objectives import LinearRows, RigChart, differences_at, linearised, read_by
-from stereorecal.scoring import Correspondences
+from stereorecal.objectives import LinearRows, RigChart, differences_at, linearised
+from stereorecal.scoring import Correspondences, with_rays_of
 
 PLACES = (14, 9)  # columns and rows of places in the left image
 _DISPARITIES = 3  # near, middle, far: a third of all correspondences each
@@ -151,7 +151,7 @@ def grouped(found: Correspondences, chart: RigChart, theta: Float[np.ndarray, "n
 def _rectified(found: Correspondences, chart: RigChart, theta: Float[np.ndarray, "n"], valid):
     """Row differences and disparities of what was found, in pixels of its scale, under the rig at θ."""
     rig = chart.rig_at(theta)
-    read = read_by(found, chart.rig, rig)
+    read = with_rays_of(rig, found, matched_rig=chart.rig)
     extrinsics = with_unit_baseline(rig.extrinsics)
     rotations = rectifying_rotations(rig.rotation, extrinsics[3:])
     of_view = projection(found.projection)

@@ -6,8 +6,8 @@ Wide lenses end: where the terms of one move far, its image may fold back before
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.objectives import RigChart, read_by
-from stereorecal.scoring import Correspondences
+from stereorecal.objectives import RigChart
+from stereorecal.scoring import Correspondences, with_rays_of
 
 _HALVINGS = 20
 
@@ -27,5 +27,6 @@ def within_field(
 
 
 def _has_rays(found: Correspondences, chart: RigChart, theta: Float[np.ndarray, "n"]) -> bool:
-    read, counts = read_by(found, chart.rig, chart.rig_at(theta)), np.asarray(found.weight) > 0
+    read = with_rays_of(chart.rig_at(theta), found, matched_rig=chart.rig)
+    counts = np.asarray(found.weight) > 0
     return all(bool(np.isfinite(np.asarray(rays)[counts]).all()) for rays in (read.left, read.right))

@@ -14,6 +14,7 @@ from stereorecal.io._atomic import (
     write_files as write_files,
     write_text as write_text,
 )
+from stereorecal.io._backup_copies import back_up as back_up, is_copy as is_copy, next_copy as next_copy
 from stereorecal.io._load_odometer import load_odometer as load_odometer
 from stereorecal.io._load_ranges import load_ranges as load_ranges
 from stereorecal.io._read_files import about as about, files_read as files_read
@@ -27,13 +28,10 @@ from stereorecal.io._strict_json import (
     write_json as write_json,
 )
 from stereorecal.io.formats._load_and_save import (
-    back_up as back_up,
     calibration_files as calibration_files,
     calibration_json as calibration_json,
     check_savable as check_savable,
-    is_copy as is_copy,
     load_rig as load_rig,
-    next_copy as next_copy,
     prior_beside as prior_beside,
     save_rig as save_rig,
     says_its_unit as says_its_unit,

@@ -27,7 +27,7 @@ def load_odometer(path: str | Path) -> Odometer:
     header = tuple(name.strip() for name in lines[0]) if lines else ()
     if header not in _KINDS:
         headers = " or ".join(",".join(names) for names in _KINDS)
-        raise InputError(f"{path}: the first line names none of what an odometer says; write {headers}.")
+        raise InputError(f"{path}: the first line is not a header of an odometer file; it must be {headers}.")
     try:
         table = np.array([[float(cell) for cell in line] for line in lines[1:]], float).reshape(-1, len(header))
     except ValueError as error:

@@ -16,7 +16,6 @@ from stereorecal.objectives._linear_rows import (
     LinearRows as LinearRows,
     differences_at as differences_at,
     linearised as linearised,
-    read_by as read_by,
 )
 from stereorecal.objectives._parameter_names import (
     BASELINE as BASELINE,

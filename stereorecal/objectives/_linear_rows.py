@@ -7,19 +7,16 @@ from jaxtyping import Float
 
 from stereorecal.geometry import (
     Projection,
-    StereoRig,
     euler_slopes,
     projection,
     ray_slopes,
     rectifying_rotations,
     rectifying_slopes,
-    reread,
-    same_camera,
     with_unit_baseline,
 )
 from stereorecal.objectives._parameter_names import SIDES
 from stereorecal.objectives._rig_chart import RigChart
-from stereorecal.scoring import Correspondences
+from stereorecal.scoring import Correspondences, with_rays_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,22 +38,10 @@ class LinearRows:
         return replace(self, z=z, differences=differences_at(found, chart, z))
 
 
-def read_by(found: Correspondences, matched_rig: StereoRig, rig: StereoRig) -> Correspondences:
-    """Correspondences found with the cameras of `matched_rig`, with the rays that those of `rig` give to the same
-    pixels."""
-
-    def rays(side: str) -> Float[np.ndarray, "k m 3"]:
-        true, read = getattr(matched_rig, side), getattr(rig, side)
-        found_rays = np.asarray(getattr(found, side))
-        return found_rays if same_camera(true, read) else reread(found_rays, true, read)
-
-    return replace(found, left=rays("left"), right=rays("right"))
-
-
 def differences_at(found: Correspondences, chart: RigChart, z: Float[np.ndarray, "n"]) -> Float[np.ndarray, "k m"]:
     """The row differences at a point of the unit box, in pixels of the scale of `found`; those of `linearised`."""
     rig = chart.rig_at(z)
-    found = read_by(found, chart.rig, rig)
+    found = with_rays_of(rig, found, matched_rig=chart.rig)
     rotations = rectifying_rotations(rig.rotation, with_unit_baseline(rig.extrinsics)[3:])
     of_view = projection(found.projection)
     left, right = (
@@ -76,7 +61,7 @@ def linearised(found: Correspondences, chart: RigChart, z: Float[np.ndarray, "n"
     r₂ · x, with the rows r₁, r₂ of a rotation and a ray x, and its derivatives follow from theirs.
     """
     rig = chart.rig_at(z)
-    found = read_by(found, chart.rig, rig)
+    found = with_rays_of(rig, found, matched_rig=chart.rig)
     outer = [index for index, name in enumerate(chart.names) if "." not in name]
     rotations = np.stack(rectifying_rotations(rig.rotation, with_unit_baseline(rig.extrinsics)[3:]))
     by_angles, by_shift = np.split(chart.extrinsic_slopes[outer], 2, axis=1)

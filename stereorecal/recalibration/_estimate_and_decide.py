@@ -7,8 +7,8 @@ from jaxtyping import Float, Int
 
 from stereorecal.decision import Decision, Verdict, decide
 from stereorecal.estimation import Estimate, estimate, rig_parameters
-from stereorecal.geometry import StereoRig, View
-from stereorecal.objectives import Parameters, RigChart, row_chart
+from stereorecal.geometry import StereoRig
+from stereorecal.objectives import Parameters, row_chart
 from stereorecal.recalibration._acceptance import (
     FALSE,
     FEWEST_PLACES,
@@ -20,16 +20,13 @@ from stereorecal.recalibration._acceptance import (
     loses_regions,
 )
 from stereorecal.recalibration._default_free import free_and_decision
-from stereorecal.recalibration._expected import Expected, expected
 from stereorecal.recalibration._freed_intrinsics import Intrinsics, IntrinsicsOutcome, intrinsics_of
-from stereorecal.recalibration._interval import Interval
 from stereorecal.recalibration._ranges_of_case import matched_ranges
 from stereorecal.recalibration._regional_misfit import misfit
 from stereorecal.recalibration._row_evidence import TILES_OF_A_FRAME, Evidence, evidence
-from stereorecal.recalibration._schedule import ScoreKind, Stage
 from stereorecal.recalibration._stage_result import Ending, counts
 from stereorecal.recalibration._stages import FEWEST, Case, StageRun, matched
-from stereorecal.recalibration._uncertainty import Uncertainty, uncertainty
+from stereorecal.recalibration._uncertainty import uncertainty_of
 from stereorecal.recalibration._unmatched import LIKELY, MOST_EXCLUDED, is_sparse, unmatched, without_frames_of
 from stereorecal.recalibration._windows import windows_of, without_frames
 from stereorecal.scoring import Correspondences, image_quality
@@ -57,8 +54,8 @@ class Answer:
     refused: bool
     free: Parameters
     decision: Decision
-    sparse: bool = False
-    by_chance: bool = False
+    sparse: bool
+    by_chance: bool
 
     @property
     def enough(self) -> bool:
@@ -77,92 +74,57 @@ def answered(case: Case, run: StageRun, end_rig: StereoRig, *, corners: bool) ->
     """
     found = run.found
     assert found is not None
-    excluded_frames = unmatched(found, case.images.pairs) if len(found.weight) > 1 else ()
-    seeing = int(np.any(np.asarray(without_frames_of(found, excluded_frames).weight) > 0, axis=1).sum())
-    most = MOST_EXCLUDED * (seeing + len(excluded_frames))
-    start, tracks = rig_parameters(case.rig).coordinates_of(end_rig), windows_of(case, found)
-    view = case.images.view
-    while True:
-        used_matches = without_frames_of(found, excluded_frames)
-        ranges, windows = (
-            matched_ranges(case, found, end_rig, excluded_frames),
-            without_frames(case, tracks, excluded_frames),
-        )
-        estimated = estimate(used_matches, case.rig, case.prior, start=start, ranges=ranges, windows=windows, view=view)
-        if not estimated.other_rigs or len(excluded_frames) > most:
-            break
-        excluded_frames, start = (*excluded_frames, estimated.other_rigs[0].frame), estimated.theta
-    if refused := len(excluded_frames) > most:
-        used_matches = found
-        ranges, windows = matched_ranges(case, found, end_rig), without_frames(case, tracks, ())
-        estimated = estimate(used_matches, case.rig, case.prior, start=start, ranges=ranges, windows=windows, view=view)
+    excluded_frames, refused, estimated = _without_other_rigs(case, found, end_rig)
+    used_matches = found if refused else without_frames_of(found, excluded_frames)
     if corners and case.free.lenses:
         estimated, used_matches = _rematched(case, estimated, used_matches, run)
     free, decision = free_and_decision(case, used_matches, estimated)
     if corners and free.lenses and not case.free.lenses:
         estimated, used_matches = _rematched(case, estimated, used_matches, run)
         decision = decide(estimated, free.names, case.tolerances, proven=True)
-    answer = Answer(used_matches, estimated, tuple(sorted(excluded_frames)), refused, free, decision)
     sparse = used_matches.covered < LIKELY and is_sparse(
         used_matches.covered, max(image_quality(pair).texture for pair in case.images.pairs)
     )
-    return replace(answer, sparse=sparse, by_chance=sparse and rows_of(case, answer).after > FALSE)
+    return Answer(
+        found=used_matches,
+        estimate=estimated,
+        excluded=tuple(sorted(excluded_frames)),
+        refused=refused,
+        free=free,
+        decision=decision,
+        sparse=sparse,
+        by_chance=sparse and _row_errors(case, used_matches, estimated, free, decision).after > FALSE,
+    )
 
 
-@dataclass(frozen=True, eq=False)
-class Look:
-    """One look at the images through a calibration, without any search.
+def _without_other_rigs(
+    case: Case, found: Correspondences, end_rig: StereoRig
+) -> tuple[tuple[int, ...], bool, Estimate]:
+    """The estimate without the frames that show another rig, one more excluded at a time: their numbers, whether they
+    are too many to say which are wrong, and the estimate, of all frames in that case."""
+    excluded_frames = unmatched(found, case.images.pairs) if len(found.weight) > 1 else ()
+    seeing = int(np.any(np.asarray(without_frames_of(found, excluded_frames).weight) > 0, axis=1).sum())
+    most = MOST_EXCLUDED * (seeing + len(excluded_frames))
+    start, tracks = rig_parameters(case.rig).coordinates_of(end_rig), windows_of(case, found)
 
-    Attributes:
-        run: what was done, as a stage of a schedule.
-        answer: of its correspondences; None if there are too few, or they cover too little.
-    """
+    def estimate_without(frames: tuple[int, ...], start: Float[np.ndarray, "n"]) -> Estimate:
+        return estimate(
+            without_frames_of(found, frames),
+            case.rig,
+            case.prior,
+            start=start,
+            ranges=matched_ranges(case, found, end_rig, frames),
+            windows=without_frames(case, tracks, frames),
+            view=case.images.view,
+        )
 
-    run: StageRun
-    answer: Answer | None
-
-    @property
-    def paid(self) -> StageRun:
-        """What was done, its cost counted elsewhere: no budget pays for a look."""
-        return replace(self.run, matching_cost=0.0)
-
-    @property
-    def cost(self) -> float:
-        """Units that it took."""
-        return self.run.cost
-
-    @property
-    def repairs(self) -> bool:
-        """Whether it is sure of a repair that leaves no rows misaligned: where a rig is so far off that rows are not
-        searched there, a look sees what fits by chance."""
-        return self.verdict is Verdict.REPAIR and self.answer is not None and self.answer.decision.explains
-
-    @property
-    def covered(self) -> float:
-        """By correspondences, share of the frame that shows most."""
-        return 0.0 if self.run.found is None else self.run.found.covered
-
-    @property
-    def verdict(self) -> Verdict | None:
-        """On the calibration; None if too little is seen for one."""
-        answer = self.answer
-        conclusive = answer is not None and answer.enough and not answer.refused and not answer.sparse
-        return answer.decision.verdict if answer is not None and conclusive else None
-
-
-def look_at(case: Case, stage: Stage) -> Look | None:
-    """Look at the images as a stage does; None if it has no correspondences.
-
-    Args:
-        case: with a disparity range.
-    """
-    if stage.score is not ScoreKind.EPIPOLAR:
-        return None
-    data, chart = case.images.at(case.scale_of(stage), stage.frames), case.of_extrinsics.chart
-    found = matched(data, chart, np.zeros(chart.dim), case.matcher)
-    run = StageRun(stage, case.scale_of(stage), case.rig, case.rig, (), np.zeros((0, 7)), data.cost, found)
-    few = found.found < FEWEST or found.covered < LEAST_COVERED
-    return Look(run, None if few else answered(case, run, case.rig, corners=False))
+    while True:
+        estimated = estimate_without(excluded_frames, start)
+        refused = len(excluded_frames) > most
+        if refused or not estimated.other_rigs:
+            break
+        excluded_frames, start = (*excluded_frames, estimated.other_rigs[0].frame), estimated.theta
+    return excluded_frames, refused, estimate_without((), start) if refused else estimated
 
 
 def _rematched(
@@ -189,24 +151,24 @@ def _rematched(
 def ended_by(case: Case, answer: Answer) -> Ending:
     """The candidate of an answer, and the verdict on it."""
     estimated, decision, found = answer.estimate, answer.decision, answer.found
-    outcome_if_accepted = IntrinsicsOutcome.NEEDED if case.free.widens else IntrinsicsOutcome.REFINED
-    case = replace(case, free=answer.free)
+    judged = case.with_free(answer.free)
     candidate = estimated.chart.rig_at(decision.theta)
-    tiles = counts(case, candidate)
+    tiles = counts(judged, candidate)
     used_frames = np.isin(np.arange(len(found.weight)), () if answer.refused else answer.excluded, invert=True)
-    reason = _reason(case, answer, tiles[:, used_frames], candidate)
-    evidence_at_candidate, rows = _evidence_at(case, found, candidate), rows_of(case, answer)
+    reason = _reason(judged, answer, tiles[:, used_frames], candidate)
+    rows = rows_of(judged, answer)
+    outcome_if_accepted = IntrinsicsOutcome.NEEDED if case.free.widens else IntrinsicsOutcome.REFINED
     return Ending(
-        candidate,
-        reason,
-        tiles,
-        answer.excluded,
-        rows,
-        uncertainty_of(estimated, candidate, case.chart),
-        misfit(evidence_at_candidate),
-        _intrinsics(answer, case, rows, reason, outcome_if_accepted),
-        estimated,
-        decision,
+        candidate=candidate,
+        reason=reason,
+        tiles=tiles,
+        excluded=answer.excluded,
+        row_errors=rows,
+        uncertainty=uncertainty_of(estimated, candidate, judged.chart),
+        misfit=misfit(_evidence_at(judged, found, candidate)),
+        intrinsics=_intrinsics(answer, judged, rows, reason, outcome_if_accepted),
+        estimate=estimated,
+        decision=decision,
     )
 
 
@@ -267,8 +229,13 @@ def _intrinsics(
 
 def rows_of(case: Case, answer: Answer) -> RowErrors:
     """Row errors of the correspondences, under the initial calibration and the candidate."""
-    case = replace(case, free=answer.free)
-    evidence_at_candidate = _evidence_at(case, answer.found, answer.estimate.chart.rig_at(answer.decision.theta))
+    return _row_errors(case, answer.found, answer.estimate, answer.free, answer.decision)
+
+
+def _row_errors(
+    case: Case, found: Correspondences, estimated: Estimate, free: Parameters, decision: Decision
+) -> RowErrors:
+    evidence_at_candidate = _evidence_at(case.with_free(free), found, estimated.chart.rig_at(decision.theta))
     return compared(
         evidence_at_candidate,
         evidence_at_candidate.medians(evidence_at_candidate.start_residual),
@@ -285,23 +252,3 @@ def _evidence_at(case: Case, found: Correspondences, candidate: StereoRig) -> Ev
     """Row differences under the initial calibration and a candidate, as they are."""
     chart = row_chart(case.rig, case.reach, case.free)
     return evidence(chart, found, chart.coordinates_of(candidate))
-
-
-def uncertainty_of(estimated: Estimate, candidate: StereoRig, chart: RigChart) -> Uncertainty:
-    """Of the parameters of a chart, around a candidate and marginal over all others: mean squares of what the truth may
-    differ by."""
-    where = [estimated.names.index(name) for name in chart.names]
-    offset = (estimated.theta - estimated.chart.coordinates_of(candidate))[where]
-    spread = estimated.posterior.covariance[np.ix_(where, where)]
-    return uncertainty(chart.names, spread, offset, chart.prior * chart.units, estimated.prior_variance[where])
-
-
-def expected_by(estimated: Estimate, used: StereoRig, view: View, rows_px: float) -> Expected:
-    """What to expect of a rig: rows over the view, which the decision tells, and depth with its 95 % interval."""
-    depth = depth_by(estimated, estimated.chart.coordinates_of(used))
-    return expected(used, estimated.chart, estimated.theta, estimated.posterior.covariance, view, rows_px, depth)
-
-
-def depth_by(estimated: Estimate, used: Float[np.ndarray, "n"]) -> dict[int, Interval]:
-    """The error of depth of the rig at θ = used."""
-    return {distance: Interval(*ends) for distance, ends in estimated.depth_error_percent(used).items()}

@@ -9,6 +9,7 @@ from jaxtyping import Float
 
 from stereorecal._central_difference import central_differences
 from stereorecal._json_data import json_data
+from stereorecal.estimation import Estimate
 from stereorecal.geometry import StereoRig, View
 from stereorecal.objectives import RigChart
 from stereorecal.recalibration._effects import STEP, row_errors_of
@@ -70,3 +71,14 @@ def expected(
     slopes = central_differences(row_errors, z, STEP)
     spread = np.sqrt(np.maximum(np.einsum("hwi,ij,hwj->hw", slopes, covariance, slopes), 0.0))
     return Expected(row_errors(z), spread, rows_px, depth_percent)
+
+
+def expected_by(estimated: Estimate, used: StereoRig, view: View, rows_px: float) -> Expected:
+    """What to expect of a rig: rows over the view, which the decision tells, and depth with its 95 % interval."""
+    depth = depth_by(estimated, estimated.chart.coordinates_of(used))
+    return expected(used, estimated.chart, estimated.theta, estimated.posterior.covariance, view, rows_px, depth)
+
+
+def depth_by(estimated: Estimate, used: Float[np.ndarray, "n"]) -> dict[int, Interval]:
+    """The error of depth of the rig at θ = used."""
+    return {distance: Interval(*ends) for distance, ends in estimated.depth_error_percent(used).items()}

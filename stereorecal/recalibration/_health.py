@@ -17,8 +17,10 @@ from stereorecal.recalibration._acceptance import FALSE, LEAST_COVERED, Reason, 
 from stereorecal.recalibration._as_dict import score_as_dict
 from stereorecal.recalibration._calibration_warnings import doubts
 from stereorecal.recalibration._correction import Correction, correction_of
-from stereorecal.recalibration._estimate_and_decide import Answer, depth_by, look_at, rows_of
+from stereorecal.recalibration._estimate_and_decide import Answer, rows_of
+from stereorecal.recalibration._expected import depth_by
 from stereorecal.recalibration._health_text import health_text
+from stereorecal.recalibration._look import look_at
 from stereorecal.recalibration._prior_use import prior_for_health
 from stereorecal.recalibration._settings import HealthOptions, as_settings
 from stereorecal.recalibration._stage_result import counts

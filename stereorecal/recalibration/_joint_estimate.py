@@ -21,7 +21,7 @@ from stereorecal.estimation import (
     windows_of_all,
 )
 from stereorecal.geometry import StereoRig
-from stereorecal.objectives import Parameters, read_by, row_chart
+from stereorecal.objectives import Parameters, row_chart
 from stereorecal.recalibration._acceptance import Reason, RowErrors, compared
 from stereorecal.recalibration._cross_validated_decision import decided_by_cross_validation
 from stereorecal.recalibration._estimate_and_decide import reason_of
@@ -31,7 +31,7 @@ from stereorecal.recalibration._row_evidence import TILES_OF_A_FRAME, Evidence, 
 from stereorecal.recalibration._stages import FEWEST
 from stereorecal.recalibration._unmatched import MOST_EXCLUDED
 from stereorecal.recalibration._worker_tasks import Each, matched, range_matches
-from stereorecal.scoring import Correspondences
+from stereorecal.scoring import Correspondences, with_rays_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,7 +158,7 @@ def _start(recording: RepairedRecording, rig: StereoRig) -> Float[np.ndarray, "n
 def _as_initially_read(found: Correspondences, matched_rig: StereoRig, recording: RepairedRecording) -> Correspondences:
     """Correspondences of another rig as the initial one reads them; those from before, if they are too few."""
     return (
-        read_by(found, matched_rig=matched_rig, rig=recording.repair.initial)
+        with_rays_of(recording.repair.initial, found, matched_rig=matched_rig)
         if found.found >= FEWEST
         else recording.found
     )

@@ -9,7 +9,8 @@ from stereorecal.decision import Verdict
 from stereorecal.geometry import StereoRig
 from stereorecal.recalibration._acceptance import Reason
 from stereorecal.recalibration._ending_of_search import ending_of
-from stereorecal.recalibration._estimate_and_decide import ended_by, look_at
+from stereorecal.recalibration._estimate_and_decide import ended_by
+from stereorecal.recalibration._look import look_at
 from stereorecal.recalibration._prepared_case import prepared
 from stereorecal.recalibration._search import run_schedule, started
 from stereorecal.recalibration._settings import RepairOptions, Settings, as_settings
@@ -61,21 +62,23 @@ def recalibrate_case(case: Case, settings: Settings, began: float | None = None)
 
     # Prepare: the disparity range, where to start, one look.
     case, start, cost = started(case, schedule)
-    initial = replace(case, free=settings.free)
-    look = look_at(initial, schedule.stages[-1])
+    to_decide = case.with_free(settings.free)
+    look = look_at(to_decide, schedule.stages[-1])
     if look is not None:
-        cost = replace(cost, starts=cost.starts + look.cost)
+        cost = replace(cost, starts=cost.starts + look.cost)  # outside the budget, as all that comes before the search
         if look.answer is not None and look.verdict is Verdict.GOOD:
-            return solution_of(initial, settings, (look.paid,), ended_by(initial, look.answer), cost, began)
+            ending = ended_by(to_decide, look.answer)
+            return solution_of(to_decide, settings, (look.run_at_no_cost,), ending, cost, began)
 
     # Search; estimate and decide; the look, where that left doubt.
     case, stages = run_schedule(case, settings, start, began)
-    final = replace(case, free=settings.free)
-    ending = ending_of(final, schedule, stages)
-    explained = ending.reason.accepted and (ending.decision is None or ending.decision.explains)
-    certain = explained or ending.reason is Reason.OUT_OF_BUDGET
-    if not certain and look is not None and look.answer is not None and look.repairs:
-        ending, stages = ended_by(final, look.answer), (*stages, look.paid)
+    to_decide = case.with_free(settings.free)
+    ending = ending_of(to_decide, schedule, stages)
+    repair_explains_rows = ending.reason.accepted and (ending.decision is None or ending.decision.explains)
+    # A budget that ends early accepts nothing: the search that might have contradicted the look was not finished.
+    keeps_search_result = repair_explains_rows or ending.reason is Reason.OUT_OF_BUDGET
+    if not keeps_search_result and look is not None and look.answer is not None and look.repairs:
+        ending, stages = ended_by(to_decide, look.answer), (*stages, look.run_at_no_cost)
 
     # Report.
-    return solution_of(final, settings, stages, ending, cost, began)
+    return solution_of(to_decide, settings, stages, ending, cost, began)

@@ -17,8 +17,7 @@ from stereorecal.recalibration._acceptance import Reason, RowErrors
 from stereorecal.recalibration._calibration_warnings import doubts
 from stereorecal.recalibration._cost import Cost
 from stereorecal.recalibration._difference import Difference, difference
-from stereorecal.recalibration._estimate_and_decide import expected_by
-from stereorecal.recalibration._expected import Expected
+from stereorecal.recalibration._expected import Expected, expected_by
 from stereorecal.recalibration._freed_intrinsics import Intrinsics
 from stereorecal.recalibration._match_ranges import RangesSeen
 from stereorecal.recalibration._prior_use import PriorUse, known_after

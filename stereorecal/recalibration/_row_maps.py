@@ -6,12 +6,11 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from stereorecal.geometry import StereoRig, View, rectifying_rotations, with_unit_baseline
-from stereorecal.objectives import read_by
 from stereorecal.recalibration._schedule import ScoreKind
 from stereorecal.recalibration._search_path import Waypoint
 from stereorecal.recalibration._stages import StageRun
 from stereorecal.report.repair_report import Climb, Rows
-from stereorecal.scoring import Correspondences, median_row_error, row_differences
+from stereorecal.scoring import Correspondences, median_row_error, row_differences, with_rays_of
 
 _CELLS = (24, 18)  # columns and rows of the field over the view
 _FEWEST = 3  # matches in a cell
@@ -26,7 +25,7 @@ def row_map(found: Correspondences, initial: StereoRig, candidate: StereoRig, vi
         found: with the rays that the cameras of `initial` give, as all stages have them.
     """
     valid = np.asarray(found.weight) > 0
-    read = read_by(found, matched_rig=initial, rig=candidate)
+    read = with_rays_of(candidate, found, matched_rig=initial)
     before, after = _differences(found, initial), _differences(read, candidate)
     frame = _worst(after, valid)
     cells = _cells_of_matches(read, candidate, view, valid, frame)

@@ -12,7 +12,7 @@ from stereorecal.recalibration._stages import Case, StageRun, better_start, rema
 from stereorecal.scoring import host
 from stereorecal.scoring.host import survey
 
-_YAW_LEFT = np.radians(0.25)  # what an epipolar stage leaves, where yaw is observed
+_YAW_ERROR_AFTER_EPIPOLAR = np.radians(0.25)  # at most, where yaw is observed
 
 
 def started(case: Case, schedule: Schedule) -> tuple[Case, StereoRig, Cost]:
@@ -23,7 +23,7 @@ def started(case: Case, schedule: Schedule) -> tuple[Case, StereoRig, Cost]:
         surveyed = survey(case.images, case.rig.extrinsics, radians)
         case, of_survey = case.with_matcher(surveyed.with_range(matcher, radians)), surveyed.cost
         offset = surveyed.offset if schedule.survey else offset
-    # The images belong together, so most repairs come to these.
+    # Most repairs reach the epipolar stages: compile their scales while the start is sought.
     later = [case.scale_of(stage) for stage in schedule.stages if stage.score is ScoreKind.EPIPOLAR]
     for scale in dict.fromkeys(later):
         host.compile_in_background(case.images.sample(scale))
@@ -38,18 +38,20 @@ def run_schedule(case: Case, settings: Settings, start: StereoRig, began: float)
         began: when the clock of the budget was started.
     """
     schedule, measured = settings.schedule, settings.matcher.num_disparities is None
-    widest, best, stages = case, start, []
+    widest, rig, stages = case, start, []
     for stage in schedule.stages:
         budget_left = remaining(settings.budget, sum(done.cost for done in stages), began)
         if budget_left is None:
             break
-        done = run_stage(case, stage, best, budget_left, settings.seed)
-        best = done.ended
+        done = run_stage(case, stage, rig, budget_left, settings.seed)
+        rig = done.ended
         if len(schedule.stages) > 1 and measured:
-            yaw_left = float(_YAW_LEFT if stage.score is ScoreKind.EPIPOLAR else np.radians(case.reach.degrees))
-            surveyed = survey(case.images, done.best, yaw_left, aligned=True)
+            epipolar = stage.score is ScoreKind.EPIPOLAR
+            yaw_error = float(_YAW_ERROR_AFTER_EPIPOLAR if epipolar else np.radians(case.reach.degrees))
+            surveyed = survey(case.images, done.end_extrinsics, yaw_error, aligned=True)
             done = replace(done, survey_cost=surveyed.cost)
-            case = case.with_matcher(surveyed.with_range(settings.matcher, yaw_left))
+            case = case.with_matcher(surveyed.with_range(settings.matcher, yaw_error))
+            # The decision matches under the initial rig too, which may need more disparities than the rig found.
             widest = max(widest, case, key=lambda c: c.matcher.num_disparities or 0)
         stages.append(done)
     return widest, tuple(stages)

@@ -35,7 +35,7 @@ def path_of(initial: StereoRig, before: float, stages: Sequence[StageRun]) -> tu
         found.append(Waypoint(spent, stage.start))
         found += [Waypoint(spent + float(row[0]), row[1:]) for row in stage.path]
         spent += stage.cost
-        found.append(Waypoint(spent, stage.best))
+        found.append(Waypoint(spent, stage.end_extrinsics))
         spent += stage.survey_cost
     moves = [after for before, after in pairwise(found) if np.any(before.extrinsics != after.extrinsics)]
     return (found[0], *moves)

@@ -11,7 +11,6 @@ from stereorecal.estimation import NO_RANGES
 from stereorecal.geometry import StereoRig
 from stereorecal.objectives import BASELINE, Parameters, row_chart
 from stereorecal.recalibration._acceptance import Reason
-from stereorecal.recalibration._estimate_and_decide import uncertainty_of
 from stereorecal.recalibration._freed_intrinsics import Intrinsics, IntrinsicsOutcome, intrinsics_of
 from stereorecal.recalibration._joint_estimate import JointEstimate, joint_estimate
 from stereorecal.recalibration._match_ranges import RangesSeen
@@ -20,6 +19,7 @@ from stereorecal.recalibration._regional_misfit import misfit
 from stereorecal.recalibration._repaired_recording import RepairedRecording
 from stereorecal.recalibration._row_evidence import TILES_OF_A_FRAME
 from stereorecal.recalibration._solution import Solution
+from stereorecal.recalibration._uncertainty import uncertainty_of
 from stereorecal.recalibration._worker_tasks import Each, counted
 from stereorecal.scoring.host import Score
 

@@ -3,11 +3,12 @@
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from jaxtyping import Float
 
+from stereorecal._renamed import renamed_attributes
 from stereorecal.decision import DEFAULT, Tolerances
 from stereorecal.estimation import EXACT, Prior
 from stereorecal.geometry import StereoRig, same_camera, with_unit_baseline
@@ -20,14 +21,13 @@ from stereorecal.objectives import (
     epipolar_objective,
     linearised,
     reach_chart,
-    read_by,
     rig_count_objective,
     row_chart,
 )
 from stereorecal.recalibration._prior_use import PriorUse
 from stereorecal.recalibration._schedule import ScoreKind, Stage
 from stereorecal.recordings import Odometer, Range
-from stereorecal.scoring import Correspondences, Loss, Pyramid, ScoringData, host, precisions
+from stereorecal.scoring import Correspondences, Loss, Pyramid, ScoringData, host, precisions, with_rays_of
 from stereorecal.strategies import Budget, Objective, Run, Status, run_strategy
 
 FEWEST = 60  # correspondences; five parameters from fewer would be guessing
@@ -46,7 +46,8 @@ class Case:
     Attributes:
         images: taken by the rig whose extrinsics, the initial ones, are the centre of the search box and of the prior.
         matcher: with its disparity range at full size.
-        free: extrinsics, and for comparisons all else that strategies may search; the rest is held.
+        free: what the step at hand may change; the rest is held. In the search extrinsics, and for comparisons all else
+            that strategies may search; in the decision all that may change in the end (`with_free`).
         prior: of what the initial calibration leaves; EXACT: its intrinsics are the truth.
         ranges: of what the images show.
         windows: numbers of pairs that follow each other.
@@ -81,7 +82,11 @@ class Case:
     @property
     def of_extrinsics(self) -> "Case":
         """The same case with nothing but the extrinsics free."""
-        return replace(self, free=self.free.extrinsics)
+        return self.with_free(self.free.extrinsics)
+
+    def with_free(self, free: Parameters) -> "Case":
+        """The same case with other parameters free."""
+        return replace(self, free=free)
 
     def scale_of(self, stage: Stage) -> float:
         """The image scale at which a stage works."""
@@ -121,13 +126,16 @@ class StageRun:
     cut: bool = False
     survey_cost: float = 0.0
 
+    if not TYPE_CHECKING:
+        __getattr__ = renamed_attributes({"best": "end_extrinsics"})
+
     @property
     def start(self) -> Extrinsics:
         """(6,) extrinsics [rad, m] where it began."""
         return np.asarray(self.began.extrinsics)
 
     @property
-    def best(self) -> Extrinsics:
+    def end_extrinsics(self) -> Extrinsics:
         """(6,) extrinsics [rad, m] where it ended."""
         return np.asarray(self.ended.extrinsics)
 
@@ -268,7 +276,7 @@ def matched(data: ScoringData, chart: RigChart, z: Float[np.ndarray, "n"], match
     rig, extrinsics = chart.rig_at(z), with_unit_baseline(chart.extrinsics(z))
     if same_camera(rig.left, chart.rig.left) and same_camera(rig.right, chart.rig.right):
         return host.correspondences(data, extrinsics, matcher)
-    return read_by(host.correspondences(data.through(rig), extrinsics, matcher), matched_rig=rig, rig=chart.rig)
+    return with_rays_of(chart.rig, host.correspondences(data.through(rig), extrinsics, matcher), matched_rig=rig)
 
 
 def remaining(budget: Budget, cost: float, began: float) -> Budget | None:

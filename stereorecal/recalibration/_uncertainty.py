@@ -5,6 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float
 
+from stereorecal.estimation import Estimate
+from stereorecal.geometry import StereoRig
+from stereorecal.objectives import RigChart
+
 NORMAL_95 = 1.96
 _PART = 0.3  # of a unit direction: an axis with less is not named
 OBSERVED = 0.5  # of the prior's standard deviation; above it, the answer is mostly the prior
@@ -64,12 +68,21 @@ def uncertainty(
     return Uncertainty(names, posterior + np.outer(offset, offset), posterior, observed, weak)
 
 
+def uncertainty_of(estimated: Estimate, candidate: StereoRig, chart: RigChart) -> Uncertainty:
+    """Of the parameters of a chart, around a candidate and marginal over all others: mean squares of what the truth may
+    differ by."""
+    where = [estimated.names.index(name) for name in chart.names]
+    offset = (estimated.theta - estimated.chart.coordinates_of(candidate))[where]
+    spread = estimated.posterior.covariance[np.ix_(where, where)]
+    return uncertainty(chart.names, spread, offset, chart.prior * chart.units, estimated.prior_variance[where])
+
+
 def directions(covariance: Float[np.ndarray, "n n"], free: tuple[str, ...]) -> tuple[str, ...]:
     """The directions that stay mostly as uncertain as the prior: their axes, the largest part first; each axis alone
     where as many directions as axes share the same ones.
 
     Args:
-        covariance: in standard deviations of the prior.
+        covariance: each axis scaled by the prior's standard deviation.
     """
     variances, axes = np.linalg.eigh(covariance)
     found: dict[frozenset[str], list[list[str]]] = {}

@@ -1,4 +1,4 @@
-"""Compiling before the first repair has to wait for it."""
+"""Compile in advance, so that the first repair need not wait."""
 
 from collections.abc import Sequence
 from dataclasses import replace

@@ -87,7 +87,7 @@ def _names(data: Mapping[str, Any], kind: str) -> list[str]:
 
 
 def _panels(data: Mapping[str, Any], scene: str) -> list[Markup]:
-    """The figures of one scene that have values: r, rotation errors, and the best score at several budgets."""
+    """The charts of one scene for the page."""
     limits = data["settings"]["thresholds"]
     names = list(dict.fromkeys(title_of(row, data) for row in data["summary"]))
     finished = [row for row in data["trials"] if row["scene"] == scene and row["ratio"] is not None]

@@ -11,6 +11,7 @@ from stereorecal.scoring._correspondences import (
     TILES as TILES,
     Correspondences as Correspondences,
     correspondences as correspondences,
+    with_rays_of as with_rays_of,
 )
 from stereorecal.scoring._count import count as count, count_scaled as count_scaled
 from stereorecal.scoring._forward_gradient import forward_gradient as forward_gradient

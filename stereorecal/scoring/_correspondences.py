@@ -5,7 +5,7 @@ then depends on the image size only, and pixels whose windows overlap do not cou
 """
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 import jax
@@ -15,7 +15,16 @@ from jaxtyping import Bool, Float, Int
 
 from stereorecal._arrays import AnyArray, Extrinsics, namespace
 from stereorecal._pytree import register_pytree
-from stereorecal.geometry import PINHOLE, Camera, cubic_warp, rectifying_rotations, rotation_from_euler
+from stereorecal.geometry import (
+    PINHOLE,
+    Camera,
+    StereoRig,
+    cubic_warp,
+    rectifying_rotations,
+    reread,
+    rotation_from_euler,
+    same_camera,
+)
 from stereorecal.matching import AbstractMatcher, Disparity
 from stereorecal.scoring._match_frame import match_frame
 from stereorecal.scoring._prepare import ScoringData
@@ -62,6 +71,21 @@ class Correspondences:
     def covered(self) -> float:
         """The share of the frame that is covered, of the frame with the most: fog in another frame does not count."""
         return float((np.asarray(self.weight) > 0).mean(axis=1).max())
+
+
+def with_rays_of(rig: StereoRig, found: Correspondences, *, matched_rig: StereoRig) -> Correspondences:
+    """Correspondences with the rays that the cameras of `rig` give to the same pixels.
+
+    Args:
+        matched_rig: whose cameras gave the rays of `found`.
+    """
+
+    def rays(side: str) -> Float[np.ndarray, "k m 3"]:
+        matched_camera, camera = getattr(matched_rig, side), getattr(rig, side)
+        found_rays = np.asarray(getattr(found, side))
+        return found_rays if same_camera(matched_camera, camera) else reread(found_rays, matched_camera, camera)
+
+    return replace(found, left=rays("left"), right=rays("right"))
 
 
 def correspondences(

@@ -35,9 +35,8 @@ import stereorecal as sr
 from stereorecal.estimation import readings
 from stereorecal.estimation._consequences import points_of_view
 from stereorecal.geometry import with_unit_baseline
-from stereorecal.objectives import read_by
 from stereorecal.recordings import Scene
-from stereorecal.scoring import host, median_row_error, pyramid
+from stereorecal.scoring import host, median_row_error, pyramid, with_rays_of
 from stereorecal.scoring.host import with_measured_range
 
 RENDERED = [(kind, seed) for kind in ("harbour", "coast", "street") for seed in (1, 2)]
@@ -108,7 +107,7 @@ def judged(scene: Scene, given: Scene, case: str, explained: bool, draws: int, j
             start = sr.synthetic.decalibrate(rig, key, degrees, fraction) if degrees else rig
             solution = sr.recalibrate(start, given.pairs)
             rows = [
-                median_row_error(read_by(judge, rig, r), with_unit_baseline(r.extrinsics))
+                median_row_error(with_rays_of(r, judge, matched_rig=rig), with_unit_baseline(r.extrinsics))
                 for r in (start, solution.rig)
             ]
             farther = depth_error(solution.rig, rig) - depth_error(start, rig)

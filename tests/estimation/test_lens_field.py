@@ -8,8 +8,7 @@ from lenses import WIDE_LENSES
 import stereorecal as sr
 from stereorecal.estimation import rig_parameters
 from stereorecal.estimation._lens_field import within_field
-from stereorecal.objectives import read_by
-from stereorecal.scoring import Correspondences
+from stereorecal.scoring import Correspondences, with_rays_of
 
 FOCAL = {"omni": 600.0}  # pixels, of a plane behind a sphere; the others 280
 
@@ -35,7 +34,7 @@ def test_every_step_ends_where_all_that_was_found_has_rays(model: str, seed: int
     found, terms = found_of(chart), [parameter.unit == "" for parameter in chart.parameters]
     move = far * np.where(terms, 1.0, 0.01) * np.random.default_rng(seed).uniform(-1, 1, chart.dim)
     taken = within_field(found, chart, np.zeros(chart.dim), move)
-    read = read_by(found, chart.rig, chart.rig_at(taken))
+    read = with_rays_of(chart.rig_at(taken), found, matched_rig=chart.rig)
     assert np.isfinite(read.left).all()
     assert np.isfinite(read.right).all()
     shares = taken / np.where(move == 0.0, 1.0, move)

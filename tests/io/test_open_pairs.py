@@ -167,7 +167,9 @@ def test_what_is_refused(videos, tmp_path):
     (tmp_path / "bad.avi").write_bytes(b"no video at all")
     with pytest.raises(InputError, match="not a video that OpenCV can read"):
         open_pairs(tmp_path / "bad.avi")
-    with pytest.raises(InputError, match=r"right\.avi: the halves of an image are of one time; leave"):
+    with pytest.raises(
+        InputError, match=r"right\.avi: left and right come from one image, so there are no times to match; leave"
+    ):
         open_pairs(right, tolerance=0.1)
     with pytest.raises(InputError, match=r"left\.avi 000000 and left\.avi 000000: left and right are the same image"):
         open_pairs(left, left).pairs[0]

@@ -10,9 +10,9 @@ from hypothesis import given, settings, strategies as st
 import stereorecal as sr
 from stereorecal.geometry import changed_camera, distort, ray_slopes, reread
 from stereorecal.geometry.projections import NAMES as PROJECTIONS
-from stereorecal.objectives import Parameters, Reach, as_parameters, differences_at, linearised, read_by, row_chart
+from stereorecal.objectives import Parameters, Reach, as_parameters, differences_at, linearised, row_chart
 from stereorecal.objectives._parameters import GROUPS, NAMES
-from stereorecal.scoring import Correspondences
+from stereorecal.scoring import Correspondences, with_rays_of
 
 RIG = sr.synthetic.default_rig()
 # Of radial-tangential lenses.
@@ -105,7 +105,7 @@ def test_pixels_read_by_another_camera(z):
     other = CHART.rig_at(z)
     found = seen(RIG)
     pixels = RIG.left.project(found.left)
-    ours = read_by(found, RIG, other).left
+    ours = with_rays_of(other, found, matched_rig=RIG).left
     criteria = (cv2.TERM_CRITERIA_MAX_ITER | cv2.TERM_CRITERIA_EPS, 200, 1e-14)
     lens = other.left.matrix, other.left.distortion
     theirs = cv2.undistortPoints(pixels.reshape(-1, 1, 2), *lens, criteria=criteria)

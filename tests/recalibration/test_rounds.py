@@ -54,7 +54,7 @@ def staged(monkeypatch):
         case = Case(pyramid(RIG, render("harbour", 0, rig=RIG).pairs), SAD(num_disparities=16), Reach(), Parameters())
         stage = Stage(SOLVE, 1.0, ScoreKind.EPIPOLAR, rounds=rounds)
         done = run_stage(case, stage, RIG, Budget(), 0)
-        return done, case.chart.coordinates(done.best)
+        return done, case.chart.coordinates(done.end_extrinsics)
 
     return run
 

@@ -60,8 +60,8 @@ def syntax_for(paths: Sequence[Path], format: Format, source: RigFile | None) ->
     own = source if source is not None and source.format == format.NAME else None
     files = len(own.documents) if own else format.FILES
     if len(paths) != files:
-        wanted = "one file" if files == 1 else "two files, left and right"
-        raise InputError(f"{' and '.join(map(str, paths))}: {format.NAME} is written as {wanted}; give so many names.")
+        wanted = "one file; give one name" if files == 1 else "two files, left and right; give two names"
+        raise InputError(f"{' and '.join(map(str, paths))}: {format.NAME} is written as {wanted}.")
     usual_one = own.documents[0].syntax if own else next(iter(format.SYNTAX.values()))
     endings = {path.suffix.lower() for path in paths} - {""}
     found = {format.SYNTAX.get(ending) for ending in endings} or {usual_one}

@@ -79,7 +79,9 @@ def open_pairs(
             raise InputError("a bag takes both a left and a right topic, and no right images.")
         topics = (left_topic, right_topic)
     if tolerance is not None and topics is None and right is None:
-        raise InputError(f"{left}: the halves of an image are of one time; leave the tolerance out.")
+        raise InputError(
+            f"{left}: left and right come from one image, so there are no times to match; leave the tolerance out."
+        )
     left = bag_folder(Path(left))
     absolute = [None if place is None else str(Path(place).absolute()) for place in (left, right)]
     assert absolute[0] is not None

@@ -23,7 +23,7 @@ def image_of_message(message: Any, where: str) -> Image:
 
     Args:
         message: anything with the fields of `sensor_msgs/Image` or `sensor_msgs/CompressedImage`, of ROS 1 or ROS 2.
-        where: what an error is about.
+        where: names the message in errors.
 
     Raises:
         InputError: if they are damaged, or encoded in a way that is not known.

@@ -1,8 +1,8 @@
 """Reductions over the first axis by halving, which XLA's CPU compiler vectorises, unlike its own reductions there
 (half the time of the whole search, measured).
 
-The last two rows of a minimum are left to XLA's own: that one it never fuses into what reads it. All that follows from
-a winner would else find it anew (a third of the time of the whole search).
+The last two rows of a minimum are left to XLA's own reduction, which it never fuses into what reads it. Otherwise XLA
+would recompute the minimum in every step that uses it (a third of the time of the whole search).
 """
 
 import jax
