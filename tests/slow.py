@@ -60,9 +60,10 @@ def terminal(*words: object) -> list[str]:
 
 @contextmanager
 def sleeping(planted: dict[str, str], *words: object) -> Iterator[subprocess.Popen[str]]:
-    """A command that runs until its strategy sleeps; killed afterwards."""
+    """A command that runs until its strategy sleeps, in a process group of its own; killed afterwards."""
     run, env = terminal("-m", "stereorecal", *words), os.environ | planted
-    with subprocess.Popen(run, env=env, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    with subprocess.Popen(run, env=env, text=True, start_new_session=True, **pipes) as process:
         try:
             while not Path(planted["SLOW_STARTED"]).exists():
                 assert process.poll() is None, process.communicate()[1]

@@ -41,12 +41,13 @@ def executor(text: str) -> AbstractContextManager[Executor | None]:
 
 
 class _Processes(ProcessPoolExecutor):
-    """Worker processes that leave Ctrl-C, and the end of the terminal, to their parent from their first moment on."""
+    """Worker processes that leave all that ends a run to their parent from their first moment on: a signal that reaches
+    the whole group would else break the pool while the parent cancels what waits in it."""
 
     def submit(self, fn: Callable, /, *args: Any, **kwargs: Any) -> Future:
         if not hasattr(signal, "pthread_sigmask"):  # Windows
             return super().submit(fn, *args, **kwargs)
-        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGHUP})
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGHUP, signal.SIGTERM})
         try:
             return super().submit(fn, *args, **kwargs)  # starts a worker, which inherits what is blocked
         finally:
@@ -62,7 +63,7 @@ def _pool(pool: ThreadPoolExecutor | ProcessPoolExecutor) -> Iterator[Executor]:
         # Everything is saved. Who still works was interrupted: nobody waits for what he makes.
         pool.shutdown(wait=False, cancel_futures=True)
         for worker in set(active_children()) - earlier_processes:
-            worker.terminate()
+            worker.kill()
 
 
 def _begin_work() -> None:

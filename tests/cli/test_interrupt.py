@@ -68,8 +68,12 @@ def test_recordings_that_are_finished_are_kept(
 
 
 def test_worker_processes_leave_nothing_to_complain_of(planted: dict[str, str], clean_scene: Path, drifted_scene: Path):
+    """As a terminal and `timeout` send signals: to the whole group."""
     words = ["recalibrate", drifted_scene, clean_scene, *SLOWLY, "--executor", "processes:1"]
-    _, err = interrupted(planted, signal.SIGINT, *words)
+    with sleeping(planted, *words) as process:
+        os.killpg(process.pid, signal.SIGTERM)
+        _, err = process.communicate(timeout=120)
+    assert process.returncode == 130, err
     assert err.count("\n") == 1
 
 

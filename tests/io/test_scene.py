@@ -210,6 +210,27 @@ def test_missing_keys(make: Make, key: str):
     refused_scene(make(**{key: ...}), f"the key '{key}' is missing")
 
 
+@pytest.mark.parametrize(
+    ("written", "words"),
+    [
+        (
+            {"distortion_model": ..., "distorsion_model": "equidistant"},
+            "the key 'distorsion_model' is not known; is 'distortion_model' meant?",
+        ),
+        ({"reference": ..., "refrence": "truth"}, "is 'reference' meant?"),
+        ({"time_s": [0.0]}, "is 'times_s' meant?"),
+        ({"readout": 0.01}, "is 'readout_s' meant?"),
+        ({"distorsion_model": "kept, since the key itself is there"}, None),
+        ({"D_left": ..., "D_lefft": [0.0] * 5}, "the key 'D_left' is missing; is 'D_lefft' meant?"),
+    ],
+)
+def test_keys_that_are_misspelt(make: Make, written: dict[str, object], words: str | None):
+    if words is None:
+        assert load_scene(make(**written)).info.items() >= written.items()
+    else:
+        refused_scene(make(**written), words)
+
+
 @pytest.mark.parametrize("key", ["K_left", "D_right", "R", "T", "max_disparity_px"])
 @pytest.mark.parametrize("value", [float("nan"), float("inf"), float("-inf")])
 def test_nan_and_infinity(make: Make, key: str, value: float):

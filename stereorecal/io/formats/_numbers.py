@@ -1,5 +1,6 @@
 """The one reader of numbers: what a calibration file says under a key, as a finite float64 array or in one sentence."""
 
+import difflib
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -43,11 +44,25 @@ def value(content: Mapping[str, Any], key: str) -> Any:
     """The value under a key.
 
     Raises:
-        InputError: if the key is missing.
+        InputError: if the key is missing; the message names one that looks like it.
     """
     if key not in content:
-        raise InputError(f"the key {key!r} is missing; add it, or copy the file again.")
+        close = difflib.get_close_matches(key, map(str, content), 1, 0.9)
+        hint = f"is {close[0]!r} meant? Rename that" if close else "add it"
+        raise InputError(f"the key {key!r} is missing; {hint}, or copy the file again.")
     return content[key]
+
+
+def optional(content: Mapping[str, Any], key: str) -> Any:
+    """The value under a key; None if there is no such key.
+
+    Raises:
+        InputError: if there is one that is written almost like it, which would else be kept and not read.
+    """
+    misspelt = difflib.get_close_matches(key, map(str, content), 1, 0.85)
+    if key not in content and misspelt:
+        raise InputError(f"the key {misspelt[0]!r} is not known; is {key!r} meant? Rename it, or take it out.")
+    return content.get(key)
 
 
 def unpacked(stated: Any) -> Any:

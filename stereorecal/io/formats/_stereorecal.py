@@ -12,7 +12,7 @@ from stereorecal.io._read_files import about
 from stereorecal.io._strict_json import strict_json_text
 from stereorecal.io.formats._format import Documents, Hints, Target
 from stereorecal.io.formats._model_names import model_named, model_word
-from stereorecal.io.formats._numbers import image_size, numbers, value
+from stereorecal.io.formats._numbers import image_size, numbers, optional, value
 from stereorecal.io.formats.text._document import Syntax
 from stereorecal.io.formats.text._keys import Keys
 
@@ -87,7 +87,7 @@ def rig_from(content: Mapping[str, Any]) -> StereoRig | None:
     """
     if all(value(content, key) is None for key in ("K_left", "K_right")):
         return None
-    model, size = model_named(content.get("distortion_model")), image_size(content, "image_size")
+    model, size = model_named(optional(content, "distortion_model")), image_size(content, "image_size")
     left, right = (_camera(content, side, size, model) for side in ("left", "right"))
     return StereoRig.from_rotation(left, right, numbers(content, "R", (3, 3)), numbers(content, "T", (3,)))
 
