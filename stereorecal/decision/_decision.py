@@ -361,8 +361,8 @@ def _decided(
     )
     # An estimate without frames: others judge it by later ones.
     borne_out = estimate.shown is None or median_frame_change_px < 0.0
-    understood = no_repair.explains or no_repair.corrects_most or _some_rig_explains(estimate, limits)
-    by_rows = better > 1.0 - limits.alpha and borne_out and understood
+    by_rows = better > 1.0 - limits.alpha and borne_out
+    by_rows = by_rows and (no_repair.explains or no_repair.corrects_most or _some_rig_explains(estimate, limits))
     if harmless and (depth_gain or by_rows):
         return replace(no_repair, verdict=Verdict.REPAIR, by_rows=by_rows)
     return no_repair

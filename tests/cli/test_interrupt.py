@@ -67,10 +67,10 @@ def test_recordings_that_are_finished_are_kept(
     assert content["repairs"][0]["score_after"]["count"] > 0
 
 
-def test_worker_processes_leave_nothing_to_complain_of(planted: dict[str, str], clean_scene: Path, drifted_scene: Path):
+def test_worker_processes_leave_nothing_to_complain_of(planted: dict[str, str], clean_scene: Path):
     """As a terminal and `timeout` send signals: to the whole group."""
-    words = ["recalibrate", drifted_scene, clean_scene, *SLOWLY, "--executor", "processes:1"]
-    with sleeping(planted, *words) as process:
+    words = ["compare", "--scene", clean_scene, "--scale", "0.5", "--draws", "8", "--strategies", "slow"]
+    with sleeping(planted, *words, "--executor", "processes:1") as process:
         os.killpg(process.pid, signal.SIGTERM)
         _, err = process.communicate(timeout=120)
     assert process.returncode == 130, err
