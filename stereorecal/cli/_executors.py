@@ -2,10 +2,12 @@
 
 import os
 import signal
+import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import AbstractContextManager, contextmanager, nullcontext
-from multiprocessing import active_children, get_context
+from multiprocessing import active_children, get_context, parent_process
+from multiprocessing.connection import wait
 from typing import Any
 
 from stereorecal._choices import checked_choice
@@ -67,6 +69,14 @@ def _pool(pool: ThreadPoolExecutor | ProcessPoolExecutor) -> Iterator[Executor]:
 
 
 def _begin_work() -> None:
-    """In a worker process: Ctrl-C is left to the parent."""
+    """In a worker process: what ends a run is left to the parent, without whom nobody works."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if (parent := parent_process()) is not None:
+        threading.Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()
     use_compile_cache()
+
+
+def _end_with(sentinel: int) -> None:
+    """End at once when the parent has: killed, it could not end its workers."""
+    wait([sentinel])
+    os._exit(1)

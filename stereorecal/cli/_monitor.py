@@ -30,7 +30,7 @@ from stereorecal.cli._streams import leave_stdout, say, stdout_error, stdout_rea
 from stereorecal.cli._watched_cameras import watched_cameras
 from stereorecal.io import calibration_json, check_savable, files_read, json_line, save_rig
 from stereorecal.matching import as_matcher
-from stereorecal.online import EVENTS_SCHEMA, Config, State, Stepped, init, load, reading, run as steps, save
+from stereorecal.online import EVENTS_SCHEMA, Config, Reading, State, Stepped, init, load, reading, run as steps, save
 from stereorecal.recalibration import Condition
 from stereorecal.recordings import Scene
 
@@ -115,7 +115,20 @@ def _save_output(options: MonitorOptions, state: State, scene: Scene) -> None:
 
 def _summary(options: MonitorOptions, state: State) -> None:
     if options.prints:
-        print(f"{reading(state).condition.value}; {_calibration_note(options, state)}")
+        found = reading(state)
+        print(f"{found.condition.value}{_reason(found)}; {_calibration_note(options, state)}")
+
+
+def _reason(found: Reading) -> str:
+    """Why nothing can be told, and what would tell; nothing where something can."""
+    if found.condition is not Condition.CANNOT_TELL or found.decision is None:
+        return ""
+    if found.late:
+        return f" (the right shutter is late by {found.delay.value:.2f} of a frame)"
+    if found.change is not None:
+        return " (another calibration is better on average; later pairs decide)"
+    low, high = max(found.rows_px.low, 0.0), found.rows_px.high
+    return f" (epipolar error {low:.2f} to {high:.2f} px with 95 %; more pairs, with texture and in motion, would tell)"
 
 
 def _write_error(error: OSError, what: str, options: MonitorOptions) -> InputError:

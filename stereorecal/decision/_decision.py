@@ -38,6 +38,7 @@ class Decision:
         tolerances: by which it was decided.
         by_rows: whether its rows are better for sure, also those that most frames show.
         judged_at: the distances at which rows were judged, baselines; depth at the farthest.
+        left_to_intrinsics: whether the rows that the candidate leaves are explained by intrinsics that stay.
     """
 
     verdict: Verdict
@@ -51,6 +52,7 @@ class Decision:
     tolerances: Tolerances = DEFAULT
     by_rows: bool = False
     judged_at: tuple[float, ...] = DEFAULT.distances
+    left_to_intrinsics: bool = False
 
     @property
     def refused(self) -> bool:
@@ -88,6 +90,11 @@ class Decision:
         return bool(self.rows_px[1, 0] <= self.tolerances.good_rows_px)
 
     @property
+    def is_understood(self) -> bool:
+        """Whether the candidate explains the rows, or intrinsics explain what it leaves."""
+        return self.explains or self.left_to_intrinsics
+
+    @property
     def corrects_most(self) -> bool:
         """Whether the candidate corrects more of the rows than it leaves, as likely as not."""
         before, after = self.rows_px[:, 0]
@@ -101,6 +108,7 @@ def decide(
     *,
     proven: bool = False,
     depth_observable: bool = False,
+    intrinsics_explain: bool = False,
 ) -> Decision:
     """Choose between a calibration, and changes of its free parameters.
 
@@ -110,7 +118,7 @@ def decide(
     2. A candidate may replace the calibration if one of these asks for it:
 
        - rows: they are better for sure, also on average those that most frames show, and the candidate explains them,
-         or corrects more than it leaves, or the estimate explains them, with intrinsics that may not change;
+         or corrects more than it leaves, or intrinsics that stay explain what it leaves (`intrinsics_explain`);
        - ranges: they agree with it and not with the calibration;
        - the rig's own motion: it tells that depth is better;
 
@@ -133,8 +141,17 @@ def decide(
         proven: whether frames that took no part show, all over the view, that the free parameters may change.
         depth_observable: whether more than epipolar errors tells depth, though the estimate has no windows of motion: a
             filter that follows the rig.
+        intrinsics_explain: whether rows that a candidate leaves may be those of intrinsics that stay: nothing refutes
+            the ones that the estimate finds.
     """
-    (found,) = decide_together([estimate], free, tolerances, proven=proven, depth_observable=depth_observable)
+    (found,) = decide_together(
+        [estimate],
+        free,
+        tolerances,
+        proven=proven,
+        depth_observable=depth_observable,
+        intrinsics_explain=intrinsics_explain,
+    )
     return found
 
 
@@ -145,13 +162,14 @@ def decide_together(
     *,
     proven: bool = False,
     depth_observable: bool = False,
+    intrinsics_explain: bool = False,
 ) -> list[Decision]:
     """The same for each of several calibrations whose free parameters are the same but for a drift: all candidates keep
     depth, or none, or change the length of the baseline alone; so that fewest are refused.
 
     Args:
         several: what is known, with the same parameters.
-        free, tolerances, proven, depth_observable: as `decide` has them.
+        free, tolerances, proven, depth_observable, intrinsics_explain: as `decide` has them.
     """
     limits = DEFAULT if tolerances is None else tolerances
     several = [with_nearest_distance(estimate, limits) for estimate in several]
@@ -171,6 +189,7 @@ def decide_together(
                 limits=limits,
                 proven=proven,
                 depth_observable=depth_observable or bool(estimate.windows),
+                intrinsics_explain=intrinsics_explain,
             )
             for estimate, theta, before, of_candidate in each
         ]
@@ -331,6 +350,7 @@ def _decided(
     limits: Tolerances,
     proven: bool,
     depth_observable: bool,
+    intrinsics_explain: bool,
 ) -> Decision:
     """The decision between θ = 0, with the losses `before`, and a candidate, with the losses `after`."""
     worse, counted_harm = _chances_of_harm(before, after, limits)
@@ -362,9 +382,10 @@ def _decided(
     # An estimate without frames: others judge it by later ones.
     borne_out = estimate.shown is None or median_frame_change_px < 0.0
     by_rows = better > 1.0 - limits.alpha and borne_out
-    by_rows = by_rows and (no_repair.explains or no_repair.corrects_most or _some_rig_explains(estimate, limits))
+    left_to_intrinsics = by_rows and not no_repair.explains and intrinsics_explain and _is_explained(estimate, limits)
+    by_rows = by_rows and (no_repair.explains or no_repair.corrects_most or left_to_intrinsics)
     if harmless and (depth_gain or by_rows):
-        return replace(no_repair, verdict=Verdict.REPAIR, by_rows=by_rows)
+        return replace(no_repair, verdict=Verdict.REPAIR, by_rows=by_rows, left_to_intrinsics=left_to_intrinsics)
     return no_repair
 
 
@@ -393,6 +414,8 @@ def _costs_a_region(estimate: Estimate, theta: Float[np.ndarray, "n"], limits: T
     return bool(np.any(loses & ~gains))
 
 
-def _some_rig_explains(estimate: Estimate, limits: Tolerances) -> bool:
-    """Whether the rows are those of a rig, as likely as not: what a candidate leaves of them, intrinsics explain."""
-    return float(np.median(_losses(estimate, estimate.theta).mean_rows)) <= limits.good_rows_px
+def _is_explained(estimate: Estimate, limits: Tolerances) -> bool:
+    """Whether the rig at the mean, with all its parameters, leaves no more rows than good calibrations do: of what the
+    frames show, and, as likely as not, over the view."""
+    mean = _losses(estimate, estimate.theta)
+    return bool(max(np.median(mean.frame_rows_px), np.median(mean.mean_rows)) <= limits.good_rows_px)

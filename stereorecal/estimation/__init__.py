@@ -11,6 +11,7 @@ what errors of a rig do to rows and depth, `_candidates` the rigs that may be wr
 begins with.
 """
 
+from stereorecal._renamed import renamed
 from stereorecal.estimation._calibration_prior import (
     CalibrationPrior as CalibrationPrior,
     calibration_covariances as calibration_covariances,
@@ -63,3 +64,5 @@ from stereorecal.estimation._saved_prior import (
     SavedPrior as SavedPrior,
 )
 from stereorecal.estimation._several_recordings import Recording as Recording, estimate_together as estimate_together
+
+__getattr__ = renamed(__name__, {"Beams": "MatchedRanges", "NO_BEAMS": "NO_RANGES"})

@@ -13,6 +13,11 @@ from stereorecal.scoring import Correspondences
 _PARTS = 4  # of the places, each left out once
 
 
+def shows_several_places(estimated: Estimate) -> bool:
+    """Whether frames that take no part can be asked."""
+    return estimated.shown is not None and len(frames_by_place(estimated.shown)) >= _PARTS
+
+
 def decided_by_cross_validation(
     estimated: Estimate,
     found: Correspondences,
@@ -29,8 +34,9 @@ def decided_by_cross_validation(
         rig: the given one.
         free: names, with intrinsics among them.
     """
-    if estimated.shown is None or is_exact(prior) or len(places := frames_by_place(estimated.shown)) < _PARTS:
+    if estimated.shown is None or is_exact(prior) or not shows_several_places(estimated):
         return None
+    places = frames_by_place(estimated.shown)
     freed = decide(estimated, free, tolerances, proven=True)
     if freed.refused or not freed.explains:
         return None

@@ -3,14 +3,15 @@
 from stereorecal.decision import Decision, Verdict, decide
 from stereorecal.estimation import Estimate
 from stereorecal.objectives import Parameters
-from stereorecal.recalibration._cross_validated_decision import decided_by_cross_validation
+from stereorecal.recalibration._cross_validated_decision import decided_by_cross_validation, shows_several_places
 from stereorecal.recalibration._stages import Case
 from stereorecal.scoring import Correspondences
 
 
 def free_and_decision(case: Case, found: Correspondences, estimate: Estimate) -> tuple[Parameters, Decision]:
     """What may change, and the decision on it: as it is in the case; or everything, where that does not explain the
-    rows of several places, and all parameters together do, also in frames that took no part.
+    rows of several places, and all parameters together do, also in frames that took no part. Where there are fewer
+    places, nothing refutes intrinsics that explain what the extrinsics leave.
 
     Args:
         found: that the estimate rests on.
@@ -18,6 +19,8 @@ def free_and_decision(case: Case, found: Correspondences, estimate: Estimate) ->
     held = decide(estimate, case.free.names, case.tolerances)
     if not case.free.widens or held.verdict is Verdict.GOOD or held.explains:
         return case.free, held
+    if not shows_several_places(estimate):
+        return case.free, decide(estimate, case.free.names, case.tolerances, intrinsics_explain=True)
     free = case.free.widest(case.rig)
     freed = decided_by_cross_validation(estimate, found, case.rig, case.prior, free.names, case.tolerances)
     return (case.free, held) if freed is None else (free, freed)

@@ -182,7 +182,7 @@ def _reason(case: Case, answer: Answer, tiles: Int[np.ndarray, "2 k tiles"], can
         return Reason.CANNOT_TELL
     # Not where the search ended: along what the rows do not show, it may end anywhere.
     z, decision = case.of_extrinsics.chart.coordinates(np.asarray(candidate.extrinsics)), answer.decision
-    if at_the_edge(z) and (decision.verdict is Verdict.CANNOT_TELL or not (decision.refused or decision.explains)):
+    if at_the_edge(z) and (decision.verdict is Verdict.CANNOT_TELL or not (decision.refused or decision.is_understood)):
         return Reason.REACH_EDGE
     return reason_of(decision, tiles)
 

@@ -37,7 +37,7 @@ class Look:
     def repairs(self) -> bool:
         """Whether it is sure of a repair that leaves no rows misaligned: where a rig is so far off that rows are not
         searched there, a look sees what fits by chance."""
-        return self.verdict is Verdict.REPAIR and self.answer is not None and self.answer.decision.explains
+        return self.verdict is Verdict.REPAIR and self.answer is not None and self.answer.decision.is_understood
 
     @property
     def covered(self) -> float:

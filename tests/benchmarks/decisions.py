@@ -35,7 +35,7 @@ def judged(seed: int, kind: str, degrees: float, frames: int) -> dict[str, float
     """One rig."""
     rig = simulated_rigs.simulated(seed, kind, degrees)
     seen = estimate(rig.correspondences(frames), rig.calibrated)
-    found = decide(seen, EXTRINSICS)
+    found = decide(seen, EXTRINSICS, intrinsics_explain=frames == 1)
     kept, mean = (seen.chart.rig_at(theta) for theta in (seen.with_free(EXTRINSICS, keep_depth=True), seen.theta))
     used = rig.calibrated if found.refused else seen.chart.rig_at(found.theta)
     before, after = (rig.rows_px(one, ROWS_AT, rms=True) for one in (rig.calibrated, used))

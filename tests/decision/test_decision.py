@@ -127,10 +127,11 @@ def test_what_a_repair_leaves_may_be_explained_by_intrinsics(drifted, intrinsics
             rows = 0.7 if not np.any(used) else intrinsics_leave if np.array_equal(used, seen.theta) else 0.5
             return np.full((3, 1000), rows), np.full(1000, 1.0)
 
-    found = decide(Leaving(**seen.__getstate__()), AXES)
+    found = decide(Leaving(**seen.__getstate__()), AXES, intrinsics_explain=True)
     assert not found.explains
     assert not found.corrects_most
-    assert (found.verdict is Verdict.REPAIR) is repaired
+    assert (found.verdict is Verdict.REPAIR) is found.left_to_intrinsics is found.is_understood is repaired
+    assert decide(Leaving(**seen.__getstate__()), AXES).refused, "of intrinsics that something may refute"
 
 
 @pytest.mark.parametrize("what", ["rows", "depth"])

@@ -1,6 +1,7 @@
 """The one reader of numbers: what a calibration file says under a key, as a finite float64 array or in one sentence."""
 
 import difflib
+import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -47,8 +48,8 @@ def value(content: Mapping[str, Any], key: str) -> Any:
         InputError: if the key is missing; the message names one that looks like it.
     """
     if key not in content:
-        close = difflib.get_close_matches(key, map(str, content), 1, 0.9)
-        hint = f"is {close[0]!r} meant? Rename that" if close else "add it"
+        close = _misspelt(key, content)
+        hint = f"is {close!r} meant? Rename that" if close else "add it"
         raise InputError(f"the key {key!r} is missing; {hint}, or copy the file again.")
     return content[key]
 
@@ -59,10 +60,16 @@ def optional(content: Mapping[str, Any], key: str) -> Any:
     Raises:
         InputError: if there is one that is written almost like it, which would else be kept and not read.
     """
-    misspelt = difflib.get_close_matches(key, map(str, content), 1, 0.85)
+    misspelt = _misspelt(key, content)
     if key not in content and misspelt:
-        raise InputError(f"the key {misspelt[0]!r} is not known; is {key!r} meant? Rename it, or take it out.")
+        raise InputError(f"the key {misspelt!r} is not known; is {key!r} meant? Rename it, or take it out.")
     return content.get(key)
+
+
+def _misspelt(key: str, content: Mapping[str, Any]) -> str | None:
+    """A key that is written almost like another one; not one that differs by a number: that is the other camera's."""
+    close = difflib.get_close_matches(key, map(str, content), 1, 0.9)
+    return next((other for other in close if re.findall(r"\d", other) == re.findall(r"\d", key)), None)
 
 
 def unpacked(stated: Any) -> Any:

@@ -11,12 +11,11 @@ from stereorecal.io._read_files import about
 from stereorecal.io._strict_json import read_json
 from stereorecal.io.formats import _stereorecal
 from stereorecal.io.formats._format import Hints
-from stereorecal.io.formats._numbers import image_size, optional
+from stereorecal.io.formats._numbers import image_size
 from stereorecal.io.formats._read_rig import read_files
 from stereorecal.io.formats._rig_file import file_of
 from stereorecal.io.formats._stored_prior import KEY
 
-_OPTIONAL = ("reference", "times_s", "readout_s")  # what a scene folder may say of itself
 _IF_MISSING = "check the path, or write a calib.json there."
 
 
@@ -54,15 +53,13 @@ def load_calibration(
     source = file_of(rig)
     if source is None or source.format != _stereorecal.NAME:
         return _of(rig.left.size, rig, {})
-    with about(paths[0]):
-        return _of(rig.left.size, rig, source.documents[0].content)
+    return _of(rig.left.size, rig, source.documents[0].content)
 
 
 def _of(size: tuple[int, int], rig: StereoRig | None, content: Mapping[str, Any]) -> Calibration:
     known = {*_stereorecal.calibration_of(None, size), "reference", KEY}
     info = {key: item for key, item in content.items() if key not in known}
-    reference, *_ = (optional(content, key) for key in _OPTIONAL)
-    return Calibration(size, rig, "truth" if reference == "truth" else "stored", info)
+    return Calibration(size, rig, "truth" if content.get("reference") == "truth" else "stored", info)
 
 
 def read_json_object(path: Path) -> dict[str, Any]:

@@ -24,8 +24,8 @@ def counts(data: ScoringData, candidates: Float[AnyArray, "n 6"], matcher: Abstr
     """The count of each candidate, (n,) int64, for any matcher with `num_disparities` (in full-size pixels).
 
     A count never depends on how a batch was split. On a CPU each candidate is scored alone, on one core if there are
-    several: on small frames many in a call of one program, on large ones by the programs of `disparities`. Elsewhere so
-    many are scored together, in one program.
+    several: on small frames many in a call of one program, on large ones by the programs of `disparities`. Elsewhere
+    many are scored together, in batches of at most four sizes.
     """
     if matcher.traceable and jax.default_backend() != "cpu":
         return counts_at_once(data, candidates, matcher)
