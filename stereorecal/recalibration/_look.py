@@ -40,6 +40,11 @@ class Look:
         return self.verdict is Verdict.REPAIR and self.answer is not None and self.answer.decision.is_understood
 
     @property
+    def explains(self) -> bool:
+        """Whether its repair leaves nothing to intrinsics."""
+        return self.repairs and self.answer is not None and self.answer.decision.explains
+
+    @property
     def covered(self) -> float:
         """By correspondences, share of the frame that shows most."""
         return 0.0 if self.run.found is None else self.run.found.covered

@@ -74,7 +74,9 @@ def recalibrate_case(case: Case, settings: Settings, began: float | None = None)
     case, stages = run_schedule(case, settings, start, began)
     to_decide = case.with_free(settings.free)
     ending = ending_of(to_decide, schedule, stages)
-    repair_explains_rows = ending.reason.accepted and (ending.decision is None or ending.decision.is_understood)
+    repair_explains_rows = ending.reason.accepted and (ending.decision is None or ending.decision.explains)
+    if ending.decision is not None and not (look is not None and look.explains):
+        repair_explains_rows |= ending.reason.accepted and ending.decision.left_to_intrinsics
     # A budget that ends early accepts nothing: the search that might have contradicted the look was not finished.
     keeps_search_result = repair_explains_rows or ending.reason is Reason.OUT_OF_BUDGET
     if not keeps_search_result and look is not None and look.answer is not None and look.repairs:
