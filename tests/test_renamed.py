@@ -8,6 +8,7 @@ import pytest
 import stereorecal as sr
 
 RENAMED = {
+    "stereorecal.estimation": {"Beams": "MatchedRanges", "NO_BEAMS": "NO_RANGES"},
     "stereorecal.objectives": {"Images": "StereoImages"},
     "stereorecal": {
         "recalibrate_sequence": 'recalibrate_many, with start="previous"',
@@ -50,6 +51,8 @@ def test_a_name_that_never_was_is_an_attribute_error(package: str):
 
 
 ATTRIBUTES = [
+    (sr.estimation.Estimate, "beams", "matched_ranges"),
+    (sr.recalibration.Findings, "beams", "matched_ranges"),
     (sr.Solution, "asked", "settings"),
     (sr.Solution, "kept", "frames.used"),
     (sr.Solution, "reach", "settings.reach"),

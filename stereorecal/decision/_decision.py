@@ -196,7 +196,7 @@ def decide_together(
         return _Candidate(decisions, [one.depth for one in after])
 
     changes = [candidate(free)]
-    if BASELINE in free and any(estimate.beams or estimate.windows.measured for estimate in several):
+    if BASELINE in free and any(estimate.matched_ranges or estimate.windows.measured for estimate in several):
         changes.append(candidate((BASELINE,)))  # where rows are good, they stay
     depth_changing = min(changes, key=lambda one: (one.refused, one.harms, one.loss))
     depth_keeping = candidate(free, keeps_depth=True)
@@ -359,7 +359,7 @@ def _decided(
     harmless = counted_harm < limits.alpha and (
         proven or _is_beyond_matching(before, limits) or not _costs_a_region(estimate, theta, limits)
     )
-    ranges_agree = bool(estimate.beams.fit_better(estimate.chart.rig, estimate.chart.rig_at(theta)))
+    ranges_agree = bool(estimate.matched_ranges.fit_better(estimate.chart.rig, estimate.chart.rig_at(theta)))
     nearer = float(np.mean(after.depth < before.depth - limits.worse_depth_points)) > 1.0 - limits.alpha
     # What most frames show bears it out: no posterior knows all ways in which lenses err, and where they do, one frame
     # gains what others lose.

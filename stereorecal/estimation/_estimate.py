@@ -3,12 +3,13 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from jaxtyping import Float
 
 from stereorecal._choices import checked_choice
+from stereorecal._renamed import renamed_attributes
 from stereorecal.estimation._calibration_prior import CalibrationPrior
 from stereorecal.estimation._candidates import Known, depth_kept, least_loss, least_loss_of_depth_kept
 from stereorecal.estimation._consequences import (
@@ -55,7 +56,7 @@ class Estimate:
         residual_px: root mean square of those, at the posterior's mean; NaN where there are none.
         prior_variance: (n,) of the calibration's error before any image was seen, mixed like the posterior.
         other_rigs: frames that show another rig than the others, the farthest first.
-        beams: ranges that took part.
+        matched_ranges: ranges that took part.
         shown: the mean row differences that it rests on; None where there are none.
         windows: pairs of pairs that told of the rig's motion.
         judged_at: distances [baselines] at which rows count; depth counts at the farthest.
@@ -70,12 +71,15 @@ class Estimate:
     residual_px: float
     prior_variance: Float[np.ndarray, "n"]
     other_rigs: tuple[OtherRig, ...] = ()
-    beams: MatchedRanges = NO_RANGES
+    matched_ranges: MatchedRanges = NO_RANGES
     shown: Groups | None = None
     windows: Windows = NO_WINDOWS
     judged_at: tuple[float, ...] = JUDGED_AT
     view: View | None = None
     delay: Delay | None = None
+
+    if not TYPE_CHECKING:
+        __getattr__ = renamed_attributes({"beams": "matched_ranges"})
 
     def __getstate__(self) -> dict[str, Any]:
         """What is derived stays behind: samples are larger than all else."""
@@ -299,7 +303,7 @@ def solved(
     """The estimate, and the most probable one of its explanations."""
     end = fit(found, chart, prior, start, Measured(ranges, windows))
     mean, rows = end.posterior.mean, end.rows
-    measured = {"beams": ranges, "windows": windows, "view": view, "delay": end.delay}
+    measured = {"matched_ranges": ranges, "windows": windows, "view": view, "delay": end.delay}
     estimated = Estimate(chart, end.posterior, end.misfit, 0, float("nan"), end.prior_variance, **measured)
     if rows is not None:
         residual, disagreeing = rows.residual(mean), other_rigs(rows, sum(end.misfit), mean)

@@ -141,7 +141,7 @@ def _rematched(
         case.rig,
         case.prior,
         start=estimated.theta,
-        ranges=estimated.beams,
+        ranges=estimated.matched_ranges,
         windows=estimated.windows,
         view=estimated.view,
     )

@@ -10,12 +10,13 @@ from stereorecal.geometry import StereoRig
 from stereorecal.recalibration._acceptance import Reason
 from stereorecal.recalibration._ending_of_search import ending_of
 from stereorecal.recalibration._estimate_and_decide import ended_by
-from stereorecal.recalibration._look import look_at
+from stereorecal.recalibration._look import Look, look_at
 from stereorecal.recalibration._prepared_case import prepared
 from stereorecal.recalibration._search import run_schedule, started
 from stereorecal.recalibration._settings import RepairOptions, Settings, as_settings
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._solution_of import solution_of
+from stereorecal.recalibration._stage_result import Ending
 from stereorecal.recalibration._stages import Case
 from stereorecal.recordings import Pairs
 
@@ -74,13 +75,18 @@ def recalibrate_case(case: Case, settings: Settings, began: float | None = None)
     case, stages = run_schedule(case, settings, start, began)
     to_decide = case.with_free(settings.free)
     ending = ending_of(to_decide, schedule, stages)
-    repair_explains_rows = ending.reason.accepted and (ending.decision is None or ending.decision.explains)
-    if ending.decision is not None and not (look is not None and look.explains):
-        repair_explains_rows |= ending.reason.accepted and ending.decision.left_to_intrinsics
-    # A budget that ends early accepts nothing: the search that might have contradicted the look was not finished.
-    keeps_search_result = repair_explains_rows or ending.reason is Reason.OUT_OF_BUDGET
-    if not keeps_search_result and look is not None and look.answer is not None and look.repairs:
+    if look is not None and look.answer is not None and look.repairs and not _stands(ending, look):
         ending, stages = ended_by(to_decide, look.answer), (*stages, look.run_at_no_cost)
 
     # Report.
     return solution_of(to_decide, settings, stages, ending, cost, began)
+
+
+def _stands(ending: Ending, look: Look) -> bool:
+    """Whether what the search ended with is kept, though a look is sure of a repair: a repair that explains the rows,
+    or leaves no more to intrinsics than the look's does."""
+    if ending.reason is Reason.OUT_OF_BUDGET:
+        return True  # it accepts nothing: the search that might have contradicted the look was not finished
+    decision = ending.decision
+    explains = decision is None or decision.explains or (decision.left_to_intrinsics and not look.explains)
+    return ending.reason.accepted and explains

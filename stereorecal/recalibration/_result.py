@@ -43,7 +43,7 @@ class Findings:
         uncertainty, misfit: of the candidate; None in the same cases.
         intrinsics: what became of intrinsics that were freed; None if none were.
         ranges: what became of ranges; None if there were none.
-        beams: ranges that had a sure match.
+        matched_ranges: ranges that had a sure match.
         estimate: of all parameters of the rig; None where the intrinsics are taken as exact, or nothing was found.
         decision: on the initial calibration, by the estimate; None in the same cases.
     """
@@ -55,9 +55,12 @@ class Findings:
     misfit: Misfit | None = None
     intrinsics: Intrinsics | None = None
     ranges: RangesSeen | None = None
-    beams: MatchedRanges = NO_RANGES
+    matched_ranges: MatchedRanges = NO_RANGES
     estimate: Estimate | None = None
     decision: Decision | None = None
+
+    if not TYPE_CHECKING:
+        __getattr__ = renamed_attributes({"beams": "matched_ranges"})
 
 
 @dataclass(frozen=True)

@@ -98,7 +98,7 @@ def _answers(solved: JointEstimate, each: Each) -> list[Solution]:
             uncertainty=uncertainty_of(estimated, rig, row_chart(repair.initial, repair.settings.reach, solved.free)),
             estimate=estimated,
             decision=decision,
-            beams=estimated.beams,
+            matched_ranges=estimated.matched_ranges,
             ranges=_range_report(solved, index, rig, reason),
         )
         solution = replace(
@@ -177,9 +177,9 @@ def _solutions(
         scaled = baseline_measured and alone[index].reason.healthy and not solved.ranges[index]
         own = _scaled(alone[index], answer) if scaled else alone[index]
         of_ranges = _range_report(solved, index, own.rig, answer.reason)
-        beams = NO_RANGES if of_ranges is None else answer.findings.beams
+        matched_ranges = NO_RANGES if of_ranges is None else answer.findings.matched_ranges
         own_intrinsics = intrinsics and intrinsics.not_applied(answer.reason)
-        found.append(own.with_findings(intrinsics=own_intrinsics, ranges=of_ranges, beams=beams))
+        found.append(own.with_findings(intrinsics=own_intrinsics, ranges=of_ranges, matched_ranges=matched_ranges))
     return found
 
 
@@ -205,9 +205,9 @@ def _range_report(solved: JointEstimate, index: int, used: StereoRig, reason: Re
     recordings = solved.recordings if solved.one else [solved.recordings[index]]
     estimated, found = solved.estimates[solved.of(index)], solved.rig(index)
     report = ranges_seen(
-        sum(len(one.ranges) for one in recordings), estimated.beams, estimated.chart.rig, found, reason
+        sum(len(one.ranges) for one in recordings), estimated.matched_ranges, estimated.chart.rig, found, reason
     )
-    return report and replace(report, contradict=int(estimated.beams.contradict(used).sum()))
+    return report and replace(report, contradict=int(estimated.matched_ranges.contradict(used).sum()))
 
 
 def _unsolved(recording: RepairedRecording, free: Parameters) -> Solution:

@@ -38,7 +38,7 @@ class Solution(AbstractResult):
         __getattr__ = renamed_attributes(
             {
                 "asked": "settings",
-                "beams": "findings.beams",
+                "beams": "findings.matched_ranges",
                 "free": "settings.free",
                 "kept": "frames.used",
                 "looked_at": "frames.selected",

@@ -36,7 +36,7 @@ def solution_of(
     before, after = (Score(int(found.sum()), pixels) for found in ending.tiles[:, used])
     excluded = tuple(case.images.pairs[frame].name for frame in ending.excluded)
     disagree = reason is Reason.FRAMES_DISAGREE
-    beams = NO_RANGES if ending.estimate is None else ending.estimate.beams
+    matched_ranges = NO_RANGES if ending.estimate is None else ending.estimate.matched_ranges
     return Solution(
         initial=case.rig,
         candidate=ending.candidate,
@@ -48,8 +48,8 @@ def solution_of(
             uncertainty=ending.uncertainty,
             misfit=ending.misfit,
             intrinsics=ending.intrinsics,
-            ranges=ranges_seen(len(case.ranges), beams, case.rig, ending.candidate, reason),
-            beams=beams,
+            ranges=ranges_seen(len(case.ranges), matched_ranges, case.rig, ending.candidate, reason),
+            matched_ranges=matched_ranges,
             estimate=ending.estimate,
             decision=ending.decision,
         ),

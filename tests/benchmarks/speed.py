@@ -261,24 +261,17 @@ def on_this_platform() -> None:
     def per_second(number: int, work: Callable[[], object]) -> float:
         return 1e3 * number / timed(5, work)[0]
 
-    print(
-        json.dumps(
-            [
-                jax.default_backend(),
-                {
-                    "256 candidates at quarter scale": per_second(256, lambda: counts(quarter, stacked, MATCHER)),
-                    "64 candidates at full scale": per_second(64, lambda: counts(full, stacked[:64], MATCHER)),
-                    "32 gradients of the soft count at quarter scale": per_second(
-                        32, lambda: slope(few).block_until_ready()
-                    ),
-                    "correspondences at full scale": per_second(
-                        1, lambda: jax.block_until_ready(sr.correspondences(full, stacked[0], MATCHER))
-                    ),
-                    "default repairs, 640x480": 1e3 / next(repairing(0, 1)).ours,
-                },
-            ]
-        )
-    )
+    def matched() -> object:
+        return jax.block_until_ready(sr.correspondences(full, stacked[0], MATCHER))
+
+    figures = {
+        "256 candidates at quarter scale": per_second(256, lambda: counts(quarter, stacked, MATCHER)),
+        "64 candidates at full scale": per_second(64, lambda: counts(full, stacked[:64], MATCHER)),
+        "32 gradients of the soft count at quarter scale": per_second(32, lambda: slope(few).block_until_ready()),
+        "correspondences at full scale": per_second(1, matched),
+        "default repairs, 640x480": 1e3 / next(repairing(0, 1)).ours,
+    }
+    print(json.dumps([jax.default_backend(), figures]))
 
 
 PARTS = {1: (matching, warping, counting, repairing, growing), 2: (matching, counting, repairing, growing)}

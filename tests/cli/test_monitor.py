@@ -8,6 +8,7 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 from rich.console import Console
@@ -85,6 +86,17 @@ def test_a_pair_that_cannot_be_read_ends_the_watch_and_costs_nothing_else(comman
     assert "002.png: the image is truncated" in answer.err
     assert "the calibration in use is the one that was given" in answer.out
     assert load(state).frame == 2
+
+
+def test_what_would_tell_is_said_where_nothing_can_be_told(command, scene: Path, tmp_path: Path):
+    grey = Path(shutil.copytree(scene, tmp_path / "grey"))
+    noise = np.random.default_rng(0)
+    for image in sorted(grey.glob("*/*.png")):
+        shape = cv2.imread(str(image), cv2.IMREAD_GRAYSCALE).shape
+        cv2.imwrite(str(image), noise.integers(127, 130, shape).astype(np.uint8))
+    answer = command("monitor", grey, "--once", "--frames", 2)
+    assert answer.code == 4
+    assert "more pairs, with texture and in motion, would tell" in answer.out
 
 
 def test_every_pair_of_a_long_recording_is_watched_and_read_once(command, scene: Path, monkeypatch):

@@ -83,12 +83,12 @@ def test_a_depth_that_motion_contradicts_is_not_good(drifted, shown, verdict):
     assert decide(Torn(**{**seen.__getstate__(), "windows": windows}), AXES).verdict is verdict
 
 
-def known_length(chart, percent: float, deviation: float, beams: MatchedRanges = NO_RANGES) -> Estimate:
+def known_length(chart, percent: float, deviation: float, matched_ranges: MatchedRanges = NO_RANGES) -> Estimate:
     """Of a rig whose baseline is so much longer, and all else as it was calibrated."""
     length = np.eye(chart.dim)[chart.names.index("baseline")]
     covariance = np.diag(1e-12 + (deviation * length) ** 2)
     posterior = Posterior(np.ones(1), percent * length[None], covariance[None])
-    return Estimate(chart, posterior, (0.0, 0.0), 100, 0.0, np.diag(covariance), beams=beams)
+    return Estimate(chart, posterior, (0.0, 0.0), 100, 0.0, np.diag(covariance), matched_ranges=matched_ranges)
 
 
 def ranges_of(true) -> MatchedRanges:
@@ -101,7 +101,9 @@ def ranges_of(true) -> MatchedRanges:
 def test_ranges_are_a_reason_where_rows_are_none(chart):
     """Rows do not see the length of the baseline."""
     true, free = chart.rig_at(known_length(chart, 3.0, 0.1).theta), (*AXES, "baseline")
-    alone, told = (decide(known_length(chart, 3.0, 0.1, beams), free) for beams in (NO_RANGES, ranges_of(true)))
+    alone, told = (
+        decide(known_length(chart, 3.0, 0.1, matched_ranges), free) for matched_ranges in (NO_RANGES, ranges_of(true))
+    )
     assert alone.verdict is Verdict.GOOD
     assert (told.verdict, told.by_ranges) == (Verdict.REPAIR, True)
     assert abs(chart.rig_at(told.theta).baseline / true.baseline - 1) < 1e-3
@@ -126,8 +128,8 @@ def test_ranges_are_heard_although_depth_could_be_kept(chart):
         np.asarray(true.right.project(points @ true.rotation.T + true.translation)),
     ]
     metres = np.linalg.norm(points, axis=1)
-    beams = MatchedRanges(*pixels, metres, 0.002 * metres, np.full(len(metres), 0.02))
-    seen = Estimate(chart, posterior, (0.05, 0.0), 0, float("nan"), sigma**2, beams=beams)
+    matched_ranges = MatchedRanges(*pixels, metres, 0.002 * metres, np.full(len(metres), 0.02))
+    seen = Estimate(chart, posterior, (0.05, 0.0), 0, float("nan"), sigma**2, matched_ranges=matched_ranges)
 
     class Aligned(Estimate):
         def rows_of_frames(self, used):
@@ -202,7 +204,7 @@ def test_the_harmless_of_two_changes_is_the_candidate(drifted, chart):
                 rows, depth = (0.5, 1.0) if np.allclose(used, kept) else (0.01, 2.5)
             return np.full((3, 1000), rows), np.full(1000, depth)
 
-    said = decide(Harmful(**{**seen.__getstate__(), "beams": ranges_of(chart.rig)}), free)
+    said = decide(Harmful(**{**seen.__getstate__(), "matched_ranges": ranges_of(chart.rig)}), free)
     assert said.refused
     assert said.worse == 0.0
     assert not np.delete(said.theta, length).any()

@@ -91,7 +91,7 @@ def test_a_fifth_of_other_things_has_hardly_a_say(rig, chart, scaled, seen):
     mixed.metres[::5] *= 2.5
     told = estimate(seen(rig, true, cells=700), rig, scaled, ranges=mixed)
     assert abs(nearness(told.mean_rig, true)) < 0.012
-    assert told.beams.contradict(told.mean_rig)[::5].all()
+    assert told.matched_ranges.contradict(told.mean_rig)[::5].all()
 
 
 def test_the_deviation_of_a_disparity_is_what_the_error_of_its_range_makes(chart):
