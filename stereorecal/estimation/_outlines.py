@@ -16,7 +16,7 @@ from stereorecal.estimation._groups import PLACES
 
 _EDGE = 1.0  # nats: closed walks of n steps on a square lattice are about 2.64ⁿ many
 _FEWEST = 4  # places inside, and outside: fewer are outliers
-_MOST = 0.55  # of the places: what most of an image shows is the rig; of two halves either may have moved
+_RARER = 4  # power of the share that stood still: what moves covers a sixth of an image on average, hardly ever most
 _STEPS = 60  # of single places that change sides
 _ALIKE = 0.1  # of the places: outlines that differ by less are one
 _KEPT = 2  # outlines: a region, and its rival
@@ -43,7 +43,8 @@ class Offsets:
 
 
 def outlines(several: Iterable[Offsets], present: Bool[np.ndarray, "p"]) -> list[tuple[Bool[np.ndarray, "p"], float]]:
-    """The most probable outlines that differ, and the logarithm of the prior probability of each.
+    """The most probable outlines that differ, what moved on the one side or on the other, and the logarithm of the
+    prior probability of each: rows alone cannot tell which side of an outline stood still.
 
     Args:
         several: likelihoods of offsets, under priors of θ.
@@ -52,10 +53,19 @@ def outlines(several: Iterable[Offsets], present: Bool[np.ndarray, "p"]) -> list
     found = sorted((one for offsets in several for one in _searched(offsets, present)), key=lambda one: -one[0])
     chosen = []
     for _, log_prior, label in found:
-        other = all((label != one)[present].mean() > _ALIKE for one, _ in chosen)
-        if other and label.sum() <= _MOST * present.sum():
+        difference = [(label != one)[present].mean() for one, _ in chosen]
+        if all(_ALIKE < share < 1.0 - _ALIKE for share in difference):
             chosen.append((label, log_prior))
-    return chosen[:_KEPT]
+    return [
+        (side, log_prior + _log_prior_of_size(side, present))
+        for label, log_prior in chosen[:_KEPT]
+        for side in (label, present & ~label)
+    ]
+
+
+def _log_prior_of_size(label: Bool[np.ndarray, "p"], present: Bool[np.ndarray, "p"]) -> float:
+    """Of a region, of the places that are present: the density of its share."""
+    return _RARER * float(np.log1p(-label.sum() / present.sum()))
 
 
 def _searched(offsets: Offsets, present: Bool[np.ndarray, "p"]) -> Iterator[tuple[float, float, Bool[np.ndarray, "p"]]]:

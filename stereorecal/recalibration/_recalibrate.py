@@ -1,6 +1,7 @@
 """The repair of a rig: prepare, search, estimate, decide, report."""
 
 import time
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Unpack
 
@@ -17,7 +18,7 @@ from stereorecal.recalibration._settings import RepairOptions, Settings, as_sett
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._solution_of import solution_of
 from stereorecal.recalibration._stage_result import Ending
-from stereorecal.recalibration._stages import Case
+from stereorecal.recalibration._stages import Case, StageRun
 from stereorecal.recordings import Pairs
 
 
@@ -75,18 +76,18 @@ def recalibrate_case(case: Case, settings: Settings, began: float | None = None)
     case, stages = run_schedule(case, settings, start, began)
     to_decide = case.with_free(settings.free)
     ending = ending_of(to_decide, schedule, stages)
-    if look is not None and look.answer is not None and look.repairs and not _stands(ending, look):
+    if look is not None and look.answer is not None and look.repairs and not _stands(ending, stages, look):
         ending, stages = ended_by(to_decide, look.answer), (*stages, look.run_at_no_cost)
 
     # Report.
     return solution_of(to_decide, settings, stages, ending, cost, began)
 
 
-def _stands(ending: Ending, look: Look) -> bool:
+def _stands(ending: Ending, stages: Sequence[StageRun], look: Look) -> bool:
     """Whether what the search ended with is kept, though a look is sure of a repair: a repair that explains the rows,
-    or leaves no more to intrinsics than the look's does."""
+    or leaves no more to intrinsics than the look's does; or what more of the images shows, be it doubt."""
     if ending.reason is Reason.OUT_OF_BUDGET:
         return True  # it accepts nothing: the search that might have contradicted the look was not finished
-    decision = ending.decision
+    decision, found = ending.decision, stages[-1].found
     explains = decision is None or decision.explains or (decision.left_to_intrinsics and not look.explains)
-    return ending.reason.accepted and explains
+    return (ending.reason.accepted and explains) or (found is not None and found.covered > look.covered)
