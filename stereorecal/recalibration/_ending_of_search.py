@@ -7,7 +7,7 @@ from stereorecal.recalibration._acceptance import Reason, verdict_on_count
 from stereorecal.recalibration._estimate_and_decide import answered, ended_by
 from stereorecal.recalibration._schedule import Schedule
 from stereorecal.recalibration._stage_result import Ending, counts
-from stereorecal.recalibration._stages import FEWEST, Case, StageRun
+from stereorecal.recalibration._stages import FEWEST, Case, StageRun, last_matched
 from stereorecal.strategies import Status
 
 
@@ -29,7 +29,7 @@ def ending_of(case: Case, schedule: Schedule, stages: tuple[StageRun, ...]) -> E
 
 def _ended(case: Case, stages: tuple[StageRun, ...], *, cut: bool, signal: bool) -> Ending:
     end_rig = stages[-1].ended if stages else case.rig
-    run = next((stage for stage in reversed(stages) if stage.found is not None), None)
+    run = last_matched(stages)
     if not cut and run is not None and run.found is not None and run.found.found >= FEWEST:
         return ended_by(case, answered(case, run, end_rig, corners=True))
     tiles = counts(case, end_rig)

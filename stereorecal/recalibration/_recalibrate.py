@@ -18,7 +18,7 @@ from stereorecal.recalibration._settings import RepairOptions, Settings, as_sett
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._solution_of import solution_of
 from stereorecal.recalibration._stage_result import Ending
-from stereorecal.recalibration._stages import Case, StageRun
+from stereorecal.recalibration._stages import Case, StageRun, last_matched
 from stereorecal.recordings import Pairs
 
 
@@ -88,6 +88,7 @@ def _stands(ending: Ending, stages: Sequence[StageRun], look: Look) -> bool:
     or leaves no more to intrinsics than the look's does; or what more of the images shows, be it doubt."""
     if ending.reason is Reason.OUT_OF_BUDGET:
         return True  # it accepts nothing: the search that might have contradicted the look was not finished
-    decision, found = ending.decision, stages[-1].found
+    decision, run = ending.decision, last_matched(stages)
     explains = decision is None or decision.explains or (decision.left_to_intrinsics and not look.explains)
-    return (ending.reason.accepted and explains) or (found is not None and found.covered > look.covered)
+    saw_more = run is not None and run.found is not None and run.found.covered > look.covered
+    return saw_more or (ending.reason.accepted and explains)

@@ -1,7 +1,7 @@
 """Running one stage of a schedule."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -268,6 +268,11 @@ def _epipolar_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, 
             break
     nothing = np.zeros((0, 7))
     return StageRun(stage, scale, start, chart.rig_at(best), tuple(runs), nothing, rounds * data.cost, found, cut)
+
+
+def last_matched(stages: Sequence[StageRun]) -> StageRun | None:
+    """The last of some stages that has correspondences; None if none has."""
+    return next((stage for stage in reversed(stages) if stage.found is not None), None)
 
 
 def matched(data: ScoringData, chart: RigChart, z: Float[np.ndarray, "n"], matcher: AbstractMatcher) -> Correspondences:

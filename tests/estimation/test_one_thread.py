@@ -29,15 +29,17 @@ def _elsewhere(do: Callable[[], None]) -> None:
 
 @pytest.fixture(scope="module", autouse=True)
 def _several() -> Iterator[None]:
-    def all_to(number: int) -> None:
-        for library in ThreadpoolController().select(user_api="blas").lib_controllers:
+    libraries = ThreadpoolController().select(user_api="blas").lib_controllers
+    before = [library.num_threads for library in libraries]
+
+    def set_to(numbers: list[int]) -> None:
+        for library, number in zip(libraries, numbers, strict=True):
             library.set_num_threads(number)
 
-    (before,) = threads()
-    _elsewhere(lambda: all_to(BEFORE))
+    _elsewhere(lambda: set_to([BEFORE] * len(libraries)))
     assert threads() == {BEFORE}
     yield
-    _elsewhere(lambda: all_to(before))
+    _elsewhere(lambda: set_to(before))
 
 
 @settings(max_examples=15, deadline=None)

@@ -1,6 +1,7 @@
 """Rectangles of places: sums and squares against the rectangles themselves."""
 
 import numpy as np
+import pytest
 from hypothesis import given, settings, strategies as st
 
 from stereorecal.estimation import PLACES
@@ -49,3 +50,15 @@ def test_a_rectangle_that_moved_is_found(index):
     offsets = Offsets(100.0 * np.eye(N), 100.0 * 1.0 * label, 1.5)
     (found, _), *_ = outlines([offsets], np.ones(N, bool))
     assert (found == label).all() or (found == ~label).all()
+
+
+@pytest.mark.parametrize("wide", [3, 7, 10])
+def test_either_side_of_an_outline_may_have_moved(wide):
+    """The likelihood is the same, and most of an image moves rarely."""
+    left = np.arange(N) % PLACES[0] < wide
+    still = np.eye(N) - 1.0 / N  # an offset of all places is the rig's
+    offsets = Offsets(100.0 * still, 100.0 * still @ left, 1.5)
+    prior = {label.tobytes(): log_prior for label, log_prior in outlines([offsets], np.ones(N, bool))}
+    smaller, larger = sorted([left, ~left], key=np.sum)
+    assert prior[smaller.tobytes()] >= prior[larger.tobytes()]
+    assert (prior[smaller.tobytes()] == pytest.approx(prior[larger.tobytes()])) == (wide == 7)

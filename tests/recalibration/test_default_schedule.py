@@ -1,6 +1,6 @@
 """The default schedule end to end: the geometry comes right, and what is right or invisible is left alone."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from io import StringIO
 
 import numpy as np
@@ -9,11 +9,10 @@ from rich.console import Console
 
 from stereorecal.geometry import StereoRig
 from stereorecal.matching import SAD
-from stereorecal.recalibration import Reason, Repair, Schedule, Solution, _recalibrate, recalibrate
-from stereorecal.recalibration._estimate_and_decide import answered
+from stereorecal.recalibration import Reason, Repair, Schedule, ScoreKind, Solution, Stage, recalibrate
 from stereorecal.recordings import Pair
 from stereorecal.report.repair_tables import repairs_table
-from stereorecal.strategies import Budget, Status
+from stereorecal.strategies import AbstractStrategy, Budget, Need, Outcome, Status
 from stereorecal.synthetic import default_rig
 
 SAD_48 = SAD(num_disparities=48)  # which other files have compiled
@@ -245,26 +244,26 @@ def test_frames_are_repaired_jointly_and_fog_among_them_does_not_matter(scene, h
         assert (errors(solution.rig) < 3 * solution.uncertainty.interval).all()
 
 
-@pytest.mark.parametrize(("rows_left", "reason"), [(0.1, Reason.IMPROVED), (0.6, Reason.CANNOT_TELL)])
-def test_a_look_decides_beside_a_search_in_doubt_only_if_its_rows_align(harbour, monkeypatch, rows_left, reason):
-    """A look through a rig that is far off sees what fits by chance: a rig that leaves such rows apart is not
-    written."""
-    found, ended = _recalibrate.look_at, _recalibrate.ended_by
+@dataclass(frozen=True)
+class Lost(AbstractStrategy):
+    """Ends far from where it starts, where nothing matches."""
 
-    def look_at(case, stage):
-        look = found(case, stage)
-        decision = look.answer.decision
-        said = np.stack([decision.rows_px[0], decision.rows_px[1] * rows_left / decision.rows_px[1, 0]])
-        return replace(look, answer=replace(look.answer, decision=replace(decision, rows_px=said)))
+    needs = Need.RESIDUALS
 
-    monkeypatch.setattr(_recalibrate, "look_at", look_at)
+    def run(self, objective, start, seed):
+        return Outcome(np.full(objective.dim, 0.9), Status.STALLED)
 
-    def in_doubt(case, schedule, stages):
-        answer = answered(case, stages[-1], case.rig, corners=False)
-        return replace(ended(case, answer), reason=Reason.CANNOT_TELL)
 
-    monkeypatch.setattr(_recalibrate, "ending_of", in_doubt)
-    start, schedule = drifted((0.2, -0.3, -0.2, 0.0, 0.0)), Schedule("rows", Schedule.default().stages[2:])
-    solution = repair(start, harbour, schedule=schedule)
-    assert solution.reason is reason
-    assert solution.accepted == (reason is Reason.IMPROVED)
+def test_a_look_repairs_where_a_search_got_lost(harbour):
+    schedule = Schedule("lost", (Stage(Lost(), score=ScoreKind.EPIPOLAR),))
+    solution = repair(drifted((0.1, 0.0, -0.1, 0.0, 0.0)), harbour, schedule=schedule)
+    assert solution.reason is Reason.IMPROVED
+    assert errors(solution.rig)[[0, 2]].max() < 0.01
+
+
+def test_a_look_repairs_nothing_where_a_search_saw_more_and_doubts(harbour):
+    """Two fifths of the image moved: what matches at the start is of one part, and fits a rig."""
+    (pair,) = harbour
+    right = pair.right.copy()
+    right[144:] = np.roll(pair.right, 3, axis=0)[144:]
+    assert not repair(drifted((0.2, 0.0, -0.2, 0.0, 0.0)), Pair(pair.left, right)).accepted
