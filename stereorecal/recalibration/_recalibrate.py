@@ -47,7 +47,7 @@ def recalibrate_case(case: Case, settings: Settings, began: float | None = None)
     """The repair of what is prepared.
 
     It looks before it searches, as `health` does: what one look finds good stays, and what a look is sure to correct is
-    corrected, though the search may end in doubt, or leave rows that are not explained.
+    corrected, though the search may end in doubt, or leave rows that are not explained, unless it saw more.
 
     Args:
         case: its strategies search all that is free in it, intrinsics too, which `recalibrate` leaves to the estimate;
