@@ -29,7 +29,6 @@ from stereorecal.comparison.field import (
     methods_of,
     planned,
 )
-from stereorecal.comparison.field._field_trial import FieldTask, run_field_trial
 from stereorecal.comparison.field._memory import PeakMemory
 from stereorecal.comparison.judges import AbstractRecipe, Case, Draws, Judgement
 from stereorecal.strategies import AbstractStrategy, Need, NeedNotMet, Outcome, Status
@@ -287,8 +286,10 @@ def test_a_strategy_answers_for_itself():
     assert np.degrees(good.rig.extrinsics[1] - case.start.extrinsics[1]) == pytest.approx(1.5)
     stalled = Strategy("mine", Nominating(status=Status.STALLED)).solve(case, sr.SAD(), sr.Reach(), 0)
     assert (stalled.status, stalled.rig, stalled.message) == (REFUSED, case.start, "so it is")
-    outside = FieldTask(Made("s", 0, 0, 0, 0), Strategy("mine", Nominating(best=2.0)), sr.SAD(), sr.Reach(), 0)
-    row = run_field_trial(outside)
+    outside = [Strategy("mine", Nominating(best=2.0))]
+    (row,) = compare_field(
+        *planned([], [Made("s", 0, 0, 0, 0)], outside, matcher=None, draws=Draws(), reach=None)
+    ).trials
     assert row.status == "failed"
     assert "nominated no point of the unit box" in row.message
 

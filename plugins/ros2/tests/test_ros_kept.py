@@ -10,7 +10,6 @@ from robots import BEST, BETTER, SIZE, Robot
 from stereorecal_ros import Applied, Level, corrected
 from stereorecal_ros._camera_info_files import infos_in
 from stereorecal_ros._log import numbers
-from stereorecal_ros._worker import _RETRY
 
 from stereorecal import InputError
 from stereorecal.io import load_rig, save_rig
@@ -131,7 +130,7 @@ def test_what_was_applied_outlives_a_worker_though_no_file_could_hold_it(robot):
         one.watch.apply()
     one.work.exited = True
     one.see()
-    one.now += _RETRY
+    one.now += 5.0  # seconds, after which another process is begun
     one.see()
     assert len(one.works) == 2
     assert one.turned() == pytest.approx(0.1, abs=0.01)
