@@ -77,7 +77,7 @@ def test_rounds_are_bounded(staged, most):
 A_MATCH, A_SOLVE = 1.0, 1.1e-6  # units: of one pair at full size, of one look at the residuals
 
 
-@pytest.mark.slow(after=3)
+@pytest.mark.slow(after=2)
 @pytest.mark.parametrize(
     ("units", "solved", "cut"),
     [
