@@ -211,15 +211,18 @@ def test_what_is_said_of_single_parameters_counts(given_wrong):
     assert uncertain == ["left.k1"]
 
 
-def test_frames_are_counted_as_they_were_given(scenes, monkeypatch):
+def test_frames_are_counted_as_they_were_given(scenes):
     """Where only some of many are looked at."""
-    monkeypatch.setattr("stereorecal.recalibration._frame_choice.MOST_FRAMES", 1)
-    monkeypatch.setattr("stereorecal.recalibration._frame_choice.chosen_frames", lambda pairs: pairs[1:2])
-    pairs = [replace(scene.pairs[0], name=scene.name) for scene in scenes[:2]]
-    off = TRUE.with_extrinsics(TRUE.extrinsics + np.radians([0.5, 0.3, -0.4, 0, 0, 0]))
-    solution = sr.recalibrate(off, pairs, free=("rotation", "left.k1"))
-    assert (solution.frames.selected, solution.frames.used) == ((1,), (0,))
-    assert sr.recalibrate(off, pairs[1:], free="rotation").score_before == solution.score_before
+    pairs = [replace(scene.pairs[0].resized((160, 120)), name=str(number)) for number, scene in enumerate(6 * scenes)]
+    off = TRUE.resized((160, 120))
+    off = off.with_extrinsics(off.extrinsics + np.radians([0.5, 0.3, -0.4, 0, 0, 0]))
+    rows = sr.Schedule("rows", sr.Schedule.default().stages[2:])
+    options = {"schedule": rows, "matcher": sr.SAD(num_disparities=24), "budget": 0.5, "free": ("rotation", "left.k1")}
+    chosen = chosen_frames(pairs)
+    solution = sr.recalibrate(off, pairs, **options)
+    assert solution.frames.selected == tuple(int(pair.name) for pair in chosen) != tuple(range(MOST_FRAMES))
+    assert solution.frames.used == tuple(range(MOST_FRAMES))
+    assert sr.recalibrate(off, chosen, **options).score_before == solution.score_before
 
 
 def test_nothing_but_the_rotation_moves(scenes):
