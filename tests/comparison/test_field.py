@@ -4,7 +4,7 @@ import base64
 import hashlib
 import json
 import re
-from concurrent.futures import CancelledError, Executor, Future, ThreadPoolExecutor
+from concurrent.futures import CancelledError, Executor, Future
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, replace
 from typing import ClassVar
@@ -29,7 +29,6 @@ from stereorecal.comparison.field import (
     methods_of,
     planned,
 )
-from stereorecal.comparison.field._memory import PeakMemory
 from stereorecal.comparison.judges import AbstractRecipe, Case, Draws, Judgement
 from stereorecal.strategies import AbstractStrategy, Need, NeedNotMet, Outcome, Status
 
@@ -292,19 +291,3 @@ def test_a_strategy_answers_for_itself():
     ).trials
     assert row.status == "failed"
     assert "nominated no point of the unit box" in row.message
-
-
-def test_memory_is_what_was_added():
-    with PeakMemory() as memory:
-        np.ones(8_000_000).sum()
-    assert memory.mebibytes is None or 40 < memory.mebibytes < 200
-
-
-def test_memory_that_threads_share_is_not_said():
-    def measured() -> float | None:
-        with PeakMemory() as memory:
-            np.ones(1_000_000).sum()
-        return memory.mebibytes
-
-    with ThreadPoolExecutor(1) as pool:
-        assert pool.submit(measured).result() is None

@@ -15,9 +15,9 @@ from stereorecal.estimation import (
     readings,
     rig_parameters,
 )
-from stereorecal.estimation._calibration_prior import KAPPAS
 from stereorecal.geometry import rotation_from_vector
 
+KAPPAS = of_boards.KAPPAS
 LIMITS = {"pitch": 3, "yaw": 3, "roll": 3, "f": 2, "cx": 15, "cy": 15, "k1": 0.05, "p1": 0.005, "p2": 0.005}
 
 
