@@ -6,7 +6,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-Stamped = Iterable[tuple[str, int, np.ndarray]]  # topic, nanoseconds, image
+Stamped = Iterable[tuple[str, int, np.ndarray | bytes]]  # topic, nanoseconds, image or the file of a compressed one
 
 
 def write_bag(path: Path, images: Stamped, *, ros1: bool, compressed: bool = False, encoding: str = "mono8") -> Path:
@@ -26,7 +26,8 @@ def write_bag(path: Path, images: Stamped, *, ros1: bool, compressed: bool = Fal
             extra = {"seq": number} if ros1 else {}
             header = store.types["std_msgs/msg/Header"](stamp=time, frame_id="camera", **extra)
             if compressed:
-                data = cv2.imencode(".png", image)[1].ravel()
+                file = image if isinstance(image, bytes) else cv2.imencode(".png", image)[1].tobytes()
+                data = np.frombuffer(file, np.uint8)
                 message = store.types[kind](header=header, format="png", data=data)
             else:
                 height, width = image.shape[:2]

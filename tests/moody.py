@@ -1,9 +1,10 @@
-"""A strategy that does as the machine of a test has it: works, fails, or is interrupted."""
+"""A strategy and a matcher that do as the machine of a test has it: work, fail, or are interrupted."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar
 
+from stereorecal.matching import BM
 from stereorecal.strategies import AbstractStrategy, Outcome, Status
 
 
@@ -19,3 +20,16 @@ class Moody(AbstractStrategy):
         type(self).mood(len(self.runs))
         objective.value(start)
         return Outcome(start, Status.STALLED)
+
+
+@dataclass(frozen=True)
+class MoodyMatcher(BM):
+    """Matches as BM does, unless it is in a mood."""
+
+    searches: ClassVar[list[tuple[int, int]]] = []
+    mood: ClassVar[Callable[[int], None]] = lambda search: None
+
+    def search(self, left, right):
+        self.searches.append(left.shape)
+        type(self).mood(len(self.searches))
+        return super().search(left, right)

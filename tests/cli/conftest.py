@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from moody import MoodyMatcher
 
 from stereorecal.cli import main
 from stereorecal.io import save_scene
@@ -55,6 +56,20 @@ def crashing(nothing_installed, install, monkeypatch: pytest.MonkeyPatch) -> Non
     plugins = {"compass": "stereorecal_compass:Compass", "crashing": f"{__name__}:Crashing"}
     install("stereorecal.strategies", plugins)
     monkeypatch.setitem(sys.modules, __name__, sys.modules[Crashing.__module__])
+
+
+@pytest.fixture
+def moody_matcher(install) -> Callable[..., list[tuple[int, int]]]:
+    """moody_matcher(mood): what the installed matcher "moody" does from now on, told the number of its search; and the
+    shapes of the images of its searches."""
+    install("stereorecal.matchers", {"moody": "moody:MoodyMatcher"})
+
+    def set_up(mood: Callable[[int], None] = lambda search: None) -> list[tuple[int, int]]:
+        MoodyMatcher.searches.clear()
+        MoodyMatcher.mood = mood
+        return MoodyMatcher.searches
+
+    return set_up
 
 
 @pytest.fixture(scope="session")

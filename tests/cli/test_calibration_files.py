@@ -1,6 +1,7 @@
 """Calibration files on the command line: convert, diff, score and recalibrate take every format, and give it back."""
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -8,15 +9,19 @@ import pytest
 from machine import write_protected
 
 import stereorecal as sr
-from stereorecal.cli._shared_options import FORMATS
 from stereorecal.io import load_rig, load_scene, save_rig
-from stereorecal.io.formats._format_list import NAMES
 
 COUNT = ("--schedule", "count", "--scale", 0.5, "--budget", 40)  # improves the drifted scene
 
 
-def test_help_names_every_format():
-    assert sorted(FORMATS.split(", ")) == sorted(NAMES)
+def test_help_names_every_format(command):
+    help_text = " ".join(command("score", "--help").out.split())
+    named = re.search(r"of the calibration file \(default: recognised\): ((?:\S+, )*\S+)", help_text)
+    with pytest.raises(sr.InputError) as refusal:
+        load_rig("calib.json", format="nothing")
+    known = str(refusal.value).partition("choose one of: ")[2].rstrip(".")
+    assert named is not None
+    assert sorted(named[1].split(", ")) == sorted(known.split(", "))
 
 
 @pytest.fixture

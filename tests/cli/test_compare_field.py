@@ -8,13 +8,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from machine import raising
 
 import stereorecal as sr
-from stereorecal.cli import _compare_field, _journals
-from stereorecal.comparison.field import FieldTrial
+from stereorecal.cli import _compare_field
 
 pytest.importorskip("stereorecal_features", reason="the plug-in is not installed")
 RIVALS = ("--strategies", "features,essential-matrix")
+MOODY = ("--strategies", "features,moody")
 
 
 @pytest.fixture(scope="module")
@@ -50,22 +51,17 @@ def test_a_folder_judges(command, folder, tmp_path):
     assert command(*words, "--json", target).code == 2  # it exists
 
 
-def test_killed_and_resumed(command, folder, tmp_path, monkeypatch):
+def test_killed_and_resumed(command, folder, tmp_path, moody):
     target = tmp_path / "a.json"
-    words = ("compare", "--judge", f"lidar={folder}", "--draws", 1, *RIVALS, "--json", target)
+    words = ("compare", "--judge", f"lidar={folder}", "--draws", 1, *MOODY, "--json", target)
 
     class Killed(BaseException):
         pass
 
-    def once(journal, trial: FieldTrial):
-        save(journal, trial)
-        raise Killed
-
-    save = _journals.TrialJournal.__call__
-    monkeypatch.setattr(_journals.TrialJournal, "__call__", once)
+    moody(raising(Killed))
     with pytest.raises(Killed):
         command(*words)
-    monkeypatch.undo()
+    moody()
     journal = tmp_path / "a.json.trials"
     assert len(journal.read_text().splitlines()) == 2
     with journal.open("a") as file:
@@ -80,34 +76,28 @@ def test_killed_and_resumed(command, folder, tmp_path, monkeypatch):
     assert not journal.exists()
 
 
-def stopped(command, monkeypatch, *words) -> None:
-    """A run that Ctrl-C ends after its first trial."""
+def test_only_files_of_the_earlier_run_are_replaced(command, folder, tmp_path, moody):
+    data, page = tmp_path / "a.json", tmp_path / "a.html"
+    words = ("compare", "--judge", f"lidar={folder}", "--draws", 1, *MOODY, "--json", data)
 
-    def once(journal, trial: FieldTrial):
-        save(journal, trial)
+    def ctrl_c(run: int) -> None:
         raise KeyboardInterrupt
 
-    save = _journals.TrialJournal.__call__
-    with monkeypatch.context() as patch:
-        patch.setattr(_journals.TrialJournal, "__call__", once)
-        assert command(*words).code == 130
-
-
-def test_only_files_of_the_earlier_run_are_replaced(command, folder, tmp_path, monkeypatch):
-    data, page = tmp_path / "a.json", tmp_path / "a.html"
-    words = ("compare", "--judge", f"lidar={folder}", "--draws", 1, *RIVALS, "--json", data)
-    stopped(command, monkeypatch, *words)
+    moody(ctrl_c)
+    assert command(*words).code == 130
     page.write_text("of somebody else")
     refused = command(*words, "--html", page)
     assert refused.code == 2
     assert f"--html {page}: the file exists already" in refused.err
     assert page.read_text() == "of somebody else"
     page.unlink()
-    stopped(command, monkeypatch, *words, "--html", page)  # goes on from the journal beside --json
+    moody(lambda run: ctrl_c(run) if run == 2 else None)
+    assert command(*words, "--html", page).code == 130  # went on from the journal beside --json
     assert [path.name for path in sorted(tmp_path.iterdir())] == ["a.html", "a.json", "a.json.trials"]
+    moody()
     answer = command(*words, "--html", page)
     assert answer.code == 0
-    assert "2 of 4 trials were finished already; going on." in answer.err
+    assert "3 of 4 trials were finished already; going on." in answer.err
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.html", "a.json"]
 
 
@@ -115,20 +105,13 @@ def test_only_files_of_the_earlier_run_are_replaced(command, folder, tmp_path, m
     ("text", "anew"),
     [("", True), ('{"schema": "stereorec', True), ("a list of trials", False), ("{}\n", False), ("[1]\n", False)],
 )
-def test_a_journal_without_a_whole_first_line_is_none(tmp_path, text, anew):
+def test_a_journal_without_a_whole_first_line_is_none(command, folder, tmp_path, moody, text, anew):
+    moody(raising(KeyboardInterrupt))
     (tmp_path / "a.json.trials").write_text(text)
-    if not anew:
-        with pytest.raises(sr.InputError, match="belongs to a comparison with other settings"):
-            _journals.TrialJournal([tmp_path / "a.json"], {"schema": 1})
-        return
-    journal = _journals.TrialJournal([tmp_path / "a.json"], {"schema": 1})
-    assert not journal.owns(tmp_path / "a.json")
-    journal.begin()
-    journal(FieldTrial("k", "rendered", "s", 0, "rows", "failed", "x"))
-    again = _journals.TrialJournal([tmp_path / "a.html", tmp_path / "a.json"], {"schema": 1})
-    assert list(again.done) == ["k"]
-    assert again.owns(tmp_path / "a.json")
-    assert not again.owns(tmp_path / "a.html")
+    words = ("compare", "--judge", f"lidar={folder}", "--draws", 1, "--strategies", "moody")
+    answer = command(*words, "--json", tmp_path / "a.json")
+    assert answer.code == (130 if anew else 2)
+    assert ("belongs to a comparison with other settings" in answer.err) is not anew
 
 
 class Lossy(Executor):

@@ -8,9 +8,10 @@ from pathlib import Path
 import pytest
 
 WHERE = """
-import jax
-from stereorecal.cli._jax_setup import use_compile_cache
-use_compile_cache()
+import contextlib, io, jax
+from stereorecal.cli import main
+with contextlib.redirect_stdout(io.StringIO()):
+    main(["strategies"])
 print(jax.config.jax_compilation_cache_dir)
 """
 

@@ -1,6 +1,5 @@
 """`monitor` on a short recording with a knock: events as lines and as JSON lines, exit codes, what is written."""
 
-import io
 import json
 import shutil
 import subprocess
@@ -11,14 +10,11 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from rich.console import Console
 from rides import BEFORE, Ride
 
 import stereorecal as sr
-from stereorecal.cli import _monitor, _recordings
-from stereorecal.cli._live_view import view
 from stereorecal.io import save_scene
-from stereorecal.online import Config, load, reading, run
+from stereorecal.online import Config, load, reading, run, save
 from stereorecal.recordings import Scene
 from stereorecal.synthetic import Knock, photographs, plan_drive
 
@@ -99,13 +95,18 @@ def test_what_would_tell_is_said_where_nothing_can_be_told(command, scene: Path,
     assert "more pairs, with texture and in motion, would tell" in answer.out
 
 
-def test_every_pair_of_a_long_recording_is_watched_and_read_once(command, scene: Path, monkeypatch):
+def test_every_pair_of_a_long_recording_is_watched(command, scene: Path, tmp_path: Path):
     """Other commands choose some of more than a hundred, which they use together."""
-    monkeypatch.setattr(_recordings, "_LONG", 3)
-    watched = []
-    monkeypatch.setattr(_monitor, "steps", lambda state, pairs: watched.extend(p.name for p in pairs) or iter(()))
-    command("monitor", scene, "--once")
-    assert watched == [f"{number:03d}.png" for number in range(BEFORE + AFTER)]
+    dark, state, many = tmp_path / "dark", tmp_path / "state", 101
+    for seed, side in enumerate(("left", "right")):
+        (dark / side).mkdir(parents=True)
+        noise = np.random.default_rng(seed).integers(0, 2, (240, 320), np.uint8)
+        cv2.imwrite(str(dark / side / "000.png"), noise)
+        for number in range(1, many):
+            (dark / side / f"{number:03d}.png").hardlink_to(dark / side / "000.png")
+    shutil.copy(scene / "calib.json", dark)
+    command("monitor", dark, "--once", "--quiet", "--state", state)
+    assert load(state).frame == many
 
 
 def test_nobody_reads_on(scene: Path, tmp_path: Path):
@@ -162,26 +163,28 @@ def test_two_scenes_are_refused(command, scene: Path):
     assert command("monitor", scene, scene).code == 2
 
 
-def test_the_live_view_shows_axes_and_events(drive: Ride):
-    steps = list(run(drive.rig, drive.pairs[:5], Config()))
-    readings = [reading(stepped.state) for stepped in steps]
-    console = Console(width=110, record=True, file=io.StringIO())
-    console.print(view("ride", 5, readings, [str(e) for stepped in steps for e in stepped.events]))
-    shown = console.export_text()
+def test_the_live_view_shows_axes_and_events(command, terminal, scene: Path, monkeypatch: pytest.MonkeyPatch):
+    terminal("stdout")
+    monkeypatch.setenv("COLUMNS", "110")
+    shown = command("monitor", scene, "--once", "--frames", 5).out
     for word in ("pitch", "yaw", "row error", "depth at 30 B", "late by", "95 % interval", "fits the images"):
         assert word in shown
 
 
-@pytest.mark.parametrize("yaw", [3.0, -3.0, float("nan")])
-def test_the_live_view_of_depth_beyond_infinity(drive: Ride, yaw: float):
-    """A yaw of 2 degrees is the disparity of 30 baselines; and what is no number is drawn, too."""
-    states = [stepped.state for stepped in run(drive.rig, drive.pairs[:2], Config())]
+@pytest.mark.parametrize("yaw", [3.0, -3.0])
+def test_the_live_view_of_depth_beyond_infinity(
+    command, terminal, drive: Ride, scene: Path, tmp_path: Path, yaw: float
+):
+    """A yaw of 2 degrees is the disparity of 30 baselines. One pair alone does not prove that the state is wrong."""
+    terminal("stdout")
+    *_, last = run(drive.rig, drive.pairs[:2], Config())
     far = np.array([0.0, yaw, 0.0, 0.0, 0.0])
-    states.append(states[-1].replace(estimate=states[-1].estimate.moved(far, 1e-4 * np.eye(5))))
-    console = Console(width=110, record=True, file=io.StringIO())
-    console.print(view("ride", 2, [reading(state) for state in states], []))
-    assert "depth at 30 B" in console.export_text()
-    assert json.loads(json.dumps(reading(states[-1]).as_dict()))["condition"] in ("repair", "cannot_tell")
+    beyond = last.state.replace(estimate=last.state.estimate.moved(far, 1e-4 * np.eye(5)))
+    assert json.loads(json.dumps(reading(beyond).as_dict()))["condition"] in ("repair", "cannot_tell")
+    save(beyond, tmp_path / "state")
+    answer = command("monitor", scene, "--once", "--frames", 1, "--state", tmp_path / "state")
+    assert answer.code in (1, 4)
+    assert "depth at 30 B" in answer.out
 
 
 def test_tolerances_are_those_of_the_decision(command, scene: Path, tmp_path: Path):

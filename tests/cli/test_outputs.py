@@ -6,16 +6,16 @@ import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Iterator
+from contextlib import contextmanager, redirect_stdout
 from pathlib import Path
 
 import numpy as np
 import pytest
 from bags import write_bag
-from machine import at_call, full_disk
+from machine import at_call, full_disk, raising
 
-from stereorecal import InputError
-from stereorecal.cli import _output_files, _streams, main
+from stereorecal.cli import main
 from stereorecal.io import back_up, save_rig
 from stereorecal.synthetic import default_rig
 
@@ -214,12 +214,14 @@ def test_devices_need_no_force(command, clean_scene: Path, drifted_scene: Path):
     assert not Path(os.devnull).is_file()
 
 
-def test_the_rows_of_a_reproduction_are_inputs(tmp_path: Path):
-    from stereorecal.reproduction import store_files
-
-    places = [_output_files.Place("--json", tmp_path / "rows.jsonl")]
-    with pytest.raises(InputError, match="will not be overwritten"):
-        _output_files.refuse_replacing_inputs(places, store_files(tmp_path))
+def test_the_rows_of_a_reproduction_are_inputs(command, clean_scene: Path, tmp_path: Path):
+    folder, other = tmp_path / "out", tmp_path / "results.json"
+    folder.mkdir()
+    (folder / "rows.jsonl").touch()
+    other.hardlink_to(folder / "rows.jsonl")
+    answer = command(*words("reproduce", clean_scene, folder), "--json", other, "--force")
+    assert answer.code == 2
+    assert "will not be overwritten" in answer.err
 
 
 def test_the_folder_of_a_reproduction_takes_its_own_files_only(command, clean_scene: Path, tmp_path: Path):
@@ -276,22 +278,14 @@ def test_a_quiet_run_prints_what_it_cannot_write(command, clean_scene: Path, tmp
     assert json.loads(answer.out)["schema"] == "stereorecal.difference/1"
 
 
-def test_one_that_fails_costs_no_other(capsys):
-    done = []
-
-    def fail(error: Exception):
-        raise error
-
-    with pytest.raises(InputError, match="first"):
-        _output_files.deliver(
-            lambda: done.append(1),
-            lambda: fail(InputError("first")),
-            lambda: fail(BrokenPipeError()),
-            lambda: fail(KeyError("second")),
-            lambda: done.append(2),
-        )
-    assert done == [1, 2]
-    assert "second" in capsys.readouterr().err
+def test_one_that_fails_costs_no_other(command, drifted_scene: Path, tmp_path: Path):
+    """Whatever the error: this one is none of a disk."""
+    places = [tmp_path / "new.json", tmp_path / "out.json"]
+    with at_call("fsync", raising(KeyError("a bug")), 1):
+        answer = command("recalibrate", drifted_scene, *COUNT, "--output", places[0], "--json", places[1])
+    assert (answer.code, answer.err.count("KeyError('a bug')")) == (3, 1)
+    assert answer.out.startswith("accepted")
+    assert [place.exists() for place in places].count(True) == 1
 
 
 # --- stdout -------------------------------------------------------------------------------------------------
@@ -364,28 +358,25 @@ def test_control_characters_in_names_are_spelt(command, tmp_path: Path):
     assert r"a\x1b[31m\nb" in answer.err
 
 
-@pytest.fixture
-def ascii_only(monkeypatch: pytest.MonkeyPatch) -> Callable[[], io.BytesIO]:
-    """ascii_only(): what a terminal gets that writes ASCII only."""
-
-    def set_up() -> io.BytesIO:
-        monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(io.BytesIO(), "ascii", write_through=True))
-        return sys.stdout.buffer  # pyright: ignore[reportReturnType]
-
-    return set_up
+@contextmanager
+def ascii_only() -> Iterator[io.BytesIO]:
+    """What a terminal gets that writes ASCII only."""
+    told = io.BytesIO()
+    with redirect_stdout(io.TextIOWrapper(told, "ascii", write_through=True)):
+        yield told
 
 
-def test_a_terminal_that_writes_ascii_only(ascii_only):
-    told = ascii_only()
-    _streams.spell_out()
-    print("0.1° ± 0.02 ☃")
-    assert told.getvalue() == b"0.1 deg +- 0.02 ?\n"
+def test_a_terminal_that_writes_ascii_only(drifted_scene: Path, tmp_path: Path):
+    target = tmp_path / "0.1° ± 0.02 ☃.json"
+    with ascii_only() as told:
+        assert main(["recalibrate", str(drifted_scene), *map(str, NOTHING), "--output", str(target)]) == 1
+        assert b"0.1 deg +- 0.02 ?.json: not written" in told.getvalue()
 
 
-def test_a_table_on_such_a_terminal(ascii_only, clean_scene: Path, drifted_scene: Path):
-    told = ascii_only()
-    assert main(["score", str(clean_scene), str(drifted_scene)]) in (1, 4)
-    assert b"drifted" in told.getvalue()
+def test_a_table_on_such_a_terminal(clean_scene: Path, drifted_scene: Path):
+    with ascii_only() as told:
+        assert main(["score", str(clean_scene), str(drifted_scene)]) in (1, 4)
+        assert b"drifted" in told.getvalue()
 
 
 @pytest.mark.slow(after=1)

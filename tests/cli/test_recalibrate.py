@@ -5,31 +5,16 @@ import re
 import shutil
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 from machine import at_call
 
 import stereorecal as sr
-from stereorecal.cli import _recalibrate
 from stereorecal.io import load_rig, load_scene, save_scene
 
 COUNT = ("--schedule", "count", "--scale", 0.5, "--budget", 40)  # improves the drifted scene
 NOTHING = ("--schedule", "count", "--budget", 1)  # improves none
-
-
-@pytest.fixture
-def asked(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
-    """What the library is asked to do; nothing is done."""
-    found = {}
-
-    def note(scenes, **options):
-        found.update(options, scenes=scenes)
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(_recalibrate, "recalibrate_many", note)
-    return found
 
 
 def finite(content) -> bool:
@@ -184,15 +169,14 @@ def test_files_that_lie_anywhere(command, drifted_scene: Path, tmp_path: Path):
 
 
 @pytest.mark.parametrize(("words", "frames"), [((), 2), (("--frames", 1), 1)])
-def test_frames(command, drifted_scene: Path, tmp_path: Path, asked, words, frames: int):
+def test_frames(command, drifted_scene: Path, tmp_path: Path, words, frames: int):
     for side in ("left", "right"):
         for name in ("0", "1"):
             (tmp_path / "s" / side).mkdir(parents=True, exist_ok=True)
             shutil.copy(drifted_scene / f"{side}.png", tmp_path / "s" / side / f"{name}.png")
     shutil.copy(drifted_scene / "calib.json", tmp_path / "s")
-    command("recalibrate", tmp_path / "s", *NOTHING, *words)
-    (scene,) = asked["scenes"]
-    assert [pair.name for pair in scene.pairs] == ["0.png", "1.png"][:frames]
+    content = json.loads(command("recalibrate", tmp_path / "s", *NOTHING, *words, "--json", "-").out)
+    assert content["repairs"][0]["frames"] == frames
 
 
 @pytest.mark.parametrize("matcher", ["bm", "sgbm"])
@@ -203,16 +187,19 @@ def test_matchers(command, drifted_scene: Path, matcher: str):
     assert content["repairs"][0]["score_before"]["count"] > 500
 
 
-def test_strategy_goes_into_the_stages_of_its_kind(command, drifted_scene: Path, asked):
-    command("recalibrate", drifted_scene, "--strategy", "nlopt-bobyqa", "--seed", 7, "--reach", "2,0.01")
-    kinds = [(stage.score.name, type(stage.strategy).__name__) for stage in asked["schedule"].stages]
-    assert kinds[0] == ("COUNT", "Bobyqa")
-    assert {name for kind, name in kinds if kind == "EPIPOLAR"} == {"LevenbergMarquardt"}
-    assert (asked["seed"], asked["reach"]) == (7, sr.Reach(2.0, 0.01))
-    command("recalibrate", drifted_scene, "--schedule", "count", "--scale", 0.25, "--budget", 9)
-    (stage,) = asked["schedule"].stages
-    assert (type(stage.strategy).__name__, stage.scale) == ("Compass", 0.25)
-    assert asked["budget"] == sr.Budget(9)
+def test_strategy_goes_into_the_stages_of_its_kind(command, drifted_scene: Path):
+    def settings(*words):
+        return json.loads(command("recalibrate", drifted_scene, *words, "--json", "-").out)["settings"]
+
+    asked = settings("--strategy", "nlopt-bobyqa", "--seed", 7, "--reach", "2,0.01", "--budget", 1)
+    kinds = [(stage["score"], stage["strategy"]) for stage in asked["stages"]]
+    assert kinds[0] == ("count", "nlopt-bobyqa")
+    assert {name for kind, name in kinds if kind == "epipolar"} == {"levenberg-marquardt"}
+    assert (asked["seed"], asked["reach"]) == (7, {"degrees": 2.0, "baseline_fraction": 0.01})
+    asked = settings("--schedule", "count", "--scale", 0.25, "--budget", 9)
+    (stage,) = asked["stages"]
+    assert (stage["strategy"], stage["scale"]) == ("compass", 0.25)
+    assert asked["budget"]["evaluations"] == 9
 
 
 # --- what is free -------------------------------------------------------------------------------------------
@@ -318,12 +305,11 @@ def test_ranges_of_other_pairs(command, drifted_scene: Path, tmp_path: Path):
 # --- output -------------------------------------------------------------------------------------------------
 
 
-def test_nothing_is_overwritten_without_force(command, drifted_scene: Path, tmp_path: Path, monkeypatch):
+def test_nothing_is_overwritten_without_force(command, drifted_scene: Path, tmp_path: Path, moody):
     target = tmp_path / "repaired.json"
     target.write_text("precious")
-    with monkeypatch.context() as patch:
-        patch.setattr(_recalibrate, "recalibrate_many", lambda *_, **__: pytest.fail("worked before it looked"))
-        answer = command("recalibrate", drifted_scene, *COUNT, "--output", target)
+    moody(lambda run: pytest.fail("worked before it looked"))
+    answer = command("recalibrate", drifted_scene, *COUNT, "--strategy", "moody", "--output", target)
     assert (answer.code, answer.out) == (2, "")
     assert "repaired.json: the file exists already; choose another or add --force" in answer.err
     assert target.read_text() == "precious"

@@ -10,7 +10,6 @@ from machine import raising
 
 from stereorecal.io import save_calibrations, save_mission
 from stereorecal.recordings import Mission
-from stereorecal.reproduction._experiment_tasks import PairCounts
 from stereorecal.synthetic import default_rig, render
 
 
@@ -64,21 +63,16 @@ def test_json_to_a_pipe_is_nothing_but_json(command, words):
     assert len(content["rows"]["ex_nihilo"]) == 1
 
 
-def test_interrupted(command, words, monkeypatch):
-    real = PairCounts.run
-
-    def stop(task):
-        if task.logged_pair.image == "1.png":
-            raise KeyboardInterrupt
-        return real(task)
-
-    monkeypatch.setattr(PairCounts, "run", stop)
-    found = command("reproduce", "validity", *words)
+def test_interrupted(command, words, moody):
+    words = ("reproduce", "validity", "ex-nihilo", *words, "--strategy", "moody")
+    moody(raising(KeyboardInterrupt))
+    found = command(*words)
     assert found.code == 130
     assert "run it again" in found.err
     assert "own is highest" in found.out
-    monkeypatch.undo()
-    assert command("reproduce", "validity", *words).code == 0
+    assert "ex nihilo" not in found.out
+    moody()
+    assert command(*words).code == 0
 
 
 @pytest.mark.slow

@@ -166,20 +166,19 @@ def test_nothing_is_changed(command, folder: Path):
 
 
 @pytest.mark.parametrize("finished", [0, 1])
-def test_interrupted(command, clean_scene: Path, drifted_scene: Path, tmp_path: Path, monkeypatch, finished: int):
-    from stereorecal.cli import _score
+def test_interrupted(command, clean_scene: Path, drifted_scene: Path, tmp_path: Path, moody_matcher, finished: int):
+    searches = moody_matcher()
+    if finished:
+        command("score", clean_scene, "--matcher", "moody", "--quiet")
+    before = len(searches)
 
-    original, calls = _score.health, []
-
-    def interrupt(*arguments, **options):
-        if len(calls) == finished:
+    def interrupt(search: int) -> None:
+        if search > before:
             raise KeyboardInterrupt
-        calls.append(1)
-        return original(*arguments, **options)
 
-    monkeypatch.setattr(_score, "health", interrupt)
+    moody_matcher(interrupt)
     target = tmp_path / "out.json"
-    answer = command("score", clean_scene, drifted_scene, "--json", target)
+    answer = command("score", clean_scene, drifted_scene, "--matcher", "moody", "--json", target)
     assert answer.code == 130
     assert f"interrupted; {finished} of 2 recordings were finished" in answer.err
     assert target.exists() == ("healthy" in answer.out) == bool(finished)

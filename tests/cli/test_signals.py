@@ -6,6 +6,7 @@ import subprocess
 import sys
 import time
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
 from multiprocessing import get_context
 from pathlib import Path
 
@@ -13,9 +14,9 @@ import pytest
 from machine import full_disk
 from slow import terminal
 
-from stereorecal import InputError, _signals
-from stereorecal._run_all import run_all
-from stereorecal.reproduction._row_store import Store
+from stereorecal import InputError, Log, Mission, _signals, recalibrate_many
+from stereorecal.io import load_scene
+from stereorecal.reproduction import Extent, reproduce
 
 NUMBERS = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP]
 
@@ -131,14 +132,13 @@ def test_saving_has_an_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, when
         save()
 
 
-def test_a_second_signal_does_not_wait(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(_signals, "_TOGETHER_S", 0.0)
-
+def test_a_second_signal_does_not_wait():
     @_signals.interruptible()
     @_signals.held()
     def save() -> None:
         signal.signal(signal.SIGTERM, _signals._interrupt)
         signal.raise_signal(signal.SIGTERM)
+        time.sleep(1.1)  # those within a second are one
         signal.raise_signal(signal.SIGTERM)
         pytest.fail("went on")
 
@@ -170,35 +170,44 @@ def test_a_swallowed_signal_comes_again():
 LOCK = "import fcntl, sys; file = open(sys.argv[1], 'a'); fcntl.flock(file, 2); print('there', flush=True); input()"
 
 
-def test_two_runs_in_one_folder(tmp_path: Path):
+@pytest.fixture
+def run_in(clean_scene: Path):
+    """run_in(folder): a reproduction of two tasks, whose results go there."""
+    scene = load_scene(clean_scene)
+    log = Log("log", {"2020-01-01": scene.rig}, (Mission("2020-01-02", "2020-01-01", scene.pairs),))
+
+    def run(folder: Path):
+        extent = Extent(sweeps=1, points=3, matchers=())
+        return reproduce(log, ["validity"], schedules=("count",), extent=extent, output=folder)
+
+    return run
+
+
+def test_two_runs_in_one_folder(run_in, tmp_path: Path):
     """A killed one leaves no lock."""
-    Store(tmp_path / "out", {"a": 1}).add("k", {"v": 1})
+    first = run_in(tmp_path / "out")
     (lock,) = (path for path in (tmp_path / "out").iterdir() if path.name.startswith("."))
     run = [sys.executable, "-c", LOCK, str(lock)]
     with subprocess.Popen(run, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as other:
         assert other.stdout is not None
         assert other.stdout.readline() == "there\n"
         with pytest.raises(InputError, match="another run is working there"):
-            Store(tmp_path / "out", {"a": 1})
+            run_in(tmp_path / "out")
         other.kill()
-    store = Store(tmp_path / "out", {"a": 1})
-    with pytest.raises(InputError, match="another run is working there"):
-        Store(tmp_path / "out", {"a": 1})
-    assert store.rows == {"k": {"v": 1}}
+    assert run_in(tmp_path / "out").rows == first.rows
 
 
-def test_what_a_killed_run_has_left_is_no_obstacle(tmp_path: Path):
+def test_what_a_killed_run_has_left_is_no_obstacle(run_in, tmp_path: Path):
     (tmp_path / ".settings.json.0123abcd.tmp").write_text("{")
-    Store(tmp_path, {"a": 1}).add("k", {"v": 1})
+    first = run_in(tmp_path)
     with open(tmp_path / "rows.jsonl", "a") as rows:
         rows.write('{"key": "l", "ro')
-    assert Store(tmp_path, {"a": 1}).rows == {"k": {"v": 1}}
+    assert run_in(tmp_path).rows == first.rows
 
 
-def test_a_full_disk_stops_a_reproduction_in_a_sentence(tmp_path: Path):
-    store = Store(tmp_path, {})
-    with full_disk(), pytest.raises(InputError, match="No space left on device"):
-        store.add("k", {"v": 1})
+def test_a_full_disk_stops_a_reproduction_in_a_sentence(run_in, tmp_path: Path):
+    with full_disk(nth=2), pytest.raises(InputError, match=r"rows.jsonl: cannot be written \(No space left on device"):
+        run_in(tmp_path)
 
 
 # --- workers ------------------------------------------------------------------------------------------------
@@ -206,9 +215,10 @@ def test_a_full_disk_stops_a_reproduction_in_a_sentence(tmp_path: Path):
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="cannot fork")
 @pytest.mark.filterwarnings("ignore:os.fork:RuntimeWarning", "ignore:This process:DeprecationWarning")
-def test_forked_workers_are_refused():
+def test_forked_workers_are_refused(clean_scene: Path):
+    scene = load_scene(clean_scene)
     with (
         ProcessPoolExecutor(1, mp_context=get_context("fork")) as pool,
         pytest.raises(InputError, match="forks its workers"),
     ):
-        list(run_all(abs, [1, 2], pool))
+        recalibrate_many([scene, replace(scene, name="another")], schedule="count", executor=pool)

@@ -1,26 +1,29 @@
 """Lines on a terminal: none too long, none cut; whole ones elsewhere."""
 
+from pathlib import Path
+
 import pytest
 
-from stereorecal.cli._terminal import print_lines
-
-LONG = "expect   epipolar error (RMS) 0.09 px over the view; depth at 10 B -4.7 % to +5.5 %"
-TEXT = f"accepted: better\n{LONG}\n\nx       -356.000 ->  -356.000 mm  changed by   +0.000"
+WIDTHS = (60, 80)
 
 
-@pytest.mark.parametrize("width", [60, 80])
-def test_long_lines_are_folded_on_a_terminal(monkeypatch, capsys, terminal, width: int):
+@pytest.fixture
+def lines(command, clean_scene: Path) -> list[str]:
+    """What `score` tells a pipe: whole lines, short ones and long ones."""
+    found = command("score", clean_scene).out.splitlines()
+    assert min(map(len, found)) < min(WIDTHS) < max(WIDTHS) < max(map(len, found))
+    return found
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_long_lines_are_folded_on_a_terminal(monkeypatch, command, clean_scene: Path, lines, terminal, width: int):
     terminal("stdout")
     monkeypatch.setenv("COLUMNS", str(width))
-    print_lines(TEXT)
-    lines = capsys.readouterr().out.splitlines()
-    assert all(len(line) <= width for line in lines)
-    assert [lines[0], *lines[-2:]] == [TEXT.splitlines()[0], *TEXT.splitlines()[-2:]]  # short ones stay as they are
-    assert lines[2].startswith(" " * 9)
-    assert lines[2][9] != " "
-    assert " ".join(lines[1:-2]).split() == LONG.split()
-
-
-def test_a_pipe_gets_whole_lines(capsys):
-    print_lines(TEXT)
-    assert capsys.readouterr().out == TEXT + "\n"
+    folded = command("score", clean_scene).out.splitlines()
+    assert all(len(line) <= width for line in folded)
+    assert " ".join(" ".join(folded).split()) == " ".join(" ".join(lines).split())
+    assert {line for line in lines if len(line) <= width} <= set(folded)  # short ones stay as they are
+    (depth,) = (number for number, line in enumerate(folded) if line.startswith("depth "))
+    below = len("depth      ")  # what the first word is about
+    assert folded[depth + 1].startswith(" " * below)
+    assert folded[depth + 1][below] != " "

@@ -8,12 +8,9 @@ from multiprocessing import get_context
 import pytest
 
 from stereorecal.comparison import compare_scenes
-from stereorecal.comparison._trial import Task
 from stereorecal.io import load_scene, save_scene
 from stereorecal.matching import SAD
-from stereorecal.objectives import Parameters, Reach
-from stereorecal.recalibration import Schedule
-from stereorecal.strategies import Budget, strategy
+from stereorecal.strategies import Budget
 
 SMALL = {
     "schedule": "count",
@@ -74,24 +71,6 @@ def test_ctrl_c_cancels_what_waits(scene, serial):
     assert rows(table)[0] in serial
 
 
-def task_of(scene):
-    return Task(
-        scene=scene,
-        reference=(scene.rig, "truth"),
-        start=scene.rig,
-        draw=0,
-        strategy_name="compass",
-        matcher_name="sad",
-        matcher=SAD(num_disparities=24),
-        schedule=Schedule.count(strategy("compass")),
-        strategies=("compass",),
-        reach=Reach(),
-        budget=Budget(),
-        seed=0,
-        free=Parameters(),
-    )
-
-
 @pytest.mark.slow
 def test_a_worker_that_misses_an_image_says_so(scene, tmp_path):
     save_scene(scene(), tmp_path / "saved")
@@ -103,12 +82,27 @@ def test_a_worker_that_misses_an_image_says_so(scene, tmp_path):
     assert all("left.png" in row.message for row in found)
 
 
-def test_pairs_from_files_travel_as_paths(scene, tmp_path):
+class Weighing(ThreadPoolExecutor):
+    """Knows how many bytes its largest task takes on its way to another process, and that it arrives whole."""
+
+    largest = 0
+
+    def submit(self, *task, **options):
+        travelling = pickle.dumps(task)
+        self.largest = max(self.largest, len(travelling))
+        return super().submit(*pickle.loads(travelling), **options)
+
+
+def test_pairs_from_files_travel_as_paths(scene, serial, tmp_path):
     in_memory = scene()
     save_scene(in_memory, tmp_path / "saved")
-    from_file = load_scene(tmp_path / "saved")
-    small, large = (len(pickle.dumps(task_of(s))) for s in (from_file, in_memory))
-    assert small < 8_000
-    assert large > 2 * 160 * 120
-    again = pickle.loads(pickle.dumps(task_of(from_file)))
-    assert (again.scene.pairs[0].left == from_file.pairs[0].left).all()
+    from_file = replace(load_scene(tmp_path / "saved"), reference="truth")
+    found, largest = [], []
+    for given in (from_file, in_memory):
+        with Weighing(1) as pool:
+            found.append(rows(compare_scenes([given], executor=pool, **SMALL)))
+            largest.append(pool.largest)
+    assert largest[0] < 8_000
+    assert largest[1] > 2 * 160 * 120
+    assert [row.status for row in found[0]] == [row.status for row in serial]
+    assert found[1] == serial

@@ -4,7 +4,7 @@ import base64
 import hashlib
 import json
 import re
-from concurrent.futures import CancelledError, Executor, Future, ThreadPoolExecutor
+from concurrent.futures import CancelledError, Executor, Future
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, replace
 from typing import ClassVar
@@ -29,8 +29,6 @@ from stereorecal.comparison.field import (
     methods_of,
     planned,
 )
-from stereorecal.comparison.field._field_trial import FieldTask, run_field_trial
-from stereorecal.comparison.field._memory import PeakMemory
 from stereorecal.comparison.judges import AbstractRecipe, Case, Draws, Judgement
 from stereorecal.strategies import AbstractStrategy, Need, NeedNotMet, Outcome, Status
 
@@ -287,23 +285,9 @@ def test_a_strategy_answers_for_itself():
     assert np.degrees(good.rig.extrinsics[1] - case.start.extrinsics[1]) == pytest.approx(1.5)
     stalled = Strategy("mine", Nominating(status=Status.STALLED)).solve(case, sr.SAD(), sr.Reach(), 0)
     assert (stalled.status, stalled.rig, stalled.message) == (REFUSED, case.start, "so it is")
-    outside = FieldTask(Made("s", 0, 0, 0, 0), Strategy("mine", Nominating(best=2.0)), sr.SAD(), sr.Reach(), 0)
-    row = run_field_trial(outside)
+    outside = [Strategy("mine", Nominating(best=2.0))]
+    (row,) = compare_field(
+        *planned([], [Made("s", 0, 0, 0, 0)], outside, matcher=None, draws=Draws(), reach=None)
+    ).trials
     assert row.status == "failed"
     assert "nominated no point of the unit box" in row.message
-
-
-def test_memory_is_what_was_added():
-    with PeakMemory() as memory:
-        np.ones(8_000_000).sum()
-    assert memory.mebibytes is None or 40 < memory.mebibytes < 200
-
-
-def test_memory_that_threads_share_is_not_said():
-    def measured() -> float | None:
-        with PeakMemory() as memory:
-            np.ones(1_000_000).sum()
-        return memory.mebibytes
-
-    with ThreadPoolExecutor(1) as pool:
-        assert pool.submit(measured).result() is None

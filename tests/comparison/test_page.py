@@ -8,8 +8,6 @@ import numpy as np
 import pytest
 
 from stereorecal.comparison import Comparison, compare_scenes
-from stereorecal.comparison._profiles import solved_at
-from stereorecal.comparison._trial_pictures import pictures_of
 from stereorecal.io import json_data
 from stereorecal.matching import SAD
 from stereorecal.report.comparison_page import comparison_page
@@ -215,7 +213,7 @@ def test_to_html_writes_the_page(table: Comparison, page: str, tmp_path):
     assert EVIL not in written
 
 
-def test_pictures_are_ranked_as_the_table_is(table: Comparison):
+def test_pictures_are_ranked_as_the_table_is(table: Comparison, tmp_path):
     """A wrong calibration that out-scores the right one is not the best trial."""
     first, second = (trial for trial in table.trials if trial.strategy == "compass")
     near, far = dict.fromkeys(("pitch", "yaw", "roll"), 0.01), dict.fromkeys(("pitch", "yaw", "roll"), 0.5)
@@ -223,11 +221,11 @@ def test_pictures_are_ranked_as_the_table_is(table: Comparison):
         replace(first, ratio=1.2, rotation_error_deg=far),
         replace(second, ratio=0.99, rotation_error_deg=near),
     )
-    titles = [picture.title for picture in pictures_of([wrong, right], table.shown, table.thresholds)]
-    assert titles == [
-        f"best: compass, schedule count, draw {right.draw}, r = 0.990, a success",
-        f"worst: compass, schedule count, draw {wrong.draw}, r = 1.200, no success",
-    ]
+    replace(table, trials=(wrong, right)).to_html(tmp_path / "out.html")
+    written = (tmp_path / "out.html").read_text(encoding="utf-8")
+    best = f"best: compass, schedule count, draw {right.draw}, r = 0.990, a success"
+    worst = f"worst: compass, schedule count, draw {wrong.draw}, r = 1.200, no success"
+    assert 0 < written.find(best) < written.find(worst)
 
 
 def test_data_profiles(table: Comparison):
@@ -267,14 +265,19 @@ def test_wide_tables_are_reached_by_keyboard(page: str):
 
 
 def test_when_a_trial_is_solved(table: Comparison):
-    trial, limits = table.trials[0], table.thresholds
+
+    def solved_at(axes_deg, accepted: bool) -> float:
+        """The cost from which on the profile of a trial of so many steps counts it as solved."""
+        nothing = [0.0] * len(axes_deg)
+        course = {"cost": [*range(len(nothing))], "score": nothing, "rotation_error_deg": nothing, "axes_deg": axes_deg}
+        trial = replace(table.trials[0], course=course, cost=course["cost"][-1], accepted=accepted)
+        (profile,) = replace(table, trials=(trial,)).data_profile()
+        return float(profile.cost[profile.share > 0.0].min(initial=np.inf))
+
     far, near = [1.0, 0.0, 0.0], [0.01, 0.1, 0.01]
-    course = {"cost": [0.0, 1.0, 2.0, 3.0], "axes_deg": [far, near, far, near]}
-    assert solved_at(replace(trial, course=course, accepted=True), limits) == 3.0
-    assert solved_at(replace(trial, course=course, accepted=False), limits) == np.inf
-    course = {"cost": [0.0, 1.0], "axes_deg": [near, near]}
-    assert solved_at(replace(trial, course=course, accepted=False), limits) == 0.0
-    assert solved_at(replace(trial, course=None), limits) == np.inf
+    assert solved_at([far, near, far, near], accepted=True) == 3.0
+    assert solved_at([far, near, far, near], accepted=False) == np.inf
+    assert solved_at([near, near], accepted=False) == 0.0
 
 
 def test_trials_that_the_budget_ended(table: Comparison):

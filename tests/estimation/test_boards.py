@@ -8,7 +8,6 @@ from hypothesis import given, settings, strategies as st
 import stereorecal as sr
 from stereorecal.estimation import CalibrationCovariance, CalibrationPrior, with_boards
 from stereorecal.estimation._calibration_prior import physical_prior
-from stereorecal.estimation._prior_of_boards import prior_of_boards
 from stereorecal.geometry import rotation_from_vector
 
 NOISE = 0.15
@@ -49,7 +48,7 @@ def wide(chart) -> CalibrationPrior:
 
 @pytest.fixture(scope="module")
 def found(chart, boards, wide) -> CalibrationPrior:
-    return prior_of_boards(chart, boards, wide)
+    return with_boards(wide, boards, chart)
 
 
 def covariance(prior: CalibrationPrior) -> np.ndarray:
@@ -78,7 +77,7 @@ def test_what_a_calibration_left_is_found(rig, chart, wide):
     sigmas = np.array([left.get(name.split(".")[-1], 0.0) for name in chart.names])
     for seed in range(3):
         truth = chart.rig_at(sigmas * rng.normal(size=chart.dim))
-        said = prior_of_boards(chart, views(truth, seed=seed), wide)
+        said = with_boards(wide, views(truth, seed=seed), chart)
         assert deviations_apart(chart, said, truth) < 2.0
         assert deviations_apart(chart, said, rig) > 10.0
 
@@ -93,7 +92,7 @@ def test_of_boards_of_the_given_rig_nothing_is_left_but_their_noise(rig, chart, 
 
 def test_spread_is_that_of_calibrations_of_other_noise(rig, chart, wide):
     """Sets of boards: answers differ as much as each of them says, along what boards know best."""
-    said = [prior_of_boards(chart, views(rig, 5, seed), wide) for seed in range(12)]
+    said = [with_boards(wide, views(rig, 5, seed), chart) for seed in range(12)]
     narrow = [chart.names.index(name) for name in ("roll", "y", "left.f", "right.f")]
     apart = np.array([(one.weights @ one.means)[narrow] for one in said])
     stated = np.sqrt(np.mean([np.diag(covariance(one))[narrow] for one in said], axis=0))
@@ -109,7 +108,7 @@ def test_nothing_depends_on_the_frame_of_the_board_or_the_order_of_corners(rig, 
     order = np.random.default_rng(seed).permutation(54)
     turned = np.asarray(rotation_from_vector(np.array(turn)))
     others = [sr.Board(b.left[order], b.right[order], b.points[order] @ turned.T + shift) for b in boards]
-    one, other = (prior_of_boards(chart, some, wide) for some in (boards, others[::-1]))
+    one, other = (with_boards(wide, some, chart) for some in (boards, others[::-1]))
     scales = np.sqrt(np.diag(covariance(one)))
     np.testing.assert_allclose(
         (one.weights @ one.means) / scales, (other.weights @ other.means) / scales, rtol=0, atol=0.05
@@ -120,7 +119,7 @@ def test_nothing_depends_on_the_frame_of_the_board_or_the_order_of_corners(rig, 
 
 
 def test_noisier_boards_tell_less(rig, chart, wide, found):
-    noisy = prior_of_boards(chart, views(rig, noise=4 * NOISE), wide)
+    noisy = with_boards(wide, views(rig, noise=4 * NOISE), chart)
     ratio = np.sqrt(np.diag(covariance(noisy)) / np.diag(covariance(found)))
     roll = chart.names.index("roll")
     assert 3.0 < ratio[roll] < 5.0
@@ -132,7 +131,7 @@ def test_boards_that_contradict_each_other_tell_less(rig, chart, wide, found):
     board as well as ever, and no noise of theirs shows it."""
     rng = np.random.default_rng(5)
     shaken = [moved(board, right=[0.0, shift]) for board, shift in zip(views(rig), rng.normal(0, 1.0, 12), strict=True)]
-    said = prior_of_boards(chart, shaken, wide)
+    said = with_boards(wide, shaken, chart)
     roll = chart.names.index("roll")
     assert covariance(said)[roll, roll] > 3.0**2 * covariance(found)[roll, roll]
 
@@ -145,7 +144,7 @@ def test_a_few_wrong_corners_change_nothing(rig, chart, wide, found, boards):
         left[rng.integers(54)] += rng.uniform(10, 60, 2)
         right[rng.integers(54)] -= rng.uniform(5, 30, 2)
         spoiled.append(sr.Board(left, right, board.points))
-    said = prior_of_boards(chart, spoiled, wide)
+    said = with_boards(wide, spoiled, chart)
     scales = np.sqrt(np.diag(covariance(found)))
     assert (np.abs(said.weights @ said.means - found.weights @ found.means) < 0.5 * scales).all()
     assert (np.sqrt(np.diag(covariance(said))) < 1.3 * scales).all()
@@ -176,7 +175,7 @@ def test_a_lens_of_many_coefficients_is_seen_through_too(rig, wide):
 
     camera = sr.Camera(rig.left.size, rig.left.matrix, np.array(LENSES[14]))
     other = rig_parameters(sr.StereoRig(camera, camera, rig.extrinsics))
-    said = prior_of_boards(other, views(other.rig, 5), physical_prior(other))
+    said = with_boards(None, views(other.rig, 5), other)
     assert deviations_apart(other, said, other.rig) < 2.0
 
 
@@ -187,7 +186,7 @@ def test_targets_need_not_be_flat(rig, chart, wide, found):
         points = 0.03 * GRID + [0.0, 0.0, 1.0] * rng.uniform(0.0, 0.1, (54, 1))
         pixels = seen_by(rig, points, rng.uniform(-0.4, 0.4, 3), np.array([-0.06, -0.07, 0.6 + 0.03 * index]))
         boards.append(sr.Board(*(some + rng.normal(0.0, NOISE, some.shape) for some in pixels), points))
-    said = prior_of_boards(chart, boards, wide)
+    said = with_boards(wide, boards, chart)
     assert deviations_apart(chart, said, rig) < 2.0
 
 
@@ -209,32 +208,32 @@ def test_squares_of_another_length(rig, chart, wide, boards, size):
     others = [sr.Board(board.left, board.right, size * board.points) for board in boards]
     word = "shorter" if size < 1.0 else "longer"
     with pytest.raises(sr.InputError, match=f"{word} than the calibration says|do not fit the calibration"):
-        prior_of_boards(chart, others, wide)
+        with_boards(wide, others, chart)
 
 
 @pytest.mark.parametrize("spoil", [swapped, mirrored_right], ids=lambda one: one.__name__)
 def test_corners_in_another_order(chart, wide, boards, spoil):
     with pytest.raises(sr.InputError, match="do not fit the calibration"):
-        prior_of_boards(chart, [spoil(board) for board in boards], wide)
+        with_boards(wide, [spoil(board) for board in boards], chart)
 
 
 @pytest.mark.parametrize("spoil", [swapped, mirrored_right], ids=lambda one: one.__name__)
 def test_one_board_that_does_not_fit_is_named(chart, wide, boards, spoil):
     with pytest.raises(sr.InputError, match="board 4 does not fit the rig as the others do"):
-        prior_of_boards(chart, [*boards[:4], spoil(boards[4]), *boards[5:]], wide)
+        with_boards(wide, [*boards[:4], spoil(boards[4]), *boards[5:]], chart)
 
 
 def test_another_rig(rig, chart, wide):
     other = sr.StereoRig(rig.left, rig.right, np.add(rig.extrinsics, [0.03, 0.0, 0.05, 0.0, 0.0, 0.0]))
     with pytest.raises(sr.InputError, match="do not fit the calibration"):
-        prior_of_boards(chart, views(other), wide)
+        with_boards(wide, views(other), chart)
 
 
 def test_other_images(chart, wide, boards):
     with pytest.raises(sr.InputError, match="board 1 has corners outside of the 640x480 images"):
-        prior_of_boards(chart, [boards[0], moved(boards[1], left=400.0)], wide)
+        with_boards(wide, [boards[0], moved(boards[1], left=400.0)], chart)
     with pytest.raises(sr.InputError, match="no board was given"):
-        prior_of_boards(chart, [], wide)
+        with_boards(wide, [], chart)
 
 
 @pytest.mark.parametrize(

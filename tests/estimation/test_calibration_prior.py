@@ -15,10 +15,9 @@ from stereorecal.estimation import (
     readings,
     rig_parameters,
 )
-from stereorecal.estimation._calibration_prior import KAPPAS
-from stereorecal.estimation._jacobian import pixels_of
 from stereorecal.geometry import rotation_from_vector
 
+KAPPAS = of_boards.KAPPAS
 LIMITS = {"pitch": 3, "yaw": 3, "roll": 3, "f": 2, "cx": 15, "cy": 15, "k1": 0.05, "p1": 0.005, "p2": 0.005}
 
 
@@ -29,6 +28,12 @@ def covariances(chart) -> np.ndarray:
 
 def deviations(covariances: np.ndarray) -> np.ndarray:
     return np.sqrt(np.einsum("jii->ji", covariances))
+
+
+def pixels_of(rig: sr.StereoRig, points: np.ndarray) -> np.ndarray:
+    """In the left image and in the right one (..., 4)."""
+    sides = rig.left.project(points), rig.right.project(points @ rig.rotation.T + rig.translation)
+    return np.concatenate([np.asarray(side) for side in sides], axis=-1)
 
 
 def unit(chart, **changes) -> np.ndarray:

@@ -7,8 +7,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from scipy.stats import norm
 
-from stereorecal.estimation import CalibrationPrior, MatchedRanges, estimate, points_of_view, readings
-from stereorecal.estimation._calibration_prior import with_scaled_boards
+from stereorecal.estimation import CalibrationPrior, MatchedRanges, as_prior, estimate, points_of_view, readings
 
 METRES = np.array([0.5, 5.0])  # of a baseline of 0.12
 
@@ -16,7 +15,7 @@ METRES = np.array([0.5, 5.0])  # of a baseline of 0.12
 @pytest.fixture(scope="module")
 def scaled(chart, prior) -> CalibrationPrior:
     """The prior where something tells the length of the baseline."""
-    return with_scaled_boards(prior, chart)
+    return as_prior(prior, chart, baseline_observable=True)
 
 
 def ranges_of(true, seed=0, number=40, noise=0.1, relative=0.01) -> MatchedRanges:

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, strategies as st
 
 from stereorecal import InputError
-from stereorecal.io import json_data, json_line, json_text, parse_json, read_json, write_json
-from stereorecal.io.formats._stereorecal import calibration_text
+from stereorecal.io import json_data, json_line, json_text, parse_json, read_json, save_rig, write_json
+from stereorecal.synthetic import default_rig
 
 leaves = st.none() | st.booleans() | st.integers(-(10**308), 10**308) | st.floats() | st.text(max_size=5)
 nested = st.recursive(
@@ -101,12 +101,12 @@ def test_extreme_numbers_that_are_fine(number: str):
 @pytest.mark.parametrize(
     "value", [math.nan, -math.inf, np.zeros(2), {1, 2}, 10**5000, b"x"], ids=lambda value: type(value).__name__
 )
-def test_a_calibration_is_refused_rather_than_changed(value):
+def test_a_calibration_is_refused_rather_than_changed(value, tmp_path: Path):
     with pytest.raises(InputError, match="cannot be written as JSON"):
-        calibration_text({"value": [value]})
+        save_rig(default_rig(), tmp_path / "a.json", {"value": [value]})
 
 
-def test_a_calibration_that_contains_itself_or_nests_without_end():
+def test_a_calibration_that_contains_itself_or_nests_without_end(tmp_path: Path):
     content: dict = {}
     content["self"] = content
     deep: list = []
@@ -114,4 +114,4 @@ def test_a_calibration_that_contains_itself_or_nests_without_end():
         deep = [deep]
     for bad in (content, {"deep": deep}):
         with pytest.raises(InputError, match="cannot be written as JSON"):
-            calibration_text(bad)
+            save_rig(default_rig(), tmp_path / "a.json", bad)

@@ -8,19 +8,8 @@ from trees import TREES, refused, write_image
 
 from stereorecal import InputError
 from stereorecal.io import load_log, load_scene
-from stereorecal.io.layouts._load_data_set import _LAYOUTS
 
 TREE = pytest.mark.parametrize("name", TREES)
-
-
-@TREE
-def test_one_layout_recognises_it(tmp_path: Path, name: str):
-    """KITTI stereo has a second reading, as a sequence of odometry without calib.txt; it comes first."""
-    folder = TREES[name](tmp_path)
-    found = [layout.__name__.rpartition("._")[2] for layout in _LAYOUTS if layout.recognises(folder)]
-    second = ["kitti_odometry"] if name.startswith("kitti stereo") else []
-    assert found[1:] == second
-    assert name.replace(" ", "_").replace("mav0", "euroc").startswith(found[0])
 
 
 @TREE

@@ -11,8 +11,8 @@ import pytest
 from hypothesis import given, strategies as st
 
 from stereorecal import InputError
+from stereorecal.io import load_rig
 from stereorecal.io.formats._numbers import image_size, number_or_word, numbers, pixels, value
-from stereorecal.io.formats.text._document import read_document
 
 SHAPES = [(), (2,), (3,), (4,), (9,), (-1,), (3, 3), (4, 4)]
 leaves = st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=3) | st.just(10**400)
@@ -130,23 +130,29 @@ def test_words_of_no_finite_number(word: str):
 # --- through files ------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("head", ["%YAML:1.0\n---\n", ""])
-@pytest.mark.parametrize("number", ["1e999", "-" + "9" * 5000, "9" * 5000 + ".5", ".nan", "-.inf"])
-def test_numbers_out_of_range_in_yaml(tmp_path: Path, head: str, number: str):
-    path = tmp_path / "a.yaml"
-    path.write_text(f"{head}K: [1, {number}]\nn: {number}\n")
-    content = read_document(path).content
-    for key, shape in (("K", (2,)), ("n", ())):
-        with pytest.raises(InputError, match=f"{key} contains NaN or infinite"):
-            numbers(content, key, shape)
+ROS = """image_width: 64
+image_height: 48
+distortion_model: plumb_bob
+distortion_coefficients: {rows: 1, cols: 5, data: [0, 0, 0, 0, 0]}
+camera_matrix: {rows: 3, cols: 3, data: [%s, 0, 32, 0, 61, 24, 0, 0, 1]}
+rectification_matrix: {rows: 3, cols: 3, data: [1, 0, 0, 0, 1, 0, 0, 0, 1]}
+projection_matrix: {rows: 3, cols: 4, data: [61, 0, 32, -7, 0, 61, 24, 0, 0, 0, 1, 0]}
+"""
 
 
-@pytest.mark.parametrize(("text", "words"), [("K: null", "K contains null"), ('K: ["1", 2]', "K is not an array")])
-def test_yaml_values_that_are_no_numbers(tmp_path: Path, text: str, words: str):
-    path = tmp_path / "a.yaml"
-    path.write_text(f"{text}\nn: 1\n")
-    with pytest.raises(InputError, match=words):
-        numbers(read_document(path).content, "K", (2,))
+@pytest.mark.parametrize(
+    ("number", "words"),
+    [
+        *[(one, "NaN or infinite") for one in ("1e999", "-" + "9" * 5000, "9" * 5000 + ".5", ".nan", "-.inf")],
+        ("null", "contains null"),
+        ('"1"', "is not an array"),
+    ],
+)
+def test_yaml_values_that_are_no_numbers_or_out_of_range(tmp_path: Path, number: str, words: str):
+    for name in ("left.yaml", "right.yaml"):
+        (tmp_path / name).write_text(ROS % number)
+    with pytest.raises(InputError, match=f"left.yaml: camera_matrix.* {words}"):
+        load_rig(tmp_path / "left.yaml", tmp_path / "right.yaml")
 
 
 DEEP = 100_000
@@ -170,5 +176,5 @@ def test_deep_nesting_does_not_crash_the_process(tmp_path: Path, text: str):
     path = tmp_path / "a.yaml"
     path.write_text(text if text.startswith(("<", "{")) else "%YAML:1.0\n---\n" + text)
     with pytest.raises(InputError, match=r"too deeply nested|not a YAML file|nests more than 100 levels") as error:
-        read_document(path)
+        load_rig(path)
     assert str(error.value).startswith(f"{path}: ")

@@ -4,13 +4,11 @@ import os
 import subprocess
 import sys
 
-import jax
 import numpy as np
 import pytest
+from gpu import as_on_a_gpu
 
 from stereorecal.matching import SAD
-from stereorecal.matching.sad._planes import winners as winners_by_planes
-from stereorecal.matching.sad._sad import winners_by_rows
 
 try:
     from jax import enable_x64
@@ -30,13 +28,15 @@ print(sr.recalibrate(scene.rig, scene.pairs))
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("by", [winners_by_rows, winners_by_planes])
-def test_search(by):
-    whole = IMAGE.astype(np.int16), np.roll(IMAGE, -3, 1).astype(np.int16)
-    expected = by(*map(jax.numpy.asarray, whole), MATCHER)
+@pytest.mark.parametrize("made", [lambda: MATCHER.match, lambda: as_on_a_gpu(MATCHER, IMAGE.shape)], ids=["CPU", "GPU"])
+def test_search(made):
+    images = IMAGE, np.roll(IMAGE, -3, 1)
+    expected = made()(*images)
+    as_on_a_gpu.cache_clear()
     with enable_x64(True):
-        found = by(*map(jax.numpy.asarray, whole), MATCHER)
-    for one, other in zip(expected, found, strict=True):
+        found = made()(*images)
+    for name in ("values", "valid"):
+        one, other = getattr(expected, name), getattr(found, name)
         assert one.dtype == other.dtype
         np.testing.assert_array_equal(one, other)
 

@@ -10,13 +10,13 @@ from hypothesis import given, settings, strategies as st
 import stereorecal as sr
 from stereorecal.geometry import changed_camera, distort, ray_slopes, reread
 from stereorecal.geometry.projections import NAMES as PROJECTIONS
-from stereorecal.objectives import Parameters, Reach, as_parameters, differences_at, linearised, row_chart
-from stereorecal.objectives._parameters import GROUPS, NAMES
+from stereorecal.objectives import SIDES, Parameters, Reach, as_parameters, differences_at, linearised, row_chart
 from stereorecal.scoring import Correspondences, with_rays_of
 
 RIG = sr.synthetic.default_rig()
-# Of radial-tangential lenses.
-ALL = Parameters(tuple(name for name in NAMES if name.rpartition(".")[2] not in ("k4", "xi", "alpha", "beta")))
+EXTRINSICS, INTRINSICS = (as_parameters(group).names for group in ("extrinsics", "intrinsics"))
+MORE = ("aspect", "p1", "p2", "k3", "s1", "s2", "s3", "s4")  # of radial-tangential lenses
+ALL = Parameters((*EXTRINSICS, "baseline", *INTRINSICS, *(f"{side}.{name}" for side in SIDES for name in MORE)))
 CHART = row_chart(RIG, Reach(), ALL)
 in_box = st.tuples(*[st.floats(-0.3, 0.3)] * len(ALL.names)).map(np.array)
 
@@ -35,9 +35,9 @@ def test_names_and_groups():
     assert Parameters().names == ("pitch", "yaw", "roll", "y", "z")
     assert as_parameters("rotation").names == ("pitch", "yaw", "roll")
     both = as_parameters(("intrinsics", "extrinsics", "yaw"))
-    assert both.names == (*GROUPS["extrinsics"], *GROUPS["intrinsics"])
-    assert both.axes == GROUPS["extrinsics"]
-    assert both.shared == GROUPS["intrinsics"]
+    assert both.names == (*EXTRINSICS, *INTRINSICS)
+    assert both.axes == EXTRINSICS
+    assert both.shared == INTRINSICS
     assert as_parameters(None).shared == ()
     assert as_parameters(both) is both
 

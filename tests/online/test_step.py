@@ -11,7 +11,6 @@ from rides import BEFORE, Ride, error, kinds
 import stereorecal as sr
 from stereorecal.online import Config, Kind, Stepped, freeze, init, reading, rollback, run, step
 from stereorecal.online._filter import Measurement
-from stereorecal.online._turning import small
 from stereorecal.online._watching import followed
 from stereorecal.scoring.host import Corners
 
@@ -121,7 +120,7 @@ def test_bad_pairs_in_a_row_are_said_once_and_end_what_is_followed(ride: Ride):
     assert state.corners is None
     state, second = step(state, black)
     assert [event.kind for event in (*first, *second)] == [Kind.BAD_FRAME]
-    state, events = step(state.replace(last=small(good.left)), black)  # after a good one
+    state, events = step(state.replace(last=step(init(ride.rig), good)[0].last), black)  # after a good one
     assert [event.kind for event in events] == [Kind.BAD_FRAME]
 
 

@@ -11,7 +11,6 @@ from stereorecal.decision import Decision, Verdict
 from stereorecal.geometry import Camera
 from stereorecal.matching import SAD, SGBM
 from stereorecal.recalibration import Condition, Health, Interval, health
-from stereorecal.recalibration._correction import Correction
 from stereorecal.recordings import Pair, make_pair
 from stereorecal.scoring import ImageQuality
 from stereorecal.scoring.host import Score, score
@@ -125,12 +124,22 @@ def about(value: float, half: float) -> Interval:
     return Interval(value, value - half, value + half)
 
 
-def judged(verdict: Verdict, after: float = 0.1) -> Health:
+@pytest.fixture(scope="module")
+def looked(scene) -> Health:
+    given = scene("harbour", 0, SIZE)
+    return health(given.rig, given.pairs, matcher=SAD_48)
+
+
+def judged(looked: Health, verdict: Verdict, after: float = 0.1) -> Health:
+    """A look with a correction that is made up."""
     axes = {name: about(0.0, 1.0) for name in ("pitch", "roll", "y", "z")} | {"yaw": about(1.0, 0.5)}
     rows = np.array([[0.2, 0.1, 0.3], [after, 0.0, 2.0 * after]])
     decision = Decision(verdict, np.zeros(5), False, 0.5, 0.5, 0.0, rows)
     depths = dict.fromkeys((5, 10, 30, 100), about(0.0, 1.0))
-    return Health(Score(1, 2), 0.2, 0.5, DAYLIGHT, Correction(axes, about(0.2, 0.1), depths, 0.1, decision, ("yaw",)))
+    made_up = {"axes": axes, "rows_px": about(0.2, 0.1), "depth_percent": depths, "main_axes": ("yaw",)}
+    return replace(
+        looked, covered=0.5, correction=replace(looked.correction, decision=decision, row_error=0.1, **made_up)
+    )
 
 
 @pytest.mark.parametrize(
@@ -142,8 +151,8 @@ def judged(verdict: Verdict, after: float = 0.1) -> Health:
         (Verdict.CANNOT_TELL, 0.5, Condition.CANNOT_TELL, "four scenes or more"),
     ],
 )
-def test_it_says_what_the_decision_says(verdict, after, condition, said):
-    found = judged(verdict, after)
+def test_it_says_what_the_decision_says(looked, verdict, after, condition, said):
+    found = judged(looked, verdict, after)
     assert found.condition is condition
     assert found.healthy == (condition is Condition.HEALTHY)
     assert str(found).startswith(f"{condition.value}")

@@ -8,9 +8,7 @@ import pytest
 import stereorecal as sr
 from stereorecal.geometry import changed_camera
 from stereorecal.recalibration import Intrinsics, IntrinsicsOutcome, Reason
-from stereorecal.recalibration._intrinsics_table import lenses_of
 from stereorecal.recalibration._repair_report import conclusion_of, report_of
-from stereorecal.recalibration._row_maps import row_map
 from stereorecal.report.repair_report import Conclusion, RepairReport
 
 RIG = sr.synthetic.default_rig().resized((320, 240))
@@ -125,24 +123,29 @@ def test_pairs_that_were_not_looked_at_are_on_the_page(repaired, harbour, tmp_pa
     assert "1 frame was used." in page
 
 
-def test_rows_under_other_lenses(repaired):
+def test_rows_under_other_lenses(repaired, harbour):
     """Matches are what the initial cameras saw: under them the true rig's rows agree, under others they do not."""
     lenses = replace(RIG, right=changed_camera(RIG.right, {"f": 0.02, "cy": 2.0}))
     initial, other = (rig.with_extrinsics(repaired.rig.extrinsics) for rig in (RIG, lenses))
-    rows, _ = row_map(repaired.found, initial, other, repaired.view)
+    rows = reported(replace(repaired, initial=initial, candidate=other), harbour).rows
+    assert rows is not None
     assert np.median(np.abs(rows.all_before)) < 0.2
     assert np.median(np.abs(rows.all_after)) > 1.5
 
 
-def test_lenses():
+def test_lenses(repaired, harbour):
     """In units of a calibration file, with intervals in the same."""
     right = changed_camera(RIG.right, {"f": 0.01, "cx": 2.0, "k1": 0.02})
     names, interval = ("baseline", "right.f", "right.cx", "right.k1"), np.array([0.1, 0.5, 0.25, 0.001])
     units, nan = ("%", "%", "px", ""), float("nan")
     taken, kept = IntrinsicsOutcome.REFINED, IntrinsicsOutcome.NO_GAIN
     seen = Intrinsics(taken, names, units, np.zeros(4), interval, ("right.cx",), nan, nan, nan, nan)
-    candidate = replace(RIG, right=right)
-    focal, centre, first = lenses_of(seen, RIG, candidate)
+    other = replace(repaired, initial=RIG, candidate=replace(RIG, right=right))
+
+    def lenses_of(seen: Intrinsics | None):
+        return reported(replace(other, findings=replace(other.findings, intrinsics=seen)), harbour).lenses
+
+    focal, centre, first = lenses_of(seen)
     assert (focal.camera, focal.name, focal.unit) == ("right", "focal length, f", "px")
     before = float(RIG.right.matrix[0, 0])
     np.testing.assert_allclose([focal.before, focal.after], [before, before * np.exp(0.01)])
@@ -150,5 +153,4 @@ def test_lenses():
     assert (centre.observed, first.observed) == (False, True)
     np.testing.assert_allclose([centre.after - centre.before, centre.half_width], [2.0, 0.25])
     np.testing.assert_allclose(first.after - first.before, 0.02)
-    assert lenses_of(None, RIG, candidate) == []
-    assert lenses_of(replace(seen, outcome=kept), RIG, candidate) == []
+    assert lenses_of(None) == lenses_of(replace(seen, outcome=kept)) == []

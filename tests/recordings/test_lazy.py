@@ -1,5 +1,6 @@
 """A recording may be longer than the memory: pairs are read when they are needed, and let go."""
 
+import json
 import os
 import pickle
 import weakref
@@ -9,17 +10,16 @@ import numpy as np
 import pytest
 
 from stereorecal import InputError
-from stereorecal.cli import options_of
-from stereorecal.cli._recordings import recordings
+from stereorecal.cli import main
 from stereorecal.io import files_read, load_log, load_scene, open_pairs, save_scene
 from stereorecal.io.images import _load_pairs
+from stereorecal.matching import BM
 from stereorecal.recalibration import chosen_frames
 from stereorecal.recordings import Pair, names_of
 from stereorecal.reproduction import Extent, reproduce
-from stereorecal.reproduction._pixel_counter import PixelCounter
 from stereorecal.synthetic import default_rig, render
 
-FRAMES = 200
+FRAMES = 120
 
 
 @pytest.fixture(scope="module")
@@ -74,26 +74,25 @@ def test_of_a_scene_only_what_is_chosen_stays(folder: Path, meter: Meter):
     assert meter.most <= 5 + 2
 
 
-def test_a_command_looks_at_some_of_a_long_recording(folder: Path, meter: Meter):
+def test_a_command_looks_at_some_of_a_long_recording(folder: Path, meter: Meter, capsys):
     """As of a video, and not where all were asked for."""
-    options = options_of(["score", str(folder)])
-    found = recordings(options)
-    assert len(found.scenes[0].pairs) == 24
+    quickly = ("--schedule", "count", "--budget", "1", "--matcher", "bm", "--json", "-")
+
+    def frames(*words: str) -> int:
+        main(["recalibrate", str(folder), *quickly, *words])
+        return json.loads(capsys.readouterr().out)["repairs"][0]["frames"]
+
+    assert frames() == 24
     assert meter.most <= 24 + 2
-    assert any("176 other pairs" in about for about, _ in found.absent)
-    few = recordings(options_of(["score", str(folder), "--to", "100"]))
-    assert len(few.scenes[0].pairs) == 100
-    every = recordings(options_of(["score", str(folder), "--limit", "all"]))
-    assert len(every.scenes[0].pairs) == FRAMES
+    assert frames("--to", "100") == 100
+    assert frames("--limit", "all") == FRAMES
 
 
-def test_experiments_read_a_pair_for_each_task(folder: Path, meter: Meter, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(
-        PixelCounter, "counts", lambda counter, pair, extrinsics: [int(pair.left.sum())] * len(extrinsics)
-    )
-    found = reproduce(load_log(folder), ["validity"], schedules=("count",), extent=Extent())
+def test_experiments_read_a_pair_for_each_task(folder: Path, meter: Meter):
+    log, extent = load_log(folder, limit=20), Extent(sweeps=1, points=3, matchers=())
+    found = reproduce(log, ["validity"], schedules=("count",), extent=extent, matcher=BM(num_disparities=16))
     assert found.errors == {}
-    assert len(found.rows["validity"]) == FRAMES
+    assert len(found.rows["validity"]) == 20
     assert meter.most <= 4 + 2  # the survey of the disparity range looks at four together
 
 
@@ -113,7 +112,7 @@ def test_all_files_of_a_log_are_inputs(folder: Path):
     """Read or not: none may be replaced."""
     with files_read() as read:
         load_log(folder, limit=1)
-    assert {folder / "left" / "0199.png", folder / "right" / "0150.png", folder / "calib.json"} <= read
+    assert {folder / "left" / "0119.png", folder / "right" / "0090.png", folder / "calib.json"} <= read
 
 
 def test_what_is_wrong_with_a_pair_is_said_when_it_is_read(folder: Path, tmp_path: Path):

@@ -1,10 +1,11 @@
 """What to do, and where depth cannot be trusted, in sentences."""
 
+import html
+
 import pytest
 from made_up_repair import made_up, misfit
 
-from stereorecal.report._headlines import headline, where
-from stereorecal.report._regions import misfit_sentence
+from stereorecal.report.repair_page import repair_page
 from stereorecal.report.repair_report import Conclusion
 
 CENTRE, LOWER_RIGHT = 27, 47
@@ -32,15 +33,30 @@ HEADLINES = {
 }
 
 
+def page(**changes) -> str:
+    """Of a made-up repair, with small pictures."""
+    return repair_page(made_up((64, 48), measured=False, **changes))
+
+
+def where(**changes) -> list[str]:
+    """What the page says of the places where depth can be trusted, or cannot."""
+    told = page(**changes).partition("<b>Where:</b> ")[2].partition("</p>\n</div>")[0]
+    return html.unescape(told).split("</p>\n<p>") if told else []
+
+
+def misfit_sentence(left) -> str:
+    return where(misfit=left)[0]
+
+
 @pytest.mark.parametrize(("said", "case"), HEADLINES.items(), ids=list(HEADLINES))
 def test_headlines(said: str, case):
     conclusion, left = case
-    assert headline(made_up(conclusion=conclusion, misfit=left)) == said
+    assert f"<h1>{said}</h1>" in page(conclusion=conclusion, misfit=left)
 
 
 def test_every_part_is_named():
     """Of five parts, three would leave two that are cleared without a word."""
-    said = misfit_sentence(misfit(after={0: 0.9, 1: 0.8, 7: 0.5, CENTRE: -0.4, 40: 0.3, LOWER_RIGHT: 0.3}), "after")
+    said = misfit_sentence(misfit(after={0: 0.9, 1: 0.8, 7: 0.5, CENTRE: -0.4, 40: 0.3, LOWER_RIGHT: 0.3}))
     assert said == (
         "In 6 of the 48 matched regions of the view the epipolar error exceeds 0.2 px (0.90 px at worst), at the "
         "upper left, upper right, centre, lower left and lower right: do not trust depth there."
@@ -48,40 +64,38 @@ def test_every_part_is_named():
 
 
 def test_of_most_regions_none_is_cleared():
-    assert "nearly everywhere: do not" in misfit_sentence(misfit(after=dict.fromkeys(range(36), 0.9)), "after")
+    assert "nearly everywhere: do not" in misfit_sentence(misfit(after=dict.fromkeys(range(36), 0.9)))
 
 
 def test_no_doubt_is_named_that_noise_explains():
-    assert misfit_sentence(misfit(after={0: 0.35}, error=[0.1] * 48), "after").startswith(
-        "In none of the 48 matched regions"
-    )
+    assert misfit_sentence(misfit(after={0: 0.35}, error=[0.1] * 48)).startswith("In none of the 48 matched regions")
 
 
 def test_regions_are_places_not_frames():
     left = misfit(after={0: 0.9}, frames=3)
-    assert misfit_sentence(left, "after").startswith("In 1 of the 48 matched regions")
+    assert misfit_sentence(left).startswith("In 1 of the 48 matched regions")
 
 
 def test_what_is_kept_is_spoken_of():
     """The candidate's errors say nothing about another calibration."""
     left = misfit(before={0: 9.0}, after={CENTRE: 0.9})
-    kept, candidate = where(made_up(conclusion=Conclusion.REFUSED, misfit=left))
+    kept, candidate = where(conclusion=Conclusion.REFUSED, misfit=left)
     assert kept.startswith("With the calibration that you keep, in 1 of the 48")
     assert "9.00 px at worst), at the upper left" in kept
     assert candidate.startswith("With the candidate, which was rejected, in 1 of the 48")
     assert candidate.endswith("(0.90 px at worst), at the centre: it does not fit there.")
-    (alone,) = where(made_up(conclusion=Conclusion.GOOD, misfit=left))
+    (alone,) = where(conclusion=Conclusion.GOOD, misfit=left)
     assert "9.00 px" in alone
 
 
 def test_what_was_not_seen():
     left = {key: value[24:] for key, value in misfit().items()}
-    said = where(made_up(misfit=left))
+    said = where(misfit=left)
     assert said[0].startswith("In none of the 24 matched regions of the view")
     assert said[1].startswith("Little or nothing matched at the upper left, upper middle and upper right:")
 
 
 def test_a_count_alone_does_not_say_where():
-    (said,) = where(made_up(misfit=None))
+    (said,) = where(misfit=None)
     assert "not known where in the image depth can be trusted" in said
-    assert where(made_up(conclusion=Conclusion.UNKNOWN, misfit=None)) == []
+    assert where(conclusion=Conclusion.UNKNOWN, misfit=None) == []

@@ -11,7 +11,7 @@ from hypothesis import given, settings, strategies as st
 from stereorecal.geometry import view, with_unit_baseline
 from stereorecal.matching import BM, SAD
 from stereorecal.scoring import prepare
-from stereorecal.scoring.host import _counts, _disparities, counts, counts_at_once, counts_by_tile, disparities
+from stereorecal.scoring.host import _disparities, counts, counts_at_once, counts_by_tile, disparities
 
 SAD_24, SAD_32 = SAD(num_disparities=24), SAD(num_disparities=32)
 SMALL, LARGE = ((160, 120), SAD_24), ((320, 240), SAD_32)
@@ -55,14 +55,13 @@ def test_no_candidates_no_counts(scene, matcher):
 
 
 @pytest.mark.slow
-def test_all_at_once_as_one_by_one(scene, monkeypatch):
-    """The way of a GPU: the last of three batches is padded."""
-    monkeypatch.setattr(_counts, "_AT_ONCE", 3)
-    given_scene = scene()
+def test_all_at_once_as_one_by_one(scene):
+    """The way of a GPU: the last of three batches of 64 is padded."""
+    given_scene = scene("harbour", 0, (80, 60))
     prepared = prepare(given_scene.rig, given_scene.pairs, view(given_scene.rig))
-    points = with_unit_baseline(given_scene.rig.extrinsics) + np.array([[0.002 * i, 0, 0, 0, 0, 0] for i in range(7)])
+    points = with_unit_baseline(given_scene.rig.extrinsics) + np.linspace(0, 0.02, 130)[:, None] * np.eye(6)[0]
     at_once, one_by_one = (f(prepared, points, SAD_32) for f in (counts_at_once, counts))
-    assert at_once.shape == (7,)
+    assert at_once.shape == (130,)
     np.testing.assert_allclose(at_once, one_by_one, rtol=2e-3)  # two programs round differently
     assert counts_at_once(prepared, points[:0], SAD_32).shape == (0,)
 

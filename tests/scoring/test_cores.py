@@ -5,16 +5,13 @@ import threading
 import pytest
 from machine import cores
 
-from stereorecal.scoring.host import _cores
 from stereorecal.scoring.host._cores import on_all_cores
 
 
 @pytest.fixture(autouse=True)
 def two_cores():
-    _cores._workers.cache_clear()
     with cores(2):
         yield
-    _cores._workers.cache_clear()
 
 
 def test_order_is_kept_and_threads_are_used():

@@ -3,7 +3,6 @@
 import signal
 import subprocess
 import sys
-from contextlib import suppress
 
 import jax
 import numpy as np
@@ -13,7 +12,6 @@ pytest.importorskip("pycolmap", reason="pycolmap is not installed")
 
 from stereorecal_colmap import Colmap
 from stereorecal_colmap._cameras import colmap_camera, colmap_pose, extrinsics_of
-from stereorecal_colmap._colmap import _signals_kept
 from stereorecal_colmap._fit import fitted
 from stereorecal_colmap._matches import Matches, matched_pixels, pooled
 
@@ -44,12 +42,17 @@ class TestColmap(StrategyConformance):
     strategy = Colmap()
 
 
-def test_signals_are_kept_though_an_import_fails():
+def test_signals_are_kept_though_an_import_fails(tmp_path, monkeypatch):
+    takes_it = "import signal\nsignal.signal(signal.SIGTERM, signal.SIG_DFL)\nraise ImportError"
+    (tmp_path / "pycolmap.py").write_text(takes_it)
+    monkeypatch.syspath_prepend(tmp_path)
+    for name in [name for name in sys.modules if name.partition(".")[0] == "pycolmap"]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.delitem(sys.modules, "stereorecal_colmap._fit")
     before = signal.signal(signal.SIGTERM, handler := lambda *_: None)
     try:
-        with suppress(ImportError), _signals_kept():
-            signal.signal(signal.SIGTERM, signal.SIG_DFL)
-            raise ImportError
+        Colmap()
+        assert "stereorecal_colmap._fit" not in sys.modules
         assert signal.getsignal(signal.SIGTERM) is handler
     finally:
         signal.signal(signal.SIGTERM, before)

@@ -5,12 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 from machine import full_disk
 from robots import BEST, BETTER, SIZE, Robot
-from stereorecal_ros import Applied, Level, corrected
-from stereorecal_ros._camera_info_files import infos_in
-from stereorecal_ros._log import numbers
-from stereorecal_ros._worker import _RETRY
+from stereorecal_ros import Applied, CameraInfo, Level, corrected
 
 from stereorecal import InputError
 from stereorecal.io import load_rig, save_rig
@@ -131,7 +129,7 @@ def test_what_was_applied_outlives_a_worker_though_no_file_could_hold_it(robot):
         one.watch.apply()
     one.work.exited = True
     one.see()
-    one.now += _RETRY
+    one.now += 5.0  # seconds, after which another process is begun
     one.see()
     assert len(one.works) == 2
     assert one.turned() == pytest.approx(0.1, abs=0.01)
@@ -177,8 +175,9 @@ def test_a_calibration_file_that_is_restored_by_hand_wins(robot, tmp_path: Path)
     two = robot(calibration=files)
     two.see()
     assert two.turned() == pytest.approx(0.0, abs=1e-6)
-    old, new = (numbers(rig) for rig in (one.watch.rig, two.watch.rig))
-    assert two.said("another calibration is given than the one before", f"{old} -> {new}")
+    turns = [np.degrees(watch.rig.extrinsics[:3]) for watch in (one.watch, two.watch)]
+    old, new = ("pitch {:+.4f} yaw {:+.4f} roll {:+.4f} deg".format(*turn) for turn in turns)
+    assert two.said("another calibration is given than the one before", f": {old}", f" -> {new}")
     assert (tmp_path / "node.state.bak").exists()
     assert not two.watch.roll_back()[0]
     two.accept(BETTER)
@@ -210,13 +209,19 @@ def test_what_was_applied_after_a_save_outlives_the_state(robot, tmp_path: Path)
     assert two.turned() == pytest.approx(0.1, abs=0.01)
 
 
+def published_by_a_driver(file: Path) -> CameraInfo:
+    content = yaml.safe_load(file.read_text())
+    names = ("distortion_coefficients", "camera_matrix", "rectification_matrix", "projection_matrix")
+    size = content["image_width"], content["image_height"]
+    return CameraInfo(*size, content["distortion_model"], *(tuple(content[name]["data"]) for name in names))
+
+
 def test_the_projection_of_ros_files_is_that_of_their_camera_info(robot, tmp_path: Path):
     """As their driver publishes it: nothing changes until something is applied, and then R and the baseline alone."""
     files = (tmp_path / "left.yaml", tmp_path / "right.yaml")
     rig = default_rig().resized(SIZE)
     save_rig(rig, files, format="ros")
-    before = infos_in([str(name) for name in files])
-    assert before is not None
+    before = [published_by_a_driver(name) for name in files]
     one = robot(calibration=tuple(map(str, files)))
     one.see()
     assert [a.is_like(b) for a, b in zip(one.watch.corrected, before, strict=True)] == [True, True]

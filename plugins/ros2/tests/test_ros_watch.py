@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from robots import BEST, BETTER, AtOnce
 from stereorecal_ros import LEFT, RIGHT, Level, corrected
-from stereorecal_ros._worker import _RETRY
 
 from stereorecal.online import Event, Kind
 
@@ -213,7 +212,7 @@ def test_what_was_applied_is_published_though_no_process_starts(robot, monkeypat
     assert two.watch.corrected == one.watch.corrected
     assert two.watch.status().level is Level.ERROR
     assert "no memory" in two.watch.status().message
-    two.now += _RETRY
+    two.now += 5.0  # seconds, after which another process is begun
     two.see()
     assert two.works
     assert two.watch.corrected == one.watch.corrected
@@ -248,7 +247,7 @@ def test_a_worker_that_exits_is_told_and_replaced(robot):
     assert "worker process exited" in one.watch.status().message
     assert one.watch.corrected == given
     assert not one.watch.recalibrate()[0]
-    one.now += _RETRY
+    one.now += 5.0  # seconds, after which another process is begun
     one.see()
     assert len(one.works) == 2
     assert "worker process exited" not in one.watch.status().message

@@ -12,14 +12,13 @@ from machine import full_disk
 from stereorecal import CalibrationWarning, InputError, UnsupportedModelError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io import load_rig, save_rig, write_text
-from stereorecal.io._atomic import FileTaken
 
 
 def refused(call, words: str, kind: type[InputError] = InputError) -> None:
     with pytest.raises(InputError) as error:
         call()
     message = str(error.value)
-    assert type(error.value) is kind
+    assert isinstance(error.value, kind)
     assert words in message
     assert "\n" not in message
     assert message.endswith((".", "?"))
@@ -222,7 +221,7 @@ def test_one_rectification_of_four_cameras(tmp_path: Path):
 def test_nothing_is_overwritten(tmp_path: Path):
     paths = SAMPLES["ros"].write(tmp_path)
     rig = load_rig(*paths)
-    refused(lambda: save_rig(rig, (tmp_path / "new.yaml", paths[1])), "the file exists already", FileTaken)
+    refused(lambda: save_rig(rig, (tmp_path / "new.yaml", paths[1])), "the file exists already")
     assert not (tmp_path / "new.yaml").exists()
 
 
