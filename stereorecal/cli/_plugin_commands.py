@@ -11,6 +11,7 @@ class PluginOptions(CommonOptions):
     """List what is installed, or run the conformance kit on one."""
 
     module: ClassVar[str | None] = "_installed_plugins"
+    forms = ("[list]", "check NAME")
     action: Literal["list", "check"] = argument("list what is installed, or run the conformance kit on one", "list")
     name: str | None = argument("the one to be checked", None, metavar="NAME")
 

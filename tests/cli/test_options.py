@@ -15,8 +15,12 @@ class Lens:
 
 @option_group
 class Shoot(Lens, CommonOptions):
-    """Take pictures."""
+    """Take
+    pictures.
 
+    Exit code: 0 done."""
+
+    forms = ("PLACE [NAME …]", "--files FILE")
     module: ClassVar[str | None] = "_camera"
     place: str = argument("where", metavar="PLACE")
     names: tuple[str, ...] = argument("of whom", ("all",), metavar="NAME")
@@ -32,7 +36,7 @@ class Shoot(Lens, CommonOptions):
 @pytest.fixture
 def parser() -> Parser:
     made = Parser(prog="shoot")
-    made.add_options(Shoot)
+    made.add_command(Shoot)
     return made
 
 
@@ -55,14 +59,20 @@ def test_values_have_the_types_of_their_fields(parser: Parser):
     assert (found.dry_run, found.first, found.focus, found.traceback) == (True, 4, 2.5, True)
 
 
-def test_help_tells_defaults_once_and_shared_options_under_their_title(parser: Parser):
-    text, _, titled = parser.format_help().partition("of the lens:")
+def test_help_tells_forms_and_defaults_once_and_groups_under_their_title(parser: Parser):
+    usage, about, arguments, titled, text, end = parser.format_help().split("\n\n")
+    assert usage == "usage: shoot [options] PLACE [NAME …]\n       shoot [options] --files FILE"
+    assert about == "Take pictures."
+    assert arguments.startswith("arguments:\n")
+    assert titled.startswith("of the lens:\n")
+    assert text.startswith("running:\n")
     assert "how many (default: 3)" in text
     assert "when (default: day)" in text
     assert "to begin with (default: 0)" in text
     assert text.count("default") == 3
     assert "metres to the object, 5 % more or less" in titled
-    assert text.index("--pictures N") < text.index("--traceback")
+    assert text.index("--pictures N") < text.index("--files FILE …") < text.index("--traceback")
+    assert end == "Exit code: 0 done.\n"
 
 
 @pytest.mark.parametrize(
