@@ -1,6 +1,8 @@
 """The options of the commands about calibration files."""
 
+from stereorecal.cli._calibration_paths import check_calibration
 from stereorecal.cli._options import CommonOptions, argument, option, option_group
+from stereorecal.cli._output_places import Place, check_places, places_of
 from stereorecal.cli._shared_options import FORMATS, READS, WRITES, CalibrationOptions, ReportOptions
 
 
@@ -23,6 +25,16 @@ class DiffOptions(_ComparedCalibrations, CalibrationOptions, ReportOptions, Comm
 
     forms = ("A B",)
     json: str | None = option("everything, as JSON, with a map of the epipolar error", metavar="FILE|-")
+
+    @property
+    def places(self) -> list[Place]:
+        """All files that are to be written."""
+        return places_of(self, "json")
+
+    def check(self) -> None:
+        check_places(self.places, force=self.force)
+        for calibration in (self.before, self.after):
+            check_calibration(calibration, calibration)
 
 
 @option_group
@@ -56,3 +68,6 @@ class ConvertOptions(_ConvertedCalibration, CalibrationOptions, _NewCalibration,
 
     forms = ("A B",)
     quiet: bool = option("print nothing", False)
+
+    def check(self) -> None:
+        check_calibration(self.source, self.source)

@@ -1,6 +1,11 @@
 """The options of the commands that compare methods, and run the paper's experiments."""
 
+from importlib import import_module
+from typing import Literal, get_args
+
+from stereorecal._existing_paths import existing_folder
 from stereorecal.cli._options import CommonOptions, argument, option, option_group
+from stereorecal.cli._output_places import Place, check_places, places_of
 from stereorecal.cli._shared_options import (
     FREE,
     READS,
@@ -13,6 +18,8 @@ from stereorecal.cli._shared_options import (
     SearchOptions,
     WorkerOptions,
 )
+
+_Kind = Literal["harbour", "coast", "open-sea", "street"]
 
 
 @option_group
@@ -34,7 +41,7 @@ class _ComparedSceneOptions:
 
     title = READS
     scene: tuple[str, ...] = option("scene folder (repeatable)", (), metavar="PATH")
-    synthetic: str | None = option("render a scene: harbour, coast, open-sea, street", metavar="KIND")
+    synthetic: _Kind | None = option(f"render a scene: {', '.join(get_args(_Kind))}", metavar="KIND")
     frames: str | None = option(
         "pairs of each scene, used jointly (default: 1); of the judges only for rendered and simulated",
         metavar="N|all",
@@ -62,7 +69,7 @@ class _JudgeOptions(BoardOptions):
     judge: tuple[str, ...] = option(
         "lidar=FOLDER, boards=FOLDER (see --board-corners, --square), product=FOLDER, motion[=FOLDER], "
         "rendered[=KIND], simulated[=KIND] or walk (repeatable); --strategies then names methods: count, rows, motion, "
-        "and strategies. Rows of lidar and of motion=FOLDER are of images that methods get, too",
+        "and strategies. Only rows of lidar and of motion=FOLDER are of images that methods get, too",
         (),
         metavar="NAME[=PLACE]",
     )
@@ -76,7 +83,7 @@ class _ComparedStrategyOptions:
 
     title = SEARCH
     strategies: str | None = option("installed strategies (default: those of the schedule)", metavar="A,B|all")
-    schedule: str | None = option(
+    schedule: Literal["default", "count"] | None = option(
         "count (the paper's way: the count alone, at one scale) or default (coarse to fine); default: both, or count "
         "with --strategies",
         metavar="NAME",
@@ -98,6 +105,20 @@ class CompareOptions(
 ):
     """Decalibrate the rig of each scene several times, let every strategy repair each of them, and compare. Without a
     scene, one is rendered."""
+
+    @property
+    def places(self) -> list[Place]:
+        """All files that are to be written."""
+        return places_of(self, "json", "html")
+
+    def check(self) -> None:
+        if self.judge or self.preset is not None:
+            return  # other options are meant then
+        for scene in self.scene:
+            existing_folder(scene)
+        check_places(self.places, force=self.force)
+        if self.strategies is not None:
+            import_module("stereorecal.cli._strategy_names").strategy_names(self.strategies)
 
 
 @option_group
@@ -126,7 +147,7 @@ class _ReproducedScheduleOptions:
     """How the experiments search."""
 
     title = SEARCH
-    schedule: str = option(
+    schedule: Literal["both", "default", "count"] = option(
         "count (the paper's way), default (coarse to fine), or both (default: both)", "both", metavar="NAME"
     )
     strategy: str | None = option(
@@ -151,3 +172,15 @@ class ReproduceOptions(
     continues where it stopped."""
 
     forms = ("[EXPERIMENT …]",)
+
+    @property
+    def places(self) -> list[Place]:
+        """All files that are to be written, but those of the folder."""
+        return places_of(self, "json")
+
+    def check(self) -> None:
+        if self.log is not None:
+            existing_folder(self.log)
+        check_places(self.places, force=self.force)
+        if self.strategy is not None:
+            import_module("stereorecal.strategies").check_installed(self.strategy)

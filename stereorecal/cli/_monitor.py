@@ -14,15 +14,14 @@ from stereorecal._signals import hold
 from stereorecal.cli import _option_values
 from stereorecal.cli._exit_codes import CANNOT_TELL, INTERRUPTED, REPAIR
 from stereorecal.cli._live_view import lines, live
-from stereorecal.cli._output_files import (
+from stereorecal.cli._output_files import deliver, written_or_printed
+from stereorecal.cli._output_places import (
     Place,
     check_places,
-    deliver,
     image_inputs,
     named_inputs,
     places_of,
     refuse_replacing_inputs,
-    written_or_printed,
 )
 from stereorecal.cli._recordings import watched
 from stereorecal.cli._repair_commands import MonitorOptions

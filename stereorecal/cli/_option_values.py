@@ -12,19 +12,6 @@ from stereorecal.geometry import checked_view_arguments
 from stereorecal.matching import as_matcher
 from stereorecal.objectives import Parameters, as_parameters
 from stereorecal.recalibration import HealthOptions
-from stereorecal.strategies import strategies
-
-NONE_INSTALLED = (
-    "no strategy is installed; run: pip install 'stereorecal[default]' (in a clone: pip install -e plugins/compass)"
-)
-
-
-def strategy_names(text: str) -> list[str]:
-    """ "a,b" or "all"."""
-    names = list(strategies()) if text == "all" else [n for n in (n.strip() for n in text.split(",")) if n]
-    if not names:
-        raise InputError(NONE_INSTALLED if text == "all" else "--strategies names none; give names or all.")
-    return list(dict.fromkeys(names))
 
 
 def degrees_and_fraction(text: str, option: str) -> tuple[float, float]:

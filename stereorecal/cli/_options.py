@@ -11,7 +11,7 @@ from dataclasses import MISSING, Field, dataclass, field
 from difflib import get_close_matches
 from inspect import get_annotations
 from types import NoneType, UnionType
-from typing import Any, ClassVar, Literal, NoReturn, TypeVar, dataclass_transform, get_args, get_origin
+from typing import Any, ClassVar, Literal, NoReturn, TypeVar, Union, dataclass_transform, get_args, get_origin
 
 from stereorecal.cli._exit_codes import BAD_INPUT
 
@@ -61,6 +61,13 @@ class CommonOptions:
     verb: str = ""
     words: tuple[str, ...] = ()
     traceback: bool = option("show where an error comes from", False)
+
+    def check(self) -> None:
+        """Refuse what can be told at once, before the modules are imported that do the work, which takes seconds.
+
+        Raises:
+            InputError: says what to do.
+        """
 
 
 class _Help(argparse.HelpFormatter):
@@ -142,7 +149,7 @@ class Parser(argparse.ArgumentParser):
 def _value(found: Field[Any]) -> dict[str, Any]:
     """How argparse is told of one option."""
     text, default, by_place = found.metadata["help"], found.default, found.metadata["flag"] is None
-    kinds = get_args(found.type) if isinstance(found.type, UnionType) else (found.type,)
+    kinds = get_args(found.type) if get_origin(found.type) in (Union, UnionType) else (found.type,)
     (kind,) = (kind for kind in kinds if kind is not NoneType)
     parts, several = get_args(kind), get_origin(kind) is tuple
     if isinstance(default, str | int | float) and kind is not bool and "default" not in text:

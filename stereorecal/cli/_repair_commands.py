@@ -1,6 +1,13 @@
 """The options of the commands that repair a rig, check it and watch it."""
 
-from stereorecal.cli._options import CommonOptions, option, option_group
+from importlib import import_module
+from pathlib import Path
+from typing import Literal
+
+from stereorecal._errors import InputError
+from stereorecal.cli._calibration_paths import calibration_path, paths
+from stereorecal.cli._options import TWO_FILES, CommonOptions, option, option_group
+from stereorecal.cli._output_places import Place, check_places, places_of
 from stereorecal.cli._shared_options import (
     DEPTH,
     FREE,
@@ -81,7 +88,9 @@ class _ScheduleOptions:
     """How a repair searches."""
 
     title = SEARCH
-    schedule: str = option("default (coarse to fine) or count (the paper's way)", "default", metavar="NAME")
+    schedule: Literal["default", "count"] = option(
+        "default (coarse to fine) or count (the paper's way)", "default", metavar="NAME"
+    )
     strategy: str | None = option("for the stages of its kind (default: the schedule's)", metavar="NAME")
 
 
@@ -106,6 +115,40 @@ class RecalibrateOptions(
     cannot tell (too dark, too little texture, or the images do not determine what is better); 130 interrupted. Of
     several recordings, the worst one decides."""
 
+    @property
+    def places(self) -> list[Place]:
+        """All files that are to be written."""
+        files = [] if self.output is None else paths(calibration_path(self.output, "--output"))
+        return [Place("--output", path) for path in files] + places_of(self, "json", "maps", "html")
+
+    def check(self) -> None:
+        self.check_recordings()
+        self._check_output()
+        if self.strategy is not None:
+            import_module("stereorecal.strategies").check_installed(self.strategy)
+
+    def _check_output(self) -> None:
+        if self.in_place and (self.output is not None or self.output_format is not None):
+            raise InputError(
+                "--in-place writes the file that the calibration came from; leave --output and --output-format out."
+            )
+        if self.output_format is not None and self.output is None:
+            raise InputError("--output-format belongs to --output; give a file there.")
+        wanted = [name for name in ("output", "maps") if getattr(self, name) is not None]
+        wanted = [f"--{name}" for name in wanted] + ["--in-place"] * self.in_place
+        if wanted and len(self.scenes) > 1 and self.extrinsics != "one":
+            hint = "" if wanted[0] == "--in-place" else f" ({TWO_FILES})"
+            raise InputError(
+                f"{wanted[0]} takes the calibration of one recording; give one, or leave {wanted[0]} out{hint}."
+            )
+        if self.in_place and len(self.scenes) > 1:
+            raise InputError("--in-place takes one recording; give one, or --output.")
+        if self.output == "-" or self.maps == "-":
+            raise InputError("a calibration is written to a file; give the name of one.")
+        check_places(self.places, force=self.force)
+        if self.maps is not None and Path(self.maps).suffix.lower() not in ("", ".npz"):
+            raise InputError(f"--maps {self.maps}: maps are written as .npz; give a name ending in it.")
+
 
 @option_group
 class ScoreOptions(ReportOptions, RecordingOptions, DecisionOptions, CommonOptions):
@@ -117,6 +160,15 @@ class ScoreOptions(ReportOptions, RecordingOptions, DecisionOptions, CommonOptio
     larger row or depth error with less than 1 %; or hardly anything matches, despite texture); 4 cannot tell (too dark,
     too little texture, or no improvement is significant). Others: 2 bad input, also images that are swapped, upside
     down or of different scenes; 3 internal failure; 130 interrupted."""
+
+    @property
+    def places(self) -> list[Place]:
+        """All files that are to be written."""
+        return places_of(self, "json")
+
+    def check(self) -> None:
+        self.check_recordings()
+        check_places(self.places, force=self.force)
 
 
 @option_group
@@ -168,3 +220,7 @@ class MonitorOptions(
 
     forms = ("SCENE", "--left L --right R --calibration FILE", "--camera NAME --calibration FILE")
     once: bool = option("only watch, and switch nothing: a check of the calibration, for cron", False)
+
+    def check(self) -> None:
+        if self.camera is None:
+            self.check_recordings()

@@ -2,7 +2,10 @@
 
 from typing import Literal
 
-from stereorecal.cli._options import argument, option, option_group
+from stereorecal._errors import InputError
+from stereorecal._existing_paths import check_exists, existing_folder
+from stereorecal.cli._calibration_paths import check_calibration
+from stereorecal.cli._options import TWO_FILES, argument, option, option_group
 
 WRITES = "what to write"
 READS = "what to read"
@@ -102,6 +105,39 @@ class RecordingOptions(_SceneOptions, ImageOptions, PairOptions):
     """The recordings that a command is about."""
 
     forms = ("SCENE [SCENE …]", "--left L --right R --calibration FILE")
+
+    def check_recordings(self) -> None:
+        """Refuse recordings that are named incompletely, or are not there.
+
+        Raises:
+            InputError: says what is missing.
+        """
+        ways = (("left", "right"), ("side_by_side",), ("bag", "left_topic", "right_topic"))
+        begun = [way for way in ways if any(getattr(self, name) is not None for name in way)]
+        given, missing = [], []
+        for name in (*(begun[0] if begun else ()), "calibration"):
+            (given if getattr(self, name) is not None else missing).append(f"--{name.replace('_', '-')}")
+        if self.scenes and given:
+            raise InputError(
+                f"give scene folders or {' and '.join(given)}, not both; {self.scenes[0]} is taken for a scene folder "
+                f"({TWO_FILES})."
+            )
+        if not (self.scenes or given):
+            raise InputError("give scene folders, or --left, --right and --calibration together.")
+        if len(begun) > 1:
+            raise InputError("--left and --right, --side-by-side, or --bag: give one of these.")
+        if given and not begun:
+            raise InputError("--calibration needs images: --left and --right, --side-by-side, or --bag; add them.")
+        if given and missing:
+            needs, add = ("needs", "need")[len(given) > 1], ("it", "them")[len(missing) > 1]
+            raise InputError(f"{' and '.join(given)} {needs} {' and '.join(missing)}; add {add}.")
+        for scene in self.scenes:
+            existing_folder(scene)
+        for place in (self.left, self.right, self.side_by_side, self.bag):
+            if place is not None:
+                check_exists(place, "file or folder")
+        if self.calibration is not None:
+            check_calibration(self.calibration, "--calibration")
 
 
 @option_group

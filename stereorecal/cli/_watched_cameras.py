@@ -5,7 +5,7 @@ from itertools import chain, islice
 
 from stereorecal._errors import InputError
 from stereorecal.cli import _option_values
-from stereorecal.cli._calibration_files import calibration_path
+from stereorecal.cli._calibration_paths import calibration_path
 from stereorecal.cli._repair_commands import MonitorOptions
 from stereorecal.io import calibrated_scene, camera_pairs
 from stereorecal.recordings import Images, Pair, Scene

@@ -15,7 +15,7 @@ from bags import write_bag
 from machine import at_call, full_disk
 
 from stereorecal import InputError
-from stereorecal.cli import _output_files, _streams, main
+from stereorecal.cli import _output_files, _output_places, _streams, main
 from stereorecal.io import back_up, save_rig
 from stereorecal.synthetic import default_rig
 
@@ -217,9 +217,9 @@ def test_devices_need_no_force(command, clean_scene: Path, drifted_scene: Path):
 def test_the_rows_of_a_reproduction_are_inputs(tmp_path: Path):
     from stereorecal.reproduction import store_files
 
-    places = [_output_files.Place("--json", tmp_path / "rows.jsonl")]
+    places = [_output_places.Place("--json", tmp_path / "rows.jsonl")]
     with pytest.raises(InputError, match="will not be overwritten"):
-        _output_files.refuse_replacing_inputs(places, store_files(tmp_path))
+        _output_places.refuse_replacing_inputs(places, store_files(tmp_path))
 
 
 def test_the_folder_of_a_reproduction_takes_its_own_files_only(command, clean_scene: Path, tmp_path: Path):

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -14,7 +15,7 @@ LOADED = """
 import sys
 from stereorecal.cli import main
 try:
-    main(sys.argv[1:])
+    code = main(sys.argv[1:])
 except SystemExit as end:
     code = end.code
 print(code, *(name for name in ("jax", "cv2", "numpy", "rich") if name in sys.modules))
@@ -42,6 +43,35 @@ def test_answers_at_once(words: list[str], code: int):
     assert done.stdout.splitlines()[-1] == str(code), done.stdout + done.stderr
     assert ("stereorecal" in done.stdout) == (code == 0)
     assert ("; see stereorecal" in done.stderr) == (code == 2)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "recalibrate nowhere",
+        "recalibrate --left nothing.png --right nothing.png --calibration nothing.yaml",
+        "recalibrate . --output {there}",
+        "recalibrate . --strategy compas",
+        "score nowhere",
+        "score . --json {there}",
+        "monitor nowhere",
+        "compare --scene nowhere",
+        "compare --strategies compass,compas",
+        "compare --html {there}",
+        "reproduce --log nowhere",
+        "diff nothing.yaml {there}",
+        "convert nothing.yaml new.yaml",
+        "strategies check compas",
+    ],
+)
+def test_a_name_that_is_wrong_is_said_at_once(words: str, tmp_path: Path):
+    (there := tmp_path / "there.json").touch()
+    command = [sys.executable, "-c", LOADED, *words.format(there=there).split()]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    code, *loaded = done.stdout.split()
+    assert code == "2", done.stdout + done.stderr
+    assert set(loaded) <= {"numpy"}  # which the names of strategies cost
+    assert done.stderr.count("\n") == 1
 
 
 @pytest.mark.parametrize(
