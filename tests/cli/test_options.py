@@ -1,93 +1,60 @@
 """Options as they are declared, and what the command line makes of them."""
 
-from typing import ClassVar, Literal
+import re
 
 import pytest
 
-from stereorecal.cli._options import CommonOptions, Parser, argument, option, option_group
+from stereorecal.cli import options_of
 
 
-@option_group
-class Lens:
-    title = "of the lens"
-    focus: float | None = option("metres to the object, 5 % more or less")
+def options(words: str):
+    return options_of(words.split())
 
 
-@option_group
-class Shoot(Lens, CommonOptions):
-    """Take
-    pictures.
-
-    Exit code: 0 done."""
-
-    forms = ("PLACE [NAME …]", "--files FILE")
-    module: ClassVar[str | None] = "_camera"
-    place: str = argument("where", metavar="PLACE")
-    names: tuple[str, ...] = argument("of whom", ("all",), metavar="NAME")
-    pictures: int = option("how many", 3, metavar="N")
-    mode: Literal["day", "night"] = option("when", "day")
-    sides: tuple[str, str] | None = option("both", metavar=("LEFT", "RIGHT"))
-    files: tuple[str, ...] | None = option("some", metavar="FILE")
-    tag: tuple[str, ...] = option("one more", (), metavar="TAG")
-    dry_run: bool = option("take none", False)
-    first: int = option("to begin with", 0, flag="--from", metavar="N")
+def test_what_is_not_given_has_the_default_of_its_field():
+    found = options("recalibrate here")
+    assert (found.scenes, found.first, found.every, found.matcher, found.motion) == (("here",), 0, 1, "sad", "auto")
+    assert (found.boards, found.calibration, found.tolerance, found.stop) == (None, None, None, None)
+    assert (found.dry_run, found.traceback) == (False, False)
+    assert options("compare").judge == ()
+    assert options("reproduce").experiments == ("all",)
 
 
-@pytest.fixture
-def parser() -> Parser:
-    made = Parser(prog="shoot")
-    made.add_command(Shoot)
-    return made
+def test_values_have_the_types_of_their_fields():
+    words = "recalibrate here there --every 2 --motion off --boards l r --calibration a b --dry-run --from 4"
+    found = options(f"{words} --tolerance 2.5 --traceback")
+    assert (found.scenes, found.every, found.motion) == (("here", "there"), 2, "off")
+    assert (found.boards, found.calibration) == (("l", "r"), ("a", "b"))
+    assert (found.dry_run, found.first, found.tolerance, found.traceback) == (True, 4, 2.5, True)
+    assert options("compare --judge x --judge y").judge == ("x", "y")
 
 
-def options(parser: Parser, words: str) -> Shoot:
-    return Shoot(**vars(parser.parse_args(words.split())))
-
-
-def test_what_is_not_given_has_the_default_of_its_field(parser: Parser):
-    found = options(parser, "here")
-    assert (found.place, found.names, found.pictures, found.mode) == ("here", ("all",), 3, "day")
-    assert (found.sides, found.files, found.tag, found.focus) == (None, None, (), None)
-    assert (found.dry_run, found.first, found.traceback) == (False, 0, False)
-
-
-def test_values_have_the_types_of_their_fields(parser: Parser):
-    words = "here ann bo --pictures 2 --mode night --sides l r --files a b c --tag x --tag y --dry-run --from 4"
-    found = options(parser, f"{words} --focus 2.5 --traceback")
-    assert (found.place, list(found.names), found.pictures, found.mode) == ("here", ["ann", "bo"], 2, "night")
-    assert [list(some or ()) for some in (found.sides, found.files, found.tag)] == [["l", "r"], list("abc"), ["x", "y"]]
-    assert (found.dry_run, found.first, found.focus, found.traceback) == (True, 4, 2.5, True)
-
-
-def test_help_tells_forms_and_defaults_once_and_groups_under_their_title(parser: Parser):
-    usage, about, arguments, titled, text, end = parser.format_help().split("\n\n")
-    assert usage == "usage: shoot [options] PLACE [NAME …]\n       shoot [options] --files FILE"
-    assert about == "Take pictures."
-    assert arguments.startswith("arguments:\n")
-    assert titled.startswith("of the lens:\n")
-    assert text.startswith("running:\n")
-    assert "how many (default: 3)" in text
-    assert "when (default: day)" in text
-    assert "to begin with (default: 0)" in text
-    assert text.count("default") == 3
-    assert "metres to the object, 5 % more or less" in titled
-    assert text.index("--pictures N") < text.index("--files FILE …") < text.index("--traceback")
-    assert end == "Exit code: 0 done.\n"
+def test_help_tells_defaults_once_and_shared_options_under_their_title(command, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setenv("COLUMNS", "300")
+    text, _, titled = command("recalibrate", "--help").out.partition("which pairs:")
+    assert "number of the first pair (default: 0)" in titled
+    assert "number of the pair to stop before (default: none)" in titled  # which its text says
+    assert "image scale of --schedule count (default: 1)" in titled
+    assert "installed stereo matcher: sad, bm, sgbm, or a plug-in's (default: sad)" in titled
+    assert not re.search(r"default: [^\n]*\(default: (?!recognised)", text + titled)
+    assert "--calibration FILE …  " in text
+    assert text.index("--dry-run") < text.index("SCENE  ") < text.index("--left FILES")
+    assert titled.index("--matcher NAME") < titled.index("--traceback  ") < titled.index("Exit code: 0 ")
 
 
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ("", "the following arguments are required: PLACE"),
-        ("here --mode nigth", "unknown --mode 'nigth' (did you mean night?)"),
-        ("here --mode 7", "unknown --mode '7' (choose one of: day, night)"),
-        ("here --sides l", "argument --sides: expected 2 arguments"),
-        ("here --pictures some", "argument --pictures: invalid int value: 'some'"),
-        ("here --picturse 2", "unrecognized arguments: --picturse 2 (did you mean --pictures?)"),
+        ("diff here", "the following arguments are required: B"),
+        ("strategies chekc", "unknown action 'chekc' (did you mean check?)"),
+        ("strategies 7", "unknown action '7' (choose one of: list, check)"),
+        ("recalibrate --boards l", "argument --boards: expected 2 arguments"),
+        ("recalibrate --every some", "argument --every: invalid int value: 'some'"),
+        ("recalibrate --evrey 2", "unrecognized arguments: --evrey (did you mean --every?)"),
     ],
 )
-def test_one_sentence_says_what_is_wrong(parser: Parser, words: str, said: str, capsys):
+def test_one_sentence_says_what_is_wrong(words: str, said: str, capsys):
     with pytest.raises(SystemExit) as end:
-        parser.parse_args(words.split())
+        options(words)
     assert end.value.code == 2
-    assert capsys.readouterr().err == f"stereorecal: {said}; see shoot --help\n"
+    assert capsys.readouterr().err == f"stereorecal: {said}; see stereorecal {words.split()[0]} --help\n"
