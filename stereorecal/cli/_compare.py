@@ -4,7 +4,7 @@ from importlib import import_module
 from pathlib import Path
 
 from stereorecal._errors import InputError
-from stereorecal.cli import _option_values
+from stereorecal.cli import _library_arguments, _option_values
 from stereorecal.cli._executors import executor
 from stereorecal.cli._exit_codes import FAILURE, INTERRUPTED
 from stereorecal.cli._experiment_commands import CompareOptions
@@ -39,7 +39,7 @@ def run(options: CompareOptions) -> int:
     drift = Drift(*_option_values.degrees_and_fraction(options.decalibrate, "--decalibrate"))
     reach = Reach(*_option_values.degrees_and_fraction(options.reach, "--reach")) if options.reach is not None else None
     budget, seed = as_budget(options.budget), _option_values.seed(options.seed)
-    free = _option_values.free(options.free)
+    free = _library_arguments.free(options.free)
     check_page(options.html, "comparison_page")
     journal = GrowingJson(options.json, force=options.force)
     with executor(options.executor) as pool:

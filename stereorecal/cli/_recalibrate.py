@@ -10,12 +10,12 @@ from stereorecal._environment import versions
 from stereorecal._errors import InputError
 from stereorecal._run_all import Progress
 from stereorecal._signals import hold
-from stereorecal.cli import _calibration_output, _option_values
+from stereorecal.cli import _calibration_output, _library_arguments, _option_values
 from stereorecal.cli._chessboards import boards_of, check_boards_asked
 from stereorecal.cli._executors import executor
 from stereorecal.cli._exit_codes import BAD_INPUT, CANNOT_TELL, FAILURE, INTERRUPTED
 from stereorecal.cli._html_page import check_page, write_report
-from stereorecal.cli._option_values import health_options
+from stereorecal.cli._library_arguments import health_options
 from stereorecal.cli._output_files import deliver, write_json, written_or_printed
 from stereorecal.cli._output_places import named_inputs
 from stereorecal.cli._recordings import left_out_pairs, recordings
@@ -128,7 +128,7 @@ def _settings_from_options(options: RecalibrateOptions) -> Settings:
         "seed": _option_values.seed(options.seed),
         "ranges": load_ranges(options.ranges) if options.ranges is not None else (),
         "odometer": load_odometer(options.odometer) if options.odometer is not None else None,
-        "free": _option_values.free(options.free),
+        "free": _library_arguments.free(options.free),
     }
     return as_settings(values)
 
@@ -206,7 +206,7 @@ def _saving(
 
     def maps(solution: Solution) -> list[Path]:
         for path in output.maps_files:
-            save_maps(solution.rig, path, options.force, _option_values.view(options))
+            save_maps(solution.rig, path, options.force, _library_arguments.view(options))
         return []
 
     def calibration(solution: Solution) -> list[Path]:

@@ -6,6 +6,7 @@ from typing import Literal
 
 from stereorecal._errors import InputError
 from stereorecal.cli._calibration_paths import calibration_path, paths
+from stereorecal.cli._option_values import degrees_and_fraction, seed
 from stereorecal.cli._options import TWO_FILES, CommonOptions, option, option_group
 from stereorecal.cli._output_places import Place, check_places, places_of
 from stereorecal.cli._shared_options import (
@@ -124,6 +125,8 @@ class RecalibrateOptions(
     def check(self) -> None:
         self.check_recordings()
         self._check_output()
+        degrees_and_fraction(self.reach, "--reach")
+        seed(self.seed)
         if self.strategy is not None:
             import_module("stereorecal.strategies").check_installed(self.strategy)
 

@@ -8,7 +8,7 @@ from stereorecal._environment import versions
 from stereorecal._errors import InputError
 from stereorecal._signals import hold
 from stereorecal.cli._exit_codes import BAD_INPUT, CANNOT_TELL, INTERRUPTED, REPAIR
-from stereorecal.cli._option_values import health_options, tolerances
+from stereorecal.cli._library_arguments import health_options, tolerances
 from stereorecal.cli._output_files import deliver, write_json
 from stereorecal.cli._output_places import image_inputs, refuse_replacing_inputs
 from stereorecal.cli._recordings import recordings

@@ -5,6 +5,7 @@ from typing import Literal
 from stereorecal._errors import InputError
 from stereorecal._existing_paths import check_exists, existing_folder
 from stereorecal.cli._calibration_paths import check_calibration
+from stereorecal.cli._option_values import frame_limit, limit
 from stereorecal.cli._options import TWO_FILES, argument, option, option_group
 
 WRITES = "what to write"
@@ -89,6 +90,29 @@ class PairOptions:
         metavar="N|all",
     )
 
+    @property
+    def stretch(self) -> slice:
+        """The pairs that --from, --to and --every select.
+
+        Raises:
+            InputError: if they make no sense.
+        """
+        if self.every < 1:
+            raise InputError(f"--every is {self.every}; give 1 for every pair, 2 for every second.")
+        if self.first < 0 or (self.stop is not None and self.stop <= self.first):
+            raise InputError("--from and --to are numbers of pairs, from 0 on; --to must be the larger one.")
+        return slice(self.first, self.stop, self.every)
+
+    def check_pairs(self) -> None:
+        """Refuse numbers of pairs that make no sense.
+
+        Raises:
+            InputError: says what to do.
+        """
+        _ = self.stretch
+        frame_limit(self.frames)
+        limit(self.limit, None)
+
 
 @option_group
 class _SceneOptions:
@@ -107,10 +131,10 @@ class RecordingOptions(_SceneOptions, ImageOptions, PairOptions):
     forms = ("SCENE [SCENE …]", "--left L --right R --calibration FILE")
 
     def check_recordings(self) -> None:
-        """Refuse recordings that are named incompletely, or are not there.
+        """Refuse recordings that are named incompletely, or are not there, and numbers of pairs that make no sense.
 
         Raises:
-            InputError: says what is missing.
+            InputError: says what to do.
         """
         ways = (("left", "right"), ("side_by_side",), ("bag", "left_topic", "right_topic"))
         begun = [way for way in ways if any(getattr(self, name) is not None for name in way)]
@@ -131,6 +155,7 @@ class RecordingOptions(_SceneOptions, ImageOptions, PairOptions):
         if given and missing:
             needs, add = ("needs", "need")[len(given) > 1], ("it", "them")[len(missing) > 1]
             raise InputError(f"{' and '.join(given)} {needs} {' and '.join(missing)}; add {add}.")
+        self.check_pairs()
         for scene in self.scenes:
             existing_folder(scene)
         for place in (self.left, self.right, self.side_by_side, self.bag):

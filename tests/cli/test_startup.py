@@ -52,6 +52,8 @@ def test_answers_at_once(words: list[str], code: int):
         "recalibrate --left nothing.png --right nothing.png --calibration nothing.yaml",
         "recalibrate . --output {there}",
         "recalibrate . --strategy compas",
+        "recalibrate . --reach 3",
+        "score . --frames few",
         "score nowhere",
         "score . --json {there}",
         "monitor nowhere",
@@ -64,7 +66,7 @@ def test_answers_at_once(words: list[str], code: int):
         "strategies check compas",
     ],
 )
-def test_a_name_that_is_wrong_is_said_at_once(words: str, tmp_path: Path):
+def test_a_wrong_name_or_number_is_said_at_once(words: str, tmp_path: Path):
     (there := tmp_path / "there.json").touch()
     command = [sys.executable, "-c", LOADED, *words.format(there=there).split()]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
