@@ -121,12 +121,15 @@ class Registry(Generic[T]):
         Raises:
             InputError, `error`: as `make` does.
         """
-        if not isinstance(name, str):
-            raise InputError(self._no_name(name))
-        points = self._points().select(name=name)
-        if not points:
-            raise InputError(self._missing(name))
-        return self._load(self._only(points))
+        return self._load(self._point(name))
+
+    def check(self, name: str) -> None:
+        """Refuse a name that `find` would not find; imports nothing.
+
+        Raises:
+            InputError: as `make` does.
+        """
+        self._point(name)
 
     def overview(self) -> dict[str, Plugin[T] | Exception]:
         """What `find` returns or raises for each name; the installed metadata is read once."""
@@ -152,6 +155,14 @@ class Registry(Generic[T]):
             except PackageNotFoundError:
                 continue
         return type(instance).__module__
+
+    def _point(self, name: str) -> _EntryPoint:
+        if not isinstance(name, str):
+            raise InputError(self._no_name(name))
+        points = self._points().select(name=name)
+        if not points:
+            raise InputError(self._missing(name))
+        return self._only(points)
 
     def _points(self) -> EntryPoints:
         installed = entry_points(group=self.group)

@@ -9,6 +9,7 @@ import venv
 from pathlib import Path
 
 import pytest
+from printed_output import agrees
 
 PAGES = Path(__file__).parents[1] / "docs" / "tutorials"
 STEP = re.compile(r"(?:\*\*`(?P<file>[^`]+)`\*\*\n\n)?```(?P<language>\w+)\n(?P<body>.*?)```", re.DOTALL)
@@ -26,19 +27,24 @@ def environment(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
 
 
 def followed(page: str, environment: dict[str, str], folder: Path) -> str:
-    """What the commands of a page print, in a folder that begins empty."""
-    output = ""
+    """What the commands of a page print, in a folder that begins empty; the page shows it truly."""
+    output = printed = ""
     for step in STEP.finditer((PAGES / page).read_text()):
         if step["file"]:
             (folder / step["file"]).write_text(step["body"])
             continue
+        if step["language"] == "output":
+            assert agrees(step["body"], printed), f"the page shows:\n{step['body']}\nprinted was:\n{printed}"
+            continue
         assert step["language"] == "sh"
+        printed = ""
         for line in step["body"].splitlines():
             done = subprocess.run(
                 line, shell=True, check=False, cwd=folder, env=environment, capture_output=True, text=True
             )
             assert done.returncode == 0, f"{line}\n{done.stdout}{done.stderr}"
-            output += done.stdout
+            printed += done.stdout
+        output += printed
     return output
 
 

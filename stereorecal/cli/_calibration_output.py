@@ -8,14 +8,13 @@ from pathlib import Path
 import numpy as np
 
 from stereorecal._errors import InputError
-from stereorecal.cli._calibration_files import CalibrationPath, calibration_path, paths, unit_written
-from stereorecal.cli._options import TWO_FILES
-from stereorecal.cli._output_files import (
+from stereorecal.cli._calibration_files import unit_written
+from stereorecal.cli._calibration_paths import CalibrationPath, calibration_path, paths
+from stereorecal.cli._output_places import (
     Place,
     check_places,
     check_writable,
     image_inputs,
-    places_of,
     refuse_replacing_inputs,
 )
 from stereorecal.cli._repair_commands import RecalibrateOptions
@@ -57,34 +56,6 @@ class Output:
         return [] if self.maps is None else [self.maps]
 
 
-def checked(options: RecalibrateOptions) -> None:
-    """Refuse what makes no sense whatever the recordings are, before any is read.
-
-    Raises:
-        InputError: if a place cannot be written to, or options contradict each other.
-    """
-    if options.in_place and (options.output is not None or options.output_format is not None):
-        raise InputError(
-            "--in-place writes the file that the calibration came from; leave --output and --output-format out."
-        )
-    if options.output_format is not None and options.output is None:
-        raise InputError("--output-format belongs to --output; give a file there.")
-    wanted = [name for name in ("output", "maps") if getattr(options, name) is not None]
-    wanted = [f"--{name}" for name in wanted] + ["--in-place"] * options.in_place
-    if wanted and len(options.scenes) > 1 and options.extrinsics != "one":
-        hint = "" if wanted[0] == "--in-place" else f" ({TWO_FILES})"
-        raise InputError(
-            f"{wanted[0]} takes the calibration of one recording; give one, or leave {wanted[0]} out{hint}."
-        )
-    if options.in_place and len(options.scenes) > 1:
-        raise InputError("--in-place takes one recording; give one, or --output.")
-    if options.output == "-" or options.maps == "-":
-        raise InputError("a calibration is written to a file; give the name of one.")
-    check_places(_output_places(options), force=options.force)
-    if options.maps is not None and Path(options.maps).suffix.lower() not in ("", ".npz"):
-        raise InputError(f"--maps {options.maps}: maps are written as .npz; give a name ending in it.")
-
-
 def output_of(
     options: RecalibrateOptions, scenes: Sequence[Scene], free: Sequence[str], read: Iterable[Path]
 ) -> Output:
@@ -100,8 +71,8 @@ def output_of(
     """
     maps = None if options.maps is None else Path(options.maps)
     calibrations = {path.resolve() for scene in scenes for path in calibration_files(scene.rig)}
-    refuse_replacing_inputs(_output_places(options), calibrations, "replace it with --in-place")
-    refuse_replacing_inputs(_output_places(options), {*read, *image_inputs(options)})
+    refuse_replacing_inputs(options.places, calibrations, "replace it with --in-place")
+    refuse_replacing_inputs(options.places, {*read, *image_inputs(options)})
     rig = scenes[0].rig
     if rig is None:
         return Output(None, False, maps)
@@ -112,7 +83,7 @@ def output_of(
         for path in files:
             check_writable(Place("--in-place", path))
             check_writable(Place("--in-place, which keeps a copy,", next_copy(path)))
-            for other in _output_places(options):
+            for other in options.places:
                 if is_copy(other.path, of=path):
                     raise InputError(f"{other}: --in-place keeps the old calibration there; choose another place.")
             if not os.access(path, os.W_OK):
@@ -127,7 +98,7 @@ def output_of(
     prior_path = prior_beside(rig, place, format=options.output_format)
     if prior_path is not None:
         known = [Place("--in-place" if options.in_place else "--output", prior_path)]
-        check_places([*known, *_output_places(options)], force=options.force or options.in_place)
+        check_places([*known, *options.places], force=options.force or options.in_place)
     return Output(place, options.in_place, maps, unit, unit_note, prior_path)
 
 
@@ -154,12 +125,6 @@ def save(output: Output, solution: Solution, scene: Scene, options: RecalibrateO
     how = {"format": options.output_format, "unit": output.unit, "prior": solution.prior}
     save_rig(rig, output.place, scene.info, output.replaced or options.force, **how)
     return backups
-
-
-def _output_places(options: RecalibrateOptions) -> list[Place]:
-    """All files that were asked for, by option."""
-    files = [] if options.output is None else paths(calibration_path(options.output, "--output"))
-    return [Place("--output", path) for path in files] + places_of(options, "json", "maps", "html")
 
 
 def _probe_rig(rig: StereoRig, free: Sequence[str]) -> StereoRig:

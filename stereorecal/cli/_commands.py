@@ -30,19 +30,20 @@ def parser(verbs: Sequence[str] = tuple(_COMMANDS)) -> Parser:
         verbs: the commands whose options it knows; those of the others are not even read.
     """
     made = Parser(
-        prog="python -m stereorecal",
+        prog="stereorecal",
+        usage="%(prog)s COMMAND [options]",
         description="Repair the extrinsic calibration of a stereo rig from ordinary images.",
+        epilog="COMMAND --help lists the options of a command.",
     )
     made.add_argument("--version", action="version", version=f"stereorecal {__version__}")
     made.add_options(CommonOptions)  # which may stand before the command or after it
-    commands = made.add_subparsers(title="commands", required=True, metavar="COMMAND", dest="command")
+    commands = made.add_subparsers(title="commands", required=True, metavar="COMMAND", dest="command", prog=made.prog)
     for verb, (place, summary) in _COMMANDS.items():
         added = commands.add_parser(verb, help=summary)
         if verb in verbs:
             module, _, name = place.partition(".")
             kind = getattr(import_module(f"stereorecal.cli.{module}"), name)
-            added.description = kind.__doc__
-            added.add_options(kind)
+            added.add_command(kind)
             added.set_defaults(kind=kind, parser=added)
     return made
 

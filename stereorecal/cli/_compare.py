@@ -3,26 +3,26 @@
 from importlib import import_module
 from pathlib import Path
 
-from stereorecal._choices import checked_choice
 from stereorecal._errors import InputError
-from stereorecal.cli import _option_values
+from stereorecal.cli import _library_arguments, _option_values
 from stereorecal.cli._executors import executor
 from stereorecal.cli._exit_codes import FAILURE, INTERRUPTED
 from stereorecal.cli._experiment_commands import CompareOptions
 from stereorecal.cli._html_page import check_page
 from stereorecal.cli._journals import GrowingJson
-from stereorecal.cli._output_files import Place, check_places, deliver, places_of, refuse_replacing_inputs, write_json
+from stereorecal.cli._output_files import deliver, write_json
+from stereorecal.cli._output_places import refuse_replacing_inputs
+from stereorecal.cli._strategy_names import strategy_names
 from stereorecal.cli._streams import say
 from stereorecal.cli._terminal import progress_bar, table_console
 from stereorecal.comparison import FAILED, Comparison, Drift, compare_scenes, load_strategies
 from stereorecal.io import files_read, load_scene
 from stereorecal.matching import as_matcher
 from stereorecal.objectives import Reach
-from stereorecal.recalibration import SCHEDULES
 from stereorecal.recordings import Scene
 from stereorecal.report.comparison_tables import comparison_tables
 from stereorecal.strategies import as_budget
-from stereorecal.synthetic import KINDS, render
+from stereorecal.synthetic import render
 
 _DRAWS = 2
 
@@ -32,22 +32,20 @@ def run(options: CompareOptions) -> int:
     if options.judge or options.preset is not None:
         return import_module("stereorecal.cli._compare_field").run(options)
     _check_without_judges(options)
-    if options.schedule is not None:
-        checked_choice(options.schedule, list(SCHEDULES), "schedule")
     if options.schedule == "default" and options.scale is not None:
         raise InputError("--scale belongs to --schedule count; leave it out.")
     matcher = as_matcher(options.matcher)
-    chosen = None if options.strategies is None else load_strategies(_option_values.strategy_names(options.strategies))
+    chosen = None if options.strategies is None else load_strategies(strategy_names(options.strategies))
     drift = Drift(*_option_values.degrees_and_fraction(options.decalibrate, "--decalibrate"))
     reach = Reach(*_option_values.degrees_and_fraction(options.reach, "--reach")) if options.reach is not None else None
     budget, seed = as_budget(options.budget), _option_values.seed(options.seed)
-    free = _option_values.free(options.free)
-    places = _check_places(options)
+    free = _library_arguments.free(options.free)
+    check_page(options.html, "comparison_page")
     journal = GrowingJson(options.json, force=options.force)
     with executor(options.executor) as pool:
         with files_read() as read:
             scenes = _scenes(options)
-        refuse_replacing_inputs(places, read)
+        refuse_replacing_inputs(options.places, read)
         with progress_bar(options.quiet) as progress:
             comparison = compare_scenes(
                 scenes,
@@ -83,22 +81,13 @@ def _check_without_judges(options: CompareOptions) -> None:
             raise InputError(f"--{name.replace('_', '-')} belongs to judges; add --judge or --preset field.")
 
 
-def _check_places(options: CompareOptions) -> list[Place]:
-    """The files to be written; what could not be is refused before the work is done."""
-    places = places_of(options, "json", "html")
-    check_places(places, force=options.force)
-    check_page(options.html, "comparison_page")
-    return places
-
-
 def _scenes(options: CompareOptions) -> list[Scene]:
     limit = _option_values.frame_limit(options.frames, "1")
     scenes = [load_scene(Path(path), limit=limit) for path in options.scene]
     if options.synthetic or not scenes:
-        kind = checked_choice(options.synthetic or "harbour", list(KINDS), "kind of scene")
         if limit is None:
             raise InputError("--frames all has no meaning for a rendered scene; give a number.")
-        scenes.append(render(kind, options.seed, frames=limit))
+        scenes.append(render(options.synthetic or "harbour", options.seed, frames=limit))
     return scenes
 
 

@@ -14,14 +14,8 @@ from stereorecal.cli._exit_codes import FAILURE, INTERRUPTED
 from stereorecal.cli._experiment_commands import CompareOptions
 from stereorecal.cli._html_page import check_page
 from stereorecal.cli._journals import TrialJournal
-from stereorecal.cli._output_files import (
-    check_places,
-    check_writable,
-    deliver,
-    places_of,
-    refuse_replacing_inputs,
-    write_json,
-)
+from stereorecal.cli._output_files import deliver, write_json
+from stereorecal.cli._output_places import check_places, check_writable, places_of, refuse_replacing_inputs
 from stereorecal.cli._streams import say
 from stereorecal.cli._terminal import progress_bar, table_console
 from stereorecal.comparison.field import FAILED, Field, compare_field, methods_of, planned

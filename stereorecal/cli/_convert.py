@@ -4,8 +4,10 @@ from dataclasses import replace
 
 from stereorecal._errors import InputError
 from stereorecal.cli._calibration_commands import ConvertOptions
-from stereorecal.cli._calibration_files import calibration_path, paths, rig_at, unit_written
-from stereorecal.cli._output_files import Place, check_places, deliver, refuse_replacing_inputs, written_or_printed
+from stereorecal.cli._calibration_files import rig_at, unit_written
+from stereorecal.cli._calibration_paths import calibration_path, paths
+from stereorecal.cli._output_files import deliver, written_or_printed
+from stereorecal.cli._output_places import Place, check_places, refuse_replacing_inputs
 from stereorecal.io import calibration_json, check_savable, files_read, save_rig
 
 

@@ -3,7 +3,8 @@
 from stereorecal._environment import versions
 from stereorecal.cli._calibration_commands import DiffOptions
 from stereorecal.cli._calibration_files import rig_at
-from stereorecal.cli._output_files import check_places, deliver, places_of, refuse_replacing_inputs, write_json
+from stereorecal.cli._output_files import deliver, write_json
+from stereorecal.cli._output_places import refuse_replacing_inputs
 from stereorecal.io import files_read
 from stereorecal.recalibration import Difference, difference
 
@@ -12,11 +13,9 @@ SCHEMA = "stereorecal.difference/1"
 
 def run(options: DiffOptions) -> int:
     """Compare, save, print; returns the exit code."""
-    places = places_of(options, "json")
-    check_places(places, force=options.force)
     with files_read() as read:
         found = difference(rig_at(options.before, options), rig_at(options.after, options))
-    refuse_replacing_inputs(places, read)
+    refuse_replacing_inputs(options.places, read)
     names = {"before": options.before, "after": options.after}
     content = {"schema": SCHEMA, "versions": versions(), **names, **found.as_dict()}
     deliver(lambda: _show(found, options), lambda: write_json(content, options.json, force=options.force))

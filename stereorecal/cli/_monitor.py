@@ -11,18 +11,17 @@ from typing import IO
 
 from stereorecal._errors import InputError
 from stereorecal._signals import hold
-from stereorecal.cli import _option_values
+from stereorecal.cli import _library_arguments
 from stereorecal.cli._exit_codes import CANNOT_TELL, INTERRUPTED, REPAIR
 from stereorecal.cli._live_view import lines, live
-from stereorecal.cli._output_files import (
+from stereorecal.cli._output_files import deliver, written_or_printed
+from stereorecal.cli._output_places import (
     Place,
     check_places,
-    deliver,
     image_inputs,
     named_inputs,
     places_of,
     refuse_replacing_inputs,
-    written_or_printed,
 )
 from stereorecal.cli._recordings import watched
 from stereorecal.cli._repair_commands import MonitorOptions
@@ -142,7 +141,7 @@ def _raise(error: Exception) -> None:
 
 
 def _start(options: MonitorOptions, scene: Scene) -> State:
-    view_options, limits = _option_values.view(options), _option_values.tolerances(options)
+    view_options, limits = _library_arguments.view(options), _library_arguments.tolerances(options)
     config = Config(
         matcher=as_matcher(options.matcher),
         synchronous=options.synchronous,

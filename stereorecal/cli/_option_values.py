@@ -1,30 +1,6 @@
-"""Values of options, parsed with sentences that say what is wrong."""
+"""Numbers that options state, parsed with sentences that say what is wrong; nothing here takes time to import."""
 
-from collections.abc import Iterable, Iterator
-from typing import Any
-
-from stereorecal._choices import checked_choice
 from stereorecal._errors import InputError
-from stereorecal.cli._shared_options import DecisionOptions, PairOptions, ToleranceOptions, ViewOptions
-from stereorecal.decision import LIMITS, Tolerances, as_tolerances
-from stereorecal.estimation import check_prior
-from stereorecal.geometry import checked_view_arguments
-from stereorecal.matching import as_matcher
-from stereorecal.objectives import Parameters, as_parameters
-from stereorecal.recalibration import HealthOptions
-from stereorecal.strategies import strategies
-
-NONE_INSTALLED = (
-    "no strategy is installed; run: pip install 'stereorecal[default]' (in a clone: pip install -e plugins/compass)"
-)
-
-
-def strategy_names(text: str) -> list[str]:
-    """ "a,b" or "all"."""
-    names = list(strategies()) if text == "all" else [n for n in (n.strip() for n in text.split(",")) if n]
-    if not names:
-        raise InputError(NONE_INSTALLED if text == "all" else "--strategies names none; give names or all.")
-    return list(dict.fromkeys(names))
 
 
 def degrees_and_fraction(text: str, option: str) -> tuple[float, float]:
@@ -38,64 +14,6 @@ def degrees_and_fraction(text: str, option: str) -> tuple[float, float]:
     return degrees, fraction
 
 
-def health_options(options: DecisionOptions) -> HealthOptions:
-    """What `sr.health` and `sr.recalibrate` take.
-
-    Raises:
-        InputError: if a value makes no sense.
-    """
-    check_prior(options.prior)
-    return {
-        "matcher": as_matcher(options.matcher),
-        "view": view(options),
-        "prior": options.prior,
-        "motion": {"auto": None, "on": True, "off": False}[options.motion],
-        "tolerances": tolerances(options),
-    }
-
-
-def tolerances(options: ToleranceOptions) -> Tolerances:
-    """Those of --tolerances and --distances.
-
-    Raises:
-        InputError: if a name is unknown, or a value makes no sense.
-    """
-    found: dict[str, object] = {}
-    for name, value, part in _assigned(options.tolerances, LIMITS, "tolerance"):
-        found[name] = _number(value, f"--tolerances has {part}; give NAME=NUMBER, such as alpha=0.001.")
-    if options.distances is not None:
-        refusal = f"--distances is {shortened(options.distances)}; give baselines, such as 5,10,30."
-        found["distances"] = tuple(_number(part, refusal) for part in options.distances.split(","))
-    return as_tolerances(found)
-
-
-def view(options: ViewOptions) -> dict[str, Any]:
-    """The arguments of `sr.view` that --view names.
-
-    Raises:
-        InputError: if a name is unknown, or a value makes no sense.
-    """
-    found: dict[str, Any] = {}
-    for name, value, part in _assigned(options.view, ("projection", "field"), "argument of --view"):
-        refusal = f"--view has {part}; give degrees, such as field=140."
-        found[name] = _number(value, refusal) if name == "field" else value
-    return checked_view_arguments(found)
-
-
-def _assigned(text: str | None, names: Iterable[str], what: str) -> Iterator[tuple[str, str, str]]:
-    """Of "NAME=VALUE,…": each name, which has to be one of `names`, its value, and both as they were given."""
-    for part in [] if text is None else text.split(","):
-        name, _, value = (piece.strip() for piece in part.partition("="))
-        yield checked_choice(name, names, what), value, shortened(part)
-
-
-def _number(text: str, refusal: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        raise InputError(refusal) from None
-
-
 def seed(number: int) -> int:
     """A seed that every generator takes.
 
@@ -105,15 +23,6 @@ def seed(number: int) -> int:
     if not 0 <= number < 2**32:
         raise InputError(f"--seed is {number}; give a whole number within 0 and 2^32 - 1.")
     return number
-
-
-def stretch(options: PairOptions) -> slice:
-    """The pairs that --from, --to and --every select."""
-    if options.every < 1:
-        raise InputError(f"--every is {options.every}; give 1 for every pair, 2 for every second.")
-    if options.first < 0 or (options.stop is not None and options.stop <= options.first):
-        raise InputError("--from and --to are numbers of pairs, from 0 on; --to must be the larger one.")
-    return slice(options.first, options.stop, options.every)
 
 
 def limit(text: str | None, default: int | None) -> int | None:
@@ -145,16 +54,6 @@ def positive(text: str, refusal: str) -> int:
 def shortened(text: str) -> str:
     """In quotes, for a message."""
     return repr(text if len(text) <= 40 else f"{text[:40]}…")
-
-
-def free(text: str | None) -> Parameters:
-    """Names and groups, comma separated; the default of the library where nothing is said."""
-    if text is None:
-        return as_parameters(None)
-    names = [name.strip() for name in text.split(",")]
-    if not all(names):
-        raise InputError(f"--free is {text!r}; name parameters or groups, such as extrinsics,intrinsics.")
-    return as_parameters(names)
 
 
 def board_corners(text: str | None) -> tuple[int, int]:

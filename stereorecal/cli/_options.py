@@ -1,8 +1,8 @@
 """Options stand once, as fields of frozen dataclasses: type, default and help; the parser is made from them.
 
-The options of a command are a dataclass that inherits the groups which it shares with other commands. In the help, its
-own options come first, then those of the groups, in the order in which they are named; its docstring describes the
-command.
+The options of a command are a dataclass that inherits groups of them, some of which it shares with other commands. In
+the help, groups stand under their titles, in the order in which the command names them; options without title come
+last. Its docstring describes the command, and what follows the first paragraph stands at the end.
 """
 
 import argparse
@@ -11,7 +11,7 @@ from dataclasses import MISSING, Field, dataclass, field
 from difflib import get_close_matches
 from inspect import get_annotations
 from types import NoneType, UnionType
-from typing import Any, ClassVar, Literal, NoReturn, TypeVar, dataclass_transform, get_args, get_origin
+from typing import Any, ClassVar, Literal, NoReturn, TypeVar, Union, dataclass_transform, get_args, get_origin
 
 from stereorecal.cli._exit_codes import BAD_INPUT
 
@@ -40,7 +40,7 @@ def argument(help: str, default: Any = MISSING, *, metavar: str | None = None) -
 def option_group(kind: type[_Group]) -> type[_Group]:
     """Make a frozen dataclass of options, without what takes time at every start and nobody uses.
 
-    Its attribute `title` is a heading of its options in the help.
+    Its attribute `title` is the heading, in the help, of its options and those that it inherits; groups may share one.
     """
     return dataclass(frozen=True, kw_only=True, eq=False, repr=False)(kind)
 
@@ -51,14 +51,36 @@ class CommonOptions:
 
     Attributes:
         module: of `stereorecal.cli`, which runs the command, if it is not named after it.
+        forms: what a command line may consist of, beside options.
         verb: the command.
         words: the command line from which they come; a page shows it.
     """
 
     module: ClassVar[str | None] = None
+    forms: ClassVar[tuple[str, ...]] = ("",)
     verb: str = ""
     words: tuple[str, ...] = ()
     traceback: bool = option("show where an error comes from", False)
+
+    def check(self) -> None:
+        """Refuse what can be told at once, before the modules are imported that do the work, which takes seconds.
+
+        Raises:
+            InputError: says what to do.
+        """
+
+
+class _Help(argparse.HelpFormatter):
+    """Help whose texts begin in one column."""
+
+    def __init__(self, prog: str, **settings: Any) -> None:
+        super().__init__(prog, max_help_position=26, **settings)
+        self._action_max_length = 24  # of the widest; else it is another one in each command
+
+    def _format_args(self, action: argparse.Action, default_metavar: str | None) -> str:
+        if action.nargs == argparse.ONE_OR_MORE:
+            return f"{action.metavar} …"
+        return super()._format_args(action, default_metavar)  # pyright: ignore[reportArgumentType]
 
 
 class Parser(argparse.ArgumentParser):
@@ -66,10 +88,18 @@ class Parser(argparse.ArgumentParser):
 
     def __init__(self, **settings: Any) -> None:
         # What is not given has the default of its field.
-        super().__init__(argument_default=argparse.SUPPRESS, **settings)
+        super().__init__(argument_default=argparse.SUPPRESS, formatter_class=_Help, **settings)
+
+    def add_command(self, options: type[CommonOptions]) -> None:
+        """Become the parser of a command."""
+        forms = [f"{self.prog} [options] {form}".rstrip() for form in options.forms]
+        self.usage = "\n       ".join(forms)
+        self.description, _, self.epilog = (options.__doc__ or "").partition("\n\n")
+        self._positionals.title, self._optionals.title = "arguments", "running"
+        self.add_options(options)
 
     def add_options(self, options: type[CommonOptions]) -> None:
-        """Add the options of a command."""
+        """Add options, under the titles of their groups."""
         groups: dict[str | None, Any] = {None: self}
         for name in dict.fromkeys(name for kind in options.__mro__ for name in get_annotations(kind)):
             found: Field[Any] | None = options.__dataclass_fields__.get(name)
@@ -83,6 +113,11 @@ class Parser(argparse.ArgumentParser):
             names = {} if flag is None else {"dest": name}
             place = name if flag is None else flag or f"--{name.replace('_', '-')}"
             groups[title].add_argument(place, **names, **_value(found))
+
+    def format_help(self) -> str:
+        """The help, with what has no title at the end."""
+        self._action_groups.sort(key=lambda group: group is self._optionals)
+        return super().format_help()
 
     def parse_known_args(self, args=None, namespace=None):  # pyright: ignore[reportIncompatibleMethodOverride]
         """What a command does not know is said by it, not by the parser of all commands."""
@@ -114,7 +149,7 @@ class Parser(argparse.ArgumentParser):
 def _value(found: Field[Any]) -> dict[str, Any]:
     """How argparse is told of one option."""
     text, default, by_place = found.metadata["help"], found.default, found.metadata["flag"] is None
-    kinds = get_args(found.type) if isinstance(found.type, UnionType) else (found.type,)
+    kinds = get_args(found.type) if get_origin(found.type) in (Union, UnionType) else (found.type,)
     (kind,) = (kind for kind in kinds if kind is not NoneType)
     parts, several = get_args(kind), get_origin(kind) is tuple
     if isinstance(default, str | int | float) and kind is not bool and "default" not in text:

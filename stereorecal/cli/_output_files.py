@@ -1,102 +1,13 @@
-"""The files that a command writes: all are checked before the work, and one that fails costs no other."""
+"""The files that a command writes: one that fails costs no other."""
 
-import os
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from pathlib import Path
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from stereorecal._errors import InputError
 from stereorecal._signals import held
-from stereorecal.cli._options import CommonOptions
-from stereorecal.cli._shared_options import ImageOptions
 from stereorecal.cli._streams import flush, leave_stdout, say, stdout_error, stdout_reader_closed
 from stereorecal.io import json_text, write_text
-
-
-@dataclass(frozen=True)
-class Place:
-    """A file that an option names."""
-
-    option: str
-    path: Path
-
-    def __str__(self) -> str:
-        return f"{self.option} {self.path}"
-
-
-def places_of(options: CommonOptions, *names: str) -> list[Place]:
-    """The files that these options name; stdout ("-") is none."""
-    named = [(f"--{name}", getattr(options, name, None)) for name in names]
-    return [Place(option, Path(text)) for option, text in named if text is not None and text != "-"]
-
-
-def check_places(places: Sequence[Place], *, force: bool) -> None:
-    """Refuse, before anything is read, what could not be written.
-
-    Args:
-        force: whether existing files may be replaced; a pipe or a device is written to in any case.
-
-    Raises:
-        InputError: if a file exists, two have one place, or a place cannot be written to.
-    """
-    by_identity: dict[object, Place] = {}
-    for place in places:
-        check_writable(place)
-        if place.path.exists() and not place.path.is_file():
-            continue
-        if place.path.exists() and not force:
-            raise InputError(f"{place}: the file exists already; choose another or add --force.")
-        other = by_identity.setdefault(_identity(place.path), place)
-        if other is not place:
-            raise InputError(f"{other.option} and {place.option} name the same file; give two.")
-
-
-def check_writable(place: Place) -> None:
-    """Refuse a place that cannot be written to.
-
-    Raises:
-        InputError: says why.
-    """
-    path = place.path
-    try:
-        os.stat(path)
-    except FileNotFoundError:
-        usable = _takes_files(path.resolve().parent)
-    except OSError as error:
-        raise InputError(f"{place}: cannot be written there ({error.strerror}); choose another.") from None
-    else:
-        # A file is replaced by a new one, which its folder must take.
-        usable = _takes_files(path.resolve().parent) if path.is_file() else _is_device(path)
-    if not usable:
-        raise InputError(f"{place}: cannot be written there; give a file in an existing folder.")
-
-
-def refuse_replacing_inputs(
-    places: Iterable[Place], inputs: Iterable[Path], instead: str = "choose another place"
-) -> None:
-    """Refuse to replace what was read, whatever is forced.
-
-    Raises:
-        InputError: naming the option.
-    """
-    read = {_identity(path) for path in inputs}
-    for place in places:
-        if _identity(place.path) in read:
-            raise InputError(f"{place}: this is an input file of the run and will not be overwritten; {instead}.")
-
-
-def named_inputs(*words: str | Path | Sequence[str] | None) -> list[Path]:
-    """The files among what people gave to be read, such as "left.png" or "left.yaml,right.yaml"."""
-    every = [word for some in words for word in (some if isinstance(some, list | tuple) else [some])]
-    parts = [part for word in every if word is not None for part in (str(word), *str(word).split(","))]
-    return [Path(part) for part in parts if part]
-
-
-def image_inputs(options: ImageOptions) -> list[Path]:
-    """The images, videos and bags that are named by themselves, and may be read only later."""
-    return named_inputs(options.left, options.right, options.side_by_side, options.bag)
 
 
 def deliver(*steps: Callable[[], object]) -> None:
@@ -154,20 +65,3 @@ def write_json(content: Mapping[str, Any], target: str | None, *, force: bool) -
         sys.stdout.write(text)
     else:
         written_or_printed(lambda: write_text(target, text, replace=force), lambda: text)
-
-
-def _identity(path: Path) -> object:
-    """What all names of a file have in common, hard links too; of one that does not exist, where it would be."""
-    try:
-        found = os.stat(path)
-    except OSError:
-        return path.resolve()
-    return found.st_dev, found.st_ino
-
-
-def _takes_files(folder: Path) -> bool:
-    return folder.is_dir() and os.access(folder, os.W_OK | os.X_OK)
-
-
-def _is_device(path: Path) -> bool:
-    return not path.is_dir() and os.access(path, os.W_OK)

@@ -1,5 +1,6 @@
 """The options of the commands about plug-ins."""
 
+from importlib import import_module
 from typing import ClassVar, Literal
 
 from stereorecal._errors import InputError
@@ -11,6 +12,7 @@ class PluginOptions(CommonOptions):
     """List what is installed, or run the conformance kit on one."""
 
     module: ClassVar[str | None] = "_installed_plugins"
+    forms = ("[list]", "check NAME")
     action: Literal["list", "check"] = argument("list what is installed, or run the conformance kit on one", "list")
     name: str | None = argument("the one to be checked", None, metavar="NAME")
 
@@ -19,3 +21,7 @@ class PluginOptions(CommonOptions):
             raise InputError(f"{self.verb} check needs a name; {self.verb} list shows those that are installed")
         if self.action == "list" and self.name is not None:
             raise InputError(f"unrecognized arguments: {self.name}")
+
+    def check(self) -> None:
+        if self.verb == "strategies" and self.name is not None:
+            import_module("stereorecal.strategies").check_installed(self.name)

@@ -6,18 +6,18 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
-from stereorecal._choices import checked_choice
 from stereorecal._environment import versions
 from stereorecal._errors import InputError
 from stereorecal._run_all import Progress
 from stereorecal._signals import hold
-from stereorecal.cli import _calibration_output, _option_values
+from stereorecal.cli import _calibration_output, _library_arguments, _option_values
 from stereorecal.cli._chessboards import boards_of, check_boards_asked
 from stereorecal.cli._executors import executor
 from stereorecal.cli._exit_codes import BAD_INPUT, CANNOT_TELL, FAILURE, INTERRUPTED
 from stereorecal.cli._html_page import check_page, write_report
-from stereorecal.cli._option_values import health_options
-from stereorecal.cli._output_files import deliver, named_inputs, write_json, written_or_printed
+from stereorecal.cli._library_arguments import health_options
+from stereorecal.cli._output_files import deliver, write_json, written_or_printed
+from stereorecal.cli._output_places import named_inputs
 from stereorecal.cli._recordings import left_out_pairs, recordings
 from stereorecal.cli._repair_commands import RecalibrateOptions
 from stereorecal.cli._streams import say
@@ -26,7 +26,6 @@ from stereorecal.estimation import DEFAULT, SAVED
 from stereorecal.io import calibration_json, files_read, load_odometer, load_ranges, next_copy, save_maps
 from stereorecal.objectives import Parameters
 from stereorecal.recalibration import (
-    SCHEDULES,
     Fault,
     Reason,
     Repair,
@@ -55,7 +54,6 @@ def run(options: RecalibrateOptions) -> int:
     """Repair, save, print; returns the exit code."""
     settings = _settings_from_options(options)
     check_boards_asked(options)
-    _calibration_output.checked(options)
     check_page(options.html, "repair_page")
     if options.html is not None and len(options.scenes) > 1:
         raise InputError("--html shows one recording; give one, or leave --html out.")
@@ -130,13 +128,12 @@ def _settings_from_options(options: RecalibrateOptions) -> Settings:
         "seed": _option_values.seed(options.seed),
         "ranges": load_ranges(options.ranges) if options.ranges is not None else (),
         "odometer": load_odometer(options.odometer) if options.odometer is not None else None,
-        "free": _option_values.free(options.free),
+        "free": _library_arguments.free(options.free),
     }
     return as_settings(values)
 
 
 def _schedule(options: RecalibrateOptions) -> Schedule:
-    checked_choice(options.schedule, list(SCHEDULES), "schedule")
     chosen = None if options.strategy is None else strategy(options.strategy)
     if options.schedule == "count":
         return Schedule.count(chosen or strategy("compass"), 1.0 if options.scale is None else options.scale)
@@ -209,7 +206,7 @@ def _saving(
 
     def maps(solution: Solution) -> list[Path]:
         for path in output.maps_files:
-            save_maps(solution.rig, path, options.force, _option_values.view(options))
+            save_maps(solution.rig, path, options.force, _library_arguments.view(options))
         return []
 
     def calibration(solution: Solution) -> list[Path]:

@@ -7,8 +7,7 @@ from pathlib import Path
 
 from stereorecal._errors import InputError
 from stereorecal.cli import _option_values
-from stereorecal.cli._calibration_files import calibration_path
-from stereorecal.cli._options import TWO_FILES
+from stereorecal.cli._calibration_paths import calibration_path
 from stereorecal.cli._repair_commands import MonitorOptions, RecalibrateOptions, ScoreOptions
 from stereorecal.cli._shared_options import RecordingOptions
 from stereorecal.cli._streams import say
@@ -18,11 +17,6 @@ from stereorecal.recordings import LazyPairs, Pair, PairSequence, Scene
 
 _LONG = 100  # pairs: more of image files are treated like a video's, which are not all looked at
 _FEW = 10  # frames without partner that are named; of more, the number is said
-_GIVE = (
-    "give scene folders, or --left, --right and --calibration together; in place of --left and --right: --side-by-side,"
-    " or --bag, --left-topic and --right-topic"
-)
-
 _BY_ORDER = "in order, since no name on the left has a partner on the right"
 
 _Select = Callable[..., tuple[tuple[Pair, ...], tuple[tuple[str, str], ...]]]  # as `_selected`
@@ -50,7 +44,7 @@ def recordings(options: RecalibrateOptions | ScoreOptions, *, few: bool = False)
         few: of many frames, only those with the most texture are kept.
 
     Raises:
-        InputError: if none or several kinds were asked for, or one cannot be used.
+        InputError: if one cannot be used.
     """
     found = _recordings(options, partial(_selected, few=few))
     if options.readout is None:
@@ -81,7 +75,7 @@ def watched(options: MonitorOptions) -> tuple[Scene, PairSequence]:
 
 
 def _recordings(options: RecordingOptions, select: _Select) -> Recordings:
-    found = _scenes(options, select) if options.scenes and not _loose(options) else _images_elsewhere(options, select)
+    found = _scenes(options, select) if options.scenes else _images_elsewhere(options, select)
     for scene in found.scenes:
         if scene.rig is None:
             raise InputError(
@@ -98,11 +92,6 @@ def left_out_pairs(found: Sized, used: Sized, why: str) -> tuple[tuple[str, str]
     """What to say of pairs that are not among those that are kept."""
     number = len(found) - len(used)
     return ((f"{number} other {'pair' if number == 1 else 'pairs'}", why),) if number > 0 else ()
-
-
-def _loose(options: RecordingOptions) -> bool:
-    named = ("left", "right", "side_by_side", "bag", "left_topic", "right_topic", "calibration")
-    return any(getattr(options, name) is not None for name in named)
 
 
 def _scenes(options: RecordingOptions, select: _Select) -> Recordings:
@@ -125,17 +114,9 @@ def _scenes(options: RecordingOptions, select: _Select) -> Recordings:
 
 
 def _images_elsewhere(options: RecordingOptions, select: _Select) -> Recordings:
-    ways = (
-        (options.left, options.right),
-        (options.side_by_side,),
-        (options.bag, options.left_topic, options.right_topic),
-    )
-    given = [way for way in ways if any(part is not None for part in way)]
-    if options.scenes:
-        raise InputError(f"{_GIVE}; {options.scenes[0]} is taken for a scene folder ({TWO_FILES}).")
     place = options.left or options.side_by_side or options.bag
-    if len(given) != 1 or None in given[0] or place is None or options.calibration is None:
-        raise InputError(f"{_GIVE}.")
+    assert place is not None
+    assert options.calibration is not None
     topics = {"left_topic": options.left_topic, "right_topic": options.right_topic}
     absent: list[tuple[str, str]] = []
     pairing: list[str] = []
@@ -170,7 +151,7 @@ def _selected(
 
 def _wanted(pairs: LazyPairs, options: RecordingOptions, about: str) -> LazyPairs:
     """The pairs that --from, --to, --every and --frames leave, not read yet."""
-    wanted = pairs[_option_values.stretch(options)][: _option_values.frame_limit(options.frames)]
+    wanted = pairs[options.stretch][: _option_values.frame_limit(options.frames)]
     if not len(wanted):
         raise InputError(f"{about}: of {len(pairs)} pairs, --from, --to and --every leave none; change them.")
     return wanted

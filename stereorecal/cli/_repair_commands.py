@@ -1,9 +1,21 @@
 """The options of the commands that repair a rig, check it and watch it."""
 
-from stereorecal.cli._options import CommonOptions, option, option_group
+from importlib import import_module
+from pathlib import Path
+from typing import Literal
+
+from stereorecal._errors import InputError
+from stereorecal.cli._calibration_paths import calibration_path, paths
+from stereorecal.cli._option_values import degrees_and_fraction, seed
+from stereorecal.cli._options import TWO_FILES, CommonOptions, option, option_group
+from stereorecal.cli._output_places import Place, check_places, places_of
 from stereorecal.cli._shared_options import (
-    FORMATS,
+    DEPTH,
     FREE,
+    READS,
+    RIG,
+    SEARCH,
+    WRITES,
     BoardOptions,
     DecisionOptions,
     ReachOptions,
@@ -17,105 +29,201 @@ from stereorecal.cli._shared_options import (
 
 
 @option_group
-class RecalibrateOptions(
-    RecordingOptions,
-    DecisionOptions,
-    ReachOptions,
-    SearchOptions,
-    BoardOptions,
-    WorkerOptions,
-    ReportOptions,
-    CommonOptions,
-):
-    """Repair the extrinsic calibration of the rig of each recording from its images. The candidate is accepted only if
-    its row error is smaller with 99 % probability, and a larger row or depth error has a probability below 1 %. Exit
-    code: 0 repaired, or already good; 1 not (the initial calibration stays); 2 bad input; 3 internal failure; 4 cannot
-    tell (too dark, too little texture, or the images do not determine what is better); 130 interrupted. Of several
-    recordings, the worst one decides."""
+class _CalibrationOutputOptions:
+    """Where a repaired calibration goes."""
 
+    title = WRITES
     output: str | None = option(
-        "write the calibration there (LEFT,RIGHT where each camera has a file), if it was accepted: in the form in "
-        "which it was read, only what was estimated changes",
+        "the calibration, if it was accepted: a copy of the file that was read, with the new values (LEFT,RIGHT if "
+        "each camera has a file)",
         metavar="FILE",
     )
-    output_format: str | None = option(f"of --output, if another: {FORMATS}", metavar="FORMAT")
-    in_place: bool = option("replace the calibration that was read; the old one becomes NAME.bak", False)
+    output_format: str | None = option("of --output, if it is another one (see --format)", metavar="FORMAT")
+    in_place: bool = option("replace the calibration that was read; keep the old one as NAME.bak", False)
     maps: str | None = option(
-        "write maps for cv2.remap, with R1 R2 P1 P2 Q, of the repaired calibration, or of the initial one if that is "
-        "already good",
+        "maps for cv2.remap, and R1 R2 P1 P2 Q: of the repaired calibration, or of the initial one if that is good",
         metavar="FILE.npz",
     )
-    dry_run: bool = option("write no calibration and no maps, say what would be written", False)
-    html: str | None = option("write one HTML page with pictures, to look at and to pass on", metavar="FILE")
-    schedule: str = option(
-        "default (coarse to fine, which is used if nothing is said) or count (the paper's way)",
-        "default",
-        metavar="NAME",
-    )
-    strategy: str | None = option("for the stages of its kind (default: those of the schedule)", metavar="NAME")
+    dry_run: bool = option("write no calibration and no maps; say what would be written", False)
+    html: str | None = option("one page with pictures", metavar="FILE")
+
+
+@option_group
+class _FreeOptions(BoardOptions):
+    """What may move."""
+
+    title = RIG
     free: str | None = option(
-        f"{FREE} (default: extrinsics; of one recording, or with --extrinsics one, all else too, where four places "
-        "prove that it must)",
+        f"{FREE} (default: extrinsics; of one rig also intrinsics, if four places prove them wrong)",
         metavar="NAME,…",
     )
     extrinsics: str = option(
-        "of several recordings of one rig: each has extrinsics of its own, or one set is that of all, of a rig that "
-        "did not drift between them",
+        "several recordings have extrinsics of their own (each) or share them (one: no drift between them)",
         "each",
         metavar="each|one",
     )
     boards: tuple[str, str] | None = option(
-        "images of the chessboard that the initial calibration was made from, left and right: each a file, a folder "
-        "or 'left/*.png'; needs --square",
+        "chessboard images of the initial calibration: a file, a folder or 'left/*.png' each; needs --square",
         metavar=("LEFT", "RIGHT"),
     )
+
+
+@option_group
+class _RangeOptions:
+    """Depth that was measured."""
+
+    title = DEPTH
     odometer: str | None = option(
-        "a CSV of how far the rig travelled, of the clock of the pairs: time_s,metres or time_s,speed_mps or "
-        "time_s,x,y,z (metres, to 5 cm); nothing is made of gaps of more than 1.1 s",
+        "CSV of the distance travelled, in the time of the pairs: time_s,metres or time_s,speed_mps or time_s,x,y,z; "
+        "gaps above 1.1 s are not used",
         metavar="FILE",
     )
     ranges: str | None = option(
-        "a CSV of distances: pair,column,row,metres,sigma (along the ray; depth for metres: the axis)", metavar="FILE"
+        "CSV of distances: pair,column,row,metres,sigma (along the ray), or with depth for metres (along the axis)",
+        metavar="FILE",
     )
 
 
 @option_group
-class ScoreOptions(RecordingOptions, DecisionOptions, ReportOptions, CommonOptions):
-    """Check the calibration of each recording against its images, without changing anything: the share of matched
-    pixels, the epipolar (row) error, the correction of the rotation, and the depth error without it, with 95 %
-    intervals. Verdicts: repair it (another calibration has a row error smaller by 0.05 px with 99 % probability, and a
-    larger row or depth error with less than 1 %; or hardly anything matches although there is texture); healthy (no
-    significant improvement, and a row error within 0.3 px with 95 %); cannot tell (too dark, too little texture, or no
-    improvement is significant). `recalibrate` decides in the same way. Exit code: 0 all healthy; 1 repair it (one of
-    them at least); 2 bad input, also images that are swapped, upside down or of different scenes; 3 internal failure; 4
-    cannot tell; 130 interrupted."""
+class _ScheduleOptions:
+    """How a repair searches."""
+
+    title = SEARCH
+    schedule: Literal["default", "count"] = option(
+        "default (coarse to fine) or count (the paper's way)", "default", metavar="NAME"
+    )
+    strategy: str | None = option("for the stages of its kind (default: the schedule's)", metavar="NAME")
 
 
 @option_group
-class MonitorOptions(RecordingOptions, ViewOptions, ToleranceOptions, ReportOptions, CommonOptions):
-    """Watch a rig over a recording, or while its cameras run, pair by pair: its health fused over time, knocks, drift,
-    late shutters; repair it, and switch to what wins on later pairs. A terminal shows a live view; else events are
-    lines. The calibration file stays as it is: a repaired one is written where --output says. Exit code: that of score,
-    for the calibration in use at the end: 0 healthy; 1 repair it; 2 bad input; 3 internal failure; 4 cannot tell; 130
-    interrupted."""
+class RecalibrateOptions(
+    _CalibrationOutputOptions,
+    ReportOptions,
+    RecordingOptions,
+    _FreeOptions,
+    ReachOptions,
+    DecisionOptions,
+    _RangeOptions,
+    _ScheduleOptions,
+    SearchOptions,
+    WorkerOptions,
+    CommonOptions,
+):
+    """Repair the extrinsic calibration of each recording's rig from its images. The candidate is accepted only if its
+    epipolar (row) error is smaller with 99 % probability, and a larger row or depth error has a probability below 1 %.
 
-    camera: tuple[str, ...] | None = option(
-        "watch cameras while they run, in place of a recording, with --calibration: numbers (0,1), devices, addresses, "
-        "or GStreamer pipelines (two words); one that shows both images side by side; --tolerance as above",
-        metavar="NAME",
-    )
-    synchronous: bool = option(
-        "a trigger opens both shutters at once: no delay between them is taken into account", False
-    )
-    once: bool = option("watch alone, switch nothing: a check of the calibration, for cron", False)
-    state: str | None = option(
-        "go on from the state in this file, which is of this calibration; keep it there", metavar="FILE"
-    )
+    Exit code: 0 repaired, or already good; 1 not (the initial calibration stays); 2 bad input; 3 internal failure; 4
+    cannot tell (too dark, too little texture, or the images do not determine what is better); 130 interrupted. Of
+    several recordings, the worst one decides."""
+
+    @property
+    def places(self) -> list[Place]:
+        """All files that are to be written."""
+        files = [] if self.output is None else paths(calibration_path(self.output, "--output"))
+        return [Place("--output", path) for path in files] + places_of(self, "json", "maps", "html")
+
+    def check(self) -> None:
+        self.check_recordings()
+        self._check_output()
+        degrees_and_fraction(self.reach, "--reach")
+        seed(self.seed)
+        if self.strategy is not None:
+            import_module("stereorecal.strategies").check_installed(self.strategy)
+
+    def _check_output(self) -> None:
+        if self.in_place and (self.output is not None or self.output_format is not None):
+            raise InputError(
+                "--in-place writes the file that the calibration came from; leave --output and --output-format out."
+            )
+        if self.output_format is not None and self.output is None:
+            raise InputError("--output-format belongs to --output; give a file there.")
+        wanted = [name for name in ("output", "maps") if getattr(self, name) is not None]
+        wanted = [f"--{name}" for name in wanted] + ["--in-place"] * self.in_place
+        if wanted and len(self.scenes) > 1 and self.extrinsics != "one":
+            hint = "" if wanted[0] == "--in-place" else f" ({TWO_FILES})"
+            raise InputError(
+                f"{wanted[0]} takes the calibration of one recording; give one, or leave {wanted[0]} out{hint}."
+            )
+        if self.in_place and len(self.scenes) > 1:
+            raise InputError("--in-place takes one recording; give one, or --output.")
+        if self.output == "-" or self.maps == "-":
+            raise InputError("a calibration is written to a file; give the name of one.")
+        check_places(self.places, force=self.force)
+        if self.maps is not None and Path(self.maps).suffix.lower() not in ("", ".npz"):
+            raise InputError(f"--maps {self.maps}: maps are written as .npz; give a name ending in it.")
+
+
+@option_group
+class ScoreOptions(ReportOptions, RecordingOptions, DecisionOptions, CommonOptions):
+    """Check the calibration of each recording against its images, and change nothing. The report: the share of matched
+    pixels, the epipolar (row) error, the correction, and the depth error without it, with 95 % intervals.
+
+    Exit code, by the verdict: 0 healthy (no significant improvement, and a row error within 0.3 px with 95 %
+    probability); 1 repair it (another calibration has a row error smaller by 0.05 px with 99 % probability, and a
+    larger row or depth error with less than 1 %; or hardly anything matches, despite texture); 4 cannot tell (too dark,
+    too little texture, or no improvement is significant). Others: 2 bad input, also images that are swapped, upside
+    down or of different scenes; 3 internal failure; 130 interrupted."""
+
+    @property
+    def places(self) -> list[Place]:
+        """All files that are to be written."""
+        return places_of(self, "json")
+
+    def check(self) -> None:
+        self.check_recordings()
+        check_places(self.places, force=self.force)
+
+
+@option_group
+class _WatchOutputOptions:
+    """What a watch writes."""
+
+    title = WRITES
     output: str | None = option(
-        "write the repaired calibration there, in the form in which it was read, if there is one", metavar="FILE"
+        "the repaired calibration, if there is one: a copy of the file that was read, with the new values",
+        metavar="FILE",
     )
     json: str | None = option(
-        "write events and readings as JSON lines; append them if a --state goes on", metavar="FILE|-"
+        "events and readings, as JSON lines; appended if --state continues a watch", metavar="FILE|-"
     )
-    force: bool = option("--output and --json may replace files (not a log that goes on)", False)
-    quiet: bool = option("show nothing, only the exit code", False)
+    state: str | None = option("the state of the watch; a file that exists is continued", metavar="FILE")
+    force: bool = option("replace existing files of --output and --json (not a log that is continued)", False)
+    quiet: bool = option("show nothing; only the exit code", False)
+
+
+@option_group
+class _CameraOptions:
+    """Cameras that run."""
+
+    title = READS
+    camera: tuple[str, ...] | None = option(
+        "instead: running cameras. Numbers (0,1), devices, addresses or GStreamer pipelines (two words); or one that "
+        "shows both images side by side",
+        metavar="NAME",
+    )
+    synchronous: bool = option("a trigger opens both shutters at once: no delay is estimated", False)
+
+
+@option_group
+class MonitorOptions(
+    _WatchOutputOptions,
+    ReportOptions,
+    RecordingOptions,
+    _CameraOptions,
+    ToleranceOptions,
+    ViewOptions,
+    CommonOptions,
+):
+    """Watch a rig pair by pair, over a recording or while its cameras run: its health over time, knocks, drift, late
+    shutters. Repair it, and switch to a repair that is better on later pairs. A terminal shows a live view, other
+    outputs get lines. The calibration file stays as it is.
+
+    Exit code, for the calibration in use at the end: 0 healthy; 1 repair it; 2 bad input; 3 internal failure; 4 cannot
+    tell; 130 interrupted."""
+
+    forms = ("SCENE", "--left L --right R --calibration FILE", "--camera NAME --calibration FILE")
+    once: bool = option("only watch, and switch nothing: a check of the calibration, for cron", False)
+
+    def check(self) -> None:
+        if self.camera is None:
+            self.check_recordings()

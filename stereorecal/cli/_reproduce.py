@@ -10,7 +10,8 @@ from stereorecal.cli import _option_values
 from stereorecal.cli._executors import executor
 from stereorecal.cli._exit_codes import FAILURE, INTERRUPTED
 from stereorecal.cli._experiment_commands import ReproduceOptions
-from stereorecal.cli._output_files import check_places, deliver, places_of, refuse_replacing_inputs, write_json
+from stereorecal.cli._output_files import deliver, write_json
+from stereorecal.cli._output_places import refuse_replacing_inputs
 from stereorecal.cli._streams import say
 from stereorecal.cli._terminal import progress_bar, table_console
 from stereorecal.io import files_read, load_log
@@ -30,7 +31,7 @@ from stereorecal.reproduction import (
     write_files,
 )
 
-_ALL, _BOTH = "all", "both"
+_ALL = "all"
 _WIDE = 150  # columns of the widest table
 
 
@@ -38,7 +39,6 @@ def run(options: ReproduceOptions) -> int:
     """Run, save, print; returns the exit code."""
     chosen = [checked_choice(name, [*EXPERIMENTS, _ALL], "experiment") for name in options.experiments]
     experiments = list(EXPERIMENTS) if _ALL in chosen else list(dict.fromkeys(chosen))
-    schedule = checked_choice(options.schedule, [_BOTH, *SCHEDULES], "schedule")
     reach = Reach(*_option_values.degrees_and_fraction(options.reach, "--reach"))
     seed, limit = (
         _option_values.seed(options.seed),
@@ -48,19 +48,17 @@ def run(options: ReproduceOptions) -> int:
         raise InputError("--output -: the results are files in a folder; give the name of one.")
     if options.frames is not None and options.log is None:
         raise InputError("--frames belongs to --log; leave it out, or give a log.")
-    schedules = SCHEDULES if schedule == _BOTH else (schedule,)
+    schedules = SCHEDULES if options.schedule == "both" else (options.schedule,)
     matcher = as_matcher(options.matcher)
     methods(schedules, options.strategy)  # what is not installed is said before a log is rendered
-    places = places_of(options, "json")
-    check_places(places, force=options.force)
     with extra("figures", "reproduce"):
         import matplotlib  # noqa: F401  before the work is done
     with executor(options.executor) as workers:
         with files_read() as read:
             log = _log(options, seed, limit)
         folder = Path(options.output or f"reproduced/{log.name.rpartition('/')[2]}")
-        refuse_replacing_inputs(places, [*read, *store_files(folder)])
-        for place in places:
+        refuse_replacing_inputs(options.places, [*read, *store_files(folder)])
+        for place in options.places:
             if place.path.resolve().parent == folder.resolve():
                 raise InputError(f"{place}: --output {folder} takes its own files only; choose another place.")
         with progress_bar(options.quiet) as progress:

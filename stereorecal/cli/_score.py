@@ -8,15 +8,9 @@ from stereorecal._environment import versions
 from stereorecal._errors import InputError
 from stereorecal._signals import hold
 from stereorecal.cli._exit_codes import BAD_INPUT, CANNOT_TELL, INTERRUPTED, REPAIR
-from stereorecal.cli._option_values import health_options, tolerances
-from stereorecal.cli._output_files import (
-    check_places,
-    deliver,
-    image_inputs,
-    places_of,
-    refuse_replacing_inputs,
-    write_json,
-)
+from stereorecal.cli._library_arguments import health_options, tolerances
+from stereorecal.cli._output_files import deliver, write_json
+from stereorecal.cli._output_places import image_inputs, refuse_replacing_inputs
 from stereorecal.cli._recordings import recordings
 from stereorecal.cli._repair_commands import ScoreOptions
 from stereorecal.cli._streams import say
@@ -34,11 +28,9 @@ _CODES = {Condition.REPAIR: REPAIR, Condition.CANNOT_TELL: CANNOT_TELL, Conditio
 def run(options: ScoreOptions) -> int:
     """Check, save, print; returns the exit code."""
     how = health_options(options)
-    places = places_of(options, "json")
-    check_places(places, force=options.force)
     with files_read() as read:
         scenes = recordings(options).scenes
-    refuse_replacing_inputs(places, {*read, *image_inputs(options)})
+    refuse_replacing_inputs(options.places, {*read, *image_inputs(options)})
     looked: list[Health | InputError] = []
     interrupted = False
     try:

@@ -2,9 +2,19 @@
 
 from typing import Literal
 
-from stereorecal.cli._options import argument, option, option_group
+from stereorecal._errors import InputError
+from stereorecal._existing_paths import check_exists, existing_folder
+from stereorecal.cli._calibration_paths import check_calibration
+from stereorecal.cli._option_values import frame_limit, limit
+from stereorecal.cli._options import TWO_FILES, argument, option, option_group
 
-FREE = "what may move: rotation, extrinsics, intrinsics (shared by all recordings), pitch, left.k1 …; by commas"
+WRITES = "what to write"
+READS = "what to read"
+RIG = "the rig, and what may move"
+DEPTH = "depth, from motion and ranges"
+SEARCH = "matching and search"
+
+FREE = "what may move: rotation, extrinsics, intrinsics, or names such as pitch,left.k1"
 FORMATS = "opencv, ros, kalibr, kitti-raw, kitti-odometry, middlebury, euroc, basalt, depthai, boofcv, stereorecal"
 _LAYOUTS = "scene folder, plain log, MODD2, MODS, KITTI raw, KITTI odometry, KITTI stereo, EuRoC, Middlebury"
 
@@ -13,8 +23,9 @@ _LAYOUTS = "scene folder, plain log, MODD2, MODS, KITTI raw, KITTI odometry, KIT
 class ReportOptions:
     """What a command reports, and where."""
 
-    json: str | None = option("write everything as JSON", metavar="FILE|-")
-    force: bool = option("files that exist may be replaced, but none that is read", False)
+    title = WRITES
+    json: str | None = option("everything, as JSON", metavar="FILE|-")
+    force: bool = option("replace existing files, but none that is read", False)
     quiet: bool = option("no progress and no report", False)
 
     @property
@@ -29,9 +40,7 @@ class CalibrationFormatOptions:
 
     format: str | None = option(f"of the calibration file (default: recognised): {FORMATS}", metavar="FORMAT")
     unit: str | None = option(
-        "of lengths in a calibration that states none, read or written: m, cm, mm, in (default: inferred from the "
-        "baseline)",
-        metavar="UNIT",
+        "of its lengths, if the file states none: m, cm, mm, in (default: inferred from the baseline)", metavar="UNIT"
     )
 
 
@@ -39,26 +48,29 @@ class CalibrationFormatOptions:
 class CalibrationOptions(CalibrationFormatOptions):
     """How a calibration file without images is read."""
 
-    size: str | None = option("of the images, for a calibration that says none", metavar="WxH")
+    title = READS
+    size: str | None = option("of the images, if the calibration states none", metavar="WxH")
 
 
 @option_group
 class ImageOptions(CalibrationFormatOptions):
     """Images, videos and bags that lie anywhere."""
 
-    title = "images from elsewhere, with --calibration"
-    left: str | None = option("left images: a file, a folder or 'left/*.png'; or a video", metavar="FILES")
-    right: str | None = option("their right images, or the right video", metavar="FILES")
-    side_by_side: str | None = option("instead: images, or a video, with left and right side by side", metavar="FILES")
+    title = READS
+    left: str | None = option(
+        "left images, if they are in no scene folder: a file, a folder, 'left/*.png' or a video", metavar="FILES"
+    )
+    right: str | None = option("right images", metavar="FILES")
+    side_by_side: str | None = option("instead: images or a video with both side by side", metavar="FILES")
     bag: str | None = option("instead: a bag of ROS 1 (file) or ROS 2 (folder)", metavar="BAG")
-    left_topic: str | None = option("of the bag: the left images, raw or compressed", metavar="TOPIC")
-    right_topic: str | None = option("of the bag: the right images", metavar="TOPIC")
+    left_topic: str | None = option("left images of the bag", metavar="TOPIC")
+    right_topic: str | None = option("right images of the bag", metavar="TOPIC")
     calibration: tuple[str, ...] | None = option(
-        "their calibration, in any format; two files where each camera has its own", metavar="FILE"
+        "calibration of these images: one file, or one for each camera", metavar="FILE"
     )
     tolerance: float | None = option(
-        "how far apart the two frames of a pair may be (default: a quarter of the time between frames; image files "
-        "are paired by names, and by times in their names only if this is given)",
+        "between the two frames of a pair (default: a quarter of the time between frames; image files are paired by "
+        "name unless this is given)",
         metavar="SECONDS",
     )
 
@@ -73,39 +85,102 @@ class PairOptions:
     every: int = option("every Nth pair", 1, metavar="N")
     frames: str = option("the first N of those", "all", metavar="N|all")
     limit: str | None = option(
-        "of those, at most N: of N equal stretches the pair with the most texture (default: 24 of a video, a bag or "
-        "more than 100 pairs, else all; monitor: all); all pairs are used jointly",
+        "of those the N with the most texture, one from each Nth part (default: 24 of a video, a bag or more than 100 "
+        "pairs, else all; of monitor all)",
         metavar="N|all",
+    )
+
+    @property
+    def stretch(self) -> slice:
+        """The pairs that --from, --to and --every select.
+
+        Raises:
+            InputError: if they make no sense.
+        """
+        if self.every < 1:
+            raise InputError(f"--every is {self.every}; give 1 for every pair, 2 for every second.")
+        if self.first < 0 or (self.stop is not None and self.stop <= self.first):
+            raise InputError("--from and --to are numbers of pairs, from 0 on; --to must be the larger one.")
+        return slice(self.first, self.stop, self.every)
+
+    def check_pairs(self) -> None:
+        """Refuse numbers of pairs that make no sense.
+
+        Raises:
+            InputError: says what to do.
+        """
+        _ = self.stretch
+        frame_limit(self.frames)
+        limit(self.limit, None)
+
+
+@option_group
+class _SceneOptions:
+    """Scene folders."""
+
+    title = READS
+    scenes: tuple[str, ...] = argument(
+        f"folder with images and their calibration: {_LAYOUTS} (layouts: page Your data)", (), metavar="SCENE"
     )
 
 
 @option_group
-class RecordingOptions(ImageOptions, PairOptions):
+class RecordingOptions(_SceneOptions, ImageOptions, PairOptions):
     """The recordings that a command is about."""
 
-    scenes: tuple[str, ...] = argument(
-        "folder with left and right images and their calibration, in any layout that is known (documentation, page "
-        f"Your data): {_LAYOUTS}",
-        (),
-        metavar="SCENE",
-    )
+    forms = ("SCENE [SCENE …]", "--left L --right R --calibration FILE")
+
+    def check_recordings(self) -> None:
+        """Refuse recordings that are named incompletely, or are not there, and numbers of pairs that make no sense.
+
+        Raises:
+            InputError: says what to do.
+        """
+        ways = (("left", "right"), ("side_by_side",), ("bag", "left_topic", "right_topic"))
+        begun = [way for way in ways if any(getattr(self, name) is not None for name in way)]
+        given, missing = [], []
+        for name in (*(begun[0] if begun else ()), "calibration"):
+            (given if getattr(self, name) is not None else missing).append(f"--{name.replace('_', '-')}")
+        if self.scenes and given:
+            raise InputError(
+                f"give scene folders or {' and '.join(given)}, not both; {self.scenes[0]} is taken for a scene folder "
+                f"({TWO_FILES})."
+            )
+        if not (self.scenes or given):
+            raise InputError("give scene folders, or --left, --right and --calibration together.")
+        if len(begun) > 1:
+            raise InputError("--left and --right, --side-by-side, or --bag: give one of these.")
+        if given and not begun:
+            raise InputError("--calibration needs images: --left and --right, --side-by-side, or --bag; add them.")
+        if given and missing:
+            needs, add = ("needs", "need")[len(given) > 1], ("it", "them")[len(missing) > 1]
+            raise InputError(f"{' and '.join(given)} {needs} {' and '.join(missing)}; add {add}.")
+        self.check_pairs()
+        for scene in self.scenes:
+            existing_folder(scene)
+        for place in (self.left, self.right, self.side_by_side, self.bag):
+            if place is not None:
+                check_exists(place, "file or folder")
+        if self.calibration is not None:
+            check_calibration(self.calibration, "--calibration")
 
 
 @option_group
 class MatcherOptions:
     """The stereo matcher."""
 
-    matcher: str = option("an installed stereo matcher: sad, bm, sgbm, or a plug-in's", "sad", metavar="NAME")
+    title = SEARCH
+    matcher: str = option("installed stereo matcher: sad, bm, sgbm, or a plug-in's", "sad", metavar="NAME")
 
 
 @option_group
 class ViewOptions(MatcherOptions):
     """The matcher, and the view through which it sees the images."""
 
+    title = SEARCH
     view: str | None = option(
-        "the rectified images, as sr.view(rig, …) makes them: projection=pinhole or equirectangular, field=DEGREES "
-        "across (default: a pinhole; of fisheyes and other wide lenses that show more than a pinhole can, "
-        "equirectangular)",
+        "the rectified images, as of sr.view: projection=pinhole or equirectangular, field=DEGREES (default: pinhole; "
+        "equirectangular for lenses that are too wide for it)",
         metavar="NAME=VALUE,…",
     )
 
@@ -114,43 +189,55 @@ class ViewOptions(MatcherOptions):
 class ToleranceOptions:
     """What counts as better, as worse and as good."""
 
+    title = "the decision"
     distances: str | None = option(
-        "in baselines, at which epipolar errors are evaluated, and at the nearest that the images show; depth at the "
-        "farthest (default: 5,10,30)",
-        metavar="B,B",
+        "in baselines, at which errors are evaluated; depth at the farthest (default: 5,10,30)", metavar="B,B"
     )
     tolerances: str | None = option(
-        "limits of the decision, such as alpha=0.001,worse_depth_points=0.5: alpha, gain_px, worse_rows_px, "
-        "worse_depth_points, blind_rows_px, good_rows_px, good_surely",
-        metavar="NAME=VALUE,…",
+        "limits, such as alpha=0.001,gain_px=0.1: alpha, gain_px, worse_rows_px, worse_depth_points, blind_rows_px, "
+        "good_rows_px, good_surely",
+        metavar="NAME=N,…",
     )
 
 
 @option_group
-class DecisionOptions(ViewOptions, ToleranceOptions):
-    """What `sr.health` takes, and `sr.recalibrate` as well."""
+class PriorOptions:
+    """What is known of the rig."""
 
+    title = RIG
     prior: str | None = option(
-        "how well the initial calibration is known: saved, as an earlier repair left it; default, as after a "
-        "chessboard calibration of this rig; exact: every epipolar error is a drift (default: saved, if it was)",
-        metavar="saved|default|exact",
+        "how well the initial calibration is known: saved (by an earlier repair), default (as after a chessboard "
+        "calibration), exact (every epipolar error is a drift); default: saved, if it was",
+        metavar="NAME",
     )
+
+
+@option_group
+class MotionOptions:
+    """Depth from the motion of the rig."""
+
+    title = DEPTH
     motion: Literal["auto", "on", "off"] = option(
-        "use of the rig's own motion between pairs for depth: auto, where times are known and at most half a second "
-        "apart; on, the pairs are consecutive, whatever their times; off (default: auto)",
+        "use the motion of the rig between pairs: auto (if times are known and at most 0.5 s apart), on (pairs are "
+        "consecutive), off (default: auto)",
         "auto",
     )
     readout: float | None = option(
-        "time that the cameras' rolling shutters take from the first row of an image to the last, for --motion "
-        "(default: that of a scene folder's calib.json, or 0, all rows at once)",
+        "that a rolling shutter takes from the first row to the last (default: that of calib.json, or 0)",
         metavar="SECONDS",
     )
+
+
+@option_group
+class DecisionOptions(PriorOptions, MotionOptions, ToleranceOptions, ViewOptions):
+    """What `sr.health` takes, and `sr.recalibrate` as well."""
 
 
 @option_group
 class ReachOptions:
     """How far a search goes."""
 
+    title = RIG
     reach: str = option("how far the rig may have drifted", "3,0.03", metavar="DEG,FRACTION")
 
 
@@ -158,10 +245,10 @@ class ReachOptions:
 class SearchOptions:
     """How a search is done."""
 
-    scale: float | None = option("image scale of the count schedule (default: 1)", metavar="SCALE")
+    title = SEARCH
+    scale: float | None = option("image scale of --schedule count (default: 1)", metavar="SCALE")
     budget: float | None = option(
-        "of each recording or trial; one unit: one matcher run on a full-size frame (default: no limit)",
-        metavar="UNITS",
+        "of each recording or trial, in matcher runs on full-size frames (default: no limit)", metavar="UNITS"
     )
 
 
@@ -170,11 +257,7 @@ class WorkerOptions:
     """Who does the work, and with which random numbers."""
 
     seed: int = option("same seed, same result", 0, metavar="N")
-    executor: str = option(
-        "serial, threads:N, processes:N or dask:ADDRESS (of the scheduler of a Dask cluster)",
-        "serial",
-        metavar="SPEC",
-    )
+    executor: str = option("serial, threads:N, processes:N or dask:ADDRESS (of a scheduler)", "serial", metavar="SPEC")
 
 
 @option_group
@@ -182,4 +265,4 @@ class BoardOptions:
     """The chessboard that images show."""
 
     board_corners: str | None = option("inner corners of the chessboard (default: 9x6)", metavar="NxM")
-    square: float | None = option("side of its squares, as the calibration had it", metavar="METRES")
+    square: float | None = option("side of its squares, as in the calibration", metavar="METRES")

@@ -5,7 +5,7 @@ from itertools import chain, islice
 
 from stereorecal._errors import InputError
 from stereorecal.cli import _option_values
-from stereorecal.cli._calibration_files import calibration_path
+from stereorecal.cli._calibration_paths import calibration_path
 from stereorecal.cli._repair_commands import MonitorOptions
 from stereorecal.io import calibrated_scene, camera_pairs
 from stereorecal.recordings import Images, Pair, Scene
@@ -27,7 +27,7 @@ def watched_cameras(cameras: Sequence[str], options: MonitorOptions) -> tuple[Sc
     if options.tolerance is not None and not options.tolerance >= 0.0:
         raise InputError(f"--tolerance is {options.tolerance}; give seconds, such as 0.005.")
     names = camera_names(cameras)
-    wanted = _option_values.stretch(options)
+    wanted = options.stretch
     limit = _option_values.frame_limit(options.frames)
     coming = camera_pairs(names, options.tolerance)
     before: list[Pair | Images] = []

@@ -20,6 +20,7 @@ from stereorecal.strategies._recorder import Recorder as Recorder
 from stereorecal.strategies._run_strategy import Run as Run, run_strategy as run_strategy
 from stereorecal.strategies._strategy_registry import (
     StrategyInfo as StrategyInfo,
+    check_installed as check_installed,
     describe as describe,
     name_of as name_of,
     origin_of as origin_of,

@@ -4,9 +4,8 @@ need of it."""
 import enum
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import jax
 import numpy as np
 from jaxtyping import Float
 
@@ -14,9 +13,12 @@ from stereorecal.strategies._budget import Budget, as_budget
 from stereorecal.strategies._evaluation_trace import Trace
 from stereorecal.strategies._recorder import Recorder
 
+if TYPE_CHECKING:
+    import jax  # which takes time to import, and names of strategies do not need
+
 _CLOCK_INTERVAL = 16  # points between two checks of the clock, where a limit in seconds holds
 
-TracedFunction = Callable[[jax.Array], jax.Array]
+TracedFunction = Callable[["jax.Array"], "jax.Array"]
 
 
 class Need(enum.Enum):

@@ -46,6 +46,15 @@ def strategies() -> tuple[str, ...]:
     return _REGISTRY.names()
 
 
+def check_installed(name: str) -> None:
+    """Refuse a name that no installed strategy has; imports none of them.
+
+    Raises:
+        InputError: as `strategy` does.
+    """
+    _REGISTRY.check(name)
+
+
 def strategy(name: str, /, **options: Any) -> AbstractStrategy:
     """The strategy registered as `name`, with the given options.
 

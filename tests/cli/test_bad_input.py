@@ -175,8 +175,21 @@ def test_one_bad_scene_among_good_ones(command, folder: Path, clean_scene: Path,
 LOOSE: dict[str, tuple[list[str], str]] = {
     "nothing": ([], "give scene folders, or --left, --right and --calibration together"),
     "both": (["{0}", "--left={0}/left.png", "--right={0}/right.png", "--calibration={0}/calib.json"], "give scene"),
-    "no right": (["--left={0}/left.png", "--calibration={0}/calib.json"], "give scene folders, or"),
-    "no calibration": (["--left={0}/left.png", "--right={0}/right.png"], "give scene folders, or"),
+    "left alone": (["--left={0}/left.png"], ": --left needs --right and --calibration; add them."),
+    "no right": (
+        ["--left={0}/left.png", "--calibration={0}/calib.json"],
+        ": --left and --calibration need --right; add it.",
+    ),
+    "no calibration": (
+        ["--left={0}/left.png", "--right={0}/right.png"],
+        ": --left and --right need --calibration; add it.",
+    ),
+    "calibration alone": (["--calibration={0}/calib.json"], ": --calibration needs images: --left and --right, "),
+    "bag alone": (["--bag={0}"], ": --bag needs --left-topic and --right-topic and --calibration; add them."),
+    "two ways": (
+        ["--left={0}/left.png", "--bag={0}", "--calibration={0}/calib.json"],
+        ": --left and --right, --side-by-side, or --bag: give one of these.",
+    ),
     "no image matches": (
         ["--left={0}/l*.jpg", "--right={0}/right.png", "--calibration={0}/calib.json"],
         "l*.jpg: no image matches",
@@ -209,7 +222,7 @@ COMMON: dict[str, tuple[list[str], str]] = {
     "unknown option": (["--colour", "red"], "--colour"),
 }
 SEARCH: dict[str, tuple[list[str], str]] = {
-    "schedule": (["--schedule", "coarse"], "unknown schedule 'coarse'; choose one of: count"),
+    "schedule": (["--schedule", "coarse"], "unknown --schedule 'coarse' (choose one of: default, count)"),
     "executor": (["--executor", "thread:2"], "unknown executor"),
     "workers": (["--executor", "threads:0"], "--executor is 'threads:0'"),
     "no workers": (["--executor", "processes"], "give the number of workers"),
@@ -233,7 +246,7 @@ COMPARE: dict[str, tuple[list[str], str]] = {
     "strategy": (["--strategies", "compas"], "unknown strategy 'compas'; did you mean compass?"),
     "one of two strategies": (["--strategies", "compass,nonsense"], "unknown strategy 'nonsense'"),
     "no strategy": (["--strategies", ","], "strateg"),
-    "kind of scene": (["--synthetic", "harbor"], "unknown kind of scene 'harbor'; did you mean harbour?"),
+    "kind of scene": (["--synthetic", "harbor"], "unknown --synthetic 'harbor' (did you mean harbour?)"),
     "drift negative": (["--decalibrate", "-1,0.01"], "a drift of -1.0 degrees"),
     "drift huge": (["--decalibrate", "0.5,2"], "a drift of 0.5 degrees and 2.0 of the baseline"),
     "drift word": (["--decalibrate", "a,b"], "--decalibrate is 'a,b'"),

@@ -146,7 +146,7 @@ def test_a_worker_that_dies_interrupts(command, folder, tmp_path, monkeypatch):
 
 def test_help_says_what_is_in_sample_and_when_files_are_written(command):
     told = " ".join(command("compare", "--help").out.split())
-    assert "only rows of lidar and of motion=FOLDER are of images that methods get, too" in told
+    assert "Only rows of lidar and of motion=FOLDER are of images that methods get, too" in told
     assert "FILE.trials" in told
 
 

@@ -75,17 +75,26 @@ def test_a_bag(command, seen, calibration, tmp_path, capsys):
 
 
 WRONG = {
-    "bag without topics": ["--bag", "x.bag", "--calibration", "c"],
-    "two kinds": ["--side-by-side", "x", "--left", "y", "--right", "z", "--calibration", "c"],
-    "scene too": ["scene", "--side-by-side", "x", "--calibration", "c"],
+    "bag without topics": (
+        ["--bag", "x.bag", "--calibration", "c"],
+        "--bag and --calibration need --left-topic and --right-topic; add them.",
+    ),
+    "two kinds": (
+        ["--side-by-side", "x", "--left", "y", "--right", "z", "--calibration", "c"],
+        "--left and --right, --side-by-side, or --bag: give one of these.",
+    ),
+    "scene too": (
+        ["scene", "--side-by-side", "x", "--calibration", "c"],
+        "give scene folders or --side-by-side and --calibration, not both; scene is taken for a scene folder",
+    ),
 }
 
 
-@pytest.mark.parametrize("words", WRONG.values(), ids=list(WRONG))
-def test_what_does_not_go_together(command, words):
+@pytest.mark.parametrize(("words", "said"), WRONG.values(), ids=list(WRONG))
+def test_what_does_not_go_together(command, words, said):
     answer = command("score", *words)
     assert (answer.code, answer.out) == (2, "")
-    assert answer.err.startswith("stereorecal: give scene folders, or --left, --right and --calibration together; ")
+    assert answer.err.startswith(f"stereorecal: {said}")
     assert answer.err.count("\n") == 1
 
 

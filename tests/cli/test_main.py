@@ -111,10 +111,32 @@ def test_help_fits_80_columns_and_names_defaults(verb: str, command, monkeypatch
     monkeypatch.setenv("COLUMNS", "80")
     text = command(verb, "--help").out
     assert max(map(len, text.splitlines())) <= 80
-    options = re.split(r"\n  (?=-)", text.partition("options:")[2])
+    options = re.split(r"\n  (?=-)", text)
     for option in options:
         taken = re.match(
             r"(--(?:matcher|schedule|scale|reach|free|extrinsics|budget|seed|executor|every|frames)) ", option
         )
         if taken:
             assert "default" in option, option
+
+
+def test_help_begins_with_what_is_typed(command, monkeypatch: pytest.MonkeyPatch):
+    """Not with all options; these stand under headings, in the order of their use."""
+    monkeypatch.setenv("COLUMNS", "80")
+    usage, _, *sections = command("recalibrate", "--help").out.split("\n\n")
+    assert usage.splitlines() == [
+        "usage: stereorecal recalibrate [options] SCENE [SCENE …]",
+        "       stereorecal recalibrate [options] --left L --right R --calibration FILE",
+    ]
+    firsts = re.findall(r"^(\S.*):\n  (\S+)", "\n".join(sections[:-1]), re.MULTILINE)
+    assert firsts == [
+        ("what to write", "--output"),
+        ("what to read", "SCENE"),
+        ("which pairs", "--from"),
+        ("the rig, and what may move", "--free"),
+        ("depth, from motion and ranges", "--motion"),
+        ("the decision", "--distances"),
+        ("matching and search", "--view"),
+        ("running", "-h,"),
+    ]
+    assert sections[-1].startswith("Exit code: 0 ")

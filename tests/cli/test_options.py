@@ -32,12 +32,14 @@ def test_values_have_the_types_of_their_fields():
 def test_help_tells_defaults_once_and_shared_options_under_their_title(command, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setenv("COLUMNS", "300")
     text, _, titled = command("recalibrate", "--help").out.partition("which pairs:")
-    assert "image scale of the count schedule (default: 1)" in text
-    assert "an installed stereo matcher: sad, bm, sgbm, or a plug-in's (default: sad)" in text
     assert "number of the first pair (default: 0)" in titled
     assert "number of the pair to stop before (default: none)" in titled  # which its text says
+    assert "image scale of --schedule count (default: 1)" in titled
+    assert "installed stereo matcher: sad, bm, sgbm, or a plug-in's (default: sad)" in titled
     assert not re.search(r"default: [^\n]*\(default: (?!recognised)", text + titled)
-    assert text.index("--dry-run") < text.index("--matcher NAME") < text.index("--traceback  ")
+    assert "--calibration FILE …  " in text
+    assert text.index("--dry-run") < text.index("SCENE  ") < text.index("--left FILES")
+    assert titled.index("--matcher NAME") < titled.index("--traceback  ") < titled.index("Exit code: 0 ")
 
 
 @pytest.mark.parametrize(
@@ -55,4 +57,4 @@ def test_one_sentence_says_what_is_wrong(words: str, said: str, capsys):
     with pytest.raises(SystemExit) as end:
         options(words)
     assert end.value.code == 2
-    assert capsys.readouterr().err == f"stereorecal: {said}; see python -m stereorecal {words.split()[0]} --help\n"
+    assert capsys.readouterr().err == f"stereorecal: {said}; see stereorecal {words.split()[0]} --help\n"

@@ -91,7 +91,7 @@ def test_failures_are_named(command, words, moody):
     ("asked", "said"),
     [
         (["validty"], "did you mean validity?"),
-        (["--schedule", "fast"], "unknown schedule"),
+        (["--schedule", "fast"], "unknown --schedule"),
         (["--strategy", "compas"], "compas"),
         (["--reach", "3"], "--reach"),
         (["--seed", "-1"], "--seed"),

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -14,7 +15,7 @@ LOADED = """
 import sys
 from stereorecal.cli import main
 try:
-    main(sys.argv[1:])
+    code = main(sys.argv[1:])
 except SystemExit as end:
     code = end.code
 print(code, *(name for name in ("jax", "cv2", "numpy", "rich") if name in sys.modules))
@@ -41,7 +42,38 @@ def test_answers_at_once(words: list[str], code: int):
     done = subprocess.run([sys.executable, "-c", LOADED, *words], capture_output=True, text=True, check=False)
     assert done.stdout.splitlines()[-1] == str(code), done.stdout + done.stderr
     assert ("stereorecal" in done.stdout) == (code == 0)
-    assert ("see python -m stereorecal" in done.stderr) == (code == 2)
+    assert ("; see stereorecal" in done.stderr) == (code == 2)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "recalibrate nowhere",
+        "recalibrate --left nothing.png --right nothing.png --calibration nothing.yaml",
+        "recalibrate . --output {there}",
+        "recalibrate . --strategy compas",
+        "recalibrate . --reach 3",
+        "score . --frames few",
+        "score nowhere",
+        "score . --json {there}",
+        "monitor nowhere",
+        "compare --scene nowhere",
+        "compare --strategies compass,compas",
+        "compare --html {there}",
+        "reproduce --log nowhere",
+        "diff nothing.yaml {there}",
+        "convert nothing.yaml new.yaml",
+        "strategies check compas",
+    ],
+)
+def test_a_wrong_name_or_number_is_said_at_once(words: str, tmp_path: Path):
+    (there := tmp_path / "there.json").touch()
+    command = [sys.executable, "-c", LOADED, *words.format(there=there).split()]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    code, *loaded = done.stdout.split()
+    assert code == "2", done.stdout + done.stderr
+    assert set(loaded) <= {"numpy"}  # which the names of strategies cost
+    assert done.stderr.count("\n") == 1
 
 
 @pytest.mark.parametrize(
@@ -57,12 +89,12 @@ def test_answers_at_once(words: list[str], code: int):
         ("--verison score", "unrecognized arguments: --verison (did you mean --version?); see"),
         ("recalibrate sc --quite also", "unrecognized arguments: --quite also (did you mean --quiet?); see"),
         ("diff a b c --jsno", "unrecognized arguments: c --jsno (did you mean --json?); see"),
-        ("scoer scene", "unknown command 'scoer' (did you mean score?); see python -m stereorecal --help"),
+        ("scoer scene", "unknown command 'scoer' (did you mean score?); see stereorecal --help"),
         (
             "repair scene",
             "unknown command 'repair' (choose one of: recalibrate, score, monitor, diff, convert, compare,",
         ),
-        ("matchers chek sad", "unknown action 'chek' (did you mean check?); see python -m stereorecal matchers --help"),
+        ("matchers chek sad", "unknown action 'chek' (did you mean check?); see stereorecal matchers --help"),
         ("matchers check", "matchers check needs a name; matchers list shows those that are installed; see"),
         ("strategies list compass", "unrecognized arguments: compass; see"),
         ("compare harbour", "unrecognized arguments: harbour; see"),

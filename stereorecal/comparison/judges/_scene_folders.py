@@ -5,6 +5,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from stereorecal._errors import InputError
+from stereorecal._existing_paths import existing_folder
 from stereorecal.comparison.judges._optics import check_lenses
 from stereorecal.geometry import StereoRig
 from stereorecal.io import load_scene
@@ -17,9 +18,7 @@ def scene_folders(folder: Path) -> list[Path]:
     Raises:
         InputError: if there is none.
     """
-    if not folder.is_dir():
-        raise InputError(f"{folder}: there is no such folder; check the path.")
-    found = sorted(file.parent for file in folder.rglob("calib.json"))
+    found = sorted(file.parent for file in existing_folder(folder).rglob("calib.json"))
     found = [folder] if folder in found else found
     if not found:
         raise InputError(f"{folder}: there is no scene folder (calib.json and images) in it; see docs/data.md.")

@@ -8,6 +8,7 @@ from functools import partial
 from pathlib import Path
 
 from stereorecal._errors import InputError
+from stereorecal._existing_paths import check_exists
 from stereorecal.io._read_files import AnyPath, note_input
 from stereorecal.io.images._image_files import images_in, natural_order, read_image
 from stereorecal.io.images._match_by_name import Matched, match_files
@@ -102,8 +103,7 @@ def find_images(where: AnyPath) -> list[Path]:
     found = images_in(path) or natural_order(Path(name) for name in glob.glob(str(where), recursive=True))
     found = [path for path in found if path.is_file()]
     if not found:
-        if not path.exists() and glob.escape(str(where)) == str(where):
-            raise InputError(f"{where}: there is no such file or folder; check the path.")
+        check_exists(where, "file or folder")
         raise InputError(
             f"{where}: no image matches; give a file, a folder of images or a pattern such as 'left/*.png'."
         )

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from stereorecal._errors import InputError
+from stereorecal._existing_paths import existing_folder
 from stereorecal.io._read_files import AnyPath
 from stereorecal.io.formats._file_units import warn_of_units
 from stereorecal.io.layouts import (
@@ -53,7 +54,7 @@ def load_log(folder: AnyPath, limit: int | None = None) -> Log:
     Warns:
         CalibrationWarning: as `load_rig`.
     """
-    folder = _existing(folder)
+    folder = existing_folder(folder)
     log = _read_log(folder, limit)
     warn_of_units(folder, *log.calibrations.values())
     return log
@@ -81,7 +82,7 @@ def load_scene(
     Warns:
         CalibrationWarning: as `load_rig`.
     """
-    folder = _existing(folder)
+    folder = existing_folder(folder)
     scene = _read_scene(folder, limit, choose)
     warn_of_units(folder, scene.rig)
     return scene
@@ -115,13 +116,6 @@ def _read_scene(folder: Path, limit: int | None, choose: Callable[[LazyPairs], t
         )
     assert isinstance(mission.pairs, LazyPairs)
     return Scene(mission.name, log.calibration_of(mission), choose(mission.pairs))
-
-
-def _existing(folder: AnyPath) -> Path:
-    folder = Path(folder)
-    if not folder.is_dir():
-        raise InputError(f"{folder}: there is no such folder; check the path.")
-    return folder
 
 
 def _log_of(folder: Path, limit: int | None) -> Log:
