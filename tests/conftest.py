@@ -1,5 +1,6 @@
 """What all tests share."""
 
+import gc
 import importlib.metadata
 import os
 import shutil
@@ -48,6 +49,9 @@ def pytest_configure(config: pytest.Config) -> None:
     if not config.option.slow:
         # Half of the quick suite's time went by in XLA. With --slow, programs are those that users have.
         os.environ.setdefault("XLA_FLAGS", _COMPILED_FAST)
+        settings.load_profile("quick")
+    # Tracing allocates much and leaves little garbage, and each look for it goes through all that pytest collected.
+    gc.set_threshold(100_000, 50, 100)
     if not _is_worker(config):
         # Each core has a worker of its own: threads of BLAS would only wait for each other.
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -92,6 +96,7 @@ def _is_worker(config: pytest.Config) -> bool:
 
 settings.register_profile("stereorecal", derandomize=True, deadline=None)
 settings.load_profile("stereorecal")
+settings.register_profile("quick", settings.default, max_examples=30)  # what takes long has a share of these
 
 
 @pytest.fixture(scope="session")

@@ -10,12 +10,12 @@ from collections.abc import Callable
 from functools import wraps
 from typing import Any
 
+import pytest
 from beartype import BeartypeConf, beartype
 from jaxtyping import _import_hook, config
 
-_ENOUGH = 1000  # checks a test; less than a tenth of a second
 _beartype = beartype(conf=BeartypeConf(is_pep484_tower=True))
-_calls = [0]
+_left = [0]  # checks of this test
 
 
 class _Outermost(_import_hook.JaxtypingTransformer):
@@ -32,13 +32,13 @@ _import_hook.JaxtypingTransformer = _Outermost  # pyright: ignore[reportPrivateI
 
 
 def outermost(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Check what goes in and out of `function`, and count. The check is made when it is needed first."""
+    """Check what goes in and out of `function`, and count down. The check is made when it is needed first."""
     looks: list[Callable[..., Any]] = []
 
     @wraps(function)
     def counted(*arguments: Any, **options: Any) -> Any:
-        _calls[0] += 1
-        if _calls[0] == _ENOUGH:
+        _left[0] -= 1
+        if not _left[0]:
             config.update("jaxtyping_disable", True)
         if not looks:
             looks.append(_beartype(function))
@@ -47,7 +47,7 @@ def outermost(function: Callable[..., Any]) -> Callable[..., Any]:
     return counted
 
 
-def pytest_runtest_setup() -> None:
-    """A test begins, and checks with it."""
-    _calls[0] = 0
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """A test begins, and checks with it: a thousand take a tenth of a second."""
+    _left[0] = 1000 if item.config.option.slow else 200
     config.update("jaxtyping_disable", False)

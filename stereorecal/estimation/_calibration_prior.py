@@ -5,9 +5,12 @@ point: whatever keeps boards in place (a principal point with a rotation, a foca
 moves the depth of a board is tight.
 """
 
+from collections.abc import Hashable
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import NamedTuple
 
+import jax
 import numpy as np
 from jaxtyping import Bool, Float
 
@@ -86,8 +89,24 @@ class CalibrationPrior:
         return cls(roots, weights, means=np.zeros(roots.shape[:2]))
 
 
+@dataclass(frozen=True)
+class _Asked:
+    """A chart, equal to another one of the same numbers."""
+
+    numbers: Hashable
+    chart: RigChart = field(compare=False)
+
+
 def calibration_prior(chart: RigChart) -> CalibrationPrior:
     """What a chessboard calibration of the rig at θ = 0 leaves."""
+    leaves, structure = jax.tree.flatten(chart.rig)
+    numbers = tuple(np.asarray(leaf).tobytes() for leaf in leaves)
+    return _calibration_prior(_Asked((structure, numbers, chart.parameters, chart.wide), chart))
+
+
+@lru_cache(maxsize=8)  # a repair asks several times, and so does who looks at one pair after the other
+def _calibration_prior(asked: _Asked) -> CalibrationPrior:
+    chart = asked.chart
     plain = calibration_covariances(chart)
     both = np.concatenate([plain, [_with_pair(chart, covariance) for covariance in plain]])
     weights = np.repeat([1.0 - _PAIR_PROBABILITY, _PAIR_PROBABILITY], len(plain)) / len(plain)

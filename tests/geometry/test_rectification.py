@@ -77,6 +77,7 @@ def test_the_length_of_the_baseline_does_not_matter(values: np.ndarray, scale: f
         np.testing.assert_allclose(a, b, atol=1e-14)
 
 
+@pytest.mark.slow(after=1)
 @pytest.mark.parametrize("jacobian", [jax.jacfwd, jax.jacrev])
 def test_jacobians_of_the_rotations(jacobian):
     def rotations(values):

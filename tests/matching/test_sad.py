@@ -58,7 +58,7 @@ OPTIONS = [
 
 @pytest.mark.slow(after=4)
 @pytest.mark.parametrize("matcher", OPTIONS)
-@settings(max_examples=8)
+@settings(max_examples=settings.default.max_examples // 12)
 @given(seed=st.integers(0, 10**6), shift=st.floats(-6, 12))
 def test_equals_the_numpy_twin(matcher, seed, shift):
     left, right = image_pair(seed, *SHAPE, shift)
@@ -70,7 +70,7 @@ def test_equals_the_numpy_twin(matcher, seed, shift):
 
 @pytest.mark.slow(after=1)
 @pytest.mark.parametrize("matcher", OPTIONS[2:7])  # each compiles two programs
-@settings(max_examples=8)
+@settings(max_examples=settings.default.max_examples // 12)
 @given(seed=st.integers(0, 10**6), shift=st.floats(-6, 12))
 def test_the_form_for_a_gpu_finds_the_same(matcher, seed, shift):
     left, right = image_pair(seed, *SHAPE, shift)

@@ -43,6 +43,7 @@ def test_the_truth_is_healthy(under, matcher):
         assert axis.low - 0.1 < 0 < axis.high + 0.1
 
 
+@pytest.mark.slow(after=3)
 @pytest.mark.parametrize("axis", ["pitch", "yaw", "roll"])
 @pytest.mark.parametrize("sign", [1, -1])
 def test_the_axis_that_is_off_is_named(under, axis, sign):

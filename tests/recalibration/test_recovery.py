@@ -30,7 +30,7 @@ def drifted(rig, degrees, fraction, drift):
 
 
 # An example takes several seconds, so falsifying ones are not shrunk.
-@settings(max_examples=4, phases=[Phase.explicit, Phase.generate])
+@settings(max_examples=settings.default.max_examples // 25, phases=[Phase.explicit, Phase.generate])
 @given(seed=st.integers(0, 2), drift=st.tuples(*[component] * 5))
 def test_recovery(scene, seed, drift):
     given_scene = scene("harbour", seed, (320, 240))
@@ -46,7 +46,7 @@ def test_recovery(scene, seed, drift):
 TOLERANCE = np.array([0.02, 0.1, 0.02])
 
 
-@settings(max_examples=4, phases=[Phase.explicit, Phase.generate])
+@settings(max_examples=settings.default.max_examples // 25, phases=[Phase.explicit, Phase.generate])
 @given(seed=st.integers(0, 2), drift=st.tuples(*[component] * 5))
 def test_recovery_of_the_geometry(scene, seed, drift):
     """From anywhere within ±2.5° and ±2.25 %; an axis that the solution reports as not determined may be as far off as
@@ -63,7 +63,7 @@ def test_recovery_of_the_geometry(scene, seed, drift):
     assert (error <= allowed).all(), (error, allowed)
 
 
-@settings(max_examples=25)
+@settings(max_examples=settings.default.max_examples // 4)
 @given(
     seed=st.integers(0, 999),
     axis=st.sampled_from(np.eye(5).tolist()) | st.tuples(*[component] * 5),

@@ -11,7 +11,7 @@ from stereorecal import InputError
 from stereorecal.geometry import StereoRig, view
 from stereorecal.io import load_scene
 from stereorecal.matching import SAD
-from stereorecal.recalibration import recalibrate
+from stereorecal.recalibration import health, recalibrate
 from stereorecal.recordings import Pair
 from stereorecal.scoring import image_quality, pyramid
 from stereorecal.scoring.host import refuse_swapped_images, score, with_disparity_range
@@ -48,13 +48,15 @@ def test_each_mistake_is_named_on_real_images(data_dir: Path, name):
         refuse_swapped_images(pyramid(given.rig, mixed(given.pairs[0], mistake)))
 
 
-def test_some_of_several_are_named(scene):
+@pytest.mark.slow(after=1)
+@pytest.mark.parametrize("look", [health, recalibrate])
+def test_some_of_several_are_named(scene, look):
     given = [scene(kind, 0, (320, 240)) for kind in ("harbour", "street", "coast")]
     right, wrong = [one.pairs[0] for one in given], given[1].pairs[0]
     exchanged = [replace(wrong, name=name, left=wrong.right, right=wrong.left) for name in ("b", "d")]
     pairs = [right[0], exchanged[0], right[2], exchanged[1]]
     with pytest.raises(InputError, match=r"b, d \(unlike the other pairs\): near things lie on the wrong side"):
-        recalibrate(given[0].rig, pairs)
+        look(given[0].rig, pairs)
 
 
 def test_images_of_different_things(scene):
@@ -95,7 +97,7 @@ def test_the_sun_on_waves_is_no_mistake(scene):
     refuse_swapped_images(pyramid(given.rig, [Pair(*images)]))
 
 
-@pytest.mark.slow(after=2)
+@pytest.mark.slow(after=1)
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("seed", [0, 1])
 def test_no_false_alarm(scene, kind, seed):

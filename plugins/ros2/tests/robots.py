@@ -1,8 +1,9 @@
 """A robot for tests: a watch without ROS, around a worker that is a stand-in."""
 
+import pickle
 from concurrent.futures import Executor, Future
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -30,6 +31,12 @@ class AtOnce(Executor):
         return done
 
 
+@cache
+def begun(rig_and_config: bytes) -> State:
+    """The first state, made and read once for all robots that are alike: most of what a test took."""
+    return init(*pickle.loads(rig_and_config))
+
+
 @dataclass
 class Work:
     """A stand-in for `MonitorProcess`: pairs and changes are kept, what it says is set by the test."""
@@ -49,7 +56,7 @@ class Work:
     slow: bool = False
 
     def __post_init__(self) -> None:
-        self.state = load(self.keep, self.rig) if self.keep.exists() else init(self.rig, self.config)
+        self.state = load(self.keep, self.rig) if self.keep.exists() else begun(pickle.dumps((self.rig, self.config)))
 
     def put(self, images: tuple[np.ndarray, np.ndarray, float]) -> bool:
         self._check()
