@@ -17,7 +17,7 @@ depth -4.0 % at 5 B; -8.0 % at 10 B; -21.0 % at 30 B
     [
         PRINTED,
         PRINTED.replace("6.1 s", "0.4 s"),
-        PRINTED.replace("44 005", "44 100").replace("14.3", "14.4"),
+        PRINTED.replace("44 005", "44 905").replace("14.3", "14.4"),
         PRINTED.replace("[ 0.01 -0.   -0.  ]", "[0.01 0. 0.02]"),
         "accepted: better\n…\nroll -0.065 -> +0.268 deg\n…",
         "accepted: …\n[0. 0. 0.] degrees",
@@ -36,11 +36,11 @@ def test_it_is_shown_truly(shown: str):
         "accepted: better",  # and more, which is left out silently
         "accepted: worse\n…",
         "…\nroll -0.065 -> -0.269 deg\n…",
-        "…\nroll -0.065 -> +0.261 deg\n…",
+        "…\nroll -0.065 -> +0.231 deg\n…",
         "…\nbefore 54 005 of 307 200 pixels …",
         "…\nroll …\nsearch …",
         "…\ndepth …; -8.0 % at 30 B\n…",
-        PRINTED.replace("92 evaluations", "97 evaluations"),
+        PRINTED.replace("92 evaluations", "107 evaluations"),
         PRINTED.replace("5 B", "6 B"),
     ],
 )
