@@ -52,6 +52,8 @@ def pytest_configure(config: pytest.Config) -> None:
         settings.load_profile("quick")
     # Tracing allocates much and leaves little garbage, and each look for it goes through all that pytest collected.
     gc.set_threshold(100_000, 50, 100)
+    # Commands that tests start read the library as one of them has compiled it.
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     if not _is_worker(config):
         # Each core has a worker of its own: threads of BLAS would only wait for each other.
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from itertools import product
 
 import numpy as np
@@ -16,7 +17,12 @@ from stereorecal.estimation._misfit import alike
 from stereorecal.estimation._posterior import root
 
 NOTHING = np.zeros((0, 0))
-_ROOT_OF_FIELD = root(alike(np.arange(PLACES[0] * PLACES[1])))
+
+
+@cache
+def _root_of_field() -> Float[np.ndarray, "p p"]:
+    """Of its correlation, over all places."""
+    return root(alike(np.arange(PLACES[0] * PLACES[1])))
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +60,7 @@ def explanations(
     """
     whole = {misfit: rows.normal(misfit) for misfit in {of_a_frame for of_a_frame, _ in misfits}}
     if len(rows.frames) > 1:
-        normals = [marginal(whole[of_a_frame], common * _ROOT_OF_FIELD) for of_a_frame, common in misfits]
+        normals = [marginal(whole[of_a_frame], common * _root_of_field()) for of_a_frame, common in misfits]
     else:
         normals = [whole[of_a_frame] for of_a_frame, _ in misfits]
     return explained_by(dict(zip(misfits, normals, strict=True)), rows.likelihoods, prior, which, nuisance, log_prior)
