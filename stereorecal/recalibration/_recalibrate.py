@@ -47,7 +47,7 @@ def recalibrate_case(case: Case, settings: Settings, began: float | None = None)
     """The repair of what is prepared.
 
     It looks before it searches, as `health` does: what one look finds good stays, and what a look is sure to correct is
-    corrected, though the search may end in doubt, or leave rows that are not explained, unless it saw more.
+    corrected, though the search may leave rows that are not explained, or end in doubt, unless it saw more.
 
     Args:
         case: its strategies search all that is free in it, intrinsics too, which `recalibrate` leaves to the estimate;
@@ -85,10 +85,11 @@ def recalibrate_case(case: Case, settings: Settings, began: float | None = None)
 
 def _stands(ending: Ending, stages: Sequence[StageRun], look: Look) -> bool:
     """Whether what the search ended with is kept, though a look is sure of a repair: a repair that explains the rows,
-    or leaves no more to intrinsics than the look's does; or what more of the images shows, be it doubt."""
+    or leaves no more to intrinsics than the look's does; and doubt, if it comes of more that matches."""
     if ending.reason is Reason.OUT_OF_BUDGET:
         return True  # it accepts nothing: the search that might have contradicted the look was not finished
-    decision, run = ending.decision, last_matched(stages)
-    explains = decision is None or decision.explains or (decision.left_to_intrinsics and not look.explains)
-    saw_more = run is not None and run.found is not None and run.found.covered > look.covered
-    return saw_more or (ending.reason.accepted and explains)
+    if not ending.reason.accepted:
+        run = last_matched(stages)
+        return run is not None and run.found is not None and run.found.covered > look.covered
+    decision = ending.decision
+    return decision is None or decision.explains or (decision.left_to_intrinsics and not look.explains)
