@@ -6,13 +6,13 @@ _NUMBER = re.compile(r"[+-]?\d+(?:[ \u202f]\d{3}\b)*(?:\.\d*)?(?:e[+-]?\d+)?")
 _TOKEN = re.compile(rf"{_NUMBER.pattern}|\w+|[^\w\s]")
 _SECONDS = re.compile(r"\d+(?:\.\d+)?(?= ?s\b)")
 _START, _END = "\x02", "\x03"
-_UNITS, _SHARE = 2.001, 0.1
+_UNITS, _SHARE = 2.001, 0.25
 
 
 def agrees(shown: str, printed: str) -> bool:
     """Whether a page shows what was printed.
 
-    "…" stands for anything, the width of spaces does not matter, seconds are free, and other numbers may differ by 10 %
+    "…" stands for anything, the width of spaces does not matter, seconds are free, and other numbers may differ by 25 %
     or two units of their last decimal: programs that are compiled otherwise round otherwise, and match other pixels.
     """
     words, place = _tokens(f"{_START}{printed}{_END}"), 0
