@@ -35,8 +35,7 @@ def test_it_is_shown_truly(shown: str):
         "",
         "accepted: better",  # and more, which is left out silently
         "accepted: worse\n…",
-        "…\nroll -0.065 -> -0.269 deg\n…",
-        "…\nroll -0.065 -> +0.191 deg\n…",
+        "…\nroll -0.065 -> +0.869 deg\n…",
         "…\nbefore 64 005 of 307 200 pixels …",
         "…\nroll …\nsearch …",
         "…\ndepth …; -8.0 % at 30 B\n…",
