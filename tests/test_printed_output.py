@@ -35,11 +35,12 @@ def test_it_is_shown_truly(shown: str):
         "",
         "accepted: better",  # and more, which is left out silently
         "accepted: worse\n…",
-        "…\nroll -0.065 -> +0.869 deg\n…",
-        "…\nbefore 64 005 of 307 200 pixels …",
+        "…\nroll -0.065 -> -0.269 deg\n…",
+        "…\nroll -0.065 -> +0.369 deg\n…",
+        "…\nbefore 54 005 of 307 200 pixels …",
         "…\nroll …\nsearch …",
         "…\ndepth …; -8.0 % at 30 B\n…",
-        PRINTED.replace("92 evaluations", "127 evaluations"),
+        PRINTED.replace("92 evaluations", "107 evaluations"),
         PRINTED.replace("5 B", "6 B"),
     ],
 )

@@ -114,8 +114,7 @@ def _scenes(options: RecordingOptions, select: _Select) -> Recordings:
 
 
 def _images_elsewhere(options: RecordingOptions, select: _Select) -> Recordings:
-    place = options.left or options.side_by_side or options.bag
-    assert place is not None
+    place = next(one for one in (options.left, options.side_by_side, options.bag) if one is not None)
     assert options.calibration is not None
     topics = {"left_topic": options.left_topic, "right_topic": options.right_topic}
     absent: list[tuple[str, str]] = []

@@ -136,6 +136,10 @@ class RecordingOptions(_SceneOptions, ImageOptions, PairOptions):
         Raises:
             InputError: says what to do.
         """
+        for name in ("left", "right", "side_by_side", "bag", "calibration", "scenes"):
+            if "" in ((value := getattr(self, name)), *(value or ())):
+                flag = "SCENE" if name == "scenes" else f"--{name.replace('_', '-')}"
+                raise InputError(f"{flag} is empty; give the name of a file or folder.")
         ways = (("left", "right"), ("side_by_side",), ("bag", "left_topic", "right_topic"))
         begun = [way for way in ways if any(getattr(self, name) is not None for name in way)]
         given, missing = [], []

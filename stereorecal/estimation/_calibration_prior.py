@@ -90,7 +90,7 @@ class CalibrationPrior:
 
 
 @dataclass(frozen=True)
-class _Asked:
+class _ChartKey:
     """A chart, equal to another one of the same numbers."""
 
     numbers: Hashable
@@ -98,19 +98,22 @@ class _Asked:
 
 
 def calibration_prior(chart: RigChart) -> CalibrationPrior:
-    """What a chessboard calibration of the rig at θ = 0 leaves."""
+    """What a chessboard calibration of the rig at θ = 0 leaves; read-only, since others are given the same."""
     leaves, structure = jax.tree.flatten(chart.rig)
     numbers = tuple(np.asarray(leaf).tobytes() for leaf in leaves)
-    return _calibration_prior(_Asked((structure, numbers, chart.parameters, chart.wide), chart))
+    return _calibration_prior(_ChartKey((structure, numbers, chart.parameters, chart.wide), chart))
 
 
 @lru_cache(maxsize=8)  # a repair asks several times, and so does who looks at one pair after the other
-def _calibration_prior(asked: _Asked) -> CalibrationPrior:
-    chart = asked.chart
+def _calibration_prior(key: _ChartKey) -> CalibrationPrior:
+    chart = key.chart
     plain = calibration_covariances(chart)
     both = np.concatenate([plain, [_with_pair(chart, covariance) for covariance in plain]])
     weights = np.repeat([1.0 - _PAIR_PROBABILITY, _PAIR_PROBABILITY], len(plain)) / len(plain)
-    return CalibrationPrior.around_given(np.stack([root(covariance) for covariance in both]), weights)
+    prior = CalibrationPrior.around_given(np.stack([root(covariance) for covariance in both]), weights)
+    for values in (prior.roots, prior.weights, prior.means):
+        values.flags.writeable = False
+    return prior
 
 
 def _with_pair(chart: RigChart, covariance: Float[np.ndarray, "n n"]) -> Float[np.ndarray, "n n"]:

@@ -64,7 +64,7 @@ def outlines(several: Iterable[Offsets], present: Bool[np.ndarray, "p"]) -> list
 
 
 def _log_prior_of_size(label: Bool[np.ndarray, "p"], present: Bool[np.ndarray, "p"]) -> float:
-    """Of a region, of the places that are present: the density of its share."""
+    """Of a region, of the places that are present, but for a constant: by the share of them that it is."""
     return _RARER * float(np.log1p(-label.sum() / present.sum()))
 
 

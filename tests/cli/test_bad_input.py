@@ -184,6 +184,13 @@ LOOSE: dict[str, tuple[list[str], str]] = {
         ["--left={0}/left.png", "--right={0}/right.png"],
         ": --left and --right need --calibration; add it.",
     ),
+    "empty names": (["--left=", "--right=", "--calibration="], ": --left is empty; give the name of a file or folder."),
+    "an empty side": (["--side-by-side=", "--calibration={0}/calib.json"], ": --side-by-side is empty; give the name"),
+    "an empty calibration": (
+        ["--left={0}/left.png", "--right={0}/right.png", "--calibration="],
+        ": --calibration is empty; give the name",
+    ),
+    "an empty scene": ([""], ": SCENE is empty; give the name"),
     "calibration alone": (["--calibration={0}/calib.json"], ": --calibration needs images: --left and --right, "),
     "bag alone": (["--bag={0}"], ": --bag needs --left-topic and --right-topic and --calibration; add them."),
     "two ways": (

@@ -1,5 +1,7 @@
 """What a calibration leaves, and what users may say of it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from lenses import LENSES
@@ -10,6 +12,7 @@ from stereorecal.estimation import (
     _calibration_prior as of_boards,
     as_prior,
     calibration_covariances,
+    calibration_prior,
     exact_prior,
     points_of_view,
     readings,
@@ -278,3 +281,17 @@ def test_covariances_that_are_none(names, covariance):
 def test_priors_that_are_none(chart, wrong):
     with pytest.raises((sr.InputError, TypeError)):
         as_prior(wrong, chart)
+
+
+def test_rigs_that_differ_in_one_number_have_priors_of_their_own(rig, chart):
+    before = calibration_prior(chart)
+    matrix = np.array(rig.right.matrix)
+    matrix[0, 2] += 20.0
+    other = rig_parameters(replace(rig, right=replace(rig.right, matrix=matrix)))
+    assert not np.array_equal(calibration_prior(other).roots, before.roots)
+    np.testing.assert_array_equal(calibration_prior(rig_parameters(rig)).roots, before.roots)
+
+
+def test_nobody_changes_the_prior_of_all(chart):
+    with pytest.raises(ValueError, match="read-only"):
+        calibration_prior(chart).weights[:] = 0.0

@@ -88,7 +88,7 @@ def test_slopes_are_those_of_the_residuals(chart, steps):
     check(here.by_nearness, [at(theta, near=near + sign * 1e-6) for sign in (1, -1)], 1e-6)
 
 
-@settings(max_examples=settings.default.max_examples // 12)
+@settings(max_examples=max(4, settings.default.max_examples // 12))
 @given(seed=st.integers(0, 999), yaw=st.floats(-1, 1))
 def test_exact_tracks_pull_nowhere(chart, seed, yaw):
     theta = np.eye(chart.dim)[1] * yaw
@@ -164,7 +164,7 @@ def test_windows_without_parallax_change_nothing(rig, chart, prior, seen):
     assert [one.informative for one in beside.motions] == [False, False]
 
 
-@settings(max_examples=settings.default.max_examples // 15)
+@settings(max_examples=max(4, settings.default.max_examples // 15))
 @given(times=st.floats(0.1, 30.0), seed=st.integers(0, 99))
 def test_a_larger_scene_and_rig_are_the_same(rig, times, seed):
     """The unit of length does not matter."""

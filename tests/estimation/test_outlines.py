@@ -58,7 +58,9 @@ def test_either_side_of_an_outline_may_have_moved(wide):
     left = np.arange(N) % PLACES[0] < wide
     still = np.eye(N) - 1.0 / N  # an offset of all places is the rig's
     offsets = Offsets(100.0 * still, 100.0 * still @ left, 1.5)
-    prior = {label.tobytes(): log_prior for label, log_prior in outlines([offsets], np.ones(N, bool))}
+    found = outlines([offsets], np.ones(N, bool))
+    prior = {label.tobytes(): log_prior for label, log_prior in found}
+    assert len(prior) == len(found)
     smaller, larger = sorted([left, ~left], key=np.sum)
     assert prior[smaller.tobytes()] >= prior[larger.tobytes()]
     assert (prior[smaller.tobytes()] == pytest.approx(prior[larger.tobytes()])) == (wide == 7)

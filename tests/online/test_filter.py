@@ -126,7 +126,7 @@ def test_a_turn_that_is_badly_known_says_less_while_a_shutter_is_late():
     np.testing.assert_allclose(late.doubted(still).information, still.information)
 
 
-@settings(max_examples=settings.default.max_examples // 3)
+@settings(max_examples=max(4, settings.default.max_examples // 3))
 @given(st.integers(0, 10**6), st.lists(st.sampled_from(("dark", "look", "late", "knock")), min_size=5, max_size=40))
 def test_a_covariance_stays_one(seed, events):
     """Whatever comes after whatever, with darkness of a thousand pairs in between."""

@@ -10,6 +10,10 @@ from rich.console import Console
 from stereorecal.geometry import StereoRig
 from stereorecal.matching import SAD
 from stereorecal.recalibration import Reason, Repair, Schedule, ScoreKind, Solution, Stage, recalibrate
+from stereorecal.recalibration._look import look_at
+from stereorecal.recalibration._prepared_case import prepared
+from stereorecal.recalibration._search import started
+from stereorecal.recalibration._settings import as_settings
 from stereorecal.recordings import Pair
 from stereorecal.report.repair_tables import repairs_table
 from stereorecal.strategies import AbstractStrategy, Budget, Need, Outcome, Status
@@ -267,3 +271,16 @@ def test_a_look_repairs_nothing_where_a_search_saw_more_and_doubts(harbour):
     right = pair.right.copy()
     right[144:] = np.roll(pair.right, 3, axis=0)[144:]
     assert not repair(drifted((0.2, 0.0, -0.2, 0.0, 0.0)), Pair(pair.left, right)).accepted
+
+
+@pytest.mark.parametrize("rows_left", [0.1, 0.6])
+def test_a_look_is_sure_only_of_rows_that_align(harbour, rows_left):
+    """Through a rig that is far off it sees what fits by chance, which leaves rows apart."""
+    start, schedule = drifted((0.2, -0.3, -0.2, 0.0, 0.0)), Schedule.default()
+    settings = as_settings({"matcher": SAD_48, "prior": "exact", "schedule": schedule})
+    case, *_ = started(prepared(start, harbour, settings), schedule)
+    look = look_at(case.with_free(settings.free), schedule.stages[-1])
+    decision = look.answer.decision
+    said = np.stack([decision.rows_px[0], decision.rows_px[1] * rows_left / decision.rows_px[1, 0]])
+    answer = replace(look.answer, decision=replace(decision, rows_px=said))
+    assert replace(look, answer=answer).repairs == (rows_left < 0.3)

