@@ -39,12 +39,12 @@ MISS = 2.0 / 0.05  # what a miss costs in an interval score of 95 %
 
 def shown(rig: simulated_rigs.Simulated, frames: int, ranges: int, boards: bool, draw: int) -> Recording:
     """What a rig shows."""
-    ranges, chart = NO_RANGES, rig_parameters(rig.calibrated)
+    matched_ranges, chart = NO_RANGES, rig_parameters(rig.calibrated)
     prior = as_prior(with_boards(None, rig.boards if boards else None, chart), chart, baseline_observable=ranges > 0)
     if ranges:
         left, right, metres = rig.ranges(ranges, draw=draw)
-        ranges = MatchedRanges(left, right, metres, 0.01 * metres, np.full(len(metres), 0.15))
-    return Recording(rig.correspondences(frames, draw=draw), rig.calibrated, prior, ranges=ranges)
+        matched_ranges = MatchedRanges(left, right, metres, 0.01 * metres, np.full(len(metres), 0.15))
+    return Recording(rig.correspondences(frames, draw=draw), rig.calibrated, prior, ranges=matched_ranges)
 
 
 def judged(seed: int, frames: int, ranges: int, boards: bool, together: bool) -> list[dict[str, np.ndarray]]:
