@@ -4,13 +4,10 @@ import os
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from stereorecal._errors import InputError
-
-if TYPE_CHECKING:
-    from stereorecal.cli._options import CommonOptions
-    from stereorecal.cli._shared_options import ImageOptions
+from stereorecal.cli._options import CommonOptions
+from stereorecal.cli._shared_options import ImageOptions
 
 
 @dataclass(frozen=True)
@@ -24,7 +21,7 @@ class Place:
         return f"{self.option} {self.path}"
 
 
-def places_of(options: "CommonOptions", *names: str) -> list[Place]:
+def places_of(options: CommonOptions, *names: str) -> list[Place]:
     """The files that these options name; stdout ("-") is none."""
     named = [(f"--{name}", getattr(options, name, None)) for name in names]
     return [Place(option, Path(text)) for option, text in named if text is not None and text != "-"]
@@ -92,7 +89,7 @@ def named_inputs(*words: str | Path | Sequence[str] | None) -> list[Path]:
     return [Path(part) for part in parts if part]
 
 
-def image_inputs(options: "ImageOptions") -> list[Path]:
+def image_inputs(options: ImageOptions) -> list[Path]:
     """The images, videos and bags that are named by themselves, and may be read only later."""
     return named_inputs(options.left, options.right, options.side_by_side, options.bag)
 

@@ -150,7 +150,7 @@ def _selected(
 
 def _wanted(pairs: LazyPairs, options: RecordingOptions, about: str) -> LazyPairs:
     """The pairs that --from, --to, --every and --frames leave, not read yet."""
-    wanted = pairs[options.stretch][: _option_values.frame_limit(options.frames)]
+    wanted = pairs[options.stretch()][: _option_values.frame_limit(options.frames)]
     if not len(wanted):
         raise InputError(f"{about}: of {len(pairs)} pairs, --from, --to and --every leave none; change them.")
     return wanted

@@ -90,7 +90,6 @@ class PairOptions:
         metavar="N|all",
     )
 
-    @property
     def stretch(self) -> slice:
         """The pairs that --from, --to and --every select.
 
@@ -109,7 +108,7 @@ class PairOptions:
         Raises:
             InputError: says what to do.
         """
-        _ = self.stretch
+        self.stretch()
         frame_limit(self.frames)
         limit(self.limit, None)
 
@@ -137,7 +136,8 @@ class RecordingOptions(_SceneOptions, ImageOptions, PairOptions):
             InputError: says what to do.
         """
         for name in ("left", "right", "side_by_side", "bag", "calibration", "scenes"):
-            if "" in ((value := getattr(self, name)), *(value or ())):
+            value = getattr(self, name)
+            if "" in (value if isinstance(value, tuple) else (value,)):
                 flag = "SCENE" if name == "scenes" else f"--{name.replace('_', '-')}"
                 raise InputError(f"{flag} is empty; give the name of a file or folder.")
         ways = (("left", "right"), ("side_by_side",), ("bag", "left_topic", "right_topic"))

@@ -27,7 +27,7 @@ def watched_cameras(cameras: Sequence[str], options: MonitorOptions) -> tuple[Sc
     if options.tolerance is not None and not options.tolerance >= 0.0:
         raise InputError(f"--tolerance is {options.tolerance}; give seconds, such as 0.005.")
     names = camera_names(cameras)
-    wanted = options.stretch
+    wanted = options.stretch()
     limit = _option_values.frame_limit(options.frames)
     coming = camera_pairs(names, options.tolerance)
     before: list[Pair | Images] = []

@@ -275,7 +275,7 @@ def test_a_look_repairs_nothing_where_a_search_saw_more_and_doubts(harbour):
 
 @pytest.mark.parametrize("rows_left", [0.1, 0.6])
 def test_a_look_is_sure_only_of_rows_that_align(harbour, rows_left):
-    """Through a rig that is far off it sees what fits by chance, which leaves rows apart."""
+    """Through a rig that is far off it sees what fits by chance, which leaves epipolar errors."""
     start, schedule = drifted((0.2, -0.3, -0.2, 0.0, 0.0)), Schedule.default()
     settings = as_settings({"matcher": SAD_48, "prior": "exact", "schedule": schedule})
     case, *_ = started(prepared(start, harbour, settings), schedule)
