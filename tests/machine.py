@@ -38,11 +38,13 @@ def full_disk(name: str = "fsync", nth: int | None = None) -> Any:
     return at_call(name, raising(OSError(errno.ENOSPC, "No space left on device")), nth)
 
 
-def cores(number: int) -> Any:
-    """As many cores of a CPU."""
-    if hasattr(os, "sched_getaffinity"):
-        return patch("os.sched_getaffinity", lambda _: set(range(number)))
-    return patch("os.cpu_count", lambda: number)
+@contextmanager
+def cores(number: int) -> Iterator[None]:
+    """As many cores of a CPU, also where a GPU computes."""
+    known = hasattr(os, "sched_getaffinity")
+    counted = ("os.sched_getaffinity", lambda _: set(range(number))) if known else ("os.cpu_count", lambda: number)
+    with patch(*counted), patch("jax.default_backend", lambda: "cpu"):
+        yield
 
 
 def write_protected(name: str) -> Any:

@@ -3,7 +3,7 @@
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal._arrays import Mat3, Vec3, namespace
+from stereorecal._arrays import Mat3, Vec3, namespace, product
 from stereorecal.geometry._so3 import rotation_between, rotation_from_vector, vector_from_rotation
 
 _TINY = 1e-30
@@ -17,10 +17,10 @@ def rectifying_rotations(rotation: Mat3, translation: Vec3) -> tuple[Mat3, Mat3]
     """
     xp = namespace(rotation, translation)
     half = rotation_from_vector(-0.5 * vector_from_rotation(rotation))
-    baseline = half @ translation
+    baseline = product(half, translation)
     baseline = baseline / xp.sqrt(xp.sum(baseline * baseline))
     along_x = rotation_between(baseline, xp.asarray([-1.0, 0.0, 0.0], dtype=baseline.dtype))
-    return along_x @ half.T, along_x @ half
+    return product(along_x, half.T), product(along_x, half)
 
 
 def rectifying_slopes(

@@ -7,7 +7,7 @@ identity) and answers in kind.
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal._arrays import AnyArray, Mat3, Vec3, namespace
+from stereorecal._arrays import AnyArray, Mat3, Vec3, namespace, product
 
 # Below this squared angle the Taylor series is exact to float64 rounding for the terms kept.
 _SMALL_ANGLE_SQUARED = 1e-8
@@ -37,7 +37,7 @@ def rotation_from_vector(vector: Vec3) -> Mat3:
     first = xp.where(small, 1.0 - squared / 6.0, xp.sin(angle) / angle)
     second = xp.where(small, 0.5 - squared / 24.0, 2.0 * xp.sin(0.5 * angle) ** 2 / safe)
     k = cross_matrix(vector)
-    return xp.eye(3, dtype=vector.dtype) + first * k + second * (k @ k)
+    return xp.eye(3, dtype=vector.dtype) + first * k + second * product(k, k)
 
 
 def vector_from_rotation(rotation: Mat3) -> Vec3:
@@ -96,11 +96,11 @@ def rotation_between(a: Vec3, b: Vec3) -> Mat3:
     """The smallest rotation that turns unit vector `a` onto unit vector `b` (not opposite to it)."""
     xp = namespace(a, b)
     k = cross_matrix(xp.cross(a, b))
-    return xp.eye(3, dtype=k.dtype) + k + k @ k / (1.0 + xp.sum(a * b))
+    return xp.eye(3, dtype=k.dtype) + k + product(k, k) / (1.0 + xp.sum(a * b))
 
 
 def angle_between(a: Mat3, b: Mat3) -> float | Float[AnyArray, ""]:
     """Angle [rad] of the rotation that leads from `a` to `b`."""
     xp = namespace(a, b)
-    vector = vector_from_rotation(a.T @ b)
+    vector = vector_from_rotation(product(a.T, b))
     return xp.sqrt(xp.sum(vector * vector))

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal._arrays import AnyArray, Extrinsics, namespace
+from stereorecal._arrays import AnyArray, Extrinsics, namespace, product
 from stereorecal._pytree import register_pytree
 
 
@@ -32,7 +32,7 @@ class Chart:
     def extrinsics(self, z: Float[AnyArray, "*k n"]) -> Float[AnyArray, "*k 6"]:
         """Unit box to extrinsics; float64 for NumPy arrays, traceable for JAX arrays."""
         spread = np.eye(6)[list(self.free)] * self.half_width
-        return self.centre + namespace(z).asarray(z) @ spread
+        return self.centre + product(namespace(z).asarray(z), spread)
 
     def coordinates(self, extrinsics: Float[AnyArray, "*k 6"]) -> Float[AnyArray, "*k n"]:
         """Extrinsics to coordinates of the box (free parameters only), beyond [-1, 1] where they lie outside of it."""

@@ -13,7 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from stereorecal._arrays import AnyArray, Extrinsics, namespace
+from stereorecal._arrays import AnyArray, Extrinsics, namespace, product
 from stereorecal._pytree import register_pytree
 from stereorecal.geometry import (
     PINHOLE,
@@ -150,7 +150,7 @@ def refined(data: ScoringData, extrinsics: Extrinsics, found: Disparity) -> tupl
 
     def rays(x, y, side, rotation):
         ray = view.directions(x, y, side)
-        return jnp.matmul(ray, rotation, precision=jax.lax.Precision.HIGHEST)  # turned back by the transpose
+        return product(ray, rotation)  # turned back by the transpose
 
     def frame(rectified: Rectified, disparity: Disparity):
         offsets = refine(rectified, disparity)

@@ -7,6 +7,7 @@ import jax
 import jax.numpy as jnp
 from jax.custom_derivatives import SymbolicZero
 
+from stereorecal._arrays import product
 from stereorecal._errors import InputError
 
 TracedScore = Callable[[Any, jax.Array], jax.Array]
@@ -41,7 +42,7 @@ def forward_gradient(score: TracedScore, with_derivatives: TracedScore | None = 
         value, gradient = jax.vmap(along, out_axes=(None, 0))(jnp.eye(z.shape[0], dtype=z.dtype))
         if isinstance(direction, SymbolicZero):
             return value, jnp.zeros_like(value)
-        return value, jnp.dot(gradient, direction).astype(value.dtype)
+        return value, product(gradient, direction).astype(value.dtype)
 
     differentiable.defjvp(rule, symbolic_zeros=True)
     return differentiable

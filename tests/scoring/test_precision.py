@@ -1,0 +1,63 @@
+"""Matrix products of traced programs are computed to float32's precision, which a GPU does only where it is told to."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import stereorecal as sr
+from stereorecal.geometry import rectifying_maps, rotation_from_euler, with_unit_baseline
+from stereorecal.objectives import Chart
+
+MATCHER = sr.SAD(num_disparities=16)
+HIGHEST = (jax.lax.Precision.HIGHEST,) * 2
+
+
+def products(program: Any) -> Iterator[Any]:
+    """Every matrix product of a program and of the programs in it."""
+    for step in program.eqns:
+        if step.primitive.name == "dot_general":
+            yield step
+        for inner in jax.tree.leaves(step.params, is_leaf=lambda value: hasattr(value, "eqns")):
+            if hasattr(inner, "eqns") or hasattr(inner, "jaxpr"):
+                yield from products(getattr(inner, "jaxpr", inner))
+
+
+@pytest.fixture(scope="module")
+def data(scene) -> sr.ScoringData:
+    given = scene(size=(80, 60))
+    return sr.prepare(given.rig, given.pairs)
+
+
+def test_scores_and_their_gradients(scene, data):
+    extrinsics = jnp.asarray(with_unit_baseline(scene(size=(80, 60)).rig.extrinsics), jnp.float32)
+    for score in (
+        lambda e: sr.count(data, e, MATCHER),
+        lambda e: sr.soft_count(data, e, MATCHER),
+        jax.grad(lambda e: sr.soft_count(data, e, MATCHER)),
+        lambda e: sr.correspondences(data, e, MATCHER),
+    ):
+        found = list(products(jax.make_jaxpr(score)(extrinsics).jaxpr))
+        assert found
+        assert {step.params["precision"] for step in found} == {HIGHEST}
+
+
+def test_maps_and_candidates(scene):
+    rig = scene(size=(80, 60)).rig
+    view = sr.geometry.view(rig)
+
+    def mapped(z):
+        extrinsics = Chart(with_unit_baseline(rig.extrinsics), np.full(6, 0.01), tuple(range(6))).extrinsics(z)
+        return rectifying_maps(rig.left, rig.right, rotation_from_euler(extrinsics[:3]), extrinsics[3:], view)
+
+    found = list(products(jax.make_jaxpr(mapped)(jnp.zeros(6)).jaxpr))
+    assert len(found) > 5
+    assert {step.params["precision"] for step in found} == {HIGHEST}
+
+
+def test_a_product_left_to_the_device_would_be_seen():
+    (step,) = products(jax.make_jaxpr(jax.jit(lambda a: a @ a))(jnp.eye(3)).jaxpr)
+    assert step.params["precision"] != HIGHEST
