@@ -31,7 +31,7 @@ def scene():
 DRIFT = np.array([np.radians(0.5), np.radians(-0.7), np.radians(0.9), 0.0, 0.004, -0.003])
 
 
-@pytest.mark.slow(after=1)
+@pytest.mark.slow  # a wider one is repaired below
 @pytest.mark.parametrize("prior", ["default", "exact"])
 def test_a_drifted_fisheye_rig_is_repaired(scene, prior: str):
     solution = sr.recalibrate(scene.rig.with_extrinsics(scene.rig.extrinsics + DRIFT), scene.pairs, prior=prior)

@@ -33,11 +33,11 @@ def drifted(rig, degrees, fraction, drift):
 @settings(max_examples=4, phases=[Phase.explicit, Phase.generate])
 @given(seed=st.integers(0, 2), drift=st.tuples(*[component] * 5))
 def test_recovery(scene, seed, drift):
-    given_scene = scene("harbour", seed, (320, 240))
-    rig = given_scene.rig
+    given_scene = scene("harbour", seed)
+    rig, matcher = given_scene.rig, SAD(num_disparities=24)
     start = drifted(rig, 0.3, 0.005, drift)
-    solution = recalibrate(start, given_scene.pairs, schedule=COMPASS, matcher=MATCHER)
-    reference = score(rig, given_scene.pairs, matcher=MATCHER, view=view(start))
+    solution = recalibrate(start, given_scene.pairs, schedule=COMPASS, matcher=matcher)
+    reference = score(rig, given_scene.pairs, matcher=matcher, view=view(start))
     assert solution.score_after.count >= 0.95 * reference.count
 
 

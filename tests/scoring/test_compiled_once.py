@@ -164,7 +164,7 @@ def test_what_looks_once(compilations, given, matcher):
     check(compilations, call)
 
 
-@pytest.mark.slow(after=1)
+@pytest.mark.slow  # test_warm_up is stricter
 @pytest.mark.parametrize("schedule", ["default", "count"])
 def test_a_repair(compilations, given, schedule):
     bad = given.rig.with_extrinsics(given.rig.extrinsics + np.radians([0.4, -0.2, 0.3, 0, 0, 0]))
