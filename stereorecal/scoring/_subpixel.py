@@ -31,7 +31,7 @@ _WIDEST = 0.17  # pixels, standard deviation of the row offset by the noise of t
 _UNEVEN = 1.0  # pixels of disparity within so many pixels: an edge, or a slant of a quarter of a pixel a pixel
 _UNEVEN_WITHIN = 5
 _BY_UNEVEN = 0.1  # pixels, standard deviation of the row offset where the grey levels' window sees that
-_ROWS_AT_ONCE = 60
+_ROWS_AT_ONCE = 60  # at most
 _QUIETEST = 1e-5  # contrast squared: without it, a flat window that agrees exactly would have zero variance
 
 
@@ -70,21 +70,22 @@ def refine(frame: Rectified, disparity: Disparity) -> Offsets:
 
     def difference(d, v):
         # A loop, or XLA's CPU compiler would sample anew for every pixel of a window.
-        return jax.lax.map(difference_of_row, (rows, left, mask, d, v), batch_size=_ROWS_AT_ONCE)
+        return jax.lax.map(difference_of_row, (rows, left, mask, d, v), batch_size=_at_once(len(rows)))
 
     def step(_, fields):
-        d, v, _ = fields
-        error = difference(d, v)
+        d, v, error, _ = fields
         x, y = _window_sums(jnp.stack([gradient_x * error, gradient_y * error]))
         # The least-squares solution of error + gradient_x δd - gradient_y δv = 0 over the window.
         delta_d = jnp.clip((xy * y - (yy + damping) * x) / determinant, -1.0, 1.0)
         delta_v = jnp.clip(((xx + damping) * y - xy * x) / determinant, -1.0, 1.0)
-        return d + mask * delta_d, v + mask * delta_v, jnp.maximum(jnp.abs(delta_d), jnp.abs(delta_v))
+        d, v = d + mask * delta_d, v + mask * delta_v
+        return d, v, difference(d, v), jnp.maximum(jnp.abs(delta_d), jnp.abs(delta_v))
 
     start = jnp.where(disparity.valid, disparity.values, 0.0)
     zero = jnp.zeros_like(start)
-    d, v, moved = jax.lax.fori_loop(0, _ITERATIONS, step, (start, zero, zero))
-    noise = box_sum(difference(d, v) ** 2, WINDOW) / jnp.maximum(pixels, 1.0)
+    # The first time around no error is known and nothing moves: sampled in one place only, there is less to compile.
+    d, v, error, moved = jax.lax.fori_loop(0, 1 + _ITERATIONS, step, (start, zero, zero, zero))
+    noise = box_sum(error**2, WINDOW) / jnp.maximum(pixels, 1.0)
     variance = jnp.maximum(noise, _QUIETEST) / jnp.maximum(yy - xy * xy / (xx + 1e-6), 1e-6)
     by_uneven = _BY_UNEVEN**2 * _uneven(disparity)
     good = (
@@ -96,6 +97,12 @@ def refine(frame: Rectified, disparity: Disparity) -> Offsets:
         & (variance < _WIDEST**2)
     )
     return Offsets(d, v, variance + by_uneven, good)
+
+
+def _at_once(rows: int) -> int:
+    """So many that no fewer are left over, for which the sampling would be compiled once more."""
+    few = range(_ROWS_AT_ONCE // 2, _ROWS_AT_ONCE + 1)
+    return max((n for n in few if rows % n == 0), default=_ROWS_AT_ONCE)
 
 
 _window_sums = jax.vmap(partial(box_sum, block_size=WINDOW))  # of several fields in one go: less to compile
