@@ -42,7 +42,7 @@ def found(data, truth) -> sr.Correspondences:
 # --- it composes --------------------------------------------------------------------------------------------
 
 
-@pytest.mark.slow(after=1)
+@pytest.mark.slow
 @pytest.mark.parametrize("score", [sr.count, sr.soft_count])
 def test_scores_under_jit_and_vmap(data, candidates, score):
     alone = np.array([float(score(data, e, MATCHER)) for e in candidates])
