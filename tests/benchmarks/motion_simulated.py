@@ -8,6 +8,7 @@ import numpy as np
 import simulated_rigs
 from rich.console import Console
 from rich.table import Table
+from simulated_scenes import inverse_depth
 
 from stereorecal.decision import Verdict, decide
 from stereorecal.estimation import Estimate, Windows, as_prior, estimate, rig_parameters
@@ -74,7 +75,7 @@ def tracks_of(rig: simulated_rigs.Simulated, draw: int, case: Case) -> Tracks:
     size, baseline = np.array(rig.calibrated.left.size, float), float(np.linalg.norm(rig.translation))
     left = rng.uniform(0.0, 1.0, (1000, 2)) * (size - 1.0)
     rays = rig.left.rays(left)
-    near = simulated_rigs._nearness(rays, rng) if not case.wall else np.full(len(rays), 1.0 / 12.0)
+    near = inverse_depth(rays, rng) if not case.wall else np.full(len(rays), 1.0 / 12.0)
     stays = (near > np.nanmedian(near)) & (rng.random(len(near)) < case.with_rig)
     if case.convoy:
         vehicle = (np.abs(left / size - 0.5) < [0.25, 0.2]).all(axis=1)

@@ -10,102 +10,34 @@ that were rectified by the calibration. Nothing in here is part of any estimate:
 
 **Odd seeds stay unseen until the end**: whatever is chosen or tuned is chosen on even ones, and shown on odd ones.
 
-A calibration takes a tenth of a second and is kept in a folder, by seed; all else is drawn anew, the same for a seed.
+Calibrations are kept in a folder, by seed (`simulated_calibrations.py`); all else is drawn anew, the same for a seed.
 """
 
 import argparse
 import functools
-import os
-import pickle
-import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import cv2
 import numpy as np
 from rich.console import Console
 from rich.table import Table
+from simulated_calibrations import FOLDER, calibration
+from simulated_cameras import Eye, project, rays
+from simulated_matching import matching_errors, unmatched
+from simulated_scenes import inverse_depth
+from spoiled_pixels import Spoiled
 
 import stereorecal as sr
-from stereorecal.geometry import PINHOLE, rectifying_rotations, rotation_from_euler
+from stereorecal.geometry import PINHOLE, rectifying_rotations
 from stereorecal.scoring import TILES, Correspondences
 
-FOLDER = Path(tempfile.gettempdir()) / "stereorecal-simulated-rigs"
-VERSION = 2  # of what is kept: to be raised when calibrations are drawn otherwise
 DRIFTS = ("none", "all", "yaw", "pitch", "roll")
 DEGREES = (0.1, 0.3, 0.5, 2.5)
-SPOILS = ("region", "late", "shutter", "stretch")
 BASELINES = (4.0, 10.0, 30.0, 100.0)
-SIZES = ((640, 480), (752, 480), (1280, 720), (1242, 375), (1024, 768))
 CELLS, WINDOW = 4800, 11  # of the library's matcher: cells of a frame, pixels of a window
-BOARD = (9, 6)  # inner corners
 SHIFT = 0.009  # drift of y and z for a degree, in baselines
-_CALIBRATION, _DRIFT, _SCENE, _SPOIL = range(4)  # streams of random numbers
-_TERMINATE = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 30, 1e-6)
-
-cv2.setNumThreads(1)
-
-
-def project(camera: sr.Camera, points: np.ndarray) -> np.ndarray:
-    """Pixels (n, 2) of points (n, 3); NaN where the camera does not see them or its lens model ends."""
-    ahead = np.where(points[:, 2:] > 1e-6, points[:, 2:], np.nan)
-    pixels = camera.project(np.column_stack([points[:, :2] / ahead, np.ones(len(points))]))
-    radius = np.hypot(points[:, 0], points[:, 1]) / ahead[:, 0]
-    seen = (radius < camera.lens_radius) & inside(pixels, camera.size)
-    return np.where(seen[:, None], pixels, np.nan)
-
-
-def rays(camera: sr.Camera, pixels: np.ndarray) -> np.ndarray:
-    """Rays (n, 3) at depth 1 of pixels (n, 2); NaN outside of the image and where the lens model ends."""
-    known = np.where(inside(pixels, camera.size)[:, None], pixels, np.nan)
-    found = np.asarray(camera.rays(known), float)
-    radius = np.hypot(found[:, 0], found[:, 1])
-    with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
-        back = np.abs(camera.project(np.nan_to_num(found, nan=0.0, posinf=0.0, neginf=0.0)) - known).max(axis=1)
-        return np.where(((radius < camera.lens_radius) & (back < 1e-6))[:, None], found, np.nan)
-
-
-def inside(pixels: np.ndarray, size: tuple[int, int]) -> np.ndarray:
-    """Whether pixels lie in an image; NaN do not."""
-    return ((pixels >= 0.0) & (pixels <= np.array(size) - 1.0)).all(axis=1)
-
-
-@dataclass(frozen=True, eq=False)
-class Eye:
-    """A true camera, and what was done to its images.
-
-    Attributes:
-        lens: the true camera.
-        read: as which camera its images were rectified; None: they are raw.
-        turn: (3, 3), the camera's frame to that of the images.
-        matrix: (3, 3), of the rectified images.
-    """
-
-    lens: sr.Camera
-    read: sr.Camera | None
-    turn: np.ndarray
-    matrix: np.ndarray
-
-    def pixels(self, points: np.ndarray) -> np.ndarray:
-        """Where points (n, 3) in the frame of the images appear in them, (n, 2); NaN where they do not."""
-        return self.shown(project(self.lens, points @ self.turn))
-
-    def shown(self, raw: np.ndarray) -> np.ndarray:
-        """Where pixels (n, 2) of the raw image are in the images; NaN where they are not."""
-        if self.read is None:
-            return raw
-        turned = rays(self.read, raw) @ self.turn.T
-        shown = (turned / turned[:, 2:] @ self.matrix.T)[:, :2]
-        return np.where(inside(shown, self.lens.size)[:, None], shown, np.nan)
-
-    def rays(self, pixels: np.ndarray) -> np.ndarray:
-        """What pixels (n, 2) of the images truly show: rays (n, 3) at depth 1 in the frame of the images, or NaN."""
-        if self.read is not None:
-            flat = np.column_stack([pixels, np.ones(len(pixels))]) @ np.linalg.inv(self.matrix).T
-            pixels = project(self.read, np.where(inside(pixels, self.lens.size)[:, None], flat, np.nan) @ self.turn)
-        turned = rays(self.lens, pixels) @ self.turn.T
-        return turned / turned[:, 2:]
+_DRIFT, _SCENE, _SPOIL = 1, 2, 3  # streams of random numbers of a seed; that of its calibration is another
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,7 +54,7 @@ class Simulated:
         boards: those of the calibration, as the images show them: the corners of a view (n, 2) in both, and the
             corners on the board (n, 3) as the user believes them to be, metres.
         rectified: whether the images were rectified by the calibration: one K, no distortion, R = I.
-        about: how it was calibrated: views, baselines, noise, squares, sloppy, joint, richer, rms, degrees of view.
+        about: how it was calibrated, as `simulated_calibrations.calibration` says.
     """
 
     seed: int
@@ -153,17 +85,15 @@ class Simulated:
         pixels with errors.
 
         Args:
-            spoil: one of SPOILS: a region of the right image is moved by 0.5 to 2 rows (the same in all frames), the
-                right image is late on a vehicle that moves, the rows of the right image shift linearly from top to
-                bottom (another amount in each frame), the right image is stretched vertically (the same).
+            spoil: how the right images are spoiled, one of `spoiled_pixels.SPOILS`; None: they are not.
             draw: another one gives other scenes and errors.
             late: how the points of each frame move, as the left camera has them, before the right image is taken: a
                 rotation (3, 3), and a translation (3,) [m] after it.
         """
-        if spoil is not None and spoil not in SPOILS:
-            raise ValueError(f"{spoil!r} is none of {SPOILS}")
         view, side, (to_left, _) = self._view, self._side, self._rotations
-        spoiled = Spoiled(spoil, np.random.default_rng([self.seed, _SPOIL, draw]), self)
+        spoiled = Spoiled(
+            spoil, np.random.default_rng([self.seed, _SPOIL, draw]), self.calibrated.left.size, self._baseline
+        )
         columns, rows = view.size[0] // side, view.size[1] // side
         found = []
         for frame in range(frames):
@@ -175,18 +105,18 @@ class Simulated:
                 flat = np.hypot(given[:, 0], given[:, 1]) < self.calibrated.left.lens_radius * given[:, 2]
                 given = np.where(flat[:, None], given, [0.0, 0.0, 1.0])
             true = self.left.rays(project(self.calibrated.left, given))
-            points = true / _nearness(true, rng)[:, None] * self._baseline
+            points = true / inverse_depth(true, rng)[:, None] * self._baseline
             points, shift = spoiled.frame(points, where)
             if late is not None:
                 points = points @ late[frame][0].T + late[frame][1]
             right = self.right.pixels(points @ self.rotation.T + self.translation)
-            error, variance = _errors(columns, rows, rng)
+            error, variance = matching_errors(columns, rows, rng)
             if view.projection != PINHOLE:  # what a matcher believes is in its own rows
                 beside = [right + np.array([0.0, off]) for off in (-0.5, 0.5)]
                 shown = [view.pixels(rays(self.calibrated.right, ends) @ self._rotations[1].T, 1)[1] for ends in beside]
                 variance = np.nan_to_num(variance * (shown[1] - shown[0]) ** 2, nan=np.inf)
             seen = rays(self.calibrated.right, spoiled.bent(right) + shift + error)
-            good = np.isfinite(seen).all(axis=1) & ~_missing(columns, rows, rng)
+            good = np.isfinite(seen).all(axis=1) & ~unmatched(columns, rows, rng)
             if view.projection != PINHOLE:
                 good &= flat
             weight = np.where(good, 1.0 / variance, 0.0)
@@ -211,7 +141,7 @@ class Simulated:
         rng = np.random.default_rng([self.seed, _SCENE, draw, 1000])
         left = rng.uniform(0.05, 0.95, (4 * number, 2)) * self.calibrated.left.size
         true = self.left.rays(left)
-        points = true / _nearness(true, rng)[:, None] * self._baseline
+        points = true / inverse_depth(true, rng)[:, None] * self._baseline
         right = self.right.pixels(points @ self.rotation.T + self.translation)
         right += rng.normal(0.0, 0.15, right.shape)
         metres = np.linalg.norm(points, axis=1) * (1.0 + noise * rng.normal(size=len(points)))
@@ -328,109 +258,6 @@ def _rms(values: np.ndarray) -> float:
     return float(np.sqrt(np.mean(known**2))) if len(known) else float("nan")
 
 
-# What is seen.
-
-
-def _nearness(shown: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """Inverse depth along rays at depth 1, in 1 / baselines, of a scene made of planes: the nearest one counts."""
-    x, y = shown[:, 0], shown[:, 1]
-    right, bottom = np.nanquantile(np.abs(x), 0.98), np.nanquantile(np.abs(y), 0.98)
-    if rng.random() < 0.25:  # a room
-        nearest, farthest = 4.0, rng.uniform(9.0, 15.0)
-        walls = [np.full_like(x, 1.0 / rng.uniform(0.7 * farthest, farthest)) + rng.normal(0.0, 0.01) * x]
-        for axis, edge in ((x, right), (-x, right), (y, bottom), (-y, bottom)):
-            walls.append((axis + rng.normal(0.0, 0.05)) / (edge * rng.uniform(nearest, 10.0)))
-    else:
-        nearest, farthest = rng.uniform(3.0, 8.0), np.exp(rng.uniform(np.log(30.0), np.log(400.0)))
-        walls = [np.full_like(x, 1.0 / farthest)]
-        if rng.random() < 0.85:  # the ground, the horizon nearly level
-            horizon = rng.normal(0.0, 0.05)
-            height = (bottom - horizon) * nearest * rng.uniform(1.0, 1.6)
-            walls.append((y - horizon + rng.normal(0.0, 0.05) * x) / height)
-        for _ in range(rng.integers(0, 4)):  # facades: planes along or across the view, up to some height
-            angle = rng.uniform(-0.5, 0.5) + rng.choice([0.0, np.pi / 2, -np.pi / 2], p=[0.3, 0.35, 0.35])
-            plane = (np.sin(angle) * x + np.cos(angle)) / np.exp(
-                rng.uniform(np.log(2 * nearest), np.log(0.7 * farthest))
-            )
-            shows = (x > rng.uniform(-1.2, 0.5) * right) & (x < rng.uniform(-0.5, 1.2) * right)
-            walls.append(np.where(shows & (y > -rng.uniform(0.2, 1.5) * bottom), plane, 0.0))
-    for _ in range(rng.integers(0, 9)):  # boxes, nearly parallel to the images
-        width, height = rng.uniform(0.1, 0.5) * right, rng.uniform(0.1, 0.7) * bottom
-        over = (np.abs(x - rng.uniform(-1, 1) * right) < width) & (np.abs(y - rng.uniform(-0.6, 1) * bottom) < height)
-        plane = (1.0 + rng.normal(0.0, 0.2) * x) / np.exp(rng.uniform(np.log(nearest), np.log(0.7 * farthest)))
-        walls.append(np.where(over, plane, 0.0))
-    return np.clip(np.max(walls, axis=0), 1.0 / farthest, 1.0 / nearest)
-
-
-def _field(columns: int, rows: int, across: int, down: int, rng: np.random.Generator) -> np.ndarray:
-    """A smooth random field of variance 1 over the cells, `across` times `down` bumps, (rows * columns,)."""
-    coarse = rng.normal(size=(down + 3, across + 3)).astype(np.float32)
-    fine = cv2.resize(coarse, None, fx=columns / across, fy=rows / down, interpolation=cv2.INTER_CUBIC)
-    top, side = int(rng.uniform(1.0, 2.0) * rows / down), int(rng.uniform(1.0, 2.0) * columns / across)
-    field = fine[top : top + rows, side : side + columns].astype(float).ravel()
-    return field / fine.std()
-
-
-def _missing(columns: int, rows: int, rng: np.random.Generator) -> np.ndarray:
-    """Where nothing is found: 10 to 50 % of the cells, in patches."""
-    patches = _field(columns, rows, 10, 7, rng) + 0.3 * rng.normal(size=columns * rows)
-    return patches < np.quantile(patches, rng.uniform(0.1, 0.5))
-
-
-def _errors(columns: int, rows: int, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
-    """Errors of the right pixels (n, 2), and the variances of their rows (n,) that a matcher believes in."""
-    count = columns * rows
-    sigma = np.clip(rng.uniform(0.05, 0.09) * np.exp(0.3 * rng.normal(size=count)), 0.04, 0.12)
-    error = np.stack([rng.normal(0.0, rng.uniform(0.1, 0.2), count), rng.normal(0.0, sigma)], axis=1)
-    for axis in (0, 1):  # what neighbours have in common
-        error[:, axis] += rng.uniform(0.02, 0.04) * _field(columns, rows, *TILES, rng)
-    outliers = rng.random(count) < rng.uniform(0.01, 0.03)
-    error[outliers] += rng.uniform(-2.0, 2.0, (outliers.sum(), 2))
-    return error, sigma**2 * np.exp(0.3 * rng.normal(size=count))
-
-
-class Spoiled:
-    """What is wrong with the right images."""
-
-    def __init__(self, kind: str | None, rng: np.random.Generator, of: Simulated) -> None:
-        self._kind, self._rng, self._of = kind, rng, of
-        self._size = np.array(of.calibrated.left.size, float)
-        self._stretch = rng.choice([-1.0, 1.0]) * rng.uniform(0.001, 0.005)
-        self._rows = rng.choice([-1.0, 1.0]) * rng.uniform(0.5, 2.0)
-        share, place = rng.uniform(0.2, 0.5), rng.choice(4)
-        wide = rng.uniform(share, min(1.0, share / 0.4))
-        # Left, right, top, or a rectangle: from, to, in shares of the width and the height.
-        corner = rng.uniform(0.0, 1.0, 2) * (1.0 - np.array([wide, share / wide]))
-        self._region = [
-            ((0.0, 0.0), (share, 1.0)),
-            ((1.0 - share, 0.0), (1.0, 1.0)),
-            ((0.0, 0.0), (1.0, share)),
-            (corner, (corner[0] + wide, corner[1] + share / wide)),
-        ][place]
-
-    def frame(self, points: np.ndarray, where: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """A frame's points (n, 3) as the right camera sees them, and how far its pixels are moved (n, 2)."""
-        shift = np.zeros((len(points), 2))
-        self._shutter = self._rng.choice([-1.0, 1.0]) * self._rng.uniform(0.3, 2.0)
-        advance, turn = self._rng.uniform(0.05, 0.5), self._rng.uniform(-0.3, 0.3, 3) / np.sqrt(3.0)
-        if self._kind == "region":
-            start, end = (np.array(corner) * self._size for corner in self._region)
-            shift[((where >= start) & (where <= end)).all(axis=1), 1] = self._rows
-        elif self._kind == "late":
-            baseline = np.linalg.norm(self._of.translation)
-            points = (points - [0.0, 0.0, advance * baseline]) @ rotation_from_euler(np.radians(turn)).T
-        return points, shift
-
-    def bent(self, pixels: np.ndarray) -> np.ndarray:
-        """Where the right pixels of this frame end up."""
-        height, rows = self._size[1], pixels[:, 1]
-        moved = {"shutter": self._shutter * rows / height, "stretch": self._stretch * (rows - 0.5 * (height - 1.0))}
-        return pixels + np.column_stack([0.0 * rows, moved.get(self._kind or "", 0.0 * rows)])
-
-
-# Calibrations.
-
-
 def simulated(seed: int, drift_kind: str = "none", drift_degrees: float = 0.0, *, folder: Path = FOLDER) -> Simulated:
     """The rig of a seed, calibrated and then drifted.
 
@@ -441,7 +268,7 @@ def simulated(seed: int, drift_kind: str = "none", drift_degrees: float = 0.0, *
     """
     if drift_kind not in DRIFTS:
         raise ValueError(f"{drift_kind!r} is none of {DRIFTS}")
-    known = _calibration(seed, Path(folder))
+    known = calibration(seed, Path(folder))
     size, about = known["size"], known["about"]
     true_cameras = [sr.Camera(size, *known[side]) for side in ("true_left", "true_right")]
     read = [sr.Camera(size, *known[side]) for side in ("left", "right")]
@@ -489,166 +316,6 @@ def _board(seen: list[np.ndarray], points: np.ndarray) -> sr.Board | None:
     return sr.Board(seen[0][both], seen[1][both], points[both]) if 2 * both.sum() >= len(both) else None
 
 
-def _calibration(seed: int, folder: Path) -> dict:
-    """The true rig of a seed and what its calibration found, kept in a file."""
-    path = folder / f"{VERSION}-{seed:06d}.pickle"
-    if path.exists():
-        return pickle.loads(path.read_bytes())
-    known = next(filter(None, (_calibrated([seed, _CALIBRATION, attempt]) for attempt in range(1000))))
-    folder.mkdir(parents=True, exist_ok=True)
-    mine = path.with_suffix(f".{os.getpid()}")
-    mine.write_bytes(pickle.dumps(known))
-    mine.replace(path)
-    return known
-
-
-def _lenses(rng: np.random.Generator, size: tuple[int, int]) -> tuple[list[sr.Camera], dict]:
-    """Two true cameras of one make."""
-    width, height = size
-    while True:
-        degrees, k1 = rng.uniform(50.0, 95.0), rng.uniform(-0.35, 0.05)
-        k2 = -k1 * rng.uniform(0.1, 0.45)
-        edge = np.tan(np.radians(degrees / 2))
-        focal = 0.5 * width / (edge * (1 + k1 * edge**2 + k2 * edge**4))
-        radii = np.linspace(0.0, 3.0, 601)
-        image = radii * (1 + k1 * radii**2 + k2 * radii**4)
-        needed = 1.08 * np.hypot(width, height) / 2 / focal
-        if focal < 0 or not (image > needed).any():
-            continue
-        reached = int(np.argmax(image > needed))
-        if np.gradient(image, radii)[: reached + 1].min() > 0.3:
-            break
-    richer = str(rng.choice(["no", "k3", "fifth"], p=[0.5, 0.25, 0.25]))
-    corner = np.hypot(width, height) / 2 / focal
-    k3 = rng.normal(0.0, 0.0015) / corner**6 if richer == "k3" else 0.0  # 0.15 % of the radius in the corners
-    lenses = []
-    for _ in range(2):
-        own = [k1 + rng.normal(0.0, 0.004), k2 + rng.normal(0.0, 0.004), *rng.normal(0.0, 5e-4, 2), k3]
-        # A lens that is no body of rotation: terms of second and fourth degree, some tenths of a pixel in the corners.
-        odd = (
-            rng.normal(0.0, 0.3 / focal, 4) / np.array([corner**2, corner**4] * 2) if richer == "fifth" else np.zeros(4)
-        )
-        f = focal * (1 + rng.normal(0.0, 0.003))
-        c = (np.array(size) - 1) / 2 + rng.normal(0.0, 0.01 * width, 2)
-        matrix = np.array([[f, 0, c[0]], [0, f * (1 + rng.normal(0.0, 3e-4)), c[1]], [0, 0, 1.0]])
-        lenses.append(sr.Camera(size, matrix, np.concatenate([own, np.zeros(3), odd])))
-    return lenses, {"degrees": degrees, "richer": richer}
-
-
-def _views(rng: np.random.Generator, rig: sr.StereoRig, number: int, far: float) -> tuple[np.ndarray, list]:
-    """The corners of a board of square 1 about its middle, and of each view those in both images, without noise.
-
-    `far`: distance in baselines of a board that fills 45 % of the width; all views show the same board.
-    """
-    width, height = rig.left.size
-    focal, baseline = rig.left.matrix[0, 0], float(rig.baseline)
-    square = 0.45 * width / focal * far * baseline / BOARD[0]
-    grid = np.mgrid[0 : BOARD[0], 0 : BOARD[1]].reshape(2, -1).T - (np.array(BOARD) - 1) / 2
-    board = np.column_stack([grid, np.zeros(len(grid))]) * square
-    views = []
-    for _ in range(60 * number):
-        depth = far * baseline * 0.45 / rng.uniform(0.3, 0.65)
-        tilt, about = np.radians(rng.uniform(0.0, 40.0)), rng.uniform(0.0, 2 * np.pi)
-        turned = (
-            board
-            @ (
-                cv2.Rodrigues(tilt * np.array([np.cos(about), np.sin(about), 0.0]))[0]
-                @ cv2.Rodrigues(np.array([0.0, 0.0, rng.normal(0.0, 0.2)]))[0]
-            ).T
-        )
-        middle = rng.uniform(-0.5, 0.5, 2) * [width, height] / focal * depth + [0.5 * baseline, 0.0]
-        points = turned + np.array([*middle, depth])
-        left, right = project(rig.left, points), project(rig.right, points @ rig.rotation.T + rig.translation)
-        if np.isfinite(left).all() and np.isfinite(right).all():
-            views.append((left, right, depth / baseline))
-        if len(views) == number:
-            break
-    return board, views
-
-
-def _calibrated(stream: list[int]) -> dict | None:
-    """A true rig and its calibration; None where a user would have thrown it away."""
-    rng = np.random.default_rng(stream)
-    size = SIZES[rng.integers(len(SIZES))]
-    lenses, about = _lenses(rng, size)
-    baseline = np.exp(rng.uniform(np.log(0.06), np.log(0.5)))
-    translation = np.array([-1.0, *rng.normal(0.0, 0.005, 2)])
-    translation *= baseline / np.linalg.norm(translation)
-    true = sr.StereoRig(*lenses, np.concatenate([np.radians(rng.normal(0.0, 0.3, 3)), translation]))
-    number, far = int(rng.integers(6, 31)), np.exp(rng.uniform(np.log(2.1), np.log(10.0)))
-    noise, squares = np.exp(rng.uniform(np.log(0.05), np.log(0.3))), rng.choice([0.0, 0.0, -0.002, 0.002])
-    board, views = _views(rng, true, number, far)
-    if len(views) < 6:
-        return None
-    flags, sloppy = (0 if rng.random() < 0.05 else cv2.CALIB_FIX_K3), "no"
-    joint_flags, joint = 0, bool(rng.random() < 0.5)
-    if rng.random() < 0.1:
-        sloppy = str(rng.choice(["aspect", "focal", "tangent", "centre"]))
-        name = {"aspect": "FIX_ASPECT_RATIO", "tangent": "ZERO_TANGENT_DIST", "centre": "FIX_PRINCIPAL_POINT"}.get(
-            sloppy
-        )
-        flags |= getattr(cv2, f"CALIB_{name}") if name else 0
-        if sloppy == "focal":
-            joint, joint_flags = True, cv2.CALIB_SAME_FOCAL_LENGTH
-    objects = [(board * (1 + squares)).astype(np.float32)] * len(views)
-    seen = [[(v[s] + rng.normal(0.0, noise, v[s].shape)).astype(np.float32) for v in views] for s in (0, 1)]
-    rectified = bool(rng.random() < 0.25)
-    try:
-        monos = []
-        for points in seen:
-            rms, K, D, *_ = cv2.calibrateCamera(
-                objects, points, size, np.eye(3), np.zeros(5), flags=flags, criteria=_TERMINATE
-            )
-            monos.append((rms, K, D))
-        stereo = (flags | joint_flags | cv2.CALIB_USE_INTRINSIC_GUESS) if joint else cv2.CALIB_FIX_INTRINSIC
-        (_, K1, D1), (_, K2, D2) = monos
-        rms, K1, D1, K2, D2, R, T, *_ = cv2.stereoCalibrate(
-            objects, *seen, K1, D1, K2, D2, size, flags=stereo, criteria=_TERMINATE
-        )
-        found = sr.StereoRig.from_matrices(K1, D1, K2, D2, R, T, size)
-        sr.view(found)
-    except (cv2.error, sr.InputError):
-        return None
-    scale = [
-        g.matrix[i, i] / t.matrix[i, i] - 1
-        for g, t in ((found.left, lenses[0]), (found.right, lenses[1]))
-        for i in (0, 1)
-    ]
-    if (
-        rms > 1.0
-        or max(monos[0][0], monos[1][0]) > 1.0
-        or np.abs(scale).max() > 0.1
-        or not np.isfinite(sr.view(found).focal)
-    ):
-        return None
-    return {
-        "size": size,
-        "true_left": (lenses[0].matrix, lenses[0].distortion),
-        "true_right": (lenses[1].matrix, lenses[1].distortion),
-        "true_extrinsics": true.extrinsics,
-        "left": (found.left.matrix, found.left.distortion),
-        "right": (found.right.matrix, found.right.distortion),
-        "R": np.asarray(R),
-        "T": np.ravel(T),
-        "rectified": rectified,
-        "boards": (objects[0], np.stack(seen, axis=1)),
-        "about": about
-        | {
-            "views": len(views),
-            "baselines": (float(min(v[2] for v in views)), float(max(v[2] for v in views))),
-            "noise": float(noise),
-            "squares": float(squares),
-            "sloppy": sloppy,
-            "joint": joint,
-            "k3": not flags & cv2.CALIB_FIX_K3,
-            "rms": float(rms),
-        },
-    }
-
-
-# What the stored calibrations are worth.
-
-
 def main() -> None:
     """Calibrate, let drift, judge."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -659,7 +326,7 @@ def main() -> None:
     options = parser.parse_args()
     seeds = [options.first + options.step * index for index in range(options.rigs)]
     for seed in seeds:
-        _calibration(seed, options.folder)
+        calibration(seed, options.folder)
     console = Console(width=165)
     shown = Table(title=f"{len(seeds)} stored calibrations: medians over rigs (nine of ten below)", box=None)
     shown.add_column("drift")

@@ -27,6 +27,7 @@ import cv2
 import jax
 import numpy as np
 import scipy.optimize
+import simulated_cameras
 import simulated_rigs
 from accuracy import AXES, errors
 from rich.console import Console
@@ -243,7 +244,7 @@ def of_seed(seed: int, field: float) -> Iterator[simulated_rigs.Simulated]:
         elif kind != "none":
             drift[("pitch", "yaw", "roll").index(kind)] = np.radians(degrees) * draw.choice([-1.0, 1.0])
         moved = true.with_extrinsics(true.extrinsics + drift)
-        eyes = [simulated_rigs.Eye(camera, None, eye, eye) for camera in (true.left, true.right)]
+        eyes = [simulated_cameras.Eye(camera, None, eye, eye) for camera in (true.left, true.right)]
         yield simulated_rigs.Simulated(
             seed, kind, degrees, given, *eyes, moved.rotation, moved.translation, drift, moved, given, False, (), boards
         )
@@ -324,7 +325,7 @@ def seen_boards(rig: sr.StereoRig, draw: np.random.Generator, number: int) -> li
         right = points @ rig.rotation.T + rig.translation
         pixels = [np.asarray(camera.project(some)) for camera, some in ((rig.left, points), (rig.right, right))]
         ahead = min(float((some[:, 2] / np.linalg.norm(some, axis=1)).min()) for some in (points, right))
-        if ahead > np.cos(np.radians(80.0)) and all(simulated_rigs.inside(p, rig.left.size).all() for p in pixels):
+        if ahead > np.cos(np.radians(80.0)) and all(simulated_cameras.inside(p, rig.left.size).all() for p in pixels):
             views.append((board, *pixels))
     return views
 
