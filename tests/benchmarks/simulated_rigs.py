@@ -169,13 +169,6 @@ class Simulated:
             errors.append(100.0 * (_median(depth) / (distance * self._baseline) - 1.0))
         return np.array(errors)
 
-    def disparity_offset_px(self, rig: sr.StereoRig, baselines: float = 30.0) -> float:
-        """Median over the view of the disparity that `rig` reads less the one that it would have for the true depth, in
-        pixels of the stored rig's view."""
-        ((_, nearness, along),) = self.readings(rig, [baselines])
-        expected = along * float(rig.baseline) / (baselines * self._baseline)
-        return _median(self._view.focal * (nearness - expected))
-
     def calibration_errors(self) -> dict[str, float]:
         """What the calibration left: each parameter less the truth before the drift, raw cameras: f in percent, centres
         in pixels for a width of 640, rotations in degrees, y, z and the baseline's length in percent of it."""
