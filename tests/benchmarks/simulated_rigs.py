@@ -26,7 +26,6 @@ from simulated_calibrations import FOLDER, calibration
 from simulated_cameras import Eye, project, rays
 from simulated_matching import matching_errors, unmatched
 from simulated_scenes import inverse_depth
-from spoiled_pixels import Spoiled
 
 import stereorecal as sr
 from stereorecal.geometry import PINHOLE, rectifying_rotations
@@ -37,7 +36,7 @@ DEGREES = (0.1, 0.3, 0.5, 2.5)
 BASELINES = (4.0, 10.0, 30.0, 100.0)
 CELLS, WINDOW = 4800, 11  # of the library's matcher: cells of a frame, pixels of a window
 SHIFT = 0.009  # drift of y and z for a degree, in baselines
-_DRIFT, _SCENE, _SPOIL = 1, 2, 3  # streams of random numbers of a seed; that of its calibration is another
+_DRIFT, _SCENE = 1, 2  # streams of random numbers of a seed; that of its calibration is another
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +76,6 @@ class Simulated:
     def correspondences(
         self,
         frames: int = 1,
-        spoil: str | None = None,
         draw: int = 0,
         late: Sequence[tuple[np.ndarray, np.ndarray]] | None = None,
     ) -> Correspondences:
@@ -85,15 +83,11 @@ class Simulated:
         pixels with errors.
 
         Args:
-            spoil: how the right images are spoiled, one of `spoiled_pixels.SPOILS`; None: they are not.
             draw: another one gives other scenes and errors.
             late: how the points of each frame move, as the left camera has them, before the right image is taken: a
                 rotation (3, 3), and a translation (3,) [m] after it.
         """
         view, side, (to_left, _) = self._view, self._side, self._rotations
-        spoiled = Spoiled(
-            spoil, np.random.default_rng([self.seed, _SPOIL, draw]), self.calibrated.left.size, self._baseline
-        )
         columns, rows = view.size[0] // side, view.size[1] // side
         found = []
         for frame in range(frames):
@@ -106,7 +100,6 @@ class Simulated:
                 given = np.where(flat[:, None], given, [0.0, 0.0, 1.0])
             true = self.left.rays(project(self.calibrated.left, given))
             points = true / inverse_depth(true, rng)[:, None] * self._baseline
-            points, shift = spoiled.frame(points, where)
             if late is not None:
                 points = points @ late[frame][0].T + late[frame][1]
             right = self.right.pixels(points @ self.rotation.T + self.translation)
@@ -115,7 +108,7 @@ class Simulated:
                 beside = [right + np.array([0.0, off]) for off in (-0.5, 0.5)]
                 shown = [view.pixels(rays(self.calibrated.right, ends) @ self._rotations[1].T, 1)[1] for ends in beside]
                 variance = np.nan_to_num(variance * (shown[1] - shown[0]) ** 2, nan=np.inf)
-            seen = rays(self.calibrated.right, spoiled.bent(right) + shift + error)
+            seen = rays(self.calibrated.right, right + error)
             good = np.isfinite(seen).all(axis=1) & ~unmatched(columns, rows, rng)
             if view.projection != PINHOLE:
                 good &= flat
