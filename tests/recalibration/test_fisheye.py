@@ -42,6 +42,7 @@ def test_a_drifted_fisheye_rig_is_repaired(scene, prior: str):
     np.testing.assert_array_equal(solution.rig.left.distortion, scene.rig.left.distortion)
 
 
+@pytest.mark.slow
 def test_a_rig_without_drift_is_healthy(scene):
     health = sr.health(scene.rig, scene.pairs)
     assert health.healthy
