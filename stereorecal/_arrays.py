@@ -26,8 +26,8 @@ def namespace(*arrays: Any) -> ModuleType:
 
 
 def product(a: AnyArray, b: AnyArray) -> Any:
-    """The matrix product `a @ b`, to float32's precision on every device: left to itself, a GPU of today rounds the
-    factors to 10 bits (TF32), which turns a rotation by up to 0.01 degrees."""
+    """The matrix product `a @ b`, to float32's precision on every device: left to itself, a GPU may round the factors
+    to 10 bits (TF32), which turns the product of two rotations of 20 degrees by up to 0.015 degrees."""
     xp = namespace(a, b)
     return a @ b if xp is np else jnp.matmul(a, b, precision=jax.lax.Precision.HIGHEST)
 

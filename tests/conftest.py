@@ -13,6 +13,7 @@ from importlib.metadata import EntryPoints
 from pathlib import Path
 
 import jax
+import jaxlib.version
 import pytest
 import typechecking
 from hypothesis import settings
@@ -24,7 +25,7 @@ from stereorecal.synthetic import default_rig, render
 
 _CACHE = "STEREORECAL_TEST_CACHE"
 _COMPILED_FAST = ["--xla_backend_optimization_level=1", "--xla_cpu_parallel_codegen_split_count=1"]
-if jax.__version_info__ < (0, 11):  # XLA ends a process that names a flag which it no longer has
+if jaxlib.version.__version_info__ < (0, 11):  # XLA ends a process that names a flag which it no longer has
     _COMPILED_FAST.append("--xla_cpu_use_fusion_emitters=false")
 
 
@@ -50,8 +51,6 @@ def pytest_configure(config: pytest.Config) -> None:
         # Half of the quick suite's time went by in XLA. With --slow, programs are those that users have.
         os.environ.setdefault("XLA_FLAGS", " ".join(_COMPILED_FAST))
         settings.load_profile("quick")
-    # Tracing allocates much and leaves little garbage, and each look for it goes through all that pytest collected.
-    gc.set_threshold(100_000, 50, 100)
     # Commands that tests start read the library as one of them has compiled it.
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     if not _is_worker(config):
@@ -93,8 +92,11 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 
 def pytest_collection_finish(session: pytest.Session) -> None:
-    """What was collected stays: no collection of garbage need go through it again."""
+    """Tracing allocates much and leaves little garbage: looks for it are few, and go through nothing that was collected
+    here, which stays."""
+    gc.collect()
     gc.freeze()
+    gc.set_threshold(100_000, 50, 100)
 
 
 def _is_worker(config: pytest.Config) -> bool:

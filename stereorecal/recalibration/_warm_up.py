@@ -28,9 +28,9 @@ def warm_up(
     """Compile what repairs of this rig need, so that none of them waits: some ten seconds, and a few for each range.
 
     What is compiled depends on the size of the images, on the models of the lenses and how many coefficients they have,
-    on the projection of the view, and on the disparity range; neither on their contents, nor on how many there are, nor
-    on the numbers of the calibration. (On a GPU, where counts are taken in batches, it depends on how many frames there
-    are as well.) It stays in this process; where JAX's compilation cache is switched on, as the
+    on the projection of the view, and on the disparity range; neither on their contents, nor on the numbers of the
+    calibration, nor, on a CPU, on how many images there are. (A GPU counts in batches, which are compiled for each
+    number of frames at its first use.) It stays in this process; where JAX's compilation cache is switched on, as the
     command line does, later processes find it there: `jax.config.update("jax_compilation_cache_dir", folder)`, and
     `"jax_persistent_cache_min_compile_time_secs", 0.1`.
 

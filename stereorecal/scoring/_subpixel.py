@@ -31,7 +31,6 @@ _WIDEST = 0.17  # pixels, standard deviation of the row offset by the noise of t
 _UNEVEN = 1.0  # pixels of disparity within so many pixels: an edge, or a slant of a quarter of a pixel a pixel
 _UNEVEN_WITHIN = 5
 _BY_UNEVEN = 0.1  # pixels, standard deviation of the row offset where the grey levels' window sees that
-_ROWS_AT_ONCE = 60  # at most
 _QUIETEST = 1e-5  # contrast squared: without it, a flat window that agrees exactly would have zero variance
 
 
@@ -64,13 +63,8 @@ def refine(frame: Rectified, disparity: Disparity) -> Offsets:
     damping = 1e-3 * pixels + 1e-6
     determinant = (xx + damping) * (yy + damping) - xy * xy
 
-    def difference_of_row(fields):
-        row, left_row, mask_row, d, v = fields
-        return mask_row * (left_row - sample(jnp.stack([columns - d, row + v])[:, None])[0])
-
     def difference(d, v):
-        # A loop, or XLA's CPU compiler would sample anew for every pixel of a window.
-        return jax.lax.map(difference_of_row, (rows, left, mask, d, v), batch_size=_at_once(len(rows)))
+        return mask * (left - sample(jnp.stack([columns - d, rows[:, None] + v])))
 
     def step(_, fields):
         d, v, error, _ = fields
@@ -83,7 +77,8 @@ def refine(frame: Rectified, disparity: Disparity) -> Offsets:
 
     start = jnp.where(disparity.valid, disparity.values, 0.0)
     zero = jnp.zeros_like(start)
-    # The first time around no error is known and nothing moves: sampled in one place only, there is less to compile.
+    # The first time around no error is known and nothing moves. Sampled in one place only, there is less to
+    # compile, and no sum over a window in which XLA would sample anew.
     d, v, error, moved = jax.lax.fori_loop(0, 1 + _ITERATIONS, step, (start, zero, zero, zero))
     noise = box_sum(error**2, WINDOW) / jnp.maximum(pixels, 1.0)
     variance = jnp.maximum(noise, _QUIETEST) / jnp.maximum(yy - xy * xy / (xx + 1e-6), 1e-6)
@@ -97,12 +92,6 @@ def refine(frame: Rectified, disparity: Disparity) -> Offsets:
         & (variance < _WIDEST**2)
     )
     return Offsets(d, v, variance + by_uneven, good)
-
-
-def _at_once(rows: int) -> int:
-    """So many that no fewer are left over, for which the sampling would be compiled once more."""
-    few = range(_ROWS_AT_ONCE // 2, _ROWS_AT_ONCE + 1)
-    return max((n for n in few if rows % n == 0), default=_ROWS_AT_ONCE)
 
 
 _window_sums = jax.vmap(partial(box_sum, block_size=WINDOW))  # of several fields in one go: less to compile

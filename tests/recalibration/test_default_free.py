@@ -76,7 +76,6 @@ def test_one_place_proves_nothing(places):
     assert len(frames_by_place(found.estimate.shown)) == 1
 
 
-@pytest.mark.slow
 def test_three_places_are_too_few(places):
     assert sr.recalibrate(WRONG, places[:3]).intrinsics is None
 

@@ -43,7 +43,7 @@ def given_wrong(scenes) -> list[sr.Scene]:
     return [replace(scene, rig=WRONG) for scene in scenes]
 
 
-@pytest.mark.slow  # tutorial 8 does so, too
+@pytest.mark.slow  # in tutorial 8 they share the extrinsics, too
 def test_one_rig(given_wrong):
     """All recordings share the extrinsics too: rows come right where no correspondence was."""
     repairs = sr.recalibrate_many(given_wrong, free=BOTH, extrinsics="one")

@@ -15,7 +15,8 @@ def convolved(fields: Fields, weights: Weights, name: str, stride: int = 1) -> F
     """`Conv2d`, padded with zeros so that nothing but the stride makes it smaller."""
     kernel = jnp.asarray(weights[f"{name}.weight"])
     pads = [(size // 2, size // 2) for size in kernel.shape[-2:]]
-    (found,) = jax.lax.conv_general_dilated(fields[None], kernel, (stride, stride), pads)
+    exactly = jax.lax.Precision.HIGHEST  # where a GPU would round to 10 bits
+    (found,) = jax.lax.conv_general_dilated(fields[None], kernel, (stride, stride), pads, precision=exactly)
     bias = weights.get(f"{name}.bias")
     return found if bias is None else found + jnp.asarray(bias)[:, None, None]
 
