@@ -45,6 +45,11 @@ class Look:
         return self.repairs and self.answer is not None and self.answer.decision.explains
 
     @property
+    def rows_left(self) -> float:
+        """Rows apart of its candidate over the view [px], median; infinite without an answer."""
+        return np.inf if self.answer is None else float(self.answer.decision.rows_px[1, 0])
+
+    @property
     def covered(self) -> float:
         """By correspondences, share of the frame that shows most."""
         return 0.0 if self.run.found is None else self.run.found.covered

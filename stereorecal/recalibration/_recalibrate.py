@@ -85,11 +85,14 @@ def recalibrate_case(case: Case, settings: Settings, began: float | None = None)
 
 def _stands(ending: Ending, stages: Sequence[StageRun], look: Look) -> bool:
     """Whether what the search ended with is kept, though a look is sure of a repair: a repair that explains the rows,
-    or leaves no more to intrinsics than the look's does; and doubt, if it comes of more that matches."""
+    or, where the look's does not either, leaves fewer of them or leaves them to intrinsics; and doubt, if it comes of
+    more that matches."""
     if ending.reason is Reason.OUT_OF_BUDGET:
         return True  # it accepts nothing: the search that might have contradicted the look was not finished
     if not ending.reason.accepted:
         run = last_matched(stages)
         return run is not None and run.found is not None and run.found.covered > look.covered
     decision = ending.decision
-    return decision is None or decision.explains or (decision.left_to_intrinsics and not look.explains)
+    if decision is None or decision.explains:
+        return True
+    return not look.explains and (decision.left_to_intrinsics or decision.rows_px[1, 0] <= look.rows_left)

@@ -116,6 +116,12 @@ def driven(drive: Drive, config: Config) -> Seen:
                 seen.repaired[-1], waiting = waiting, None
 
 
+def mean_errors(errors: list) -> str:
+    """Over the pairs of some drives: of each axis."""
+    mean = np.abs(np.concatenate(errors)).mean(axis=0)
+    return f"{mean[0]:.4f} {mean[1]:.3f} {mean[2]:.4f}°, y {mean[3]:.2f} %, z {mean[4]:.2f} %"
+
+
 def harmful(state: State, before: np.ndarray, after: np.ndarray) -> bool:
     """Whether a switch made it worse: rows over the view by more than 0.02 pixels, or depth at 30 baselines by a point.
 
@@ -178,11 +184,11 @@ def rows(all_seen: dict[str, list[tuple[Drive, Seen]]]) -> Iterator[tuple[str, s
     shifted = [sum(event.kind is Kind.SHIFTED for event in seen.events) for seen in calm]
     yield "  said to be shifted (or a late shutter)", "-", f"{sum(shifted)} times in {np.count_nonzero(shifted)} drives"
     for case in ("heat", "calm"):
-        parts = [np.abs(seen.errors[SETTLED:]) for _, seen in all_seen[case] if len(seen.errors) > SETTLED]
-        if parts:
-            mean = np.concatenate(parts).mean(axis=0)
-            axes = f"{mean[0]:.4f} {mean[1]:.3f} {mean[2]:.4f}°, y {mean[3]:.2f} %, z {mean[4]:.2f} %"
-            yield f"mean error after {SETTLED} frames, {case}", "0.008 0.04 0.008°", axes
+        settled = [seen for _, seen in all_seen[case] if len(seen.errors) > SETTLED]
+        in_use, estimated = ([getattr(seen, name)[SETTLED:] for seen in settled] for name in ("errors", "estimates"))
+        if settled:
+            yield f"mean error after {SETTLED} frames, {case}", "0.008 0.04 0.008°", mean_errors(in_use)
+            yield "  of the estimate", "-", mean_errors(estimated)
     every = [seen for one in all_seen.values() for _, seen in one]
     yield "harmful switches", "0", f"{sum(s.harmful for s in every)} of {sum(s.switches for s in every)}"
     inside = [
