@@ -76,14 +76,14 @@ def recalibrate_case(case: Case, settings: Settings, began: float | None = None)
     case, stages = run_schedule(case, settings, start, began)
     to_decide = case.with_free(settings.free)
     ending = ending_of(to_decide, schedule, stages)
-    if look is not None and look.answer is not None and look.repairs and not _stands(ending, stages, look):
+    if look is not None and look.answer is not None and look.repairs and not search_stands(ending, stages, look):
         ending, stages = ended_by(to_decide, look.answer), (*stages, look.run_at_no_cost)
 
     # Report.
     return solution_of(to_decide, settings, stages, ending, cost, began)
 
 
-def _stands(ending: Ending, stages: Sequence[StageRun], look: Look) -> bool:
+def search_stands(ending: Ending, stages: Sequence[StageRun], look: Look) -> bool:
     """Whether what the search ended with is kept, though a look is sure of a repair: a repair that explains the rows,
     or, where the look's does not either, leaves fewer of them or leaves them to intrinsics; and doubt, if it comes of
     more that matches."""
@@ -95,4 +95,5 @@ def _stands(ending: Ending, stages: Sequence[StageRun], look: Look) -> bool:
     decision = ending.decision
     if decision is None or decision.explains:
         return True
-    return not look.explains and (decision.left_to_intrinsics or decision.rows_px[1, 0] <= look.rows_left)
+    fewer = float(decision.rows_px[1, 0]) <= look.rows_left
+    return not look.explains and (decision.left_to_intrinsics or fewer)

@@ -10,14 +10,16 @@ from rich.console import Console
 from stereorecal.geometry import StereoRig
 from stereorecal.matching import SAD
 from stereorecal.recalibration import Reason, Repair, Schedule, ScoreKind, Solution, Stage, recalibrate
-from stereorecal.recalibration._look import look_at
+from stereorecal.recalibration._look import Look, look_at
 from stereorecal.recalibration._prepared_case import prepared
+from stereorecal.recalibration._recalibrate import search_stands
 from stereorecal.recalibration._search import started
 from stereorecal.recalibration._settings import as_settings
+from stereorecal.recalibration._stage_result import Ending
 from stereorecal.recordings import Pair
 from stereorecal.report.repair_tables import repairs_table
 from stereorecal.strategies import AbstractStrategy, Budget, Need, Outcome, Status
-from stereorecal.synthetic import default_rig
+from stereorecal.synthetic import default_rig, photographs, plan_drive
 
 SAD_48 = SAD(num_disparities=48)  # which other files have compiled
 RIG = default_rig().resized((320, 240))
@@ -273,14 +275,41 @@ def test_a_look_repairs_nothing_where_a_search_saw_more_and_doubts(harbour):
     assert not repair(drifted((0.2, 0.0, -0.2, 0.0, 0.0)), Pair(pair.left, right)).accepted
 
 
-@pytest.mark.parametrize("rows_left", [0.1, 0.6])
-def test_a_look_is_sure_only_of_rows_that_align(harbour, rows_left):
-    """Through a rig that is far off it sees what fits by chance, which leaves epipolar errors."""
+@pytest.fixture(scope="module")
+def look(harbour) -> Look:
     start, schedule = drifted((0.2, -0.3, -0.2, 0.0, 0.0)), Schedule.default()
     settings = as_settings({"matcher": SAD_48, "prior": "exact", "schedule": schedule})
     case, *_ = started(prepared(start, harbour, settings), schedule)
-    look = look_at(case.with_free(settings.free), schedule.stages[-1])
+    return look_at(case.with_free(settings.free), schedule.stages[-1])
+
+
+def that_leaves(look: Look, rows: float) -> Look:
+    """The same with a candidate that leaves so many pixels of the rows."""
     decision = look.answer.decision
-    said = np.stack([decision.rows_px[0], decision.rows_px[1] * rows_left / decision.rows_px[1, 0]])
-    answer = replace(look.answer, decision=replace(decision, rows_px=said))
-    assert replace(look, answer=answer).repairs == (rows_left < 0.3)
+    said = np.stack([decision.rows_px[0], decision.rows_px[1] * rows / decision.rows_px[1, 0]])
+    return replace(look, answer=replace(look.answer, decision=replace(decision, rows_px=said)))
+
+
+@pytest.mark.parametrize("rows_left", [0.1, 0.6])
+def test_a_look_is_sure_only_of_rows_that_align(look, rows_left):
+    """Through a rig that is far off it sees what fits by chance, which leaves epipolar errors."""
+    assert that_leaves(look, rows_left).repairs == (rows_left < 0.3)
+
+
+@pytest.mark.parametrize(
+    ("by_search", "by_look", "stands"), [(0.1, 0.05, True), (0.5, 0.1, False), (0.4, 0.6, True), (0.6, 0.4, False)]
+)
+def test_a_repair_of_the_search_goes_before_one_of_a_look_that_leaves_more(look, by_search, by_look, stands):
+    """Or, if it explains the rows, before any."""
+    decision = that_leaves(look, by_search).answer.decision
+    ending = Ending(RIG, Reason.IMPROVED, np.zeros((2, 1, 1), int), decision=decision)
+    assert search_stands(ending, (), that_leaves(look, by_look)) == stands
+
+
+@pytest.mark.slow
+def test_a_late_shutter_is_told_from_a_drift_though_neither_leaves_good_rows():
+    plan = plan_drive("street", 0, 25, weather=False, late=((0, 25, 0.6),))
+    pairs = list(photographs(plan))[::3]
+    found = recalibrate(drifted((0.2, 0.2, -0.2, 0.0, 0.0)), pairs, motion=True).estimate
+    assert found.delay.probability > 0.9
+    assert found.delay.seconds == pytest.approx(0.2, abs=0.05)  # of the time between two pairs
