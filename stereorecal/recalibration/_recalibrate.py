@@ -47,7 +47,7 @@ def recalibrate_case(case: Case, settings: Settings, began: float | None = None)
     """The repair of what is prepared.
 
     It looks before it searches, as `health` does: what one look finds good stays, and what a look is sure to correct is
-    corrected, though the search may leave rows that are not explained, or end in doubt, unless it saw more.
+    corrected, though the search may leave more rows than are explained, or end in doubt, unless it saw more.
 
     Args:
         case: its strategies search all that is free in it, intrinsics too, which `recalibrate` leaves to the estimate;
