@@ -33,7 +33,7 @@ class Decision:
         worse: probability that the candidate is worse than the calibration, in rows or in depth.
         better: probability that its rows are better by what a matcher notices.
         loss: that is to be expected of the candidate: rows over what a matcher notices, and depth over a point.
-        rows_px: (2, 3) rows apart over the view, of the calibration and of the candidate: median, 95 % interval.
+        rows_px: (2, 3) row error over the view, of the calibration and of the candidate: median, 95 % interval.
         ranges_agree: whether ranges agree with the candidate, and not with the calibration.
         tolerances: by which it was decided.
         by_rows: whether its rows are better for sure, also those that most frames show.

@@ -1,4 +1,4 @@
-"""What a rig's errors do: rows apart and wrong disparities of points over the view, at some distances.
+"""What a rig's errors do: row errors and wrong disparities of points over the view, at some distances.
 
 Both follow points of the world: the true rig says in which pixels they appear, the used one reads those pixels.
 """

@@ -17,7 +17,7 @@ class Correction:
 
     Attributes:
         axes: by name: pitch, yaw, roll in degrees, y and z in percent of the baseline, each with its 95 % interval.
-        rows_px: rows apart under the calibration, root mean square over the view, pixels at full size.
+        rows_px: row error under the calibration, root mean square over the view, pixels at full size.
         depth_percent: its error of depth at 5, 10, 30 and 100 baselines; positive: too far, infinite: beyond infinity.
         row_error: that would remain, pixels at full size: mean over the tiles of a tile's median.
         decision: whether the change is worth it.

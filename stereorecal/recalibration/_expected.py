@@ -1,4 +1,4 @@
-"""What those who use a calibration have to expect of it: rows apart over the view, and errors of depth."""
+"""What those who use a calibration have to expect of it: the row error over the view, and errors of depth."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -45,8 +45,8 @@ class Look:
         return self.repairs and self.answer is not None and self.answer.decision.explains
 
     @property
-    def rows_left(self) -> float:
-        """Rows apart of its candidate over the view [px], median; infinite without an answer."""
+    def row_error(self) -> float:
+        """The row error of its candidate over the view [px], median; infinite without an answer."""
         return np.inf if self.answer is None else float(self.answer.decision.rows_px[1, 0])
 
     @property

@@ -47,7 +47,7 @@ def recalibrate_case(case: Case, settings: Settings, began: float | None = None)
     """The repair of what is prepared.
 
     It looks before it searches, as `health` does: what one look finds good stays, and what a look is sure to correct is
-    corrected, though the search may leave more rows than are explained, or end in doubt, unless it saw more.
+    corrected, unless the search corrects more, or saw more and ends in doubt.
 
     Args:
         case: its strategies search all that is free in it, intrinsics too, which `recalibrate` leaves to the estimate;
@@ -85,7 +85,7 @@ def recalibrate_case(case: Case, settings: Settings, began: float | None = None)
 
 def search_stands(ending: Ending, stages: Sequence[StageRun], look: Look) -> bool:
     """Whether what the search ended with is kept, though a look is sure of a repair: a repair that explains the rows,
-    or, where the look's does not either, leaves fewer of them or leaves them to intrinsics; and doubt, if it comes of
+    or, where the look's does not either, has no larger row error or leaves it to intrinsics; and doubt, if it comes of
     more that matches."""
     if ending.reason is Reason.OUT_OF_BUDGET:
         return True  # it accepts nothing: the search that might have contradicted the look was not finished
@@ -95,5 +95,5 @@ def search_stands(ending: Ending, stages: Sequence[StageRun], look: Look) -> boo
     decision = ending.decision
     if decision is None or decision.explains:
         return True
-    fewer = float(decision.rows_px[1, 0]) <= look.rows_left
-    return not look.explains and (decision.left_to_intrinsics or fewer)
+    no_larger = float(decision.rows_px[1, 0]) <= look.row_error
+    return not look.explains and (decision.left_to_intrinsics or no_larger)

@@ -284,16 +284,16 @@ def look(harbour) -> Look:
 
 
 def that_leaves(look: Look, rows: float) -> Look:
-    """The same with a candidate that leaves so many pixels of the rows."""
+    """The same with a candidate of this row error."""
     decision = look.answer.decision
     said = np.stack([decision.rows_px[0], decision.rows_px[1] * rows / decision.rows_px[1, 0]])
     return replace(look, answer=replace(look.answer, decision=replace(decision, rows_px=said)))
 
 
-@pytest.mark.parametrize("rows_left", [0.1, 0.6])
-def test_a_look_is_sure_only_of_rows_that_align(look, rows_left):
+@pytest.mark.parametrize("row_error", [0.1, 0.6])
+def test_a_look_is_sure_only_of_rows_that_align(look, row_error):
     """Through a rig that is far off it sees what fits by chance, which leaves epipolar errors."""
-    assert that_leaves(look, rows_left).repairs == (rows_left < 0.3)
+    assert that_leaves(look, row_error).repairs == (row_error < 0.3)
 
 
 @pytest.mark.parametrize(
