@@ -39,6 +39,7 @@ def pytest_configure(config: pytest.Config) -> None:
     the one that STEREORECAL_TEST_CACHE names, for those who run tests again and again): nothing of the user's is
     touched, and what one worker has compiled the others read."""
     if _is_worker(config):
+        _keep_to_own_cores(config)
         folder = os.environ[_CACHE]
     else:
         folder = os.environ.get(_CACHE) or tempfile.mkdtemp(prefix="stereorecal-tests-")
@@ -59,6 +60,15 @@ def pytest_configure(config: pytest.Config) -> None:
     config.pluginmanager.register(typechecking)  # whose tests may lie outside this folder
     jax.config.update("jax_compilation_cache_dir", folder)
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.1)
+
+
+def _keep_to_own_cores(config: pytest.Config) -> None:
+    """Each worker computes on a share of the cores: threads of several would only wait for each other."""
+    if not hasattr(os, "sched_setaffinity"):
+        return
+    number, workers = int(config.workerinput["workerid"].removeprefix("gw")), config.workerinput["workercount"]
+    if own := sorted(os.sched_getaffinity(0))[number::workers]:
+        os.sched_setaffinity(0, own)
 
 
 _FIRST = (
