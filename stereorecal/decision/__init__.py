@@ -6,9 +6,9 @@
 from stereorecal.decision._decision import (
     Decision as Decision,
     Verdict as Verdict,
-    better_on_average as better_on_average,
     chance_of_harm as chance_of_harm,
     decide as decide,
+    decide_for_trial as decide_for_trial,
     decide_together as decide_together,
     fewer_parameters_suffice as fewer_parameters_suffice,
     with_nearest_distance as with_nearest_distance,

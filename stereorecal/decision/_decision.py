@@ -172,42 +172,40 @@ def decide_together(
         free, tolerances, proven, depth_observable, intrinsics_explain: as `decide` has them.
     """
     limits = DEFAULT if tolerances is None else tolerances
-    several = [with_nearest_distance(estimate, limits) for estimate in several]
-    initial = [_losses(estimate, np.zeros(len(estimate.names))) for estimate in several]
+    candidates = _candidates(
+        several,
+        free,
+        limits,
+        proven=proven,
+        depth_observable=depth_observable,
+        intrinsics_explain=intrinsics_explain,
+    )
+    return _chosen(candidates, limits)
 
-    def candidate(names: Sequence[str], *, keeps_depth: bool = False) -> _Candidate:
-        thetas = with_free_together(several, names, keep_depth=keeps_depth)
-        after = [_losses(estimate, theta) for estimate, theta in zip(several, thetas, strict=True)]
-        each = zip(several, thetas, initial, after, strict=True)
-        decisions = [
-            _decided(
-                estimate,
-                theta,
-                before=before,
-                after=of_candidate,
-                keeps_depth=keeps_depth,
-                limits=limits,
-                proven=proven,
-                depth_observable=depth_observable or bool(estimate.windows),
-                intrinsics_explain=intrinsics_explain,
-            )
-            for estimate, theta, before, of_candidate in each
-        ]
-        return _Candidate(decisions, [one.depth for one in after])
 
-    changes = [candidate(free)]
-    if BASELINE in free and any(estimate.matched_ranges or estimate.windows.measured for estimate in several):
-        changes.append(candidate((BASELINE,)))  # where rows are good, they stay
-    depth_changing = min(changes, key=lambda one: (one.refused, one.harms, one.loss))
-    depth_keeping = candidate(free, keeps_depth=True)
-    if depth_keeping.refused == depth_changing.refused:
-        worth_it = (
-            depth_changing.supported_by_ranges > depth_keeping.supported_by_ranges
-            or depth_changing.reads_depth_better(depth_keeping, limits)
-            or depth_changing.aligns_rows_better(depth_keeping, limits)
-        )
-        return depth_changing.decisions if worth_it else depth_keeping.deferring_to(depth_changing)
-    return min(depth_keeping, depth_changing, key=lambda one: one.refused).decisions
+def decide_for_trial(
+    estimate: Estimate, free: Sequence[str], tolerances: Tolerances | None = None, *, harm: float
+) -> tuple[Decision, Float[np.ndarray, "n"] | None]:
+    """The decision where more than epipolar errors tells depth, and the change to put on trial: the one that it asks
+    for; else the candidate with the least expected loss, if that is by one unit of it, rows that a matcher notices or a
+    point of depth, less than the calibration's; else None. That one is better on average, and not for sure: for those
+    who let later images prove it, and can go back.
+
+    Args:
+        harm: the chance of harm that it may have, at most; where depth is hardly known, a change that keeps it has
+            less.
+    """
+    limits = DEFAULT if tolerances is None else tolerances
+    candidates = _candidates([estimate], free, limits, depth_observable=True)
+    (decision,), (initial,) = _chosen(candidates, limits), candidates.initial
+    if not decision.refused:
+        return decision, decision.theta
+    better = [
+        one.decisions[0]
+        for one in (*candidates.changing, candidates.keeping)
+        if one.loss < initial.expected - 1.0 and _chances_of_harm(initial, one.after[0], limits)[1] <= harm
+    ]
+    return decision, min(better, key=lambda one: one.loss).theta if better else None
 
 
 def with_nearest_distance(estimate: Estimate, tolerances: Tolerances) -> Estimate:
@@ -216,29 +214,6 @@ def with_nearest_distance(estimate: Estimate, tolerances: Tolerances) -> Estimat
     nearest, distances = estimate.nearest, tolerances.distances
     judged_at = (nearest, *distances) if nearest < distances[0] else distances
     return estimate if estimate.judged_at == judged_at else replace(estimate, judged_at=judged_at)
-
-
-def better_on_average(
-    estimate: Estimate, free: Sequence[str], tolerances: Tolerances | None = None, *, harm: float
-) -> Float[np.ndarray, "n"] | None:
-    """The change of free parameters with the least expected loss, if that is by one unit of it, rows that a matcher
-    notices or a point of depth, less than the calibration's; else None. Better on average, and not for sure: for those
-    who let later images prove it, and can go back.
-
-    Args:
-        harm: the chance of harm that it may have, at most; where depth is hardly known, a change that keeps it has
-            less.
-    """
-    limits = DEFAULT if tolerances is None else tolerances
-    estimate = with_nearest_distance(estimate, limits)
-    initial, best = _losses(estimate, np.zeros(len(estimate.names))), None
-    least = initial.expected - 1.0
-    for keep in (False, True):
-        (theta,) = with_free_together([estimate], free, keep_depth=keep)
-        after = _losses(estimate, theta)
-        if after.expected < least and _chances_of_harm(initial, after, limits)[1] <= harm:
-            best, least = theta, after.expected
-    return best
 
 
 def chance_of_harm(estimate: Estimate, theta: Float[np.ndarray, "n"], tolerances: Tolerances | None = None) -> float:
@@ -284,10 +259,10 @@ class _Losses:
 
 @dataclass(frozen=True, eq=False)
 class _Candidate:
-    """What is decided on a candidate for each calibration, and its errors of depth [%] as `_Losses` has them."""
+    """What is decided on a candidate for each calibration, and what it loses."""
 
     decisions: list[Decision]
-    depth: list[Float[np.ndarray, "s"]]
+    after: list[_Losses]
 
     @property
     def refused(self) -> int:
@@ -329,11 +304,71 @@ class _Candidate:
     def reads_depth_better(self, other: "_Candidate", limits: Tolerances) -> bool:
         """Whether it is worth it to change what depth reads: it loses less, and of the rigs for which the two differ by
         what counts, depth is the better one in 95 %."""
-        gains = np.concatenate(other.depth) - np.concatenate(self.depth)
+        gains = np.concatenate([one.depth for one in other.after]) - np.concatenate([one.depth for one in self.after])
         better_count = np.count_nonzero(gains > limits.worse_depth_points)
         worse_count = np.count_nonzero(-gains > limits.worse_depth_points)
         surely = 0 < better_count >= limits.good_surely * (better_count + worse_count)
         return bool(self.loss < other.loss and surely)
+
+
+@dataclass(frozen=True, eq=False)
+class _Candidates:
+    """What calibrations lose, and what may replace them: by changing depth, and by keeping it."""
+
+    initial: list[_Losses]
+    changing: list[_Candidate]
+    keeping: _Candidate
+
+
+def _candidates(
+    several: Sequence[Estimate],
+    free: Sequence[str],
+    limits: Tolerances,
+    *,
+    proven: bool = False,
+    depth_observable: bool = False,
+    intrinsics_explain: bool = False,
+) -> _Candidates:
+    several = [with_nearest_distance(estimate, limits) for estimate in several]
+    initial = [_losses(estimate, np.zeros(len(estimate.names))) for estimate in several]
+
+    def candidate(names: Sequence[str], *, keeps_depth: bool = False) -> _Candidate:
+        thetas = with_free_together(several, names, keep_depth=keeps_depth)
+        after = [_losses(estimate, theta) for estimate, theta in zip(several, thetas, strict=True)]
+        each = zip(several, thetas, initial, after, strict=True)
+        decisions = [
+            _decided(
+                estimate,
+                theta,
+                before=before,
+                after=of_candidate,
+                keeps_depth=keeps_depth,
+                limits=limits,
+                proven=proven,
+                depth_observable=depth_observable or bool(estimate.windows),
+                intrinsics_explain=intrinsics_explain,
+            )
+            for estimate, theta, before, of_candidate in each
+        ]
+        return _Candidate(decisions, after)
+
+    changing = [candidate(free)]
+    if BASELINE in free and any(estimate.matched_ranges or estimate.windows.measured for estimate in several):
+        changing.append(candidate((BASELINE,)))  # where rows are good, they stay
+    return _Candidates(initial, changing, candidate(free, keeps_depth=True))
+
+
+def _chosen(candidates: _Candidates, limits: Tolerances) -> list[Decision]:
+    """The decisions on the candidate that is taken: the one that refuses fewest, keeping depth where both do."""
+    changing, keeping = min(candidates.changing, key=lambda one: (one.refused, one.harms, one.loss)), candidates.keeping
+    if keeping.refused != changing.refused:
+        return min(keeping, changing, key=lambda one: one.refused).decisions
+    worth_it = (
+        changing.supported_by_ranges > keeping.supported_by_ranges
+        or changing.reads_depth_better(keeping, limits)
+        or changing.aligns_rows_better(keeping, limits)
+    )
+    return changing.decisions if worth_it else keeping.deferring_to(changing)
 
 
 def _losses(estimate: Estimate, theta: Float[np.ndarray, "n"]) -> _Losses:

@@ -11,8 +11,7 @@ from stereorecal.geometry import vector_from_rotation
 from stereorecal.online._filter import OF_LENSES, SIZE, Measurement
 from stereorecal.online._pair_estimate import PairEstimate
 from stereorecal.online._state import State
-from stereorecal.online._switching import Outcome, trial_after_motion
-from stereorecal.online._watching import standing
+from stereorecal.online._switching import trial_after_motion
 from stereorecal.recordings import Pair
 from stereorecal.scoring.host import Corners, corner_tracks, corners
 
@@ -42,20 +41,20 @@ def anchored(state: State, pair: Pair, look: PairEstimate) -> State:
     )
 
 
-def moved(state: State, pair: Pair) -> Outcome:
-    """The state after a pair that may show corners again from elsewhere."""
+def moved(state: State, pair: Pair) -> State:
+    """The state after a pair that may show corners again from elsewhere. How the rig stands then, the look says."""
     if state.corners is None or state.frame - state.corners_frame < state.tracked_pairs:
-        return state, []
+        return state
     with one_blas_thread():
         return _after_tracking(state, state.corners, pair)
 
 
-def _after_tracking(state: State, before: Corners, pair: Pair) -> Outcome:
+def _after_tracking(state: State, before: Corners, pair: Pair) -> State:
     pairs = state.frame - state.corners_frame
     if not _within_tracking_time(state.corners_time, pair.time, pairs):
-        return state.replace(corners=None), []
+        return state.replace(corners=None)
     if pair.readout and (state.corners_time is None or pair.time is None):  # of how much of the motion, is not known
-        return state.replace(corners=None), []
+        return state.replace(corners=None)
     tracks, chart = corner_tracks(before, pair), rig_parameters(state.rig)
     if pair.readout and state.corners_time is not None and pair.time is not None:
         tracks = replace(tracks, readout=pair.readout / (pair.time - state.corners_time))
@@ -71,7 +70,7 @@ def _after_tracking(state: State, before: Corners, pair: Pair) -> Outcome:
     )
     state = state.replace(corners=None, tracked_pairs=tracking_gap)
     if tracked.motion is None or not tracked.informative:
-        return state, []
+        return state
     turned = np.degrees(vector_from_rotation(tracked.motion.rotation)) / pairs
     return _after_window(state, _measurement(state, tracked.normal, turned))
 
@@ -103,7 +102,7 @@ def _measurement(state: State, normal: Normal, turned: Float[np.ndarray, "3"]) -
     return Measurement(state.corners_frame, offset, a / _WORSE**2, turn, False, doubt, together)
 
 
-def _after_window(state: State, measured: Measurement) -> Outcome:
+def _after_window(state: State, measured: Measurement) -> State:
     """The state after a window, which counts as much as it is likely to be of the rig's own motion. One that is not
     waits for the next: most that moves may not be the rig, or the rig has turned and rows did not show it."""
     from scipy.special import expit  # a third of a second to import
@@ -119,14 +118,14 @@ def _after_window(state: State, measured: Measurement) -> Outcome:
     counted = measured.weighed(share)
     state = trial_after_motion(state.measured(counted), counted)
     if share >= 0.5:
-        return standing(state)
+        return state
     state = state.replace(outlier_motion=measured)
     if first is None:
-        return standing(state)
+        return state
     turned = estimate.with_yaw_of_others(float(state.prior[1])).updated(first)
     if turned.chance_of(measured) < _FITS:
-        return standing(state)
+        return state
     turned = turned.updated(measured)
     if abs(turned.keystone) > abs(estimate.keystone):  # a boat tells the same yaw twice, too; rows know of none
-        return standing(state)
-    return standing(state.standing_at(turned).replace(outlier_motion=None, trial=None, others=_COME))
+        return state
+    return state.standing_at(turned).replace(outlier_motion=None, trial=None, others=_COME)

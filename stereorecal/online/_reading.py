@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal._json_data import json_data
-from stereorecal.decision import Decision, Tolerances, Verdict, better_on_average, decide
+from stereorecal.decision import Decision, Tolerances, Verdict, decide, decide_for_trial
 from stereorecal.geometry import StereoRig, View
 from stereorecal.objectives import EXTRINSICS
 from stereorecal.online._filter import SIZE, FilterEstimate
@@ -131,9 +131,8 @@ def _decided(
     """Of a calibration in use the decision on what may be switched, whether it is shifted, which change is better, and
     its error of depth."""
     estimate = known(initial, using, filtered, view)
-    found = decide(estimate, free, limits, depth_observable=True)
+    found, change = decide_for_trial(estimate, free, limits, harm=harm)
     beyond = free != EXTRINSICS and found.verdict is Verdict.CANNOT_TELL
     shifted = beyond and not decide(estimate, EXTRINSICS, limits, depth_observable=True).refused
     depth = {at: Interval(*ends) for at, ends in estimate.depth_error_percent(np.zeros(len(estimate.names))).items()}
-    better = better_on_average(estimate, free, limits, harm=harm) if found.refused else found.theta
-    return found, shifted, None if better is None else better[:SIZE], depth
+    return found, shifted, None if change is None else change[:SIZE], depth

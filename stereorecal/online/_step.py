@@ -109,9 +109,7 @@ def _after_pair(state: State, pair: Pair) -> Outcome:
         return continued(state)
     if state.frame % config.every:
         return state, []
-    state, motion_events = moved(state, pair)
-    state, look_events = _after_look(state, pair, before, current)
-    return state, [*motion_events, *look_events]
+    return _after_look(moved(state, pair), pair, before, current)
 
 
 def _after_look(state: State, pair: Pair, before: Small | None, current: Small) -> Outcome:
