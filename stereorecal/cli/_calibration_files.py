@@ -4,10 +4,10 @@ import re
 from pathlib import Path
 
 from stereorecal._errors import InputError
-from stereorecal.cli._calibration_paths import CalibrationPath, calibration_path, paths
+from stereorecal.cli._calibration_paths import calibration_path, paths
 from stereorecal.cli._shared_options import CalibrationOptions
 from stereorecal.geometry import StereoRig
-from stereorecal.io import is_data_set, load_rig, load_scene, says_its_unit, unsaid_unit
+from stereorecal.io import is_data_set, load_rig, load_scene
 
 
 def image_size(text: str | None) -> tuple[int, int] | None:
@@ -39,16 +39,3 @@ def rig_at(words: str, options: CalibrationOptions) -> StereoRig:
         return rig
     size = image_size(options.size)
     return load_rig(*paths(where), format=options.format, unit=options.unit, size=size)
-
-
-def unit_written(
-    read: StereoRig, written: StereoRig, target: CalibrationPath, format: str | None, unit: str | None
-) -> tuple[str | None, str]:
-    """What --unit means for a file that is written, and what to say of it after "written".
-
-    It is about the file that was read, if only that one says no unit.
-    """
-    unsaid = unsaid_unit(written, target, format=format)
-    if unsaid is None:
-        return unit if says_its_unit(read) else None, ""
-    return unit, f" (translation in {unit or unsaid})"

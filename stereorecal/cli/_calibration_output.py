@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 
 from stereorecal._errors import InputError
-from stereorecal.cli._calibration_files import unit_written
 from stereorecal.cli._calibration_paths import CalibrationPath, calibration_path, paths
 from stereorecal.cli._output_places import (
     Place,
@@ -17,6 +16,7 @@ from stereorecal.cli._output_places import (
     image_inputs,
     refuse_replacing_inputs,
 )
+from stereorecal.cli._output_unit import output_unit
 from stereorecal.cli._repair_commands import RecalibrateOptions
 from stereorecal.geometry import StereoRig, changed_camera
 from stereorecal.io import back_up, calibration_files, check_savable, is_copy, next_copy, prior_beside, save_rig
@@ -93,7 +93,7 @@ def output_of(
         place = calibration_path(options.output, "--output")
     else:
         return Output(None, False, maps)
-    unit, unit_note = unit_written(rig, rig, place, options.output_format, options.unit)
+    unit, unit_note = output_unit(rig, rig, place, options.output_format, options.unit)
     check_savable(_probe_rig(rig, free), place, format=options.output_format, unit=unit)
     prior_path = prior_beside(rig, place, format=options.output_format)
     if prior_path is not None:

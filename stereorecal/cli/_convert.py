@@ -4,10 +4,11 @@ from dataclasses import replace
 
 from stereorecal._errors import InputError
 from stereorecal.cli._calibration_commands import ConvertOptions
-from stereorecal.cli._calibration_files import rig_at, unit_written
+from stereorecal.cli._calibration_files import rig_at
 from stereorecal.cli._calibration_paths import calibration_path, paths
 from stereorecal.cli._output_files import deliver, written_or_printed
 from stereorecal.cli._output_places import Place, check_places, refuse_replacing_inputs
+from stereorecal.cli._output_unit import output_unit
 from stereorecal.io import calibration_json, check_savable, files_read, save_rig
 
 
@@ -23,7 +24,7 @@ def run(options: ConvertOptions) -> int:
     check_places(places, force=options.force)
     # Without --to the name alone decides, whatever the calibration was read from.
     written = rig if options.to else replace(rig, source=None)
-    unit, unit_text = unit_written(rig, written, target, options.to, options.unit)
+    unit, unit_text = output_unit(rig, written, target, options.to, options.unit)
 
     def save() -> None:
         how = {"format": options.to, "overwrite": options.force, "unit": unit}

@@ -13,7 +13,7 @@ from stereorecal.estimation._drift import drift_sizes
 from stereorecal.estimation._evidence import Explained, Normal, all_explained, marginal
 from stereorecal.estimation._groups import PLACES
 from stereorecal.estimation._linear_groups import LinearGroups
-from stereorecal.estimation._misfit import alike
+from stereorecal.estimation._misfit import correlation
 from stereorecal.estimation._posterior import root
 
 NOTHING = np.zeros((0, 0))
@@ -22,7 +22,7 @@ NOTHING = np.zeros((0, 0))
 @cache
 def _root_of_field() -> Float[np.ndarray, "p p"]:
     """Of its correlation, over all places."""
-    return root(alike(np.arange(PLACES[0] * PLACES[1])))
+    return root(correlation(np.arange(PLACES[0] * PLACES[1])))
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,7 +17,7 @@ COMMON = (0.0, 0.02, 0.04, 0.07, 0.12, 0.2)  # pixels, of the field that all fra
 _LENGTH = 1.5  # places
 
 
-def alike(place: Int[np.ndarray, "g"]) -> Float[np.ndarray, "g g"]:
+def correlation(place: Int[np.ndarray, "g"]) -> Float[np.ndarray, "g g"]:
     """The correlation of the field at places."""
     return _correlation_of_places()[np.ix_(place, place)]
 
@@ -34,7 +34,7 @@ def covariance_of_rows(
     place: Int[np.ndarray, "g"], deviation: Float[np.ndarray, "g"], misfit: float
 ) -> Float[np.ndarray, "g g"]:
     """Of the mean row differences of the groups of one frame, with a misfit of this deviation."""
-    return misfit**2 * alike(place) + np.diag(deviation**2)
+    return misfit**2 * correlation(place) + np.diag(deviation**2)
 
 
 def unexpected(covariance: Float[np.ndarray, "g g"], residual: Float[np.ndarray, "g"]) -> Float[np.ndarray, "g"]:

@@ -109,7 +109,7 @@ class Parameters:
         return tuple(name for name in self.names if name not in EXTRINSICS)
 
     @property
-    def lenses(self) -> tuple[str, ...]:
+    def intrinsics(self) -> tuple[str, ...]:
         """The intrinsics among them."""
         return tuple(name for name in self.names if "." in name)
 
@@ -138,7 +138,7 @@ class Parameters:
         Raises:
             InputError: if there is one.
         """
-        for name in self.lenses:
+        for name in self.intrinsics:
             side, kind = name.split(".")
             lens = getattr(rig, side).lens
             if kind not in (*_OF_MATRIX, *lens.CALIBRATED):

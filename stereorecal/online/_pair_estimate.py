@@ -7,13 +7,12 @@ import numpy as np
 from stereorecal.geometry import StereoRig, View, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import LinearRows, Reach, RigChart, linearised, row_chart
+from stereorecal.online._row_solution import RowSolution, row_solution
 from stereorecal.recalibration import (
     FALSE,
     FEWEST,
     FEWEST_PLACES,
     LEAST_COVERED,
-    Evidence,
-    evidence_of,
     is_sparse,
     watching_scale,
 )
@@ -22,7 +21,6 @@ from stereorecal.scoring import Correspondences, Loss, host, image_quality, prec
 
 # From afar to the end; the weights follow the solution. Rows are taken as linear: a rig that is watched is not far off.
 _LOSSES = (Loss.SOFT_L1, Loss.WELSCH, Loss.WELSCH, Loss.WELSCH)
-_NEAR = 1.5  # cells of dense correspondences
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,38 +30,35 @@ class PairEstimate:
     Attributes:
         chart: around the calibration that was looked through.
         covered: share of the image in which correspondences were found.
-        evidence: what they say, at the offset `evidence.z` to the true rig, in half widths of the chart's box; None if
+        solution: what they say, at the offset `solution.z` to the true rig, in half widths of the chart's box; None if
             too little matches, or what matches does so by chance.
         found: the correspondences that they rest on.
     """
 
     chart: RigChart
     covered: float
-    evidence: Evidence | None = None
+    solution: RowSolution | None = None
     found: Correspondences | None = None
 
     @property
     def match_radius(self) -> float:
         """Pixels: what is farther from all correspondences is of something else."""
         assert self.found is not None
-        width, height = self.chart.rig.left.size
-        return _NEAR * float(np.sqrt(width * height / self.found.weight.shape[1]))
+        return host.match_radius(self.found, self.chart.rig)
 
     @property
     def matches(self) -> host.Matches:
         """Pixels that correspond."""
         assert self.found is not None
-        rig, valid = self.chart.rig, np.asarray(self.found.weight[0]) > 0
-        left, right = (np.asarray(rays[0], float)[valid] for rays in (self.found.left, self.found.right))
-        return host.Matches(np.asarray(rig.left.project(left)), np.asarray(rig.right.project(right)))
+        return host.Matches.of(self.found, self.chart.rig)
 
     def rows(self, rig: StereoRig) -> float:
         """|Row difference| under a rig, pixels at full size: the mean over the tiles of a tile's median."""
-        evidence = self.evidence
-        if evidence is None:
+        solution = self.solution
+        if solution is None:
             return float("nan")
         way = self.chart.coordinates(np.asarray(rig.extrinsics))
-        return float(np.mean(evidence.medians(evidence.start_residual + evidence.jacobian @ way)))
+        return float(np.mean(solution.medians(solution.start_residual + solution.jacobian @ way)))
 
 
 def estimate_pair(rig: StereoRig, pair: Pair, view: View, matcher: AbstractMatcher) -> PairEstimate:
@@ -78,13 +73,13 @@ def estimate_pair(rig: StereoRig, pair: Pair, view: View, matcher: AbstractMatch
     if found.found < FEWEST or found.covered < LEAST_COVERED:
         return PairEstimate(chart, found.covered)
     start = linearised(found, chart, np.zeros(chart.dim))
-    evidence = evidence_of(found, _solved_robustly(found, start, chart.prior), start.differences, chart.prior)
-    if evidence.places < FEWEST_PLACES or (
-        np.mean(evidence.medians(evidence.residual)) * evidence.scale > FALSE
+    solution = row_solution(found, _solved_robustly(found, start, chart.prior), start.differences, chart.prior)
+    if solution.places < FEWEST_PLACES or (
+        np.mean(solution.medians(solution.residual)) * solution.scale > FALSE
         and is_sparse(found.covered, image_quality(pair).texture)
     ):
         return PairEstimate(chart, found.covered)
-    return PairEstimate(chart, found.covered, evidence, found)
+    return PairEstimate(chart, found.covered, solution, found)
 
 
 def _solved_robustly(found: Correspondences, start: LinearRows, prior: float) -> LinearRows:

@@ -121,7 +121,7 @@ def _after_look(state: State, pair: Pair, before: Small | None, current: Small) 
         matcher = with_measured_range(config.matcher, pyramid(state.rig, [pair], state.view))
         state = state.replace(matcher=matcher)
     look = estimate_pair(state.rig, pair, state.view, matcher)
-    if look.evidence is None:
+    if look.solution is None:
         return _unmatched_pair(state, pair, look)
     turned = _turn(state, before, current)
     measured = measurement(state, look, turned)

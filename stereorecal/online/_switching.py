@@ -48,7 +48,7 @@ def trial_after_unmatched(state: State, before: float, look: Callable[[], PairEs
     candidate_look = look()
     return decided(
         state.replace(
-            trial=trial.matched(before, candidate_look.covered if candidate_look.evidence is not None else 0.0)
+            trial=trial.matched(before, candidate_look.covered if candidate_look.solution is not None else 0.0)
         )
     )
 

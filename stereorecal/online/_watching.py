@@ -21,13 +21,13 @@ def measurement(state: State, look: PairEstimate, turned: Float[np.ndarray, "3"]
     Args:
         turned: rotation of the rig since the last pair [rad], None if it is not known.
     """
-    assert look.evidence is not None
+    assert look.solution is not None
     units = look.chart.units
     turn = np.zeros(SIZE)
     if turned is not None:
         turn[:3] = np.degrees(turned)
-    offset = state.offset_of(state.rig.with_extrinsics(look.chart.extrinsics(look.evidence.z)))
-    information = _information(look.chart, look.evidence.covariance()) / np.outer(units, units)
+    offset = state.offset_of(state.rig.with_extrinsics(look.chart.extrinsics(look.solution.z)))
+    information = _information(look.chart, look.solution.covariance()) / np.outer(units, units)
     return Measurement(state.frame, offset, information, turn, synchronous=state.config.synchronous)
 
 

@@ -8,15 +8,9 @@ from stereorecal.recalibration._acceptance import (
     Reason as Reason,
     RowErrors as RowErrors,
 )
+from stereorecal.recalibration._case import Case as Case
 from stereorecal.recalibration._cost import Cost as Cost
 from stereorecal.recalibration._difference import Difference as Difference, difference as difference
-from stereorecal.recalibration._effects import (
-    DISTANCES as DISTANCES,
-    ROW_DISTANCES as ROW_DISTANCES,
-    depth_error as depth_error,
-    depth_errors as depth_errors,
-    row_errors_of as row_errors_of,
-)
 from stereorecal.recalibration._frame_choice import MOST_FRAMES as MOST_FRAMES, chosen_frames as chosen_frames
 from stereorecal.recalibration._freed_intrinsics import Intrinsics as Intrinsics, IntrinsicsOutcome as IntrinsicsOutcome
 from stereorecal.recalibration._health import (
@@ -48,7 +42,14 @@ from stereorecal.recalibration._result import (
     FramesUsed as FramesUsed,
     SearchRun as SearchRun,
 )
-from stereorecal.recalibration._row_evidence import Evidence as Evidence, evidence_of as evidence_of
+from stereorecal.recalibration._rig_errors import (
+    DISTANCES as DISTANCES,
+    ROW_DISTANCES as ROW_DISTANCES,
+    depth_error as depth_error,
+    depth_errors as depth_errors,
+    row_errors_of as row_errors_of,
+)
+from stereorecal.recalibration._row_residuals import RowResiduals as RowResiduals
 from stereorecal.recalibration._schedule import (
     SCHEDULES as SCHEDULES,
     Schedule as Schedule,
@@ -66,7 +67,7 @@ from stereorecal.recalibration._settings import (
 )
 from stereorecal.recalibration._slices import Progress as Progress, next_slice as next_slice
 from stereorecal.recalibration._solution import Solution as Solution
-from stereorecal.recalibration._stages import FEWEST as FEWEST, Case as Case
+from stereorecal.recalibration._stages import FEWEST as FEWEST
 from stereorecal.recalibration._uncertainty import NORMAL_95 as NORMAL_95, Uncertainty as Uncertainty
 from stereorecal.recalibration._unmatched import is_sparse as is_sparse
 from stereorecal.recalibration._warm_up import warm_up as warm_up

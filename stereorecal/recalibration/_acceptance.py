@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
-from stereorecal.recalibration._row_evidence import Evidence
+from stereorecal.recalibration._row_residuals import RowResiduals
 
 _MOST_LOST = 0.15  # of what the candidate matches; repairs that end well lose 0 to 0.11
 FEWEST_PLACES = 6  # of tiles: a covariance of five parameters from fewer says nothing
@@ -72,8 +72,9 @@ class RowErrors:
     significance: float
 
 
-def compared(found: Evidence, before: Float[np.ndarray, "t"], after: Float[np.ndarray, "t"]) -> RowErrors:
-    """The comparison of what each tile of the evidence shows, before and after."""
+def row_errors(found: RowResiduals) -> RowErrors:
+    """The row errors of what each tile shows, before and after."""
+    before, after = found.medians(found.start_residual), found.medians(found.residual)
     gain = found.by_place(before - after)
     error = float(np.std(gain, ddof=1)) / np.sqrt(len(gain)) if len(gain) > 1 else np.inf
     return RowErrors(float(np.mean(before)), float(np.mean(after)), float(np.mean(gain)) / max(error, 1e-9))

@@ -10,9 +10,9 @@ from stereorecal._json_data import json_data
 from stereorecal.estimation import Estimate
 from stereorecal.geometry import AXES, StereoRig
 from stereorecal.objectives import BASELINE
+from stereorecal.recalibration._motion_report import motion_as_dict
 from stereorecal.recalibration._result import AbstractResult
 from stereorecal.recalibration._stages import StageRun
-from stereorecal.recalibration._windows import as_dict as motion_as_dict
 from stereorecal.scoring.host import Score
 from stereorecal.strategies import name_of
 

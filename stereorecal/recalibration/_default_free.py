@@ -3,8 +3,8 @@
 from stereorecal.decision import Decision, Verdict, decide
 from stereorecal.estimation import Estimate
 from stereorecal.objectives import Parameters
+from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._cross_validated_decision import decided_by_cross_validation, shows_several_places
-from stereorecal.recalibration._stages import Case
 from stereorecal.scoring import Correspondences
 
 

@@ -11,7 +11,7 @@ from stereorecal._arrays import refuse_tracers
 from stereorecal._errors import InputError
 from stereorecal._json_data import json_data
 from stereorecal.geometry import AXES, AnyView, StereoRig, angle_between, as_view, axis_changes, same_camera
-from stereorecal.recalibration._effects import depth_errors, row_errors_of
+from stereorecal.recalibration._rig_errors import depth_errors, row_errors_of
 from stereorecal.report.number_text import change, depths
 
 _GRID = (32, 24)  # columns and rows: as many as show what a lens or a roll does

@@ -4,10 +4,11 @@ count."""
 from dataclasses import replace
 
 from stereorecal.recalibration._acceptance import Reason, verdict_on_count
-from stereorecal.recalibration._estimate_and_decide import answered, ended_by
+from stereorecal.recalibration._case import Case
+from stereorecal.recalibration._ending import Ending, counts
+from stereorecal.recalibration._estimate_and_decide import ended_by, estimate_and_decide
 from stereorecal.recalibration._schedule import Schedule
-from stereorecal.recalibration._stage_result import Ending, counts
-from stereorecal.recalibration._stages import FEWEST, Case, StageRun, last_matched
+from stereorecal.recalibration._stages import FEWEST, StageRun, last_matched
 from stereorecal.strategies import Status
 
 
@@ -31,7 +32,7 @@ def _ended(case: Case, stages: tuple[StageRun, ...], *, cut: bool, signal: bool)
     end_rig = stages[-1].ended if stages else case.rig
     run = last_matched(stages)
     if not cut and run is not None and run.found is not None and run.found.found >= FEWEST:
-        return ended_by(case, answered(case, run, end_rig, corners=True))
+        return ended_by(case, estimate_and_decide(case, run, end_rig, corners=True))
     tiles = counts(case, end_rig)
     if cut:
         return Ending(end_rig, Reason.OUT_OF_BUDGET, tiles)  # the count alone hardly sees a wrong yaw

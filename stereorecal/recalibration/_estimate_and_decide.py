@@ -8,24 +8,24 @@ from jaxtyping import Float, Int
 from stereorecal.decision import Decision, Verdict, decide
 from stereorecal.estimation import Estimate, estimate, rig_parameters
 from stereorecal.geometry import StereoRig
-from stereorecal.objectives import Parameters, row_chart
+from stereorecal.objectives import Parameters
 from stereorecal.recalibration._acceptance import (
-    FALSE,
     FEWEST_PLACES,
     LEAST_COVERED,
     Reason,
     RowErrors,
     at_the_edge,
-    compared,
     loses_regions,
+    row_errors,
 )
+from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._default_free import free_and_decision
+from stereorecal.recalibration._ending import Ending, counts
 from stereorecal.recalibration._freed_intrinsics import Intrinsics, IntrinsicsOutcome, intrinsics_of
 from stereorecal.recalibration._ranges_of_case import matched_ranges
 from stereorecal.recalibration._regional_misfit import misfit
-from stereorecal.recalibration._row_evidence import TILES_OF_A_FRAME, Evidence, evidence
-from stereorecal.recalibration._stage_result import Ending, counts
-from stereorecal.recalibration._stages import FEWEST, Case, StageRun, matched
+from stereorecal.recalibration._row_residuals import TILES_OF_A_FRAME, RowResiduals, row_residuals
+from stereorecal.recalibration._stages import FEWEST, StageRun, matched
 from stereorecal.recalibration._uncertainty import uncertainty_of
 from stereorecal.recalibration._unmatched import LIKELY, MOST_EXCLUDED, is_sparse, unmatched, without_frames_of
 from stereorecal.recalibration._windows import windows_of, without_frames
@@ -45,7 +45,6 @@ class Answer:
         free: what may change, if frames bear out that more must than the case has free.
         decision: on the initial calibration.
         sparse: they cover little of what has texture: no reason to call a calibration good.
-        by_chance: so, and even the candidate leaves their rows as far apart as those of chance matches.
     """
 
     found: Correspondences
@@ -55,7 +54,6 @@ class Answer:
     free: Parameters
     decision: Decision
     sparse: bool
-    by_chance: bool
 
     @property
     def enough(self) -> bool:
@@ -63,7 +61,7 @@ class Answer:
         return self.found.covered >= LEAST_COVERED and len(_occupied_tiles(self.found)) >= FEWEST_PLACES
 
 
-def answered(case: Case, run: StageRun, end_rig: StereoRig, *, corners: bool) -> Answer:
+def estimate_and_decide(case: Case, run: StageRun, end_rig: StereoRig, *, corners: bool) -> Answer:
     """The answer of a stage's correspondences.
 
     Args:
@@ -76,10 +74,10 @@ def answered(case: Case, run: StageRun, end_rig: StereoRig, *, corners: bool) ->
     assert found is not None
     excluded_frames, refused, estimated = _without_other_rigs(case, found, end_rig)
     used_matches = found if refused else without_frames_of(found, excluded_frames)
-    if corners and case.free.lenses:
+    if corners and case.free.intrinsics:
         estimated, used_matches = _rematched(case, estimated, used_matches, run)
     free, decision = free_and_decision(case, used_matches, estimated)
-    if corners and free.lenses and not case.free.lenses:
+    if corners and free.intrinsics and not case.free.intrinsics:
         estimated, used_matches = _rematched(case, estimated, used_matches, run)
         decision = decide(estimated, free.names, case.tolerances, proven=True)
     sparse = used_matches.covered < LIKELY and is_sparse(
@@ -93,7 +91,6 @@ def answered(case: Case, run: StageRun, end_rig: StereoRig, *, corners: bool) ->
         free=free,
         decision=decision,
         sparse=sparse,
-        by_chance=sparse and _row_errors(case, used_matches, estimated, free, decision).after > FALSE,
     )
 
 
@@ -157,16 +154,17 @@ def ended_by(case: Case, answer: Answer) -> Ending:
     used_frames = np.isin(np.arange(len(found.weight)), () if answer.refused else answer.excluded, invert=True)
     reason = _reason(judged, answer, tiles[:, used_frames], candidate)
     rows = rows_of(judged, answer)
+    errors = row_errors(rows)
     outcome_if_accepted = IntrinsicsOutcome.NEEDED if case.free.widens else IntrinsicsOutcome.REFINED
     return Ending(
         candidate=candidate,
         reason=reason,
         tiles=tiles,
         excluded=answer.excluded,
-        row_errors=rows,
+        row_errors=errors,
         uncertainty=uncertainty_of(estimated, candidate, judged.chart),
-        misfit=misfit(_evidence_at(judged, found, candidate)),
-        intrinsics=_intrinsics(answer, judged, rows, reason, outcome_if_accepted),
+        misfit=misfit(rows),
+        intrinsics=_intrinsics(answer, judged, errors, reason, outcome_if_accepted),
         estimate=estimated,
         decision=decision,
     )
@@ -207,11 +205,10 @@ def _intrinsics(
     estimated, theta = answer.estimate, answer.decision.theta
     if not case.free.shared:
         return None
-    fixed_evidence = _evidence_at(
-        case.of_extrinsics, answer.found, estimated.chart.rig_at(estimated.with_free(case.free.axes))
-    )
+    extrinsics_alone = estimated.chart.rig_at(estimated.with_free(case.free.axes))
+    held = row_errors(_rows_at(case.of_extrinsics, answer.found, extrinsics_alone))
     if reason.accepted:
-        outcome = outcome_if_accepted if case.free.lenses else IntrinsicsOutcome.REFINED
+        outcome = outcome_if_accepted if case.free.intrinsics else IntrinsicsOutcome.REFINED
     else:
         outcome = IntrinsicsOutcome.REFUSED if answer.enough else IntrinsicsOutcome.NOT_SOLVED
     return intrinsics_of(
@@ -219,7 +216,7 @@ def _intrinsics(
         theta,
         case.free.shared,
         outcome,
-        fixed_px=float(np.mean(fixed_evidence.medians(fixed_evidence.residual))),
+        fixed_px=held.after,
         freed_px=rows.after,
         shown=len(_occupied_tiles(answer.found)) / TILES_OF_A_FRAME,
         expected_px=estimated.row_error_px(theta)[10][0],
@@ -227,20 +224,9 @@ def _intrinsics(
     )
 
 
-def rows_of(case: Case, answer: Answer) -> RowErrors:
-    """Row errors of the correspondences, under the initial calibration and the candidate."""
-    return _row_errors(case, answer.found, answer.estimate, answer.free, answer.decision)
-
-
-def _row_errors(
-    case: Case, found: Correspondences, estimated: Estimate, free: Parameters, decision: Decision
-) -> RowErrors:
-    evidence_at_candidate = _evidence_at(case.with_free(free), found, estimated.chart.rig_at(decision.theta))
-    return compared(
-        evidence_at_candidate,
-        evidence_at_candidate.medians(evidence_at_candidate.start_residual),
-        evidence_at_candidate.medians(evidence_at_candidate.residual),
-    )
+def rows_of(case: Case, answer: Answer) -> RowResiduals:
+    """Row differences of the correspondences, under the initial calibration and the candidate."""
+    return _rows_at(case.with_free(answer.free), answer.found, answer.estimate.chart.rig_at(answer.decision.theta))
 
 
 def _occupied_tiles(found: Correspondences) -> Int[np.ndarray, "p"]:
@@ -248,7 +234,6 @@ def _occupied_tiles(found: Correspondences) -> Int[np.ndarray, "p"]:
     return np.unique(np.asarray(found.tile)[np.asarray(found.weight) > 0] % TILES_OF_A_FRAME)
 
 
-def _evidence_at(case: Case, found: Correspondences, candidate: StereoRig) -> Evidence:
+def _rows_at(case: Case, found: Correspondences, candidate: StereoRig) -> RowResiduals:
     """Row differences under the initial calibration and a candidate, as they are."""
-    chart = row_chart(case.rig, case.reach, case.free)
-    return evidence(chart, found, chart.coordinates_of(candidate))
+    return row_residuals(case.chart, found, case.chart.coordinates_of(candidate))

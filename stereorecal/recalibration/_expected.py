@@ -11,12 +11,12 @@ from stereorecal._central_difference import central_differences
 from stereorecal._json_data import json_data
 from stereorecal.estimation import Estimate
 from stereorecal.geometry import StereoRig, View
-from stereorecal.objectives import RigChart
-from stereorecal.recalibration._effects import STEP, row_errors_of
 from stereorecal.recalibration._interval import Interval
+from stereorecal.recalibration._rig_errors import STEP, row_errors_of
 from stereorecal.report.number_text import change
 
 _GRID = (17, 13)  # points of the view
+_ROWS_AT = 10.0  # baselines
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,34 +51,24 @@ def _from_to(error: Interval) -> str:
     return f"{change(error.low, 'far')} to {change(error.high, 'far')}"
 
 
-def expected(
-    used: StereoRig,
-    chart: RigChart,
-    z: Float[np.ndarray, "n"],
-    covariance: Float[np.ndarray, "n n"],
-    view: View,
-    rows_px: float,
-    depth_percent: Mapping[int, Interval],
-) -> Expected:
-    """What to expect of `used`, if the true rig lies around the point z of the chart with this covariance, rows are so
-    far apart and depth is wrong by so much."""
+def expected_of(estimated: Estimate, used: StereoRig, view: View, rows_px: float) -> Expected:
+    """What to expect of a rig, the true one being where the estimate says.
+
+    Args:
+        rows_px: of the rig over the view, which the decision tells.
+    """
     width, height = view.size
     columns, rows = np.linspace(0, width - 1, _GRID[0]), np.linspace(0, height - 1, _GRID[1])
 
-    def row_errors(at: Float[np.ndarray, "n"]) -> Float[np.ndarray, "h w"]:
-        return row_errors_of(used, chart.rig_at(at), view, columns, rows)[0]
+    def row_errors(theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "h w"]:
+        return row_errors_of(used, estimated.chart.rig_at(theta), view, columns, rows, (_ROWS_AT,))[0]
 
-    slopes = central_differences(row_errors, z, STEP)
-    spread = np.sqrt(np.maximum(np.einsum("hwi,ij,hwj->hw", slopes, covariance, slopes), 0.0))
-    return Expected(row_errors(z), spread, rows_px, depth_percent)
-
-
-def expected_by(estimated: Estimate, used: StereoRig, view: View, rows_px: float) -> Expected:
-    """What to expect of a rig: rows over the view, which the decision tells, and depth with its 95 % interval."""
-    depth = depth_by(estimated, estimated.chart.coordinates_of(used))
-    return expected(used, estimated.chart, estimated.theta, estimated.posterior.covariance, view, rows_px, depth)
+    slopes = central_differences(row_errors, estimated.theta, STEP)
+    variance = np.einsum("hwi,ij,hwj->hw", slopes, estimated.posterior.covariance, slopes)
+    depth = depth_error_intervals(estimated, estimated.chart.coordinates_of(used))
+    return Expected(row_errors(estimated.theta), np.sqrt(np.maximum(variance, 0.0)), rows_px, depth)
 
 
-def depth_by(estimated: Estimate, used: Float[np.ndarray, "n"]) -> dict[int, Interval]:
+def depth_error_intervals(estimated: Estimate, used: Float[np.ndarray, "n"]) -> dict[int, Interval]:
     """The error of depth of the rig at θ = used."""
     return {distance: Interval(*ends) for distance, ends in estimated.depth_error_percent(used).items()}

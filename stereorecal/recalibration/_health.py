@@ -13,18 +13,18 @@ from stereorecal.decision import LIMITS, Verdict
 from stereorecal.estimation import check_prior, rig_parameters
 from stereorecal.geometry import StereoRig, View, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
-from stereorecal.recalibration._acceptance import FALSE, LEAST_COVERED, Reason, loses_regions
+from stereorecal.recalibration._acceptance import FALSE, LEAST_COVERED, Reason, loses_regions, row_errors
 from stereorecal.recalibration._as_dict import score_as_dict
 from stereorecal.recalibration._calibration_warnings import doubts
+from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._correction import Correction, correction_of
+from stereorecal.recalibration._ending import counts
 from stereorecal.recalibration._estimate_and_decide import Answer, rows_of
-from stereorecal.recalibration._expected import depth_by
+from stereorecal.recalibration._expected import depth_error_intervals
 from stereorecal.recalibration._health_text import health_text
-from stereorecal.recalibration._look import look_at
+from stereorecal.recalibration._initial_assessment import assess_initial_rig
 from stereorecal.recalibration._prior_use import prior_for_health
 from stereorecal.recalibration._settings import HealthOptions, as_settings
-from stereorecal.recalibration._stage_result import counts
-from stereorecal.recalibration._stages import Case
 from stereorecal.recalibration._unmatched import LIKELY, is_sparse
 from stereorecal.recalibration._windows import check_motion, following
 from stereorecal.recordings import Pairs
@@ -188,7 +188,7 @@ def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> He
     windows = following(images.pairs, range(len(images.pairs)), settings.motion, prior)
     matcher, limits = with_measured_range(settings.matcher, images), settings.tolerances
     case = Case(images, matcher, settings.reach, settings.free, prior, windows=windows, tolerances=limits)
-    look = look_at(case, settings.schedule.stages[-1])
+    look = assess_initial_rig(case, settings.schedule.stages[-1])
     score = _score(images, case.matcher)
     quality = max((image_quality(pair) for pair in images.pairs), key=lambda one: one.texture)
     answer = look.answer if look is not None else None
@@ -204,11 +204,11 @@ def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> He
         refuse_swapped_images(images, answer.excluded)
         names = tuple(images.pairs[f].name for f in answer.excluded)
         return unmeasured(covered, names)
-    if not answer.enough or answer.by_chance:
+    estimated, rows = answer.estimate, row_errors(rows_of(case, answer))
+    if not answer.enough or (answer.sparse and rows.after > FALSE):  # rows as far apart as those of chance matches
         refuse_swapped_images(images)
         return unmeasured(covered)
-    estimated, rows = answer.estimate, rows_of(case, answer)
-    depth = depth_by(estimated, np.zeros(len(estimated.names)))
+    depth = depth_error_intervals(estimated, np.zeros(len(estimated.names)))
     correction = correction_of(estimated, answer.decision, depth, rows.after)
     loses = not answer.decision.refused and _loses_regions(case, answer)
     return Health(score, rows.before, covered, quality, correction, (), doubtful, loses, images.view)

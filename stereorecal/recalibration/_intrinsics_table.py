@@ -2,12 +2,12 @@
 
 from stereorecal.geometry import StereoRig, intrinsic
 from stereorecal.recalibration._freed_intrinsics import Intrinsics
-from stereorecal.report.repair_report import Lens
+from stereorecal.report.repair_report import Intrinsic
 
 _CALLED = {"f": "focal length, f", "cx": "centre, cx", "cy": "centre, cy", "aspect": "aspect, fy / fx"}
 
 
-def lenses_of(intrinsics: Intrinsics | None, initial: StereoRig, candidate: StereoRig) -> list[Lens]:
+def intrinsics_table(intrinsics: Intrinsics | None, initial: StereoRig, candidate: StereoRig) -> list[Intrinsic]:
     """One row for each number, if they were taken; else none: then they stay, and are no answer."""
     if intrinsics is None or not intrinsics.taken:
         return []
@@ -21,5 +21,5 @@ def lenses_of(intrinsics: Intrinsics | None, initial: StereoRig, candidate: Ster
         pixels = name in ("f", "cx", "cy")
         unit, digits = ("px", 2) if pixels else ("", 5)
         observed = full not in intrinsics.undetermined
-        found.append(Lens(camera, _CALLED.get(name, name), unit, digits, before, after, half_width, observed))
+        found.append(Intrinsic(camera, _CALLED.get(name, name), unit, digits, before, after, half_width, observed))
     return found

@@ -22,12 +22,12 @@ from stereorecal.estimation import (
 )
 from stereorecal.geometry import StereoRig
 from stereorecal.objectives import Parameters, row_chart
-from stereorecal.recalibration._acceptance import Reason, RowErrors, compared
+from stereorecal.recalibration._acceptance import Reason
 from stereorecal.recalibration._cross_validated_decision import decided_by_cross_validation
 from stereorecal.recalibration._estimate_and_decide import reason_of
-from stereorecal.recalibration._ranges_of_case import prior_of
+from stereorecal.recalibration._prior_use import prior_of
 from stereorecal.recalibration._repaired_recording import RepairedRecording
-from stereorecal.recalibration._row_evidence import TILES_OF_A_FRAME, Evidence, evidence
+from stereorecal.recalibration._row_residuals import TILES_OF_A_FRAME, RowResiduals, row_residuals
 from stereorecal.recalibration._stages import FEWEST
 from stereorecal.recalibration._unmatched import MOST_EXCLUDED
 from stereorecal.recalibration._worker_tasks import Each, matched, range_matches
@@ -67,19 +67,12 @@ class JointEstimate:
         at = self.of(index)
         return self.estimates[at].chart.rig_at(self.decisions[at].theta)
 
-    def rows(self, at: int, decision: Decision) -> tuple[Evidence, RowErrors]:
-        """What is left at the candidate of a decision on an estimate, and its row errors against those of the initial
-        rig."""
+    def rows(self, at: int, decision: Decision) -> RowResiduals:
+        """What is left at the candidate of a decision on an estimate, and under the initial rig."""
         repair, estimated = self.recordings[at].repair, self.estimates[at]
         chart = row_chart(repair.initial, repair.settings.reach, self.free)
-        evidence_at_candidate = evidence(
-            chart, self.estimated_from[at].found, chart.coordinates_of(estimated.chart.rig_at(decision.theta))
-        )
-        return evidence_at_candidate, compared(
-            evidence_at_candidate,
-            evidence_at_candidate.medians(evidence_at_candidate.start_residual),
-            evidence_at_candidate.medians(evidence_at_candidate.residual),
-        )
+        candidate = chart.coordinates_of(estimated.chart.rig_at(decision.theta))
+        return row_residuals(chart, self.estimated_from[at].found, candidate)
 
     def reason(self, at: int, tiles: Int[np.ndarray, "2 k tiles"]) -> Reason:
         """What is said of the rig of an estimate; its tiles have these counts before and after."""

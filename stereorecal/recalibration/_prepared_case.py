@@ -2,13 +2,12 @@
 
 from stereorecal.estimation import rig_parameters, with_boards
 from stereorecal.geometry import StereoRig
+from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._frame_choice import selected_frames
 from stereorecal.recalibration._match_ranges import resolved_ranges
-from stereorecal.recalibration._prior_use import prior_use
-from stereorecal.recalibration._ranges_of_case import prior_of
+from stereorecal.recalibration._prior_use import prior_of, prior_use
 from stereorecal.recalibration._schedule import check_schedule
 from stereorecal.recalibration._settings import Settings
-from stereorecal.recalibration._stages import Case
 from stereorecal.recalibration._windows import check_motion, check_odometer, following
 from stereorecal.recordings import Pairs
 from stereorecal.scoring import pyramid
@@ -37,15 +36,15 @@ def prepared(rig: StereoRig, pairs: Pairs, settings: Settings) -> Case:
     windows = following(images.pairs, numbers, settings.motion, known)
     check_odometer(settings.odometer, images.pairs, windows)
     return Case(
-        images,
-        settings.matcher,
-        settings.reach,
-        free.extrinsics,
-        known,
-        ranges,
-        windows,
-        settings.tolerances,
-        settings.odometer,
-        use,
-        numbers if free.shared or use.dropped else None,
+        images=images,
+        matcher=settings.matcher,
+        reach=settings.reach,
+        free=free.extrinsics,
+        prior=known,
+        ranges=ranges,
+        windows=windows,
+        tolerances=settings.tolerances,
+        odometer=settings.odometer,
+        prior_use=use,
+        selected=numbers if free.shared or use.dropped else None,
     )

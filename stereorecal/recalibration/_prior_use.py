@@ -23,9 +23,11 @@ from stereorecal.estimation import (
     is_exact,
     recentred_posterior,
     rig_parameters,
+    with_deviations,
 )
 from stereorecal.geometry import StereoRig
 from stereorecal.io import about, load_rig, stored_prior
+from stereorecal.objectives import BASELINE, EXTRINSICS, Parameters, Reach
 from stereorecal.recordings import Pair
 
 AGAIN, GIVEN = "saved, without these pairs", "given"
@@ -205,3 +207,16 @@ def fingerprint(pair: Pair) -> str:
     for image in (pair.left, pair.right):
         digest.update(np.ascontiguousarray(image, np.float32).data)
     return digest.hexdigest()
+
+
+def prior_of(prior: Prior, free: Parameters, rig: StereoRig, reach: Reach, *, ranges: bool) -> Prior:
+    """What is known of the calibration: the prior, with what `free` says of single parameters. Where all is exact, what
+    is free and no drift moves is as uncertain as `free` has it."""
+    sigmas = {name: sigma for name, sigma in free.priors.items() if name not in EXTRINSICS}
+    if exact := is_exact(prior):
+        sigmas = {one.name: one.sigma for one in free.of(rig, reach) if one.name in free.shared}
+    baseline_observable = ranges and not exact and BASELINE not in sigmas
+    if not sigmas and not baseline_observable:
+        return prior
+    chart = rig_parameters(rig)
+    return with_deviations(as_prior(prior, chart, baseline_observable=baseline_observable), chart, sigmas)

@@ -2,26 +2,12 @@
 
 from collections.abc import Sequence
 
-from stereorecal.estimation import NO_RANGES, MatchedRanges, Prior, as_prior, is_exact, rig_parameters, with_deviations
+from stereorecal.estimation import NO_RANGES, MatchedRanges
 from stereorecal.geometry import StereoRig
-from stereorecal.objectives import BASELINE, EXTRINSICS, Parameters, Reach
 from stereorecal.recalibration._acceptance import Reason
+from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._match_ranges import RangesSeen, match_ranges
-from stereorecal.recalibration._stages import Case
 from stereorecal.scoring import Correspondences
-
-
-def prior_of(prior: Prior, free: Parameters, rig: StereoRig, reach: Reach, *, ranges: bool) -> Prior:
-    """What is known of the calibration: the prior, with what `free` says of single parameters. Where all is exact, what
-    is free and no drift moves is as uncertain as `free` has it."""
-    sigmas = {name: sigma for name, sigma in free.priors.items() if name not in EXTRINSICS}
-    if exact := is_exact(prior):
-        sigmas = {one.name: one.sigma for one in free.of(rig, reach) if one.name in free.shared}
-    baseline_observable = ranges and not exact and BASELINE not in sigmas
-    if not sigmas and not baseline_observable:
-        return prior
-    chart = rig_parameters(rig)
-    return with_deviations(as_prior(prior, chart, baseline_observable=baseline_observable), chart, sigmas)
 
 
 def matched_ranges(

@@ -9,16 +9,16 @@ from stereorecal._arrays import refuse_tracers
 from stereorecal.decision import Verdict
 from stereorecal.geometry import StereoRig
 from stereorecal.recalibration._acceptance import Reason
+from stereorecal.recalibration._case import Case
+from stereorecal.recalibration._ending import Ending
 from stereorecal.recalibration._ending_of_search import ending_of
-from stereorecal.recalibration._estimate_and_decide import ended_by
-from stereorecal.recalibration._look import Look, look_at
+from stereorecal.recalibration._initial_assessment import InitialAssessment, assess_initial_rig
 from stereorecal.recalibration._prepared_case import prepared
 from stereorecal.recalibration._search import run_schedule, started
 from stereorecal.recalibration._settings import RepairOptions, Settings, as_settings
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._solution_of import solution_of
-from stereorecal.recalibration._stage_result import Ending
-from stereorecal.recalibration._stages import Case, StageRun, last_matched
+from stereorecal.recalibration._stages import StageRun, last_matched
 from stereorecal.recordings import Pairs
 
 
@@ -65,25 +65,25 @@ def recalibrate_case(case: Case, settings: Settings, began: float | None = None)
     # Prepare: the disparity range, where to start, one look.
     case, start, cost = started(case, schedule)
     to_decide = case.with_free(settings.free)
-    look = look_at(to_decide, schedule.stages[-1])
-    if look is not None:
-        cost = replace(cost, starts=cost.starts + look.cost)  # outside the budget, as all that comes before the search
-        if look.answer is not None and look.verdict is Verdict.GOOD:
-            ending = ended_by(to_decide, look.answer)
-            return solution_of(to_decide, settings, (look.run_at_no_cost,), ending, cost, began)
+    initial = assess_initial_rig(to_decide, schedule.stages[-1])
+    if initial is not None:
+        cost = replace(cost, starts=cost.starts + initial.cost)  # outside the budget, as all before the search
+        if initial.verdict is Verdict.GOOD:
+            ending = initial.ending(to_decide)
+            return solution_of(to_decide, settings, (initial.run_at_no_cost,), ending, cost, began)
 
     # Search; estimate and decide; the look, where that left doubt.
     case, stages = run_schedule(case, settings, start, began)
     to_decide = case.with_free(settings.free)
     ending = ending_of(to_decide, schedule, stages)
-    if look is not None and look.answer is not None and look.repairs and not search_stands(ending, stages, look):
-        ending, stages = ended_by(to_decide, look.answer), (*stages, look.run_at_no_cost)
+    if initial is not None and initial.repairs and not search_stands(ending, stages, initial):
+        ending, stages = initial.ending(to_decide), (*stages, initial.run_at_no_cost)
 
     # Report.
     return solution_of(to_decide, settings, stages, ending, cost, began)
 
 
-def search_stands(ending: Ending, stages: Sequence[StageRun], look: Look) -> bool:
+def search_stands(ending: Ending, stages: Sequence[StageRun], initial: InitialAssessment) -> bool:
     """Whether what the search ended with is kept, though a look is sure of a repair: a repair that explains the rows,
     or, where the look's does not either, has no larger row error or leaves it to intrinsics; and doubt, if it comes of
     more that matches."""
@@ -91,9 +91,9 @@ def search_stands(ending: Ending, stages: Sequence[StageRun], look: Look) -> boo
         return True  # it accepts nothing: the search that might have contradicted the look was not finished
     if not ending.reason.accepted:
         run = last_matched(stages)
-        return run is not None and run.found is not None and run.found.covered > look.covered
+        return run is not None and run.found is not None and run.found.covered > initial.covered
     decision = ending.decision
     if decision is None or decision.explains:
         return True
-    no_larger = float(decision.rows_px[1, 0]) <= look.row_error
-    return not look.explains and (decision.left_to_intrinsics or no_larger)
+    no_larger = float(decision.rows_px[1, 0]) <= initial.row_error
+    return not initial.explains and (decision.left_to_intrinsics or no_larger)

@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from stereorecal._json_data import json_data
-from stereorecal.recalibration._row_evidence import TILES_OF_A_FRAME, Evidence
+from stereorecal.recalibration._row_residuals import TILES_OF_A_FRAME, RowResiduals
 from stereorecal.scoring import TILES
 
 _FEWEST = 10  # correspondences in a region: below that its median is mostly noise
@@ -88,7 +88,7 @@ def _beyond_noise(medians: Float[np.ndarray, "r"], error: Float[np.ndarray, "r"]
     return float(np.sqrt(max(np.mean(medians**2 - error**2), 0.0))) if medians.size else 0.0
 
 
-def misfit(found: Evidence) -> Misfit:
+def misfit(found: RowResiduals) -> Misfit:
     """The misfit of a solution."""
     tiles, counts = np.unique(found.tile, return_counts=True)
     regions = []

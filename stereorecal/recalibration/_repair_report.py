@@ -10,14 +10,14 @@ from stereorecal._errors import InputError
 from stereorecal._json_data import json_data
 from stereorecal.geometry import PINHOLE, StereoRig
 from stereorecal.recalibration._acceptance import Reason
-from stereorecal.recalibration._intrinsics_table import lenses_of
+from stereorecal.recalibration._intrinsics_table import intrinsics_table
+from stereorecal.recalibration._motion_report import motion_text
 from stereorecal.recalibration._regional_misfit import WORTH_SAYING
 from stereorecal.recalibration._repair_text import axes_of
 from stereorecal.recalibration._result import AbstractResult
 from stereorecal.recalibration._row_maps import climbs_of, row_map, way_of
 from stereorecal.recalibration._settings_text import matcher_as_text, origins_of, settings_as_text
 from stereorecal.recalibration._uncertainty import NORMAL_95
-from stereorecal.recalibration._windows import described
 from stereorecal.recordings import Pair
 from stereorecal.report.number_text import count, number, percent
 from stereorecal.report.repair_report import Conclusion, Depth, RepairReport, Sight
@@ -74,7 +74,7 @@ def report_of(
         expected=expected and np.abs(expected.rows) + NORMAL_95 * expected.rows_deviation,
         expected_said=expected and str(expected),
         axes=axes_of(solution) if telling else (),
-        lenses=lenses_of(solution.intrinsics, solution.initial, solution.candidate) if telling else (),
+        intrinsics=intrinsics_table(solution.intrinsics, solution.initial, solution.candidate) if telling else (),
         depths=_depths(solution) if solution.reason.healthy else (),  # a wrong candidate tells none
         climbs=climbs_of(solution.stages),
         way=way,
@@ -157,7 +157,7 @@ def _remarks(solution: AbstractResult) -> list[str]:
     if solution.ranges is not None:
         remarks.append(f"Ranges: {solution.ranges}.")
     if solution.estimate is not None and solution.estimate.windows:
-        remarks.append(f"Motion: {described(solution.estimate)}.")
+        remarks.append(f"Motion: {motion_text(solution.estimate)}.")
     return remarks
 
 

@@ -6,9 +6,9 @@ from stereorecal.estimation import DEFAULT, EXACT
 from stereorecal.geometry import AXES, PINHOLE
 from stereorecal.objectives import BASELINE
 from stereorecal.recalibration._acceptance import Reason
+from stereorecal.recalibration._motion_report import motion_text
 from stereorecal.recalibration._regional_misfit import WORTH_SAYING, Cause, Misfit
 from stereorecal.recalibration._result import AbstractResult
-from stereorecal.recalibration._windows import described
 from stereorecal.report.number_text import change, depths
 from stereorecal.report.repair_report import Axis
 from stereorecal.report.repair_text import RepairText
@@ -65,7 +65,7 @@ def _remarks(solution: AbstractResult) -> list[tuple[str, str]]:
     if solution.ranges is not None:
         lines.append(("ranges", str(solution.ranges)))
     if estimate is not None and estimate.windows:
-        lines.append(("motion", described(estimate)))
+        lines.append(("motion", motion_text(estimate)))
     if solution.left_out:
         lines.append(("", f"left out, since they disagree with the others: {', '.join(solution.left_out)}"))
     if solution.disagreeing:

@@ -46,10 +46,10 @@ class RepairedRecording:
         estimate = self.repair.estimate
         return NO_WINDOWS if estimate is None else estimate.windows.numbered(self.repair.frames.used)
 
-    def usable(self, *, lenses: bool) -> bool:
-        """Whether it can take part: where lenses are free, frames may disagree by theirs; that is judged at the end."""
+    def usable(self, *, intrinsics_free: bool) -> bool:
+        """Whether it can take part. Frames may disagree by intrinsics that are free; that is judged at the end."""
         found, reason = self.repair.found, self.repair.reason
-        if reason in _UNUSABLE or (reason is Reason.FRAMES_DISAGREE and not lenses):
+        if reason in _UNUSABLE or (reason is Reason.FRAMES_DISAGREE and not intrinsics_free):
             return False
         return found is not None and found.found >= FEWEST
 

@@ -17,12 +17,12 @@ from stereorecal.recalibration._acceptance import Reason, RowErrors
 from stereorecal.recalibration._calibration_warnings import doubts
 from stereorecal.recalibration._cost import Cost
 from stereorecal.recalibration._difference import Difference, difference
-from stereorecal.recalibration._expected import Expected, expected_by
+from stereorecal.recalibration._expected import Expected, expected_of
 from stereorecal.recalibration._freed_intrinsics import Intrinsics
 from stereorecal.recalibration._match_ranges import RangesSeen
 from stereorecal.recalibration._prior_use import PriorUse, known_after
 from stereorecal.recalibration._regional_misfit import Misfit
-from stereorecal.recalibration._row_evidence import TILES_OF_A_FRAME
+from stereorecal.recalibration._row_residuals import TILES_OF_A_FRAME
 from stereorecal.recalibration._search_path import Waypoint, path_of
 from stereorecal.recalibration._settings import Settings
 from stereorecal.recalibration._stages import StageRun
@@ -297,7 +297,7 @@ class AbstractResult:
         if self.estimate is None or self.decision is None or self.found is None or not self.reason.healthy:
             return None
         rows_px = float(self.decision.rows_px[int(self.accepted), 0])
-        return expected_by(self.estimate, self.rig, self.view, rows_px)
+        return expected_of(self.estimate, self.rig, self.view, rows_px)
 
     @property
     def found(self) -> Correspondences | None:

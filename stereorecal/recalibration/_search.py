@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 
 from stereorecal.geometry import StereoRig
+from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._cost import Cost
 from stereorecal.recalibration._schedule import Schedule, ScoreKind
 from stereorecal.recalibration._settings import Settings
-from stereorecal.recalibration._stages import Case, StageRun, better_start, remaining, run_stage
+from stereorecal.recalibration._stages import StageRun, better_start, remaining, run_stage
 from stereorecal.scoring import host
 from stereorecal.scoring.host import survey
 

@@ -10,14 +10,14 @@ from stereorecal.decision import decide_together, fewer_parameters_suffice
 from stereorecal.estimation import NO_RANGES
 from stereorecal.geometry import StereoRig
 from stereorecal.objectives import BASELINE, Parameters, row_chart
-from stereorecal.recalibration._acceptance import Reason
+from stereorecal.recalibration._acceptance import Reason, row_errors
 from stereorecal.recalibration._freed_intrinsics import Intrinsics, IntrinsicsOutcome, intrinsics_of
 from stereorecal.recalibration._joint_estimate import JointEstimate, joint_estimate
 from stereorecal.recalibration._match_ranges import RangesSeen
 from stereorecal.recalibration._ranges_of_case import ranges_seen
 from stereorecal.recalibration._regional_misfit import misfit
 from stereorecal.recalibration._repaired_recording import RepairedRecording
-from stereorecal.recalibration._row_evidence import TILES_OF_A_FRAME
+from stereorecal.recalibration._row_residuals import TILES_OF_A_FRAME
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._uncertainty import uncertainty_of
 from stereorecal.recalibration._worker_tasks import Each, counted
@@ -34,25 +34,25 @@ def solve_jointly(
         one: all recordings have the same extrinsics.
         each: runs a task for each recording.
     """
-    lenses = bool(free.lenses) or (free.widens and one)
-    part = [recording for recording in recordings if recording.usable(lenses=lenses)]
+    intrinsics_free = bool(free.intrinsics) or (free.widens and one)
+    part = [recording for recording in recordings if recording.usable(intrinsics_free=intrinsics_free)]
     if not part:
         return tuple(_unsolved(recording, free) for recording in recordings)
     solved = joint_estimate(part, free, one=one, each=each)
     if free.widens and not solved.free.shared:
         return tuple(recording.repair for recording in recordings)
     answers, intrinsics = _answers(solved, each), None
-    if solved.free.lenses:
+    if solved.free.intrinsics:
         intrinsics = _intrinsics(
             solved, answers, IntrinsicsOutcome.NEEDED if free.widens else IntrinsicsOutcome.REFINED
         )
         if not intrinsics.taken:
-            solutions = _without_lenses(recordings, free, one=one, each=each)
+            solutions = _with_intrinsics_held(recordings, free, one=one, each=each)
             return tuple(solution.with_findings(intrinsics=intrinsics) for solution in solutions)
     results = iter(_solutions(solved, answers, intrinsics, each))
     return tuple(
         next(results)
-        if r.usable(lenses=lenses)
+        if r.usable(intrinsics_free=intrinsics_free)
         else r.repair.with_findings(
             intrinsics=intrinsics and intrinsics.not_applied(r.repair.reason), ranges=_unmatched(r)
         )
@@ -60,7 +60,7 @@ def solve_jointly(
     )
 
 
-def _without_lenses(
+def _with_intrinsics_held(
     recordings: Sequence[RepairedRecording], free: Parameters, *, one: bool, each: Each
 ) -> tuple[Solution, ...]:
     held = _held(free)
@@ -88,13 +88,12 @@ def _answers(solved: JointEstimate, each: Each) -> list[Solution]:
     for index, (rig, recording, tiles) in enumerate(zip(rigs, recordings, counts, strict=True)):
         repair, at = recording.repair, solved.of(index)
         estimated, decision, reason = solved.estimates[at], solved.decisions[at], reasons[at]
-        evidence_at_candidate, rows = rows_by_solution[at]
         disagreeing = repair.frames.disagreeing if reason is Reason.FRAMES_DISAGREE else ()
         findings = replace(
             repair.findings,
             score_after=Score(int(tiles[1].sum()), repair.score_before.pixels),
-            row_errors=rows,
-            misfit=misfit(evidence_at_candidate),
+            row_errors=row_errors(rows_by_solution[at]),
+            misfit=misfit(rows_by_solution[at]),
             uncertainty=uncertainty_of(estimated, rig, row_chart(repair.initial, repair.settings.reach, solved.free)),
             estimate=estimated,
             decision=decision,
@@ -134,7 +133,8 @@ def _intrinsics(
     outcome = outcome_if_accepted if any(one.accepted for one in answers) else IntrinsicsOutcome.REFUSED
     outcome = IntrinsicsOutcome.NO_GAIN if fewer_parameters_suffice(held, decisions) else outcome
     fixed, freed = (
-        float(np.mean([solved.rows(at, one)[1].after for at, one in enumerate(some)])) for some in (held, decisions)
+        float(np.mean([row_errors(solved.rows(at, one)).after for at, one in enumerate(some)]))
+        for some in (held, decisions)
     )
     tiles = [
         np.asarray(one.found.tile)[np.asarray(one.found.weight) > 0] % TILES_OF_A_FRAME for one in solved.estimated_from
@@ -212,7 +212,7 @@ def _range_report(solved: JointEstimate, index: int, used: StereoRig, reason: Re
 
 def _unsolved(recording: RepairedRecording, free: Parameters) -> Solution:
     """The repair of a recording where nothing that is shared could be solved for."""
-    intrinsics = _not_solved(recording.repair, free) if free.lenses else None
+    intrinsics = _not_solved(recording.repair, free) if free.intrinsics else None
     return recording.repair.with_findings(intrinsics=intrinsics, ranges=_unmatched(recording))
 
 

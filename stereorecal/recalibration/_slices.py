@@ -4,6 +4,7 @@ import time
 from dataclasses import dataclass, replace
 
 from stereorecal.geometry import StereoRig
+from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._cost import Cost
 from stereorecal.recalibration._ending_of_search import ending_of
 from stereorecal.recalibration._schedule import Schedule, ScoreKind, Stage
@@ -11,7 +12,7 @@ from stereorecal.recalibration._search import started
 from stereorecal.recalibration._settings import as_settings
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._solution_of import solution_of
-from stereorecal.recalibration._stages import Case, run_stage
+from stereorecal.recalibration._stages import run_stage
 from stereorecal.strategies import Budget
 
 _SEED = 0  # of strategies that draw random numbers

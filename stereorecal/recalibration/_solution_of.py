@@ -6,13 +6,14 @@ import numpy as np
 
 from stereorecal.estimation import NO_RANGES
 from stereorecal.recalibration._acceptance import Reason
+from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._cost import Cost
+from stereorecal.recalibration._ending import Ending
 from stereorecal.recalibration._ranges_of_case import ranges_seen
 from stereorecal.recalibration._result import Findings, FramesUsed, SearchRun
 from stereorecal.recalibration._settings import Settings
 from stereorecal.recalibration._solution import Solution
-from stereorecal.recalibration._stage_result import Ending
-from stereorecal.recalibration._stages import Case, StageRun
+from stereorecal.recalibration._stages import StageRun
 from stereorecal.scoring import image_quality
 from stereorecal.scoring.host import Score
 

@@ -2,32 +2,26 @@
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from jaxtyping import Float
 
 from stereorecal._renamed import renamed_attributes
-from stereorecal.decision import DEFAULT, Tolerances
-from stereorecal.estimation import EXACT, Prior
 from stereorecal.geometry import StereoRig, same_camera, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import (
-    Parameters,
-    Reach,
     RigChart,
     count_objective,
     epipolar_objective,
     linearised,
     reach_chart,
     rig_count_objective,
-    row_chart,
 )
-from stereorecal.recalibration._prior_use import PriorUse
+from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._schedule import ScoreKind, Stage
-from stereorecal.recordings import Odometer, Range
-from stereorecal.scoring import Correspondences, Loss, Pyramid, ScoringData, host, precisions, with_rays_of
+from stereorecal.scoring import Correspondences, Loss, ScoringData, host, precisions, with_rays_of
 from stereorecal.strategies import Budget, Objective, Run, Status, run_strategy
 
 FEWEST = 60  # correspondences; five parameters from fewer would be guessing
@@ -37,64 +31,6 @@ _FAR = 0.05  # pixels, median change of the row differences by a round: one that
 _SETTLED = 0.015  # pixels, the same by what the mean of the others moves: they scatter by about so much
 
 Extrinsics = Float[np.ndarray, "6"]  # pitch, yaw, roll [rad], x, y, z [m]; float64
-
-
-@dataclass(frozen=True, eq=False)
-class Case:
-    """What is repaired, and with what.
-
-    Attributes:
-        images: taken by the rig whose extrinsics, the initial ones, are the centre of the search box and of the prior.
-        matcher: with its disparity range at full size.
-        free: what the step at hand may change; the rest is held. In the search extrinsics, and for comparisons all else
-            that strategies may search; in the decision all that may change in the end (`with_free`).
-        prior: of what the initial calibration leaves; EXACT: its intrinsics are the truth.
-        ranges: of what the images show.
-        windows: numbers of pairs that follow each other.
-        tolerances: by which it is decided.
-        odometer: what else knows how far the rig travelled.
-        prior_use: where the prior came from, and which of the pairs that were given count; None: no user gave one.
-        selected: numbers of the pairs of `images` among those that were given; None: all of them.
-    """
-
-    images: Pyramid
-    matcher: AbstractMatcher
-    reach: Reach
-    free: Parameters
-    prior: Prior = EXACT
-    ranges: tuple[Range, ...] = ()
-    windows: tuple[tuple[int, int], ...] = ()
-    tolerances: Tolerances = DEFAULT
-    odometer: Odometer | None = None
-    prior_use: PriorUse | None = None
-    selected: tuple[int, ...] | None = None
-
-    @property
-    def rig(self) -> StereoRig:
-        """The initial calibration."""
-        return self.images.rig
-
-    @property
-    def chart(self) -> RigChart:
-        """The box of epipolar residuals, with the prior."""
-        return row_chart(self.rig, self.reach, self.free)
-
-    @property
-    def of_extrinsics(self) -> "Case":
-        """The same case with nothing but the extrinsics free."""
-        return self.with_free(self.free.extrinsics)
-
-    def with_free(self, free: Parameters) -> "Case":
-        """The same case with other parameters free."""
-        return replace(self, free=free)
-
-    def scale_of(self, stage: Stage) -> float:
-        """The image scale at which a stage works."""
-        return stage.scale_for(self.rig.left.size)
-
-    def with_matcher(self, matcher: AbstractMatcher) -> "Case":
-        """The same case with another matcher."""
-        return replace(self, matcher=matcher)
 
 
 @dataclass(frozen=True, eq=False)

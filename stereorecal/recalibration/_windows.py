@@ -7,16 +7,15 @@ from typing import Any
 import numpy as np
 
 from stereorecal._errors import InputError
-from stereorecal.estimation import NO_WINDOWS, Estimate, Prior, Windows, far_enough, is_exact
+from stereorecal.estimation import NO_WINDOWS, Prior, Windows, far_enough, is_exact
+from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._frame_choice import a_moment_after, soon_after
-from stereorecal.recalibration._stages import Case
 from stereorecal.recordings import LONGEST_GAP, Odometer, Pair, share_of
 from stereorecal.scoring import Correspondences
-from stereorecal.scoring.host import Matches, tracked
+from stereorecal.scoring.host import Matches, match_radius, tracked
 
 MOST_WINDOWS = 8  # each costs a third of a second of the estimate
 _LEAST_WAY = 1e-3  # metres: of any way
-_NEAR = 1.5  # cells of dense correspondences: a corner that is farther from all of them is of something else
 
 Windowed = tuple[tuple[int, int], ...]  # numbers of pairs that follow each other
 
@@ -83,12 +82,9 @@ def windows_of(case: Case, found: Correspondences) -> dict[tuple[int, int], Any]
         found: where partners of corners are looked for, with the rays that the cameras of the case's rig give.
     """
     pairs = case.images.pairs
-    matches = {frame: _matches(case, found, frame) for window in case.windows for frame in window}
-    width, height = case.rig.left.size
-    search_radius = _NEAR * float(np.sqrt(width * height / found.weight.shape[1]))
-    found_again = {
-        (a, b): tracked(pairs[a], pairs[b], (matches[a], matches[b]), search_radius) for a, b in case.windows
-    }
+    matches = {frame: Matches.of(found, case.rig, frame) for window in case.windows for frame in window}
+    radius = match_radius(found, case.rig)
+    found_again = {(a, b): tracked(pairs[a], pairs[b], (matches[a], matches[b]), radius) for a, b in case.windows}
     return {(a, b): replace(one, readout=share_of(pairs[a], pairs[b])) for (a, b), one in found_again.items()}
 
 
@@ -145,56 +141,3 @@ def check_odometer(odometer: Odometer | None, pairs: Sequence[Pair], windows: Wi
             f"the odometer's times are {odometer.times[0]:g} to {odometer.times[-1]:g} s, those of the pairs "
             f"{pair_times} s; give both in seconds of one clock, without gaps of more than {LONGEST_GAP:g} s."
         )
-
-
-def as_dict(estimated: Estimate) -> dict[str, Any]:
-    """What the rig's own motion told, as plain data: how many windows, points that were followed, those that fit the
-    motion of the rig, the median of its way from one pair to the next, NaN if too few could be followed, in how many
-    windows it hardly moved or only turned, which tells nothing of depth, and by how much the right shutter may be late,
-    None if it is not."""
-    several = [one for one in estimated.motions if one.motion is not None]
-    inliers, tracks = (sum(getattr(one, name) for one in several) for name in ("inliers", "tracks"))
-    way = float(np.median([one.metres[0] for one in several])) if several else float("nan")
-    still = sum(not one.informative for one in several)
-    summary = {"windows": len(estimated.windows.tracks), "followed": tracks, "fitting": inliers, "metres": way}
-    summary |= {"without_parallax": still}
-    delay = estimated.delay and {
-        "probability": estimated.delay.probability,
-        "value": estimated.delay.seconds,
-        "unit": _unit(estimated),
-    }
-    return summary | {"delay": delay}
-
-
-def _unit(estimated: Estimate) -> str:
-    """Of a delay: where times are not known, all windows last 1, and no two pairs of known times are so far apart."""
-    return "pairs" if set(estimated.windows.seconds) == {1.0} else "s"
-
-
-def described(estimated: Estimate) -> str:
-    """What the rig's own motion told, in a line."""
-    summary = as_dict(estimated)
-    if not summary["followed"]:
-        return f"{summary['windows']} windows, too few points could be followed"
-    return (
-        f"{summary['windows']} windows, {summary['fitting']} of {summary['followed']} points fit the motion of the "
-        f"rig, {summary['metres']:.3g} m from one pair to the next (median)" + _still(summary) + _late(summary["delay"])
-    )
-
-
-def _still(summary: dict[str, Any]) -> str:
-    some = summary["without_parallax"]
-    return f"; in {some} of them the rig only turned or stood still, which tells nothing of depth" if some else ""
-
-
-def _late(delay: dict[str, Any] | None) -> str:
-    if delay is None or delay["probability"] < 0.5:
-        return ""
-    unit = "s" if delay["unit"] == "s" else "of the time between pairs"
-    return f"; the right shutter is late by {delay['value']:.2g} {unit}"
-
-
-def _matches(case: Case, found: Correspondences, frame: int) -> Matches:
-    valid = np.asarray(found.weight[frame]) > 0
-    left, right = (np.asarray(rays[frame], float)[valid] for rays in (found.left, found.right))
-    return Matches(np.asarray(case.rig.left.project(left)), np.asarray(case.rig.right.project(right)))

@@ -89,7 +89,7 @@ class Axis:
 
 
 @dataclass(frozen=True)
-class Lens:
+class Intrinsic:
     """The change of one intrinsic parameter of a camera.
 
     Attributes:
@@ -144,8 +144,8 @@ class RepairReport:
         expected: (h, w) half width of the 95 % interval around zero of the row errors of the calibration to use, over
             the view; NaN where not both cameras see the point.
         expected_said: the expectations in a sentence.
-        axes, lenses, depths: tables; empty where the candidate means nothing, or nothing was refined. No depths of a
-            calibration that is not known to be good.
+        axes, intrinsics, depths: tables; empty where the candidate means nothing, or nothing was refined. No depths of
+            a calibration that is not known to be good.
         climbs: of the stages that maximise a count.
         way: median row error after so many units, along the whole repair; None if it is not known.
         frames: each pair's name, whether it was used, and why not.
@@ -170,7 +170,7 @@ class RepairReport:
     expected: Float[np.ndarray, "h_e w_e"] | None
     expected_said: str | None
     axes: Sequence[Axis]
-    lenses: Sequence[Lens]
+    intrinsics: Sequence[Intrinsic]
     depths: Sequence[Depth]
     climbs: Sequence[Climb]
     way: Climb | None

@@ -10,7 +10,7 @@ import numpy as np
 import stereorecal as sr
 from stereorecal.geometry import Camera, changed_camera, view
 from stereorecal.objectives import Parameters
-from stereorecal.recalibration._effects import depth_errors, row_errors_of
+from stereorecal.recalibration._rig_errors import depth_errors, row_errors_of
 from stereorecal.recalibration._uncertainty import NORMAL_95
 
 BOTH = ("extrinsics", "intrinsics")

@@ -11,7 +11,7 @@ import stereorecal as sr
 from stereorecal.comparison import errors_by_truth
 from stereorecal.estimation import Estimate, Posterior, rig_parameters
 from stereorecal.recalibration import RangesSeen
-from stereorecal.recalibration._windows import as_dict as motion_as_dict
+from stereorecal.recalibration._motion_report import motion_as_dict
 
 INTRINSICS = sr.Intrinsics(  # freeing them takes longer than a test may
     sr.IntrinsicsOutcome.REFINED, ("k1",), ("",), np.zeros(1), np.ones(1), (), 0.2, 0.1, 0.9, 0.1

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, strategies as st
 
 from stereorecal import SAD, make_pair, recalibrate
-from stereorecal.recalibration import Condition, Evidence, Reason, RowErrors, health
-from stereorecal.recalibration._acceptance import compared, loses_regions, verdict_on_count
+from stereorecal.recalibration import Condition, Reason, RowErrors, RowResiduals, health
+from stereorecal.recalibration._acceptance import loses_regions, row_errors, verdict_on_count
 
 PRIOR = 0.2
 SAD_48 = SAD(num_disparities=48)  # which other files have compiled
@@ -34,14 +34,12 @@ def test_the_count_alone_must_rise(before, after):
 
 def paired(before: np.ndarray, after: np.ndarray) -> RowErrors:
     """Of one frame, each tile at its own place."""
-    nothing = np.zeros(len(before))
-    facts = Evidence(np.zeros(5), np.zeros((len(before), 5)), *[nothing] * 4, np.arange(len(before)), PRIOR)
-    return compared(facts, before, after)
+    return row_errors(RowResiduals(residual=after, start_residual=before, tile=np.arange(len(before))))
 
 
 def test_significance_is_that_of_a_paired_test():
     rng = np.random.default_rng(0)
-    before = rng.uniform(0, 3, 48)
+    before = rng.uniform(0.5, 3, 48)
     after = before - 0.1 + rng.normal(0, 0.05, 48)
     found = paired(before, after)
     gain = before - after

@@ -10,12 +10,12 @@ from rich.console import Console
 from stereorecal.geometry import StereoRig
 from stereorecal.matching import SAD
 from stereorecal.recalibration import Reason, Repair, Schedule, ScoreKind, Solution, Stage, recalibrate
-from stereorecal.recalibration._look import Look, look_at
+from stereorecal.recalibration._ending import Ending
+from stereorecal.recalibration._initial_assessment import InitialAssessment, assess_initial_rig
 from stereorecal.recalibration._prepared_case import prepared
 from stereorecal.recalibration._recalibrate import search_stands
 from stereorecal.recalibration._search import started
 from stereorecal.recalibration._settings import as_settings
-from stereorecal.recalibration._stage_result import Ending
 from stereorecal.recordings import Pair
 from stereorecal.report.repair_tables import repairs_table
 from stereorecal.strategies import AbstractStrategy, Budget, Need, Outcome, Status
@@ -276,14 +276,14 @@ def test_a_look_repairs_nothing_where_a_search_saw_more_and_doubts(harbour):
 
 
 @pytest.fixture(scope="module")
-def look(harbour) -> Look:
+def look(harbour) -> InitialAssessment:
     start, schedule = drifted((0.2, -0.3, -0.2, 0.0, 0.0)), Schedule.default()
     settings = as_settings({"matcher": SAD_48, "prior": "exact", "schedule": schedule})
     case, *_ = started(prepared(start, harbour, settings), schedule)
-    return look_at(case.with_free(settings.free), schedule.stages[-1])
+    return assess_initial_rig(case.with_free(settings.free), schedule.stages[-1])
 
 
-def that_leaves(look: Look, rows: float) -> Look:
+def that_leaves(look: InitialAssessment, rows: float) -> InitialAssessment:
     """The same with a candidate of this row error."""
     decision = look.answer.decision
     said = np.stack([decision.rows_px[0], decision.rows_px[1] * rows / decision.rows_px[1, 0]])

@@ -42,10 +42,7 @@ def test_the_likely_cause(spoil, cause):
 
 def test_nothing_to_look_at():
     found, none = seen(nothing), slice(0)
-    rows = {
-        name: getattr(found, name)[none]
-        for name in ("jacobian", "residual", "start_residual", "weight", "curvature", "tile")
-    }
+    rows = {name: getattr(found, name)[none] for name in ("residual", "start_residual", "tile")}
     left = misfit(replace(found, **rows))
     assert (left.rms, left.high, left.rms_before) == (0.0, 0.0, 0.0)
     assert left.cause is Cause.REGIONS

@@ -142,10 +142,10 @@ def test_lenses(repaired, harbour):
     seen = Intrinsics(taken, names, units, np.zeros(4), interval, ("right.cx",), nan, nan, nan, nan)
     other = replace(repaired, initial=RIG, candidate=replace(RIG, right=right))
 
-    def lenses_of(seen: Intrinsics | None):
-        return reported(replace(other, findings=replace(other.findings, intrinsics=seen)), harbour).lenses
+    def intrinsics_of(seen: Intrinsics | None):
+        return reported(replace(other, findings=replace(other.findings, intrinsics=seen)), harbour).intrinsics
 
-    focal, centre, first = lenses_of(seen)
+    focal, centre, first = intrinsics_of(seen)
     assert (focal.camera, focal.name, focal.unit) == ("right", "focal length, f", "px")
     before = float(RIG.right.matrix[0, 0])
     np.testing.assert_allclose([focal.before, focal.after], [before, before * np.exp(0.01)])
@@ -153,4 +153,4 @@ def test_lenses(repaired, harbour):
     assert (centre.observed, first.observed) == (False, True)
     np.testing.assert_allclose([centre.after - centre.before, centre.half_width], [2.0, 0.25])
     np.testing.assert_allclose(first.after - first.before, 0.02)
-    assert lenses_of(None) == lenses_of(replace(seen, outcome=kept)) == []
+    assert intrinsics_of(None) == intrinsics_of(replace(seen, outcome=kept)) == []

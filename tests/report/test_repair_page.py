@@ -137,7 +137,7 @@ def test_a_page_that_keeps_the_calibration_says_so(conclusion: Conclusion):
 
 
 def test_what_nobody_can_tell_has_no_empty_tables():
-    nothing = {"misfit": None, "axes": (), "depths": (), "lenses": (), "remarks": ()}
+    nothing = {"misfit": None, "axes": (), "depths": (), "intrinsics": (), "remarks": ()}
     read = Reader(repair_page(made_up(conclusion=Conclusion.UNKNOWN, measured=False, **nothing)))
     assert [text.strip() for text in read.texts["h2"]] == [
         "One rectified pair",
@@ -152,7 +152,9 @@ def test_no_column_of_dashes():
     axes = [replace(axis, half_width=None) for axis in made_up().axes]
     depths = [replace(depth, expected=None) for depth in made_up().depths]
     for conclusion in (Conclusion.REPAIRED, Conclusion.GOOD):
-        read = Reader(repair_page(made_up(conclusion=conclusion, measured=False, axes=axes, depths=depths, lenses=())))
+        read = Reader(
+            repair_page(made_up(conclusion=conclusion, measured=False, axes=axes, depths=depths, intrinsics=()))
+        )
         assert not [head for head in read.texts["th"] if "95 %" in head]
         assert ("Errors of depth" in read.texts["h2"]) is (conclusion is Conclusion.REPAIRED)
 

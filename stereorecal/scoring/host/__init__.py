@@ -11,7 +11,6 @@ from stereorecal.scoring.host._disparities import disparities as disparities
 from stereorecal.scoring.host._host_correspondences import (
     compile_in_background as compile_in_background,
     correspondences as correspondences,
-    correspondences_and_count as correspondences_and_count,
 )
 from stereorecal.scoring.host._pixel_matches import match_pixels as match_pixels
 from stereorecal.scoring.host._score import (
@@ -33,6 +32,7 @@ from stereorecal.scoring.host._tracking import (
     Matches as Matches,
     corner_tracks as corner_tracks,
     corners as corners,
+    match_radius as match_radius,
     tracked as tracked,
 )
 

@@ -31,23 +31,13 @@ def correspondences(data: ScoringData, extrinsics: Float[AnyArray, "6"], matcher
         extrinsics: (6,): pitch, yaw, roll [rad] and the translation in any unit.
         matcher: any, with `num_disparities` in full-size pixels.
     """
-    return correspondences_and_count(data, extrinsics, matcher)[0]
-
-
-def correspondences_and_count(
-    data: ScoringData, extrinsics: Float[AnyArray, "6"], matcher: AbstractMatcher
-) -> tuple[Correspondences, int]:
-    """The same, and the count, of one match."""
     single = np.asarray(extrinsics, np.float32)
 
-    def one(frame: ScoringData) -> tuple[np.ndarray, np.ndarray, np.ndarray, int]:
+    def one(frame: ScoringData) -> tuple[np.ndarray, ...]:
         found = disparities(frame, single, matcher)[0]
-        rays = _refined(frame, single, _of_one(found))
-        left, right, weight = map(np.asarray, rays)
-        return left, right, weight, int(np.sum(found.valid))
+        return tuple(map(np.asarray, _refined(frame, single, _of_one(found))))
 
-    left, right, weight, counts = zip(*on_all_cores(one, data.frames), strict=True)
-    return gathered(data, *map(np.concatenate, (left, right, weight))), sum(counts)
+    return gathered(data, *map(np.concatenate, zip(*on_all_cores(one, data.frames), strict=True)))
 
 
 def _of_one(found: Disparity) -> Disparity:

@@ -7,10 +7,13 @@ import numpy as np
 from jaxtyping import Bool, Float, UInt8
 
 from stereorecal._cv2 import cv2
+from stereorecal.geometry import StereoRig
 from stereorecal.recordings import Pair
+from stereorecal.scoring._correspondences import Correspondences
 from stereorecal.scoring._tracks import Tracks
 
 _MOST = 2000  # corners
+_NEAR = 1.5  # cells of dense correspondences
 _QUALITY, _APART = 0.005, 6  # of the best corner's response; pixels between corners
 _WINDOW = 15  # pixels
 _LEVELS = 4  # of the pyramid in time; disparities are known to a pixel or so
@@ -30,6 +33,17 @@ class Matches(NamedTuple):
     left: Float[np.ndarray, "k 2"]
     right: Float[np.ndarray, "k 2"]
 
+    @staticmethod
+    def of(found: Correspondences, rig: StereoRig, frame: int = 0) -> "Matches":
+        """Those of a frame.
+
+        Args:
+            rig: whose cameras gave the rays of the correspondences.
+        """
+        valid = np.asarray(found.weight[frame]) > 0
+        left, right = (np.asarray(rays[frame], float)[valid] for rays in (found.left, found.right))
+        return Matches(np.asarray(rig.left.project(left)), np.asarray(rig.right.project(right)))
+
     def partners(self, pixels: Float[np.ndarray, "n 2"]) -> tuple[Float[np.ndarray, "n 2"], Float[np.ndarray, "n"]]:
         """Where pixels of the left image are expected in the right one, by the match that is nearest; and how far away
         that is."""
@@ -37,6 +51,12 @@ class Matches(NamedTuple):
 
         away, nearest = KDTree(self.left).query(pixels)
         return pixels + (self.right - self.left)[nearest], away
+
+
+def match_radius(found: Correspondences, rig: StereoRig) -> float:
+    """Pixels at full size: what is farther from all correspondences is of something else."""
+    width, height = rig.left.size
+    return _NEAR * float(np.sqrt(width * height / found.weight.shape[1]))
 
 
 @dataclass(frozen=True, eq=False)

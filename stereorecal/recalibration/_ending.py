@@ -9,9 +9,9 @@ from stereorecal.decision import Decision
 from stereorecal.estimation import Estimate
 from stereorecal.geometry import StereoRig, same_camera, with_unit_baseline
 from stereorecal.recalibration._acceptance import Reason, RowErrors
+from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._freed_intrinsics import Intrinsics
 from stereorecal.recalibration._regional_misfit import Misfit
-from stereorecal.recalibration._stages import Case
 from stereorecal.recalibration._uncertainty import Uncertainty
 from stereorecal.scoring import host
 from stereorecal.strategies import Status

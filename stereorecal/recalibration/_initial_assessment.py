@@ -1,4 +1,5 @@
-"""One look at the images through a calibration: matched, estimated and decided as a stage does, without a search."""
+"""The assessment of the initial rig: one look at the images through it, matched, estimated and decided as a stage
+does, without a search."""
 
 from dataclasses import dataclass, replace
 
@@ -6,13 +7,15 @@ import numpy as np
 
 from stereorecal.decision import Verdict
 from stereorecal.recalibration._acceptance import LEAST_COVERED
-from stereorecal.recalibration._estimate_and_decide import Answer, answered
+from stereorecal.recalibration._case import Case
+from stereorecal.recalibration._ending import Ending
+from stereorecal.recalibration._estimate_and_decide import Answer, ended_by, estimate_and_decide
 from stereorecal.recalibration._schedule import ScoreKind, Stage
-from stereorecal.recalibration._stages import FEWEST, Case, StageRun, matched
+from stereorecal.recalibration._stages import FEWEST, StageRun, matched
 
 
 @dataclass(frozen=True, eq=False)
-class Look:
+class InitialAssessment:
     """One look at the images through a calibration, without any search.
 
     Attributes:
@@ -32,6 +35,11 @@ class Look:
     def cost(self) -> float:
         """Units that it took."""
         return self.run.cost
+
+    def ending(self, case: Case) -> Ending:
+        """The candidate, and the verdict on it; only with an answer."""
+        assert self.answer is not None
+        return ended_by(case, self.answer)
 
     @property
     def repairs(self) -> bool:
@@ -62,7 +70,7 @@ class Look:
         return answer.decision.verdict if answer is not None and conclusive else None
 
 
-def look_at(case: Case, stage: Stage) -> Look | None:
+def assess_initial_rig(case: Case, stage: Stage) -> InitialAssessment | None:
     """Look at the images as a stage does; None if it has no correspondences.
 
     Args:
@@ -74,4 +82,4 @@ def look_at(case: Case, stage: Stage) -> Look | None:
     found = matched(data, chart, np.zeros(chart.dim), case.matcher)
     run = StageRun(stage, case.scale_of(stage), case.rig, case.rig, (), np.zeros((0, 7)), data.cost, found)
     few = found.found < FEWEST or found.covered < LEAST_COVERED
-    return Look(run, None if few else answered(case, run, case.rig, corners=False))
+    return InitialAssessment(run, None if few else estimate_and_decide(case, run, case.rig, corners=False))

@@ -1,10 +1,10 @@
-"""What a wrong calibration means to a user: epipolar errors, and errors of depth.
+"""Epipolar errors and errors of depth of one rig, if another one is right.
 
 Both follow a point of the world: the better rig says in which pixels it appears, and the one that is used reads those
 pixels in its own way. Everything is NumPy in float64.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from jaxtyping import Float
@@ -24,10 +24,7 @@ def depth_errors(used: StereoRig, better: StereoRig) -> Mapping[int, float]:
     rectified by `used`, whose disparity gives the depth. Positive: reported too far. Infinite where that disparity is
     not positive; NaN where a lens model ends before the point.
     """
-    return {
-        distance: depth_error(nearness)
-        for distance, nearness in zip(DISTANCES, nearnesses(used, better).tolist(), strict=True)
-    }
+    return {distance: depth_error(_nearness(used, better, distance * float(better.baseline))) for distance in DISTANCES}
 
 
 def depth_error(nearness: float) -> float:
@@ -35,13 +32,9 @@ def depth_error(nearness: float) -> float:
     return float("inf") if nearness <= 0.0 else 100.0 * (1.0 / nearness - 1.0)
 
 
-def nearnesses(used: StereoRig, better: StereoRig) -> Float[np.ndarray, "distances"]:
-    """The true depth over the one that `used` reports, of the points of `depth_errors`, at each of DISTANCES: 1 where
-    it is right, 0 and below where it reports infinity and beyond."""
-    return np.array([_nearness(used, better, distance * float(better.baseline)) for distance in DISTANCES])
-
-
 def _nearness(used: StereoRig, better: StereoRig, depth: float) -> float:
+    """The true depth over the one that `used` reports: 1 where it is right, 0 and below where it reports infinity and
+    beyond."""
     ahead = np.array([0.0, 0.0, 1.0])
     to_left, to_right = rectifying_rotations(used.rotation, used.translation)
     left = _at_depth_1(to_left @ _reread(ahead, better.left, used.left))
@@ -52,24 +45,29 @@ def _nearness(used: StereoRig, better: StereoRig, depth: float) -> float:
 
 
 def row_errors_of(
-    used: StereoRig, better: StereoRig, view: View, columns: Float[np.ndarray, "w"], rows: Float[np.ndarray, "h"]
+    used: StereoRig,
+    better: StereoRig,
+    view: View,
+    columns: Float[np.ndarray, "w"],
+    rows: Float[np.ndarray, "h"],
+    distances: Sequence[float] = ROW_DISTANCES,
 ) -> Float[np.ndarray, "distances h w"]:
     """Row of a point in the left image rectified by `used` less its row in the right one, if `better` is right.
 
     Args:
         view: in which `used` rectifies.
         columns, rows: of the points in the left image of the view, in its pixels.
+        distances: of the points from the left camera along its axis, in baselines.
 
     Returns:
-        pixels of the view, for points at each of ROW_DISTANCES from the left camera, in baselines along its axis; NaN
-        where not both cameras see the point.
+        pixels of the view, at each distance; NaN where not both cameras see the point.
     """
     to_left, to_right = rectifying_rotations(used.rotation, used.translation)
     in_view = np.meshgrid(columns, rows)
     rays = np.asarray(view.directions(*in_view, 0)) @ to_left
     true = _reread(_nan_outside_image(rays, used.left), used.left, better.left)
     row_errors = []
-    for distance in ROW_DISTANCES:
+    for distance in distances:
         from_right = true @ better.rotation.T + better.translation / (distance * float(better.baseline))
         read = _reread(_nan_outside_image(from_right, better.right), better.right, used.right) @ to_right.T
         row_errors.append(in_view[1] - view.pixels(_at_depth_1(read), 1)[1])

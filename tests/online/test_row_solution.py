@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from stereorecal.recalibration import Evidence
+from stereorecal.online._row_solution import RowSolution
 
 PRIOR = np.eye(5) * 36.0  # 1 / (a sixth of the box)²: a drift of a third of the reach, in a box of two
 TILES = 48
@@ -20,8 +20,8 @@ def solve(jacobian, target, weight) -> np.ndarray:
     return np.linalg.lstsq(rows, -np.concatenate([root * target, np.zeros(5)]), rcond=None)[0]
 
 
-def problem(seed=0, frames=1, per_tile=12, common=0.0, noise=0.2, truth=None) -> tuple[Evidence, np.ndarray]:
-    """Evidence at the solution of a linear problem whose tiles have errors in common, and its rows at z = 0."""
+def problem(seed=0, frames=1, per_tile=12, common=0.0, noise=0.2, truth=None) -> tuple[RowSolution, np.ndarray]:
+    """The solution of a linear problem whose tiles have errors in common, and its rows at z = 0."""
     rng = np.random.default_rng(seed)
     tile = np.repeat(np.arange(frames * TILES), per_tile).astype(np.int32)
     jacobian = rng.normal(0, 1, (len(tile), 5)) * SCALES
@@ -32,7 +32,17 @@ def problem(seed=0, frames=1, per_tile=12, common=0.0, noise=0.2, truth=None) ->
     target = errors - jacobian @ z
     weight = rng.uniform(0.5, 1.5, len(tile)) / (noise**2 + common**2)
     best = solve(jacobian, target, weight)
-    return Evidence(best, jacobian, target + jacobian @ best, target, weight, weight, tile, 1 / 6), target
+    found = RowSolution(
+        residual=target + jacobian @ best,
+        start_residual=target,
+        tile=tile,
+        z=best,
+        jacobian=jacobian,
+        weight=weight,
+        curvature=weight,
+        prior=1 / 6,
+    )
+    return found, target
 
 
 # --- covariance ---------------------------------------------------------------------------------------------
@@ -97,7 +107,7 @@ def test_errors_in_common_count_as_what_they_are():
         assert low < ratio < high
 
 
-def repeated(found: Evidence, times: int) -> Evidence:
+def repeated(found: RowSolution, times: int) -> RowSolution:
     """The same frame several times."""
     fields = {
         name: np.concatenate([getattr(found, name)] * times)
@@ -129,7 +139,7 @@ def test_few_places_are_less_sure(places):
     assert 0.9 < np.mean(covered) <= 1.0
 
 
-def cut(found: Evidence, places: int) -> Evidence:
+def cut(found: RowSolution, places: int) -> RowSolution:
     """Its first places alone."""
     here = found.tile < places
     names = ("jacobian", "residual", "start_residual", "weight", "curvature", "tile")

@@ -1,0 +1,67 @@
+"""What a rig leaves of the row differences of the last correspondences, tile by tile.
+
+Within a tile errors go together (windows overlap, a surface is smooth or a texture repeats); and what a tile shows in
+one frame it may show in the next (a rig at rest, its own bow), so the tiles at one place of all frames are one unit.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from stereorecal.objectives import RigChart, differences_at
+from stereorecal.scoring import TILES, Correspondences
+
+TILES_OF_A_FRAME = TILES[0] * TILES[1]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class RowResiduals:
+    """Row differences under a rig, and under the initial one.
+
+    Attributes:
+        residual: (m,) pixels at full size.
+        start_residual: (m,) the same under the initial calibration.
+        tile: (m,) which tile of which frame.
+        independent: share of the row differences that carry independent information.
+    """
+
+    residual: Float[np.ndarray, "m"]
+    start_residual: Float[np.ndarray, "m"]
+    tile: Int[np.ndarray, "m"]
+    independent: float = 1.0
+
+    @property
+    def place(self) -> Int[np.ndarray, "m"]:
+        """At which place of its frame each tile lies."""
+        return self.tile % TILES_OF_A_FRAME
+
+    @property
+    def places(self) -> int:
+        """How many places of the frames show something."""
+        return len(np.unique(self.place))
+
+    def medians(self, differences: Float[np.ndarray, "m"]) -> Float[np.ndarray, "t"]:
+        """The median |difference| in each tile."""
+        size = np.abs(differences)
+        size = size[np.lexsort((size, self.tile))]
+        count = np.unique(self.tile, return_counts=True)[1]
+        first = np.cumsum(count) - count
+        return 0.5 * (size[first + (count - 1) // 2] + size[first + count // 2])
+
+    def by_place(self, values: Float[np.ndarray, "t"]) -> Float[np.ndarray, "p"]:
+        """The mean over the frames of what is said of each tile: at each place that shows something."""
+        places, where = np.unique(np.unique(self.tile) % TILES_OF_A_FRAME, return_inverse=True)
+        return np.bincount(where, values, len(places)) / np.bincount(where, minlength=len(places))
+
+
+def row_residuals(chart: RigChart, found: Correspondences, z: Float[np.ndarray, "n"]) -> RowResiduals:
+    """What correspondences say of the rig at a point of the box."""
+    valid, scale = np.asarray(found.weight) > 0, float(found.scale)
+    after, before = (differences_at(found, chart, at)[valid] / scale for at in (z, np.zeros_like(z)))
+    return RowResiduals(
+        residual=after,
+        start_residual=before,
+        tile=np.asarray(found.tile)[valid],
+        independent=float(found.independent),
+    )
