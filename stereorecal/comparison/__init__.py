@@ -5,12 +5,12 @@ from stereorecal.comparison._compare import (
     compare as compare,
     compare_scenes as compare_scenes,
 )
-from stereorecal.comparison._comparison import SCHEMA as SCHEMA, Comparison as Comparison
+from stereorecal.comparison._comparison import Comparison as Comparison
 from stereorecal.comparison._entrants import load_strategies as load_strategies
 from stereorecal.comparison._summary import (
     Summary as Summary,
     Thresholds as Thresholds,
     summarise as summarise,
 )
-from stereorecal.comparison._trial import FAILED as FAILED, SKIPPED as SKIPPED, Trial as Trial
+from stereorecal.comparison._trial import FAILED as FAILED, Trial as Trial
 from stereorecal.comparison._truth import errors_by_truth as errors_by_truth, is_harmful as is_harmful

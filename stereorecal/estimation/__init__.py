@@ -26,6 +26,7 @@ from stereorecal.estimation._consequences import (
 )
 from stereorecal.estimation._cross_validation import frames_by_place as frames_by_place, largest_loss as largest_loss
 from stereorecal.estimation._estimate import (
+    DISTANCES as DISTANCES,
     JUDGED_AT as JUDGED_AT,
     Estimate as Estimate,
     estimate as estimate,
@@ -63,6 +64,10 @@ from stereorecal.estimation._saved_prior import (
     Earlier as Earlier,
     SavedPrior as SavedPrior,
 )
-from stereorecal.estimation._several_recordings import Recording as Recording, estimate_together as estimate_together
+from stereorecal.estimation._several_recordings import (
+    Each as Each,
+    Recording as Recording,
+    estimate_together as estimate_together,
+)
 
 __getattr__ = renamed(__name__, {"Beams": "MatchedRanges", "NO_BEAMS": "NO_RANGES"})

@@ -14,6 +14,7 @@ import jax
 import numpy as np
 from jaxtyping import Bool, Float
 
+from stereorecal.estimation._consequences import AHEAD
 from stereorecal.estimation._jacobian import pixels_of, slopes_by_point, slopes_of
 from stereorecal.estimation._posterior import root
 from stereorecal.geometry import Camera, StereoRig, rotation_between, rotation_from_vector
@@ -53,7 +54,6 @@ _KINDS = (
     _Views(4, (3.0, 8.0), 15.0, 0.2, (0.25, 0.4)),
 )
 _AXIS = np.array([0.0, 0.0, 1.0])
-_AHEAD = 0.1  # cosine of the angle off the axis
 _CORNERS = (9, 6)
 _FEWEST = 20  # corners that both cameras see
 _SEED = 7
@@ -196,7 +196,7 @@ def _information(chart: RigChart, points: Float[np.ndarray, "b c 3"]) -> Float[n
 def _ahead(rig: StereoRig, points: Float[np.ndarray, "*c 3"]) -> Bool[np.ndarray, "*c"]:
     """Whether points are before both cameras, as those must be that have a ray (x/z, y/z, 1)."""
     right = points @ rig.rotation.T + rig.translation
-    return np.minimum(points[..., 2], right[..., 2]) > _AHEAD * np.linalg.norm(points, axis=-1)
+    return np.minimum(points[..., 2], right[..., 2]) > AHEAD * np.linalg.norm(points, axis=-1)
 
 
 def _boards(rig: StereoRig, views: _Views) -> Float[np.ndarray, "b c 3"]:

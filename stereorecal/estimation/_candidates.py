@@ -6,32 +6,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Bool, Float
 
-from stereorecal.estimation._consequences import DISTANCES, Consequences, consequences, points_of_view, readings_at
+from stereorecal.estimation._consequences import Consequences, readings_at
 from stereorecal.geometry import View
 from stereorecal.objectives import RigChart
 
-_KEPT_AT = (10, 30)  # baselines: an offset of disparity and a scale of depth
 _STEPS = 4
 _ROWS_MATTER = 0.1  # pixels: what a matcher notices
 _DEPTH_MATTERS = 0.01  # of the disparity
 _DEPTH_KEPT = 0.0005  # likewise, where depth is not to change
 _NEAR_MEAN = 0.1  # of what a matcher notices, for each deviation of a parameter from its mean
-
-
-def depth_kept(
-    chart: RigChart, mean: Float[np.ndarray, "n"], covariance: Float[np.ndarray, "n n"], view: View | None = None
-) -> Float[np.ndarray, "n"]:
-    """The most probable θ whose disparities are those of the rig at θ = 0, on average over the view; Newton steps along
-    the covariance."""
-    sets = [points_of_view(chart.rig, distance, view) for distance in _KEPT_AT]
-    slopes = consequences(chart, mean, view=view).nearness[[DISTANCES.index(distance) for distance in _KEPT_AT], 0]
-    pull = covariance @ slopes.T
-    theta = mean
-    for _ in range(_STEPS):
-        _, disparity_errors = readings_at(chart.rig_at(theta), chart.rig, sets, view)
-        target = slopes @ (mean - theta) + disparity_errors[:, 0]
-        theta = mean - pull @ np.linalg.lstsq(slopes @ pull, target, rcond=None)[0]
-    return theta
 
 
 @dataclass(frozen=True, eq=False)

@@ -34,7 +34,7 @@ _TAKEN_TOGETHER = (0.0, 0.5, 1.0)  # rows of two images, as shares of their heig
 # unlike a drift, which turns rather than shifts.
 _LATE_SHIFT, _LATE_ANGLE = 20.0, 0.3
 _SEARCHED_AT = 0.07  # pixels of misfit beside a region, while its outline is searched: that of most good pairs, or more
-_FAR = 12.0  # nats below the best: what has no say
+NEGLIGIBLE = 12.0  # nats below the best: what has no say
 _N = PLACES[0] * PLACES[1]
 _DRIFTING = len(DRIFTING)
 
@@ -91,11 +91,11 @@ def fits_with_rivals(
         tried.append((best_of(under)[0], rival))
     # Another prior of the calibration may suit a rival better than it suits the rig alone: twice as far, then.
     again = []
-    for one, rival in _within_nats(tried, best, 2.0 * _FAR):
+    for one, rival in _within_nats(tried, best, 2.0 * NEGLIGIBLE):
         normal = of_all[one.misfit[0]][searched.index(rival)]
         under = _with_rival({one.misfit: normal}, rows.likelihoods, rival, prior, range(len(prior.roots)))
         again.append((best_of(under)[0], rival))
-    return [_fits_with_rival(rows, chart, prior, rival, one) for one, rival in _within_nats(again, best, _FAR)]
+    return [_fits_with_rival(rows, chart, prior, rival, one) for one, rival in _within_nats(again, best, NEGLIGIBLE)]
 
 
 def _log_evidence(one: Explanation) -> float:
@@ -127,7 +127,7 @@ def _fits_with_rival(
         return _with_rival(normals, rows.likelihoods, rival, prior, which)
 
     found = under([DEVIATIONS[at]], range(len(prior.roots)))
-    least = _log_evidence(best_of(found)[0]) - _FAR
+    least = _log_evidence(best_of(found)[0]) - NEGLIGIBLE
     some = [one.prior for one in found if _log_evidence(one) > least]
     neighbouring = {max(at - 1, 0), min(at + 1, len(DEVIATIONS) - 1)} - {at}
     return RivalFit(rival, found + under([DEVIATIONS[index] for index in sorted(neighbouring)], some))

@@ -26,12 +26,12 @@ from stereorecal.objectives import SIDES, RigChart
 
 DISTANCES = (5, 10, 30, 100)  # baselines
 _GRID = (9, 7)  # points of the left image
-_AHEAD = 0.1  # cosine of the angle off the axis
+AHEAD = 0.1  # cosine of the angle off the axis
 _FLAT = 2.0  # tangent of it: farther aside, a pinhole stretches the image five times, and no view shows it
 _MARGIN = 0.05  # of the image, at each side
 _TINY = 1e-30
 _MIDDLE = 0.5  # of the image, each way
-_REGIONS = 3  # each way
+REGIONS = 3  # each way
 
 
 def points_of_view(rig: StereoRig, distance: float, view: View | None = None) -> Float[np.ndarray, "p 3"]:
@@ -78,8 +78,8 @@ def areas(rig: StereoRig, points: Float[np.ndarray, "p 3"], view: View | None = 
 
 def regions(rig: StereoRig, points: Float[np.ndarray, "p 3"]) -> Int[np.ndarray, "p"]:
     """The ninth of the left image in which each point lies, numbered by rows."""
-    column, row = np.clip((_share(rig, points) * _REGIONS).astype(int), 0, _REGIONS - 1).T
-    return row * _REGIONS + column
+    column, row = np.clip((_share(rig, points) * REGIONS).astype(int), 0, REGIONS - 1).T
+    return row * REGIONS + column
 
 
 def _share(rig: StereoRig, points: Float[np.ndarray, "p 3"]) -> Float[np.ndarray, "p 2"]:
@@ -92,7 +92,7 @@ def _rays_of_view(rig: StereoRig, view: View) -> Float[np.ndarray, "_ 3"]:
     to_left, _ = rectifying_rotations(rig.rotation, rig.translation)
     columns, rows = _pixel_grid(view.size).T
     rays = np.asarray(view.directions(columns, rows, 0)) @ to_left
-    rays = rays[rays[:, 2] > _AHEAD * np.linalg.norm(rays, axis=1)]
+    rays = rays[rays[:, 2] > AHEAD * np.linalg.norm(rays, axis=1)]
     pixels = rig.left.project(rays)
     inside = ((pixels >= 0.0) & (pixels <= np.array(rig.left.size) - 1.0)).all(axis=1)
     return rays[inside] / rays[inside, 2:]

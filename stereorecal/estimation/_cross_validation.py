@@ -3,10 +3,10 @@
 import numpy as np
 from jaxtyping import Bool, Float
 
+from stereorecal.estimation._consequences import REGIONS
 from stereorecal.estimation._groups import PLACES, Groups
 
 _SAME_PLACE = 1.0  # pixels of disparity: what a matcher tells apart
-_REGIONS = 3  # of the view, each way
 
 
 def frames_by_place(groups: Groups) -> list[tuple[int, ...]]:
@@ -39,11 +39,11 @@ def largest_loss(groups: Groups, before: Float[np.ndarray, "g"], after: Float[np
     """By how much |row differences| grow at most, on average over a frame, or over a ninth of the view; pixels. NaN if
     a ninth shows nothing."""
     row, column = np.divmod(groups.place, PLACES[0])
-    region = row * _REGIONS // PLACES[1] * _REGIONS + column * _REGIONS // PLACES[0]
+    region = row * REGIONS // PLACES[1] * REGIONS + column * REGIONS // PLACES[0]
     growth = np.abs(after) - np.abs(before)
 
     def mean(within: Bool[np.ndarray, "g"]) -> float:
         return float(np.average(growth[within], weights=groups.count[within])) if within.any() else float("nan")
 
-    of_regions = [mean(region == number) for number in range(_REGIONS**2)]
+    of_regions = [mean(region == number) for number in range(REGIONS**2)]
     return float(np.max([*of_regions, *(mean(groups.frame == frame) for frame in np.unique(groups.frame))]))

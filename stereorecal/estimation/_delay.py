@@ -13,6 +13,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from stereorecal.estimation._calibration_prior import CalibrationPrior
+from stereorecal.estimation._confounders import NEGLIGIBLE
 from stereorecal.estimation._evidence import Normal
 from stereorecal.estimation._explanations import Explanation, best_of, explanations
 from stereorecal.estimation._linear_groups import LinearGroups
@@ -26,7 +27,6 @@ from stereorecal.objectives import RigChart
 _LATE = 0.005  # probability: as of an image that is late among single pairs
 _DELAY = 0.3  # of the time between two pairs: standard deviation
 _STEP = 0.01  # of a motion, for derivatives
-_FAR = 12.0  # nats below the rig alone: what has no say
 _ROUNDS, _SETTLED = 6, 0.01  # standard deviations of the delay
 _FEWEST = 2  # windows that move: one says nothing that the rig does not
 
@@ -78,7 +78,7 @@ def fit_with_delay(
     if not windows.frames:
         return None
     size = _DELAY * float(np.median(windows.seconds))
-    least = float(end.found.log_evidence.max()) - _FAR
+    least = float(end.found.log_evidence.max()) - NEGLIGIBLE
     theta, delay = end.found.means[end.found.log_evidence.argmax()], 0.0
     misfits = list(dict.fromkeys(one.misfit for one in alone))
     ways, late, found = np.zeros((len(windows.tracks), chart.dim)), rows, list(alone)

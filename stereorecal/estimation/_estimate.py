@@ -11,7 +11,7 @@ from jaxtyping import Float
 from stereorecal._choices import checked_choice
 from stereorecal._renamed import renamed_attributes
 from stereorecal.estimation._calibration_prior import CalibrationPrior
-from stereorecal.estimation._candidates import Known, depth_kept, least_loss, least_loss_of_depth_kept
+from stereorecal.estimation._candidates import Known, least_loss, least_loss_of_depth_kept
 from stereorecal.estimation._consequences import (
     DISTANCES,
     Consequences,
@@ -115,12 +115,6 @@ class Estimate:
     def motions(self) -> tuple[Window, ...]:
         """Of the rig at the posterior's mean, in each window."""
         return self.windows.linear_at(self.chart, self.theta)
-
-    @cached_property
-    @one_blas_thread()
-    def depth_kept(self) -> Float[np.ndarray, "n"]:
-        """The most probable θ whose depth is that of the given rig."""
-        return depth_kept(self.chart, self.theta, self.posterior.covariance, self.view)
 
     @one_blas_thread()
     def with_free(self, names: Sequence[str], *, keep_depth: bool = False) -> Float[np.ndarray, "n"]:

@@ -117,28 +117,6 @@ class Explained:
         return self._covariance_without_drift + self.by_drift @ (0.5 * (drift + drift.T)) @ self.by_drift.T
 
 
-def explained(
-    of_rows: Normal,
-    calibration: Float[np.ndarray, "n n"],
-    prior_mean: Float[np.ndarray, "n"],
-    nuisance: Float[np.ndarray, "q q"],
-    sizes: Float[np.ndarray, "k 5"],
-    log_weights: Float[np.ndarray, "k"],
-) -> Explained:
-    """Integrate.
-
-    Args:
-        of_rows: of θ and q nuisance parameters.
-        calibration: a root S of the covariance S Sᵀ of c.
-        prior_mean: its mean.
-        nuisance: a root of the covariance of the nuisance parameters.
-        sizes: standard deviations of each kind of drift.
-        log_weights: logarithms of their probabilities.
-    """
-    (found,) = all_explained([of_rows], calibration[None], prior_mean[None], nuisance, sizes, log_weights[None])
-    return found
-
-
 def all_explained(
     of_rows: Sequence[Normal],
     calibrations: Float[np.ndarray, "j n n"],
@@ -147,7 +125,16 @@ def all_explained(
     sizes: Float[np.ndarray, "k 5"],
     log_weights: Float[np.ndarray, "j k"],
 ) -> list[Explained]:
-    """`explained` for each of j likelihoods, or one that all have in common, and its calibration, at once."""
+    """Integrate, for each of j likelihoods, or one that all have in common, and its calibration.
+
+    Args:
+        of_rows: of θ and q nuisance parameters.
+        calibrations: roots S of the covariances S Sᵀ of c.
+        prior_mean: their means.
+        nuisance: a root of the covariance of the nuisance parameters.
+        sizes: standard deviations of each kind of drift.
+        log_weights: logarithms of their probabilities.
+    """
     n, q = calibrations.shape[1], len(nuisance)
     a, b, c = (np.stack([np.asarray(getattr(one, name)) for one in of_rows]) for name in "abc")
     by_mean = (a[:, :, :n] @ prior_mean[:, :, None])[:, :, 0]

@@ -14,7 +14,7 @@ from stereorecal.estimation._explanations import Explanation, best_of, explained
 from stereorecal.estimation._groups import grouped
 from stereorecal.estimation._lens_field import within_field
 from stereorecal.estimation._linear_groups import LinearGroups, linear_groups
-from stereorecal.estimation._measured import NOTHING_ELSE, Measured
+from stereorecal.estimation._measured import Measured
 from stereorecal.estimation._misfit import COMMON, DEVIATIONS
 from stereorecal.estimation._posterior import Posterior, merged
 from stereorecal.objectives import RigChart
@@ -36,7 +36,6 @@ class Fit:
         posterior: of θ.
         rows: linear near it; None where there are too few.
         misfit: the most probable deviations of the field of each frame and of the common one, pixels.
-        prior: the most probable one of the calibration's covariances.
         prior_variance: (n,) of its error, before any image was seen, by the weights that its covariances have after.
         best: the most probable explanation.
         delay: of the right shutter; None where motion says nothing of it.
@@ -45,7 +44,6 @@ class Fit:
     posterior: Posterior
     rows: LinearGroups | None
     misfit: tuple[float, float]
-    prior: int
     prior_variance: Float[np.ndarray, "n"]
     best: Explanation
     delay: Delay | None = None
@@ -55,14 +53,14 @@ def fit(
     found: Correspondences,
     chart: RigChart,
     prior: CalibrationPrior,
-    start: Float[np.ndarray, "n"] | None = None,
-    measured: Measured = NOTHING_ELSE,
+    start: Float[np.ndarray, "n"] | None,
+    measured: Measured,
 ) -> Fit:
     """Solve: a prior and a misfit for a round are the evidence's best, and all of them are mixed after the last.
 
     Args:
         found: with the rays that the cameras of the chart's rig give.
-        start: θ to begin at; default 0.
+        start: θ to begin at; None: 0.
         measured: besides rows.
     """
     theta = np.zeros(chart.dim) if start is None else start
@@ -98,7 +96,7 @@ def fit(
     evidence = np.array([np.logaddexp.reduce(one.found.log_evidence) for one in several])
     weights = np.exp(evidence - np.logaddexp.reduce(evidence))
     variances = np.stack([np.sum(prior.roots[one.prior] ** 2, axis=1) for one in several])
-    return Fit(mixture(several), rows, misfit, which, weights @ variances, best_of(several)[0], delay)
+    return Fit(mixture(several), rows, misfit, weights @ variances, best_of(several)[0], delay)
 
 
 def _fit_without_rows(chart: RigChart, prior: CalibrationPrior, likelihoods: Sequence[tuple[float, Normal]]) -> Fit:
@@ -106,7 +104,7 @@ def _fit_without_rows(chart: RigChart, prior: CalibrationPrior, likelihoods: Seq
     flat = Normal(np.zeros((chart.dim, chart.dim)), np.zeros(chart.dim), 0.0)
     several = explained_by({(0.0, 0.0): flat}, likelihoods, prior, range(len(prior.roots)))
     variances = prior.weights @ np.sum(prior.roots**2, axis=2)
-    return Fit(mixture(several), None, (0.0, 0.0), 0, variances, best_of(several)[0])
+    return Fit(mixture(several), None, (0.0, 0.0), variances, best_of(several)[0])
 
 
 def _searched(

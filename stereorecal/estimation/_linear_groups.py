@@ -9,7 +9,7 @@ from jaxtyping import Float, Int
 from stereorecal.estimation._calibration_prior import CalibrationPrior
 from stereorecal.estimation._evidence import Normal, normal_of
 from stereorecal.estimation._groups import PLACES, Groups
-from stereorecal.estimation._measured import NOTHING_ELSE, Measured
+from stereorecal.estimation._measured import Measured
 from stereorecal.estimation._misfit import covariance_of_rows, unexpected
 from stereorecal.objectives import RigChart
 
@@ -71,7 +71,7 @@ def linear_groups(
     chart: RigChart,
     theta: Float[np.ndarray, "n"],
     prior: CalibrationPrior,
-    measured: Measured = NOTHING_ELSE,
+    measured: Measured,
     likelihoods: Sequence[tuple[float, Normal]] | None = None,
 ) -> LinearGroups:
     """Linear at θ.

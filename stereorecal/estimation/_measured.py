@@ -26,6 +26,3 @@ class Measured:
         """What they may tell of θ, near a θ: every combination, each with the logarithm of its probability."""
         of_ranges, of_windows = self.ranges.likelihoods(chart, theta), self.windows.likelihoods(chart, theta, prior)
         return [(one + other, a + b) for (one, a), (other, b) in product(of_ranges, of_windows)]
-
-
-NOTHING_ELSE = Measured()

@@ -9,15 +9,14 @@ decentering does not grow as p1 and p2 say, is read wrongly towards the corners,
 
 from dataclasses import replace
 
-from stereorecal.geometry import StereoRig
+from stereorecal.geometry import OF_MATRIX, StereoRig
 from stereorecal.objectives import EXTRINSICS, SIDES, Parameters, Reach, RigChart
 
-MATRIX = ("f", "aspect", "cx", "cy")  # of each camera; the terms of its lens follow
 DRIFTING = EXTRINSICS  # what moves after a calibration; they are the first of θ
 
 
 def rig_parameters(rig: StereoRig) -> RigChart:
     """The map from θ (n,) to rigs around `rig`, which is θ = 0; the extrinsics come first."""
-    lenses = [f"{side}.{name}" for side in SIDES for name in (*MATRIX, *getattr(rig, side).lens.CALIBRATED)]
+    lenses = [f"{side}.{name}" for side in SIDES for name in (*OF_MATRIX, *getattr(rig, side).lens.CALIBRATED)]
     every = Parameters(("extrinsics", "baseline", *lenses)).of(rig, Reach())
     return RigChart(rig, tuple(replace(parameter, sigma=1.0) for parameter in every), wide=1.0)

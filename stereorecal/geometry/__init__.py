@@ -7,6 +7,7 @@ from stereorecal.geometry._axis_errors import (
 )
 from stereorecal.geometry._camera import Camera as Camera, same_camera as same_camera
 from stereorecal.geometry._intrinsics import (
+    OF_MATRIX as OF_MATRIX,
     camera_changes as camera_changes,
     changed_camera as changed_camera,
     intrinsic as intrinsic,
@@ -51,6 +52,6 @@ from stereorecal.geometry._warp import (
     pixel_map as pixel_map,
     rectifying_maps as rectifying_maps,
 )
-from stereorecal.geometry.lenses import LensModel as LensModel, lens_model as lens_model
+from stereorecal.geometry.lenses import LensModel as LensModel
 from stereorecal.geometry.lenses._radial_tangential import distort as distort, undistort as undistort
 from stereorecal.geometry.projections import Projection as Projection, projection as projection

@@ -62,7 +62,8 @@ def camera_changes(camera: Camera, changed: Camera) -> dict[str, float]:
     return {name: float(change) for name, change in named.items()}
 
 
-_OF_MATRIX = ("f", "aspect", "cx", "cy")
+OF_MATRIX = ("f", "aspect", "cx", "cy")
+"""Names of the intrinsics in the matrix of a camera; the terms of its lens follow."""
 
 
 def _check_terms(lens: LensModel, names: Iterable[str]) -> None:
@@ -72,9 +73,9 @@ def _check_terms(lens: LensModel, names: Iterable[str]) -> None:
         InputError: if there is a name that is no term of it.
     """
     for name in names:
-        if name not in _OF_MATRIX and name not in lens.TERMS:
+        if name not in OF_MATRIX and name not in lens.TERMS:
             raise InputError(
-                f"{name} is no term of the lens model {lens.NAME!r}; it has {', '.join((*_OF_MATRIX, *lens.TERMS))}."
+                f"{name} is no term of the lens model {lens.NAME!r}; it has {', '.join((*OF_MATRIX, *lens.TERMS))}."
             )
 
 

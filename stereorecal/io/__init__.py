@@ -37,7 +37,7 @@ from stereorecal.io.formats._load_and_save import (
     says_its_unit as says_its_unit,
     unsaid_unit as unsaid_unit,
 )
-from stereorecal.io.formats._stored_prior import prior_file as prior_file, stored_prior as stored_prior
+from stereorecal.io.formats._stored_prior import stored_prior as stored_prior
 from stereorecal.io.images._live_cameras import camera_pairs as camera_pairs
 from stereorecal.io.images._load_pairs import load_pair as load_pair, load_pairs as load_pairs
 from stereorecal.io.images._open_pairs import Recorded as Recorded, open_pairs as open_pairs

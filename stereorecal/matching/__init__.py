@@ -15,6 +15,6 @@ from stereorecal.matching._matcher_registry import (
     origin_of as origin_of,
     overview as overview,
 )
-from stereorecal.matching._texture import box_sum as box_sum, textured as textured
+from stereorecal.matching._texture import box_sum as box_sum
 from stereorecal.matching.opencv import BM as BM, SGBM as SGBM
 from stereorecal.matching.sad import SAD as SAD

@@ -8,11 +8,10 @@ import numpy as np
 
 from stereorecal._choices import checked_choice
 from stereorecal._errors import InputError
-from stereorecal.geometry import StereoRig
+from stereorecal.geometry import OF_MATRIX, StereoRig
 from stereorecal.objectives._parameter_names import BASELINE, EXTRINSICS, GROUPS, NAMES, ROTATION
 from stereorecal.objectives._reach import Reach
 
-_OF_MATRIX = ("f", "aspect", "cx", "cy")
 # Standard deviations. A chessboard's focal length is good to some tenths of a percent, its centre to a pixel or two of
 # a VGA image, k1 to a hundredth (evidence: repeated calibrations of public data sets).
 _SIGMAS = {"f": 0.5, "cx": 2.0, "cy": 2.0, "k1": 0.01, "k2": 0.02, "aspect": 0.1, "p1": 5e-4, "p2": 5e-4, "k3": 0.02}
@@ -120,7 +119,7 @@ class Parameters:
     def widest(self, rig: StereoRig) -> "Parameters":
         """All that a calibration of the rig may leave: these, and every parameter of its cameras."""
         sides = (("left", rig.left), ("right", rig.right))
-        terms = (f"{side}.{kind}" for side, camera in sides for kind in (*_OF_MATRIX, *camera.lens.CALIBRATED))
+        terms = (f"{side}.{kind}" for side, camera in sides for kind in (*OF_MATRIX, *camera.lens.CALIBRATED))
         return replace(self.also(*terms), widens=False)
 
     def of(self, rig: StereoRig, reach: Reach) -> tuple[Parameter, ...]:
@@ -141,7 +140,7 @@ class Parameters:
         for name in self.intrinsics:
             side, kind = name.split(".")
             lens = getattr(rig, side).lens
-            if kind not in (*_OF_MATRIX, *lens.CALIBRATED):
+            if kind not in (*OF_MATRIX, *lens.CALIBRATED):
                 own = ", ".join(f"{side}.{term}" for term in lens.CALIBRATED)
                 raise InputError(
                     f"{name} is no parameter of a lens of the model {lens.NAME!r}; free some of {own}, or leave it out."

@@ -26,7 +26,7 @@ from stereorecal.recalibration._many import (
     recalibrate_many as recalibrate_many,
     sharing as sharing,
 )
-from stereorecal.recalibration._match_ranges import RangesSeen as RangesSeen, with_ranges as with_ranges
+from stereorecal.recalibration._match_ranges import RangesSeen as RangesSeen
 from stereorecal.recalibration._prior_use import (
     PriorUse as PriorUse,
     load_prior as load_prior,
@@ -55,7 +55,6 @@ from stereorecal.recalibration._schedule import (
     Schedule as Schedule,
     ScoreKind as ScoreKind,
     Stage as Stage,
-    as_schedule as as_schedule,
     watching_scale as watching_scale,
 )
 from stereorecal.recalibration._search_path import Waypoint as Waypoint

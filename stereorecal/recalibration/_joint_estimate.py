@@ -10,6 +10,7 @@ from stereorecal.decision import Decision, Verdict, decide_together
 from stereorecal.estimation import (
     NO_RANGES,
     CalibrationPrior,
+    Each,
     Earlier,
     Estimate,
     MatchedRanges,
@@ -30,7 +31,7 @@ from stereorecal.recalibration._repaired_recording import RepairedRecording
 from stereorecal.recalibration._row_residuals import TILES_OF_A_FRAME, RowResiduals, row_residuals
 from stereorecal.recalibration._stages import FEWEST
 from stereorecal.recalibration._unmatched import MOST_EXCLUDED
-from stereorecal.recalibration._worker_tasks import Each, matched, range_matches
+from stereorecal.recalibration._worker_tasks import matched, range_matches
 from stereorecal.scoring import Correspondences, with_rays_of
 
 

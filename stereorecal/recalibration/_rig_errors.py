@@ -10,9 +10,9 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal._arrays import AnyArray
+from stereorecal.estimation import DISTANCES
 from stereorecal.geometry import Camera, StereoRig, View, rectifying_rotations, reread, same_camera
 
-DISTANCES = (5, 10, 30, 100)  # baselines
 ROW_DISTANCES = (10.0, np.inf)  # baselines
 STEP = 1e-3  # of the box, for derivatives: some hundredths of a degree
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from stereorecal.decision import decide_together, fewer_parameters_suffice
-from stereorecal.estimation import NO_RANGES
+from stereorecal.estimation import NO_RANGES, Each
 from stereorecal.geometry import StereoRig
 from stereorecal.objectives import BASELINE, Parameters, row_chart
 from stereorecal.recalibration._acceptance import Reason, row_errors
@@ -20,7 +20,7 @@ from stereorecal.recalibration._repaired_recording import RepairedRecording
 from stereorecal.recalibration._row_residuals import TILES_OF_A_FRAME
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._uncertainty import uncertainty_of
-from stereorecal.recalibration._worker_tasks import Each, counted
+from stereorecal.recalibration._worker_tasks import counted
 from stereorecal.scoring.host import Score
 
 

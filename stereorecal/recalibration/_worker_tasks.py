@@ -1,8 +1,6 @@
 """What is asked of the images of recordings that are solved together, each in a worker: matches, ranges, counts."""
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from jaxtyping import Int
@@ -14,8 +12,6 @@ from stereorecal.recalibration._match_ranges import match_ranges
 from stereorecal.recordings import Pair, Range
 from stereorecal.scoring import Correspondences, pyramid
 from stereorecal.scoring.host import correspondences, counts_by_tile
-
-Each = Callable[[Callable[[Any], Any], Sequence[Any]], Sequence[Any]]  # does one thing to many, somewhere
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,10 +23,8 @@ from stereorecal.scoring._prepare import (
     prepare as prepare,
     pyramid as pyramid,
 )
-from stereorecal.scoring._pure_arguments import pure_matcher as pure_matcher
 from stereorecal.scoring._robust_weights import Loss as Loss, curvatures as curvatures, precisions as precisions
 from stereorecal.scoring._row_differences import (
-    differences_of as differences_of,
     median_row_error as median_row_error,
     row_differences as row_differences,
 )

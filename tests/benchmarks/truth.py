@@ -26,6 +26,7 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+from product_errors import by_product, product_is_worse
 from truth_methods import METHODS
 from truth_runs import Options, Tally, finish, rig_of, stated, table_of
 
@@ -35,10 +36,8 @@ from stereorecal.comparison.judges import (
     ByBoards,
     DepthByTruth,
     by_boards,
-    by_product,
     depth_by_truth,
-    product_is_worse,
-    rows,
+    row_error_px,
     scene_with_truth,
 )
 
@@ -116,7 +115,7 @@ def boards(options: Options) -> None:
     tally = Tally()
 
     def cells(judged: sr.StereoRig, found: ByBoards) -> list[str]:
-        medians = " ".join(f"{rows(judged, rig, scene).median_px:.2f}" for scene in scenes)
+        medians = " ".join(f"{row_error_px(judged, rig, scene):.2f}" for scene in scenes)
         numbers = (f"{found.rows_rms_px:.3f}", f"{found.rows_mean_px:+.3f}", f"{found.squares_percent:+.2f}")
         return [*numbers, f"{found.squares_spread_percent:.2f}", medians]
 

@@ -81,7 +81,8 @@ def estimate(rig: sr.StereoRig, scenes: Sequence[sr.Scene]) -> Answer:
     seen = solution.estimate
     if seen is None:
         return Answer(solution.reason.name)
-    found = {"mean": seen.theta, "depth kept": seen.depth_kept, "least loss": seen.with_free(seen.names)}
+    least = {keeps: seen.with_free(seen.names, keep_depth=keeps) for keeps in (True, False)}
+    found = {"mean": seen.theta, "depth kept": least[True], "least loss": least[False]}
     low, high = seen.intervals[seen.names.index("yaw")].tolist()
     start = float(np.degrees(rig.extrinsics[_YAW]))
     _, *ends = seen.depth_error_percent(seen.theta)[_FAR]

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from stereorecal.estimation import consequences, points_of_view, readings, regions
-from stereorecal.estimation._candidates import Known, depth_kept, least_loss, least_loss_of_depth_kept
+from stereorecal.estimation._candidates import Known, least_loss, least_loss_of_depth_kept
 from stereorecal.estimation._consequences import DISTANCES, areas, readings_at
 from stereorecal.geometry import Camera, StereoRig, rectifying_rotations, view
 
@@ -122,42 +122,6 @@ def test_areas_and_regions_of_the_view(rig):
     np.testing.assert_array_equal(regions(rig, points), 3 * row + column)
     at_edge = points[pixels[:, 0] < 0.2]
     np.testing.assert_allclose(areas(rig, at_edge)[1], 1 / len(at_edge))  # nothing lies ahead
-
-
-@settings(max_examples=6)
-@given(seed=st.integers(0, 999), exact=st.booleans())
-def test_kept_depth_is_that_of_the_given_rig(chart, rig, prior, seed, exact):
-    mean = drifted(chart, seed)
-    covariance = np.diag([0.04**2] * 2 + [0.01**2] + [0.2**2] * 2 + [0.0] * (chart.dim - 5))
-    covariance = covariance if exact else covariance + prior.roots[2] @ prior.roots[2].T
-    kept = depth_kept(chart, mean, covariance)
-    for distance in (10, 30):
-        assert abs(readings(chart.rig_at(kept), rig, points_of_view(rig, distance))[1].mean()) < 1e-3
-    if exact:
-        np.testing.assert_array_equal(kept[5:], 0.0)
-
-
-@settings(max_examples=5)
-@given(seed=st.integers(0, 999))
-def test_it_is_the_most_probable_of_those(chart, prior, seed):
-    """Steps that leave depth as it is make it less probable, whichever way."""
-    mean = drifted(chart, seed)
-    covariance = prior.roots[2] @ prior.roots[2].T + np.diag(np.r_[0.01**2 * np.ones(5), np.zeros(chart.dim - 5)])
-    kept, rng = depth_kept(chart, mean, covariance), np.random.default_rng(seed)
-    slopes = consequences(chart, mean).nearness[[DISTANCES.index(10), DISTANCES.index(30)], 0]
-    scales = np.sqrt(np.diag(covariance))
-    precision = np.linalg.inv(covariance / scales[:, None] / scales)
-
-    def improbable(theta):
-        return ((theta - mean) / scales) @ precision @ ((theta - mean) / scales)
-
-    pull = covariance @ slopes.T
-    for _ in range(5):
-        step = np.linalg.cholesky(covariance) @ rng.normal(0, 1, chart.dim)
-        step -= pull @ np.linalg.solve(slopes @ pull, slopes @ step)
-        assert improbable(kept) <= min(improbable(kept + step), improbable(kept - step)) + 1e-6
-        both = improbable(kept + step) + improbable(kept - step) - 2 * improbable(kept)
-        assert abs(improbable(kept + step) - improbable(kept - step)) < 0.05 * both + 1e-6
 
 
 def deviations(chart) -> np.ndarray:

@@ -240,7 +240,8 @@ def test_row_errors_are_those_of_the_truth(rig, chart, found):
 
 
 def test_depth_of_the_mean_is_right_on_average_and_kept_depth_errs_as_the_given_rig(chart, found):
-    given_rig, kept = (found.depth_error_percent(used) for used in (np.zeros(chart.dim), found.depth_kept))
+    same_depth = found.with_free(found.names, keep_depth=True)
+    given_rig, kept = (found.depth_error_percent(used) for used in (np.zeros(chart.dim), same_depth))
     for distance, (middle, low, high) in found.depth_error_percent(found.theta).items():
         assert low < middle < high
         assert abs(middle) < 0.3 * (high - low)

@@ -5,10 +5,15 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from stereorecal.estimation import CalibrationPrior, Normal
-from stereorecal.estimation._evidence import all_explained, explained, marginal, normal_of
+from stereorecal.estimation._evidence import Explained, all_explained, marginal, normal_of
 from stereorecal.estimation._prior_conversions import updated
 
 ROWS, DRIFTING = 14, 5
+
+
+def explained(of_rows, calibration, given, nuisance, sizes, logs) -> Explained:
+    (found,) = all_explained([of_rows], calibration[None], given[None], nuisance, sizes, logs[None])
+    return found
 
 
 class Problem:

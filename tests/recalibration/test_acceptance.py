@@ -8,7 +8,6 @@ from stereorecal import SAD, make_pair, recalibrate
 from stereorecal.recalibration import Condition, Reason, RowErrors, RowResiduals, health
 from stereorecal.recalibration._acceptance import loses_regions, row_errors, verdict_on_count
 
-PRIOR = 0.2
 SAD_48 = SAD(num_disparities=48)  # which other files have compiled
 
 

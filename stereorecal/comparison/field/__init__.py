@@ -5,7 +5,6 @@ from stereorecal.comparison.field._field_trial import FAILED as FAILED, FieldTri
 from stereorecal.comparison.field._methods import (
     ACCEPTED as ACCEPTED,
     GOOD as GOOD,
-    METHODS as METHODS,
     REFUSED as REFUSED,
     AbstractMethod as AbstractMethod,
     Answer as Answer,
@@ -13,4 +12,4 @@ from stereorecal.comparison.field._methods import (
     Strategy as Strategy,
     methods_of as methods_of,
 )
-from stereorecal.comparison.field._table import SCHEMA as SCHEMA, Field as Field
+from stereorecal.comparison.field._table import Field as Field

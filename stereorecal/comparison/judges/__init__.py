@@ -3,17 +3,16 @@
 `_*_judge.py` are the judges, listed in `_judges.py`; the other modules are what they measure by.
 """
 
+from stereorecal.comparison._truth import DISTANCES as DISTANCES
 from stereorecal.comparison.judges._board_errors import ByBoards as ByBoards, by_boards as by_boards
 from stereorecal.comparison.judges._case import AbstractRecipe as AbstractRecipe, Case as Case, case_of as case_of
 from stereorecal.comparison.judges._draws import Draws as Draws
-from stereorecal.comparison.judges._judgement import DISTANCES as DISTANCES, Judgement as Judgement
-from stereorecal.comparison.judges._judges import JUDGES as JUDGES, RENDERED as RENDERED, recipes_of as recipes_of
-from stereorecal.comparison.judges._product_errors import (
-    ByProduct as ByProduct,
-    by_product as by_product,
-    product_is_worse as product_is_worse,
+from stereorecal.comparison.judges._judgement import (
+    ROWS_WORSE as ROWS_WORSE,
+    Judgement as Judgement,
 )
-from stereorecal.comparison.judges._rows import Rows as Rows, rows as rows
+from stereorecal.comparison.judges._judges import RENDERED as RENDERED, recipes_of as recipes_of
+from stereorecal.comparison.judges._rows import row_error_px as row_error_px
 from stereorecal.comparison.judges._true_disparity import (
     BINS as BINS,
     DepthByTruth as DepthByTruth,

@@ -6,10 +6,11 @@ from pathlib import Path
 from typing import ClassVar
 
 from stereorecal._errors import InputError
+from stereorecal.comparison._truth import DISTANCES
 from stereorecal.comparison.judges._board_errors import BOARD_ROWS_WORSE, by_boards
 from stereorecal.comparison.judges._case import AbstractRecipe, Case, prior_of
 from stereorecal.comparison.judges._draws import Draws
-from stereorecal.comparison.judges._judgement import DISTANCES, Judgement
+from stereorecal.comparison.judges._judgement import Judgement
 from stereorecal.comparison.judges._scene_folders import (
     check_rigs,
     judged_rig,

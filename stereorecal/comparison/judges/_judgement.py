@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-DISTANCES = (10, 30)  # baselines, at which depth is judged
-ROWS_WORSE, DEPTH_WORSE = 0.02, 1.0  # px; percentage points at 30 baselines
+from stereorecal.comparison._summary import Thresholds
+
+ROWS_WORSE, DEPTH_WORSE = Thresholds.harmful_rows_px, Thresholds.harmful_depth_percent  # px; points at 30 baselines
 
 
 @dataclass(frozen=True)

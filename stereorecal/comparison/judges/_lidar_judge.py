@@ -6,9 +6,10 @@ from pathlib import Path
 from typing import ClassVar
 
 from stereorecal._errors import InputError
+from stereorecal.comparison._truth import DISTANCES
 from stereorecal.comparison.judges._case import AbstractRecipe, Case, prior_of
 from stereorecal.comparison.judges._draws import Draws
-from stereorecal.comparison.judges._judgement import DISTANCES, Judgement
+from stereorecal.comparison.judges._judgement import Judgement
 from stereorecal.comparison.judges._scene_folders import check_rigs, judged_rig, name_of_scene, scene_folders
 from stereorecal.comparison.judges._true_disparity import depth_by_truth, scene_with_truth
 from stereorecal.geometry import StereoRig

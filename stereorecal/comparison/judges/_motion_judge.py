@@ -11,11 +11,12 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal._errors import InputError
+from stereorecal.comparison._truth import DISTANCES
 from stereorecal.comparison.judges._case import AbstractRecipe, Case, prior_of
 from stereorecal.comparison.judges._distance_travelled import Travelled, depth_at, disparity_offset_px, travelled
 from stereorecal.comparison.judges._draws import Draws
-from stereorecal.comparison.judges._judgement import DISTANCES, Judgement
-from stereorecal.comparison.judges._rows import rows
+from stereorecal.comparison.judges._judgement import Judgement
+from stereorecal.comparison.judges._rows import row_error_px
 from stereorecal.comparison.judges._scene_folders import judged_rig, name_of_scene, scene_folders, whole_scene
 from stereorecal.comparison.judges._true_rig import ByTrueRig
 from stereorecal.geometry import StereoRig, view
@@ -93,7 +94,7 @@ class _ByPoses:
     def __call__(self, rig: StereoRig) -> Judgement:
         offset = disparity_offset_px(rig, self.stored, self.seen)
         depth = {distance: depth_at(offset, self.stored, distance) for distance in DISTANCES}
-        return Judgement(rows(rig, self.stored, self.scene).median_px, depth)
+        return Judgement(row_error_px(rig, self.stored, self.scene), depth)
 
 
 def motion_recipes(place: str, draws: Draws) -> tuple[AbstractRecipe, ...]:

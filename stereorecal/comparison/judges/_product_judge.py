@@ -10,7 +10,7 @@ from stereorecal._errors import InputError
 from stereorecal.comparison.judges._case import AbstractRecipe, Case, prior_of
 from stereorecal.comparison.judges._draws import Draws
 from stereorecal.comparison.judges._judgement import Judgement
-from stereorecal.comparison.judges._rows import rows
+from stereorecal.comparison.judges._rows import row_error_px
 from stereorecal.comparison.judges._scene_folders import judged_rig, name_of_scene, scene_folders, whole_scene
 from stereorecal.geometry import StereoRig, same_rig
 from stereorecal.io import load_scene
@@ -47,7 +47,7 @@ class _ByOthers:
     others: tuple[Scene, ...]
 
     def __call__(self, rig: StereoRig) -> Judgement:
-        return Judgement(float(np.median([rows(rig, self.stored, other).median_px for other in self.others])))
+        return Judgement(float(np.median([row_error_px(rig, self.stored, other) for other in self.others])))
 
 
 def product_recipes(place: str, draws: Draws) -> tuple[Product, ...]:

@@ -1,6 +1,5 @@
 """Rows of a rig by corners that are followed from the left image to the right one."""
 
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -18,20 +17,12 @@ _RETURN = 0.2  # pixels between a corner and where it comes back to
 _MOST_ROWS, _MOST_ALONG = 8.0, 2.0  # pixels from the stored rig's row, and from SGBM's disparity
 
 
-@dataclass(frozen=True)
-class Rows:
-    """Row differences of followed corners [px of the stored left camera]: median of amounts, median, how many."""
-
-    median_px: float
-    bias_px: float
-    corners: int
-
-
-def rows(judged: StereoRig, stored: StereoRig, scene: Scene) -> Rows:
-    """Of the corners of a scene. They are followed once, in images that the stored rig rectifies, and taken back to raw
-    pixels: every rig is judged by the same ones."""
+def row_error_px(judged: StereoRig, stored: StereoRig, scene: Scene) -> float:
+    """Median |row difference| of the followed corners of a scene [px of the stored left camera]. They are followed
+    once, in images that the stored rig rectifies, and taken back to raw pixels: every rig is judged by the same
+    ones."""
     differences = np.concatenate([row_differences(judged, stored, *followed(stored, pair)) for pair in scene.pairs])
-    return Rows(float(np.median(np.abs(differences))), float(np.median(differences)), len(differences))
+    return float(np.median(np.abs(differences)))
 
 
 def row_differences(judged: StereoRig, stored: StereoRig, left: Pixels, right: Pixels) -> np.ndarray:

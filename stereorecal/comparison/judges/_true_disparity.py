@@ -10,7 +10,7 @@ from stereorecal._cv2 import cv2
 from stereorecal._errors import InputError
 from stereorecal.comparison.judges._judgement import DEPTH_WORSE, ROWS_WORSE
 from stereorecal.comparison.judges._optics import optics
-from stereorecal.comparison.judges._rows import followed, rows
+from stereorecal.comparison.judges._rows import followed, row_error_px
 from stereorecal.comparison.judges._sgbm import sgbm
 from stereorecal.geometry import StereoRig
 from stereorecal.io import load_scene
@@ -100,7 +100,7 @@ def depth_by_truth(judged: StereoRig, stored: StereoRig, scene: Scene) -> DepthB
         focal=float(stored.left.matrix[0, 0]),
         truth_pixels=int(known.sum()),
         matched=int(np.isfinite(found).sum()),
-        rows_px=rows(judged, stored, scene).median_px,
+        rows_px=row_error_px(judged, stored, scene),
     )
 
 

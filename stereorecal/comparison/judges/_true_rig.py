@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass
 
-from stereorecal.comparison.judges._judgement import DISTANCES, Judgement
+from stereorecal.comparison._truth import DISTANCES
+from stereorecal.comparison.judges._judgement import Judgement
 from stereorecal.geometry import StereoRig, View, axis_errors
 from stereorecal.recalibration import difference
 

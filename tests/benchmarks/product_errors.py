@@ -5,8 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stereorecal.comparison.judges._judgement import ROWS_WORSE
-from stereorecal.comparison.judges._rows import rows
+from stereorecal.comparison.judges import ROWS_WORSE, row_error_px
 from stereorecal.geometry import StereoRig
 from stereorecal.recordings import Scene
 
@@ -26,7 +25,7 @@ class ByProduct:
 
 def by_product(judged: StereoRig, stored: StereoRig, scenes: Sequence[Scene]) -> ByProduct:
     """Judge a rig by scenes."""
-    return ByProduct(*(tuple(rows(rig, stored, scene).median_px for scene in scenes) for rig in (judged, stored)))
+    return ByProduct(*(tuple(row_error_px(rig, stored, scene) for scene in scenes) for rig in (judged, stored)))
 
 
 def product_is_worse(change: np.ndarray, unseen: slice) -> bool:

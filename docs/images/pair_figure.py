@@ -1,4 +1,4 @@
-"""Figures from plain arrays. Needs matplotlib: pip install 'stereorecal[figures]'."""
+"""The picture of pairs before and after a repair, from plain arrays."""
 
 import os
 from collections.abc import Sequence
