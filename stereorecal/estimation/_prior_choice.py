@@ -149,7 +149,7 @@ def check_prior(prior: Prior, chart: RigChart | None = None) -> None:
         return
     if not isinstance(prior, Mapping | CalibrationCovariance):
         raise InputError(
-            f'prior is {prior!r}; give "saved", "default", "exact", standard deviations by name such as '
+            f'prior is a {type(prior).__name__}; give "saved", "default", "exact", standard deviations by name such as '
             '{"left.f": 0.2} (percent), an sr.CalibrationCovariance, or the prior of a solution.'
         )
     names = list(prior) if isinstance(prior, Mapping) else list(prior.names)

@@ -88,7 +88,14 @@ class Camera:
         return self.lens.magnification(np.asarray(self.distortion)) * np.asarray(self.matrix)[(0, 1), (0, 1)]
 
     def resized(self, size: tuple[int, int]) -> "Camera":
-        """The camera of the same image resampled to `size` (area convention: pixel corners stay corners)."""
+        """The camera of the same image resampled to `size` (area convention: pixel corners stay corners).
+
+        Raises:
+            InputError: if the size is not of whole pixels.
+        """
+        if np.shape(size) != (2,) or not all(float(side).is_integer() and side >= 1 for side in size):
+            raise InputError(f"the size is {size!r}; give (width, height) in whole pixels.")
+        size = int(size[0]), int(size[1])
         scale = np.array([size[0] / self.size[0], size[1] / self.size[1], 1.0])
         matrix = self.matrix * scale[:, None]
         centre = (np.asarray(self.matrix)[:2, 2] + 0.5) * scale[:2] - 0.5

@@ -1,12 +1,14 @@
 """Rectification as OpenCV's users know it: R1 R2 P1 P2 Q, maps for `cv2.remap`, depth and points."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float, Num
 
 from stereorecal._arrays import Mat3
 from stereorecal._errors import InputError
+from stereorecal.geometry._checked_rig import checked_rig
 from stereorecal.geometry._rectification import rectifying_rotations
 from stereorecal.geometry._rig import StereoRig
 from stereorecal.geometry._view import PINHOLE, AnyView, View, as_view
@@ -71,14 +73,15 @@ class Rectification:
             )
         return np.asarray(matrix, float)
 
-    def depth(self, disparity: Num[np.ndarray, "*n"]) -> Float[np.ndarray, "*n"]:
+    def depth(self, disparity: Num[np.ndarray, "*n"] | Any) -> Float[np.ndarray, "*n"]:
         """Depth z in the rectified frame [m] of disparities in pixels (x_left - x_right); inf where there is none: at
         infinity, behind it, and NaN stays NaN.
 
         `cv2.StereoSGBM` and `StereoBM` compute int16 in sixteenths of a pixel: divide by 16.0.
 
         Args:
-            disparity: of a pinhole of any shape, else a disparity image.
+            disparity: of a pinhole of any shape, else a disparity image; or an `sr.Disparity`, NaN where it is not
+                valid.
 
         Raises:
             InputError: if the disparities are integers, or those of a view that is no pinhole are no image of its size.
@@ -89,9 +92,9 @@ class Rectification:
         distance = self._over(self._nearness(disparity))
         return np.where(np.isinf(distance), np.inf, distance * self._directions()[..., 2])
 
-    def points(self, disparity: Num[np.ndarray, "h w"]) -> Float[np.ndarray, "h w 3"]:
+    def points(self, disparity: Num[np.ndarray, "h w"] | Any) -> Float[np.ndarray, "h w 3"]:
         """Points (x, y, z) [m] of a disparity image, in the frame of the left camera as it stands on the rig; NaN where
-        the disparity is NaN or shows nothing before infinity.
+        the disparity is NaN or shows nothing before infinity; of an `sr.Disparity` also where it is not valid.
 
         `cv2.reprojectImageTo3D(disparity, Q)` gives the same points turned by R1.
 
@@ -119,7 +122,10 @@ class Rectification:
         return np.asarray(self.view.directions(columns, rows, 0))
 
 
-def _checked(disparity: Num[np.ndarray, "*n"]) -> Float[np.ndarray, "*n"]:
+def _checked(disparity: Num[np.ndarray, "*n"] | Any) -> Float[np.ndarray, "*n"]:
+    valid = getattr(disparity, "valid", None)  # of a Disparity, of which packages above this one know
+    if valid is not None:
+        return np.where(np.asarray(valid), np.asarray(disparity.values, float), np.nan)
     if np.ndim(disparity) and np.asarray(disparity).dtype.kind in "iu":
         raise InputError(
             f"the disparities are {disparity.dtype}, which cv2's matchers have for sixteenths of a pixel; give "
@@ -135,7 +141,7 @@ def rectification(rig: StereoRig, view: AnyView = None) -> Rectification:
         view: default: `sr.view(rig)`, which has a focal length of its own, and is no pinhole where lenses are wider;
             `solution.view` for that of a repair; also the arguments of `sr.view` by name.
     """
-    view = as_view(view, rig)
+    view = as_view(view, checked_rig(rig))
     R1, R2 = (np.asarray(r, float) for r in rectifying_rotations(rig.rotation, rig.translation))
     (left_x, left_y), (right_x, right_y) = (
         np.asarray(one, np.float32) for one in rectifying_maps(rig.left, rig.right, rig.rotation, rig.translation, view)

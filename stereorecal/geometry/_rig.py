@@ -75,9 +75,14 @@ class StereoRig:
         """A rig from R (3, 3) and T (3,) [m] with `x_right = R x_left + T`; any length is taken, without a warning.
 
         Raises:
-            InputError: if R is not a rotation (orthonormal to 1e-3, determinant +1).
+            InputError: if R is not a rotation (orthonormal to 1e-3, determinant +1), or a shape is another.
         """
-        rotation = np.array(rotation, float).reshape(3, 3)
+        if np.shape(rotation) != (3, 3) or np.size(translation) != 3:
+            raise InputError(
+                f"R and T have shapes {np.shape(rotation)} and {np.shape(translation)}; give (3, 3), such as "
+                "cv2.Rodrigues(rvec)[0], and three numbers."
+            )
+        rotation = np.array(rotation, float)
         if not np.isfinite(rotation).all():
             raise InputError("the rotation R contains NaN or infinite numbers; correct the calibration.")
         if np.abs(rotation @ rotation.T - np.eye(3)).max() > 1e-3 or np.linalg.det(rotation) < 0:
@@ -117,7 +122,8 @@ class StereoRig:
         Warns:
             CalibrationWarning: if the baseline is longer than 5 m or shorter than 5 mm, as of a T in another unit.
         """
-        checked_unit(unit)
+        if checked_unit(unit) is None:
+            raise InputError('the unit of T is None; give "m", "cm", "mm" or "in".')
         for name, K in (("K1", K1), ("K2", K2)):
             if np.shape(K) != (3, 3):
                 raise InputError(

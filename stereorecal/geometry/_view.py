@@ -12,6 +12,7 @@ from stereorecal._choices import checked_choice
 from stereorecal._errors import InputError
 from stereorecal._pytree import register_pytree
 from stereorecal.geometry._camera import Camera
+from stereorecal.geometry._checked_rig import checked_rig
 from stereorecal.geometry._rectification import rectifying_rotations
 from stereorecal.geometry._rig import StereoRig
 from stereorecal.geometry.projections import Projection, projection as projection_of
@@ -167,7 +168,7 @@ def view(
     Raises:
         InputError: if the field makes no sense, the projection is unknown, or no lens has such a focal length.
     """
-    width, height = rig.left.size
+    width, height = checked_rig(rig).left.size
     projection = _usual_projection(rig, field) if projection is None else projection
     formulas = projection_of(projection)
     if field is None:

@@ -55,7 +55,10 @@ def load_ranges(path: str | Path) -> tuple[Range, ...]:
 
 def _parsed_number(cell: str) -> float:
     """A number as people write it; `inf`, but no overflow and none of Python's underscores."""
-    value = float(cell)
-    if "_" in cell or (math.isinf(value) and "inf" not in cell.lower()):
-        raise ValueError(f"{cell!r} is no number that can be used")
+    try:
+        value = float(cell)
+        if "_" in cell or (math.isinf(value) and "inf" not in cell.lower()):
+            raise ValueError
+    except ValueError:
+        raise ValueError(f"{cell!r} is no number that can be used; write one such as 12.5") from None
     return value

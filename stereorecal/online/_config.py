@@ -1,12 +1,13 @@
 """What can be set on the vehicle."""
 
 from dataclasses import dataclass
+from numbers import Integral, Real
 
 import numpy as np
 
 from stereorecal._choices import checked_choice
 from stereorecal._errors import InputError
-from stereorecal.decision import DEFAULT as USUAL, Tolerances
+from stereorecal.decision import DEFAULT as USUAL, Tolerances, as_tolerances
 from stereorecal.estimation import DEFAULT, EXACT
 from stereorecal.geometry import checked_view_arguments
 from stereorecal.matching import AbstractMatcher
@@ -40,7 +41,7 @@ class Config:
         harm: chance that a switch makes rows or depth worse, at most, by what is known when it is made.
         rest: pairs between two switches, at least.
         keep: calibrations that can be returned to.
-        tolerances: of the decision that a calibration is to be repaired.
+        tolerances: of the decision that a calibration is to be repaired; also some of their values by name.
         repair: False watches alone, and switches nothing: the freeze switch. What moved a rig of which hardly anything
             matches is still searched for, to say it.
     """
@@ -68,15 +69,23 @@ class Config:
     def __post_init__(self) -> None:
         checked_choice("default" if self.prior is None else self.prior, [DEFAULT, EXACT], "prior")
         checked_view_arguments(self.view)
-        for name in ("every", "together", "keep"):
-            if getattr(self, name) < 1:
-                raise InputError(f"{name} is {getattr(self, name)}; give at least 1.")
+        object.__setattr__(self, "tolerances", as_tolerances(self.tolerances))
+        for name in ("synchronous", "motion", "repair"):
+            if not isinstance(getattr(self, name), bool):
+                raise InputError(f"{name} is {getattr(self, name)!r}; give True or False.")
+        for name, least in (("every", 1), ("together", 1), ("keep", 1), ("rest", 0)):
+            number = getattr(self, name)
+            if not isinstance(number, Integral) or number < least:
+                raise InputError(f"{name} is {number!r}; give a whole number, at least {least}.")
+        for name in ("shift", "lasting", "knock", "switch", "harm"):
+            if not isinstance(getattr(self, name), Real):
+                raise InputError(f"{name} is {getattr(self, name)!r}; give a number.")
         if not 1.0 <= self.lasting < np.inf:
             raise InputError(f"lasting is {self.lasting}; give at least 1 pair.")
         for name in ("wander", "heating"):
             if np.shape(getattr(self, name)) != (3,):
                 raise InputError(f"{name} is {getattr(self, name)}; give three numbers, of pitch, yaw and roll.")
-        for name in ("wander", "shift", "heating", "rest"):
+        for name in ("wander", "shift", "heating"):
             values = np.asarray(getattr(self, name), float)
             if not np.all((values >= 0) & np.isfinite(values)):
                 raise InputError(f"{name} is {getattr(self, name)}; give 0 or more.")

@@ -1,7 +1,5 @@
 """A recalibration on request, in place of waiting until looks ask for one."""
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from stereorecal._errors import InputError
@@ -10,10 +8,10 @@ from stereorecal.online._filter import SIZE
 from stereorecal.online._state import State
 from stereorecal.online._switching import AFTER_REPAIR, calibration_data, switched
 from stereorecal.recalibration import recalibrate as recalibrated
-from stereorecal.recordings import Images, Pair
+from stereorecal.recordings import Pairs, check_pairs
 
 
-def recalibrate(state: State, pairs: Sequence[Pair | Images]) -> tuple[State, tuple[Event, ...]]:
+def recalibrate(state: State, pairs: Pairs) -> tuple[State, tuple[Event, ...]]:
     """What `sr.recalibrate` finds from the calibration in use, which takes its place if the decision accepts it; else
     the state stays as it is. A state that is frozen stays so.
 
@@ -25,7 +23,8 @@ def recalibrate(state: State, pairs: Sequence[Pair | Images]) -> tuple[State, tu
     """
     try:
         options = {"matcher": state.config.matcher, "view": state.config.view, "motion": False}
-        solution = recalibrated(state.rig, list(pairs), **options)
+        pairs = check_pairs(state.rig, pairs)
+        solution = recalibrated(state.rig, pairs, **options)
     except InputError as error:
         return state, (Event(state.frame, Kind.REJECTED, str(error)),)
     if not solution.accepted or solution.covariance is None:

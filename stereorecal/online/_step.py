@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal._errors import InputError
-from stereorecal.geometry import StereoRig, as_view
+from stereorecal.geometry import StereoRig, as_view, checked_rig
 from stereorecal.matching import as_matcher
 from stereorecal.online._config import Config
 from stereorecal.online._events import Event, Kind
@@ -39,6 +39,7 @@ def init(rig: StereoRig, config: Config = Config()) -> State:  # noqa: B008  fro
     Raises:
         InputError: if the matcher is none, or a strategy that repairs need is not installed; it says the install line.
     """
+    checked_rig(rig)
     Schedule.default()  # raises now, and not after the first knock
     matcher = as_matcher(config.matcher)
     first = at_start(np.ones(SIZE), config)

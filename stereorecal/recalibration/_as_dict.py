@@ -27,7 +27,7 @@ def solution_as_dict(solution: AbstractResult, *, expected: bool = True) -> dict
     return json_data(
         {
             "accepted": solution.accepted,
-            "healthy": solution.reason.healthy,
+            "healthy": solution.healthy,
             "reason": solution.reason.name.lower(),
             "verdict": solution.reason.value,
             "status": solution.status.name,

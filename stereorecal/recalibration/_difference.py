@@ -10,7 +10,16 @@ from jaxtyping import Float
 from stereorecal._arrays import refuse_tracers
 from stereorecal._errors import InputError
 from stereorecal._json_data import json_data
-from stereorecal.geometry import AXES, AnyView, StereoRig, angle_between, as_view, axis_changes, same_camera
+from stereorecal.geometry import (
+    AXES,
+    AnyView,
+    StereoRig,
+    angle_between,
+    as_view,
+    axis_changes,
+    checked_rig,
+    same_camera,
+)
 from stereorecal.recalibration._rig_errors import depth_errors, row_errors_of
 from stereorecal.report.number_text import change, depths
 
@@ -111,7 +120,7 @@ def difference(before: StereoRig, after: StereoRig, *, view: AnyView = None) -> 
         InputError: if the calibrations are for images of different sizes.
     """
     refuse_tracers("sr.difference", "differences of the extrinsics", before, after)
-    _check_sizes(before, after)
+    _check_sizes(checked_rig(before, "before"), checked_rig(after, "after"))
     view = as_view(view, before)
     changes = dict(zip(AXES, axis_changes(before, after).tolist(), strict=True))
     columns, rows = (np.linspace(0.0, size - 1.0, count) for size, count in zip(view.size, _GRID, strict=True))

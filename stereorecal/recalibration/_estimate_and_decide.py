@@ -45,6 +45,7 @@ class Answer:
         free: what may change, if frames bear out that more must than the case has free.
         decision: on the initial calibration.
         sparse: they cover little of what has texture: no reason to call a calibration good.
+        coarse: the images have too few grey levels.
     """
 
     found: Correspondences
@@ -54,11 +55,14 @@ class Answer:
     free: Parameters
     decision: Decision
     sparse: bool
+    coarse: bool
 
     @property
     def enough(self) -> bool:
-        """Whether enough of the images matches for a verdict: chance matches cover little, and few places."""
-        return self.found.covered >= LEAST_COVERED and len(_occupied_tiles(self.found)) >= FEWEST_PLACES
+        """Whether enough of the images matches for a verdict: chance matches cover little, and few places; and images
+        of few grey levels match elsewhere than their scene does."""
+        seen = self.found.covered >= LEAST_COVERED and len(_occupied_tiles(self.found)) >= FEWEST_PLACES
+        return seen and not self.coarse
 
 
 def estimate_and_decide(case: Case, run: StageRun, end_rig: StereoRig, *, corners: bool) -> Answer:
@@ -80,9 +84,8 @@ def estimate_and_decide(case: Case, run: StageRun, end_rig: StereoRig, *, corner
     if corners and free.intrinsics and not case.free.intrinsics:
         estimated, used_matches = _rematched(case, estimated, used_matches, run)
         decision = decide(estimated, free.names, case.tolerances, proven=True)
-    sparse = used_matches.covered < LIKELY and is_sparse(
-        used_matches.covered, max(image_quality(pair).texture for pair in case.images.pairs)
-    )
+    quality = [image_quality(pair) for pair in case.images.pairs]
+    sparse = used_matches.covered < LIKELY and is_sparse(used_matches.covered, max(one.texture for one in quality))
     return Answer(
         found=used_matches,
         estimate=estimated,
@@ -91,6 +94,7 @@ def estimate_and_decide(case: Case, run: StageRun, end_rig: StereoRig, *, corner
         free=free,
         decision=decision,
         sparse=sparse,
+        coarse=all(one.coarse for one in quality),
     )
 
 

@@ -99,6 +99,8 @@ class Health:
         if self.correction is None:
             if self.shown.dark:
                 return Condition.CANNOT_TELL, "the images are too dark"
+            if self.shown.coarse:
+                return Condition.CANNOT_TELL, "an image has only a few grey levels; expose longer, or give more bits"
             if self.shown.noise:
                 return Condition.CANNOT_TELL, "an image shows nothing but noise; uncover the lens, or give light"
             if not self.shown.enough:
@@ -124,7 +126,8 @@ class Health:
         if not decision.explains:
             return (
                 Condition.CANNOT_TELL,
-                "no change of the extrinsics explains the epipolar errors; four scenes or more would help",
+                "no change of the extrinsics explains what matches through this calibration; recalibrate matches "
+                "again through better ones, and four scenes or more would help",
             )
         return Condition.CANNOT_TELL, "the images do not determine what is better; other scenes, or more frames, may"
 

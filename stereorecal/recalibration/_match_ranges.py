@@ -93,16 +93,18 @@ def resolved_ranges(
     return tuple(_resolved(one, recordings) for one in as_ranges(ranges))
 
 
-def as_ranges(ranges: Range | Sequence[Range]) -> tuple[Range, ...]:
-    """One range or several.
+def as_ranges(ranges: Range | Sequence[Range] | None) -> tuple[Range, ...]:
+    """One range or several; None: none.
 
     Raises:
         InputError: if there is something else among them.
     """
-    several = (ranges,) if isinstance(ranges, Range) else tuple(ranges)
+    several = (ranges,) if isinstance(ranges, Range) else tuple(() if ranges is None else ranges)
     for one in several:
         if not isinstance(one, Range):
-            raise InputError(f"a range is {one!r}; make it with sr.Range(pair, (column, row), metres, sigma).")
+            raise InputError(
+                f"a range is a {type(one).__name__}; make it with sr.Range(pair, (column, row), metres, sigma)."
+            )
     return several
 
 
@@ -118,7 +120,9 @@ def _resolved(one: Range, recordings: Sequence[tuple[str, Sequence[Pair]]]) -> R
     if len(found) != 1:
         what = wanted.name if isinstance(wanted, Pair) else wanted
         which = f"{len(found)} pairs have that name" if found else "no such pair was given"
-        raise InputError(f'a range of pair {what!r}: {which}; name one, such as "{named[0][0]}".')
+        such_as = named[0][0].removeprefix("/")
+        numbers = f", or a number from 0 to {len(named) - 1}" if len(recordings) == 1 else ""
+        raise InputError(f'a range of pair {what!r}: {which}; name one, such as "{such_as}"{numbers}.')
     (pair,) = found
     if not all(0.0 <= at <= length - 1 for at, length in zip(one.left_pixel, pair.size, strict=True)):
         size = "x".join(map(str, pair.size))

@@ -6,6 +6,8 @@ import numpy as np
 
 from stereorecal.estimation import Estimate
 
+_ODOMETER_FITS = 0.1  # of the way: drifts of the baseline are smaller
+
 
 def motion_as_dict(estimated: Estimate) -> dict[str, Any]:
     """What the rig's own motion told, as plain data: how many windows, points that were followed, those that fit the
@@ -52,3 +54,21 @@ def _late(delay: dict[str, Any] | None) -> str:
         return ""
     unit = "s" if delay["unit"] == "s" else "of the time between pairs"
     return f"; the right shutter is late by {delay['value']:.2g} {unit}"
+
+
+def odometer_text(estimated: Estimate) -> str:
+    """What came of the distances travelled that were given."""
+    known = [
+        (way[0], one.metres[0])
+        for way, one in zip(estimated.windows.all_ways, estimated.motions, strict=True)
+        if way is not None and one.motion is not None and one.informative
+    ]
+    if not known:
+        return "not used: in no window that it knows did the rig advance far enough"
+    given, moved = np.median(known, axis=0).tolist()
+    fits = f"it knows {len(known)} of {len(estimated.windows.tracks)} windows"
+    if abs(given - moved) <= _ODOMETER_FITS * moved:
+        return fits
+    return (
+        f"{fits}, and does not fit: {given:.3g} m where motion shows {moved:.3g} m (median); check its unit and clock"
+    )

@@ -6,7 +6,7 @@ from stereorecal.estimation import DEFAULT, EXACT
 from stereorecal.geometry import AXES, PINHOLE
 from stereorecal.objectives import BASELINE
 from stereorecal.recalibration._acceptance import Reason
-from stereorecal.recalibration._motion_report import motion_text
+from stereorecal.recalibration._motion_report import motion_text, odometer_text
 from stereorecal.recalibration._regional_misfit import WORTH_SAYING, Cause, Misfit
 from stereorecal.recalibration._result import AbstractResult
 from stereorecal.report.number_text import change, depths
@@ -15,6 +15,10 @@ from stereorecal.report.repair_text import RepairText
 from stereorecal.report.short_list import short_list
 
 _WOULD_TELL = "four scenes or more, with ranges or frames taken while the rig moves, would determine them"
+_LEFT = (
+    "more epipolar error remains than good calibrations have: other intrinsics (were these images rectified already?), "
+    "or something that moved"
+)
 _SYSTEMATIC = 0.05  # pixels of radial misfit that regions share; right intrinsics leave 0.01
 
 
@@ -66,6 +70,8 @@ def _remarks(solution: AbstractResult) -> list[tuple[str, str]]:
         lines.append(("ranges", str(solution.ranges)))
     if estimate is not None and estimate.windows:
         lines.append(("motion", motion_text(estimate)))
+    if estimate is not None and solution.settings.odometer is not None:
+        lines.append(("odometer", odometer_text(estimate)))
     if solution.left_out:
         lines.append(("", f"left out, since they disagree with the others: {', '.join(solution.left_out)}"))
     if solution.disagreeing:
@@ -74,6 +80,8 @@ def _remarks(solution: AbstractResult) -> list[tuple[str, str]]:
         lines.append(("", f"not determined by these images: {short_list(known.undetermined, '; ')}"))
     if solution.expected is not None:
         lines.append(("expect", str(solution.expected)))
+    if solution.accepted and not solution.healthy:
+        lines.append(("check", _LEFT))
     if solution.accepted:
         lines.append(_depth_before(solution))
     return lines

@@ -59,7 +59,8 @@ def rescale_baseline(
         yaw_sigma: standard deviation of what the repair left of yaw, in degrees: the interval admits it.
 
     Raises:
-        InputError: if images and calibration do not fit, no range has a match, or yaw_sigma is not positive.
+        InputError: if images and calibration do not fit, no range has a match, fewer than half agree with one length,
+            or yaw_sigma is not positive.
     """
     refuse_tracers("sr.rescale_baseline", "it before tracing", rig)
     images = pyramid(rig, pairs)
@@ -71,6 +72,11 @@ def rescale_baseline(
             "no range lies on a pixel with a reliable match; give some on surfaces with texture, off edges."
         )
     change, deviation, used = _solved_baseline(found, rig, yaw_sigma)
+    if 2 * used < len(found.metres):
+        raise InputError(
+            f"only {used} of {len(found.metres)} matched ranges agree with one length of the baseline; check their "
+            "unit, and whether they are along the ray or along the axis."
+        )
     extrinsics = np.array(rig.extrinsics, float)
     extrinsics[3:] *= 1.0 + change / 100.0
     return Rescaled(rig.with_extrinsics(extrinsics), change, NORMAL_95 * deviation, used)

@@ -238,6 +238,13 @@ class AbstractResult:
         return self.search.seconds
 
     @property
+    def healthy(self) -> bool:
+        """Whether the calibration to use is good: it was from the start, or is repaired, and, as likely as not, leaves
+        no more epipolar error than good calibrations have."""
+        left = self.accepted and self.decision is not None and not self.decision.explains
+        return self.reason.healthy and not left
+
+    @property
     def tolerances(self) -> Tolerances:
         """By which it was decided."""
         return self.settings.tolerances

@@ -5,6 +5,7 @@ from dataclasses import dataclass, fields
 from difflib import get_close_matches
 from typing import Any, TypedDict
 
+from stereorecal._errors import InputError
 from stereorecal.decision import Tolerances, as_tolerances
 from stereorecal.estimation import Prior, check_boards, check_prior
 from stereorecal.geometry import AnyView
@@ -69,7 +70,7 @@ class RepairOptions(HealthOptions, total=False):
     budget: Budget | float | None
     seed: int
     free: Parameters | str | Sequence[str] | None
-    ranges: Range | Sequence[Range]
+    ranges: Range | Sequence[Range] | None
     boards: Sequence[Board] | None
     odometer: Odometer | None
 
@@ -123,7 +124,9 @@ def as_settings(options: Mapping[str, Any], names: Collection[str] = RepairOptio
     prior, boards, odometer = options.get("prior"), options.get("boards"), options.get("odometer")
     check_prior(prior)
     check_boards(boards, prior)
-    ranges = as_ranges(options.get("ranges", ()))
+    if not isinstance(odometer, Odometer | None):
+        raise InputError(f"odometer is a {type(odometer).__name__}; give an sr.Odometer(times, metres).")
+    ranges = as_ranges(options.get("ranges"))
     return Settings(
         matcher=as_matcher(options.get("matcher")),
         schedule=as_schedule(options.get("schedule")),

@@ -35,23 +35,26 @@ def _as_pair(pair: Any, index: int) -> Pair:
     if not _is_images(pair):
         raise InputError(f"pair {index} is {_described(pair)}; {_CALL}.")
     if all(_grey_levels(image) for image in pair):
-        left, right = (image.astype(np.float32) for image in pair)  # grey levels, as a Pair has them
-        return Pair(left, right, f"pair {index}")
+        return Pair(pair[0], pair[1], f"pair {index}")
     return make_pair(*pair, name=f"pair {index}")
 
 
-def _grey_levels(image: np.ndarray) -> bool:
+def _grey_levels(image: Any) -> bool:
     """Whether these are grey levels already: floats up to 255, and not just up to 1; never with NaN among them."""
+    if not isinstance(image, np.ndarray) or isinstance(image, np.ma.MaskedArray):
+        return False
     if image.ndim != 2 or image.dtype.kind != "f":
         return False
     return bool(image.min(initial=0.0) >= 0.0 and 1.0 < image.max(initial=0.0) <= 255.0)
 
 
 def _is_images(value: Any) -> bool:
-    return isinstance(value, tuple | list) and len(value) == 2 and all(isinstance(i, np.ndarray) for i in value)
+    return isinstance(value, tuple | list) and len(value) == 2 and all(hasattr(i, "__array__") for i in value)
 
 
 def _described(value: Any) -> str:
     if isinstance(value, np.ndarray):
         return f"an array of shape {value.shape}"
+    if isinstance(value, tuple | list) and 0 < len(value) <= 2:
+        return f"a {type(value).__name__} of {' and '.join(type(one).__name__ for one in value)}"
     return f"a {type(value).__name__}"

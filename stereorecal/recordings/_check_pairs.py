@@ -3,7 +3,7 @@
 import numpy as np
 
 from stereorecal._errors import InputError
-from stereorecal.geometry import StereoRig
+from stereorecal.geometry import StereoRig, checked_rig
 from stereorecal.recordings._as_pairs import Pairs, as_pairs
 from stereorecal.recordings._pair import Pair
 
@@ -15,11 +15,7 @@ def check_pairs(rig: StereoRig, pairs: Pairs) -> tuple[Pair, ...]:
     Raises:
         InputError: otherwise.
     """
-    if not isinstance(rig, StereoRig):
-        raise InputError(
-            f"the rig is a {type(rig).__name__}; give an sr.StereoRig, such as scene.rig, sr.io.load_rig(path) or "
-            "sr.StereoRig.from_rotation(left, right, R, T)."
-        )
+    checked_rig(rig)
     pairs = as_pairs(pairs)
     if not pairs:
         raise InputError("no image pair was given; give at least one.")

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,9 @@ from stereorecal._cv2 import cv2
 from stereorecal._errors import InputError
 
 _LONGEST_READOUT = 1.0  # seconds
+_WHITE = 255.0
 # Rec. 601 luma, as OpenCV's.
+_USUAL, _HOT = 0.9999, 2.0  # share of the pixels; times as bright as these
 _LUMA = {"rgb": (0.299, 0.587, 0.114), "bgr": (0.114, 0.587, 0.299)}
 
 
@@ -40,13 +43,15 @@ class Pair:
     readout: float = 0.0
 
     def __post_init__(self) -> None:
-        if not 0.0 <= self.readout <= _LONGEST_READOUT:
+        if not (isinstance(self.readout, Real) and 0.0 <= self.readout <= _LONGEST_READOUT):
             raise InputError(
-                f"{self.name}: a rolling shutter that reads an image in {self.readout} s makes no sense; give 0 to "
+                f"{self.name}: a rolling shutter that reads an image in {self.readout!r} s makes no sense; give 0 to "
                 f"{_LONGEST_READOUT:g} s."
             )
-        if self.time is not None and not np.isfinite(self.time):
-            raise InputError(f"{self.name}: a time of {self.time} s makes no sense; leave it out if it is not known.")
+        if self.time is not None and not (isinstance(self.time, Real) and np.isfinite(self.time)):
+            raise InputError(f"{self.name}: a time of {self.time!r} s makes no sense; leave it out if it is not known.")
+        for side in ("left", "right"):
+            object.__setattr__(self, side, _float32(getattr(self, side), f"{self.name}, {side}"))
         for image in (self.left, self.right):
             if np.ndim(image) != 2:
                 raise InputError(
@@ -62,6 +67,11 @@ class Pair:
             darkest, brightest = float(image.min()), float(image.max())  # NaN if there is one
             if not np.isfinite(brightest - darkest):
                 raise InputError(f"{self.name}, {side}: the image contains NaN or infinite values; replace them.")
+            if darkest < 0.0 or brightest > _WHITE:
+                raise InputError(
+                    f"{self.name}, {side}: grey levels go from {darkest:g} to {brightest:g}, and those of a Pair from "
+                    "0 to 255; write sr.make_pair(left, right), which scales them."
+                )
             if darkest == brightest:
                 kind = "all black" if brightest == 0 else "constant"
                 raise InputError(
@@ -75,8 +85,8 @@ class Pair:
 
     @staticmethod
     def from_arrays(
-        left: Num[np.ndarray, "..."] | None,
-        right: Num[np.ndarray, "..."] | None,
+        left: Num[np.ndarray, "..."] | Any,
+        right: Num[np.ndarray, "..."] | Any,
         *,
         channels: str = "rgb",
         name: str = "pair",
@@ -99,9 +109,12 @@ class Pair:
         return make_pair(left, right, channels=channels, name=name)
 
     def resized(self, size: tuple[int, int]) -> "Pair":
-        """The pair resampled to `size` (width, height) by area averaging."""
-        if size == self.size:
+        """The pair resampled to `size` (width, height), whole pixels, by area averaging."""
+        if tuple(size) == self.size:
             return self
+        if np.shape(size) != (2,) or not all(float(side).is_integer() and side >= 1 for side in size):
+            raise InputError(f"the size is {size!r}; give (width, height) in whole pixels.")
+        size = int(size[0]), int(size[1])
         shrink = [cv2.resize(image, size, interpolation=cv2.INTER_AREA) for image in (self.left, self.right)]
         return Pair(shrink[0], shrink[1], self.name, time=self.time, readout=self.readout)
 
@@ -122,8 +135,8 @@ def _read_out(origin: tuple[Callable[..., Pair], tuple[Any, ...]], seconds: floa
 
 
 def make_pair(
-    left: Num[np.ndarray, "..."],
-    right: Num[np.ndarray, "..."],
+    left: Num[np.ndarray, "..."] | Any,  # what is no array of numbers an InputError refuses
+    right: Num[np.ndarray, "..."] | Any,
     *,
     channels: str = "rgb",
     name: str = "pair",
@@ -132,7 +145,8 @@ def make_pair(
 ) -> Pair:
     """A Pair from grey (h, w) or colour (h, w, 3 or 4) images of 8 to 16 bit or floating point.
 
-    8-bit values stay as they are. Anything wider is scaled once for both images, so that their common maximum is 255.
+    8-bit values stay as they are. Anything wider is scaled once for both images, so that their common maximum is 255;
+    where single pixels (one of 10 000) are more than twice as bright as all others, as hot ones are, that of these.
 
     Args:
         channels: "rgb" or "bgr", the order of the first three channels of colour images.
@@ -143,18 +157,42 @@ def make_pair(
     """
     if channels not in _LUMA:
         raise InputError(f"unknown channel order {channels!r}; use 'rgb' or 'bgr'.")
+    left, right = _numbers(left, f"{name}, left"), _numbers(right, f"{name}, right")
     eight_bit = left.dtype == np.uint8
-    if eight_bit != (right.dtype == np.uint8):
+    if left.dtype != right.dtype and not left.dtype.kind == right.dtype.kind == "f":
         raise InputError(
-            f"{name}: the left image is {left.dtype} and the right one {right.dtype}; give both the same depth."
+            f"{name}: the left image is {left.dtype} and the right one {right.dtype}; give both the same bit depth."
         )
     grey_left, grey_right = (
         _grey(image, channels, f"{name}, {side}") for image, side in ((left, "left"), (right, "right"))
     )
     if not eight_bit:
-        largest = max(grey_left.max(), grey_right.max(), 1e-30)
-        grey_left, grey_right = grey_left * (255.0 / largest), grey_right * (255.0 / largest)
+        scale = _WHITE / _white_of(grey_left, grey_right)
+        grey_left, grey_right = (np.minimum(image * scale, _WHITE) for image in (grey_left, grey_right))
     return Pair(grey_left.astype(np.float32), grey_right.astype(np.float32), name, origin, time)
+
+
+def _white_of(*images: np.ndarray) -> float:
+    """The value that becomes white."""
+    usual = max(float(np.quantile(image, _USUAL)) for image in images)
+    largest = max(float(image.max()) for image in images)
+    return max(largest if largest <= _HOT * usual else usual, 1e-30)
+
+
+def _numbers(image: Any, name: str) -> np.ndarray:
+    """An image as an array of numbers."""
+    if isinstance(image, np.ma.MaskedArray):
+        raise InputError(f"{name}: the image is a masked array; give a plain one, without NaN: image.filled(0).")
+    array = np.asarray(image)
+    if array.dtype.kind not in "buif":
+        what = f"an array of {array.dtype}" if isinstance(image, np.ndarray) else f"a {type(image).__name__}"
+        raise InputError(f"{name}: {what} is no image; give an array of grey levels (h, w), or colours (h, w, 3).")
+    return array
+
+
+def _float32(image: Any, name: str) -> np.ndarray:
+    array = _numbers(image, name)
+    return array if array.dtype == np.float32 else array.astype(np.float32)
 
 
 def _grey(image: np.ndarray, channels: str, name: str) -> np.ndarray:
@@ -163,7 +201,7 @@ def _grey(image: np.ndarray, channels: str, name: str) -> np.ndarray:
     if not (image.ndim == 2 or (image.ndim == 3 and image.shape[2] in (3, 4))) or min(image.shape[:2]) < 2:
         raise InputError(f"{name}: an array of shape {image.shape} is no image; give (h, w) or (h, w, 3).")
     if image.dtype.kind == "f" and not np.isfinite(image).all():
-        raise InputError(f"{name}: the image contains NaN or infinite values; mask or replace them.")
+        raise InputError(f"{name}: the image contains NaN or infinite values; replace them.")
     if image.min() < 0:
         raise InputError(f"{name}: the image contains negative values; shift or clip them.")
     if image.ndim == 3:

@@ -127,6 +127,8 @@ def prepare(rig: StereoRig, pairs: Pairs, view: AnyView = None, scale: float = 1
 def _prepared(rig: StereoRig, pairs: Sequence[Pair], view: View, scale: float) -> ScoringData:
     width, height = rig.left.size
     size = (round(width * scale), round(height * scale)) if 0.0 < scale <= 1.0 else (0, 0)
+    if min(width, height) < _SMALLEST:
+        raise InputError(f"the images are {width}x{height}; give some of at least {_SMALLEST} pixels a side.")
     if min(size) < _SMALLEST:
         raise InputError(f"scale is {scale}; give one within (0, 1] that leaves at least {_SMALLEST} pixels a side.")
     frames = [pair.resized(size) for pair in pairs]

@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from stereorecal._errors import InputError
-from stereorecal.geometry import StereoRig
+from stereorecal._units import checked_unit
+from stereorecal.geometry import StereoRig, checked_rig
 from stereorecal.io._atomic import write_files
 from stereorecal.io._read_files import AnyPath
 from stereorecal.io._strict_json import parse_json
@@ -51,6 +52,12 @@ def load_rig(
     if not 1 <= len(paths) <= 2:
         raise InputError(f"{len(paths)} calibration files were given; give one, or two where each camera has its own.")
     rig = read_files(paths, format, unit, Hints(size=size))
+    if size is not None and rig.left.size != tuple(size):
+        wide, high = rig.left.size
+        raise InputError(
+            f"{paths[0]}: the file is for images of {wide}x{high}, and the size that was given is {size[0]}x{size[1]}; "
+            "leave size out, and resize the rig: rig.resized(size)."
+        )
     warn_of_units(" and ".join(map(str, paths)), rig)
     return rig
 
@@ -92,6 +99,8 @@ def save_rig(
     Warns:
         CalibrationWarning: if the unit of the template was inferred from its baseline.
     """
+    checked_rig(rig)
+    checked_unit(unit)
     paths = _paths(path)
     if len({place.resolve() for place in paths}) < len(paths):
         raise InputError(f"{paths[0]}: both cameras' files are the same one; give two names.")
