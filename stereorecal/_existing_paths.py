@@ -26,6 +26,8 @@ def existing_folder(folder: str | PathLike[str]) -> Path:
     Raises:
         InputError: if there is none of this name.
     """
+    if Path(folder).is_file():
+        raise InputError(f"{folder}: this is a file; give the folder of the recording.")
     if not Path(folder).is_dir():
         raise InputError(f"{folder}: there is no such folder; check the path.")
     return Path(folder)

@@ -54,4 +54,4 @@ def test_what_it_needs_is_there(script: Path):
 
 def test_what_is_not_there_is_seen():
     code = "from stereorecal.recalibration._case import Case, nobody\nfrom accuracy import errors, none\nsr.nothing\n"
-    assert missing(code) == ["stereorecal.recalibration._stages.nobody", "accuracy.none", "stereorecal.nothing"]
+    assert missing(code) == ["stereorecal.recalibration._case.nobody", "accuracy.none", "stereorecal.nothing"]

@@ -18,6 +18,8 @@ def calibration_path(words: str | Sequence[str], option: str) -> CalibrationPath
     words = [words] if isinstance(words, str) else list(words)
     if len(words) == 1 and "," in words[0] and not Path(words[0]).exists():
         words = words[0].split(",")
+    if not all(words):
+        raise InputError(f"{option} is empty; give the name of a file or folder.")
     if len(words) > 2:
         raise InputError(f"{option} takes one file, or two where each camera has its own; {len(words)} were given.")
     return Path(words[0]) if len(words) == 1 else (Path(words[0]), Path(words[1]))

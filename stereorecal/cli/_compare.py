@@ -78,7 +78,7 @@ def run(options: CompareOptions) -> int:
 def _check_without_judges(options: CompareOptions) -> None:
     for name in ("full", "square", "board_corners"):
         if getattr(options, name):
-            raise InputError(f"--{name.replace('_', '-')} belongs to judges; add --judge or --preset field.")
+            raise InputError(f"--{name.replace('_', '-')} needs --judge or --preset field; add one.")
 
 
 def _scenes(options: CompareOptions) -> list[Scene]:

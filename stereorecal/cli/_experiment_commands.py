@@ -1,8 +1,10 @@
 """The options of the commands that compare methods, and run the paper's experiments."""
 
 from importlib import import_module
+from pathlib import Path
 from typing import Literal, get_args
 
+from stereorecal._errors import InputError
 from stereorecal._existing_paths import existing_folder
 from stereorecal.cli._options import CommonOptions, argument, option, option_group
 from stereorecal.cli._output_places import Place, check_places, places_of
@@ -181,6 +183,10 @@ class ReproduceOptions(
     def check(self) -> None:
         if self.log is not None:
             existing_folder(self.log)
+        if self.output == "-":
+            raise InputError("--output -: the results are files in a folder; give the name of one.")
+        if self.output is not None and Path(self.output).exists() and not Path(self.output).is_dir():
+            raise InputError(f"--output {self.output}: this is a file; give the name of a folder.")
         check_places(self.places, force=self.force)
         if self.strategy is not None:
             import_module("stereorecal.strategies").check_installed(self.strategy)

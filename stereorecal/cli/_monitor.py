@@ -108,7 +108,9 @@ def _save_output(options: MonitorOptions, state: State, scene: Scene) -> None:
     assert scene.rig is not None
     rig = replace(state.rig, source=scene.rig.source)  # what was restored from a file has forgotten its own
     written_or_printed(
-        lambda: save_rig(rig, target, scene.info, overwrite=options.force), lambda: calibration_json(rig)
+        lambda: save_rig(rig, target, scene.info, overwrite=options.force),
+        lambda: calibration_json(rig),
+        to_stdout=options.json != "-",
     )
 
 

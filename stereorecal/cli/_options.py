@@ -124,6 +124,11 @@ class Parser(argparse.ArgumentParser):
         found, unknown = super().parse_known_args(args, namespace)
         if unknown:
             self.error(f"unrecognized arguments: {' '.join(unknown)}{self._hint(unknown)}")
+        for action in self._actions:
+            value = getattr(found, action.dest, None)
+            if "" in (value if isinstance(value, list | tuple) else [value]):
+                what = action.option_strings[0] if action.option_strings else action.metavar or action.dest
+                self.exit(BAD_INPUT, f"stereorecal: {what} is empty; give the name of a file or folder, or a value.\n")
         return found, unknown
 
     def error(self, message: str) -> NoReturn:
@@ -132,6 +137,8 @@ class Parser(argparse.ArgumentParser):
     def _hint(self, unknown: Sequence[str]) -> str:
         known = [name for action in self._actions for name in action.option_strings]
         flag = next((word.partition("=")[0] for word in unknown if word.startswith("-")), None)
+        if flag is None and len(unknown) > 1:
+            return " (a pattern such as 'left/*.png' must be quoted)"
         if flag is None:
             return f" ({TWO_FILES})" if "--unit" in known else ""
         close = get_close_matches(flag, known, 1)

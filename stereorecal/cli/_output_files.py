@@ -35,8 +35,11 @@ def deliver(*steps: Callable[[], object]) -> None:
         raise errors[0]
 
 
-def written_or_printed(write: Callable[[], None], text: Callable[[], str]) -> None:
+def written_or_printed(write: Callable[[], None], text: Callable[[], str], *, to_stdout: bool = True) -> None:
     """Write, or print what cannot be written: nothing that is finished is lost.
+
+    Args:
+        to_stdout: whether it is printed there; else, where stdout is JSON, to stderr.
 
     Raises:
         InputError: of `write`.
@@ -44,7 +47,7 @@ def written_or_printed(write: Callable[[], None], text: Callable[[], str]) -> No
     try:
         write()
     except (InputError, OSError):
-        print(text())
+        print(text(), file=sys.stdout if to_stdout else sys.stderr)
         raise
 
 

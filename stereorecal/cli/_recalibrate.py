@@ -76,11 +76,13 @@ def run(options: RecalibrateOptions) -> int:
         with progress_bar(options.quiet) as progress:
             repairs, interrupted = _recalibrated_all(scenes, progress, {**settings.options, **common})
         # Before the workers are waited for: a second Ctrl-C must find everything saved.
-        if any(repair.solution for repair in repairs):
-            prior = options.prior or (SAVED if any(priors) else DEFAULT)
-            content = _content(
-                scenes, repairs, {**_settings_json(options, settings), "prior": prior}, interrupted=interrupted
-            )
+        prior = options.prior or (SAVED if any(priors) else DEFAULT)
+        content = _content(
+            scenes, repairs, {**_settings_json(options, settings), "prior": prior}, interrupted=interrupted
+        )
+        if not any(repair.solution for repair in repairs):
+            deliver(lambda: write_json(content, options.json, force=options.force))
+        else:
             deliver(
                 lambda: _show(repairs, options),
                 *_saving(scenes, repairs, options, output),
@@ -194,7 +196,11 @@ def _saving(
         notes = [note] * len(names)
         if names and first is not None and wanted and not options.dry_run:
             found, backups = first, []
-            written_or_printed(lambda: backups.extend(save(found)), lambda: calibration_json(found.rig, found.prior))
+            written_or_printed(
+                lambda: backups.extend(save(found)),
+                lambda: calibration_json(found.rig, found.prior),
+                to_stdout=options.json != "-",
+            )
             notes = [f"{note}; the old one is {copy}" for copy in backups] or notes
         elif options.dry_run and output.replaced and names == output.files:
             notes = [f"{note}; the old one would be kept as {next_copy(name)}" for name in names]

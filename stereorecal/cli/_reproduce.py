@@ -44,8 +44,6 @@ def run(options: ReproduceOptions) -> int:
         _option_values.seed(options.seed),
         _option_values.frame_limit(options.frames, "10"),
     )
-    if options.output == "-":
-        raise InputError("--output -: the results are files in a folder; give the name of one.")
     if options.frames is not None and options.log is None:
         raise InputError("--frames belongs to --log; leave it out, or give a log.")
     schedules = SCHEDULES if options.schedule == "both" else (options.schedule,)

@@ -135,20 +135,16 @@ class RecordingOptions(_SceneOptions, ImageOptions, PairOptions):
         Raises:
             InputError: says what to do.
         """
-        for name in ("left", "right", "side_by_side", "bag", "calibration", "scenes"):
-            value = getattr(self, name)
-            if "" in (value if isinstance(value, tuple) else (value,)):
-                flag = "SCENE" if name == "scenes" else f"--{name.replace('_', '-')}"
-                raise InputError(f"{flag} is empty; give the name of a file or folder.")
         ways = (("left", "right"), ("side_by_side",), ("bag", "left_topic", "right_topic"))
         begun = [way for way in ways if any(getattr(self, name) is not None for name in way)]
         given, missing = [], []
         for name in (*(begun[0] if begun else ()), "calibration"):
             (given if getattr(self, name) is not None else missing).append(f"--{name.replace('_', '-')}")
         if self.scenes and given:
+            why = TWO_FILES if len(self.scenes) == 1 else "a pattern such as 'left/*.png' must be quoted"
             raise InputError(
                 f"give scene folders or {' and '.join(given)}, not both; {self.scenes[0]} is taken for a scene folder "
-                f"({TWO_FILES})."
+                f"({why})."
             )
         if not (self.scenes or given):
             raise InputError("give scene folders, or --left, --right and --calibration together.")

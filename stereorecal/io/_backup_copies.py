@@ -31,8 +31,8 @@ def back_up(path: AnyPath) -> Path:
 
 
 def next_copy(path: AnyPath) -> Path:
-    """Where `back_up` will copy a file to."""
-    path = Path(path)
+    """Where `back_up` will copy a file to: beside what a link leads to."""
+    path = Path(path).resolve() if Path(path).is_symlink() else Path(path)
     names = (path.with_name(f"{path.name}.bak{number if number > 1 else ''}") for number in count(1))
     return next(name for name in names if not os.path.lexists(name))
 

@@ -32,7 +32,7 @@ def load_odometer(path: str | Path) -> Odometer:
         table = np.array([[float(cell) for cell in line] for line in lines[1:]], float).reshape(-1, len(header))
     except ValueError as error:
         raise InputError(
-            f"{path}: a line is no {len(header)} numbers ({error}); write numbers, divided by commas."
+            f"{path}: a line does not hold {len(header)} numbers ({error}); write them separated by commas."
         ) from None
     try:
         if header == _KINDS[0]:

@@ -13,6 +13,7 @@ AnyPath = str | os.PathLike[str]
 """A path as users give it."""
 
 _MOST_CHARACTERS = 1 << 26
+_GZIP = b"\x1f\x8b"
 _files_read: ContextVar[set[Path] | None] = ContextVar("files that were read", default=None)
 
 
@@ -34,6 +35,8 @@ def read_text(path: Path, if_missing: str = "add it.") -> str:
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror}); check the file.") from error
     except UnicodeDecodeError:
+        if path.read_bytes()[:2] == _GZIP:
+            raise InputError(f"{path}: is compressed; unpack it with gunzip.") from None
         raise InputError(f"{path}: not a text file in UTF-8; copy or write it again.") from None
     if len(text) > _MOST_CHARACTERS:
         raise InputError(

@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -72,11 +72,13 @@ def parse_json(text: str) -> Any:
     """The value of a JSON text; all numbers in it are finite.
 
     Raises:
-        InputError: if the text is not valid JSON or nests more than 100 levels; naming the key, if a number is NaN,
-            infinite, or too large for a float64 (1e999, an integer of 5 000 digits).
+        InputError: if the text is not valid JSON or nests more than 100 levels; naming the key, if it occurs twice, or
+            a number is NaN, infinite, or too large for a float64 (1e999, an integer of 5 000 digits).
     """
     try:
-        content = json.loads(text, parse_int=_int, parse_float=_float, parse_constant=_Refused)
+        content = json.loads(
+            text, parse_int=_int, parse_float=_float, parse_constant=_Refused, object_pairs_hook=without_duplicates
+        )
     except json.JSONDecodeError as error:
         raise InputError(f"not valid JSON, or truncated ({error}); correct or copy it again.") from error
     except RecursionError:
@@ -86,6 +88,20 @@ def parse_json(text: str) -> Any:
             f"{'.'.join(keys) or 'the file'} contains {number}; put a finite number (at most 1.8e308), or null where "
             "none is known."
         )
+    return content
+
+
+def without_duplicates(pairs: Sequence[tuple[str, Any]]) -> dict[str, Any]:
+    """The mapping of these pairs: of two equal keys, one reader takes the first and another one the last.
+
+    Raises:
+        InputError: names a key that occurs twice.
+    """
+    content = dict(pairs)
+    if len(content) < len(pairs):
+        keys = [key for key, _ in pairs]
+        twice = next(key for key in keys if keys.count(key) > 1)
+        raise InputError(f"the key {twice!r} occurs twice; leave the right one.")
     return content
 
 

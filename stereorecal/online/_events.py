@@ -17,10 +17,12 @@ class Kind(enum.Enum):
     DRIFTING = "the rig has drifted by more than matters"
     KNOCK = "the rig has been knocked"
     LATE = "one shutter is late: the offset between the cameras follows the rig's own motion; nothing is switched"
-    SHIFTED = "the right camera is shifted, or its shutter late on a rig that travels straight on; nothing is switched"
+    SHIFTED = (
+        "the right camera has shifted, or its shutter is late while the rig travels straight; the calibration stays"
+    )
     REPAIRING = "a repair has begun"
     REPAIRED = "a better calibration is in use: it wins on pairs that came later than those it was fitted to"
-    RECALIBRATED = "recalibrated on request: another calibration is in use, which the decision has accepted"
+    RECALIBRATED = "recalibrated on request: the accepted candidate is in use"
     REJECTED = "a candidate was rejected"
     ROLLED_BACK = "an earlier calibration is in use again, on request; nothing is switched"
     REFUSED = "a request was refused"

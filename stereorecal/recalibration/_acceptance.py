@@ -21,7 +21,7 @@ class Reason(enum.Enum):
     IMPROVED = "the candidate is a significant improvement"
     MORE_MATCHES = "the candidate matches more pixels"
     RANGES = "the candidate agrees with the ranges, which the initial calibration does not, at no larger epipolar error"
-    MOTION = "by the rig's own motion, depth is better under the candidate, at no larger epipolar error"
+    MOTION = "the rig's own motion shows better depth under the candidate, at no larger epipolar error"
     ALREADY_GOOD = "the initial calibration is already good; there is no significant improvement"
     NOT_IMPROVED = "no candidate matches more pixels than the initial calibration"
     FEWER_MATCHES = (

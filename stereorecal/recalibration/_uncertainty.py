@@ -63,8 +63,9 @@ def uncertainty(
         drift: standard deviations of the drift, before anything was seen.
         calibration_variance: variances of what the calibration left.
     """
-    observed = np.diag(posterior) < OBSERVED**2 * (drift**2 + calibration_variance)
-    weak = directions(posterior / drift[:, None] / drift, names)
+    before = np.sqrt(drift**2 + calibration_variance)
+    observed = np.diag(posterior) < (OBSERVED * before) ** 2
+    weak = directions(posterior / before[:, None] / before, names)
     return Uncertainty(names, posterior + np.outer(offset, offset), posterior, observed, weak)
 
 

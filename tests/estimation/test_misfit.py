@@ -12,7 +12,7 @@ LEFT = EVERY % PLACES[0] < 5
 
 
 def test_neighbours_err_alike_and_the_far_ones_do_not():
-    found = alike(EVERY)
+    found = correlation(EVERY)
     np.testing.assert_array_equal(np.diag(found), 1.0)
     assert found[0, 1] == found[0, PLACES[0]] > 0.7  # a column on, a row on
     assert found[0, 4] < 0.05

@@ -136,7 +136,7 @@ def scene_with_truth(folder: Path) -> Scene:
         )
     truth = true_disparity(folder / str(name), str(scene.info.get("gt_encoding")))
     if truth.shape != scene.pairs[0].left.shape:
-        raise InputError(f"{folder / str(name)}: its size is not that of the images; give one disparity a pixel.")
+        raise InputError(f"{folder / str(name)} is not of the images' size; give one disparity for each pixel.")
     if np.isfinite(truth).sum() < _FEWEST:
         raise InputError(f"{folder / str(name)}: fewer than {_FEWEST} pixels have a true disparity; give more.")
     return replace(scene, info={**scene.info, "truth": truth})

@@ -111,7 +111,7 @@ def _angles(radius: jax.Array, coefficients: Any) -> jax.Array:
 
 
 def magnification(coefficients: Float[np.ndarray, "4"]) -> float:
-    """1."""
+    """Of angles near the axis, to focal length 1: 1."""
     return 1.0
 
 

@@ -34,7 +34,8 @@ class PriorData(Protocol):
 
 
 def prior_file(path: Path) -> Path:
-    """The file beside a calibration."""
+    """The file beside a calibration, beside what a link leads to."""
+    path = path.resolve() if path.is_symlink() else path
     return path.with_name(path.name + ENDING)
 
 
@@ -47,8 +48,9 @@ def read_stored_prior(path: Path) -> StoredPrior | None:
     except OSError:  # a name that is too long
         return None
     try:
+        text = read_text(place)
         with about(place):
-            return StoredPrior(str(place), parse_json(read_text(place)))
+            return StoredPrior(str(place), parse_json(text))
     except InputError as error:
         return StoredPrior(str(place), None, str(error))
 

@@ -5,6 +5,7 @@ import re
 from typing import TYPE_CHECKING, Any
 
 from stereorecal._errors import InputError
+from stereorecal.io._strict_json import without_duplicates
 from stereorecal.io.formats._numbers import number_or_word
 from stereorecal.io.formats.text._keys import Keys, Values, leaves, number_text
 
@@ -19,7 +20,7 @@ def parsed(text: str) -> dict[str, Any]:
     """The keys and values below the root.
 
     Raises:
-        InputError: if it is no XML.
+        InputError: if it is no XML, or a key occurs twice.
     """
     content = _plain_element(_root(text))
     if not isinstance(content, dict):
@@ -73,7 +74,7 @@ def _plain_element(element: "ElementTree.Element") -> Any:
     if children and all(child.tag == "_" for child in children):
         return [_plain_element(child) for child in children]
     if children:
-        return {child.tag: _plain_element(child) for child in children}
+        return without_duplicates([(child.tag, _plain_element(child)) for child in children])
     text = (element.text or "").strip()
     if text.startswith('"'):
         return text.strip('"')

@@ -6,10 +6,11 @@ from collections.abc import Iterator
 from typing import Any
 
 import yaml
-from yaml.composer import Composer
+from yaml.composer import Composer, ComposerError
 from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
 from stereorecal._errors import InputError
+from stereorecal.io._strict_json import without_duplicates
 from stereorecal.io.formats._numbers import number_or_word
 from stereorecal.io.formats.text._keys import Values, number_text
 
@@ -17,6 +18,7 @@ _Edit = tuple[int, int, str]  # from, to, what stands there then
 _WORDS = {"true": True, "false": False, "null": None, "~": None, "": None}
 _NOT_FINITE = re.compile(r"([-+]?)\.(inf|nan)", re.IGNORECASE)
 _MAP = re.compile(r"\[[-+.\deEinfaN,\s]{16384,}\]")  # numbers, thousands of them
+_END = re.compile(r"\n---\s*\Z")  # after a message, as `ros2 topic echo` writes it
 _MARK = "\ufeff"  # of the order of bytes, which libyaml does not count among the characters
 _EXPANDED = 100_000  # nodes that aliases may add
 
@@ -41,7 +43,7 @@ def parsed(text: str) -> dict[str, Any]:
     """The keys and values of a YAML text, as OpenCV, ROS and Kalibr write them: `%YAML:1.0`, tags and all.
 
     Raises:
-        InputError: if it is no YAML, or no mapping.
+        InputError: if it is no YAML, or no mapping, or a key occurs twice.
     """
     try:
         content = _plain_node(_composed(text.lstrip(_MARK)))
@@ -75,10 +77,15 @@ def _composed(text: str) -> Node:
     # Directives say nothing of numbers, and OpenCV's is none of YAML; a comment of the same length leaves all places
     # where they are.
     text = re.sub(r"\A%", "#", text)
+    text = _END.sub("", text)
     # Maps for rectification take a parser minutes, and are not needed: they are read as empty lists, and stay.
     text = _MAP.sub(lambda found: f"[{' ' * (len(found[0]) - 2)}]", text)
     try:
         node = yaml.compose(text, _Loader)
+    except ComposerError as error:
+        if "single document" in str(error):
+            raise InputError("it holds several YAML documents; keep the one of the calibration.") from None
+        node = None
     except (yaml.YAMLError, UnicodeError, RecursionError):
         node = None
     if node is None:
@@ -104,7 +111,8 @@ def _count(node: Node, known: dict[int, float]) -> float:
 
 def _plain_node(node: Node) -> Any:
     if isinstance(node, MappingNode):
-        return {key.value: _plain_node(value) for key, value in node.value if isinstance(key, ScalarNode)}
+        pairs = [(key.value, _plain_node(value)) for key, value in node.value if isinstance(key, ScalarNode)]
+        return without_duplicates(pairs)
     if isinstance(node, SequenceNode):
         return [_plain_node(item) for item in node.value]
     return _scalar(node.value) if isinstance(node, ScalarNode) and not node.style else node.value
@@ -123,7 +131,7 @@ def _child(node: Node, key: str | int) -> Node:
     if isinstance(node, SequenceNode) and isinstance(key, int) and key < len(node.value):
         return node.value[key]
     if isinstance(node, MappingNode):
-        for name, value in reversed(node.value):  # of two equal keys the last one counts
+        for name, value in node.value:
             if isinstance(name, ScalarNode) and name.value == key:
                 return value
     raise InputError(f"the key {key!r} is missing; add it, or copy the file again.")
