@@ -122,7 +122,7 @@ class Rectification:
         return np.asarray(self.view.directions(columns, rows, 0))
 
 
-def _checked(disparity: Num[np.ndarray, "*n"] | Any) -> Float[np.ndarray, "*n"]:
+def _checked(disparity: Any) -> Float[np.ndarray, "*n"]:
     valid = getattr(disparity, "valid", None)  # of a Disparity, of which packages above this one know
     if valid is not None:
         return np.where(np.asarray(valid), np.asarray(disparity.values, float), np.nan)

@@ -17,9 +17,7 @@ class Kind(enum.Enum):
     DRIFTING = "the rig has drifted by more than matters"
     KNOCK = "the rig has been knocked"
     LATE = "one shutter is late: the offset between the cameras follows the rig's own motion; nothing is switched"
-    SHIFTED = (
-        "the right camera has shifted, or its shutter is late while the rig travels straight; the calibration stays"
-    )
+    SHIFTED = "the right camera has shifted, or its shutter is late in straight travel; the calibration stays"
     REPAIRING = "a repair has begun"
     REPAIRED = "a better calibration is in use: it wins on pairs that came later than those it was fitted to"
     RECALIBRATED = "recalibrated on request: the accepted candidate is in use"

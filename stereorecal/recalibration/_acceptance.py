@@ -92,6 +92,11 @@ def at_the_edge(z: Float[np.ndarray, "n"]) -> bool:
     return bool(np.any(np.abs(z) > _EDGE))
 
 
+def is_beyond(z: Float[np.ndarray, "n"]) -> bool:
+    """Whether a point lies outside of the box of the epipolar stages: farther than twice the reach."""
+    return bool(np.any(np.abs(z) > 1.0))
+
+
 def loses_regions(tiles: Int[np.ndarray, "2 k tiles"]) -> bool:
     """Whether a candidate loses, in some tiles, what it does not find there: matches under the initial calibration and
     the candidate, of all tiles of all frames. A drift leaves chance matches, which are few; where half of an image has
